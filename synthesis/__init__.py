@@ -1,0 +1,1 @@
+"""The numerical core of Camwright: an ordinary library, importable without a server."""

@@ -1,0 +1,53 @@
+"""Everything the library raises on purpose.
+
+    CamwrightError
+    ├── InputError                the question makes no sense (wrong value, rule, way out)
+    ├── SolverFailed              a solver stopped without a usable point
+    └── TimeBudgetExceeded        time ran out; carries the best certified design so far
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+
+class CamwrightError(Exception):
+    """Root of the tree; never raised itself."""
+
+
+class InputError(CamwrightError, ValueError):
+    """A value that breaks a rule.
+
+    Args:
+        field: path of the field, as in ``/program/0/angle_deg``.
+        value: the value found there.
+        rule: what it has to satisfy.
+        way_out: what the caller can do about it.
+    """
+
+    def __init__(self, field: str, value: Any, rule: str, way_out: str) -> None:
+        super().__init__(f"{field} = {value!r}: {rule} {way_out}")
+        self.field, self.value, self.rule, self.way_out = field, value, rule, way_out
+
+
+class SolverFailed(CamwrightError):
+    """A solver gave no usable point; ``status`` is the solver's own word."""
+
+    def __init__(self, solver: str, status: str, advice: str) -> None:
+        super().__init__(f"{solver} stopped with {status!r}. {advice}")
+        self.solver, self.status, self.advice = solver, status, advice
+
+
+class TimeBudgetExceeded(CamwrightError):
+    """The time budget ended first; ``best`` is the best certified design, or None."""
+
+    def __init__(self, budget_s: float, best: Any = None) -> None:
+        found = "no feasible design was" if best is None else "a feasible design was"
+        super().__init__(
+            f"The time budget of {budget_s:g} s ended before the tolerance was reached; "
+            f"{found} found. Allow more time, or ask for a larger tolerance."
+        )
+        self.budget_s, self.best = budget_s, best
+
+    def __reduce__(self) -> tuple[type[TimeBudgetExceeded], tuple[float, Any]]:
+        return type(self), (self.budget_s, self.best)

@@ -1,0 +1,92 @@
+"""Translating roller follower, offset; with roller radius 0 a knife edge.
+
+Symbols: e offset (positive to the right of an upward follower on a ccw cam), s0 = √(Rp² − e²)
+height of the roller's centre at the lowest position, X = s0 + s, u = s' − e.
+tan α = u / X;  κ = [X² + u (2s' − e) − X s''] / (X² + u²)^{3/2}   (Rothbart; Norton ch. 7).
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from typing import Annotated, Any, ClassVar, Literal
+
+import numpy as np
+from pydantic import Field
+
+from synthesis.followers.base import Follower, Sizing, Vector2
+from synthesis.ranges import Dimension, ends
+from synthesis.terms import Cone, Norm, Row, SizeRow
+
+
+class TranslatingRoller(Follower):
+    """A roller on a slide that moves in a straight line past the cam's axis."""
+
+    kind: Literal["translating_roller"] = "translating_roller"
+    title: ClassVar[str] = "Translating roller (radius 0: knife edge)"
+    size_names: ClassVar[tuple[str, ...]] = ("offset", "s0")
+
+    roller_radius_mm: Annotated[
+        float, Field(ge=0.0, le=1e6, description="Radius of the roller; 0 is a knife edge.")
+    ]
+    offset_mm: Dimension = None
+
+    @property
+    def roller_radius(self) -> float:
+        return self.roller_radius_mm
+
+    def sizing(self, base_radius: tuple[float, float]) -> Sizing:
+        least, largest = (radius + self.roller_radius_mm for radius in base_radius)
+        e_min, e_max = ends(self.offset_mm)
+        e_min, e_max = max(e_min, -largest), min(e_max, largest)
+        nearest = 0.0 if e_min <= 0.0 <= e_max else min(abs(e_min), abs(e_max))
+        farthest = max(abs(e_min), abs(e_max))
+        # s0 = √(Rp² − e²): exact where e or Rp leaves no choice, otherwise what is convex of it
+        s0_max = math.sqrt(max(largest**2 - nearest**2, 0.0))
+        s0_min = math.sqrt(max(least**2 - farthest**2, 0.0))
+        rows = (
+            SizeRow((1.0, 0.0), e_max, "offset"),
+            SizeRow((-1.0, 0.0), -e_min, "offset"),
+            SizeRow((0.0, 1.0), s0_max, "base_radius"),
+            SizeRow((0.0, -1.0), -s0_min, "base_radius"),
+        )
+        cones = () if e_min == e_max else (Cone(self.prime_radius(), largest, "base_radius"),)
+        return Sizing(rows, cones, least)
+
+    def prime_radius(self) -> Norm:
+        return Norm(((1.0, 0.0), (0.0, 1.0)), (0.0, 0.0))
+
+    def outermost(self, s_max: float) -> Norm:
+        return Norm(((1.0, 0.0), (0.0, 1.0)), (0.0, s_max))
+
+    def pressure_angle_rows(self, slope: float) -> tuple[Row, ...]:
+        # −slope (s0 + s) ≤ s' − e ≤ slope (s0 + s)
+        return (
+            Row((-slope, 1.0, 0.0, 0.0), (-1.0, -slope), 0.0, source="pressure_angle"),
+            Row((-slope, -1.0, 0.0, 0.0), (1.0, -slope), 0.0, source="pressure_angle"),
+        )
+
+    def traced_point(self, s: Any, z: Any) -> tuple[Vector2, ...]:
+        e, s0 = z
+        zero = 0.0 * s[0]
+        return ((zero + e, s[0] + s0), (zero, s[1]), (zero, s[2]), (zero, s[3]))
+
+    def direction(self, s: Any, z: Any) -> tuple[Vector2, Vector2]:
+        zero = 0.0 * s[0]
+        return (zero, zero + 1.0), (zero, zero)
+
+    def curvature_terms(self, s: Any, z: Any) -> tuple[Any, Any]:
+        e, s0 = z
+        x, u = s[0] + s0, s[1] - e
+        return x * x + u * (2.0 * s[1] - e) - x * s[2], x * x + u * u
+
+    def dimensions(self, z: tuple[float, ...]) -> Mapping[str, float]:
+        e, s0 = z
+        prime = float(np.hypot(e, s0))
+        return {
+            "base_radius_mm": prime - self.roller_radius_mm,
+            "prime_radius_mm": prime,
+            "roller_radius_mm": self.roller_radius_mm,
+            "offset_mm": e,
+            "s0_mm": s0,
+        }

@@ -1,0 +1,41 @@
+"""The law that is part of the answer."""
+
+from __future__ import annotations
+
+from typing import Annotated, Literal
+
+from pydantic import BaseModel, ConfigDict, Field
+
+from synthesis.motion import FreeLaw, StretchKind
+
+
+class SplineLaw(BaseModel):
+    """Let the service find the motion: a spline, chosen together with the cam's size.
+
+    It joins its neighbours with continuous displacement, velocity and acceleration, and with as
+    many further derivatives as ``smoothness`` asks for.
+    """
+
+    model_config = ConfigDict(frozen=True, extra="forbid")
+
+    kind: Literal["spline"] = "spline"
+    smoothness: Annotated[
+        Literal[2, 3, 4],
+        Field(
+            description="Number of continuous derivatives. 2: the jerk is bounded and may jump "
+            "(cubic spline, the smallest cam); 3: the jerk is continuous (quartic); "
+            "4: its slope too (quintic)."
+        ),
+    ] = 2
+    overshoot: Annotated[
+        bool,
+        Field(description="Allow the follower to move backwards within the segment."),
+    ] = False
+
+    def curve(self, stretch: StretchKind) -> None:
+        """Nothing yet: the curve is part of the answer."""
+        return None
+
+    def free(self) -> FreeLaw:
+        """The law's place in the formulation."""
+        return FreeLaw(self.smoothness, self.overshoot)

@@ -1,0 +1,27 @@
+"""Limits: one file each. A new one is a file and its name in ``AnyLimit`` and ``LIMITS``."""
+
+from __future__ import annotations
+
+from typing import Annotated
+
+from pydantic import Field
+
+from synthesis.limits.acceleration import Acceleration
+from synthesis.limits.base import Claim, Limit, Machine
+from synthesis.limits.cutter_radius import CutterRadius
+from synthesis.limits.jerk import Jerk
+from synthesis.limits.outer_radius import OuterRadius
+from synthesis.limits.pressure_angle import PressureAngle
+from synthesis.limits.profile_radius import ProfileRadius
+from synthesis.limits.velocity import Velocity
+
+AnyLimit = Annotated[
+    PressureAngle | ProfileRadius | CutterRadius | Velocity | Acceleration | Jerk | OuterRadius,
+    Field(discriminator="kind"),
+]
+
+LIMITS: tuple[type[Limit], ...] = (
+    PressureAngle, ProfileRadius, CutterRadius, Velocity, Acceleration, Jerk, OuterRadius,
+)  # fmt: skip
+
+__all__ = ["LIMITS", "AnyLimit", "Claim", "Limit", "Machine"]

@@ -1,0 +1,92 @@
+"""What a limit says to whom: rows to the cone program, smooth forms to IPOPT, claims to the judge."""
+
+from __future__ import annotations
+
+from abc import ABC, abstractmethod
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from typing import Any, ClassVar
+
+from pydantic import BaseModel, ConfigDict
+
+from synthesis.followers.base import Follower
+from synthesis.motion import Stretch
+from synthesis.terms import Cone, Row
+
+
+@dataclass(frozen=True)
+class Machine:
+    """What surrounds the motion.
+
+    Attributes:
+        follower: the follower's family and given dimensions.
+        omega: cam speed ω [rad/s].
+    """
+
+    follower: Follower
+    omega: float
+
+
+@dataclass(frozen=True)
+class Claim:
+    """What the finished cam must satisfy: lower ≤ quantity ≤ upper on the named stretches.
+
+    Attributes:
+        limit: the limit as named in the certificate.
+        quantity: a name that ``certify`` knows, measured in core units (rad, mm, per radian).
+        stretches: indices of the stretches where it must hold.
+        lower, upper: bounds in core units; None where there is none.
+        unit: unit on the wire.
+        to_wire: monotone map from the core's unit to the wire's; None where the wire has no value.
+        field: the field of the spec that sets it, as in ``limits/pressure_angle/rise_deg``.
+    """
+
+    limit: str
+    quantity: str
+    stretches: tuple[int, ...]
+    lower: float | None
+    upper: float | None
+    unit: str
+    to_wire: Callable[[float], float | None]
+    field: str
+
+
+class Limit(BaseModel, ABC):
+    """One thing that may not be exceeded. Saying nothing is an empty tuple."""
+
+    model_config = ConfigDict(frozen=True, extra="forbid", allow_inf_nan=False)
+
+    kind: str
+    title: ClassVar[str]
+
+    def rows(self, stretch: Stretch, machine: Machine) -> tuple[Row, ...]:
+        """Linear rows on one stretch; for a limit that is not convex, those it implies."""
+        return ()
+
+    def cones(self, stretches: Sequence[Stretch], machine: Machine) -> tuple[Cone, ...]:
+        """Cones on the size variables."""
+        return ()
+
+    def smooth(self, stretch: Stretch, machine: Machine, s: Any, z: Any) -> tuple[Any, ...]:
+        """Dimensionless expressions that must be ≤ 0, where rows and cones do not say it all.
+
+        Args:
+            stretch: where. machine: the machine.
+            s: s, s', s'', s''' as NumPy arrays or CasADi columns of one length [mm, per rad].
+            z: the size variables, scalars [mm].
+        """
+        return ()
+
+    @abstractmethod
+    def claims(self, stretches: Sequence[Stretch], machine: Machine) -> tuple[Claim, ...]:
+        """What the certificate has to show on the finished cam."""
+
+
+def times(factor: float) -> Callable[[float], float]:
+    """The map that multiplies by ``factor``."""
+    return lambda value: value * factor
+
+
+def where(stretches: Sequence[Stretch], *kinds: str) -> tuple[int, ...]:
+    """Indices of the stretches of these kinds that have an extent (all kinds if none is named)."""
+    return tuple(s.index for s in stretches if s.angle > 0.0 and (not kinds or s.kind in kinds))

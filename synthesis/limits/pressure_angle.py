@@ -1,0 +1,59 @@
+"""Pressure angle: between the common normal and the follower's direction of motion."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from math import tan
+from typing import Annotated, ClassVar, Literal
+
+from pydantic import Field
+
+from synthesis.limits.base import Claim, Limit, Machine, times, where
+from synthesis.motion import Stretch, StretchKind
+from synthesis.terms import Row
+from synthesis.units import DEGREE
+
+Degrees = Annotated[float, Field(gt=0.0, lt=90.0)]
+
+
+class PressureAngle(Limit):
+    """|α| ≤ the rise's limit on every rise, ≤ the return's on every return; dwells are free.
+
+    Linear in the motion and the size together: |s' − e| ≤ tan α_max (s0 + s).
+    """
+
+    kind: Literal["pressure_angle"] = "pressure_angle"
+    title: ClassVar[str] = "Pressure angle"
+    rise_deg: Degrees | None = Field(None, description="Largest |pressure angle| on rises.")
+    return_deg: Degrees | None = Field(None, description="Largest |pressure angle| on returns.")
+    dwell_deg: Degrees | None = Field(
+        None, description="Largest |pressure angle| on dwells; left out, dwells are free."
+    )
+
+    def _largest(self, kind: StretchKind) -> float | None:
+        """Limit on a kind of stretch [rad], None where it is free."""
+        degrees = {"rise": self.rise_deg, "return": self.return_deg, "dwell": self.dwell_deg}[kind]
+        return None if degrees is None else degrees * DEGREE
+
+    def rows(self, stretch: Stretch, machine: Machine) -> tuple[Row, ...]:
+        largest = self._largest(stretch.kind)
+        if largest is None:
+            return ()
+        return machine.follower.pressure_angle_rows(tan(largest))
+
+    def claims(self, stretches: Sequence[Stretch], machine: Machine) -> tuple[Claim, ...]:
+        kinds: tuple[StretchKind, ...] = ("rise", "return", "dwell")
+        return tuple(
+            Claim(
+                f"pressure_angle_{kind}",
+                "pressure_angle",
+                where(stretches, kind),
+                -largest,
+                largest,
+                "deg",
+                times(1.0 / DEGREE),
+                f"pressure_angle/{kind}_deg",
+            )
+            for kind in kinds
+            if (largest := self._largest(kind)) is not None and where(stretches, kind)
+        )

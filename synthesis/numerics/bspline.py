@@ -1,0 +1,68 @@
+"""Clamped B-splines on [0, 1]: basis matrices, pieces, knots."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.interpolate import BSpline
+
+from synthesis.numerics.piecewise import Array, Piecewise
+
+
+@dataclass(frozen=True, eq=False)
+class SplineSpace:
+    """Splines of one degree with simple inner knots, clamped at 0 and 1 (de Boor).
+
+    Attributes:
+        degree: polynomial degree p; the spline is C^(p−1).
+        breaks: (n+1,) knots without repetition, from 0 to 1.
+    """
+
+    degree: int
+    breaks: Array
+
+    @property
+    def knots(self) -> Array:
+        """Knot vector with clamped ends: (n + 1 + 2p,)."""
+        p = self.degree
+        return np.concatenate([np.zeros(p), self.breaks, np.ones(p)])
+
+    @property
+    def size(self) -> int:
+        """Number of coefficients."""
+        return len(self.breaks) - 1 + self.degree
+
+    def basis(self, x: Array, order: int = 0) -> Array:
+        """The ``order``-th derivative of every basis function at x: (len(x), size).
+
+        At an inner knot the piece on the right counts, at 1 the last piece.
+        """
+        spline = BSpline(self.knots, np.eye(self.size), self.degree)
+        return np.asarray(spline(x, nu=order), dtype=float)
+
+    def control(self, order: int) -> Array:
+        """Matrix to the B-spline coefficients of the derivative: (size − order, size).
+
+        A spline lies in the hull of its coefficients, so a bound on these bounds the
+        derivative everywhere.
+        """
+        matrix = np.eye(self.size)
+        knots = self.knots
+        for k in range(order):
+            p = self.degree - k
+            rise = knots[k + p + 1 : len(knots) - k - 1] - knots[k + 1 : len(knots) - k - p - 1]
+            matrix = p * np.diff(matrix, axis=0) / rise[:, None]
+        return matrix
+
+    def curve(self, coefficients: Array) -> Piecewise:
+        """The spline as polynomial pieces about their left ends."""
+        spline = BSpline(self.knots, coefficients, self.degree)
+        left = self.breaks[:-1]
+        factorial = 1.0
+        columns = []
+        for order in range(self.degree + 1):
+            factorial *= max(order, 1)
+            columns.append(np.asarray(spline(left, nu=order)) / factorial)
+        poly = np.stack(columns, axis=1)
+        return Piecewise(self.breaks, left, poly, np.zeros((len(left), 0, 3)))

@@ -1,0 +1,160 @@
+"""Functions that are, piece by piece, a polynomial plus sinusoids.
+
+Every motion law of VDI 2143, Norton and Rothbart has this form, and so has every spline, so one
+representation serves evaluation, derivatives (exact, term by term) and proven ranges.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Literal
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+Array = NDArray[np.float64]
+Side = Literal["left", "right"]
+
+
+@dataclass(frozen=True, eq=False)
+class Piecewise:
+    """f(x) = Σ_j poly[i,j] (x − origin[i])^j + Σ_m A sin(w (x − origin[i]) + φ) on piece i.
+
+    Attributes:
+        breaks: (n+1,) increasing ends of the pieces; piece i is [breaks[i], breaks[i+1]].
+        origins: (n,) point about which piece i is written (either end, whichever cancels less).
+        poly: (n, d+1) coefficients, constant first.
+        waves: (n, m, 3) amplitude A, angular frequency w, phase φ; m may be 0.
+    """
+
+    breaks: Array
+    origins: Array
+    poly: Array
+    waves: Array
+
+    @classmethod
+    def of(
+        cls,
+        breaks: ArrayLike,
+        poly: Sequence[ArrayLike],
+        waves: Sequence[Sequence[tuple[float, float, float]]] | None = None,
+        origins: ArrayLike | None = None,
+    ) -> Piecewise:
+        """Build from ragged rows: ``poly[i]`` and ``waves[i]`` of any length per piece."""
+        ends = np.asarray(breaks, dtype=float)
+        n = len(ends) - 1
+        rows = [np.atleast_1d(np.asarray(row, dtype=float)) for row in poly]
+        table = np.zeros((n, max(len(row) for row in rows)))
+        for i, row in enumerate(rows):
+            table[i, : len(row)] = row
+        wave_rows = waves if waves is not None else [[] for _ in range(n)]
+        wave_table = np.zeros((n, max(len(row) for row in wave_rows), 3))
+        for i, wave_row in enumerate(wave_rows):
+            for m, wave in enumerate(wave_row):
+                wave_table[i, m] = wave
+        start = ends[:-1].copy() if origins is None else np.asarray(origins, dtype=float)
+        return cls(ends, start, table, wave_table)
+
+    @property
+    def count(self) -> int:
+        """Number of pieces."""
+        return len(self.origins)
+
+    @cached_property
+    def _powers(self) -> list[Array]:
+        """Polynomial tables of the derivatives 0, 1, 2, … until they vanish."""
+        tables = [self.poly]
+        while tables[-1].shape[1] > 1:
+            last = tables[-1]
+            tables.append(last[:, 1:] * np.arange(1, last.shape[1]))
+        return tables
+
+    def piece_of(self, x: Array, side: Side = "right") -> NDArray[np.intp]:
+        """Index of the piece that holds each x; at a break the piece on the given side."""
+        found = np.searchsorted(self.breaks, x, side=side) - 1
+        return np.clip(found, 0, self.count - 1)
+
+    def at(self, x: Array, piece: NDArray[np.intp], order: int) -> Array:
+        """The ``order``-th derivative at x, taking the formula of the given piece.
+
+        Args:
+            x: (k,) points. piece: (k,) indices. order: which derivative.
+
+        Returns:
+            (k,) values.
+        """
+        t = x - self.origins[piece]
+        if order < len(self._powers):
+            table = self._powers[order][piece]
+            value = table[:, -1].copy()
+            for j in range(table.shape[1] - 2, -1, -1):
+                value *= t
+                value += table[:, j]
+        else:
+            value = np.zeros_like(t)
+        if self.waves.shape[1]:
+            amplitude, frequency, phase = np.moveaxis(self.waves[piece], -1, 0)
+            angle = frequency * t[:, None] + phase
+            # sin differentiated `order` times, without adding π/2 to the phase (exact zeros stay)
+            wave = (np.sin, np.cos, np.sin, np.cos)[order % 4](angle)
+            sign = (1.0, 1.0, -1.0, -1.0)[order % 4]
+            value += np.sum(sign * amplitude * frequency**order * wave, axis=1)
+        return value
+
+    def __call__(self, x: ArrayLike, order: int = 0, side: Side = "right") -> Array:
+        """The ``order``-th derivative at x (any shape), one-sided at breaks."""
+        points = np.asarray(x, dtype=float)
+        flat = points.ravel()
+        return self.at(flat, self.piece_of(flat, side), order).reshape(points.shape)
+
+    def derivatives(self, x: ArrayLike, highest: int = 3, side: Side = "right") -> Array:
+        """f, f', …, f^(highest) at x: (highest+1, k)."""
+        points = np.asarray(x, dtype=float).ravel()
+        piece = self.piece_of(points, side)
+        return np.stack([self.at(points, piece, order) for order in range(highest + 1)])
+
+    def bound(self, piece: NDArray[np.intp], width: Array, order: int) -> Array:
+        """Crude bound of |f^(order)| within ``width`` of the origin of each piece: (k,)."""
+        value = np.zeros(len(piece))
+        if order < len(self._powers):
+            table = np.abs(self._powers[order][piece])
+            for j in range(table.shape[1] - 1, -1, -1):
+                value = value * width + table[:, j]
+        if self.waves.shape[1]:
+            amplitude, frequency, _ = np.moveaxis(self.waves[piece], -1, 0)
+            value = value + np.sum(np.abs(amplitude * frequency**order), axis=1)
+        return value
+
+    def placed(self, start: float, width: float, shift: float, scale: float) -> Piecewise:
+        """x ↦ shift + scale · f((x − start)/width), on [start, start + width · span]."""
+        powers = scale / width ** np.arange(self.poly.shape[1])
+        poly = self.poly * powers
+        poly[:, 0] += shift
+        waves = self.waves * np.array([scale, 1.0 / width, 1.0])
+        return Piecewise(start + width * self.breaks, start + width * self.origins, poly, waves)
+
+    def reversed(self) -> Piecewise:
+        """x ↦ f(a + b − x) on the same interval [a, b]."""
+        both = self.breaks[0] + self.breaks[-1]
+        signs = (-1.0) ** np.arange(self.poly.shape[1])
+        waves = self.waves[::-1] * np.array([1.0, -1.0, 1.0])
+        return Piecewise(
+            (both - self.breaks)[::-1], (both - self.origins)[::-1], self.poly[::-1] * signs, waves
+        )
+
+
+def join(parts: Sequence[Piecewise]) -> Piecewise:
+    """One function out of neighbours, each beginning where the one before ends."""
+    degree = max(part.poly.shape[1] for part in parts)
+    waves = max(part.waves.shape[1] for part in parts)
+    poly = [np.pad(p.poly, ((0, 0), (0, degree - p.poly.shape[1]))) for p in parts]
+    wave = [np.pad(p.waves, ((0, 0), (0, waves - p.waves.shape[1]), (0, 0))) for p in parts]
+    breaks = [part.breaks[:-1] for part in parts] + [parts[-1].breaks[-1:]]
+    return Piecewise(
+        np.concatenate(breaks),
+        np.concatenate([part.origins for part in parts]),
+        np.concatenate(poly),
+        np.concatenate(wave),
+    )

@@ -1,0 +1,80 @@
+"""The cam's profile: positions, normals, curvature and pressure angle at given cam angles."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Literal
+
+import numpy as np
+
+from synthesis.followers.base import Follower
+from synthesis.geometry.disc import to_cam
+from synthesis.motion import Motion
+from synthesis.numerics.piecewise import Array, Side
+
+Rotation = Literal["ccw", "cw"]
+
+
+@dataclass(frozen=True, eq=False)
+class CamProfile:
+    """Points of the cam in its own frame (at cam angle 0 the machine's frame), all (n,).
+
+    Attributes:
+        theta: cam angle [rad].
+        s: (4, n) displacement and its derivatives per radian [mm].
+        pitch_x, pitch_y: roller centre [mm]. x, y: profile (contact point) [mm].
+        normal_x, normal_y: outward unit normal, common to both curves.
+        curvature: signed curvature of the pitch curve [1/mm], convex positive.
+        radius: signed radius of curvature of the profile [mm]: ρ_pitch − Rr, ∞ where straight.
+        pressure_angle: signed α [rad]; positive where the cam pushes against a rise.
+    """
+
+    theta: Array
+    s: Array
+    pitch_x: Array
+    pitch_y: Array
+    x: Array
+    y: Array
+    normal_x: Array
+    normal_y: Array
+    curvature: Array
+    radius: Array
+    pressure_angle: Array
+
+
+def cam_profile(
+    motion: Motion,
+    follower: Follower,
+    size: tuple[float, ...],
+    rotation: Rotation,
+    theta: Array,
+    side: Side = "right",
+) -> CamProfile:
+    """The profile as envelope of the roller: the pitch curve less Rr along its exact normal.
+
+    Args:
+        motion: settled motion. follower: its family. size: the size variables z [mm].
+        rotation: sense of the cam's turning; clockwise is the mirror image.
+        theta: (n,) cam angles [rad].
+        side: which one-sided values to give where a derivative jumps.
+    """
+    s = motion.derivatives(theta, 3, side)
+    (px, py), (dx, dy), (ax, ay), _ = follower.traced_point(s, size)
+    tx, ty = dx + py, dy - px  # tangent D p, D = d/dθ + J
+    sx, sy = ax + dy + ty, ay - dx - tx  # D D p
+    speed = np.hypot(tx, ty)
+    nx, ny = -ty / speed, tx / speed  # the curve runs clockwise round the cam: outward is left
+    curvature = (ty * sx - tx * sy) / speed**3
+    (gx, gy), _ = follower.direction(s, size)
+    alpha = np.arctan2(gx * ny - gy * nx, gx * nx + gy * ny)
+    with np.errstate(divide="ignore"):
+        radius = 1.0 / curvature - follower.roller_radius
+    mirror = -1.0 if rotation == "cw" else 1.0
+    pitch_x, pitch_y = to_cam(theta, px, py)
+    normal_x, normal_y = to_cam(theta, nx, ny)
+    x = pitch_x - follower.roller_radius * normal_x
+    y = pitch_y - follower.roller_radius * normal_y
+    return CamProfile(
+        theta, s, mirror * pitch_x, pitch_y, mirror * x, y, mirror * normal_x, normal_y,
+        curvature, radius, alpha,
+    )  # fmt: skip

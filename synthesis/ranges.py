@@ -1,0 +1,47 @@
+"""A dimension on the wire: given, free within a range, or free."""
+
+from __future__ import annotations
+
+import math
+from typing import Annotated
+
+from pydantic import BaseModel, ConfigDict, Field, model_validator
+from pydantic_core import PydanticCustomError
+
+
+class Range(BaseModel):
+    """A dimension left free between two ends; an end left out is open."""
+
+    model_config = ConfigDict(frozen=True, extra="forbid", allow_inf_nan=False)
+
+    min: float | None = Field(None, description="Smallest value allowed.")
+    max: float | None = Field(None, description="Largest value allowed.")
+
+    @model_validator(mode="after")
+    def _ordered(self) -> Range:
+        if self.min is not None and self.max is not None and self.min > self.max:
+            raise PydanticCustomError(
+                "range_empty",
+                "min = {low} is above max = {high}: nothing lies between. "
+                "Exchange the two, or leave one out.",
+                {"low": self.min, "high": self.max},
+            )
+        return self
+
+
+Dimension = Annotated[
+    float | Range | None,
+    Field(description="A number fixes it; {min, max} leaves it free in between; "
+          "left out, it is free within what is physical."),
+]
+
+
+def ends(dimension: float | Range | None) -> tuple[float, float]:
+    """Lower and upper end of a dimension, −inf and inf where open."""
+    if isinstance(dimension, Range):
+        low = -math.inf if dimension.min is None else dimension.min
+        high = math.inf if dimension.max is None else dimension.max
+        return low, high
+    if dimension is None:
+        return -math.inf, math.inf
+    return dimension, dimension

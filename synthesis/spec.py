@@ -1,0 +1,158 @@
+"""DesignSpec: what is asked. It is the request body, and nothing maps it to something else."""
+
+from __future__ import annotations
+
+import math
+from itertools import accumulate
+from typing import Annotated, Literal
+
+from pydantic import BaseModel, ConfigDict, Field, model_validator
+from pydantic_core import PydanticCustomError
+
+from synthesis.followers import AnyFollower
+from synthesis.limits import AnyLimit, Limit, Machine
+from synthesis.limits.profile_radius import ProfileRadius
+from synthesis.motion import Stretch
+from synthesis.objectives import AnyObjective
+from synthesis.objectives.base_radius import BaseRadius
+from synthesis.program import Segment
+from synthesis.ranges import Dimension, ends
+from synthesis.units import FULL_TURN, rad_per_s
+
+MAX_SEGMENTS = 100
+ANGLE_SUM_TOLERANCE_DEG = 1e-6
+
+
+class DesignSpec(BaseModel):
+    """What the follower must do, which follower it is, and what may not be exceeded."""
+
+    model_config = ConfigDict(frozen=True, extra="forbid", allow_inf_nan=False)
+
+    name: Annotated[str, Field(max_length=200, description="Shown in reports and files.")] = ""
+    speed_rpm: Annotated[
+        float, Field(gt=0.0, le=1e9, description="Cam speed, constant over the turn [rpm].")
+    ] = 60.0
+    rotation: Annotated[
+        Literal["ccw", "cw"], Field(description="Sense in which the cam turns.")
+    ] = "ccw"
+    program: Annotated[
+        list[Segment],
+        Field(
+            min_length=1,
+            max_length=MAX_SEGMENTS,
+            description="Segments in order; their angles sum to 360° and the lifts cancel.",
+        ),
+    ]
+    follower: AnyFollower
+    base_radius_mm: Dimension = None
+    limits: Annotated[list[AnyLimit], Field(max_length=50)] = []
+    objective: Annotated[
+        AnyObjective | list[AnyObjective],
+        Field(
+            description="What to make small; a list is worked through in order: each is made as "
+            "small as the ones before allow when they may lose half of the tolerance.",
+        ),
+    ] = BaseRadius()
+    tolerance: Annotated[
+        float,
+        Field(
+            ge=1e-6, le=1.0,
+            description="Relative gap to the best possible that is good enough: it buys time.",
+        ),
+    ] = 1e-3
+    time_budget_s: Annotated[
+        float | None,
+        Field(gt=0.0, le=3600.0, description="Stop after this long with the best so far."),
+    ] = None
+
+    @model_validator(mode="after")
+    def _closes(self) -> DesignSpec:
+        turn = math.fsum(segment.angle_deg for segment in self.program)
+        if abs(turn - 360.0) > ANGLE_SUM_TOLERANCE_DEG:
+            raise PydanticCustomError(
+                "program_angles",
+                "The angles of program sum to {turn}°, not 360°. "
+                "{verb} {difference}°, or add a dwell.",
+                {"turn": round(turn, 9), "verb": "Add" if turn < 360.0 else "Remove",
+                 "difference": round(abs(360.0 - turn), 9)},
+            )  # fmt: skip
+        rest = math.fsum(segment.signed_lift for segment in self.program)
+        largest = max(abs(segment.signed_lift) for segment in self.program)
+        if abs(rest) > 1e-9 * largest:
+            raise PydanticCustomError(
+                "program_lift",
+                "The follower ends {rest} mm away from where it began. "
+                "Make the lifts of rises and returns sum to zero.",
+                {"rest": rest},
+            )
+        if largest == 0.0:
+            raise PydanticCustomError(
+                "program_still",
+                "The follower never moves: program holds no rise and no return. Add both.",
+                {},
+            )
+        return self
+
+    @model_validator(mode="after")
+    def _sizes_fit(self) -> DesignSpec:
+        least, largest = ends(self.base_radius_mm)
+        if largest <= 0.0 or (least == largest and least <= 0.0):
+            raise PydanticCustomError(
+                "base_radius_positive",
+                "base_radius_mm = {value} leaves no positive base radius. Give a positive one.",
+                {"value": largest},
+            )
+        e_min, e_max = ends(self.follower.offset_mm)
+        nearest = 0.0 if e_min <= 0.0 <= e_max else min(abs(e_min), abs(e_max))
+        prime = largest + self.follower.roller_radius
+        if nearest >= prime:
+            raise PydanticCustomError(
+                "offset_beyond_prime_radius",
+                "offset_mm = {offset} is not inside the prime radius {prime} mm "
+                "(base radius plus roller radius): the follower would miss the pitch circle. "
+                "Take a smaller offset or a larger base radius.",
+                {"offset": nearest, "prime": prime},
+            )
+        return self
+
+    # -- what the core asks ------------------------------------------------------------------
+
+    def machine(self) -> Machine:
+        """The follower and the cam's speed."""
+        return Machine(self.follower, rad_per_s(self.speed_rpm))
+
+    def stretches(self) -> tuple[Stretch, ...]:
+        """The program placed on the cam, displacements measured from the lowest position."""
+        turn = math.fsum(segment.angle_deg for segment in self.program)
+        ends_deg = list(accumulate((segment.angle_deg for segment in self.program), initial=0.0))
+        angles = [FULL_TURN * value / turn for value in ends_deg]
+        angles[-1] = FULL_TURN
+        levels = list(accumulate((seg.signed_lift for seg in self.program), initial=0.0))
+        lowest = min(levels)
+        placed = []
+        for i, segment in enumerate(self.program):
+            level = levels[i] - lowest
+            placed.append(segment.stretch(i, angles[i], angles[i + 1] - angles[i], level))
+        return tuple(placed)
+
+    def stroke(self) -> float:
+        """Highest less lowest displacement [mm]: the unit of length inside the formulations."""
+        levels = list(accumulate((seg.signed_lift for seg in self.program), initial=0.0))
+        return max(levels) - min(levels)
+
+    def base_radius_range(self) -> tuple[float, float]:
+        """Smallest and largest base radius [mm]; what is left open is 1e-3 to 1e4 strokes."""
+        least, largest = ends(self.base_radius_mm)
+        stroke = self.stroke()
+        return max(least, 1e-3 * stroke) if math.isinf(least) else least, min(largest, 1e4 * stroke)
+
+    def all_limits(self) -> tuple[Limit, ...]:
+        """The limits asked for, and that a roller must not be undercut."""
+        if any(limit.kind == "profile_radius" for limit in self.limits):
+            return tuple(self.limits)
+        return (*self.limits, ProfileRadius())
+
+    def objectives(self) -> tuple[AnyObjective, ...]:
+        """The objectives in order."""
+        listed = self.objective if isinstance(self.objective, list) else [self.objective]
+        return tuple(listed)

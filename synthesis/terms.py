@@ -1,0 +1,57 @@
+"""The vocabulary between limits and formulations: linear rows and cones.
+
+    s, s', s'', s'''  displacement and its derivatives per radian [mm, mm/rad, …]
+    z                 the follower's size variables, for a translating follower (e, s0) [mm]
+    P                 the objective's own variable: the level that it pushes down
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+Vector = tuple[float, ...]
+
+
+@dataclass(frozen=True)
+class Row:
+    """coefficients · (s, s', s'', s''') + size · z + level · P ≤ upper, at every cam angle.
+
+    Attributes:
+        coefficients: four numbers, for s to s'''.
+        size: one number per size variable; empty stands for zeros.
+        upper: right-hand side.
+        level: coefficient of P (only objectives use it).
+        source: the limit or objective that asks for it, as named on the wire.
+    """
+
+    coefficients: tuple[float, float, float, float]
+    size: Vector
+    upper: float
+    level: float = 0.0
+    source: str = ""
+
+
+@dataclass(frozen=True)
+class SizeRow:
+    """size · z ≤ upper."""
+
+    size: Vector
+    upper: float
+    source: str
+
+
+@dataclass(frozen=True)
+class Norm:
+    """‖matrix · z + shift‖, Euclidean: how a radius depends on the size variables [mm]."""
+
+    matrix: tuple[Vector, ...]
+    shift: Vector
+
+
+@dataclass(frozen=True)
+class Cone:
+    """norm ≤ radius."""
+
+    norm: Norm
+    radius: float
+    source: str
