@@ -1,0 +1,43 @@
+# One image for the service, the Dask scheduler and the workers.
+
+FROM python:3.11-slim AS build
+
+ENV PIP_DISABLE_PIP_VERSION_CHECK=1 PIP_NO_CACHE_DIR=1 PIP_NO_INPUT=1
+RUN python -m venv /opt/venv
+ENV PATH=/opt/venv/bin:$PATH
+WORKDIR /src
+
+# The locked packages first: this layer changes only with the lock files. The PostgreSQL driver
+# is an extra; its version comes from the lock of everything.
+COPY requirements.lock requirements-dev.lock ./
+RUN pip install -r requirements.lock \
+ && pip install -c requirements-dev.lock "psycopg[binary]"
+
+COPY pyproject.toml README.md LICENSE ./
+COPY synthesis synthesis
+COPY service service
+RUN pip install --no-deps . && pip check
+
+
+FROM python:3.11-slim
+
+RUN useradd --system --uid 10001 --home-dir /var/lib/camwright --create-home camwright
+COPY --from=build /opt/venv /opt/venv
+# The worked examples, which are documentation and fixtures at once.
+COPY openapi /app/openapi
+
+ENV PATH=/opt/venv/bin:$PATH \
+    PYTHONUNBUFFERED=1 \
+    CAMWRIGHT_HOST=0.0.0.0 \
+    CAMWRIGHT_PORT=8000 \
+    CAMWRIGHT_DATABASE_URL=sqlite:////var/lib/camwright/camwright.db \
+    DASK_TEMPORARY_DIRECTORY=/tmp
+WORKDIR /app
+USER camwright
+VOLUME /var/lib/camwright
+EXPOSE 8000
+
+HEALTHCHECK --interval=10s --timeout=3s --start-period=30s --retries=3 \
+    CMD ["python", "-c", "import os, urllib.request as r; r.urlopen('http://127.0.0.1:' + os.environ['CAMWRIGHT_PORT'] + '/livez', timeout=2)"]
+
+CMD ["python", "-m", "service"]

@@ -1,0 +1,101 @@
+# Camwright. `make` alone prints what there is.
+
+PYTHON ?= python3
+HOST   ?= $(or $(CAMWRIGHT_HOST),127.0.0.1)
+PORT   ?= $(or $(CAMWRIGHT_PORT),8000)
+ARGS   ?=
+
+VENV := .venv
+PY   := $(VENV)/bin/python
+# One stamp for each lock file; what tests need includes what running needs.
+RUN  := $(VENV)/.installed-run
+DEV  := $(VENV)/.installed-dev
+PIP  := $(PY) -m pip install --quiet --quiet --disable-pip-version-check --no-input
+LOCK := $(PY) -m uv pip compile --quiet --universal --python-version 3.11 \
+        --fork-strategy fewest --strip-extras --no-header --no-annotate \
+        $(if $(UPGRADE),--upgrade)
+
+# Whatever virtualenv or Python settings the caller has must not leak into ours.
+unexport VIRTUAL_ENV PYTHONHOME PYTHONPATH PIP_USER PIP_TARGET PIP_PREFIX PIP_REQUIREMENT
+export PYTHONNOUSERSITE = 1
+
+.DEFAULT_GOAL := help
+.PHONY: help run test lint format bench openapi lock clean distclean
+
+help:  ## print this list
+	@echo "Camwright. Targets:"
+	@sed -n 's/^\([a-z]*\):.*## */  make \1|/p' $(firstword $(MAKEFILE_LIST)) \
+	  | awk -F'|' '{ printf "%-16s %s\n", $$1, $$2 }'
+
+run: $(RUN)  ## start the service (HOST=127.0.0.1 PORT=8000)
+	@CAMWRIGHT_HOST='$(HOST)' CAMWRIGHT_PORT='$(PORT)' $(PY) -m service
+
+test: lint  ## run everything: style, types, layers, then the tests (ARGS="-k name")
+	$(PY) -m pytest $(ARGS)
+
+lint: $(DEV)  ## style, types and layers only
+	$(PY) -m ruff check
+	$(PY) -m ruff format --check
+	$(PY) -m mypy
+	$(VENV)/bin/lint-imports --no-logo
+
+format: $(DEV)  ## put the code in form
+	$(PY) -m ruff check --fix
+	$(PY) -m ruff format
+
+bench: $(DEV)  ## measure speed and print it
+	$(PY) -m benchmarks $(ARGS)
+
+openapi: $(DEV)  ## write openapi/openapi.json anew
+	$(PY) -m service.openapi
+
+lock: $(DEV)  ## write the lock files anew (UPGRADE=1 takes newer versions)
+	$(LOCK) --extra dev pyproject.toml --output-file requirements-dev.lock
+	$(LOCK) --constraint requirements-dev.lock pyproject.toml --output-file requirements.lock
+	@! grep -nE '://|^-|^/|@' requirements.lock requirements-dev.lock \
+	  || { echo "A lock file holds an address, an option or a path: see above." >&2; exit 1; }
+
+clean:  ## remove caches and build products
+	rm -rf build dist *.egg-info .mypy_cache .ruff_cache .pytest_cache .hypothesis \
+	  .import_linter_cache .coverage htmlcov
+	find . -name __pycache__ -not -path './$(VENV)/*' -type d -prune -exec rm -rf {} +
+
+distclean: clean  ## the same and the virtual environment
+	rm -rf $(VENV)
+
+# --- the virtual environment: made once, installed anew only when a lock file changes -----------
+
+# A virtual environment whose interpreter is gone counts as none.
+ifeq ($(shell $(PY) -c 'print(1)' 2>/dev/null),)
+.PHONY: $(RUN) $(DEV)
+endif
+
+define venv
+@command -v $(PYTHON) >/dev/null \
+  || { echo "Camwright needs Python 3.11 or newer, and '$(PYTHON)' was not found." >&2; exit 1; }
+@$(PYTHON) -c 'import sys; sys.exit(sys.version_info < (3, 11))' \
+  || { echo "Camwright needs Python 3.11 or newer, and '$(PYTHON)' is $$($(PYTHON) -V 2>&1)." \
+            "With a newer one installed: make PYTHON=python3.12 $(MAKECMDGOALS)" >&2; exit 1; }
+@$(PYTHON) -c 'import ensurepip, venv' 2>/dev/null \
+  || { echo "'$(PYTHON)' cannot make virtual environments; on Debian: apt install python3-venv." >&2; \
+       exit 1; }
+@$(PY) -c '' 2>/dev/null || $(PYTHON) -m venv --clear $(VENV)
+endef
+
+define install
+@$(PIP) -r $(1) && $(PIP) --no-deps --editable . \
+  || { echo "Installing the locked packages failed: see above. Is the package index reachable?" >&2; \
+       exit 1; }
+endef
+
+$(RUN): requirements.lock
+	$(venv)
+	@echo "Installing the locked packages into $(VENV): once, 190 MB to fetch, half a minute or more."
+	$(call install,requirements.lock)
+	@touch $(RUN)
+
+$(DEV): requirements-dev.lock requirements.lock
+	$(venv)
+	@echo "Installing the locked packages and the test tools into $(VENV): once, 320 MB to fetch, a minute or more."
+	$(call install,requirements-dev.lock)
+	@touch $(RUN) $(DEV)

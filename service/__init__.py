@@ -1,0 +1,1 @@
+"""The web service of Camwright: validates, dispatches, reports; computes nothing."""
