@@ -1,0 +1,22 @@
+"""Files made from a design: one format a file. A new one is a file and its name here.
+
+PROFILE_FORMATS["csv"].write(design, ProfileOptions(points_per_degree=10.0))
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from types import MappingProxyType
+
+from synthesis.exporters import csv_table, json_table, txt_points
+from synthesis.exporters.exporter import Exporter
+from synthesis.exporters.options import MotionOptions, ProfileOptions
+
+PROFILE_FORMATS: Mapping[str, Exporter[ProfileOptions]] = MappingProxyType(
+    {each.name: each for each in (json_table.PROFILE, csv_table.PROFILE, txt_points.PROFILE)}
+)
+MOTION_FORMATS: Mapping[str, Exporter[MotionOptions]] = MappingProxyType(
+    {each.name: each for each in (json_table.MOTION, csv_table.MOTION)}
+)
+
+__all__ = ["MOTION_FORMATS", "PROFILE_FORMATS", "Exporter", "MotionOptions", "ProfileOptions"]

@@ -1,0 +1,85 @@
+"""The columns of tables: one list for every tabular format."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from synthesis.exporters.cam import Cam
+from synthesis.exporters.chords import position
+from synthesis.exporters.options import MotionOptions, ProfileOptions
+from synthesis.exporters.sampling import Rows, table_rows
+from synthesis.numerics.piecewise import Array
+from synthesis.units import DEGREE
+
+
+@dataclass(frozen=True, eq=False)
+class Column:
+    """One column: its name with the unit in it, the unit, what it means, and (n,) values."""
+
+    name: str
+    unit: str
+    meaning: str
+    values: Array | NDArray[np.int64]
+
+
+def profile_columns(cam: Cam, options: ProfileOptions) -> list[Column]:
+    """The curve's points with the motion and the geometry there."""
+    rows = table_rows(cam, options)
+    at = cam.at(rows.theta, rows.left)
+    x, y = position(options.curve, at)
+    which = "pitch curve" if options.curve == "pitch" else "profile"
+    return [
+        _angle(rows),
+        *_physical(at.s, cam.omega),
+        Column("x_mm", "mm", f"{which}, in the cam's frame", x),
+        Column("y_mm", "mm", f"{which}, in the cam's frame", y),
+        Column(
+            "pressure_angle_deg", "deg",
+            "signed; positive where the cam pushes against a rise", at.pressure_angle / DEGREE,
+        ),
+        Column(
+            "pitch_curvature_per_mm", "1/mm",
+            "signed curvature of the pitch curve; convex positive", at.curvature,
+        ),
+        Column(
+            "profile_radius_mm", "mm",
+            "signed radius of curvature of the profile; infinite where it is straight", at.radius,
+        ),
+        _side(rows),
+    ]  # fmt: skip
+
+
+def motion_columns(cam: Cam, options: MotionOptions) -> list[Column]:
+    """The follower's motion at the given speed, and per radian of cam angle."""
+    rows = table_rows(cam, options)
+    s = cam.motion.derivatives(rows.theta, 3, "right")
+    s[:, rows.left] = cam.motion.derivatives(rows.theta[rows.left], 3, "left")
+    return [
+        _angle(rows),
+        *_physical(s, cam.omega),
+        Column("ds_mm_per_rad", "mm/rad", "first derivative of s by the cam angle", s[1]),
+        Column("d2s_mm_per_rad2", "mm/rad²", "second derivative of s by the cam angle", s[2]),
+        Column("d3s_mm_per_rad3", "mm/rad³", "third derivative of s by the cam angle", s[3]),
+        _side(rows),
+    ]
+
+
+def _angle(rows: Rows) -> Column:
+    return Column("theta_deg", "deg", "cam angle", rows.degrees)
+
+
+def _side(rows: Rows) -> Column:
+    meaning = "-1 and 1: limits from the left and from the right of a jump; otherwise 0"
+    return Column("side", "1", meaning, rows.side)
+
+
+def _physical(s: Array, omega: float) -> list[Column]:
+    return [
+        Column("s_mm", "mm", "displacement from the lowest position", s[0]),
+        Column("v_mm_per_s", "mm/s", "velocity", s[1] * omega),
+        Column("a_mm_per_s2", "mm/s²", "acceleration", s[2] * omega**2),
+        Column("j_mm_per_s3", "mm/s³", "jerk", s[3] * omega**3),
+    ]

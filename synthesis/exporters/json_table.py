@@ -1,0 +1,85 @@
+"""JSON: typed columns with units, what they belong to, and the frame they are given in."""
+
+from __future__ import annotations
+
+import json
+import math
+from collections.abc import Sequence
+from dataclasses import asdict
+from typing import Any
+
+import numpy as np
+
+from synthesis.design import Design
+from synthesis.exporters.cam import Cam
+from synthesis.exporters.columns import Column, motion_columns, profile_columns
+from synthesis.exporters.exporter import Exporter
+from synthesis.exporters.options import MotionOptions, ProfileOptions
+from synthesis.exporters.sampling import in_degrees
+
+FRAME = (
+    "Cam-fixed, right-handed, lengths in mm: origin on the cam's axis, which is z; at cam angle 0 "
+    "the machine's frame, y along the follower of an upward slide. Seen with z towards the viewer "
+    "the cam turns {turns}; the rows run round it {runs}."
+)
+
+
+def _profile(design: Design, options: ProfileOptions) -> bytes:
+    cam = Cam.of(design)
+    turns = ("counter-clockwise", "clockwise")
+    turns = turns if design.rotation == "ccw" else turns[::-1]
+    head = {
+        "kind": "profile",
+        "curve": options.curve,
+        "frame": FRAME.format(turns=turns[0], runs=turns[1]),
+        "seam_deg": float(in_degrees(np.array(cam.seam))),
+    }
+    return _written(design, head, asdict(options), profile_columns(cam, options))
+
+
+def _motion(design: Design, options: MotionOptions) -> bytes:
+    segments = [segment.model_dump(mode="json", exclude_none=True) for segment in design.motion]
+    head = {"kind": "motion", "segments": segments}
+    return _written(design, head, asdict(options), motion_columns(Cam.of(design), options))
+
+
+def _written(
+    design: Design, head: dict[str, Any], sampling: dict[str, Any], columns: Sequence[Column]
+) -> bytes:
+    body = {
+        **head,
+        "design": {
+            "id": design.id,
+            "name": design.name,
+            "engine_version": design.engine_version,
+            "status": design.status,
+            "certified": design.certificate.certified,
+        },
+        "rotation": design.rotation,
+        "speed_rpm": design.speed_rpm,
+        "follower": design.follower,
+        "dimensions": design.dimensions,
+        "sampling": sampling,
+        "rows": len(columns[0].values),
+        "columns": [_column(column) for column in columns],
+    }
+    text = json.dumps(body, ensure_ascii=False, allow_nan=False, separators=(",", ":"))
+    return text.encode() + b"\n"
+
+
+def _column(column: Column) -> dict[str, Any]:
+    values = column.values.tolist()
+    kind = "integer" if column.values.dtype.kind == "i" else "number"
+    return {
+        "name": column.name,
+        "unit": column.unit,
+        "type": kind,
+        "meaning": column.meaning,
+        # JSON has no infinity: null where the value is infinite
+        "values": [value if math.isfinite(value) else None for value in values],
+    }
+
+
+_TITLE, _MEDIA = "Columns with units and metadata", "application/json"
+PROFILE = Exporter("json", _TITLE, _MEDIA, ".json", _profile)
+MOTION = Exporter("json", _TITLE, _MEDIA, ".json", _motion)

@@ -1,0 +1,71 @@
+"""What a caller may choose about a file, and what makes sense."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import Literal
+
+from synthesis.errors import InputError
+
+CurveName = Literal["profile", "pitch"]
+
+MAX_POINTS_PER_DEGREE = 1000.0
+CURVES: tuple[CurveName, ...] = ("profile", "pitch")
+
+
+def _check_density(points_per_degree: float) -> None:
+    if not 0.0 < points_per_degree <= MAX_POINTS_PER_DEGREE:
+        raise InputError(
+            "/points_per_degree",
+            points_per_degree,
+            f"The density must be above 0 and at most {MAX_POINTS_PER_DEGREE:g} points per degree.",
+            "Leave it out, or give a number such as 4.",
+        )
+
+
+@dataclass(frozen=True)
+class ProfileOptions:
+    """How the cam's curve is sampled.
+
+    Attributes:
+        points_per_degree: density, uniform in cam angle; not below one point in 10°.
+        tolerance_um: if given, it decides instead of the density: no chord between neighbouring
+            points departs further than this from the true curve [µm].
+        curve: the profile, or the pitch curve (path of the roller's centre).
+    """
+
+    points_per_degree: float = 4.0
+    tolerance_um: float | None = None
+    curve: CurveName = "profile"
+
+    def __post_init__(self) -> None:
+        _check_density(self.points_per_degree)
+        if self.tolerance_um is not None and not 0.0 < self.tolerance_um < math.inf:
+            raise InputError(
+                "/tolerance_um",
+                self.tolerance_um,
+                "The chord tolerance must be a positive number of micrometres.",
+                "Leave it out to sample by points_per_degree, or give a number such as 1.",
+            )
+        if self.curve not in CURVES:
+            raise InputError(
+                "/curve",
+                self.curve,
+                f"The curve must be one of {', '.join(CURVES)}.",
+                "Leave it out for the profile.",
+            )
+
+
+@dataclass(frozen=True)
+class MotionOptions:
+    """How the motion is sampled.
+
+    Attributes:
+        points_per_degree: density, uniform in cam angle; not below one point in 10°.
+    """
+
+    points_per_degree: float = 1.0
+
+    def __post_init__(self) -> None:
+        _check_density(self.points_per_degree)
