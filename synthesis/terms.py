@@ -32,15 +32,6 @@ class Row:
 
 
 @dataclass(frozen=True)
-class SizeRow:
-    """size · z ≤ upper."""
-
-    size: Vector
-    upper: float
-    source: str
-
-
-@dataclass(frozen=True)
 class Norm:
     """‖matrix · z + shift‖, Euclidean: how a radius depends on the size variables [mm]."""
 

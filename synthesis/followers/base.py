@@ -9,7 +9,7 @@ from typing import Any, ClassVar
 
 from pydantic import BaseModel, ConfigDict
 
-from synthesis.terms import Cone, Norm, Row, SizeRow
+from synthesis.terms import Cone, Norm, Row
 
 Vector2 = tuple[Any, Any]
 
@@ -19,11 +19,12 @@ class Sizing:
     """Where the size variables may lie.
 
     Attributes:
-        rows: linear rows. cones: convex cones.
-        least: smallest prime radius [mm]; below it rows and cones only say what is convex.
+        bounds: (lower, upper) of every size variable, finite [mm].
+        cones: what else is convex.
+        least: smallest prime radius [mm]; not convex, so bounds and cones say only part of it.
     """
 
-    rows: tuple[SizeRow, ...]
+    bounds: tuple[tuple[float, float], ...]
     cones: tuple[Cone, ...]
     least: float
 

@@ -16,7 +16,7 @@ from pydantic import Field
 
 from synthesis.followers.base import Follower, Sizing, Vector2
 from synthesis.ranges import Dimension, ends
-from synthesis.terms import Cone, Norm, Row, SizeRow
+from synthesis.terms import Cone, Norm, Row
 
 
 class TranslatingRoller(Follower):
@@ -44,14 +44,8 @@ class TranslatingRoller(Follower):
         # s0 = √(Rp² − e²): exact where e or Rp leaves no choice, otherwise what is convex of it
         s0_max = math.sqrt(max(largest**2 - nearest**2, 0.0))
         s0_min = math.sqrt(max(least**2 - farthest**2, 0.0))
-        rows = (
-            SizeRow((1.0, 0.0), e_max, "offset"),
-            SizeRow((-1.0, 0.0), -e_min, "offset"),
-            SizeRow((0.0, 1.0), s0_max, "base_radius"),
-            SizeRow((0.0, -1.0), -s0_min, "base_radius"),
-        )
         cones = () if e_min == e_max else (Cone(self.prime_radius(), largest, "base_radius"),)
-        return Sizing(rows, cones, least)
+        return Sizing(((e_min, e_max), (s0_min, s0_max)), cones, least)
 
     def prime_radius(self) -> Norm:
         return Norm(((1.0, 0.0), (0.0, 1.0)), (0.0, 0.0))

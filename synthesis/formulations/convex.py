@@ -1,0 +1,217 @@
+"""One cone program over every free law's coefficients and the follower's size together.
+
+Unknowns, all dimensionless:
+    c   B-spline coefficients of g(x), 0 to 1 over x in [0, 1], for every free stretch;
+        s = s_start + h g, so s^(k) = h/β^k g^(k); those that a neighbour settles are left out
+    ζ   size variables over the unit of size
+    π   the objective's level P over its natural scale
+    t   norm of the size over the unit of size
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from scipy import sparse
+
+from synthesis.formulations import rows
+from synthesis.formulations.energy import Energy, energy
+from synthesis.formulations.ends import Ends, Joint, meet
+from synthesis.formulations.grid import TYPICAL, Grid, SettledLaw
+from synthesis.formulations.problem import Problem
+from synthesis.formulations.matrix import Ball, Writer
+from synthesis.formulations.rows import Block, Scales
+from synthesis.numerics.piecewise import Array
+from synthesis.solvers.clarabel import ConeProgram
+from synthesis.terms import Norm, Row
+
+Vector = tuple[float, ...]
+
+
+@dataclass(frozen=True, eq=False)
+class Plan:
+    """The cone program, and what its unknowns and rows mean.
+
+    Attributes:
+        columns: unknown coefficients of every free law. size: size variables.
+        extra: column of π or t, None where the objective is an energy or nothing is asked.
+        equalities, blocks, balls: the rows, in the order of the program.
+        energy: the objective where it is a mean square.
+    """
+
+    problem: Problem
+    grids: tuple[Grid, ...]
+    scales: Scales
+    settled: tuple[Ends, ...]
+    joints: tuple[Joint, ...]
+    columns: tuple[slice, ...]
+    size: slice
+    extra: int | None
+    blocks: tuple[Block, ...]
+    balls: tuple[Ball, ...]
+    energy: Energy | None
+    program: ConeProgram
+
+    def recover(self, x: Array) -> tuple[list[SettledLaw], Vector]:
+        """The laws and the size variables [mm] at a point of the program."""
+        laws = [
+            SettledLaw(grid.space, known.expand(x[columns]))
+            for grid, known, columns in zip(self.grids, self.settled, self.columns, strict=True)
+        ]
+        return laws, tuple(float(v) for v in x[self.size] * self.scales.size)
+
+    def multipliers(self, z: Array) -> list[Array]:
+        """The inequality multipliers, block by block, none negative."""
+        at = self.program.equalities
+        found = []
+        for block in self.blocks:
+            found.append(np.maximum(z[at : at + len(block.rhs)], 0.0))
+            at += len(block.rhs)
+        return found
+
+
+def formulate(
+    problem: Problem, grids: Sequence[Grid], level: float = 0.0, tighten: float = 0.0
+) -> Plan:
+    """State the problem on given grids.
+
+    Args:
+        problem: the question. grids: one per free stretch.
+        level: trial level of a fractional objective [core units], otherwise without effect.
+        tighten: relative amount by which every limit is drawn in.
+    """
+    free = problem.free
+    scales = _scales(problem)
+    settled, joints = meet(problem.stretches, grids)
+    columns, at = [], 0
+    for grid, known in zip(grids, settled, strict=True):
+        columns.append(slice(at, at + grid.space.size - len(known.first) - len(known.last)))
+        at = columns[-1].stop
+    size = slice(at, at + len(problem.machine.follower.size_names))
+    order = problem.objective.energy_order()
+    extra = size.stop if order is None else None
+    width = size.stop + (extra is not None)
+    blocks = tuple(_blocks(problem, grids, settled, scales, level, tighten))
+    squares = None if order is None else energy(problem.stretches, grids, order)
+    writer = Writer(width, columns, size, extra, settled)
+    balls = tuple(_balls(problem, grids, writer, scales, tighten))
+    for joint in joints:
+        writer.joint(joint, free, grids)
+    writer.fixed(problem.sizing.bounds, scales)
+    equalities = writer.rows
+    for block in blocks:
+        writer.block(block)
+    inequalities = writer.rows - equalities
+    for ball in balls:
+        writer.ball(ball)
+    matrix, rhs = writer.finished()
+    quadratic, linear = _objective(squares, columns, writer)
+    program = ConeProgram(
+        quadratic, linear, matrix, rhs, equalities, inequalities,
+        tuple(len(ball.shift) + 1 for ball in balls),
+    )  # fmt: skip
+    return Plan(
+        problem, tuple(grids), scales, tuple(settled), tuple(joints), tuple(columns), size, extra,
+        blocks, balls, squares, program,
+    )  # fmt: skip
+
+
+def _scales(problem: Problem) -> Scales:
+    """Natural units: of size the stroke or the least prime radius, of the level a good law's."""
+    level = 0.0
+    for stretch in problem.stretches:
+        for row in problem.objective.rows(stretch, problem.machine, 0.0):
+            per_turn = abs(stretch.lift) / stretch.angle ** np.arange(4)
+            level = max(level, float(np.max(np.abs(row.coefficients) * per_turn * TYPICAL)))
+    return Scales(max(problem.length, problem.sizing.least), level or 1.0)
+
+
+def _rows_on(problem: Problem, index: int, level: float) -> Iterator[Row]:
+    """Every row on one stretch: of limits, of the objective, of objectives held."""
+    stretch, machine = problem.stretches[index], problem.machine
+    for limit in problem.limits:
+        yield from limit.rows(stretch, machine)
+    yield from problem.objective.rows(stretch, machine, level)
+    for earlier in problem.held:
+        for row in earlier.objective.rows(stretch, machine, earlier.value):
+            value = 0.0 if earlier.objective.fractional else earlier.value
+            yield rows.held(row, value)
+
+
+def _blocks(
+    problem: Problem,
+    grids: Sequence[Grid],
+    settled: Sequence[Ends],
+    scales: Scales,
+    level: float,
+    tighten: float,
+) -> Iterator[Block]:
+    yield from _size_bounds(problem, scales)
+    position = 0
+    for index, stretch in enumerate(problem.stretches):
+        for row in _rows_on(problem, index, level):
+            if stretch.law is not None:
+                block = rows.on_given(row, stretch, scales, tighten)
+                if block is not None:
+                    yield block
+            else:
+                yield rows.on_law(row, position, stretch, grids[position], scales, tighten)
+        if stretch.law is None:
+            assert stretch.free is not None
+            if not stretch.free.overshoot:
+                yield rows.monotone(position, grids[position], settled[position])
+            position += 1
+
+
+def _size_bounds(problem: Problem, scales: Scales) -> Iterator[Block]:
+    """Lower and upper bounds of the size variables that are not fixed."""
+    for j, (low, high) in enumerate(problem.sizing.bounds):
+        if low == high:
+            continue
+        unit = np.zeros(len(problem.sizing.bounds))
+        for unit[j], bound in ((1.0, high), (-1.0, -low)):
+            yield Block(
+                "size", None, None, np.zeros(1), np.zeros(4), unit.copy(), 0.0,
+                np.array([bound / scales.size]), "bounds",
+            )  # fmt: skip
+
+
+def _balls(
+    problem: Problem, grids: Sequence[Grid], writer: Writer, scales: Scales, tighten: float
+) -> Iterator[Ball]:
+    """Cones of the sizing, of limits, of the objective's norm, of objectives held."""
+    machine = problem.machine
+    cones = [*problem.sizing.cones]
+    for limit in problem.limits:
+        cones += limit.cones(problem.stretches, machine)
+    for cone in cones:
+        yield writer.norm_ball(cone.norm, scales.size, cone.radius, tighten)
+    norm = problem.objective.norm(machine)
+    if norm is not None:
+        yield writer.norm_ball(norm, scales.size, None)
+    for earlier in problem.held:
+        norm, order = earlier.objective.norm(machine), earlier.objective.energy_order()
+        if norm is not None:
+            yield writer.norm_ball(norm, scales.size, earlier.value)
+        if order is not None:
+            yield writer.energy_ball(energy(problem.stretches, grids, order), earlier.value)
+
+
+def _objective(
+    squares: Energy | None, plan_columns: Sequence[slice], writer: Writer
+) -> tuple[sparse.csc_matrix, Array]:
+    """P and q: the extra unknown alone, or the mean square over that of typical laws."""
+    linear = np.zeros(writer.width)
+    if squares is None:
+        if writer.extra is not None:
+            linear[writer.extra] = 1.0
+        return sparse.csc_matrix((writer.width, writer.width)), linear
+    quadratic = sparse.lil_matrix((writer.width, writer.width))
+    unit = 1.0 / squares.unit
+    for columns, factor, known in zip(plan_columns, squares.factors, writer.settled, strict=True):
+        inner, fixed = known.split(factor)
+        quadratic[columns, columns] = 2.0 * unit * np.triu(inner.T @ inner)
+        linear[columns] = 2.0 * unit * inner.T @ fixed
+    return sparse.csc_matrix(quadratic), linear

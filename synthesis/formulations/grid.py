@@ -1,0 +1,64 @@
+"""Where a free law may bend (knots) and where its limits are written (points)."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from synthesis.motion import Stretch
+from synthesis.numerics.bspline import SplineSpace
+from synthesis.numerics.piecewise import Array, Piecewise
+
+TYPICAL = np.array([1.0, 2.0, 6.0, 48.0])  # sizes of g to g''' in a good law
+SAMPLES = 64
+CLOSEST_KNOTS = 2e-3  # of the segment; closer ones make the rows ill-conditioned
+
+
+@dataclass(frozen=True, eq=False)
+class Grid:
+    """Spline space of one free stretch, and the points x in [0, 1] of its rows."""
+
+    space: SplineSpace
+    points: Array
+
+    def with_points(self, more: Array) -> Grid:
+        """The same knots with further points."""
+        return Grid(self.space, np.union1d(self.points, more))
+
+
+@dataclass(frozen=True, eq=False)
+class SettledLaw:
+    """A law that came out: the spline's space and coefficients."""
+
+    space: SplineSpace
+    coefficients: Array
+
+    def curve(self) -> Piecewise:
+        """g(x) on [0, 1]."""
+        return self.space.curve(self.coefficients)
+
+
+def uniform(stretch: Stretch, intervals: int) -> Grid:
+    """Equal intervals, points at every knot and between."""
+    return over(stretch, np.linspace(0.0, 1.0, intervals + 1))
+
+
+def over(stretch: Stretch, breaks: Array) -> Grid:
+    """A grid over given breaks: every interval is divided so that about SAMPLES points result."""
+    assert stretch.free is not None
+    each = max(2, -(-SAMPLES // (len(breaks) - 1)))
+    inner = breaks[:-1, None] + np.diff(breaks)[:, None] * (np.arange(each) / each)
+    return Grid(SplineSpace(stretch.free.smoothness + 1, breaks), np.append(inner.ravel(), 1.0))
+
+
+def merged(coarse: Array, wanted: Array) -> Array:
+    """Breaks through every wanted point, and the coarse ones that keep their distance."""
+    kept = [0.0]
+    for x in np.sort(wanted):
+        if x - kept[-1] >= CLOSEST_KNOTS and 1.0 - x >= CLOSEST_KNOTS:
+            kept.append(float(x))
+    pinned = np.array([*kept, 1.0])
+    spacing = 0.25 / max(len(coarse) - 1, 1)
+    far = np.min(np.abs(coarse[:, None] - pinned[None, :]), axis=1) > spacing
+    return np.union1d(pinned, coarse[far])

@@ -1,0 +1,66 @@
+"""The question as the formulations see it: motion still partly free, size free, one objective."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+from synthesis.followers.base import Sizing
+from synthesis.limits import Limit, Machine
+from synthesis.motion import Stretch
+from synthesis.objectives import Objective
+from synthesis.spec import DesignSpec
+
+
+@dataclass(frozen=True)
+class Held:
+    """An earlier objective of an ordered list, and the value that it may not exceed (core units)."""
+
+    objective: Objective
+    value: float
+
+
+@dataclass(frozen=True, eq=False)
+class Problem:
+    """One objective under all limits.
+
+    Attributes:
+        stretches: the program on the cam; those without a law are free. Zero angles are left out.
+        machine: follower and speed.
+        limits: what may not be exceeded.
+        sizing: where the size variables may lie.
+        objective: what to make small.
+        length: unit of length inside the formulations: the stroke [mm].
+        held: earlier objectives.
+    """
+
+    stretches: tuple[Stretch, ...]
+    machine: Machine
+    limits: tuple[Limit, ...]
+    sizing: Sizing
+    objective: Objective
+    length: float
+    held: tuple[Held, ...] = ()
+
+    @property
+    def free(self) -> tuple[Stretch, ...]:
+        """The stretches whose law is part of the answer."""
+        return tuple(s for s in self.stretches if s.law is None)
+
+    def settled(self, stretches: Sequence[Stretch]) -> Problem:
+        """The same question with these stretches in place of the free ones."""
+        by_index = {s.index: s for s in stretches}
+        return replace(self, stretches=tuple(by_index.get(s.index, s) for s in self.stretches))
+
+
+def pose(spec: DesignSpec, objective: Objective, held: tuple[Held, ...] = ()) -> Problem:
+    """The spec as a problem with one objective."""
+    return Problem(
+        tuple(s for s in spec.stretches() if s.angle > 0.0),
+        spec.machine(),
+        spec.all_limits(),
+        spec.follower.sizing(spec.base_radius_range()),
+        objective,
+        spec.stroke(),
+        held,
+    )

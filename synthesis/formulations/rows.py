@@ -1,0 +1,105 @@
+"""Rows of limits and objectives, written on the grid of a free law or on a given law."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from typing import Literal
+
+import numpy as np
+
+from synthesis.formulations.ends import Ends
+from synthesis.formulations.grid import TYPICAL, Grid
+from synthesis.motion import Stretch
+from synthesis.numerics.peaks import peak
+from synthesis.numerics.piecewise import Array
+from synthesis.terms import Row
+
+
+@dataclass(frozen=True)
+class Scales:
+    """Units of the dimensionless unknowns: size variables [mm], level [core units]."""
+
+    size: float
+    level: float
+
+
+@dataclass(frozen=True, eq=False)
+class Block:
+    """Rows laws · c + size · ζ + level · π ≤ rhs of one kind on one stretch, row-scaled.
+
+    Attributes:
+        kind: point: Σ alpha_k g^(k)(x) is what the laws' part stands for, at the points x;
+            control: a bound on the coefficients of the derivative that ``alpha`` names;
+            monotone: coefficients in order; size: no motion in it.
+        stretch: position among the free stretches, None for kind size.
+        laws: (r, n) over all coefficients of that stretch, None for kind size.
+        alpha: (4,), x: (r,), size: (n_size,), level, rhs: (r,) the limit itself.
+        tighten: by how much the solver is asked to stay below rhs.
+        source: the limit or objective behind it.
+    """
+
+    kind: Literal["point", "control", "monotone", "size"]
+    stretch: int | None
+    laws: Array | None
+    x: Array
+    alpha: Array
+    size: Array
+    level: float
+    rhs: Array
+    source: str
+    tighten: float = 0.0
+
+
+def on_law(
+    row: Row, position: int, stretch: Stretch, grid: Grid, scales: Scales, tighten: float
+) -> Block:
+    """The row on a free stretch: at its points, or on control points where these are exact."""
+    beta = stretch.angle ** np.arange(4)
+    alpha = np.array(row.coefficients) * stretch.lift / beta
+    orders = np.flatnonzero(alpha)
+    size = np.array(row.size) * scales.size if row.size else np.zeros(0)
+    level = row.level * scales.level
+    rhs = row.upper - row.coefficients[0] * stretch.s_start
+    parts = np.concatenate([np.abs(alpha) * TYPICAL, np.abs(size), [abs(level)]])
+    scale = max(parts.max(), abs(rhs)) if not row.size and not level else parts.max()
+    space = grid.space
+    order = int(orders[0]) if len(orders) == 1 else -1
+    common = (size / scale, level / scale)
+    if order >= 1 and (space.degree - order <= 1 or order == 3):
+        laws = space.control(order) * (alpha[order] / scale)
+        x = space.breaks if space.degree - order == 1 else np.zeros(len(laws))
+        kind: Literal["point", "control"] = "point" if space.degree - order == 1 else "control"
+    else:
+        x, kind = grid.points, "point"
+        laws = sum((alpha[k] / scale) * space.basis(x, int(k)) for k in orders)
+    bound = np.full(len(laws), rhs / scale)
+    return Block(kind, position, laws, x, alpha / scale, *common, bound, row.source, tighten)
+
+
+def on_given(row: Row, stretch: Stretch, scales: Scales, tighten: float) -> Block | None:
+    """The row on a given law: its worst angle alone; None where it leaves nothing to choose."""
+    if not row.size and not row.level:
+        return None
+    worst, _ = peak(stretch.placed(), row.coefficients)
+    size = np.array(row.size) * scales.size if row.size else np.zeros(0)
+    level = row.level * scales.level
+    scale = max(np.abs(size).max(initial=0.0), abs(level))
+    return Block(
+        "size", None, None, np.zeros(1), np.zeros(4), size / scale, level / scale,
+        np.array([(row.upper - worst) / scale]), row.source, tighten,
+    )  # fmt: skip
+
+
+def monotone(position: int, grid: Grid, known: Ends) -> Block:
+    """Coefficients that never fall: the law never moves backwards."""
+    first, stop = len(known.first) - 1, grid.space.size - len(known.last)
+    laws = -np.diff(np.eye(grid.space.size), axis=0)[first:stop]
+    nothing = np.zeros(len(laws))
+    return Block(
+        "monotone", position, laws, nothing, np.zeros(4), np.zeros(0), 0.0, nothing, "overshoot"
+    )
+
+
+def held(row: Row, value: float) -> Row:
+    """The row of an earlier objective, whose level may not exceed a value any more."""
+    return replace(row, upper=row.upper - row.level * value, level=0.0)

@@ -1,0 +1,102 @@
+"""The switching function ψ of a free law: what its highest bounded derivative is worth.
+
+By weak duality every law pays ∫ ψ w dx with w = g^(m); a row with multiplier λ at x_i that reads
+alpha · (g, g', …) contributes λ alpha_k (x_i − τ)^(m−1−k) / (m−1−k)! for τ < x_i. So ψ is a
+polynomial of degree m − 1 between the points, and where it changes sign the ideal law switches.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from math import comb, factorial
+
+import numpy as np
+
+from synthesis.numerics.piecewise import Array
+
+
+@dataclass(frozen=True, eq=False)
+class Switching:
+    """ψ(τ) = Σ_j poly[i, j] τ^j on [breaks[i], breaks[i+1]], breaks from 0 to 1."""
+
+    breaks: Array
+    poly: Array
+
+    def __call__(self, tau: Array) -> Array:
+        """ψ at τ, of the piece on the right."""
+        piece = np.clip(np.searchsorted(self.breaks, tau, "right") - 1, 0, len(self.poly) - 1)
+        return np.asarray(sum(self.poly[piece, j] * tau**j for j in range(self.poly.shape[1])))
+
+    def crossings(self, value: float = 0.0) -> Array:
+        """Points inside (0, 1) where ψ − value changes sign, at jumps as well."""
+        cuts = self._cut((value,))
+        middle = self(0.5 * (cuts[:-1] + cuts[1:])) - value
+        return cuts[1:-1][np.sign(middle[:-1]) != np.sign(middle[1:])]
+
+    def least(self, cap: float, weight: float) -> float:
+        """∫ min over |w| ≤ cap of (weight w² + ψ w), exact: never positive.
+
+        Args:
+            cap: bound of |w|, may be infinite if weight is positive.
+            weight: ≥ 0.
+        """
+        edge = 2.0 * weight * cap
+        values = (0.0,) if weight == 0.0 or not np.isfinite(edge) else (0.0, edge, -edge)
+        cuts = self._cut(values)
+        nodes, shares = np.polynomial.legendre.leggauss(3)  # exact to degree 5 between the cuts
+        width = np.diff(cuts)
+        tau = cuts[:-1, None] + width[:, None] * (nodes + 1.0) / 2.0
+        psi = np.abs(self(tau))
+        if weight == 0.0:
+            value = -cap * psi
+        else:
+            inner = -(psi**2) / (4.0 * weight)
+            outer = -cap * psi + weight * cap**2 if np.isfinite(cap) else inner
+            value = np.where(psi <= edge, inner, outer)
+        return float(np.sum(value * shares * width[:, None]) / 2.0)
+
+    def _cut(self, values: tuple[float, ...]) -> Array:
+        """The breaks and every root of ψ − value, sorted."""
+        found = [self.breaks]
+        padded = np.zeros((len(self.poly), 3))
+        padded[:, : self.poly.shape[1]] = self.poly
+        c, b, a = padded.T
+        for value in values:
+            for root in _quadratic_roots(a, b, c - value):
+                inside = (root > self.breaks[:-1]) & (root < self.breaks[1:])
+                found.append(root[inside])
+        return np.unique(np.concatenate(found))
+
+
+def _quadratic_roots(a: Array, b: Array, c: Array) -> tuple[Array, Array]:
+    """Real roots of a x² + b x + c, nan where there is none; stable for small a."""
+    with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
+        root = np.sqrt(b * b - 4.0 * a * c)
+        half = -0.5 * (b + np.where(b < 0.0, -1.0, 1.0) * root)
+        return half / a, c / half
+
+
+def switching(points: Array, weights: Array, order: int) -> Switching:
+    """ψ from point rows.
+
+    Args:
+        points: (r,) x_i in [0, 1].
+        weights: (r, order) λ_i alpha_k for k < order.
+        order: m.
+    """
+    sorting = np.argsort(points)
+    x, w = points[sorting], weights[sorting]
+    coefficients = np.zeros((len(x), order))
+    for k in range(order):
+        n = order - 1 - k
+        for j in range(n + 1):
+            # (x − τ)^n / n!, coefficient of τ^j
+            coefficients[:, j] += w[:, k] * comb(n, j) * (-1.0) ** j * x ** (n - j) / factorial(n)
+    suffix = np.cumsum(coefficients[::-1], axis=0)[::-1]
+    inner = (x > 0.0) & (x < 1.0)
+    breaks, first = np.unique(np.concatenate([[0.0], x[inner], [1.0]]), return_index=True)
+    del first
+    # on [breaks[i], breaks[i+1]] every row with x ≥ breaks[i+1] counts
+    at = np.searchsorted(x, breaks[1:], side="left")
+    table = np.vstack([suffix, np.zeros((1, order))])[at]
+    return Switching(breaks, table)

@@ -1,0 +1,94 @@
+"""Cone programs, solved by Clarabel called directly."""
+
+from __future__ import annotations
+
+import math
+import time
+from dataclasses import dataclass
+
+import clarabel
+import numpy as np
+from scipy import sparse
+
+from synthesis.numerics.piecewise import Array
+from synthesis.solvers.statuses import Stopped
+
+STATUSES = {
+    "Solved": Stopped.SOLVED,
+    "AlmostSolved": Stopped.INACCURATE,
+    "PrimalInfeasible": Stopped.INFEASIBLE,
+    "AlmostPrimalInfeasible": Stopped.INFEASIBLE,
+    "DualInfeasible": Stopped.UNBOUNDED,
+    "AlmostDualInfeasible": Stopped.UNBOUNDED,
+    "MaxTime": Stopped.OUT_OF_TIME,
+    "MaxIterations": Stopped.OUT_OF_ITERATIONS,
+    "InsufficientProgress": Stopped.INACCURATE,
+}
+
+
+@dataclass(frozen=True, eq=False)
+class ConeProgram:
+    """Minimise ½ xᵀPx + qᵀx with b − A x in a product of cones, in this order of rows.
+
+    Attributes:
+        quadratic: P, upper triangle, (n, n). linear: q, (n,).
+        matrix: A, (m, n). rhs: b, (m,).
+        equalities: number of rows with b − Ax = 0.
+        inequalities: number of rows with b − Ax ≥ 0.
+        cones: sizes of the second-order cones that follow.
+    """
+
+    quadratic: sparse.csc_matrix
+    linear: Array
+    matrix: sparse.csc_matrix
+    rhs: Array
+    equalities: int
+    inequalities: int
+    cones: tuple[int, ...]
+
+
+@dataclass(frozen=True, eq=False)
+class ConeSolution:
+    """A point, its multipliers (one per row of A), and why the solver stopped there."""
+
+    x: Array
+    multipliers: Array
+    stopped: Stopped
+    word: str
+    iterations: int
+    seconds: float
+
+
+def solve(program: ConeProgram, time_limit: float = math.inf) -> ConeSolution:
+    """Solve to 1e-10 relative where rounding allows.
+
+    Args:
+        program: the matrices.
+        time_limit: seconds after which the solver gives up.
+    """
+    settings = clarabel.DefaultSettings()
+    settings.verbose = False
+    settings.presolve_enable = False
+    settings.max_threads = 1
+    settings.tol_gap_abs = settings.tol_gap_rel = settings.tol_feas = 1e-10
+    settings.max_iter = 100
+    if math.isfinite(time_limit):
+        settings.time_limit = max(time_limit, 1e-3)
+    kinds = [
+        clarabel.ZeroConeT(program.equalities),
+        clarabel.NonnegativeConeT(program.inequalities),
+        *(clarabel.SecondOrderConeT(size) for size in program.cones),
+    ]
+    started = time.perf_counter()
+    found = clarabel.DefaultSolver(
+        program.quadratic, program.linear, program.matrix, program.rhs, kinds, settings
+    ).solve()
+    word = str(found.status)
+    return ConeSolution(
+        np.asarray(found.x),
+        np.asarray(found.z),
+        STATUSES.get(word, Stopped.FAILED),
+        word,
+        found.iterations,
+        time.perf_counter() - started,
+    )
