@@ -1,0 +1,60 @@
+"""Laws from a dwell to a turn, where the follower goes back without resting (VDI 2143: R-U)."""
+
+from __future__ import annotations
+
+from fractions import Fraction
+from math import pi
+from typing import ClassVar, Literal
+
+from synthesis.laws.base import Ends, MotionLaw, Row, Turn, mirrored
+from synthesis.laws.polynomial import about_both_ends
+from synthesis.motion import StretchKind
+from synthesis.numerics.piecewise import Piecewise
+
+# s in units of 1e-5, from the constant term on: whole, so that s(1) = 1 and s'(1) = 0 exactly
+KLOOMOK_MUFFLEY = (0, 0, 0, 609755, 0, -2078040, 2673155, -1360965, 256095)
+
+
+def double_harmonic() -> Piecewise:
+    """s = 3/8 − cos(πx)/2 + cos(2πx)/8, the last half about x = 1."""
+    cosine = pi / 2.0
+    second = (1 / 8, 2.0 * pi, cosine)
+    waves = [[(-1 / 2, pi, cosine), second], [(1 / 2, pi, cosine), second]]
+    return Piecewise.of([0.0, 0.5, 1.0], [[3 / 8], [3 / 8]], waves, [0.0, 1.0])
+
+
+class DwellTurn(MotionLaw):
+    """From a dwell to a turn: acceleration starts from zero, and is largest at the turn.
+
+    For a rise and a return with no dwell between them; with equal lifts, angles and laws the
+    acceleration is continuous at the turn.
+
+    | kind | s |
+    |---|---|
+    | `double_harmonic` | [(1 − cos πx) − (1 − cos 2πx)/4]/2 |
+    | `kloomok_muffley_8` | 6.09755x³ − 20.78040x⁵ + 26.73155x⁶ − 13.60965x⁷ + 2.56095x⁸ |
+    """
+
+    kind: Literal["double_harmonic", "kloomok_muffley_8"]
+    turn: Turn = "top"
+    rows: ClassVar = {
+        "double_harmonic": Row(
+            "Double harmonic",
+            "Kloomok and Muffley, Plate cam design, Product Engineering (1955); Rothbart (1956)",
+            double_harmonic(),
+        ),
+        "kloomok_muffley_8": Row(
+            "Eighth-power polynomial (Kloomok–Muffley)",
+            "Kloomok and Muffley, Plate cam design, Product Engineering (1955)",
+            about_both_ends([Fraction(c, 100_000) for c in KLOOMOK_MUFFLEY], Fraction(1)),
+        ),
+    }
+
+    @property
+    def ends(self) -> Ends:
+        return "R-U" if self.turn == "top" else "U-R"
+
+    def curve(self, stretch: StretchKind) -> Piecewise:
+        shape = self.rows[self.kind].shape
+        towards_turn = (stretch == "rise") == (self.turn == "top")
+        return shape if towards_turn else mirrored(shape)
