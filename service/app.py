@@ -1,0 +1,84 @@
+"""create_app: routes, error table, documentation and what surrounds every request."""
+
+from __future__ import annotations
+
+from collections.abc import AsyncIterator, Callable
+from contextlib import AbstractAsyncContextManager, asynccontextmanager
+from typing import Any
+
+from fastapi import FastAPI
+from starlette.middleware.cors import CORSMiddleware
+from starlette_compress import CompressMiddleware
+
+from service import pages, problem
+from service.body_limit import BodyLimit
+from service.documentation import OPENAPI_URL, TITLE, client_name, describe
+from service.engine import Engine, running_engine
+from service.etag import TagEncodings
+from service.jobs import Jobs
+from service.metrics import Metrics
+from service.observe import Observe
+from service.routes import catalogue, designs, files, operation
+from service.settings import Settings
+from service.state import State
+from service.store import Store
+
+EngineOf = Callable[[Settings], AbstractAsyncContextManager[Engine]]
+EXPOSED = ("ETag", "Location", "Content-Location", "Retry-After", "X-Request-ID")
+
+
+def create_app(settings: Settings, engine_of: EngineOf = running_engine) -> FastAPI:
+    """The service; ``engine_of`` makes the engine that it runs its designs on."""
+    metrics = Metrics()
+
+    @asynccontextmanager
+    async def lifespan(app: FastAPI) -> AsyncIterator[None]:
+        store = Store(settings)
+        async with engine_of(settings) as engine:
+            jobs = Jobs(engine, store, metrics, settings)
+            app.state.parts = State(settings, metrics, engine, store, jobs)
+            await jobs.resume()
+            yield
+            await jobs.close()
+        await store.close()
+
+    app = FastAPI(
+        title=TITLE,
+        lifespan=lifespan,
+        openapi_url=OPENAPI_URL,
+        docs_url=None,
+        redoc_url=None,
+        swagger_ui_oauth2_redirect_url=None,
+        generate_unique_id_function=client_name,
+        redirect_slashes=False,
+    )
+    for routes in (designs, files, catalogue, operation):
+        app.include_router(routes.router)
+    pages.install(app)
+    problem.install(app)
+    _surround(app, settings, metrics)
+    _document(app)
+    return app
+
+
+def _surround(app: FastAPI, settings: Settings, metrics: Metrics) -> None:
+    """From the inside out."""
+    app.add_middleware(BodyLimit, max_bytes=settings.max_body_bytes)
+    app.add_middleware(CompressMiddleware, minimum_size=1000)
+    app.add_middleware(TagEncodings)
+    if settings.cors_origins:
+        app.add_middleware(
+            CORSMiddleware,
+            allow_origins=settings.cors_origins,
+            allow_methods=["GET", "POST", "DELETE"],
+            allow_headers=["*"],
+            expose_headers=EXPOSED,
+        )
+    app.add_middleware(Observe, metrics=metrics)
+
+
+def _document(app: FastAPI) -> None:
+    def openapi() -> dict[str, Any]:
+        return describe(app)
+
+    app.openapi = openapi  # type: ignore[method-assign]

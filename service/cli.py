@@ -1,0 +1,135 @@
+"""The command `camwright`."""
+
+from __future__ import annotations
+
+import json
+import time
+from pathlib import Path
+from typing import Annotated, Any, NoReturn
+
+import typer
+from rich.console import Console
+
+from service.body import parsed, validated
+from service.errors import InvalidBody, ServiceError
+from service.settings import Settings
+from synthesis.design import Design, engine_version
+from synthesis.errors import CamwrightError, TimeBudgetExceeded
+from synthesis.spec import DesignSpec
+
+app = typer.Typer(
+    add_completion=False, no_args_is_help=True, pretty_exceptions_enable=False,
+    help="Certified cam synthesis: as a service, or one design at a time.",
+)  # fmt: skip
+out, err = Console(highlight=False), Console(stderr=True, highlight=False, markup=False)
+
+
+def _version(wanted: bool) -> None:
+    if wanted:
+        out.print(f"camwright {engine_version()}")
+        raise typer.Exit
+
+
+@app.callback()
+def _root(
+    version: Annotated[
+        bool, typer.Option("--version", callback=_version, is_eager=True, help="Print it and stop.")
+    ] = False,
+) -> None:
+    """Certified cam synthesis."""
+
+
+@app.command()
+def serve(
+    host: Annotated[str | None, typer.Option(help="Address to listen on.")] = None,
+    port: Annotated[int | None, typer.Option(help="Port to listen on.")] = None,
+    database_url: Annotated[str | None, typer.Option(help="SQLAlchemy address.")] = None,
+    scheduler: Annotated[str | None, typer.Option(help="Dask scheduler to use.")] = None,
+) -> None:
+    """Start the service. What is left out comes from CAMWRIGHT_* or the defaults."""
+    from service.run import serve as run
+
+    asked = {"host": host, "port": port, "database_url": database_url, "scheduler": scheduler}
+    given: dict[str, Any] = {name: value for name, value in asked.items() if value is not None}
+    run(Settings(**given))
+
+
+@app.command()
+def design(
+    spec: Annotated[Path, typer.Argument(help="File with a DesignSpec, or a worked example.")],
+    out_dir: Annotated[Path, typer.Option("--out", help="Folder for the results.")] = Path(),
+) -> None:
+    """Synthesise one cam here, without a service; write design.json, profile.csv, motion.csv."""
+    asked = _read(spec)
+    started = time.perf_counter()
+    done = _synthesised(asked)
+    took = time.perf_counter() - started
+    names = _write(done, out_dir)
+    gap = "" if done.certificate.gap is None else f", gap {100.0 * done.certificate.gap:.2f} %"
+    sizes = ", ".join(f"{name} {value:.4f}" for name, value in done.dimensions.items())
+    out.print(f"{done.status}{gap}, {1e3 * took:.0f} ms: {sizes}")
+    out.print(f"Written to {out_dir}: {', '.join(names)}")
+    if done.conflict is not None:
+        out.print(f"These limits cannot hold together: {', '.join(done.conflict.limits)}")
+        raise typer.Exit(3)
+
+
+def _read(path: Path) -> DesignSpec:
+    """The spec in a file; one readable line for each thing that is wrong with it."""
+    try:
+        body = path.read_bytes()
+        document = parsed(body)
+        if isinstance(document, dict) and "value" in document and "program" not in document:
+            body = json.dumps(document["value"]).encode()
+        return validated(body, DesignSpec)
+    except OSError as error:
+        _stop(f"{path} cannot be read: {error.strerror}.")
+    except InvalidBody as error:
+        for found in error.violations:
+            where = found["pointer"] or "the whole"
+            err.print(f"{path}: {where} = {found['value']!r}: {found['rule']}. {found['way_out']}")
+        raise typer.Exit(2) from None
+    except ServiceError as error:
+        _stop(f"{path}: {error}")
+
+
+def _synthesised(spec: DesignSpec) -> Design:
+    from synthesis.pipeline import synthesise
+
+    budget = Settings().budget_s(spec.time_budget_s)
+    try:
+        return synthesise(spec, deadline=time.monotonic() + budget)
+    except TimeBudgetExceeded as error:
+        if error.best is None:
+            _stop(str(error))
+        err.print(str(error))
+        best: Design = error.best
+        return best
+    except CamwrightError as error:
+        _stop(str(error))
+
+
+def _write(design: Design, folder: Path) -> list[str]:
+    from synthesis.exporters import MOTION_FORMATS, PROFILE_FORMATS, MotionOptions, ProfileOptions
+
+    files = {"design.json": design.model_dump_json(indent=1).encode()}
+    if design.status != "infeasible":
+        files["profile.csv"] = PROFILE_FORMATS["csv"].write(design, ProfileOptions())
+        files["motion.csv"] = MOTION_FORMATS["csv"].write(design, MotionOptions())
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+        for name, content in files.items():
+            (folder / name).write_bytes(content)
+    except OSError as error:
+        _stop(f"{folder} cannot be written to: {error.strerror}.")
+    return list(files)
+
+
+def _stop(sentence: str) -> NoReturn:
+    err.print(sentence)
+    raise typer.Exit(2)
+
+
+def main() -> None:
+    """Entry point."""
+    app()

@@ -1,0 +1,94 @@
+"""What the OpenAPI document says beyond what FastAPI reads from the handlers."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from fastapi import FastAPI
+from fastapi.openapi.utils import get_openapi
+from fastapi.routing import APIRoute
+
+from service.errors import BY_STATUS, PROBLEMS
+from service.examples import examples
+from service.problem import MEDIA_TYPE, Problem
+from synthesis.design import engine_version
+
+TITLE = "Camwright"
+DESCRIPTION = """\
+Say what the follower must do and what the cam must not exceed; Camwright picks base radius, offset
+and motion law **together**, proves that every limit holds at **every** cam angle, and hands back
+the profile.
+
+1. `POST /v1/designs` with a spec: the motion program, the follower, the limits, what to make small.
+   The worked examples below are a good start.
+2. Read `status`, `dimensions`, `extremes` (each limit: value, where, margin) and `certificate`
+   (how close to the best possible the answer is).
+3. Take the points: `/v1/designs/{id}/profile.csv`, `.txt`, `.json`, `.svg`, and `/motion.*`.
+
+**Units** are in the field names: mm, degrees of cam angle, rpm; velocity to jerk in mm/s to mm/s³
+at the given speed. **Angles** count from the start of the program in the sense that the program
+runs. **A number** fixes a dimension, `{"min", "max"}` leaves it free in between, leaving it out
+leaves it free. **A law** is named, or `spline`: then it is part of the answer.
+
+Infeasible is a result, not an error: `status` is `infeasible` and `conflict` names the limits that
+cannot hold together and the least change of each that would help. Everything that does go wrong is
+a problem document (RFC 9457, `application/problem+json`) that names field, value, rule and way out.
+
+The same spec gives the same id and the same bytes; results carry a strong `ETag`.
+"""
+TAGS = [
+    {"name": "designs", "description": "Ask for a cam; look at it, list them, forget it."},
+    {"name": "files", "description": "Points and curves of a finished design."},
+    {"name": "catalogue", "description": "What a spec may name, and what this server allows."},
+    {"name": "operation", "description": "For those who run the service."},
+]
+OPENAPI_URL = "/openapi.json"
+
+
+def problems(*statuses: int) -> dict[int | str, dict[str, Any]]:
+    """Responses that are problem documents, by reference."""
+    titles = {kind.status: kind.title for kind in (*PROBLEMS.values(), *BY_STATUS.values())}
+    content = {MEDIA_TYPE: {"schema": {"$ref": "#/components/schemas/Problem"}}}
+    return {
+        status: {"description": f"{titles[status]}.", "content": content} for status in statuses
+    }
+
+
+def spec_body() -> dict[str, Any]:
+    """The request body of POST /v1/designs with its worked examples."""
+    content = {
+        "schema": {"$ref": "#/components/schemas/DesignSpec"},
+        "examples": examples(),
+    }
+    return {"requestBody": {"required": True, "content": {"application/json": content}}}
+
+
+def client_name(route: APIRoute) -> str:
+    """The handler's own name: what a generated client's method is called."""
+    return route.name
+
+
+def describe(app: FastAPI) -> dict[str, Any]:
+    """The OpenAPI document, made once."""
+    if app.openapi_schema is None:
+        document = get_openapi(
+            title=TITLE,
+            version=engine_version(),
+            summary="Certified cam synthesis over HTTP",
+            description=DESCRIPTION,
+            routes=app.routes,
+            tags=TAGS,
+            license_info={"name": "MIT", "identifier": "MIT"},
+            separate_input_output_schemas=False,
+        )
+        schemas = document["components"]["schemas"]
+        reference = "#/components/schemas/{model}"
+        own = Problem.model_json_schema(ref_template=reference)
+        for name, schema in own.pop("$defs").items():
+            schemas.setdefault(name, schema)
+        schemas["Problem"] = own
+        for unused in ("HTTPValidationError", "ValidationError"):
+            schemas.pop(unused, None)
+        document["components"]["schemas"] = dict(sorted(schemas.items()))
+        app.openapi_schema = document
+    return app.openapi_schema

@@ -1,0 +1,120 @@
+"""What the service raises on purpose, and the one table from exceptions to problems."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+from sqlalchemy.exc import SQLAlchemyError
+
+from synthesis.errors import InputError, SolverFailed, TimeBudgetExceeded
+
+
+class ServiceError(Exception):
+    """Root of what the service raises; its text is for the caller.
+
+    Args:
+        detail: what went wrong and the way out, in sentences.
+        headers: to send with the answer.
+    """
+
+    def __init__(self, detail: str, headers: dict[str, str] | None = None) -> None:
+        super().__init__(detail)
+        self.detail, self.headers = detail, headers or {}
+
+
+class InvalidBody(ServiceError):
+    """The body is JSON but not what was asked for; ``violations`` says where and why."""
+
+    def __init__(self, detail: str, violations: list[dict[str, Any]]) -> None:
+        super().__init__(detail)
+        self.violations = violations
+
+
+class NotJson(ServiceError):
+    """The body cannot be read as JSON."""
+
+
+class WrongMediaType(ServiceError):
+    """The body is declared as something else than JSON."""
+
+
+class BodyTooLarge(ServiceError):
+    """The body is larger than this server reads."""
+
+
+class UnknownDesign(ServiceError):
+    """No design has this id."""
+
+
+class BadQuery(ServiceError):
+    """A query parameter or a header makes no sense."""
+
+
+class NotDone(ServiceError):
+    """The design is still being worked on: it has no files yet."""
+
+
+class NothingFits(ServiceError):
+    """The design is infeasible: there is no cam to export."""
+
+
+class KeyReused(ServiceError):
+    """An Idempotency-Key came back with another body."""
+
+
+class Busy(ServiceError):
+    """More designs are waiting than this server takes."""
+
+
+class WorkerLost(ServiceError):
+    """The process that worked on the design died."""
+
+
+class EngineUnreachable(ServiceError):
+    """There is no worker to send the design to."""
+
+
+class Dismissed(ServiceError):
+    """The design was deleted while it was being worked on."""
+
+
+@dataclass(frozen=True)
+class Kind:
+    """A type of problem: its HTTP status, its slug under /problems/, and its title."""
+
+    status: int
+    slug: str
+    title: str
+
+
+PROBLEMS: dict[type[Exception], Kind] = {
+    InvalidBody: Kind(422, "invalid-request", "The request makes no sense"),
+    BadQuery: Kind(422, "invalid-parameter", "A parameter or header makes no sense"),
+    InputError: Kind(422, "invalid-design", "The design makes no sense"),
+    KeyReused: Kind(422, "idempotency-key-reused", "The key belongs to another request"),
+    NotJson: Kind(400, "not-json", "The body is not JSON"),
+    UnknownDesign: Kind(404, "unknown-design", "No such design"),
+    NotDone: Kind(409, "not-done", "The design is not finished"),
+    NothingFits: Kind(409, "nothing-fits", "The design is infeasible and has no files"),
+    Dismissed: Kind(409, "dismissed", "The design was dismissed"),
+    BodyTooLarge: Kind(413, "body-too-large", "The body is too large"),
+    WrongMediaType: Kind(415, "wrong-media-type", "The body must be application/json"),
+    Busy: Kind(429, "busy", "Too many designs are waiting"),
+    SolverFailed: Kind(500, "solver-failed", "The solver gave no usable answer"),
+    WorkerLost: Kind(503, "worker-lost", "The worker was lost"),
+    EngineUnreachable: Kind(503, "engine-unreachable", "No worker can be reached"),
+    SQLAlchemyError: Kind(503, "store-unreachable", "The store cannot be reached"),
+    TimeBudgetExceeded: Kind(504, "time-budget", "The time budget ended first"),
+}
+BY_STATUS: dict[int, Kind] = {
+    404: Kind(404, "not-found", "Nothing is here"),
+    405: Kind(405, "method-not-allowed", "This resource does not know the method"),
+    500: Kind(500, "internal", "Something went wrong in the service"),
+}
+
+
+def kind_of(error: Exception) -> Kind | None:
+    """The row of the table for an exception, by its nearest class; None where there is none."""
+    rows = (PROBLEMS[base] for base in type(error).__mro__ if base in PROBLEMS)
+    return next(rows, None)

@@ -1,0 +1,22 @@
+"""The worked examples: documentation, fixtures of the tests and smoke tests at once."""
+
+from __future__ import annotations
+
+import json
+from functools import cache
+from pathlib import Path
+from typing import Any
+
+FOLDERS = (
+    Path(__file__).resolve().parents[1] / "openapi" / "examples",  # a checkout
+    Path.cwd() / "openapi" / "examples",  # an installation, as in the container
+)
+SELF_CHECK = "example-13-6-sized"
+
+
+@cache
+def examples() -> dict[str, dict[str, Any]]:
+    """By file name: summary, description and value, the spec. Empty where none were installed."""
+    folder = next((folder for folder in FOLDERS if folder.is_dir()), None)
+    files = sorted(folder.glob("*.json")) if folder else []
+    return {file.stem: json.loads(file.read_text(encoding="utf-8")) for file in files}

@@ -1,0 +1,136 @@
+"""/v1/motion-laws, /v1/followers, /v1/formats, /v1/limits: what there is, read from the core."""
+
+from __future__ import annotations
+
+from typing import Annotated, Any
+
+from fastapi import APIRouter
+from pydantic import BaseModel, Field
+
+from service.routes.files import MAX_POINTS_PER_DEGREE, MIN_TOLERANCE_UM
+from service.state import Parts
+from synthesis.exporters import MOTION_FORMATS, PROFILE_FORMATS, Exporter
+from synthesis.followers import FOLLOWERS
+from synthesis.laws import LAWS, SplineLaw
+from synthesis.limits import LIMITS
+from synthesis.objectives import OBJECTIVES
+from synthesis.spec import MAX_SEGMENTS
+
+router = APIRouter(prefix="/v1", tags=["catalogue"])
+
+
+class Entry(BaseModel):
+    """One member of a registry."""
+
+    kind: Annotated[str, Field(description="Its name in a spec.")]
+    title: Annotated[str, Field(description="Its name for people.")]
+    description: Annotated[str, Field(description="What it is, in a sentence or two.")]
+    json_schema: Annotated[dict[str, Any], Field(description="Its fields, as JSON Schema.")]
+
+
+class MotionLawEntry(Entry):
+    """A motion law."""
+
+    source: Annotated[str, Field(description="Where its formula is from.")]
+
+
+class FollowerEntry(Entry):
+    """A follower family."""
+
+    size_names: Annotated[list[str], Field(description="The size variables that are solved for.")]
+
+
+class FormatEntry(BaseModel):
+    """A file format."""
+
+    name: Annotated[str, Field(description="Last part of the path, as in profile.csv.")]
+    title: str
+    media_type: str
+    extension: str
+
+
+class Formats(BaseModel):
+    """The files that a finished design can be had as."""
+
+    profile: list[FormatEntry]
+    motion: list[FormatEntry]
+
+
+class ServerLimits(BaseModel):
+    """What this server allows."""
+
+    max_body_bytes: Annotated[int, Field(description="Largest request body [bytes].")]
+    time_budget_s: Annotated[float, Field(description="Time for a design that asks for none [s].")]
+    max_time_budget_s: Annotated[float, Field(description="Most that a design may have [s].")]
+    max_segments: Annotated[int, Field(description="Segments in a program.")]
+    max_points_per_degree: Annotated[float, Field(description="Density of exported points.")]
+    min_tolerance_um: Annotated[float, Field(description="Finest chord tolerance [µm].")]
+    max_waiting: Annotated[int, Field(description="Designs that may wait for a worker.")]
+    workers: Annotated[int, Field(description="Designs worked on at the same time.")]
+
+
+class Limits(BaseModel):
+    """Limits and objectives that a spec may name, and what this server allows."""
+
+    limits: list[Entry]
+    objectives: list[Entry]
+    server: ServerLimits
+
+
+@router.get("/motion-laws", summary="Motion laws")
+async def list_motion_laws() -> list[MotionLawEntry]:
+    """Every law that a rise or return may name; `spline` is found by the service."""
+    spline = MotionLawEntry(**_entry(SplineLaw, "Spline, chosen by the service"), source="")
+    return [MotionLawEntry(**_entry(law, law.title), source=law.source) for law in LAWS] + [spline]
+
+
+@router.get("/followers", summary="Follower families")
+async def list_followers() -> list[FollowerEntry]:
+    """Every follower family that a spec may name."""
+    return [
+        FollowerEntry(**_entry(family, family.title), size_names=list(family.size_names))
+        for family in FOLLOWERS
+    ]
+
+
+@router.get("/formats", summary="File formats")
+async def list_formats() -> Formats:
+    """The files that a finished design can be had as."""
+    profile = [_format(exporter) for exporter in PROFILE_FORMATS.values()]
+    return Formats(profile=profile, motion=[_format(each) for each in MOTION_FORMATS.values()])
+
+
+@router.get("/limits", summary="Limits and objectives, and what this server allows")
+async def list_limits(parts: Parts) -> Limits:
+    """Every limit and objective that a spec may name, and what this server allows."""
+    settings = parts.settings
+    return Limits(
+        limits=[Entry(**_entry(limit, limit.title)) for limit in LIMITS],
+        objectives=[Entry(**_entry(each, each.title)) for each in OBJECTIVES],
+        server=ServerLimits(
+            max_body_bytes=settings.max_body_bytes,
+            time_budget_s=settings.time_budget_s,
+            max_time_budget_s=settings.max_time_budget_s,
+            max_segments=MAX_SEGMENTS,
+            max_points_per_degree=MAX_POINTS_PER_DEGREE,
+            min_tolerance_um=MIN_TOLERANCE_UM,
+            max_waiting=settings.max_waiting,
+            workers=parts.engine.slots,
+        ),
+    )
+
+
+def _entry(member: type[BaseModel], title: str) -> dict[str, Any]:
+    description = (member.__doc__ or "").strip().partition("\n\n")[0].replace("\n    ", " ")
+    kind = member.model_fields["kind"].default
+    schema = member.model_json_schema()
+    return {"kind": kind, "title": title, "description": description, "json_schema": schema}
+
+
+def _format(exporter: Exporter[Any]) -> FormatEntry:
+    return FormatEntry(
+        name=exporter.name,
+        title=exporter.title,
+        media_type=exporter.media_type,
+        extension=exporter.extension,
+    )

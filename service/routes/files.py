@@ -1,0 +1,137 @@
+"""/v1/designs/{id}/profile.* and motion.*: one path for each format of the registries."""
+
+from __future__ import annotations
+
+import asyncio
+import re
+from collections.abc import Awaitable, Callable
+from dataclasses import asdict
+from typing import Annotated, Any, Literal
+
+from fastapi import APIRouter, Query, Request, Response
+from pydantic import BaseModel, ConfigDict, Field
+
+from service.documentation import problems
+from service.errors import NotDone, NothingFits
+from service.etag import tag_of, unchanged
+from service.routes.designs import known
+from service.state import Parts, State
+from synthesis.design import Design
+from synthesis.exporters import (
+    MOTION_FORMATS,
+    PROFILE_FORMATS,
+    Exporter,
+    MotionOptions,
+    ProfileOptions,
+)  # fmt: skip
+
+router = APIRouter(prefix="/v1/designs/{design_id}", tags=["files"])
+MAX_POINTS_PER_DEGREE = 100.0
+MIN_TOLERANCE_UM = 0.01
+
+Density = Annotated[
+    float,
+    Field(gt=0.0, le=MAX_POINTS_PER_DEGREE, description="Points per degree of cam angle."),
+]
+
+
+class ProfileQuery(BaseModel):
+    """How the curve is sampled."""
+
+    model_config = ConfigDict(extra="forbid", allow_inf_nan=False)
+
+    points_per_degree: Density = ProfileOptions().points_per_degree
+    tolerance_um: Annotated[
+        float | None,
+        Field(
+            ge=MIN_TOLERANCE_UM,
+            le=1e6,
+            description="Largest distance of a chord from the curve [µm]; decides instead of "
+            "points_per_degree.",
+        ),
+    ] = None
+    curve: Annotated[
+        Literal["profile", "pitch"],
+        Field(description="The cam's profile, or the path of the roller's centre."),
+    ] = "profile"
+
+
+class MotionQuery(BaseModel):
+    """How the motion is sampled."""
+
+    model_config = ConfigDict(extra="forbid", allow_inf_nan=False)
+
+    points_per_degree: Density = MotionOptions().points_per_degree
+
+
+async def _file(
+    request: Request, parts: State, name: str, part: str, exporter: Exporter[Any], options: Any
+) -> Response:
+    """The file of a finished design, made in a thread, or 304."""
+    row = await known(parts, name)
+    if row.state != "done" or row.design is None:
+        raise NotDone(f"Design {name} is {row.state}: GET /v1/designs/{name} says how it stands.")
+    if row.status == "infeasible":
+        raise NothingFits("No cam fits these limits: see conflict in the design for what would.")
+    tag = tag_of(row.etag or "", part, exporter.name, repr(asdict(options)))
+    return unchanged(request, tag) or Response(
+        await asyncio.to_thread(_written, row.design, exporter, options),
+        headers={"ETag": f'"{tag}"', "Content-Disposition": _disposition(row.name, part, exporter)},
+        media_type=exporter.media_type,
+    )
+
+
+def _written(design: bytes, exporter: Exporter[Any], options: Any) -> bytes:
+    return exporter.write(Design.model_validate_json(design), options)
+
+
+def _disposition(name: str, part: str, exporter: Exporter[Any]) -> str:
+    """File names that every system takes; pictures are shown, all else is saved."""
+    stem = re.sub(r"[^A-Za-z0-9._-]+", "-", name).strip("-.")[:60] or "cam"
+    how = "inline" if exporter.name == "svg" else "attachment"
+    return f'{how}; filename="{stem}-{part}{exporter.extension}"'
+
+
+def _profile(exporter: Exporter[ProfileOptions]) -> Callable[..., Awaitable[Response]]:
+    async def handler(
+        request: Request, design_id: str, parts: Parts, options: Annotated[ProfileQuery, Query()]
+    ) -> Response:
+        wanted = ProfileOptions(**options.model_dump())
+        return await _file(request, parts, design_id, "profile", exporter, wanted)
+
+    return handler
+
+
+def _motion(exporter: Exporter[MotionOptions]) -> Callable[..., Awaitable[Response]]:
+    async def handler(
+        request: Request, design_id: str, parts: Parts, options: Annotated[MotionQuery, Query()]
+    ) -> Response:
+        wanted = MotionOptions(**options.model_dump())
+        return await _file(request, parts, design_id, "motion", exporter, wanted)
+
+    return handler
+
+
+def _add(part: str, exporter: Exporter[Any], handler: Callable[..., Awaitable[Response]]) -> None:
+    content = {exporter.media_type.partition(";")[0]: {"schema": _schema(exporter)}}
+    described = {"description": exporter.title, "content": content}
+    router.add_api_route(
+        f"/{part}.{exporter.name}",
+        handler,
+        name=f"get_{part}_{exporter.name}",
+        summary=f"{part.capitalize()}: {exporter.title}",
+        response_class=Response,
+        responses={
+            200: described, 304: {"description": "You have it."}, **problems(404, 409, 422)
+        },
+    )  # fmt: skip
+
+
+def _schema(exporter: Exporter[Any]) -> dict[str, str]:
+    return {"type": "object"} if exporter.media_type == "application/json" else {"type": "string"}
+
+
+for _exporter in PROFILE_FORMATS.values():
+    _add("profile", _exporter, _profile(_exporter))
+for _exporter_of_motion in MOTION_FORMATS.values():
+    _add("motion", _exporter_of_motion, _motion(_exporter_of_motion))

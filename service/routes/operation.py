@@ -1,0 +1,108 @@
+"""/livez, /readyz, /metrics, /v1/version, /problems/{slug}: for those who run the service."""
+
+from __future__ import annotations
+
+import platform
+from typing import Annotated, Literal
+
+from fastapi import APIRouter, Response
+from pydantic import BaseModel, Field
+from sqlalchemy.exc import SQLAlchemyError
+from starlette.exceptions import HTTPException
+
+from service.documentation import problems
+from service.errors import BY_STATUS, PROBLEMS
+from service.state import Parts
+from synthesis.design import engine_version
+
+router = APIRouter(tags=["operation"])
+
+
+class Alive(BaseModel):
+    """The process answers."""
+
+    status: Literal["alive"] = "alive"
+
+
+class Ready(BaseModel):
+    """Whether designs can be worked on now."""
+
+    ready: bool
+    store: Annotated[bool, Field(description="The database answers.")]
+    workers: Annotated[int, Field(description="Workers that can be reached.")]
+
+
+class Version(BaseModel):
+    """What is running."""
+
+    name: Literal["camwright"] = "camwright"
+    version: Annotated[str, Field(description="Part of what a design's id is made from.")]
+    python: str
+
+
+class ProblemKind(BaseModel):
+    """A kind of problem."""
+
+    type: str
+    title: str
+    status: int
+    meaning: str
+
+
+@router.get("/livez", summary="Is the process alive?")
+async def get_livez() -> Alive:
+    """Answers as long as the process does."""
+    return Alive()
+
+
+@router.get(
+    "/readyz",
+    responses={503: {"model": Ready, "description": "Not now."}},
+    summary="Can it take designs?",
+)
+async def get_readyz(parts: Parts, response: Response) -> Ready:
+    """200 when the store answers and a worker can be reached, otherwise 503."""
+    try:
+        store = await parts.store.reachable()
+    except SQLAlchemyError:
+        store = False
+    workers = parts.engine.workers()
+    ready = store and workers > 0
+    response.status_code = 200 if ready else 503
+    return Ready(ready=ready, store=store, workers=workers)
+
+
+@router.get(
+    "/metrics",
+    response_class=Response,
+    responses={200: {"content": {"text/plain": {"schema": {"type": "string"}}}}},
+    summary="For Prometheus",
+)
+async def get_metrics(parts: Parts) -> Response:
+    """Requests by route, solve times, designs by status, the queue."""
+    engine, counts = parts.engine, await parts.store.counts()
+    page = parts.metrics.page(counts, engine.waiting, engine.running, engine.workers())
+    return Response(page, media_type="text/plain; version=0.0.4")
+
+
+@router.get("/v1/version", summary="What is running")
+async def get_version() -> Version:
+    """The version that answers."""
+    return Version(version=engine_version(), python=platform.python_version())
+
+
+@router.get("/problems/{slug}", responses=problems(404), summary="What a kind of problem means")
+async def get_problem_kind(slug: str) -> ProblemKind:
+    """Where `type` of a problem document leads."""
+    for error, kind in PROBLEMS.items():
+        if kind.slug == slug:
+            meaning = (error.__doc__ or kind.title).partition("\n\n")[0]
+            return ProblemKind(
+                type=f"/problems/{slug}", title=kind.title, status=kind.status, meaning=meaning
+            )
+    for kind in BY_STATUS.values():
+        if kind.slug == slug:
+            return ProblemKind(
+                type=f"/problems/{slug}", title=kind.title, status=kind.status, meaning=kind.title
+            )
+    raise HTTPException(404)

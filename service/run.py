@@ -1,0 +1,106 @@
+"""Start the service, let it synthesise one cam as a self-check, and print the addresses."""
+
+from __future__ import annotations
+
+import asyncio
+import errno
+import json
+import logging
+import socket
+import sys
+import time
+from typing import Any
+
+import uvicorn
+from fastapi import FastAPI
+
+from service.app import create_app
+from service.examples import SELF_CHECK, examples
+from service.observe import configure_logs
+from service.settings import Settings
+from service.state import State
+from synthesis.spec import DesignSpec
+
+
+def serve(settings: Settings) -> None:
+    """Run until told to stop; ends the process with one sentence where that cannot be."""
+    configure_logs(settings.log_level)
+    listening = bound(settings)
+    app = create_app(settings)
+    config = uvicorn.Config(app, log_config=None, access_log=False, server_header=False)
+    logging.getLogger("uvicorn").setLevel(logging.WARNING)
+    sys.stdout.write("Camwright is starting its workers ...\n")
+    sys.stdout.flush()
+    port = listening.getsockname()[1]
+    _Server(config, app, f"http://{_reachable(settings.host)}:{port}").run([listening])
+
+
+def bound(settings: Settings) -> socket.socket:
+    """A socket at the address asked for; one sentence and exit 1 where it is not to be had."""
+    family = socket.AF_INET6 if ":" in settings.host else socket.AF_INET
+    listening = socket.socket(family)
+    listening.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
+    try:
+        listening.bind((settings.host, settings.port))
+        listening.listen(256)
+    except OSError as error:
+        taken = error.errno == errno.EADDRINUSE
+        reason = "is taken by another program" if taken else f"cannot be used ({error.strerror})"
+        sys.exit(
+            f"Port {settings.port} on {settings.host} {reason}: choose another one with "
+            "--port or CAMWRIGHT_PORT."
+        )
+    listening.set_inheritable(True)
+    return listening
+
+
+class _Server(uvicorn.Server):
+    """Says what it can do once it listens."""
+
+    def __init__(self, config: uvicorn.Config, app: FastAPI, address: str) -> None:
+        super().__init__(config)
+        self._app, self._address = app, address
+
+    async def startup(self, sockets: list[socket.socket] | None = None) -> None:
+        await super().startup(sockets)
+        if self.started:
+            self._greeting = asyncio.create_task(self._greet())
+
+    async def _greet(self) -> None:
+        parts: State = self._app.state.parts
+        lines = [await self_check(parts)]
+        paths = {"start": "/", "try it": "/docs", "reference": "/redoc", "API": "/v1/designs"}
+        lines += [f"{name:>10}  {self._address}{path}" for name, path in paths.items()]
+        lines.append(f"{'designs in':>10}  {parts.settings.database.render_as_string()}")
+        sys.stdout.write("\n".join(lines) + "\nStop with Ctrl-C.\n")
+        sys.stdout.flush()
+
+
+async def self_check(parts: State) -> str:
+    """One line on the first worked example, synthesised now."""
+    example = examples().get(SELF_CHECK)
+    if example is None:
+        return "Self-check left out: no worked examples are installed."
+    spec = DesignSpec.model_validate(example["value"])
+    started = time.perf_counter()
+    try:
+        answer = await parts.engine.solve(spec.model_dump_json().encode(), 30.0)
+    except Exception as error:  # whatever it is, the service itself has started
+        return f"Self-check FAILED: {error}"
+    return _in_words(json.loads(answer.design), answer.seconds, time.perf_counter() - started)
+
+
+def _in_words(design: dict[str, Any], core_s: float, whole_s: float) -> str:
+    proven, sizes = design["certificate"], design["dimensions"]
+    gap = "?" if proven["gap"] is None else f"{100.0 * proven['gap']:.2f} %"
+    return (
+        f"Self-check, {design['name']}: base radius {sizes['base_radius_mm']:.3f} mm, "
+        f"offset {sizes['offset_mm']:.3f} mm, gap {gap}, "
+        f"{'certified' if proven['certified'] else 'NOT CERTIFIED'}, "
+        f"{1e3 * core_s:.0f} ms in the core, {1e3 * whole_s:.0f} ms with the way there."
+    )
+
+
+def _reachable(host: str) -> str:
+    """The host as a browser on this machine can use it."""
+    return {"0.0.0.0": "127.0.0.1", "::": "[::1]"}.get(host, f"[{host}]" if ":" in host else host)

@@ -1,0 +1,71 @@
+"""Which fields the schema of a design knows at a place of a document: for hints only."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from functools import cache
+from typing import Any
+
+from synthesis.spec import DesignSpec
+
+Schema = dict[str, Any]
+
+
+@cache
+def _whole() -> Schema:
+    return DesignSpec.model_json_schema()
+
+
+def properties_at(body: Any, path: Sequence[str | int]) -> dict[str, str]:
+    """Names and descriptions of the fields of the object at ``path``; empty where unknown."""
+    schemas, at = [_whole()], body
+    for part in path:
+        schemas = [below for schema in schemas for below in _below(schema, at, part)]
+        at = _child(at, part)
+    found: dict[str, str] = {}
+    for schema in schemas:
+        for member in _members(schema, at):
+            for name, inner in member.get("properties", {}).items():
+                found.setdefault(name, inner.get("description", ""))
+    return found
+
+
+def _child(at: Any, part: str | int) -> Any:
+    if isinstance(at, dict):
+        return at.get(part)
+    if isinstance(at, list) and isinstance(part, int) and part < len(at):
+        return at[part]
+    return None
+
+
+def _below(schema: Schema, at: Any, part: str | int) -> Iterator[Schema]:
+    for member in _members(schema, at):
+        if isinstance(part, int) and "items" in member:
+            yield member["items"]
+        elif part in member.get("properties", {}):
+            yield member["properties"][part]
+
+
+def _members(schema: Schema, at: Any) -> Iterator[Schema]:
+    """The schema itself, or the members of a union that the value may be meant as."""
+    schema = _resolved(schema)
+    tag = schema.get("discriminator", {})
+    if tag:
+        kind = at.get(tag["propertyName"]) if isinstance(at, dict) else None
+        if isinstance(kind, str) and kind in tag["mapping"]:
+            yield _resolved({"$ref": tag["mapping"][kind]})
+        return
+    options = schema.get("anyOf") or schema.get("oneOf")
+    if not options:
+        yield schema
+        return
+    for option in options:
+        yield from _members(option, at)
+
+
+def _resolved(schema: Schema) -> Schema:
+    reference = schema.get("$ref")
+    if reference is None:
+        return schema
+    found: Schema = _whole()["$defs"][reference.rpartition("/")[2]]
+    return found

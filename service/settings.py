@@ -1,0 +1,49 @@
+"""The environment, read once: one frozen Settings."""
+
+from __future__ import annotations
+
+from functools import cached_property
+from typing import Annotated
+
+from pydantic import Field
+from pydantic_settings import BaseSettings, SettingsConfigDict
+from sqlalchemy import URL, make_url
+
+
+class Settings(BaseSettings):
+    """What an operator may choose; each field is CAMWRIGHT_<NAME> in the environment."""
+
+    model_config = SettingsConfigDict(env_prefix="CAMWRIGHT_", frozen=True, extra="forbid")
+
+    host: str = "127.0.0.1"
+    port: Annotated[int, Field(ge=0, le=65535)] = 8000
+    database_url: Annotated[
+        str, Field(description="SQLAlchemy address; SQLite by default, PostgreSQL by URL.")
+    ] = "sqlite:///camwright.db"
+    scheduler: Annotated[
+        str | None, Field(description="Address of a Dask scheduler; None starts one of our own.")
+    ] = None
+    workers: Annotated[int, Field(ge=1, le=1024, description="Processes of our own engine.")] = 2
+    time_budget_s: Annotated[
+        float, Field(gt=0.0, description="Time for a design that asks for none [s].")
+    ] = 30.0
+    max_time_budget_s: Annotated[
+        float, Field(gt=0.0, description="Most that a design may ask for [s].")
+    ] = 300.0
+    grace_s: Annotated[
+        float, Field(gt=0.0, description="After the budget, until the worker is stopped [s].")
+    ] = 2.0
+    max_body_bytes: Annotated[int, Field(ge=1024)] = 1_048_576
+    max_waiting: Annotated[int, Field(ge=0, description="Designs that may wait for a worker.")] = 64
+    idempotency_hours: Annotated[float, Field(gt=0.0)] = 24.0
+    cors_origins: list[str] = []
+    log_level: Annotated[str, Field(pattern="^(debug|info|warning|error)$")] = "info"
+
+    @cached_property
+    def database(self) -> URL:
+        """The database's address, taken apart."""
+        return make_url(self.database_url)
+
+    def budget_s(self, asked: float | None) -> float:
+        """Seconds that a design gets: what it asks for, within what this server allows."""
+        return min(asked or self.time_budget_s, self.max_time_budget_s)

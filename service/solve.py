@@ -1,0 +1,81 @@
+"""What a worker does: bytes of a spec in, bytes of a design out. Nothing else crosses the wire."""
+
+from __future__ import annotations
+
+import copyreg
+import time
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Any
+
+from service.links import links_of
+from synthesis.errors import InputError, SolverFailed
+from synthesis.spec import DesignSpec
+
+
+@dataclass(frozen=True)
+class Answer:
+    """A finished design and what lists show of it.
+
+    Attributes:
+        design: the response body.
+        status: optimal, feasible or infeasible.
+        summary: the other fields of a list's row.
+        seconds: time the core took.
+    """
+
+    design: bytes
+    status: str
+    summary: dict[str, Any]
+    seconds: float
+
+
+Task = Callable[[bytes, float], Answer]
+
+
+def solve(spec: bytes, budget_s: float) -> Answer:
+    """Synthesise; runs in a worker process."""
+    from synthesis.pipeline import synthesise  # solvers: not in the API's process
+
+    return answered(synthesise, spec, budget_s)
+
+
+def answered(synthesise: Callable[..., Any], spec: bytes, budget_s: float) -> Answer:
+    """The core's answer to a spec, ready for the store."""
+    started = time.monotonic()
+    asked = DesignSpec.model_validate_json(spec)
+    design = synthesise(asked, deadline=started + budget_s)
+    design = design.model_copy(update={"links": links_of(design.id, design.status)})
+    proven = design.certificate
+    summary = {
+        "dimensions": design.dimensions,
+        "objective": proven.objective,
+        "value": proven.value,
+        "gap": proven.gap,
+        "certified": proven.certified,
+    }
+    body = design.model_dump_json().encode()
+    return Answer(body, design.status, summary, time.monotonic() - started)
+
+
+def warm_up() -> None:
+    """Import the solvers and run them once, so that the first design does not wait for that."""
+    from synthesis.pipeline import synthesise
+
+    synthesise(DesignSpec.model_validate(WARM_UP_SPEC))
+
+
+WARM_UP_SPEC = {
+    "program": [
+        {"kind": "rise", "angle_deg": 90.0, "lift_mm": 10.0},
+        {"kind": "return", "angle_deg": 90.0, "lift_mm": 10.0},
+        {"kind": "dwell", "angle_deg": 180.0},
+    ],
+    "follower": {"kind": "translating_roller", "roller_radius_mm": 5.0},
+    "limits": [{"kind": "pressure_angle", "rise_deg": 30.0, "return_deg": 45.0}],
+    "tolerance": 0.05,
+}
+
+# These take more than one argument, so that pickle needs to be told how to make them again.
+copyreg.pickle(InputError, lambda e: (InputError, (e.field, e.value, e.rule, e.way_out)))
+copyreg.pickle(SolverFailed, lambda e: (SolverFailed, (e.solver, e.status, e.advice)))

@@ -1,0 +1,32 @@
+"""What handlers ask for: the parts of the running application."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Annotated, cast
+
+from fastapi import Depends, Request
+
+from service.engine import Engine
+from service.jobs import Jobs
+from service.metrics import Metrics
+from service.settings import Settings
+from service.store import Store
+
+
+@dataclass(frozen=True)
+class State:
+    """Everything with a life of its own."""
+
+    settings: Settings
+    metrics: Metrics
+    engine: Engine
+    store: Store
+    jobs: Jobs
+
+
+def _state(request: Request) -> State:
+    return cast(State, request.app.state.parts)
+
+
+Parts = Annotated[State, Depends(_state)]

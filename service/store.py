@@ -1,0 +1,182 @@
+"""Designs by id: SQLite by default, PostgreSQL by URL, the same code for both."""
+
+from __future__ import annotations
+
+import asyncio
+from collections.abc import Callable, Sequence
+from concurrent.futures import ThreadPoolExecutor
+from datetime import UTC, datetime, timedelta
+from pathlib import Path
+from typing import Any, TypeVar
+
+from sqlalchemy import (
+    JSON,
+    BigInteger,
+    DateTime,
+    Engine,
+    Integer,
+    LargeBinary,
+    String,
+    create_engine,
+    delete,
+    event,
+    func,
+    select,
+    text,
+    update,
+)  # fmt: skip
+from sqlalchemy.exc import IntegrityError
+from sqlalchemy.orm import DeclarativeBase, Mapped, Session, mapped_column, sessionmaker
+
+from service.settings import Settings
+
+T = TypeVar("T")
+
+
+class Base(DeclarativeBase):
+    """The tables."""
+
+
+class DesignRow(Base):
+    """One design: accepted, done or failed."""
+
+    __tablename__ = "designs"
+
+    sequence: Mapped[int] = mapped_column(
+        BigInteger().with_variant(Integer, "sqlite"), primary_key=True
+    )
+    id: Mapped[str] = mapped_column(String(64), unique=True)
+    name: Mapped[str] = mapped_column(String(200))
+    created: Mapped[datetime] = mapped_column(DateTime(timezone=True))
+    state: Mapped[str] = mapped_column(String(16), index=True)
+    status: Mapped[str | None] = mapped_column(String(16))
+    spec: Mapped[bytes] = mapped_column(LargeBinary)
+    design: Mapped[bytes | None] = mapped_column(LargeBinary)
+    etag: Mapped[str | None] = mapped_column(String(64))
+    summary: Mapped[dict[str, Any]] = mapped_column(JSON, default=dict)
+    problem: Mapped[dict[str, Any] | None] = mapped_column(JSON)
+
+
+class KeyRow(Base):
+    """An Idempotency-Key: which body it came with, and which design it led to."""
+
+    __tablename__ = "idempotency_keys"
+
+    key: Mapped[str] = mapped_column(String(255), primary_key=True)
+    body_hash: Mapped[str] = mapped_column(String(64))
+    design_id: Mapped[str] = mapped_column(String(64))
+    created: Mapped[datetime] = mapped_column(DateTime(timezone=True), index=True)
+
+
+class Store:
+    """Every method is one transaction in a thread of its own: the event loop never waits."""
+
+    def __init__(self, settings: Settings) -> None:
+        self._engine = _connected(settings)
+        self._session = sessionmaker(self._engine, expire_on_commit=False)
+        threads = 1 if self._engine.dialect.name == "sqlite" else 8
+        self._threads = ThreadPoolExecutor(threads, "store")
+        self._kept_for = timedelta(hours=settings.idempotency_hours)
+        Base.metadata.create_all(self._engine)
+
+    async def _do(self, work: Callable[[Session], T]) -> T:
+        def transaction() -> T:
+            with self._session.begin() as session:
+                return work(session)
+
+        return await asyncio.get_running_loop().run_in_executor(self._threads, transaction)
+
+    async def reachable(self) -> bool:
+        """Whether the database answers."""
+        return await self._do(lambda session: session.execute(text("select 1")).scalar()) == 1
+
+    async def find(self, design_id: str) -> DesignRow | None:
+        """The design with this id."""
+        return await self._do(lambda s: s.scalar(select(DesignRow).filter_by(id=design_id)))
+
+    async def put(self, row: DesignRow) -> DesignRow:
+        """Keep a design in place of what there was; one that is done already stays as it is."""
+
+        def work(session: Session) -> DesignRow:
+            there = session.scalar(select(DesignRow).filter_by(id=row.id).with_for_update())
+            if there is None:
+                session.add(row)
+                session.flush()
+                return row
+            if there.state != "done":
+                for field in ("created", "state", "status", "design", "etag", "summary", "problem"):
+                    setattr(there, field, getattr(row, field))
+            return there
+
+        try:
+            return await self._do(work)
+        except IntegrityError:  # another process was first
+            return await self._do(work)
+
+    async def fail(self, design_id: str, problem: dict[str, Any]) -> None:
+        """Note why an accepted design failed; nothing where it was never accepted."""
+        change = update(DesignRow).filter_by(id=design_id, state="accepted")
+        await self._do(lambda s: s.execute(change.values(state="failed", problem=problem)))
+
+    async def remove(self, design_id: str) -> bool:
+        """Forget a design; whether there was one."""
+        gone = delete(DesignRow).filter_by(id=design_id).returning(DesignRow.sequence)
+        return await self._do(lambda s: s.scalar(gone)) is not None
+
+    async def page(self, before: int | None, size: int, status: str | None) -> Sequence[DesignRow]:
+        """Designs from the newest on, those with a smaller sequence than ``before``."""
+        asked = select(DesignRow).order_by(DesignRow.sequence.desc()).limit(size)
+        if before is not None:
+            asked = asked.where(DesignRow.sequence < before)
+        if status is not None:
+            asked = asked.filter_by(status=status)
+        return await self._do(lambda session: session.scalars(asked).all())
+
+    async def unfinished(self) -> Sequence[DesignRow]:
+        """What was accepted and is neither done nor failed."""
+        asked = select(DesignRow).filter_by(state="accepted").order_by(DesignRow.sequence)
+        return await self._do(lambda session: session.scalars(asked).all())
+
+    async def counts(self) -> dict[str, int]:
+        """How many designs there are by status, or by state where they have none."""
+        named = func.coalesce(DesignRow.status, DesignRow.state)
+        asked = select(named, func.count()).group_by(named)
+        return await self._do(lambda session: dict(session.execute(asked).tuples().all()))
+
+    async def key(self, key: str, body_hash: str, design_id: str) -> KeyRow:
+        """What the key stands for: what it was first used for, or this from now on."""
+
+        def work(session: Session) -> KeyRow:
+            now = datetime.now(UTC)
+            session.execute(delete(KeyRow).where(KeyRow.created < now - self._kept_for))
+            there = session.get(KeyRow, key)
+            if there is None:
+                there = KeyRow(key=key, body_hash=body_hash, design_id=design_id, created=now)
+                session.add(there)
+            return there
+
+        try:
+            return await self._do(work)
+        except IntegrityError:
+            return await self._do(work)
+
+    async def close(self) -> None:
+        """Let go of the database."""
+        self._threads.shutdown()
+        self._engine.dispose()
+
+
+def _connected(settings: Settings) -> Engine:
+    url = settings.database
+    if url.get_backend_name() != "sqlite":
+        return create_engine(url, pool_pre_ping=True, pool_size=8)
+    if url.database:
+        Path(url.database).absolute().parent.mkdir(parents=True, exist_ok=True)
+    engine = create_engine(url, connect_args={"check_same_thread": False})
+    event.listen(engine, "connect", _durable)
+    return engine
+
+
+def _durable(connection: Any, _record: Any) -> None:
+    for pragma in ("journal_mode=WAL", "synchronous=FULL", "busy_timeout=5000"):
+        connection.execute(f"PRAGMA {pragma}")

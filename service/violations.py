@@ -1,0 +1,183 @@
+"""What pydantic found wrong, told to the caller: pointer, value, rule, way out."""
+
+from __future__ import annotations
+
+import json
+import math
+from collections.abc import Sequence
+from difflib import get_close_matches
+from typing import Annotated, Any
+
+from pydantic import BaseModel, Field
+
+from service.schema_walk import properties_at
+
+MOST_SHOWN = 50
+LONGEST_VALUE = 200
+# Rules over several fields: where the caller has to look.
+PLACES = {
+    "program_angles": ("program",),
+    "program_lift": ("program",),
+    "program_still": ("program",),
+    "base_radius_positive": ("base_radius_mm",),
+    "offset_beyond_prime_radius": ("follower", "offset_mm"),
+}
+SHAPES = ("model_type", "model_attributes_type", "list_type", "dict_type", "float_type")
+COMPARISONS = {
+    "greater_than": ("gt", "must be greater than"),
+    "greater_than_equal": ("ge", "must be at least"),
+    "less_than": ("lt", "must be less than"),
+    "less_than_equal": ("le", "must be at most"),
+}
+
+Loc = tuple[str | int, ...]
+
+
+class Violation(BaseModel):
+    """One thing that is wrong with the request."""
+
+    pointer: Annotated[
+        str | None, Field(description="JSON pointer (RFC 6901) into the body as it was sent.")
+    ] = None
+    parameter: Annotated[
+        str | None, Field(description="Name of the query parameter, path part or header instead.")
+    ] = None
+    value: Annotated[Any, Field(description="What was found there, shortened where it is long.")]
+    rule: Annotated[str, Field(description="What it has to satisfy.")]
+    way_out: Annotated[str, Field(description="What to do about it.")]
+
+
+def shown(value: Any) -> Any:
+    """A value fit for a problem document: short, and JSON whatever it holds."""
+    if isinstance(value, bytes):
+        value = value.decode("utf-8", "replace")
+    if isinstance(value, float) and not math.isfinite(value):
+        return "NaN" if math.isnan(value) else ("Infinity" if value > 0.0 else "-Infinity")
+    try:
+        text = json.dumps(value, allow_nan=True, default=str, ensure_ascii=False)
+    except (ValueError, RecursionError):
+        return f"a {type(value).__name__}"
+    if isinstance(value, bool | int | float | str | None) and len(text) <= LONGEST_VALUE:
+        return value
+    plain = len(text) <= LONGEST_VALUE and "NaN" not in text and "Infinity" not in text
+    return value if plain else text[: LONGEST_VALUE - 1] + "…"
+
+
+def pointer_to(path: Sequence[str | int]) -> str:
+    """The JSON pointer of a path, '' for the whole document."""
+    parts = (str(part).replace("~", "~0").replace("/", "~1") for part in path)
+    return "".join(f"/{part}" for part in parts)
+
+
+def place(body: Any, loc: Loc, kind: str) -> tuple[tuple[str | int, ...], tuple[str, ...]]:
+    """The path in the document that pydantic's location names, and the names that are only its own.
+
+    Pydantic inserts the tags of discriminated unions and the names of union members; whatever is
+    neither a key nor an index of the document at that point is such a name.
+    """
+    path: list[str | int] = []
+    inserted: list[str] = []
+    at = body
+    for i, part in enumerate(loc):
+        last = i == len(loc) - 1
+        if isinstance(at, dict) and part in at:
+            at = at[str(part)]
+        elif isinstance(at, list) and isinstance(part, int) and part < len(at):
+            at = at[part]
+        elif not (last and kind == "missing"):
+            inserted.append(str(part))
+            continue
+        path.append(part)
+    return tuple(path), tuple(inserted)
+
+
+def of_body(errors: Sequence[Any], body: Any) -> list[dict[str, Any]]:
+    """What is wrong with a body, one entry for each field."""
+    by_place: dict[str, list[tuple[dict[str, Any], bool]]] = {}
+    members: dict[str, set[bool]] = {}
+    for error in errors:
+        path, inserted = place(body, error["loc"], error["type"])
+        path = PLACES.get(error["type"], path)
+        if error["type"] in ("union_tag_invalid", "union_tag_not_found"):
+            path = (*path, error["ctx"]["discriminator"].strip("'"))
+        wrong_shape = error["type"] in SHAPES and any(_is_member(name) for name in inserted)
+        entry = {"pointer": pointer_to(path), **_told(error, path, body)}
+        by_place.setdefault(entry["pointer"], []).append((entry, wrong_shape))
+        for name in inserted:
+            if _is_member(name):
+                whole = pointer_to(place(body, error["loc"][: error["loc"].index(name)], "")[0])
+                members.setdefault(whole, set()).add(wrong_shape)
+    return _settled(by_place, members)[:MOST_SHOWN]
+
+
+def _is_member(name: str) -> bool:
+    """Whether a name in a location is that of a union's member rather than a tag."""
+    return "[" in name or name in ("float", "int", "str")
+
+
+def _settled(
+    by_place: dict[str, list[tuple[dict[str, Any], bool]]], members: dict[str, set[bool]]
+) -> list[dict[str, Any]]:
+    """Of the members of a union, leave out those that the value has not even the shape of."""
+    told = []
+    for pointer, entries in by_place.items():
+        better_elsewhere = False in members.get(pointer, set())
+        kept = [entry for entry, wrong_shape in entries if not (wrong_shape and better_elsewhere)]
+        if len(kept) > 1 and all(wrong for _, wrong in entries):
+            kept = [{**kept[0], "rule": " or ".join(dict.fromkeys(e["rule"] for e in kept))}]
+        told += [entry for i, entry in enumerate(kept) if entry not in kept[:i]]
+    return told
+
+
+def _told(error: Any, path: Sequence[str | int], body: Any) -> dict[str, Any]:
+    kind, ctx, value = error["type"], error.get("ctx") or {}, error.get("input")
+    if kind in COMPARISONS:
+        key, words = COMPARISONS[kind]
+        return _entry(value, f"{words} {ctx[key]:g}", "Give a value within that.")
+    if kind == "missing":
+        meaning = properties_at(body, path[:-1]).get(str(path[-1]) if path else "", "")
+        return _entry(None, "is required", f"Add it. {meaning}".strip())
+    if kind == "extra_forbidden":
+        return _entry(value, "is not a field here", _instead(path, body))
+    if kind in ("union_tag_invalid", "literal_error"):
+        allowed = [word.strip(" '") for word in _listed(ctx)]
+        tag = ctx.get("tag", value)
+        return _entry(tag, f"must be one of {', '.join(allowed)}", _nearest(tag, allowed))
+    if kind == "union_tag_not_found":
+        return _entry(None, "is required", "Add it: it says which kind of thing this is.")
+    if kind == "finite_number":
+        return _entry(value, "must be a finite number", "Leave it out, or give a number.")
+    if kind in PLACES or kind == "range_empty":
+        rule, _, way_out = error["msg"].partition(". ")
+        return _entry(next(iter(ctx.values()), None), rule + ".", way_out)
+    rule = error["msg"].replace("Input should be", "must be").replace(" or instance of", ":")
+    return _entry(value, rule, "Correct it; /docs shows the form and worked examples.")
+
+
+def _entry(value: Any, rule: str, way_out: str) -> dict[str, Any]:
+    return {"value": shown(value), "rule": rule, "way_out": way_out}
+
+
+def _listed(ctx: dict[str, Any]) -> list[str]:
+    return str(ctx.get("expected_tags") or ctx.get("expected", "")).replace(" or ", ", ").split(",")
+
+
+def _nearest(given: Any, allowed: Sequence[str]) -> str:
+    close = get_close_matches(str(given), allowed, n=1)
+    hint = f"Did you mean {close[0]!r}? " if close else ""
+    return f"{hint}Allowed: {', '.join(allowed)}."
+
+
+def _instead(path: Sequence[str | int], body: Any) -> str:
+    allowed = list(properties_at(body, path[:-1]))
+    return _nearest(path[-1], allowed) if allowed else "Remove it."
+
+
+def of_parameters(errors: Sequence[Any]) -> list[dict[str, Any]]:
+    """What is wrong with query parameters, path parts and headers."""
+    told = []
+    for error in errors[:MOST_SHOWN]:
+        name = str(error["loc"][-1])
+        entry = _told({**error, "loc": ()}, (name,), {})
+        told.append({"parameter": name, **entry})
+    return told
