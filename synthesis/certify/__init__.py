@@ -1,0 +1,10 @@
+"""The judge: measures the finished cam at every angle; knows no solver and no formulation."""
+
+from __future__ import annotations
+
+from synthesis.certify.claims import certify
+from synthesis.certify.dimensions import certify_size
+from synthesis.certify.quantities import measure
+from synthesis.numerics.enclosure import Enclosed
+
+__all__ = ["Enclosed", "certify", "certify_size", "measure"]

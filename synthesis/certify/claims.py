@@ -1,0 +1,123 @@
+"""Every limit's claims, measured on the finished cam."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+
+from synthesis.certify.course import Course, Jump
+from synthesis.certify.dimensions import stands
+from synthesis.certify.joints import joins, overshoot
+from synthesis.certify.quantities import (
+    QUANTITIES,
+    Size,
+    corner,
+    enclose_all,
+    infinite,
+)
+from synthesis.design import Extreme
+from synthesis.limits.base import Claim, Limit, Machine
+from synthesis.motion import Motion
+from synthesis.numerics.enclosure import Answer, Question
+from synthesis.units import DEGREE
+
+DERIVATIVES = ("displacement", "velocity", "acceleration", "jerk", "snap")
+
+
+def certify(
+    motion: Motion, machine: Machine, size: tuple[float, ...], limits: Sequence[Limit]
+) -> list[Extreme]:
+    """How far every limit is used on the finished cam, proven for every cam angle.
+
+    Args:
+        motion: the settled motion. machine: the machine around it.
+        size: the follower's size variables [mm]. limits: what was asked.
+
+    Returns:
+        one extreme per claim of the limits, in their order, then what every cam must satisfy:
+        a base radius, a follower that stands beside the cam, a motion that is continuous and
+        keeps the promises of its spline laws.
+    """
+    size = tuple(float(value) for value in size)
+    course = Course(motion)
+    asked = [claim for limit in limits for claim in limit.claims(motion.stretches, machine)]
+    claims = [claim for claim in asked if claim.stretches]
+    if not (course.finite and all(math.isfinite(value) for value in size)):
+        return [_unknown(claim, 0.0, "the motion or the size is not a number") for claim in claims]
+    found: dict[int, Extreme] = {}
+    for name in dict.fromkeys(claim.quantity for claim in claims):
+        mine = [i for i, claim in enumerate(claims) if claim.quantity == name]
+        extremes = _judge(name, course, machine, size, [claims[i] for i in mine])
+        found.update(zip(mine, extremes, strict=True))
+    always = [*stands(machine, size), *joins(course, machine), *overshoot(course)]
+    return [*(found[i] for i in range(len(claims))), *always]
+
+
+def _judge(
+    name: str, course: Course, machine: Machine, size: Size, claims: Sequence[Claim]
+) -> list[Extreme]:
+    """The extremes of all claims about one quantity."""
+    quantity = QUANTITIES[name]
+    jumps = [
+        infinite(quantity, course, claim.stretches)
+        or corner(quantity, course, machine, size, claim)
+        for claim in claims
+    ]
+    questions = [
+        Question(
+            course.pieces(claim.stretches),
+            -math.inf if claim.lower is None else claim.lower,
+            math.inf if claim.upper is None else claim.upper,
+        )
+        for claim, jump in zip(claims, jumps, strict=True)
+        if jump is None
+    ]
+    answers = iter(enclose_all(quantity, course, machine, size, questions) if questions else ())
+    return [
+        _extreme(claim, next(answers)) if jump is None else _infinite(claim, jump, machine)
+        for claim, jump in zip(claims, jumps, strict=True)
+    ]
+
+
+def _extreme(claim: Claim, answer: Answer) -> Extreme:
+    """One claim, in the wire's units."""
+    found, above = answer.extreme, answer.side > 0
+    bound = claim.upper if above else claim.lower
+    if bound is None or not math.isfinite(found.width):
+        return _unknown(claim, found.angle, f"no enclosure was found in {answer.boxes} boxes")
+    value, limit = claim.to_wire(found.value), claim.to_wire(bound)
+    proven = claim.to_wire(found.upper if above else found.lower)
+    inside = found.upper <= bound if above else found.lower >= bound
+    within = found.value <= bound if above else found.value >= bound
+    width, margin = 0.0, None
+    if value is not None and limit is not None:
+        margin = math.copysign(abs(limit - value), 1.0 if within else -1.0)
+        width = 0.0 if proven is None else abs(proven - value)
+        inside = inside and margin >= width
+    return Extreme(
+        limit=claim.limit, value=value, unit=claim.unit, angle_deg=_degrees(found.angle),
+        bound=limit, margin=margin, width=width, holds=inside,
+        evidence=f"branch and bound with Taylor models, {answer.boxes} boxes", field=claim.field,
+    )  # fmt: skip
+
+
+def _infinite(claim: Claim, jump: Jump, machine: Machine) -> Extreme:
+    """A claim that a jump breaks."""
+    what, unit = DERIVATIVES[jump.order], ("mm", "mm/s", "mm/s²")[jump.order]
+    size = abs(jump.size) * machine.omega**jump.order
+    evidence = f"{what} jumps by {size:.6g} {unit} at {_degrees(jump.angle):.6g}°"
+    return _unknown(claim, jump.angle, evidence)
+
+
+def _unknown(claim: Claim, angle: float, evidence: str) -> Extreme:
+    """A claim that has no finite value."""
+    bound = claim.upper if claim.upper is not None else claim.lower
+    return Extreme(
+        limit=claim.limit, value=None, unit=claim.unit, angle_deg=_degrees(angle),
+        bound=None if bound is None else claim.to_wire(bound), margin=None, width=0.0,
+        holds=False, evidence=evidence, field=claim.field,
+    )  # fmt: skip
+
+
+def _degrees(angle: float) -> float:
+    return angle / DEGREE

@@ -1,0 +1,201 @@
+"""What is measured, and how: from the path of the traced point, for every follower alike.
+
+A point p(θ) of the machine frame draws its curve on the turning cam. With D = d/dθ + J,
+J (x, y) = (y, −x), its tangent is T = D p and its second derivative S = D T, both seen in the
+machine frame. Nothing here comes from the closed forms that the formulations use.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from synthesis.certify.course import Course, Indices, Jump
+from synthesis.certify.energy import rms
+from synthesis.followers.base import Follower, Vector2
+from synthesis.limits.base import Claim, Machine
+from synthesis.motion import Motion
+from synthesis.numerics.enclosure import Answer, Enclosed, Question, enclose
+from synthesis.numerics.piecewise import Array
+from synthesis.numerics.taylor import Taylor
+
+Size = tuple[float, ...]
+Formula = Callable[[Follower, Size, tuple[Any, ...]], Any]
+
+
+def tangent(follower: Follower, size: Size, s: tuple[Any, ...]) -> Vector2:
+    """T = D p."""
+    (px, py), (dx, dy), *_ = follower.traced_point(s, size)
+    return dx + py, dy - px
+
+
+def pressure_angle(follower: Follower, size: Size, s: tuple[Any, ...]) -> Any:
+    """α from the outward normal (−ty, tx) to the direction of drive g [rad]."""
+    tx, ty = tangent(follower, size, s)
+    (gx, gy), _ = follower.direction(s, size)
+    return np.arctan2(gx * tx + gy * ty, gy * tx - gx * ty)
+
+
+def pitch_curvature(follower: Follower, size: Size, s: tuple[Any, ...]) -> Any:
+    """κ = T × S / |T|³ of the curve, run clockwise round the cam: convex positive [1/mm]."""
+    (px, py), (dx, dy), (ax, ay), _ = follower.traced_point(s, size)
+    tx, ty = dx + py, dy - px
+    sx, sy = ax + dy + ty, ay - dx - tx
+    square = tx * tx + ty * ty
+    return (ty * sx - tx * sy) / (square * np.sqrt(square))
+
+
+def pitch_radius(follower: Follower, size: Size, s: tuple[Any, ...]) -> Any:
+    """|p|: how far the curve is from the cam's axis [mm]."""
+    (px, py), *_ = follower.traced_point(s, size)
+    return np.sqrt(px * px + py * py)
+
+
+def _derivative(order: int) -> Formula:
+    return lambda follower, size, s: s[order]
+
+
+@dataclass(frozen=True)
+class Quantity:
+    """A function of the cam angle.
+
+    Attributes:
+        formula: its value from the follower, the size and s to s'''; of numbers or of models.
+        order: highest derivative of s that it uses; the others reach the formula as 0.
+        smooth: derivatives of s below this one must not jump, or the quantity is infinite.
+        absolute: width that is good enough, besides 1e-9 of the value.
+        turns: a corner of the traced curve makes it infinite, with the sign of the turn.
+    """
+
+    formula: Formula
+    order: int
+    smooth: int = 0
+    absolute: float = 0.0
+    turns: bool = False
+
+
+QUANTITIES = {
+    "velocity": Quantity(_derivative(1), 1, smooth=1),
+    "acceleration": Quantity(_derivative(2), 2, smooth=2),
+    "jerk": Quantity(_derivative(3), 3, smooth=3),
+    "pressure_angle": Quantity(pressure_angle, 1, absolute=1e-10),
+    "pitch_curvature": Quantity(pitch_curvature, 2, turns=True),
+    "pitch_radius": Quantity(pitch_radius, 0),
+}
+
+
+def enclose_all(
+    quantity: Quantity, course: Course, machine: Machine, size: Size, questions: Sequence[Question]
+) -> list[Answer]:
+    """Answers about one quantity, one-sided at joints."""
+
+    def model(piece: Indices, lo: Array, hi: Array) -> Taylor:
+        s = course.jets.models(piece, lo, hi, quantity.order)
+        found = quantity.formula(machine.follower, size, s + (0.0,) * (3 - quantity.order))
+        assert isinstance(found, Taylor)
+        return found
+
+    breaks, counts = course.curve.breaks, course.counts
+    return enclose(model, breaks, counts, questions, absolute=quantity.absolute)
+
+
+def infinite(quantity: Quantity, course: Course, stretches: Sequence[int]) -> Jump | None:
+    """The jump that makes a derivative infinite on these stretches, lowest order first."""
+    joints = course.joints(stretches)
+    for order in range(quantity.smooth):
+        for jump in course.breaches(order, joints):
+            return jump
+    return None
+
+
+def corner(
+    quantity: Quantity, course: Course, machine: Machine, size: Size, claim: Claim
+) -> Jump | None:
+    """A jump of the velocity that turns the pitch curve's tangent the way the claim forbids."""
+    if not quantity.turns:
+        return None
+    for jump in course.breaches(1, course.joints(claim.stretches)):
+        before, after = (tangent(machine.follower, size, s) for s in course.sides(jump.joint))
+        turn = before[1] * after[0] - before[0] * after[1]
+        if (turn > 0.0 and claim.upper is not None) or (turn < 0.0 and claim.lower is not None):
+            return jump
+    return None
+
+
+def measure(quantity: str, motion: Motion, machine: Machine, size: Size) -> Enclosed:
+    """The value of an objective on the finished cam, in core units.
+
+    Args:
+        quantity: ``prime_radius``; the peaks ``acceleration`` and ``jerk`` over the turn;
+            ``rms_acceleration`` and ``rms_jerk``; ``pressure_slope``, the peak of |tan α| over
+            rises and returns.
+        motion, machine, size: the finished cam.
+    """
+    size = tuple(float(value) for value in size)
+    return MEASURES[quantity](Course(motion), machine, size)
+
+
+def _prime_radius(course: Course, machine: Machine, size: Size) -> Enclosed:
+    norm = machine.follower.prime_radius()
+    rows = np.array(norm.matrix) @ np.array(size) + np.array(norm.shift)
+    value = math.hypot(*rows)
+    return Enclosed(value, value * (1.0 - 1e-15), value * (1.0 + 1e-15), 0.0)
+
+
+def _peak(name: str) -> Callable[[Course, Machine, Size], Enclosed]:
+    def peak(course: Course, machine: Machine, size: Size) -> Enclosed:
+        everywhere = [s.index for s in course.motion.stretches if s.angle > 0.0]
+        jump = infinite(QUANTITIES[name], course, everywhere)
+        if jump is not None:
+            return Enclosed(math.inf, math.inf, math.inf, jump.angle)
+        return _largest(name, course, machine, size, everywhere)
+
+    return peak
+
+
+def _largest(
+    name: str, course: Course, machine: Machine, size: Size, stretches: Sequence[int]
+) -> Enclosed:
+    """Largest |quantity| on these stretches."""
+    question = Question(course.pieces(stretches), 0.0, 0.0)
+    (answer,) = enclose_all(QUANTITIES[name], course, machine, size, [question])
+    found = answer.extreme
+    if answer.side > 0:
+        return found
+    return Enclosed(-found.value, -found.upper, -found.lower, found.angle)
+
+
+def _pressure_slope(course: Course, machine: Machine, size: Size) -> Enclosed:
+    moving = [s.index for s in course.motion.stretches if s.angle > 0.0 and s.kind != "dwell"]
+    found = _largest("pressure_angle", course, machine, size, moving)
+    ends = (found.value, found.lower, found.upper)
+    value, lower, upper = (
+        math.tan(end) if abs(end) < 0.5 * math.pi else math.copysign(math.inf, end) for end in ends
+    )
+    return Enclosed(value, lower, upper, found.angle)
+
+
+def _rms(name: str) -> Callable[[Course, Machine, Size], Enclosed]:
+    def measured(course: Course, machine: Machine, size: Size) -> Enclosed:
+        everywhere = [s.index for s in course.motion.stretches if s.angle > 0.0]
+        jump = infinite(QUANTITIES[name], course, everywhere)
+        if jump is not None:
+            return Enclosed(math.inf, math.inf, math.inf, jump.angle)
+        return rms(course.jets, QUANTITIES[name].order)
+
+    return measured
+
+
+MEASURES: dict[str, Callable[[Course, Machine, Size], Enclosed]] = {
+    "prime_radius": _prime_radius,
+    "velocity": _peak("velocity"),
+    "acceleration": _peak("acceleration"),
+    "jerk": _peak("jerk"),
+    "rms_acceleration": _rms("acceleration"),
+    "rms_jerk": _rms("jerk"),
+    "pressure_slope": _pressure_slope,
+}

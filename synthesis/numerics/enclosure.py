@@ -1,0 +1,218 @@
+"""Proven extremes by branch and bound over boxes, for many questions at once."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from typing import Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from synthesis.numerics.taylor import Array, Taylor
+
+Indices = NDArray[np.intp]
+Model = Callable[[Indices, Array, Array], Taylor]
+
+SPLIT: Final = 16
+MOST_ROUNDS: Final = 12
+MOST_BOXES: Final = 100_000
+UNBOUNDED: Final = 1e300  # stands for "nothing is known on this box"
+ULPS: Final = 2.0**-50
+
+
+@dataclass(frozen=True)
+class Enclosed:
+    """A quantity that is proven to lie in [lower, upper].
+
+    Attributes:
+        value: what was found; it is attained at ``angle`` to within rounding.
+        lower, upper: proven ends.
+        angle: cam angle where it was found [rad].
+    """
+
+    value: float
+    lower: float
+    upper: float
+    angle: float
+
+    @property
+    def width(self) -> float:
+        """Upper less lower end."""
+        return self.upper - self.lower
+
+
+@dataclass(frozen=True)
+class Question:
+    """On these pieces, how far does f exceed ``upper``, or fall below ``lower``?
+
+    Attributes:
+        pieces: indices of pieces.
+        lower, upper: bounds, −inf and inf where there is none. With both at 0 the question is
+            for the largest |f|.
+    """
+
+    pieces: Indices
+    lower: float
+    upper: float
+
+
+@dataclass(frozen=True)
+class Answer:
+    """The extreme of f that is nearest to its bound, or farthest beyond it.
+
+    Attributes:
+        extreme: its enclosure; on the upper side ``upper`` bounds f everywhere, on the lower
+            side ``lower`` does. Infinite where nothing could be proven.
+        side: +1 if it is a maximum, −1 if a minimum.
+        boxes: how many boxes it took, all questions together.
+    """
+
+    extreme: Enclosed
+    side: int
+    boxes: int
+
+
+@dataclass(frozen=True, eq=False)
+class _Boxes:
+    question: Indices
+    piece: Indices
+    lo: Array
+    hi: Array
+
+    def take(self, keep: NDArray[np.bool_]) -> _Boxes:
+        return _Boxes(self.question[keep], self.piece[keep], self.lo[keep], self.hi[keep])
+
+    def split(self) -> _Boxes:
+        parts = np.arange(SPLIT + 1) / SPLIT
+        edges = self.lo[:, None] + (self.hi - self.lo)[:, None] * parts
+        edges[:, -1] = self.hi
+        question, piece = np.repeat(self.question, SPLIT), np.repeat(self.piece, SPLIT)
+        return _Boxes(question, piece, edges[:, :-1].ravel(), edges[:, 1:].ravel())
+
+    def and_points(self, others: _Boxes) -> _Boxes:
+        pairs = zip(vars(self).values(), vars(others).values(), strict=True)
+        return _Boxes(*(np.concatenate(pair) for pair in pairs))
+
+
+class _Search:
+    """One branch and bound: the best excess found, and the largest one not excluded."""
+
+    def __init__(self, questions: Sequence[Question], relative: float, absolute: float) -> None:
+        count = len(questions)
+        self.lower = np.array([q.lower for q in questions])
+        self.upper = np.array([q.upper for q in questions])
+        self.relative, self.absolute = relative, absolute
+        self.best = np.full(count, -np.inf)
+        self.proven = np.full(count, -np.inf)
+        self.side = [1] * count
+        self.value = np.zeros(count)
+        self.angle = np.zeros(count)
+        self.boxes = 0
+
+    def weigh(self, boxes: _Boxes, model: Taylor) -> tuple[Array, _Boxes]:
+        """Take in what the models say.
+
+        Returns:
+            the largest excess possible on each box, and the points that look best so far.
+        """
+        self.boxes += len(boxes.lo)
+        high, low, t_high, t_low = model.extremes()
+        rem = model.rem + ULPS * model.mag
+        known = np.isfinite(high + low + rem)
+        if not known.all():
+            high, low = np.where(known, high, 0.0), np.where(known, low, 0.0)
+            rem = np.where(known, rem, UNBOUNDED)
+        over, under = high - self.upper[boxes.question], self.lower[boxes.question] - low
+        above = over >= under
+        found = np.where(above, over, under)
+        where = 0.5 * (boxes.lo + boxes.hi)
+        where = where + np.where(above, t_high, t_low) * (0.5 * (boxes.hi - boxes.lo))
+        sure = found - rem
+        leaders = []
+        for q in range(len(self.best)):
+            mine = np.flatnonzero(boxes.question == q)
+            if len(mine):
+                leaders.append(mine[np.argmax(found[mine])])
+                top = mine[np.argmax(sure[mine])]
+                if sure[top] > self.best[q]:
+                    self.best[q], self.side[q] = sure[top], 1 if above[top] else -1
+                    self.value[q] = high[top] if above[top] else low[top]
+                    self.angle[q] = where[top]
+        at = np.clip(where[leaders], boxes.lo[leaders], boxes.hi[leaders])
+        return found + rem, _Boxes(boxes.question[leaders], boxes.piece[leaders], at, at)
+
+    def survivors(self, boxes: _Boxes, possible: Array) -> NDArray[np.bool_]:
+        """Boxes that may still hold more than the target width above the best found."""
+        bound = np.where(np.array(self.side) > 0, self.upper, self.lower)
+        size = np.abs(self.value) + np.where(np.isfinite(bound), np.abs(bound), 0.0)
+        target = self.best + np.maximum(self.absolute, self.relative * size)
+        keep: NDArray[np.bool_] = possible > target[boxes.question]
+        self.exclude(boxes.question[~keep], possible[~keep])
+        return keep
+
+    def exclude(self, question: Indices, possible: Array) -> None:
+        """Leave these boxes: what is possible there stays in the proven bound."""
+        np.maximum.at(self.proven, question, possible)
+
+    def answers(self) -> list[Answer]:
+        """What is known of each question."""
+        return [self._answer(q) for q in range(len(self.best))]
+
+    def _answer(self, q: int) -> Answer:
+        best, proven = float(self.best[q]), float(self.proven[q])
+        proven = math.inf if proven > 0.1 * UNBOUNDED else max(proven, best)
+        angle = float(self.angle[q])
+        if best < -0.1 * UNBOUNDED:
+            return Answer(Enclosed(math.nan, -math.inf, math.inf, angle), 1, self.boxes)
+        if self.side[q] > 0:
+            low, high = best + float(self.upper[q]), proven + float(self.upper[q])
+            return Answer(Enclosed(low, low, high, angle), 1, self.boxes)
+        low, high = float(self.lower[q]) - proven, float(self.lower[q]) - best
+        return Answer(Enclosed(high, low, high, angle), -1, self.boxes)
+
+
+def enclose(
+    model: Model,
+    breaks: Array,
+    counts: Indices,
+    questions: Sequence[Question],
+    relative: float = 1e-9,
+    absolute: float = 0.0,
+) -> list[Answer]:
+    """Answer all questions about one function, defined piece by piece.
+
+    Args:
+        model: Taylor models of the function on boxes (piece, lo, hi).
+        breaks: (n+1,) ends of the pieces; every piece is taken with both its ends.
+        counts: (n,) how many boxes to begin with on each piece.
+        questions: what is asked.
+        relative, absolute: width at which an enclosure is good enough.
+    """
+    search = _Search(questions, relative, absolute)
+    boxes = _first_boxes(breaks, counts, questions)
+    with np.errstate(all="ignore"):
+        for _ in range(MOST_ROUNDS):
+            possible, points = search.weigh(boxes, model(boxes.piece, boxes.lo, boxes.hi))
+            keep = search.survivors(boxes, possible)
+            left = np.count_nonzero(keep)
+            if left == 0:
+                return search.answers()
+            if search.boxes + SPLIT * left > MOST_BOXES:
+                break
+            boxes = boxes.take(keep).split().and_points(points)
+        search.exclude(boxes.question[keep], possible[keep])
+    return search.answers()
+
+
+def _first_boxes(breaks: Array, counts: Indices, questions: Sequence[Question]) -> _Boxes:
+    """Every piece of every question, cut into its number of boxes."""
+    pieces = np.concatenate([q.pieces for q in questions])
+    question = np.repeat(np.arange(len(questions)), [len(q.pieces) for q in questions])
+    parts = counts[pieces]
+    piece, question = np.repeat(pieces, parts), np.repeat(question, parts)
+    nth = np.arange(len(piece)) - np.repeat(np.cumsum(parts) - parts, parts)
+    start, step = breaks[piece], (breaks[piece + 1] - breaks[piece]) / counts[piece]
+    lo, hi = start + nth * step, start + (nth + 1) * step
+    return _Boxes(question, piece, lo, np.where(nth + 1 == counts[piece], breaks[piece + 1], hi))
