@@ -1,1 +1,42 @@
-"""The numerical core of Camwright: an ordinary library, importable without a server."""
+"""Cams designed by optimisation: the numerical core, an ordinary library.
+
+    from synthesis import DesignSpec, synthesise
+    design = synthesise(DesignSpec.model_validate(body))
+
+Notation, used throughout (lengths in mm, angles in rad, derivatives per radian of cam angle):
+
+    θ, β     cam angle; angle of a segment        x = (θ − start)/β, from 0 to 1
+    s        displacement from the lowest position; s', s'', s''' its derivatives
+    h        lift of a segment                    g(x) normalised law, s = s_start + h g
+    ω        cam speed [rad/s]; v = s'ω, a = s''ω², j = s'''ω³
+    Rb, Rr   base radius (of the profile), roller radius; Rp = Rb + Rr prime radius
+    e        offset; s0 = √(Rp² − e²); X = s0 + s; u = s' − e
+    α        pressure angle; κ, ρ signed curvature and its radius, convex positive
+    z        the follower's size variables, for a translating follower (e, s0)
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from synthesis.design import Design
+    from synthesis.pipeline import synthesise
+    from synthesis.spec import DesignSpec
+
+__all__ = ["Design", "DesignSpec", "synthesise"]
+
+_HOMES = {
+    "Design": "synthesis.design",
+    "DesignSpec": "synthesis.spec",
+    "synthesise": "synthesis.pipeline",
+}
+
+
+def __getattr__(name: str) -> Any:
+    """Import on first use, so that a service that only validates loads no solver."""
+    if name not in _HOMES:
+        raise AttributeError(f"module 'synthesis' has no attribute {name!r}")
+    from importlib import import_module
+
+    return getattr(import_module(_HOMES[name]), name)

@@ -64,17 +64,29 @@ class Extreme(_Part):
     field: Annotated[str, Field(description="Field of the spec that sets the bound.")]
 
 
-class Certificate(_Part):
-    """What was proven of the answer."""
+class Proof(_Part):
+    """How far one objective is from the best possible."""
 
-    certified: Annotated[bool, Field(description="Every limit holds at every cam angle.")]
-    objective: str
+    objective: Annotated[str, Field(description="Name of the objective's value, with its unit.")]
     value: float | None
     lower_bound: Annotated[
         float | None, Field(description="No cam of the family in bound_over is better than this.")
     ]
     bound_over: Annotated[str, Field(description="The family of cams that the bound covers.")]
     gap: Annotated[float | None, Field(description="(value − lower_bound) / value.")]
+
+
+class Certificate(Proof):
+    """What was proven of the answer, for the first objective and in ``also`` for the others."""
+
+    certified: Annotated[bool, Field(description="Every limit holds at every cam angle.")]
+    also: Annotated[
+        list[Proof],
+        Field(
+            description="Later objectives of an ordered list; their bounds hold for cams that "
+            "keep the earlier ones."
+        ),
+    ] = []
 
 
 class StageReport(_Part):

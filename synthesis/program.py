@@ -25,6 +25,11 @@ class _Segment(BaseModel):
         """Displacement gained over the segment [mm]."""
         return 0.0
 
+    @property
+    def law_name(self) -> str:
+        """Name of the law on the wire."""
+        return "dwell"
+
     def stretch(self, index: int, start: float, angle: float, s_start: float) -> Stretch:
         """The segment placed on the cam (angles in rad)."""
         raise NotImplementedError
@@ -49,6 +54,10 @@ class _Move(_Segment):
         default_factory=SplineLaw,
         description="A named motion law, or `spline`: then the law is part of the answer.",
     )
+
+    @property
+    def law_name(self) -> str:
+        return self.law.kind
 
     def _placed(
         self, kind: StretchKind, index: int, start: float, angle: float, s_start: float

@@ -1,12 +1,13 @@
 """The vocabulary between limits and formulations: linear rows and cones.
 
-    s, s', s'', s'''  displacement and its derivatives per radian [mm, mm/rad, …]
-    z                 the follower's size variables, for a translating follower (e, s0) [mm]
-    P                 the objective's own variable: the level that it pushes down
+s, s', s'', s'''  displacement and its derivatives per radian [mm, mm/rad, …]
+z                 the follower's size variables, for a translating follower (e, s0) [mm]
+P                 the objective's own variable: the level that it pushes down
 """
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 
 Vector = tuple[float, ...]
@@ -37,6 +38,14 @@ class Norm:
 
     matrix: tuple[Vector, ...]
     shift: Vector
+
+    def value(self, z: Vector) -> float:
+        """The norm at given size variables [mm]."""
+        image = (
+            sum(a * v for a, v in zip(row, z, strict=True)) + m
+            for row, m in zip(self.matrix, self.shift, strict=True)
+        )
+        return math.hypot(*image)
 
 
 @dataclass(frozen=True)

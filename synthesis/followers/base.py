@@ -57,6 +57,18 @@ class Follower(BaseModel, ABC):
         """Rp as a norm of z."""
 
     @abstractmethod
+    def raised(self, z: tuple[float, ...], amount: float) -> tuple[float, ...]:
+        """The size made larger by ``amount`` [mm] in the way that eases every geometric limit."""
+
+    @abstractmethod
+    def room(self, z: tuple[float, ...], sizing: Sizing) -> float:
+        """How far ``raised`` can go within the bounds [mm]."""
+
+    @abstractmethod
+    def reaching(self, z: tuple[float, ...], radius: float) -> tuple[float, ...]:
+        """The size raised until its prime radius is at least ``radius`` [mm]."""
+
+    @abstractmethod
     def pressure_angle_rows(self, slope: float) -> tuple[Row, ...]:
         """|tan α| ≤ slope as rows linear in s, s' and z."""
 

@@ -50,6 +50,21 @@ class TranslatingRoller(Follower):
     def prime_radius(self) -> Norm:
         return Norm(((1.0, 0.0), (0.0, 1.0)), (0.0, 0.0))
 
+    def raised(self, z: tuple[float, ...], amount: float) -> tuple[float, ...]:
+        e, s0 = z
+        return e, s0 + amount
+
+    def room(self, z: tuple[float, ...], sizing: Sizing) -> float:
+        e, s0 = z
+        largest = sizing.bounds[1][1]
+        for cone in sizing.cones:
+            largest = min(largest, math.sqrt(max(cone.radius**2 - e**2, 0.0)))
+        return max(largest - s0, 0.0)
+
+    def reaching(self, z: tuple[float, ...], radius: float) -> tuple[float, ...]:
+        e, s0 = z
+        return e, max(s0, math.sqrt(max(radius**2 - e**2, 0.0)))
+
     def outermost(self, s_max: float) -> Norm:
         return Norm(((1.0, 0.0), (0.0, 1.0)), (0.0, s_max))
 

@@ -62,6 +62,25 @@ class Plan:
         ]
         return laws, tuple(float(v) for v in x[self.size] * self.scales.size)
 
+    def point(self, laws: Sequence[SettledLaw], size: Vector) -> Array:
+        """The point of the program that stands for these laws on its grids and this size."""
+        x = np.zeros(self.program.matrix.shape[1])
+        for law, grid, known, columns in zip(
+            laws, self.grids, self.settled, self.columns, strict=True
+        ):
+            coefficients = law.on(grid.space)
+            x[columns] = coefficients[len(known.first) : grid.space.size - len(known.last)]
+        x[self.size] = np.array(size) / self.scales.size
+        norm = self.problem.objective.norm(self.problem.machine)
+        if self.extra is not None and norm is not None:
+            x[self.extra] = norm.value(size) / self.scales.size
+        elif self.extra is not None:
+            slack = self.program.rhs - self.program.matrix @ x
+            column = self.program.matrix[:, [self.extra]].toarray().ravel()
+            binding = column < 0.0
+            x[self.extra] = max(np.max(-slack[binding] / -column[binding], initial=0.0), 0.0)
+        return x
+
     def multipliers(self, z: Array) -> list[Array]:
         """The inequality multipliers, block by block, none negative."""
         at = self.program.equalities
@@ -128,18 +147,6 @@ def _scales(problem: Problem) -> Scales:
     return Scales(max(problem.length, problem.sizing.least), level or 1.0)
 
 
-def _rows_on(problem: Problem, index: int, level: float) -> Iterator[Row]:
-    """Every row on one stretch: of limits, of the objective, of objectives held."""
-    stretch, machine = problem.stretches[index], problem.machine
-    for limit in problem.limits:
-        yield from limit.rows(stretch, machine)
-    yield from problem.objective.rows(stretch, machine, level)
-    for earlier in problem.held:
-        for row in earlier.objective.rows(stretch, machine, earlier.value):
-            value = 0.0 if earlier.objective.fractional else earlier.value
-            yield rows.held(row, value)
-
-
 def _blocks(
     problem: Problem,
     grids: Sequence[Grid],
@@ -150,8 +157,8 @@ def _blocks(
 ) -> Iterator[Block]:
     yield from _size_bounds(problem, scales)
     position = 0
-    for index, stretch in enumerate(problem.stretches):
-        for row in _rows_on(problem, index, level):
+    for stretch in problem.stretches:
+        for row in problem.rows_on(stretch, level):
             if stretch.law is not None:
                 block = rows.on_given(row, stretch, scales, tighten)
                 if block is not None:

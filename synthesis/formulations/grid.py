@@ -38,6 +38,15 @@ class SettledLaw:
         """g(x) on [0, 1]."""
         return self.space.curve(self.coefficients)
 
+    def on(self, space: SplineSpace) -> Array:
+        """Coefficients on another space of the same degree: equal or finer knots keep the law."""
+        if space is self.space:
+            return self.coefficients
+        greville = np.array(
+            [space.knots[i + 1 : i + 1 + space.degree].mean() for i in range(space.size)]
+        )
+        return np.linalg.solve(space.basis(greville), self.curve()(greville))
+
 
 def uniform(stretch: Stretch, intervals: int) -> Grid:
     """Equal intervals, points at every knot and between."""

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 
 from synthesis.followers.base import Sizing
@@ -10,6 +10,7 @@ from synthesis.limits import Limit, Machine
 from synthesis.motion import Stretch
 from synthesis.objectives import Objective
 from synthesis.spec import DesignSpec
+from synthesis.terms import Row
 
 
 @dataclass(frozen=True)
@@ -46,6 +47,25 @@ class Problem:
     def free(self) -> tuple[Stretch, ...]:
         """The stretches whose law is part of the answer."""
         return tuple(s for s in self.stretches if s.law is None)
+
+    def rows_on(self, stretch: Stretch, level: float) -> Iterator[Row]:
+        """Every row on one stretch: of limits, of objectives held, of the objective.
+
+        Args:
+            stretch: where.
+            level: trial level of a fractional objective [core units].
+        """
+        yield from self.limit_rows(stretch)
+        yield from self.objective.rows(stretch, self.machine, level)
+
+    def limit_rows(self, stretch: Stretch) -> Iterator[Row]:
+        """The rows on one stretch that do not speak of the objective at hand."""
+        for limit in self.limits:
+            yield from limit.rows(stretch, self.machine)
+        for earlier in self.held:
+            for row in earlier.objective.rows(stretch, self.machine, earlier.value):
+                value = 0.0 if earlier.objective.fractional else earlier.value
+                yield replace(row, upper=row.upper - row.level * value, level=0.0)
 
     def settled(self, stretches: Sequence[Stretch]) -> Problem:
         """The same question with these stretches in place of the free ones."""

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import Literal
 
 import numpy as np
@@ -98,8 +98,3 @@ def monotone(position: int, grid: Grid, known: Ends) -> Block:
     return Block(
         "monotone", position, laws, nothing, np.zeros(4), np.zeros(0), 0.0, nothing, "overshoot"
     )
-
-
-def held(row: Row, value: float) -> Row:
-    """The row of an earlier objective, whose level may not exceed a value any more."""
-    return replace(row, upper=row.upper - row.level * value, level=0.0)

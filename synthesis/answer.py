@@ -1,0 +1,148 @@
+"""The Design out of a cam, its certificate and its bounds: units and names of the wire."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
+from math import isfinite
+
+from synthesis.certify import certify, certify_size, measure
+from synthesis.design import (
+    Certificate, Conflict, Design, Extreme, Proof, Report, SegmentMotion, SplineCurve,
+    StageReport, Status, design_id, engine_version,
+)  # fmt: skip
+from synthesis.motion import Motion, Stretch
+from synthesis.numerics.bspline import SplineSpace
+from synthesis.numerics.piecewise import Array
+from synthesis.objectives import Objective
+from synthesis.spec import DesignSpec
+from synthesis.units import DEGREE
+
+Vector = tuple[float, ...]
+
+
+@dataclass(frozen=True, eq=False)
+class Cam:
+    """A finished cam: every stretch settled, the splines of the free ones by index, the size."""
+
+    stretches: tuple[Stretch, ...]
+    splines: dict[int, tuple[SplineSpace, Array]]
+    size: Vector
+
+    @property
+    def motion(self) -> Motion:
+        """The joined motion."""
+        return Motion.of(self.stretches)
+
+
+@dataclass(frozen=True)
+class Bounded:
+    """An objective with the lower bound that was found [core units]."""
+
+    objective: Objective
+    lower: float
+    over: str
+
+
+def judged(spec: DesignSpec, cam: Cam) -> list[Extreme]:
+    """Every limit, every dimension and every promise of the motion, measured on the cam."""
+    motion = cam.motion
+    return [
+        *certify(motion, spec.machine(), cam.size, spec.all_limits()),
+        *certify_size(spec, cam.size),
+    ]
+
+
+def proofs(spec: DesignSpec, cam: Cam, bounds: Iterable[Bounded]) -> list[Proof]:
+    """Value, bound and gap of every objective, in the wire's units."""
+    machine, motion, found = spec.machine(), cam.motion, []
+    for bounded in bounds:
+        objective = bounded.objective
+        value = objective.to_wire(
+            measure(objective.quantity, motion, machine, cam.size).upper, machine
+        )
+        known = isfinite(bounded.lower) and isfinite(value)
+        # a bound above the value by rounding says that the value is best possible
+        lower = min(objective.to_wire(bounded.lower, machine), value) if known else None
+        gap = None if lower is None else relative_gap(value, lower)
+        found.append(
+            Proof(
+                objective=objective.wire_name,
+                value=value if isfinite(value) else None,
+                lower_bound=lower,
+                bound_over=bounded.over,
+                gap=gap,
+            )
+        )
+    return found
+
+
+def relative_gap(value: float, lower: float) -> float:
+    """(value − lower)/|value|, 0 where both are 0."""
+    return 0.0 if value == lower else max(value - lower, 0.0) / max(abs(value), 1e-300)
+
+
+def _segments(spec: DesignSpec, cam: Cam) -> list[SegmentMotion]:
+    settled = {stretch.index: stretch for stretch in cam.stretches}
+    found = []
+    for stretch, segment in zip(spec.stretches(), spec.program, strict=True):
+        spline = None
+        if stretch.index in cam.splines:
+            space, coefficients = cam.splines[stretch.index]
+            spline = SplineCurve(
+                degree=space.degree,
+                knots=space.breaks.tolist(),
+                coefficients=coefficients.tolist(),
+            )
+        placed = settled.get(stretch.index, stretch)
+        found.append(
+            SegmentMotion(
+                kind=stretch.kind,
+                start_deg=placed.start / DEGREE,
+                angle_deg=placed.angle / DEGREE,
+                s_start_mm=placed.s_start,
+                s_end_mm=placed.s_end,
+                law=segment.law_name,
+                spline=spline,
+            )
+        )
+    return found
+
+
+def design(
+    spec: DesignSpec,
+    cam: Cam | None,
+    extremes: Sequence[Extreme],
+    proven: Sequence[Proof],
+    stages: Sequence[StageReport],
+    seconds: float,
+    conflict: Conflict | None,
+) -> Design:
+    """The Design; its status follows from the certificate and the gaps alone."""
+    certified = cam is not None and all(extreme.holds for extreme in extremes)
+    close = bool(proven) and all(p.gap is not None and p.gap <= spec.tolerance for p in proven)
+    status: Status = "infeasible" if not certified else "optimal" if close else "feasible"
+    first = proven[0] if proven else _unproven(spec)
+    return Design(
+        id=design_id(spec),
+        name=spec.name,
+        engine_version=engine_version(),
+        status=status,
+        rotation=spec.rotation,
+        speed_rpm=spec.speed_rpm,
+        follower=spec.follower.kind,
+        dimensions={} if cam is None else dict(spec.follower.dimensions(cam.size)),
+        size=[] if cam is None else list(cam.size),
+        objectives={p.objective: p.value for p in proven if p.value is not None},
+        motion=[] if cam is None else _segments(spec, cam),
+        extremes=list(extremes),
+        certificate=Certificate(certified=certified, also=list(proven[1:]), **first.model_dump()),
+        conflict=conflict,
+        report=Report(stages=list(stages), seconds=seconds),
+        spec=spec,
+    )
+
+
+def _unproven(spec: DesignSpec) -> Proof:
+    name = spec.objectives()[0].wire_name
+    return Proof(objective=name, value=None, lower_bound=None, bound_over="", gap=None)

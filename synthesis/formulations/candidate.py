@@ -1,0 +1,149 @@
+"""From a solver's point to a cam: laws settled, size fitted to them, objective measured."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from math import sqrt
+
+from synthesis.formulations.closed_form import nearest
+from synthesis.formulations.energy import mean_square
+from synthesis.formulations.grid import SettledLaw
+from synthesis.formulations.problem import Problem
+from synthesis.formulations.smooth import grown
+from synthesis.numerics.peaks import peak
+from synthesis.terms import Cone, Row
+
+Vector = tuple[float, ...]
+CLEARANCE = 1e-8  # relative: sizes and smooth limits stay this far off what binds them
+
+
+@dataclass(frozen=True, eq=False)
+class Candidate:
+    """A cam that the formulations hold for good.
+
+    Attributes:
+        problem: the question with these laws settled.
+        laws: one per free stretch.
+        size: size variables [mm].
+        value: the objective in core units.
+    """
+
+    problem: Problem
+    laws: tuple[SettledLaw, ...]
+    size: Vector
+    value: float
+
+
+def settle(
+    problem: Problem, laws: Sequence[SettledLaw], hint: Vector, *, keep_hint: bool = False
+) -> Candidate:
+    """The cam of the relaxation: limits that are not convex are not looked at.
+
+    Args:
+        problem: the question, laws free.
+        laws: one per free stretch.
+        hint: the solver's size; used where the closed form does not apply.
+        keep_hint: take the hint even where the closed form applies.
+    """
+    placed = [s.with_law(law.curve()) for s, law in zip(problem.free, laws, strict=True)]
+    settled = problem.settled(placed)
+    size = None if keep_hint or needs_size(problem) else smallest(settled)
+    return at_size(settled, laws, hint if size is None else size)
+
+
+def at_size(settled: Problem, laws: Sequence[SettledLaw], size: Vector) -> Candidate:
+    """The cam with this size, raised to the least prime radius and off the rows that bind it."""
+    follower = settled.machine.follower
+    size = follower.reaching(size, settled.sizing.least)
+    clear = CLEARANCE * follower.prime_radius().value(size)
+    size = follower.raised(size, min(clear, follower.room(size, settled.sizing)))
+    return Candidate(settled, tuple(laws), size, value(settled, size))
+
+
+def given_size(problem: Problem) -> Candidate | None:
+    """The cam that is given down to its size, whatever limits it breaks; None if any is free."""
+    if problem.free or any(low != high for low, high in problem.sizing.bounds):
+        return None
+    size = tuple(low for low, _ in problem.sizing.bounds)
+    return Candidate(problem, (), size, value(problem, size))
+
+
+def grow(found: Candidate) -> Candidate | None:
+    """The cam raised until the limits that are not convex hold; None where none allowed does."""
+    size = grown(found.problem, found.size, CLEARANCE)
+    if size is None:
+        return None
+    return (
+        found if size == found.size else replace(found, size=size, value=value(found.problem, size))
+    )
+
+
+def needs_size(problem: Problem) -> bool:
+    """Whether the objective weighs the size otherwise than by making it small."""
+    rows = (
+        row
+        for stretch in problem.stretches
+        for row in problem.objective.rows(stretch, problem.machine, 1.0)
+    )
+    return any(row.size for row in rows)
+
+
+def smallest(settled: Problem) -> Vector | None:
+    """The closed form's size; None where there is none, or a cone cuts it off."""
+    size = nearest(settled)
+    if size is None or any(cone.norm.value(size) > cone.radius for cone in _cones(settled)):
+        return None
+    return size
+
+
+def _cones(problem: Problem) -> list[Cone]:
+    found = list(problem.sizing.cones)
+    for limit in problem.limits:
+        found += limit.cones(problem.stretches, problem.machine)
+    return found
+
+
+def value(settled: Problem, size: Vector) -> float:
+    """The objective of a finished cam, in core units."""
+    objective, machine = settled.objective, settled.machine
+    norm, order = objective.norm(machine), objective.energy_order()
+    if norm is not None:
+        return norm.value(size)
+    if order is not None:
+        return sqrt(sum(mean_square(s.placed(), order) for s in settled.stretches))
+    return _fraction(settled, size) if objective.fractional else _level(settled, size, 0.0)
+
+
+def exceeded(row: Row, settled: Problem, index: int, size: Vector) -> tuple[float, float]:
+    """How far a row is exceeded at its worst on one stretch (≤ 0: not), and where [rad]."""
+    worst, theta = peak(settled.stretches[index].placed(), row.coefficients)
+    share = sum(a * v for a, v in zip(row.size, size, strict=False))
+    return worst + share - row.upper, theta
+
+
+def _level(settled: Problem, size: Vector, trial: float) -> float:
+    """The least P that satisfies the objective's rows."""
+    return max(
+        exceeded(row, settled, index, size)[0] / -row.level
+        for index, stretch in enumerate(settled.stretches)
+        for row in settled.objective.rows(stretch, settled.machine, trial)
+    )
+
+
+def _fraction(settled: Problem, size: Vector) -> float:
+    """The trial level at which the rows of a fractional objective are just met.
+
+    P(t) is convex and falls with t, so Newton's method from below climbs to the root.
+    """
+    trial, step = 0.0, 1e-6
+    for _ in range(60):
+        excess = _level(settled, size, trial)
+        slope = (_level(settled, size, trial + step) - excess) / step
+        if slope >= 0.0:
+            break
+        move = -excess / slope
+        trial += move
+        if abs(move) <= 1e-14 * max(trial, 1.0):
+            break
+    return trial

@@ -1,0 +1,72 @@
+"""The smallest cam for given laws, in closed form: the point of a polygon nearest to the axis.
+
+With the laws given, every row is a half-plane of the two size variables; its worst cam angle is
+known. For pressure angle alone this is the apex of mathematics' two half-planes, with the cases
+where another side binds included.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from synthesis.formulations import rows
+from synthesis.formulations.problem import Problem
+from synthesis.formulations.rows import Scales
+from synthesis.numerics.piecewise import Array
+
+Vector = tuple[float, ...]
+
+
+def half_planes(problem: Problem) -> tuple[Array, Array]:
+    """normals · z ≤ offsets for every row and bound, on settled stretches: (k, n), (k,)."""
+    normals: list[Array] = []
+    offsets: list[float] = []
+    for stretch in problem.stretches:
+        for row in problem.rows_on(stretch, 0.0):
+            block = rows.on_given(row, stretch, Scales(1.0, 1.0), 0.0)
+            if block is not None and not block.level:
+                normals.append(block.size)
+                offsets.append(float(block.rhs[0]))
+    for j, (low, high) in enumerate(problem.sizing.bounds):
+        unit = np.eye(len(problem.sizing.bounds))[j]
+        normals += [unit, -unit]
+        offsets += [high, -low]
+    return np.array(normals), np.array(offsets)
+
+
+def nearest(problem: Problem) -> Vector | None:
+    """The size of least prime radius on all half-planes; None where they have no common point.
+
+    Cones and limits that are not convex are not looked at.
+    """
+    normals, offsets = half_planes(problem)
+    norm = problem.machine.follower.prime_radius()
+    matrix, shift = np.array(norm.matrix), np.array(norm.shift)
+    # in y = M z + m the wanted point is the one nearest to the origin
+    a = np.linalg.solve(matrix.T, normals.T).T
+    b = offsets + a @ shift
+    length = np.linalg.norm(a, axis=1)
+    a, b = a / length[:, None], b / length
+    scale = max(problem.length, float(np.min(np.abs(b[np.isfinite(b)]), initial=0.0)))
+    found = _nearest_to_origin(a, b, 1e-12 * scale)
+    if found is None:
+        return None
+    return tuple(float(v) for v in np.linalg.solve(matrix, found - shift))
+
+
+def _nearest_to_origin(a: Array, b: Array, tolerance: float) -> Array | None:
+    """Origin, foot on one line, or corner of two: the feasible candidate of least norm."""
+    feet = a * b[:, None]
+    first, second = np.triu_indices(len(b), 1)
+    cross = a[first, 0] * a[second, 1] - a[first, 1] * a[second, 0]
+    meeting = np.abs(cross) > 1e-12
+    i, j, d = first[meeting], second[meeting], cross[meeting]
+    x = (b[i] * a[j, 1] - b[j] * a[i, 1]) / d
+    y = (a[i, 0] * b[j] - a[j, 0] * b[i]) / d
+    candidates = np.vstack([np.zeros((1, 2)), feet, np.column_stack([x, y])])
+    reach = tolerance + 1e-13 * np.max(np.abs(candidates), axis=1)
+    inside = np.all(candidates @ a.T <= b + reach[:, None], axis=1)
+    if not inside.any():
+        return None
+    allowed = candidates[inside]
+    return np.asarray(allowed[np.argmin(np.sum(allowed**2, axis=1))])

@@ -1,0 +1,116 @@
+"""synthesise(spec) -> Design: the whole way through on one page.
+
+    DesignSpec -> Problem -> laws and size -> Motion -> certificate -> Design
+
+The formulations propose, the certificate disposes: a cam that it does not certify is tried again
+with limits drawn in a little more, and is never called feasible.
+"""
+
+from __future__ import annotations
+
+import time
+from dataclasses import asdict, dataclass, field
+from math import inf
+
+from synthesis.answer import Bounded, Cam, design, judged, proofs
+from synthesis.design import Conflict, Design, Extreme, StageReport
+from synthesis.errors import SolverFailed, TimeBudgetExceeded
+from synthesis.formulations.candidate import Candidate, given_size
+from synthesis.formulations.problem import Held, pose
+from synthesis.formulations.refine import Search, search
+from synthesis.spec import DesignSpec
+
+DRAWN_IN = (1e-7, 1e-6, 1e-5, 1e-4)  # relative amounts by which limits are tightened, in turn
+
+
+@dataclass(eq=False)
+class _Attempt:
+    """What one pass over the objectives came to."""
+
+    searches: list[Search] = field(default_factory=list)
+    cam: Cam | None = None
+    bounds: list[Bounded] = field(default_factory=list)
+    extremes: list[Extreme] = field(default_factory=list)
+
+    @property
+    def certified(self) -> bool:
+        """Whether there is a cam and every limit holds on it."""
+        return self.cam is not None and all(extreme.holds for extreme in self.extremes)
+
+    @property
+    def hopeless(self) -> bool:
+        """Whether drawing the limits in further cannot help."""
+        last = self.searches[-1]
+        return last.infeasible or not last.problem.free or last.best is None
+
+
+def synthesise(spec: DesignSpec, *, deadline: float | None = None) -> Design:
+    """Design the cam that a spec asks for.
+
+    Args:
+        spec: what is asked.
+        deadline: ``time.monotonic()`` at which to stop; the spec's own budget counts as well.
+
+    Returns:
+        the design; where nothing fits its status is ``infeasible`` and ``conflict`` says why.
+
+    Raises:
+        TimeBudgetExceeded: time ran out before the tolerance was reached; carries the best.
+        SolverFailed: no stage gave a usable point.
+    """
+    clock, now = time.perf_counter(), time.monotonic()
+    budget = min(
+        inf if spec.time_budget_s is None else spec.time_budget_s,
+        inf if deadline is None else deadline - now,
+    )
+    stages: list[StageReport] = []
+    for tighten in DRAWN_IN:
+        attempt = _attempt(spec, now + budget, tighten)
+        for tried in attempt.searches:
+            stages += [StageReport(**asdict(stage)) for stage in tried.stages]
+        if attempt.certified or attempt.hopeless or time.monotonic() >= now + budget:
+            break
+    late = time.monotonic() >= now + budget
+    if not attempt.certified and late:
+        raise TimeBudgetExceeded(budget)
+    conflict = None if attempt.certified else _conflict(spec, attempt)
+    proven = [] if attempt.cam is None else proofs(spec, attempt.cam, attempt.bounds)
+    found = design(
+        spec, attempt.cam, attempt.extremes, proven, stages, time.perf_counter() - clock, conflict
+    )
+    if late and found.status == "feasible":
+        raise TimeBudgetExceeded(budget, found)
+    return found
+
+
+def _attempt(spec: DesignSpec, stop: float, tighten: float) -> _Attempt:
+    """Work through the objectives in order; each keeps what the ones before have reached."""
+    attempt, held = _Attempt(), ()
+    objectives = spec.objectives()
+    share = spec.tolerance if len(objectives) == 1 else 0.5 * spec.tolerance
+    best: Candidate | None = None
+    for objective in objectives:
+        tried = search(pose(spec, objective, held), share, stop, tighten)
+        attempt.searches.append(tried)
+        if tried.best is None:
+            break
+        best = tried.best
+        attempt.bounds.append(Bounded(objective, tried.lower, tried.over))
+        held = (*held, Held(objective, best.value * (1.0 + share)))
+    if best is None:
+        best = given_size(attempt.searches[0].problem)
+    if best is not None:
+        splines = {
+            stretch.index: (law.space, law.coefficients)
+            for stretch, law in zip(attempt.searches[0].problem.free, best.laws, strict=True)
+        }
+        attempt.cam = Cam(best.problem.stretches, splines, best.size)
+        attempt.extremes = judged(spec, attempt.cam)
+    return attempt
+
+
+def _conflict(spec: DesignSpec, attempt: _Attempt) -> Conflict:
+    """Why nothing fits."""
+    from synthesis.formulations.elastic import diagnose  # cvxpy takes long to import
+
+    return diagnose(spec, attempt.searches[-1].problem, attempt.searches[-1].grids)
