@@ -7,7 +7,7 @@ from collections.abc import Sequence
 
 from synthesis.certify.course import Course, Jump
 from synthesis.certify.dimensions import stands
-from synthesis.certify.joints import joins, overshoot
+from synthesis.certify.joints import NAMES, UNITS, joins, overshoot
 from synthesis.certify.quantities import (
     QUANTITIES,
     Size,
@@ -21,7 +21,7 @@ from synthesis.motion import Motion
 from synthesis.numerics.enclosure import Answer, Question
 from synthesis.units import DEGREE
 
-DERIVATIVES = ("displacement", "velocity", "acceleration", "jerk", "snap")
+NOT_A_NUMBER = "the motion or the size holds something that is not a finite number"
 
 
 def certify(
@@ -43,7 +43,7 @@ def certify(
     asked = [claim for limit in limits for claim in limit.claims(motion.stretches, machine)]
     claims = [claim for claim in asked if claim.stretches]
     if not (course.finite and all(math.isfinite(value) for value in size)):
-        return [_unknown(claim, 0.0, "the motion or the size is not a number") for claim in claims]
+        return [_not_a_number(), *(_unknown(claim, 0.0, NOT_A_NUMBER) for claim in claims)]
     found: dict[int, Extreme] = {}
     for name in dict.fromkeys(claim.quantity for claim in claims):
         mine = [i for i, claim in enumerate(claims) if claim.quantity == name]
@@ -103,7 +103,7 @@ def _extreme(claim: Claim, answer: Answer) -> Extreme:
 
 def _infinite(claim: Claim, jump: Jump, machine: Machine) -> Extreme:
     """A claim that a jump breaks."""
-    what, unit = DERIVATIVES[jump.order], ("mm", "mm/s", "mm/s²")[jump.order]
+    what, unit = NAMES[jump.order], UNITS[jump.order]
     size = abs(jump.size) * machine.omega**jump.order
     evidence = f"{what} jumps by {size:.6g} {unit} at {_degrees(jump.angle):.6g}°"
     return _unknown(claim, jump.angle, evidence)
@@ -116,6 +116,13 @@ def _unknown(claim: Claim, angle: float, evidence: str) -> Extreme:
         limit=claim.limit, value=None, unit=claim.unit, angle_deg=_degrees(angle),
         bound=None if bound is None else claim.to_wire(bound), margin=None, width=0.0,
         holds=False, evidence=evidence, field=claim.field,
+    )  # fmt: skip
+
+
+def _not_a_number() -> Extreme:
+    return Extreme(
+        limit="motion", value=None, unit="mm", angle_deg=0.0, bound=None, margin=None, width=0.0,
+        holds=False, evidence=NOT_A_NUMBER, field="program",
     )  # fmt: skip
 
 

@@ -13,11 +13,16 @@ from numpy.typing import NDArray
 from synthesis.motion import Motion
 from synthesis.numerics.jets import Jets
 from synthesis.numerics.piecewise import Array
+from synthesis.units import FULL_TURN
 
 Indices = NDArray[np.intp]
 
-JOIN_TOLERANCE: Final = 1e-9  # of the natural scale lift/β^k: closer than this is joined
+# Closer than this is joined: of the natural scale lift/β^k up to s''; a jump of a higher derivative
+# may change s'' by no more over the shorter of the two pieces.
+JOIN_TOLERANCE: Final = 1e-9
 HIGHEST_JOIN: Final = 4
+ANGLE_ROUNDING: Final = 4.0 * 2.0**-53 * FULL_TURN  # of the angle of a joint [rad]
+TINY: Final = 1e-250  # scale of a motion that stands still
 
 
 @dataclass(frozen=True)
@@ -68,9 +73,15 @@ class Course:
         tables = (self.curve.breaks, self.curve.origins, self.curve.poly, self.curve.waves)
         return all(bool(np.isfinite(table).all()) for table in tables)
 
+    def _touched(self, stretches: Sequence[int]) -> NDArray[np.bool_]:
+        """Which pieces belong to these stretches."""
+        chosen = np.zeros(len(self.motion.stretches), dtype=bool)
+        chosen[list(stretches)] = True
+        return chosen[self.stretch]
+
     def pieces(self, stretches: Sequence[int]) -> Indices:
         """Indices of the pieces of these stretches."""
-        return np.flatnonzero(np.isin(self.stretch, np.asarray(stretches, dtype=int)))
+        return np.flatnonzero(self._touched(stretches))
 
     @cached_property
     def counts(self) -> Indices:
@@ -89,50 +100,61 @@ class Course:
     # -- joints ------------------------------------------------------------------------------
 
     @cached_property
-    def _sides(self) -> tuple[Array, Array]:
-        """s to its fourth derivative on the left and on the right of every joint: (5, n) each."""
-        here = np.arange(self.curve.count)
-        after = np.roll(here, -1)
-        x = np.concatenate([self.curve.breaks[1:], self.curve.breaks[after]])
-        both, _ = self.jets.derivatives(np.concatenate([here, after]), x)
-        filled = np.zeros((HIGHEST_JOIN + 1, len(x)))
-        rows = min(len(both), HIGHEST_JOIN + 1)
-        filled[:rows] = both[:rows]
-        left, right = np.split(filled, 2, axis=1)
-        return left, right
+    def after(self) -> Indices:
+        """The piece that follows each piece, round the turn."""
+        following: Indices = np.arange(1, self.curve.count + 1)
+        following[-1] = 0
+        return following
 
     @cached_property
-    def _allowed(self) -> Array:
-        """(5, n) largest difference that counts as joined."""
+    def _sides(self) -> tuple[Array, Array, Array]:
+        """s to its fourth derivative left and right of every joint, and their roundings: (5, n)."""
+        n = self.curve.count
+        x = np.concatenate([self.curve.breaks[1:], self.curve.breaks[self.after]])
+        values, errors = self.jets.derivatives(np.concatenate([np.arange(n), self.after]), x)
+        rows = max(len(values), HIGHEST_JOIN + 2)
+        filled = np.zeros((2, rows, 2 * n))
+        filled[0, : len(values)], filled[1, : len(values)] = values, errors
+        # the joint's angle is itself rounded
+        rounding = filled[1] + np.roll(np.abs(filled[0]), -1, axis=0) * ANGLE_ROUNDING
+        rounding = (rounding[:, :n] + rounding[:, n:])[: HIGHEST_JOIN + 1]
+        value = filled[0, : HIGHEST_JOIN + 1]
+        return value[:, :n], value[:, n:], rounding
+
+    @cached_property
+    def _jumps(self) -> tuple[Array, Array, NDArray[np.bool_]]:
+        """What is between the sides, what of it counts as joined, where it is more: (5, n)."""
         orders = np.arange(HIGHEST_JOIN + 1)[:, None]
-        scale = self._lift / self._beta**orders
-        scale = np.maximum(scale, np.roll(scale, -1, axis=1))
-        spare = self.stroke / np.minimum(self._beta, np.roll(self._beta, -1)) ** orders
-        return JOIN_TOLERANCE * np.where(scale > 0.0, scale, spare)
+        left, right, rounding = self._sides
+        powers, further = np.minimum(orders, 2), np.maximum(orders - 2, 0)
+        scale = self._lift / self._beta**powers
+        scale = np.maximum(scale, scale[:, self.after])
+        spare = self.stroke / np.minimum(self._beta, self._beta[self.after]) ** powers
+        natural = np.maximum(np.where(scale > 0.0, scale, spare), TINY)
+        length = np.diff(self.curve.breaks)
+        natural = natural / np.minimum(length, length[self.after]) ** further
+        allowed = JOIN_TOLERANCE * natural + rounding
+        sizes = right - left
+        return sizes, allowed, ~(np.abs(sizes) <= allowed)
 
-    def jumps(self, order: int, joints: Indices) -> list[Jump]:
-        """What is between the two sides of these joints, the worst first by what is allowed."""
-        left, right = self._sides
-        sizes, allowed = right[order] - left[order], self._allowed[order]
-        excess = np.where(np.isnan(sizes), np.inf, np.abs(sizes) / allowed)
-        angles = self.curve.breaks
-        return [
-            Jump(order, int(i), float(angles[i + 1]), float(sizes[i]), float(allowed[i]))
-            for i in joints[np.argsort(-excess[joints], kind="stable")]
-        ]
+    def worst(self, order: int, joints: Indices) -> Jump:
+        """What is between the two sides of a derivative where it is most, by what is allowed."""
+        sizes, allowed, _ = self._jumps
+        i = int(joints[np.argmax(np.abs(sizes[order, joints]) / allowed[order, joints])])
+        angle = float(self.curve.breaks[i + 1])
+        return Jump(order, i, angle, float(sizes[order, i]), float(allowed[order, i]))
 
-    def breaches(self, order: int, joints: Indices) -> list[Jump]:
-        """The jumps that are more than rounding, the worst first."""
-        left, right = self._sides
-        apart = ~(np.abs(right[order] - left[order]) <= self._allowed[order])
-        return self.jumps(order, joints[apart[joints]])
+    def breaches(self, order: int, joints: Indices) -> Indices:
+        """Those of the joints at which a derivative jumps by more than rounding."""
+        apart: Indices = joints[self._jumps[2][order, joints]]
+        return apart
 
     def sides(self, joint: int) -> tuple[tuple[float, ...], tuple[float, ...]]:
         """s to its third derivative on the left and on the right of one joint."""
-        left, right = self._sides
+        left, right, _ = self._sides
         return tuple(left[:4, joint].tolist()), tuple(right[:4, joint].tolist())
 
     def joints(self, stretches: Sequence[int]) -> Indices:
         """Joints that touch these stretches."""
-        touched = np.isin(self.stretch, np.asarray(stretches, dtype=int))
-        return np.flatnonzero(touched | np.roll(touched, -1))
+        touched = self._touched(stretches)
+        return np.flatnonzero(touched | touched[self.after])

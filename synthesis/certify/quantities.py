@@ -7,7 +7,6 @@ machine frame. Nothing here comes from the closed forms that the formulations us
 
 from __future__ import annotations
 
-import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import Any
@@ -15,11 +14,9 @@ from typing import Any
 import numpy as np
 
 from synthesis.certify.course import Course, Indices, Jump
-from synthesis.certify.energy import rms
 from synthesis.followers.base import Follower, Vector2
 from synthesis.limits.base import Claim, Machine
-from synthesis.motion import Motion
-from synthesis.numerics.enclosure import Answer, Enclosed, Question, enclose
+from synthesis.numerics.enclosure import Answer, Question, enclose
 from synthesis.numerics.piecewise import Array
 from synthesis.numerics.taylor import Taylor
 
@@ -107,8 +104,9 @@ def infinite(quantity: Quantity, course: Course, stretches: Sequence[int]) -> Ju
     """The jump that makes a derivative infinite on these stretches, lowest order first."""
     joints = course.joints(stretches)
     for order in range(quantity.smooth):
-        for jump in course.breaches(order, joints):
-            return jump
+        apart = course.breaches(order, joints)
+        if len(apart):
+            return course.worst(order, apart)
     return None
 
 
@@ -118,84 +116,9 @@ def corner(
     """A jump of the velocity that turns the pitch curve's tangent the way the claim forbids."""
     if not quantity.turns:
         return None
-    for jump in course.breaches(1, course.joints(claim.stretches)):
-        before, after = (tangent(machine.follower, size, s) for s in course.sides(jump.joint))
+    for joint in course.breaches(1, course.joints(claim.stretches)):
+        before, after = (tangent(machine.follower, size, s) for s in course.sides(int(joint)))
         turn = before[1] * after[0] - before[0] * after[1]
         if (turn > 0.0 and claim.upper is not None) or (turn < 0.0 and claim.lower is not None):
-            return jump
+            return course.worst(1, np.array([joint]))
     return None
-
-
-def measure(quantity: str, motion: Motion, machine: Machine, size: Size) -> Enclosed:
-    """The value of an objective on the finished cam, in core units.
-
-    Args:
-        quantity: ``prime_radius``; the peaks ``acceleration`` and ``jerk`` over the turn;
-            ``rms_acceleration`` and ``rms_jerk``; ``pressure_slope``, the peak of |tan α| over
-            rises and returns.
-        motion, machine, size: the finished cam.
-    """
-    size = tuple(float(value) for value in size)
-    return MEASURES[quantity](Course(motion), machine, size)
-
-
-def _prime_radius(course: Course, machine: Machine, size: Size) -> Enclosed:
-    norm = machine.follower.prime_radius()
-    rows = np.array(norm.matrix) @ np.array(size) + np.array(norm.shift)
-    value = math.hypot(*rows)
-    return Enclosed(value, value * (1.0 - 1e-15), value * (1.0 + 1e-15), 0.0)
-
-
-def _peak(name: str) -> Callable[[Course, Machine, Size], Enclosed]:
-    def peak(course: Course, machine: Machine, size: Size) -> Enclosed:
-        everywhere = [s.index for s in course.motion.stretches if s.angle > 0.0]
-        jump = infinite(QUANTITIES[name], course, everywhere)
-        if jump is not None:
-            return Enclosed(math.inf, math.inf, math.inf, jump.angle)
-        return _largest(name, course, machine, size, everywhere)
-
-    return peak
-
-
-def _largest(
-    name: str, course: Course, machine: Machine, size: Size, stretches: Sequence[int]
-) -> Enclosed:
-    """Largest |quantity| on these stretches."""
-    question = Question(course.pieces(stretches), 0.0, 0.0)
-    (answer,) = enclose_all(QUANTITIES[name], course, machine, size, [question])
-    found = answer.extreme
-    if answer.side > 0:
-        return found
-    return Enclosed(-found.value, -found.upper, -found.lower, found.angle)
-
-
-def _pressure_slope(course: Course, machine: Machine, size: Size) -> Enclosed:
-    moving = [s.index for s in course.motion.stretches if s.angle > 0.0 and s.kind != "dwell"]
-    found = _largest("pressure_angle", course, machine, size, moving)
-    ends = (found.value, found.lower, found.upper)
-    value, lower, upper = (
-        math.tan(end) if abs(end) < 0.5 * math.pi else math.copysign(math.inf, end) for end in ends
-    )
-    return Enclosed(value, lower, upper, found.angle)
-
-
-def _rms(name: str) -> Callable[[Course, Machine, Size], Enclosed]:
-    def measured(course: Course, machine: Machine, size: Size) -> Enclosed:
-        everywhere = [s.index for s in course.motion.stretches if s.angle > 0.0]
-        jump = infinite(QUANTITIES[name], course, everywhere)
-        if jump is not None:
-            return Enclosed(math.inf, math.inf, math.inf, jump.angle)
-        return rms(course.jets, QUANTITIES[name].order)
-
-    return measured
-
-
-MEASURES: dict[str, Callable[[Course, Machine, Size], Enclosed]] = {
-    "prime_radius": _prime_radius,
-    "velocity": _peak("velocity"),
-    "acceleration": _peak("acceleration"),
-    "jerk": _peak("jerk"),
-    "rms_acceleration": _rms("acceleration"),
-    "rms_jerk": _rms("jerk"),
-    "pressure_slope": _pressure_slope,
-}

@@ -146,7 +146,7 @@ class _Search:
     def survivors(self, boxes: _Boxes, possible: Array) -> NDArray[np.bool_]:
         """Boxes that may still hold more than the target width above the best found."""
         bound = np.where(np.array(self.side) > 0, self.upper, self.lower)
-        size = np.abs(self.value) + np.where(np.isfinite(bound), np.abs(bound), 0.0)
+        size = np.maximum(np.abs(self.value), np.where(np.isfinite(bound), np.abs(bound), 0.0))
         target = self.best + np.maximum(self.absolute, self.relative * size)
         keep: NDArray[np.bool_] = possible > target[boxes.question]
         self.exclude(boxes.question[~keep], possible[~keep])
@@ -178,7 +178,7 @@ def enclose(
     breaks: Array,
     counts: Indices,
     questions: Sequence[Question],
-    relative: float = 1e-9,
+    relative: float = 1e-10,
     absolute: float = 0.0,
 ) -> list[Answer]:
     """Answer all questions about one function, defined piece by piece.
@@ -197,12 +197,11 @@ def enclose(
             possible, points = search.weigh(boxes, model(boxes.piece, boxes.lo, boxes.hi))
             keep = search.survivors(boxes, possible)
             left = np.count_nonzero(keep)
-            if left == 0:
-                return search.answers()
-            if search.boxes + SPLIT * left > MOST_BOXES:
+            if left == 0 or search.boxes + SPLIT * left > MOST_BOXES:
                 break
             boxes = boxes.take(keep).split().and_points(points)
         search.exclude(boxes.question[keep], possible[keep])
+        search.weigh(points, model(points.piece, points.lo, points.hi))
     return search.answers()
 
 

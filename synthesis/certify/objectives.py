@@ -1,0 +1,90 @@
+"""The value of an objective on the finished cam, enclosed."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Sequence
+
+import numpy as np
+
+from synthesis.certify.course import Course
+from synthesis.certify.energy import rms
+from synthesis.certify.quantities import QUANTITIES, Size, enclose_all, infinite
+from synthesis.limits.base import Machine
+from synthesis.motion import Motion
+from synthesis.numerics.enclosure import Enclosed, Question
+
+
+def measure(quantity: str, motion: Motion, machine: Machine, size: Size) -> Enclosed:
+    """The value of an objective on the finished cam, in core units.
+
+    Args:
+        quantity: ``prime_radius``; the peaks ``acceleration`` and ``jerk`` over the turn;
+            ``rms_acceleration`` and ``rms_jerk``; ``pressure_slope``, the peak of |tan α| over
+            rises and returns.
+        motion, machine, size: the finished cam.
+    """
+    size = tuple(float(value) for value in size)
+    return MEASURES[quantity](Course(motion), machine, size)
+
+
+def _prime_radius(course: Course, machine: Machine, size: Size) -> Enclosed:
+    norm = machine.follower.prime_radius()
+    rows = np.array(norm.matrix) @ np.array(size) + np.array(norm.shift)
+    value = math.hypot(*rows)
+    return Enclosed(value, value * (1.0 - 1e-15), value * (1.0 + 1e-15), 0.0)
+
+
+def _peak(name: str) -> Callable[[Course, Machine, Size], Enclosed]:
+    def peak(course: Course, machine: Machine, size: Size) -> Enclosed:
+        everywhere = [s.index for s in course.motion.stretches if s.angle > 0.0]
+        jump = infinite(QUANTITIES[name], course, everywhere)
+        if jump is not None:
+            return Enclosed(math.inf, math.inf, math.inf, jump.angle)
+        return _largest(name, course, machine, size, everywhere)
+
+    return peak
+
+
+def _largest(
+    name: str, course: Course, machine: Machine, size: Size, stretches: Sequence[int]
+) -> Enclosed:
+    """Largest |quantity| on these stretches."""
+    question = Question(course.pieces(stretches), 0.0, 0.0)
+    (answer,) = enclose_all(QUANTITIES[name], course, machine, size, [question])
+    found = answer.extreme
+    if answer.side > 0:
+        return found
+    return Enclosed(-found.value, -found.upper, -found.lower, found.angle)
+
+
+def _pressure_slope(course: Course, machine: Machine, size: Size) -> Enclosed:
+    moving = [s.index for s in course.motion.stretches if s.angle > 0.0 and s.kind != "dwell"]
+    found = _largest("pressure_angle", course, machine, size, moving)
+    ends = (found.value, found.lower, found.upper)
+    value, lower, upper = (
+        math.tan(end) if abs(end) < 0.5 * math.pi else math.copysign(math.inf, end) for end in ends
+    )
+    return Enclosed(value, lower, upper, found.angle)
+
+
+def _rms(name: str) -> Callable[[Course, Machine, Size], Enclosed]:
+    def measured(course: Course, machine: Machine, size: Size) -> Enclosed:
+        everywhere = [s.index for s in course.motion.stretches if s.angle > 0.0]
+        jump = infinite(QUANTITIES[name], course, everywhere)
+        if jump is not None:
+            return Enclosed(math.inf, math.inf, math.inf, jump.angle)
+        return rms(course.jets, QUANTITIES[name].order)
+
+    return measured
+
+
+MEASURES: dict[str, Callable[[Course, Machine, Size], Enclosed]] = {
+    "prime_radius": _prime_radius,
+    "velocity": _peak("velocity"),
+    "acceleration": _peak("acceleration"),
+    "jerk": _peak("jerk"),
+    "rms_acceleration": _rms("acceleration"),
+    "rms_jerk": _rms("jerk"),
+    "pressure_slope": _pressure_slope,
+}
