@@ -8,15 +8,18 @@ from __future__ import annotations
 from collections.abc import Mapping
 from types import MappingProxyType
 
-from synthesis.exporters import csv_table, json_table, txt_points
+from synthesis.exporters import csv_table, json_table, svg_motion, svg_profile, txt_points
 from synthesis.exporters.exporter import Exporter
 from synthesis.exporters.options import MotionOptions, ProfileOptions
 
 PROFILE_FORMATS: Mapping[str, Exporter[ProfileOptions]] = MappingProxyType(
-    {each.name: each for each in (json_table.PROFILE, csv_table.PROFILE, txt_points.PROFILE)}
+    {
+        each.name: each
+        for each in (json_table.PROFILE, csv_table.PROFILE, txt_points.PROFILE, svg_profile.PROFILE)
+    }
 )
 MOTION_FORMATS: Mapping[str, Exporter[MotionOptions]] = MappingProxyType(
-    {each.name: each for each in (json_table.MOTION, csv_table.MOTION)}
+    {each.name: each for each in (json_table.MOTION, csv_table.MOTION, svg_motion.MOTION)}
 )
 
 __all__ = ["MOTION_FORMATS", "PROFILE_FORMATS", "Exporter", "MotionOptions", "ProfileOptions"]

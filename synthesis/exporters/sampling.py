@@ -18,6 +18,7 @@ from synthesis.exporters.cam import Cam, Mask
 from synthesis.exporters.chords import COARSEST, chord_angles, position
 from synthesis.exporters.options import MotionOptions, ProfileOptions
 from synthesis.numerics.piecewise import Array
+from synthesis.profile import CamProfile
 from synthesis.units import DEGREE, FULL_TURN
 
 SAME_ANGLE = 1e-9  # [rad]
@@ -61,19 +62,22 @@ def table_rows(cam: Cam, options: ProfileOptions | MotionOptions) -> Rows:
     return Rows(rows, in_degrees(rows), side, left)
 
 
-def ring_points(cam: Cam, options: ProfileOptions) -> Array:
-    """Points (n, 2) of the closed curve [mm] from its seam, in the order of rising cam angle."""
+def ring(cam: Cam, options: ProfileOptions) -> CamProfile:
+    """The closed curve from its seam, in the order of rising cam angle, not yet closed."""
     theta = _ring_angles(cam, options)
     # Only where s' jumps does the point itself have two sides.
     twice = np.isin(theta, cam.joints.breaking(1))
     rows = np.repeat(theta, 1 + twice)
     left = np.repeat(twice, 1 + twice) & (np.append(np.diff(rows), 1.0) == 0.0)
-    points = np.column_stack(position(options.curve, cam.at(rows, left)))
+    return cam.at(rows, left)
+
+
+def ring_points(cam: Cam, options: ProfileOptions) -> Array:
+    """Points (n, 2) of the closed curve [mm] from its seam; none is repeated, the first neither."""
+    points = np.column_stack(position(options.curve, ring(cam, options)))
     rounded = np.round(points, RING_DECIMALS)
     new = np.any(rounded != np.roll(rounded, 1, axis=0), axis=1)
     new[0] = True
-    while len(points) > 1 and np.array_equal(rounded[new][-1], rounded[0]):
-        new[np.flatnonzero(new)[-1]] = False
     return points[new]
 
 

@@ -1,0 +1,118 @@
+"""What a diagram shows: a quantity over the turn, its limits, and where they are broken."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from synthesis.design import Design
+from synthesis.exporters.cam import Cam
+from synthesis.exporters.options import MotionOptions
+from synthesis.exporters.sampling import in_degrees, table_rows
+from synthesis.numerics.piecewise import Array
+
+EXACT = 1e-9  # a limit that is reached is not broken
+
+
+@dataclass(frozen=True)
+class Quantity:
+    """What a diagram shows: the ``order``-th time derivative of s, and its name for limits."""
+
+    order: int
+    name: str
+    title: str
+    symbol: str
+    unit: str
+
+
+QUANTITIES = (
+    Quantity(0, "displacement", "Displacement", "s", "mm"),
+    Quantity(1, "velocity", "Velocity", "v", "mm/s"),
+    Quantity(2, "acceleration", "Acceleration", "a", "mm/s²"),
+    Quantity(3, "jerk", "Jerk", "j", "mm/s³"),
+)
+
+
+@dataclass(frozen=True)
+class Bound:
+    """A limit on part of the turn [deg], in the diagram's unit; ±∞ where there is none."""
+
+    start: float
+    end: float
+    lower: float
+    upper: float
+
+
+@dataclass(frozen=True, eq=False)
+class Trace:
+    """The quantity over the turn.
+
+    Attributes:
+        degrees, side: (n,) where, as in ``Rows``. values: (n,) in its unit.
+    """
+
+    degrees: Array
+    side: NDArray[np.int64]
+    values: Array
+
+    def with_(self, other: Trace) -> Trace:
+        """This trace and then the other."""
+        return Trace(
+            np.append(self.degrees, other.degrees),
+            np.append(self.side, other.side),
+            np.append(self.values, other.values),
+        )
+
+
+def trace(cam: Cam, quantity: Quantity, options: MotionOptions) -> Trace:
+    rows = table_rows(cam, options)
+    values = cam.motion.derivatives(rows.theta, quantity.order, "right")[-1]
+    left = cam.motion.derivatives(rows.theta[rows.left], quantity.order, "left")[-1]
+    values[rows.left] = left
+    return Trace(rows.degrees, rows.side, values * cam.omega**quantity.order)
+
+
+def impulses(cam: Cam, quantity: Quantity) -> Trace:
+    """Where a lower derivative jumps: there the value is infinite, with the jump's sign."""
+    theta = cam.joints.breaking(quantity.order - 1)
+    order = cam.joints.order[cam.joints.order < quantity.order]
+    left = cam.motion.derivatives(theta, 3, "left")
+    right = cam.motion.derivatives(theta, 3, "right")
+    jump = (right - left)[order, np.arange(len(theta))]
+    return Trace(in_degrees(theta), np.zeros(len(theta), dtype=np.int64), np.inf * np.sign(jump))
+
+
+def bounds(design: Design, quantity: Quantity) -> list[Bound]:
+    """What the spec's limits claim of this quantity; neighbours with one bound are joined."""
+    stretches, machine = design.spec.stretches(), design.spec.machine()
+    found: list[Bound] = []
+    for limit in design.spec.all_limits():
+        for claim in limit.claims(stretches, machine):
+            if claim.quantity != quantity.name:
+                continue
+            ends = [claim.lower, claim.upper]
+            wire = [None if end is None else claim.to_wire(end) for end in ends]
+            lower = -math.inf if wire[0] is None else wire[0]
+            upper = math.inf if wire[1] is None else wire[1]
+            for index in claim.stretches:
+                start, end = in_degrees(np.array([stretches[index].start, stretches[index].end]))
+                if found and (found[-1].end, found[-1].lower, found[-1].upper) == (
+                    start, lower, upper,
+                ):  # fmt: skip
+                    start = found.pop().start
+                found.append(Bound(float(start), float(end), lower, upper))
+    return found
+
+
+def exceeds(trace: Trace, bound: Bound) -> NDArray[np.bool_]:
+    """Rows in which a bound is broken; at its ends only the limits from inside count."""
+    angle, side = trace.degrees, trace.side
+    inside = ((angle > bound.start) | ((angle == bound.start) & (side >= 0))) & (
+        (angle < bound.end) | ((angle == bound.end) & (side <= 0))
+    )
+    over = trace.values > bound.upper + EXACT * abs(bound.upper)
+    under = trace.values < bound.lower - EXACT * abs(bound.lower)
+    return np.asarray(inside & (over | under))

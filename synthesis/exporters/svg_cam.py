@@ -1,0 +1,196 @@
+"""The cam's figure: curves, circles, follower and rotation."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+
+from synthesis.design import Design
+from synthesis.exporters import svg_canvas as svg
+from synthesis.exporters.cam import Cam
+from synthesis.exporters.options import ProfileOptions
+from synthesis.exporters.sampling import ring
+from synthesis.profile import CamProfile
+
+STEM, BELOW, HUB, TICK, ARC_SPAN = 15.0, 13.5, 1.1, 2.0, math.radians(105.0)
+UNITS_ACROSS = 160.0
+
+Box = tuple[float, float, float, float]
+
+
+@dataclass(frozen=True, eq=False)
+class Scene:
+    """What is drawn, in the cam's frame (y up) at cam angle 0.
+
+    Attributes:
+        ring: the closed curve. start: the cam at cam angle 0.
+        borders, middles: the cam at the borders of segments and half-way between them.
+        drive: unit vector along which the follower moves.
+        rotation: +1 where the cam turns counter-clockwise, −1 clockwise.
+        roller, base, prime: radii [mm].
+        extent: left, bottom, right and top of all that is drawn, texts excepted [mm].
+        u: the sheet's unit [mm]. decimals: of coordinates.
+    """
+
+    ring: CamProfile
+    start: CamProfile
+    borders: CamProfile
+    middles: CamProfile
+    drive: tuple[float, float]
+    rotation: float
+    roller: float
+    base: float
+    prime: float
+    extent: Box
+    u: float
+    decimals: int
+
+    @classmethod
+    def of(cls, design: Design, cam: Cam, options: ProfileOptions) -> Scene:
+        """The scene of a design."""
+        curve, start = ring(cam, options), cam.at(np.zeros(1))
+        (gx, gy), _ = cam.follower.direction(start.s, cam.size)
+        sign = -1.0 if cam.rotation == "cw" else 1.0
+        drive = (sign * float(gx[0]), float(gy[0]))
+        moving = [s for s in cam.motion.stretches if s.angle > 0.0]
+        roller, prime = cam.follower.roller_radius, design.dimensions["prime_radius_mm"]
+        across = max(float(np.ptp(curve.pitch_x)), float(np.ptp(curve.pitch_y)), 2.0 * prime)
+        u = across / UNITS_ACROSS
+        return cls(
+            ring=curve,
+            start=start,
+            borders=cam.at(np.array([s.start for s in moving if s.start > 0.0])),
+            middles=cam.at(np.array([s.start + 0.5 * s.angle for s in moving])),
+            drive=drive,
+            rotation=sign,
+            roller=roller,
+            base=design.dimensions["base_radius_mm"],
+            prime=prime,
+            extent=_extent(curve, start, drive, prime, roller, STEM * u),
+            u=u,
+            decimals=max(4, 7 - math.floor(math.log10(across))),
+        )
+
+    @property
+    def centre(self) -> tuple[float, float]:
+        """The roller's centre [mm]."""
+        return float(self.start.pitch_x[0]), float(self.start.pitch_y[0])
+
+    @property
+    def offset(self) -> float:
+        """Signed distance of the follower's line from the cam's axis, to the right [mm]."""
+        (x, y), (gx, gy) = self.centre, self.drive
+        return x * gy - y * gx
+
+    @property
+    def arc(self) -> tuple[float, float, float]:
+        """Radius of the rotation arrow, its first and last polar angle [rad]."""
+        middle = math.radians(225.0 if self.offset >= 0.0 else 315.0)
+        half = 0.5 * self.rotation * ARC_SPAN
+        return max(0.45 * self.base, 7.0 * self.u), middle - half, middle + half
+
+
+def _extent(
+    curve: CamProfile,
+    start: CamProfile,
+    drive: tuple[float, float],
+    prime: float,
+    roller: float,
+    stem: float,
+) -> Box:
+    x, y = float(start.pitch_x[0]), float(start.pitch_y[0])
+    end_x, end_y = x + (roller + stem) * drive[0], y + (roller + stem) * drive[1]
+    xs = [-prime, prime, float(curve.pitch_x.min()), float(curve.pitch_x.max())]
+    ys = [-prime, prime, float(curve.pitch_y.min()), float(curve.pitch_y.max())]
+    xs += [x - roller, x + roller, end_x]
+    ys += [y - roller, y + roller, end_y]
+    return min(xs), min(ys), max(xs), max(ys)
+
+
+def shapes(scene: Scene) -> list[str]:
+    """All lines and areas, y upwards."""
+    ring, decimals = scene.ring, scene.decimals
+    body = [*_centre_lines(scene), svg.circle("line circle", 0.0, 0.0, scene.base)]
+    if scene.roller > 0.0:
+        body.append(svg.circle("line prime", 0.0, 0.0, scene.prime))
+        steps = svg.steps(ring.pitch_x, ring.pitch_y, decimals, closed=True)
+        body.append(svg.path("line pitch", steps))
+    body.append(svg.path("outline body", svg.steps(ring.x, ring.y, decimals, closed=True)))
+    body.append(svg.circle("outline metal", 0.0, 0.0, HUB * scene.u))
+    return [*body, *_border_ticks(scene), *_rotation(scene), *_follower(scene)]
+
+
+def _centre_lines(scene: Scene) -> list[str]:
+    """Axes through the cam's centre, the follower's line, and the dimension between them."""
+    u, (left, bottom, right, top) = scene.u, scene.extent
+    (x, y), (gx, gy) = scene.centre, scene.drive
+    low = bottom - BELOW * u
+    body = [
+        svg.line("line centre", left - 2.0 * u, 0.0, right + 2.0 * u, 0.0),
+        svg.line("line centre", 0.0, low, 0.0, max(scene.prime, top - STEM * u) + 2.0 * u),
+    ]
+    if abs(scene.offset) < 0.2 * u:
+        return body
+    down, up = math.hypot(x, y - low), scene.roller + (STEM + 2.0) * u
+    body.append(svg.line("line centre", x - down * gx, y - down * gy, x + up * gx, y + up * gy))
+    if gx == 0.0:
+        body += _dimension(x, low + 2.0 * u, u)
+    return body
+
+
+def _dimension(x: float, y: float, u: float) -> list[str]:
+    """A dimension line from 0 to x; its arrows stand outside where there is no room."""
+    inside = abs(x) > 7.0 * u
+    low, high = min(x, 0.0), max(x, 0.0)
+    over = 0.0 if inside else 4.0 * u
+    along = (math.pi, 0.0) if inside else (0.0, math.pi)
+    return [
+        svg.line("axis", low - over, y, high + over, y),
+        svg.arrow_head("solid", low, y, along[0], 2.0 * u),
+        svg.arrow_head("solid", high, y, along[1], 2.0 * u),
+    ]
+
+
+def _border_ticks(scene: Scene) -> list[str]:
+    """From the profile through the pitch curve, where two segments meet."""
+    at, over = scene.borders, TICK * scene.u
+    x, y = at.pitch_x + over * at.normal_x, at.pitch_y + over * at.normal_y
+    ends = zip(at.x.tolist(), at.y.tolist(), x.tolist(), y.tolist(), strict=True)
+    return [svg.line("border", *points) for points in ends]
+
+
+def _rotation(scene: Scene) -> list[str]:
+    """An arrow round the centre in the sense of the cam's turning."""
+    radius, first, last = scene.arc
+    size, sweep = 3.2 * scene.u, int(scene.rotation > 0.0)
+    neck = last - scene.rotation * 0.8 * size / radius
+    x1, y1 = radius * math.cos(first), radius * math.sin(first)
+    x2, y2 = radius * math.cos(neck), radius * math.sin(neck)
+    x3, y3 = radius * math.cos(last), radius * math.sin(last)
+    # The head is a chord of the arc: turn it half of what it spans.
+    along = last + scene.rotation * (0.5 * math.pi - 0.5 * size / radius)
+    r = svg.num(radius)
+    steps = f"M{svg.num(x1)} {svg.num(y1)}A{r} {r} 0 0 {sweep} {svg.num(x2)} {svg.num(y2)}"
+    return [svg.path("line outline", steps), svg.arrow_head("solid", x3, y3, along, size)]
+
+
+def _follower(scene: Scene) -> list[str]:
+    """Roller and stem, or a knife edge, at cam angle 0."""
+    u, (x, y), (gx, gy) = scene.u, scene.centre, scene.drive
+    half = min(max(0.3 * scene.roller, 1.2 * u), 2.5 * u, 0.8 * scene.roller or math.inf)
+    end, foot = scene.roller + STEM * u, math.sqrt(max(scene.roller**2 - half**2, 0.0))
+
+    def at(along: float, across: float) -> str:
+        return f"{svg.num(x + along * gx + across * gy)} {svg.num(y + along * gy - across * gx)}"
+
+    if scene.roller == 0.0:
+        corners = [(end, -half), (3.0 * u, -half), (0.0, 0.0), (3.0 * u, half), (end, half)]
+        return [svg.path("outline metal", "M" + "L".join(at(*corner) for corner in corners))]
+    return [
+        svg.path("line outline", f"M{at(end, -half)}L{at(foot, -half)}"),
+        svg.path("line outline", f"M{at(end, half)}L{at(foot, half)}"),
+        svg.circle("line outline", x, y, scene.roller),
+        svg.circle("line axis", x, y, min(0.25 * scene.roller, HUB * u)),
+    ]

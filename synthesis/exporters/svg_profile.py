@@ -1,0 +1,100 @@
+"""Drawing of the cam as SVG, at true scale in mm: the cam, its circles, and the follower.
+
+The shapes stand in a group with y upwards, so their numbers are those of the cam's frame.
+"""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from synthesis.design import Design
+from synthesis.exporters import svg_canvas as svg
+from synthesis.exporters.cam import Cam
+from synthesis.exporters.exporter import Exporter
+from synthesis.exporters.options import ProfileOptions
+from synthesis.exporters.svg_cam import BELOW, Scene, shapes
+from synthesis.exporters.svg_heading import TURNS, heading
+from synthesis.exporters.svg_labels import labels
+
+HEADER, MARGIN, ROW = 22.0, 14.0, 5.2  # in units of the sheet
+OPPOSITE = {"ccw": "cw", "cw": "ccw"}
+
+
+def _profile(design: Design, options: ProfileOptions) -> bytes:
+    scene = Scene.of(design, Cam.of(design), options)
+    u, (left, bottom, right, top) = scene.u, scene.extent
+    width = right - left + 2.0 * MARGIN * u
+    x, y = MARGIN * u - left, HEADER * u + top
+    legend = y - bottom + (BELOW + 3.0) * u
+    rows = _legend(design, scene)
+    height = legend + (max(5, len(rows)) + 1.0) * ROW * u
+    second = 0.5 * width + 8.0 * u
+    body = [
+        f'<g transform="translate({svg.num(x)} {svg.num(y)}) scale(1 -1)">',
+        *shapes(scene),
+        "</g>",
+        *labels(design, scene, x, y),
+        *heading(design, MARGIN * u, width - MARGIN * u, u),
+        *_legend_lines(rows, MARGIN * u, legend, u),
+        *_remarks(design, second, legend, u),
+        *_scale_bar(second, legend + 4.0 * ROW * u, u),
+    ]
+    title = f"Cam {design.name or design.id}"
+    told = "The cam's profile and pitch curve at true scale, with the follower at cam angle 0."
+    return svg.document(width, height, u, title, told, body)
+
+
+def _legend(design: Design, scene: Scene) -> list[tuple[str, str]]:
+    """Kinds of lines and what they stand for."""
+    radius = np.hypot(scene.ring.x, scene.ring.y)
+    least, largest = svg.figure(float(radius.min()), 5), svg.figure(float(radius.max()), 5)
+    size = {name: svg.figure(value, 6) for name, value in design.dimensions.items()}
+    rows = [
+        ("line outline", f"profile, radius {least} to {largest} mm"),
+        ("line circle", f"base circle, radius {size['base_radius_mm']} mm"),
+    ]
+    if scene.roller > 0.0:
+        rows.insert(1, ("line pitch", "pitch curve, path of the roller's centre"))
+        rows.append(("line prime", f"prime circle, radius {size['prime_radius_mm']} mm"))
+    if "offset_mm" in size:
+        rows.append(("line centre", f"line of the follower, offset {size['offset_mm']} mm"))
+    return rows
+
+
+def _legend_lines(rows: list[tuple[str, str]], x: float, top: float, u: float) -> list[str]:
+    body = []
+    for k, (kind, told) in enumerate(rows):
+        y = top + (k + 0.5) * ROW * u
+        body.append(svg.line(kind, x, y, x + 11.0 * u, y))
+        body.append(svg.text("label", x + 13.0 * u, y + 1.0 * u, told))
+    return body
+
+
+def _remarks(design: Design, x: float, top: float, u: float) -> list[str]:
+    levels = [end for segment in design.motion for end in (segment.s_start_mm, segment.s_end_mm)]
+    roller = design.spec.follower.roller_radius
+    told = [
+        f"roller radius {svg.figure(roller, 6)} mm" if roller > 0.0 else "knife edge",
+        f"stroke {svg.figure(max(levels) - min(levels), 6)} mm",
+        "follower shown at cam angle 0°",
+        f"cam angles run {TURNS[OPPOSITE[design.rotation]]}",
+    ]
+    return [
+        svg.text("label", x, top + ((k + 0.5) * ROW + 1.0) * u, line) for k, line in enumerate(told)
+    ]
+
+
+def _scale_bar(x: float, y: float, u: float) -> list[str]:
+    """A bar of round length, at most 32 units long."""
+    power = 10.0 ** math.floor(math.log10(32.0 * u))
+    length = max(k * power for k in (1.0, 2.0, 5.0) if k * power <= 32.0 * u * (1.0 + 1e-9))
+    mid, end = x + 0.5 * length, x + length
+    body = [svg.line("line outline", x, y + 2.0 * u, end, y + 2.0 * u)]
+    body += [svg.line("line outline", a, y + 1.2 * u, a, y + 2.8 * u) for a in (x, mid, end)]
+    body.append(svg.text("tick", end + 1.6 * u, y + 2.9 * u, f"{svg.figure(length)} mm"))
+    return body
+
+
+PROFILE = Exporter("svg", "Drawing of the cam", "image/svg+xml", ".svg", _profile)
