@@ -81,6 +81,12 @@ class Cam:
                     getattr(found, field.name)[..., left] = getattr(other, field.name)
         return found
 
+    def derivatives(self, theta: Array, left: Mask) -> Array:
+        """s and its derivatives (4, n) at θ [mm, per radian], one-sided likewise."""
+        found = self.motion.derivatives(theta, 3, "right")
+        found[:, left] = self.motion.derivatives(theta[left], 3, "left")
+        return found
+
     def _one_sided(self, theta: Array, side: Side) -> CamProfile:
         return cam_profile(self.motion, self.follower, self.size, self.rotation, theta, side)
 

@@ -55,8 +55,7 @@ def profile_columns(cam: Cam, options: ProfileOptions) -> list[Column]:
 def motion_columns(cam: Cam, options: MotionOptions) -> list[Column]:
     """The follower's motion at the given speed, and per radian of cam angle."""
     rows = table_rows(cam, options)
-    s = cam.motion.derivatives(rows.theta, 3, "right")
-    s[:, rows.left] = cam.motion.derivatives(rows.theta[rows.left], 3, "left")
+    s = cam.derivatives(rows.theta, rows.left)
     return [
         _angle(rows),
         *_physical(s, cam.omega),

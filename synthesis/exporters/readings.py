@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -12,6 +12,8 @@ from synthesis.design import Design
 from synthesis.exporters.cam import Cam
 from synthesis.exporters.options import MotionOptions
 from synthesis.exporters.sampling import in_degrees, table_rows
+from synthesis.limits import Claim
+from synthesis.motion import Stretch
 from synthesis.numerics.piecewise import Array
 
 EXACT = 1e-9  # a limit that is reached is not broken
@@ -58,7 +60,7 @@ class Trace:
     side: NDArray[np.int64]
     values: Array
 
-    def with_(self, other: Trace) -> Trace:
+    def followed_by(self, other: Trace) -> Trace:
         """This trace and then the other."""
         return Trace(
             np.append(self.degrees, other.degrees),
@@ -68,10 +70,9 @@ class Trace:
 
 
 def trace(cam: Cam, quantity: Quantity, options: MotionOptions) -> Trace:
+    """The quantity as a table samples it."""
     rows = table_rows(cam, options)
-    values = cam.motion.derivatives(rows.theta, quantity.order, "right")[-1]
-    left = cam.motion.derivatives(rows.theta[rows.left], quantity.order, "left")[-1]
-    values[rows.left] = left
+    values = cam.derivatives(rows.theta, rows.left)[quantity.order]
     return Trace(rows.degrees, rows.side, values * cam.omega**quantity.order)
 
 
@@ -88,23 +89,29 @@ def impulses(cam: Cam, quantity: Quantity) -> Trace:
 def bounds(design: Design, quantity: Quantity) -> list[Bound]:
     """What the spec's limits claim of this quantity; neighbours with one bound are joined."""
     stretches, machine = design.spec.stretches(), design.spec.machine()
+    claims = [c for limit in design.spec.all_limits() for c in limit.claims(stretches, machine)]
     found: list[Bound] = []
-    for limit in design.spec.all_limits():
-        for claim in limit.claims(stretches, machine):
-            if claim.quantity != quantity.name:
-                continue
-            ends = [claim.lower, claim.upper]
-            wire = [None if end is None else claim.to_wire(end) for end in ends]
-            lower = -math.inf if wire[0] is None else wire[0]
-            upper = math.inf if wire[1] is None else wire[1]
+    for claim in claims:
+        if claim.quantity == quantity.name:
             for index in claim.stretches:
-                start, end = in_degrees(np.array([stretches[index].start, stretches[index].end]))
-                if found and (found[-1].end, found[-1].lower, found[-1].upper) == (
-                    start, lower, upper,
-                ):  # fmt: skip
-                    start = found.pop().start
-                found.append(Bound(float(start), float(end), lower, upper))
+                _join(found, _bound(claim, stretches[index]))
     return found
+
+
+def _bound(claim: Claim, stretch: Stretch) -> Bound:
+    lower = None if claim.lower is None else claim.to_wire(claim.lower)
+    upper = None if claim.upper is None else claim.to_wire(claim.upper)
+    start, end = in_degrees(np.array([stretch.start, stretch.end])).tolist()
+    return Bound(
+        start, end, -math.inf if lower is None else lower, math.inf if upper is None else upper
+    )
+
+
+def _join(found: list[Bound], bound: Bound) -> None:
+    """Add a bound, as one with the last if it continues that."""
+    if found and replace(found[-1], start=found[-1].end, end=bound.end) == bound:
+        bound = replace(bound, start=found.pop().start)
+    found.append(bound)
 
 
 def exceeds(trace: Trace, bound: Bound) -> NDArray[np.bool_]:

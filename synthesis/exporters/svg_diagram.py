@@ -62,7 +62,7 @@ def diagram(
         *_curve(frame, curve),
         *_arrows(frame, infinite, bool(limits)),
         *_broken(frame, curve, limits),
-        *_title(frame, quantity, fine.with_(infinite), limits),
+        *_title(frame, quantity, fine.followed_by(infinite), limits),
     ]
 
 
@@ -145,12 +145,13 @@ def _title(frame: Frame, quantity: Quantity, curve: Trace, limits: list[Bound]) 
     """Name and unit on the left; extremes and limits on the right, in alarm if broken."""
     exponent = _exponent(frame)
     factor = f"10{str(exponent).translate(SUPERSCRIPTS)} " if exponent else ""
-    ends = [("max", int(curve.values.argmax()))]
-    ends += [("min", int(curve.values.argmin()))] if quantity.order else []
-    told = [
-        f"{word} {svg.figure(curve.values[i] / 10.0**exponent)} at {svg.figure(curve.degrees[i], 5)}°"
-        for word, i in ends
-    ]
+    ends = [("max", curve.values.max())]
+    ends += [("min", curve.values.min())] if quantity.order else []
+    told = []
+    for word, value in ends:  # on a plateau, its beginning
+        first = np.argmax(np.isclose(curve.values, value, rtol=EXACT, atol=0.0))
+        angle = svg.figure(curve.degrees[first], 5)
+        told.append(f"{word} {svg.figure(value / 10.0**exponent)} at {angle}°")
     told += sorted({_limit_text(bound, exponent) for bound in limits})
     broken = any(exceeds(curve, bound).any() for bound in limits)
     title = f"{quantity.title} {quantity.symbol}, {factor}{quantity.unit}"
