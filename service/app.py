@@ -39,6 +39,7 @@ def create_app(settings: Settings, engine_of: EngineOf = running_engine) -> Fast
             app.state.parts = State(settings, metrics, engine, store, jobs)
             await jobs.resume()
             yield
+            engine.closing = True
             await jobs.close()
         await store.close()
 

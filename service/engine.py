@@ -33,8 +33,12 @@ CONFIGURATION = {
     "distributed.worker.profile.enabled": False,
     "distributed.admin.system-monitor.gil.enabled": False,
     "distributed.diagnostics.nvml": False,
+    "distributed.scheduler.http.routes": [],
+    "distributed.worker.http.routes": [],
 }
 WATCH_S = 2.0
+REPAIR_S = 20.0
+BATCH_S = 0.001  # Dask gathers messages for 10 ms before it sends them: longer than many designs
 
 
 class WarmUp(WorkerPlugin):
@@ -55,26 +59,26 @@ class WarmUp(WorkerPlugin):
 class Engine:
     """Runs designs on workers; refuses what would wait too long, and stops what overruns."""
 
-    def __init__(self, client: Any, settings: Settings, task: Task, slots: int) -> None:
+    def __init__(self, client: Any, settings: Settings, task: Task) -> None:
         self._client, self._settings, self._task = client, settings, task
-        self._free, self._slots = asyncio.Semaphore(slots), slots
+        self._turn = asyncio.Condition()
+        self._repairs: set[asyncio.Task[None]] = set()
+        self.slots = settings.workers
         self.waiting = 0
         self.running = 0
+        self.closing = False
 
-    @property
-    def slots(self) -> int:
-        """Designs that can run at the same time."""
-        return self._slots
-
-    def workers(self) -> int:
+    async def workers(self) -> int:
         """Workers that can be reached now."""
-        if self._client.status != "running":
+        try:
+            told = await asyncio.wait_for(self._client.scheduler.identity(n_workers=0), 2.0)
+        except (OSError, CommClosedError, TimeoutError):
             return 0
-        return len(self._client.scheduler_info(n_workers=-1)["workers"])
+        return int(told["n_workers"])
 
     def admit(self) -> None:
         """Refuse a design that would have to wait behind too many others."""
-        if self.waiting >= self._settings.max_waiting and self._free.locked():
+        if self.waiting >= self._settings.max_waiting and self.running >= self.slots:
             raise Busy(
                 f"{self.waiting} designs are waiting already. Try again in a few seconds.",
                 {"Retry-After": "5"},
@@ -84,60 +88,85 @@ class Engine:
         """Run one design; raises what the core raised, or WorkerLost, or TimeBudgetExceeded."""
         self.waiting += 1
         try:
-            await self._free.acquire()
+            async with self._turn:
+                await self._turn.wait_for(lambda: self.running < self.slots)
+                self.running += 1
         finally:
             self.waiting -= 1
-        self.running += 1
-        try:
-            return await self._sent(spec, budget_s)
-        finally:
-            self.running -= 1
-            self._free.release()
-
-    async def _sent(self, spec: bytes, budget_s: float) -> Answer:
         if self._client.status != "running":
+            await self._leave()
             raise EngineUnreachable("No worker can be reached. Try again shortly.", RETRY)
         future = self._client.submit(
             self._task, spec, budget_s, key=f"design-{uuid.uuid4().hex}", pure=False
         )
         result = asyncio.ensure_future(future.result())
         try:
-            done, _ = await asyncio.wait({result}, timeout=budget_s + self._settings.grace_s)
-            if not done:
-                raise TimeBudgetExceeded(budget_s)
+            return await self._answer(result, budget_s)
+        finally:
+            # A place is free again when its worker is: a lost one has to be replaced first.
+            sound = result.done() and not isinstance(result.exception(), KilledWorker)
+            ending = self._leave() if sound else self._repaired(future, result)
+            repair = asyncio.create_task(ending)
+            self._repairs.add(repair)
+            repair.add_done_callback(self._repairs.discard)
+            if sound:
+                future.release()
+
+    async def _answer(self, result: asyncio.Task[Any], budget_s: float) -> Answer:
+        done, _ = await asyncio.wait({result}, timeout=budget_s + self._settings.grace_s)
+        if not done:
+            raise TimeBudgetExceeded(budget_s)
+        try:
             answer: Answer = result.result()
-            return answer
         except KilledWorker:
             raise WorkerLost(
                 "The process working on this design died, perhaps for want of memory. "
-                "Others go on. Try again, or ask for a simpler design.", RETRY,
-            ) from None  # fmt: skip
+                "Others go on. Try again, or ask for a simpler design.",
+                RETRY,
+            ) from None
         except (CommClosedError, FutureCancelledError):
             raise EngineUnreachable("The engine was lost meanwhile. Try again.", RETRY) from None
-        finally:
-            await self._stop(future, result)
+        return answer
 
-    async def _stop(self, future: Any, result: asyncio.Task[Any]) -> None:
-        """Forget a task; if a worker is still at it, start that worker anew."""
-        if result.done():
-            future.release()
-            return
+    async def _leave(self) -> None:
+        async with self._turn:
+            self.running -= 1
+            self._turn.notify_all()
+
+    async def _repaired(self, future: Any, result: asyncio.Task[Any]) -> None:
+        """Start the worker anew that is still at a task, and give its place back after that."""
         result.cancel()
-        with contextlib.suppress(Exception):
-            at_work = await self._client.processing()
-            stuck = [where for where, keys in at_work.items() if future.key in keys]
-            await self._client.cancel([future], force=True)
-            if stuck:
-                log.warning("a worker overran its budget and is started anew")
-                await self._client.restart_workers(stuck, raise_for_error=False)
+        try:
+            if not self.closing:
+                await self._restart_whoever_runs(future)
+                await self._client.wait_for_workers(self.slots, timeout=REPAIR_S)
+        except Exception:
+            log.exception("a worker could not be started anew")
+        finally:
+            await self._leave()
+
+    async def _restart_whoever_runs(self, future: Any) -> None:
+        at_work = await self._client.processing()
+        stuck = [where for where, keys in at_work.items() if future.key in keys]
+        await self._client.cancel([future], force=True)
+        if stuck:
+            log.warning("a worker is stopped and started anew")
+            await self._client.restart_workers(stuck, raise_for_error=False)
+
+    async def close(self) -> None:
+        """Wait for what is being repaired: it cannot go on without the client."""
+        self.closing = True
+        for repair in list(self._repairs):
+            repair.cancel()
+        await asyncio.gather(*self._repairs, return_exceptions=True)
 
     async def watch(self) -> None:
-        """Follow a remote scheduler that gains workers: more slots."""
+        """Follow how many workers a remote scheduler has: as many designs at the same time."""
         while True:
+            self.slots = max(1, await self.workers())
+            async with self._turn:
+                self._turn.notify_all()
             await asyncio.sleep(WATCH_S)
-            for _ in range(self.workers() - self._slots):
-                self._slots += 1
-                self._free.release()
 
 
 RETRY = {"Retry-After": "2"}
@@ -155,12 +184,16 @@ async def running_engine(
                 address = await stack.enter_async_context(_own_cluster(settings))
             connect: Any = Client
             client = await stack.enter_async_context(connect(address, asynchronous=True))
+            client.scheduler_comm.interval = BATCH_S
             await client.register_plugin(WarmUp(prepare))
-            await client.wait_for_workers(1, timeout=60)
-            engine = Engine(client, settings, task, settings.workers)
-            watcher = asyncio.create_task(engine.watch())
-            stack.callback(watcher.cancel)
+            engine = Engine(client, settings, task)
+            if settings.scheduler is None:
+                await client.wait_for_workers(settings.workers)
+            else:
+                watcher = asyncio.create_task(engine.watch())
+                stack.callback(watcher.cancel)
             yield engine
+            await engine.close()
 
 
 def _own_cluster(settings: Settings) -> Any:
@@ -170,7 +203,7 @@ def _own_cluster(settings: Settings) -> Any:
         threads_per_worker=1,
         processes=True,
         host="127.0.0.1",
-        dashboard_address=None,
+        dashboard_address="127.0.0.1:0",  # nothing is shown there; without one it takes 8787
         silence_logs=logging.CRITICAL,
         asynchronous=True,
     )

@@ -38,7 +38,8 @@ def serve(settings: Settings) -> None:
 def bound(settings: Settings) -> socket.socket:
     """A socket at the address asked for; one sentence and exit 1 where it is not to be had."""
     family = socket.AF_INET6 if ":" in settings.host else socket.AF_INET
-    listening = socket.socket(family)
+    # The protocol is named because asyncio switches Nagle's algorithm off only where it is.
+    listening = socket.socket(family, socket.SOCK_STREAM, socket.IPPROTO_TCP)
     listening.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
     try:
         listening.bind((settings.host, settings.port))

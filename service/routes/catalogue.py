@@ -11,7 +11,7 @@ from service.routes.files import MAX_POINTS_PER_DEGREE, MIN_TOLERANCE_UM
 from service.state import Parts
 from synthesis.exporters import MOTION_FORMATS, PROFILE_FORMATS, Exporter
 from synthesis.followers import FOLLOWERS
-from synthesis.laws import LAWS, SplineLaw
+from synthesis.laws import LAWS, Characteristics, Ends, SplineLaw, characteristics
 from synthesis.limits import LIMITS
 from synthesis.objectives import OBJECTIVES
 from synthesis.spec import MAX_SEGMENTS
@@ -32,6 +32,13 @@ class MotionLawEntry(Entry):
     """A motion law."""
 
     source: Annotated[str, Field(description="Where its formula is from.")]
+    ends: Annotated[
+        Ends | None,
+        Field(description="VDI 2143: R rests, U turns back without resting; null: as the spec is."),
+    ]
+    characteristics: Annotated[
+        Characteristics | None, Field(description="Peaks for unit lift and angle; null: chosen.")
+    ]
 
 
 class FollowerEntry(Entry):
@@ -78,10 +85,19 @@ class Limits(BaseModel):
 
 
 @router.get("/motion-laws", summary="Motion laws")
-async def list_motion_laws() -> list[MotionLawEntry]:
+def list_motion_laws() -> list[MotionLawEntry]:
     """Every law that a rise or return may name; `spline` is found by the service."""
-    spline = MotionLawEntry(**_entry(SplineLaw, "Spline, chosen by the service"), source="")
-    return [MotionLawEntry(**_entry(law, law.title), source=law.source) for law in LAWS] + [spline]
+    named = [
+        MotionLawEntry(
+            **_entry(type(law), law.title, kind),
+            source=law.source,
+            ends=law.ends,
+            characteristics=characteristics(law),
+        )
+        for kind, law in LAWS.items()
+    ]
+    spline = _entry(SplineLaw, "Spline, chosen by the service")
+    return [*named, MotionLawEntry(**spline, source="", ends=None, characteristics=None)]
 
 
 @router.get("/followers", summary="Follower families")
@@ -120,10 +136,10 @@ async def list_limits(parts: Parts) -> Limits:
     )
 
 
-def _entry(member: type[BaseModel], title: str) -> dict[str, Any]:
+def _entry(member: type[BaseModel], title: str, kind: str | None = None) -> dict[str, Any]:
     description = (member.__doc__ or "").strip().partition("\n\n")[0].replace("\n    ", " ")
-    kind = member.model_fields["kind"].default
     schema = member.model_json_schema()
+    kind = kind or member.model_fields["kind"].default
     return {"kind": kind, "title": title, "description": description, "json_schema": schema}
 
 

@@ -66,7 +66,7 @@ async def get_readyz(parts: Parts, response: Response) -> Ready:
         store = await parts.store.reachable()
     except SQLAlchemyError:
         store = False
-    workers = parts.engine.workers()
+    workers = await parts.engine.workers()
     ready = store and workers > 0
     response.status_code = 200 if ready else 503
     return Ready(ready=ready, store=store, workers=workers)
@@ -81,7 +81,7 @@ async def get_readyz(parts: Parts, response: Response) -> Ready:
 async def get_metrics(parts: Parts) -> Response:
     """Requests by route, solve times, designs by status, the queue."""
     engine, counts = parts.engine, await parts.store.counts()
-    page = parts.metrics.page(counts, engine.waiting, engine.running, engine.workers())
+    page = parts.metrics.page(counts, engine.waiting, engine.running, await engine.workers())
     return Response(page, media_type="text/plain; version=0.0.4")
 
 

@@ -1,0 +1,80 @@
+"""One service for all tests: a real server on a loopback port, with a fake core behind it."""
+
+from __future__ import annotations
+
+import asyncio
+import threading
+from collections.abc import Iterator
+from contextlib import AbstractAsyncContextManager
+from pathlib import Path
+
+import httpx2
+import pytest
+import uvicorn
+
+from service.app import create_app
+from service.engine import Engine, running_engine
+from service.observe import configure_logs
+from service.run import bound
+from service.settings import Settings
+from tests.service import fake_core
+
+
+class Running:
+    """A service that listens."""
+
+    def __init__(self, settings: Settings, real: bool) -> None:
+        configure_logs("warning")
+        self.app = create_app(settings, running_engine if real else _fake_engine)
+        self._socket = bound(settings)
+        self.url = f"http://127.0.0.1:{self._socket.getsockname()[1]}"
+        config = uvicorn.Config(self.app, log_config=None, access_log=False)
+        self.server = uvicorn.Server(config)
+        self.client = httpx2.Client(base_url=self.url, timeout=60.0)
+        self._thread = threading.Thread(target=self._run)
+
+    def _run(self) -> None:
+        asyncio.run(self.server.serve([self._socket]))
+
+    def __enter__(self) -> Running:
+        self._thread.start()
+        while not self.server.started:
+            assert self._thread.is_alive(), "the service did not start"
+            self._thread.join(0.02)
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self.client.close()
+        self.server.should_exit = True
+        self._thread.join(30.0)
+        self._socket.close()
+        assert not self._thread.is_alive(), "the service did not stop"
+
+
+def _fake_engine(settings: Settings) -> AbstractAsyncContextManager[Engine]:
+    return running_engine(settings, fake_core.task, fake_core.prepare)
+
+
+def settings_for(folder: Path, **given: object) -> Settings:
+    fields = {"port": 0, "database_url": f"sqlite:///{folder}/designs.db", "workers": 2, **given}
+    return Settings.model_validate(fields)
+
+
+@pytest.fixture(scope="session")
+def service(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Running]:
+    """The service with the fake core."""
+    settings = settings_for(tmp_path_factory.mktemp("service"), grace_s=0.5, max_waiting=4)
+    with Running(settings, real=False) as running:
+        yield running
+
+
+@pytest.fixture(scope="session")
+def real_service(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Running]:
+    """The service with the real core."""
+    with Running(settings_for(tmp_path_factory.mktemp("real")), real=True) as running:
+        yield running
+
+
+@pytest.fixture
+def client(service: Running) -> httpx2.Client:
+    return service.client

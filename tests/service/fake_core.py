@@ -1,0 +1,65 @@
+"""A core that does what the name of the spec says: for tests of everything around the core."""
+
+from __future__ import annotations
+
+import os
+import signal
+import time
+from typing import Any
+
+from service.solve import Answer, answered
+from synthesis.design import Certificate, Design, Report, design_id, engine_version
+from synthesis.errors import SolverFailed, TimeBudgetExceeded
+from synthesis.spec import DesignSpec
+
+
+def prepare() -> None:
+    """Nothing to warm up."""
+
+
+def task(spec: bytes, budget_s: float) -> Answer:
+    return answered(synthesise, spec, budget_s)
+
+
+def synthesise(spec: DesignSpec, *, deadline: float | None = None) -> Design:
+    assert deadline is not None
+    word, _, number = spec.name.partition(" ")
+    seconds = float(number) if word in ("sleep", "die") and number else 0.0
+    if word == "sleep":
+        time.sleep(seconds)
+    elif word == "die":
+        time.sleep(seconds)
+        os.kill(os.getpid(), signal.SIGKILL)
+    elif word == "best":
+        raise TimeBudgetExceeded(deadline - time.monotonic(), finished(spec))
+    elif word == "empty":
+        raise TimeBudgetExceeded(1.5)
+    elif word == "solver":
+        raise SolverFailed("clarabel", "NumericalError", "Scale the problem.")
+    elif word == "bug":
+        raise RuntimeError("the secret text of an exception")
+    return finished(spec)
+
+
+def finished(spec: DesignSpec) -> Design:
+    fields: dict[str, Any] = {"stages": [], "seconds": 0.0}
+    return Design(
+        id=design_id(spec),
+        name=spec.name,
+        engine_version=engine_version(),
+        status="optimal",
+        rotation=spec.rotation,
+        speed_rpm=spec.speed_rpm,
+        follower=spec.follower.kind,
+        dimensions={"base_radius_mm": 50.0, "prime_radius_mm": 60.0, "offset_mm": 20.0},
+        size=[20.0, 56.5],
+        objectives={"base_radius_mm": 50.0},
+        motion=[],
+        extremes=[],
+        certificate=Certificate(
+            certified=True, objective="base_radius", value=50.0, lower_bound=49.9,
+            bound_over="a fake", gap=0.002,
+        ),
+        report=Report(**fields),
+        spec=spec,
+    )  # fmt: skip

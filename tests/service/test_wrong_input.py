@@ -1,0 +1,206 @@
+"""Wrong input: each a 4xx problem document that names field, value, rule and way out."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Callable, Iterator
+from typing import Any
+
+import httpx2
+import pytest
+
+from tests.service.specs import spec
+
+Change = Callable[[dict[str, Any]], None]
+
+
+def changed(**fields: Any) -> Change:
+    return lambda body: body.update(fields)
+
+
+def segment(index: int, **fields: Any) -> Change:
+    return lambda body: body["program"][index].update(fields)
+
+
+def follower(**fields: Any) -> Change:
+    return lambda body: body["follower"].update(fields)
+
+
+def without(*path: str | int) -> Change:
+    def change(body: Any) -> None:
+        for part in path[:-1]:
+            body = body[part]
+        del body[path[-1]]
+
+    return change
+
+
+# what is changed, where the caller is pointed to, what is said there
+TABLE: dict[str, tuple[Change, str, Any, str]] = {
+    "angles do not sum": (segment(3, angle_deg=200), "/program", 350.0, "Add 10.0°"),
+    "lift does not return": (segment(2, lift_mm=20), "/program", 10.0, "sum to zero"),
+    "never moves": (
+        changed(program=[{"kind": "dwell", "angle_deg": 360}]), "/program", None, "Add both",
+    ),
+    "no program": (without("program"), "/program", None, "Segments in order"),
+    "empty program": (changed(program=[]), "/program", [], "at least 1"),
+    "too many segments": (
+        changed(program=[{"kind": "dwell", "angle_deg": 1}] * 5000), "/program", ..., "at most 100",
+    ),
+    "negative angle": (segment(0, angle_deg=-60), "/program/0/angle_deg", -60, "greater than 0"),
+    "negative lift": (segment(0, lift_mm=-30), "/program/0/lift_mm", -30, "at least"),
+    "lift is text": (segment(0, lift_mm="30"), "/program/0/lift_mm", "30", "valid number"),
+    "lift is true": (segment(0, lift_mm=True), "/program/0/lift_mm", True, "valid number"),
+    "lift missing": (without("program", 0, "lift_mm"), "/program/0/lift_mm", None, "required"),
+    "absurd number": (segment(0, lift_mm=1e300), "/program/0/lift_mm", 1e300, "at most"),
+    "huge integer": (segment(0, lift_mm=10**400), "/program/0/lift_mm", ..., "must be"),
+    "unknown segment": (segment(0, kind="ris"), "/program/0/kind", "ris", "Did you mean 'rise'"),
+    "segment of no kind": (without("program", 1, "kind"), "/program/1/kind", None, "required"),
+    "segment is a number": (changed(program=[3]), "/program/0", 3, "object"),
+    "unknown law": (
+        segment(0, law={"kind": "cycloid"}), "/program/0/law/kind", "cycloid", "'cycloidal'",
+    ),
+    "unknown follower": (follower(kind="flat"), "/follower/kind", "flat", "translating_roller"),
+    "negative roller": (
+        follower(roller_radius_mm=-1), "/follower/roller_radius_mm", -1, "at least 0",
+    ),
+    "misspelt field": (
+        follower(roler_radius_mm=1), "/follower/roler_radius_mm", 1,
+        "Did you mean 'roller_radius_mm'",
+    ),
+    "no follower": (without("follower"), "/follower", None, "required"),
+    "offset beyond prime radius": (
+        lambda body: body.update(base_radius_mm=20) or follower(offset_mm=50)(body),
+        "/follower/offset_mm", 50.0, "smaller offset",
+    ),
+    "negative base radius": (changed(base_radius_mm=-5), "/base_radius_mm", -5.0, "positive"),
+    "base radius is text": (changed(base_radius_mm="x"), "/base_radius_mm", "x", "number"),
+    "base radius range empty": (
+        changed(base_radius_mm={"min": 3, "max": 1}), "/base_radius_mm", ..., "Exchange",
+    ),
+    "base radius misspelt": (
+        changed(base_radius_mm={"minimum": 3}), "/base_radius_mm/minimum", 3, "Did you mean 'min'",
+    ),
+    "unknown limit": (
+        changed(limits=[{"kind": "jrk"}]), "/limits/0/kind", "jrk", "Did you mean 'jerk'",
+    ),
+    "limit without its bound": (
+        changed(limits=[{"kind": "jerk"}]), "/limits/0/max_mm_per_s3", None, "required",
+    ),
+    "pressure angle of 90°": (
+        changed(limits=[{"kind": "pressure_angle", "rise_deg": 90}]), "/limits/0/rise_deg", 90,
+        "less than 90",
+    ),
+    "unknown objective": (
+        changed(objective={"kind": "cost"}), "/objective/kind", "cost", "base_radius",
+    ),
+    "unknown second objective": (
+        changed(objective=[{"kind": "base_radius"}, {"kind": "peak_jerks"}]), "/objective/1/kind",
+        "peak_jerks", "'peak_jerk'",
+    ),
+    "unknown field": (changed(speed=3), "/speed", 3, "Did you mean 'speed_rpm'"),
+    "standing still": (changed(speed_rpm=0), "/speed_rpm", 0, "greater than 0"),
+    "wrong sense": (changed(rotation="left"), "/rotation", "left", "ccw"),
+    "no tolerance left": (changed(tolerance=0), "/tolerance", 0, "at least"),
+    "a name without end": (changed(name="x" * 300), "/name", ..., "at most 200"),
+    "a field with a slash": (changed(**{"a/b~c": 1}), "/a~1b~0c", 1, "not a field"),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize(("change", "pointer", "value", "words"), TABLE.values(), ids=TABLE.keys())
+def test_a_design_that_makes_no_sense(
+    client: httpx2.Client, change: Change, pointer: str, value: Any, words: str
+) -> None:
+    body = spec()
+    change(body)
+    answer = client.post("/v1/designs", json=body)
+    assert answer.status_code == 422, answer.text
+    assert answer.headers["content-type"] == "application/problem+json"
+    problem = answer.json()
+    found = [entry for entry in problem["errors"] if entry["pointer"] == pointer]
+    assert len(found) == 1, problem["errors"]
+    if value is not ...:
+        assert found[0]["value"] == value
+    assert words in f"{found[0]['rule']} {found[0]['way_out']}"
+    assert found[0]["rule"] in problem["detail"] or len(problem["errors"]) > 1
+    assert len(answer.content) < 5000
+
+
+def post(client: httpx2.Client, content: Any, kind: str | None = "application/json") -> Any:
+    headers = {} if kind is None else {"Content-Type": kind}
+    answer = client.post("/v1/designs", content=content, headers=headers)
+    assert answer.headers["content-type"] == "application/problem+json", answer.text
+    problem = answer.json()
+    assert problem["status"] == answer.status_code
+    assert len(problem["detail"]) > 20
+    return problem
+
+
+@pytest.mark.parametrize("word", ["NaN", "Infinity", "-Infinity"])
+def test_words_that_are_no_numbers(client: httpx2.Client, word: str) -> None:
+    text = json.dumps(spec()).replace('"lift_mm": 30', f'"lift_mm": {word}', 1)
+    problem = post(client, text)
+    assert problem["status"] == 422
+    assert problem["errors"] == [
+        {
+            "pointer": "/program/0/lift_mm",
+            "value": word,
+            "rule": "must be a finite number; JSON knows no such word",
+            "way_out": "Leave it out, or give a number.",
+        }
+    ]
+
+
+def test_a_number_beyond_all_numbers(client: httpx2.Client) -> None:
+    problem = post(client, json.dumps(spec()).replace('"lift_mm": 30', '"lift_mm": 1e400', 1))
+    assert problem["errors"][0]["pointer"] == "/program/0/lift_mm"
+    assert problem["errors"][0]["value"] == "Infinity"
+
+
+@pytest.mark.parametrize(
+    ("content", "words"),
+    [
+        (b"", "empty"),
+        (b"   ", "empty"),
+        (b'{"program": [', "Line 1, column"),
+        (b"{'program': 1}", "Line 1, column 2"),
+        (b'{"a": "\xff\xfe"}', "UTF-8"),
+        (b"[" * 100_000 + b"]" * 100_000, "nested"),
+        (b'{"a":' * 50_000 + b"1" + b"}" * 50_000, "nested"),
+        (b'{"name": "a", "name": "b"}', "'name' occurs twice"),
+        (b'{"name": ' + b"9" * 10_000 + b"}", "digits"),
+    ],
+    ids=["nothing", "blanks", "cut off", "quotes", "bytes", "lists", "objects", "twice", "digits"],
+)
+def test_what_is_not_json(client: httpx2.Client, content: bytes, words: str) -> None:
+    problem = post(client, content)
+    assert problem["status"] == 400
+    assert words in problem["detail"]
+
+
+@pytest.mark.parametrize("content", [b"[]", b"3", b"null", b'"text"'])
+def test_json_that_is_no_object(client: httpx2.Client, content: bytes) -> None:
+    problem = post(client, content)
+    assert problem["status"] == 422
+    assert problem["errors"][0]["pointer"] == ""
+    assert "object" in problem["errors"][0]["rule"]
+
+
+@pytest.mark.parametrize("kind", [None, "text/plain", "application/x-www-form-urlencoded", "json"])
+def test_another_media_type(client: httpx2.Client, kind: str | None) -> None:
+    assert post(client, json.dumps(spec()).encode(), kind)["status"] == 415
+
+
+def test_ten_megabytes_with_their_length(client: httpx2.Client) -> None:
+    problem = post(client, b'{"name": "' + b"x" * 10_000_000 + b'"}')
+    assert (problem["status"], problem["type"]) == (413, "/problems/body-too-large")
+    assert "1048576 bytes" in problem["detail"]
+
+
+def test_ten_megabytes_in_pieces(client: httpx2.Client) -> None:
+    def pieces() -> Iterator[bytes]:
+        yield b'{"name": "'
+        for _ in range(1000):
+            yield b"x" * 10_000
+
+    assert post(client, pieces())["status"] == 413
