@@ -1,37 +1,43 @@
-"""The third rung: limits that are not convex, added to the cone program's rows and solved locally.
+"""The third rung: limits that are not convex join the cone program's rows, and IPOPT solves it.
 
-The unknowns are the plan's own. Linear rows, bounds and balls stay what they are; the norm that
-a size objective minimises is the objective itself. Smooth limits are written at a few points
-where they are nearly used up; the answer is then measured densely, the peaks that break a limit
-are added, and the program is solved again from where it stood (an exchange method).
+The unknowns are the plan's own, and its linear rows and balls stay what they are; where a norm of
+the size is the objective, it is minimised itself. Smooth limits are written where they are in
+use. The answer is measured densely, the peaks that break a limit are written too, and the program
+is solved again from where it stood, until no peak is left: an exchange method.
 """
 
 from __future__ import annotations
 
 import time
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field
 from math import inf
 from typing import Any
 
 import casadi
 import numpy as np
+from scipy import sparse
 
 from synthesis.formulations.convex import Plan
-from synthesis.limits import Limit
-from synthesis.motion import Stretch
-from synthesis.numerics.piecewise import Array, Piecewise
+from synthesis.formulations.matrix import Ball
+from synthesis.formulations.problem import Problem
+from synthesis.formulations.spots import Spots, broken, in_use
+from synthesis.numerics.piecewise import Array
 from synthesis.solvers.ipopt import Guess, SmoothProgram, SmoothSolution, solve
 from synthesis.solvers.statuses import Stopped
 
-ROUNDS = 5
-NEAR = 0.95  # rows are written where the start uses up more than this of a limit
-COARSE, DENSE = 4, 16  # samples per knot interval: rows at first, measurement
+ROUNDS = 6
+USABLE = (Stopped.SOLVED, Stopped.INACCURATE)
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class NonlinearSolution:
-    """A point in the plan's unknowns, and why the solver stopped there; its worth is measured."""
+    """A point in the plan's unknowns, and why the solver stopped there; its worth is not known.
+
+    Attributes:
+        x: the last point that IPOPT called a solution; the start where it called none so.
+        rows: of the last program. seconds: all rounds together.
+    """
 
     x: Array
     stopped: Stopped
@@ -41,186 +47,176 @@ class NonlinearSolution:
     rows: int
 
 
-@dataclass(frozen=True, eq=False)
-class Spots:
-    """Where one smooth limit is written on one stretch.
-
-    Attributes:
-        position: among the free stretches, None where the law is given.
-        x: (k,) points of the stretch, 0 to 1. s: (4, k) s to s''' there at the time of writing
-            [mm, per rad], all that is needed where the law is given.
-    """
-
-    limit: Limit
-    stretch: Stretch
-    position: int | None
-    x: Array
-    s: Array
-
-
 def improve(
     plan: Plan, start: Array, deadline: float | None = None, tighten: float = 1e-6
 ) -> NonlinearSolution:
-    begun = time.perf_counter()
-    spots = _measured(plan, start, COARSE, NEAR)
-    x, word, stopped, count, iterations = start, "no round", Stopped.OUT_OF_TIME, 0, 0
-    guess = Guess(start)
+    """A local optimum under all limits, those that are not convex included.
+
+    Args:
+        plan: the relaxation.
+        start: a point of its unknowns, best one at which the smooth limits hold.
+        deadline: ``time.monotonic()`` at which to stop.
+        tighten: relative amount by which smooth limits are drawn in at the points where they are
+            written; peaks between these may rise by as much, so a larger one saves rounds.
+    """
+    began = time.perf_counter()
+    spots = in_use(*_settled(plan, start))
+    guess, iterations, rows = Guess(start), 0, 0
+    stopped, word = Stopped.OUT_OF_TIME, "deadline"
     for _ in range(ROUNDS):
-        left = inf if deadline is None else deadline - time.perf_counter()
+        left = inf if deadline is None else deadline - time.monotonic()
         if left <= 0.0:
             stopped, word = Stopped.OUT_OF_TIME, "deadline"
             break
-        program = _stated(plan, spots, guess.x, tighten)
-        t = time.perf_counter()
-        solution = solve(program, guess, left)
-        stopped, word = solution.stopped, solution.word
-        iterations += solution.iterations
-        count = len(program.lower)
-        more = _peaks(plan, solution.x, -0.0)
-        print(
-            "   round",
-            word,
-            solution.iterations,
-            count,
-            f"build {(time.perf_counter() - t) * 1e3 - solution.seconds * 1e3:.1f} solve {solution.seconds * 1e3:.1f}",
-            "viol",
-            max([m[1] for m in more], default=-1),
-            sum(len(m[0].x) for m in more),
-        )
-        x = solution.x
+        program = _Statement(plan, guess.x).stated(spots, tighten)
+        found = solve(program, guess, left)
+        stopped, word, rows = found.stopped, found.word, len(program.lower)
+        iterations += found.iterations
+        if stopped not in USABLE:
+            break
+        more = broken(*_settled(plan, found.x))
+        guess = _again(found, more)
+        spots = [*spots, *more]
         if not more:
             break
-        spots = spots + [m[0] for m in more]
-        guess = Guess(
-            x, np.append(solution.rows, np.zeros(sum(len(m[0].x) for m in more))), solution.bounds
-        )
-    return NonlinearSolution(x, stopped, word, iterations, time.perf_counter() - begun, count)
+    seconds = time.perf_counter() - began
+    return NonlinearSolution(_with_norm(plan, guess.x), stopped, word, iterations, seconds, rows)
 
 
-def _curves(plan, x):
+def _settled(plan: Plan, x: Array) -> tuple[Problem, tuple[float, ...]]:
+    """The problem with the laws of this point, and its size."""
     laws, size = plan.recover(x)
-    free = iter(enumerate(laws))
-    for stretch in plan.problem.stretches:
-        if stretch.law is None:
-            position, law = next(free)
-            yield stretch.with_law(law.curve()), position
-        else:
-            yield stretch, None
+    free = plan.problem.free
+    placed = [s.with_law(law.curve()) for s, law in zip(free, laws, strict=True)]
+    return plan.problem.settled(placed), size
 
 
-def _sampled(plan, x, each):
-    _, size = plan.recover(x)
-    for stretch, position in _curves(plan, x):
-        curve = stretch.placed()
-        step = np.linspace(0.0, 1.0, each + 1)
-        left, width = curve.breaks[:-1], np.diff(curve.breaks)
-        theta = left[:, None] + width[:, None] * step
-        piece = np.repeat(np.arange(curve.count), each + 1)
-        s = np.stack([curve.at(theta.ravel(), piece, k) for k in range(4)])
-        for limit in plan.problem.limits:
-            for value in limit.smooth(stretch, plan.problem.machine, list(s), size):
-                yield limit, stretch, position, curve, theta, s, value.reshape(theta.shape)
+def _again(found: SmoothSolution, more: Sequence[Spots]) -> Guess:
+    """Where the next round begins: at this point, the new rows without multipliers yet."""
+    new = sum(len(spot.x) for spot in more)
+    return Guess(found.x, np.append(found.rows, np.zeros(new)), found.bounds)
 
 
-def _measured(plan, x, each, near):
-    found = []
-    for limit, stretch, position, curve, theta, s, value in _sampled(plan, x, each):
-        keep = value > -near
-        if position is not None:
-            keep[:-1, -1] = False
-        elif curve.count == 1 and np.ptp(value) < 1e-12:
-            keep[:, 1:] = False
-        if keep.any():
-            xs = (theta[keep] - stretch.start) / stretch.angle
-            found.append(Spots(limit, stretch, position, np.clip(xs, 0, 1), s[:, keep.ravel()]))
-    return found
-
-
-def _peaks(plan, x, above):
-    _, size = plan.recover(x)
-    found = []
-    for limit, stretch, position, curve, theta, s, value in _sampled(plan, x, DENSE):
-        pad = np.pad(value, ((0, 0), (1, 1)), constant_values=-np.inf)
-        top = (value > pad[:, :-2]) & (value >= pad[:, 2:])
-        a, b, c = pad[:, :-2], value, pad[:, 2:]
-        with np.errstate(all="ignore"):
-            move = 0.5 * (a - c) / (a - 2 * b + c)
-        move = np.where(
-            np.isfinite(a) & np.isfinite(c) & np.isfinite(move), np.clip(move, -1, 1), 0
-        )
-        h = theta[:, 1:2] - theta[:, :1]
-        at = (theta + move * h)[top]
-        piece = np.nonzero(top)[0]
-        ss = np.stack([curve.at(at, piece, k) for k in range(4)])
-        vs = np.max(
-            [v for v in limit.smooth(stretch, plan.problem.machine, list(ss), size)], axis=0
-        )
-        vs = np.maximum(vs, -np.inf)
-        keep = vs > above
-        if keep.any():
-            xs = (at[keep] - stretch.start) / stretch.angle
-            found.append(
-                (Spots(limit, stretch, position, np.clip(xs, 0, 1), ss[:, keep]), vs.max())
-            )
-    return found
-
-
-def _stated(plan, spots, x0, tighten):
-    program = plan.program
-    x = casadi.MX.sym("x", program.linear.size)
-    first = program.equalities + program.inequalities
-    matrix = program.matrix[:first]
-    rows = [casadi.mtimes(_dm(matrix), x)]
-    lower = [program.rhs[: program.equalities], np.full(program.inequalities, -inf)]
-    upper = [program.rhs[:first]]
-    objective = None
-    low, high = np.full(program.linear.size, -inf), np.full(program.linear.size, inf)
+def _with_norm(plan: Plan, x: Array) -> Array:
+    """The point with the objective's norm, which IPOPT does not know as an unknown."""
+    x = x.copy()
     for ball in plan.balls:
-        image = casadi.mtimes(_dm(ball.matrix), x) + ball.shift
         if ball.head is not None:
-            objective = casadi.norm_2(image)
-            low[ball.head] = high[ball.head] = x0[ball.head]
-        else:
-            v0 = float(np.sum((ball.matrix @ x0 + ball.shift) ** 2)) or 1.0
-            rows.append(casadi.sumsqr(image) / v0)
-            lower.append([-inf])
-            upper.append([(ball.radius * (1 - ball.tighten)) ** 2 / v0])
-    if objective is None:
-        objective = casadi.dot(casadi.DM(program.linear), x)
+            x[ball.head] = float(np.linalg.norm(ball.matrix @ x + ball.shift)) - ball.radius
+    return x
+
+
+@dataclass(eq=False)
+class _Statement:
+    """The program while it is written; ``at`` is the point whose values set the scales."""
+
+    plan: Plan
+    at: Array
+    x: Any = field(init=False)
+    _rows: list[Any] = field(default_factory=list)
+    _lower: list[Array] = field(default_factory=list)
+    _upper: list[Array] = field(default_factory=list)
+
+    def __post_init__(self) -> None:
+        self.x = casadi.MX.sym("x", len(self.at))
+
+    def stated(self, spots: Sequence[Spots], tighten: float) -> SmoothProgram:
+        """All rows and the objective."""
+        self._linear()
+        for ball, least in self._fixed_balls():
+            self._ball(ball, least)
+        for spot in spots:
+            self._smooth(spot, tighten)
+        low, high = np.full(len(self.at), -inf), np.full(len(self.at), inf)
+        for ball in self.plan.balls:
+            if ball.head is not None:
+                low[ball.head] = high[ball.head] = self.at[ball.head]
+        rows = casadi.densify(casadi.vertcat(*self._rows))  # a row of zeros would be left out
+        lower, upper = np.concatenate(self._lower), np.concatenate(self._upper)
+        return SmoothProgram(self.x, self._objective(), rows, lower, upper, low, high)
+
+    def _put(self, rows: Any, lower: Array, upper: Array) -> None:
+        self._rows.append(rows)
+        self._lower.append(lower)
+        self._upper.append(upper)
+
+    def _linear(self) -> None:
+        """Equalities and inequalities as the cone program has them."""
+        program = self.plan.program
+        last = program.equalities + program.inequalities
+        rhs = program.rhs[:last]
+        lower = np.where(np.arange(last) < program.equalities, rhs, -inf)
+        self._put(casadi.mtimes(_constant(program.matrix[:last]), self.x), lower, rhs)
+
+    def _fixed_balls(self) -> Iterator[tuple[Ball, float]]:
+        """Balls of fixed radius, and the share of the present norm that is their least one.
+
+        The first that bounds the prime radius above also bounds it below; without such a ball
+        the size's own bounds say both.
+        """
+        follower, size = self.plan.problem.machine.follower, self.plan.recover(self.at)[1]
+        prime = follower.prime_radius()
+        least = self.plan.problem.sizing.least / prime.value(size)
+        for ball in self.plan.balls:
+            if ball.head is None:
+                bounds_prime = ball.norm == prime
+                yield ball, least if bounds_prime else 0.0
+                least = 0.0 if bounds_prime else least
+
+    def _ball(self, ball: Ball, least: float) -> None:
+        """least² ≤ ‖image‖² / scale ≤ radius² / scale; an equality where they leave no room."""
+        image = casadi.mtimes(_constant(ball.matrix), self.x) + casadi.DM(ball.shift)
+        scale = float(np.sum((ball.matrix @ self.at + ball.shift) ** 2)) or 1.0
+        upper = (ball.radius * (1.0 - ball.tighten)) ** 2 / scale
+        lower = min(least**2, upper) if least else -inf
+        self._put(casadi.sumsqr(image) / scale, np.array([lower]), np.array([upper]))
+
+    def _smooth(self, spot: Spots, tighten: float) -> None:
+        """One limit at its spots, drawn in."""
+        problem, plan = self.plan.problem, self.plan
+        stretch = problem.stretches[spot.position]
+        z = casadi.vertsplit(self.x[plan.size] * plan.scales.size)
+        s = self._motion(spot)
+        for value in spot.limit.smooth(stretch, problem.machine, s, z):
+            none = np.full(len(spot.x), -inf)
+            self._put(value, none, np.full(len(spot.x), -tighten))
+
+    def _motion(self, spot: Spots) -> list[Any]:
+        """s to s''' at the spots [mm, per rad]: columns of numbers, or of the unknowns."""
+        problem = self.plan.problem
+        stretch = problem.stretches[spot.position]
+        if stretch.law is not None:
+            return [casadi.DM(row) for row in spot.s]
+        position = problem.free.index(stretch)
+        space, known = self.plan.grids[position].space, self.plan.settled[position]
+        coefficients = self.x[self.plan.columns[position]]
+        columns = []
+        for order in range(4):
+            inner, fixed = known.split(space.basis(spot.x, order))
+            unit = stretch.lift / stretch.angle**order
+            start = stretch.s_start if order == 0 else 0.0
+            moving = casadi.mtimes(_constant(unit * inner), coefficients)
+            columns.append(moving + casadi.DM(unit * fixed + start))
+        return columns
+
+    def _objective(self) -> Any:
+        """The norm of the size, the level, or the mean square."""
+        program = self.plan.program
+        for ball in self.plan.balls:
+            if ball.head is not None:
+                image = casadi.mtimes(_constant(ball.matrix), self.x) + casadi.DM(ball.shift)
+                return casadi.norm_2(image)
+        value = casadi.dot(casadi.DM(program.linear), self.x)
         if program.quadratic.nnz:
-            full = program.quadratic + program.quadratic.T
-            full.setdiag(program.quadratic.diagonal())
-            objective += 0.5 * casadi.bilin(_dm(full), x, x)
-    z = casadi.vertsplit(x[plan.size] * plan.scales.size)
-    for spot in spots:
-        s = _moved(plan, spot, x)
-        for value in spot.limit.smooth(spot.stretch, plan.problem.machine, s, z):
-            rows.append(value)
-            lower.append(np.full(len(spot.x), -inf))
-            upper.append(np.full(len(spot.x), -tighten))
-    return SmoothProgram(
-        x, objective, casadi.vertcat(*rows), np.concatenate(lower), np.concatenate(upper), low, high
-    )
+            upper = program.quadratic
+            full = upper + upper.T - sparse.diags(upper.diagonal())
+            value += 0.5 * casadi.bilin(_constant(full), self.x, self.x)
+        return value
 
 
-def _moved(plan, spot, x):
-    if spot.position is None:
-        return [casadi.DM(row) for row in spot.s]
-    grid, known, columns = (
-        plan.grids[spot.position],
-        plan.settled[spot.position],
-        plan.columns[spot.position],
-    )
-    out = []
-    for k in range(4):
-        unit = spot.stretch.lift / spot.stretch.angle**k
-        inner, fixed = known.split(unit * grid.space.basis(spot.x, k))
-        fixed = fixed + (spot.stretch.s_start if k == 0 else 0.0)
-        out.append(casadi.mtimes(_dm(inner), x[columns]) + fixed)
-    return out
-
-
-def _dm(m):
-    from scipy import sparse
-
-    return casadi.DM(sparse.csc_matrix(m))
+def _constant(matrix: Any) -> Any:
+    """A sparse matrix of CasADi; the way over lists is five times quicker than the direct one."""
+    packed = sparse.csc_matrix(matrix)
+    packed.sort_indices()
+    pattern = casadi.Sparsity(*packed.shape, packed.indptr.tolist(), packed.indices.tolist())
+    return casadi.DM(pattern, packed.data.tolist())

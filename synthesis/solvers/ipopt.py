@@ -1,0 +1,117 @@
+"""Smooth nonlinear programs, stated in CasADi and solved by IPOPT with MUMPS."""
+
+from __future__ import annotations
+
+import math
+import time
+from dataclasses import dataclass
+from typing import Any
+
+import casadi
+import numpy as np
+
+from synthesis.numerics.piecewise import Array
+from synthesis.solvers.statuses import Stopped
+
+STATUSES = {
+    "Solve_Succeeded": Stopped.SOLVED,
+    "Solved_To_Acceptable_Level": Stopped.INACCURATE,
+    "Feasible_Point_Found": Stopped.INACCURATE,
+    "Search_Direction_Becomes_Too_Small": Stopped.INACCURATE,
+    "Infeasible_Problem_Detected": Stopped.INFEASIBLE,
+    "Diverging_Iterates": Stopped.UNBOUNDED,
+    "Maximum_CpuTime_Exceeded": Stopped.OUT_OF_TIME,
+    "Maximum_WallTime_Exceeded": Stopped.OUT_OF_TIME,
+    "Maximum_Iterations_Exceeded": Stopped.OUT_OF_ITERATIONS,
+}
+OPTIONS = {
+    "print_time": False,
+    "calc_lam_p": False,
+    "ipopt.sb": "yes",
+    "ipopt.print_level": 0,
+    "ipopt.linear_solver": "mumps",
+    "ipopt.tol": 1e-9,
+    "ipopt.constr_viol_tol": 1e-9,
+    "ipopt.dual_inf_tol": 1e-6,
+    "ipopt.compl_inf_tol": 1e-8,
+    "ipopt.bound_relax_factor": 1e-9,
+    "ipopt.max_iter": 200,
+}
+COLD = {"ipopt.mu_init": 1e-3}
+WARM = {
+    "ipopt.warm_start_init_point": "yes",
+    "ipopt.warm_start_bound_push": 1e-8,
+    "ipopt.warm_start_bound_frac": 1e-8,
+    "ipopt.warm_start_slack_bound_push": 1e-8,
+    "ipopt.warm_start_slack_bound_frac": 1e-8,
+    "ipopt.warm_start_mult_bound_push": 1e-8,
+    "ipopt.mu_init": 1e-6,
+}
+
+
+@dataclass(frozen=True, eq=False)
+class SmoothProgram:
+    """Minimise objective(x) with lower ≤ rows(x) ≤ upper and low ≤ x ≤ high.
+
+    Attributes:
+        x: the unknowns, (n, 1). objective: a scalar. rows: (m, 1) expressions of x.
+        lower, upper: (m,), equal where the row is an equality. low, high: (n,).
+    """
+
+    x: Any
+    objective: Any
+    rows: Any
+    lower: Array
+    upper: Array
+    low: Array
+    high: Array
+
+
+@dataclass(frozen=True, eq=False)
+class Guess:
+    """Where to begin: a point, and multipliers of its rows and bounds where they are known."""
+
+    x: Array
+    rows: Array | None = None
+    bounds: Array | None = None
+
+
+@dataclass(frozen=True, eq=False)
+class SmoothSolution:
+    """A point with its multipliers, and why the solver stopped there."""
+
+    x: Array
+    rows: Array
+    bounds: Array
+    stopped: Stopped
+    word: str
+    iterations: int
+    seconds: float
+
+
+def solve(program: SmoothProgram, guess: Guess, time_limit: float = math.inf) -> SmoothSolution:
+    """Solve from a guess; with multipliers it is a warm start."""
+    started = time.perf_counter()
+    options = dict(OPTIONS)
+    if math.isfinite(time_limit):
+        options["ipopt.max_wall_time"] = max(time_limit, 1e-3)
+    start = {"x0": guess.x}
+    if guess.rows is not None:
+        options |= WARM
+        start |= {"lam_g0": guess.rows, "lam_x0": guess.bounds}
+    else:
+        options |= COLD
+    stated = {"x": program.x, "f": program.objective, "g": program.rows}
+    solver = casadi.nlpsol("nonlinear", "ipopt", stated, options)
+    found = solver(**start, lbx=program.low, ubx=program.high, lbg=program.lower, ubg=program.upper)
+    stats = solver.stats()
+    word = str(stats["return_status"])
+    return SmoothSolution(
+        _column(found["x"]), _column(found["lam_g"]), _column(found["lam_x"]),
+        STATUSES.get(word, Stopped.FAILED), word, int(stats["iter_count"]),
+        time.perf_counter() - started,
+    )  # fmt: skip
+
+
+def _column(values: Any) -> Array:
+    return np.asarray(values, dtype=float).ravel()
