@@ -21,7 +21,8 @@ app = typer.Typer(
     add_completion=False, no_args_is_help=True, pretty_exceptions_enable=False,
     help="Certified cam synthesis: as a service, or one design at a time.",
 )  # fmt: skip
-out, err = Console(highlight=False), Console(stderr=True, highlight=False, markup=False)
+out = Console(highlight=False, markup=False, soft_wrap=True)
+err = Console(highlight=False, markup=False, soft_wrap=True, stderr=True)
 
 
 def _version(wanted: bool) -> None:
@@ -133,3 +134,7 @@ def _stop(sentence: str) -> NoReturn:
 def main() -> None:
     """Entry point."""
     app()
+
+
+if __name__ == "__main__":
+    main()

@@ -54,6 +54,24 @@ def problems(*statuses: int) -> dict[int | str, dict[str, Any]]:
     }
 
 
+def tagged(status: int = 200, **more: Any) -> dict[int | str, dict[str, Any]]:
+    """A response with a strong ETag, and 304 for those who have it."""
+    return {
+        status: {"headers": {"ETag": _header("Strong: the same tag, the same bytes.")}, **more},
+        304: {"description": "You have it already."},
+    }
+
+
+def _header(description: str) -> dict[str, Any]:
+    return {"description": description, "schema": {"type": "string"}}
+
+
+UNDER_WAY_HEADERS = {
+    "Location": _header("Where to ask again."),
+    "Retry-After": _header("Seconds until then."),
+}
+
+
 def spec_body() -> dict[str, Any]:
     """The request body of POST /v1/designs with its worked examples."""
     content = {
@@ -87,8 +105,18 @@ def describe(app: FastAPI) -> dict[str, Any]:
         for name, schema in own.pop("$defs").items():
             schemas.setdefault(name, schema)
         schemas["Problem"] = own
-        for unused in ("HTTPValidationError", "ValidationError"):
-            schemas.pop(unused, None)
+        _without_default_errors(document)
         document["components"]["schemas"] = dict(sorted(schemas.items()))
         app.openapi_schema = document
     return app.openapi_schema
+
+
+def _without_default_errors(document: dict[str, Any]) -> None:
+    """FastAPI adds its own form of 422 to what has parameters; ours is a problem document."""
+    for unused in ("HTTPValidationError", "ValidationError"):
+        document["components"]["schemas"].pop(unused, None)
+    for methods in document["paths"].values():
+        for operation in methods.values():
+            added = operation["responses"].get("422", {}).get("content", {})
+            if "application/json" in added:
+                del operation["responses"]["422"]

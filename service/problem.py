@@ -11,6 +11,7 @@ from fastapi import FastAPI, Request, Response
 from fastapi.exceptions import RequestValidationError
 from pydantic import BaseModel, Field
 from starlette.exceptions import HTTPException
+from starlette.routing import Match
 
 from service.errors import BY_STATUS, PROBLEMS, BadQuery, InvalidBody, Kind, ServiceError, kind_of
 from service.violations import Violation, of_parameters, shown
@@ -104,7 +105,21 @@ async def _http(request: Request, error: Exception) -> Response:
     assert isinstance(error, HTTPException)
     kind = BY_STATUS.get(error.status_code) or Kind(error.status_code, "http", str(error.detail))
     detail = f"{request.method} {request.url.path}: {kind.title}. See /docs for what there is."
-    return respond(request, document(kind, detail), error.headers)
+    headers = {"Allow": _allowed(request)} if error.status_code == 405 else error.headers
+    return respond(request, document(kind, detail), headers)
+
+
+def _allowed(request: Request) -> str:
+    """Every method that this path knows: routes only tell of their own."""
+    routes = request.app.router.routes
+    known = [
+        method
+        for method in ("GET", "POST", "PUT", "PATCH", "DELETE")
+        if any(
+            route.matches({**request.scope, "method": method})[0] == Match.FULL for route in routes
+        )
+    ]
+    return ", ".join(known)
 
 
 async def _parameters(request: Request, error: Exception) -> Response:

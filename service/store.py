@@ -141,7 +141,7 @@ class Store:
         """How many designs there are by status, or by state where they have none."""
         named = func.coalesce(DesignRow.status, DesignRow.state)
         asked = select(named, func.count()).group_by(named)
-        return await self._do(lambda session: dict(session.execute(asked).tuples().all()))
+        return await self._do(lambda session: dict(session.execute(asked).all()))
 
     async def key(self, key: str, body_hash: str, design_id: str) -> KeyRow:
         """What the key stands for: what it was first used for, or this from now on."""

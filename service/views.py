@@ -22,7 +22,7 @@ class Accepted(BaseModel):
     """A design that is waiting or being worked on."""
 
     id: Annotated[str, Field(description="The id that the design will have.")]
-    name: str
+    name: Annotated[str, Field(description="As in the spec.")]
     state: Annotated[State, Field(description="`accepted` until it is done or failed.")]
     created: Annotated[datetime, Field(description="When it was accepted, UTC.")]
     links: Annotated[dict[str, str], Field(description="Where to ask again.")]
@@ -42,7 +42,7 @@ class DesignSummary(Accepted):
 class DesignPage(BaseModel):
     """Designs, the newest first."""
 
-    items: list[DesignSummary]
+    items: Annotated[list[DesignSummary], Field(description="The newest first.")]
     next: Annotated[str | None, Field(description="`cursor` of the next page; null at the end.")]
 
 

@@ -51,16 +51,16 @@ class FormatEntry(BaseModel):
     """A file format."""
 
     name: Annotated[str, Field(description="Last part of the path, as in profile.csv.")]
-    title: str
-    media_type: str
-    extension: str
+    title: Annotated[str, Field(description="Its name for people.")]
+    media_type: Annotated[str, Field(description="Content-Type of the file.")]
+    extension: Annotated[str, Field(description="Of the file's name, with its dot.")]
 
 
 class Formats(BaseModel):
     """The files that a finished design can be had as."""
 
-    profile: list[FormatEntry]
-    motion: list[FormatEntry]
+    profile: Annotated[list[FormatEntry], Field(description="Of the cam's curve.")]
+    motion: Annotated[list[FormatEntry], Field(description="Of the follower's motion.")]
 
 
 class ServerLimits(BaseModel):
@@ -79,9 +79,9 @@ class ServerLimits(BaseModel):
 class Limits(BaseModel):
     """Limits and objectives that a spec may name, and what this server allows."""
 
-    limits: list[Entry]
-    objectives: list[Entry]
-    server: ServerLimits
+    limits: Annotated[list[Entry], Field(description="What may not be exceeded.")]
+    objectives: Annotated[list[Entry], Field(description="What may be made small.")]
+    server: Annotated[ServerLimits, Field(description="What this server allows.")]
 
 
 @router.get("/motion-laws", summary="Motion laws")

@@ -8,7 +8,7 @@ from typing import Annotated, Any
 from fastapi import APIRouter, Header, Query, Request, Response
 
 from service.body import read_body
-from service.documentation import problems, spec_body
+from service.documentation import UNDER_WAY_HEADERS, problems, spec_body, tagged
 from service.errors import BadQuery, KeyReused, UnknownDesign
 from service.etag import unchanged
 from service.jobs import finished
@@ -21,7 +21,11 @@ from synthesis.spec import DesignSpec
 
 router = APIRouter(prefix="/v1/designs", tags=["designs"])
 UNDER_WAY: dict[int | str, dict[str, Any]] = {
-    202: {"model": Accepted, "description": "Being worked on; ask again."}
+    202: {
+        "model": Accepted,
+        "description": "Being worked on; ask again.",
+        "headers": UNDER_WAY_HEADERS,
+    }
 }
 
 Prefer = Annotated[
@@ -42,7 +46,11 @@ KnownTag = Annotated[str | None, Header(description="ETag that you have; answers
 @router.post(
     "",
     response_model=Design,
-    responses={**UNDER_WAY, **problems(400, 413, 415, 422, 429, 500, 503, 504)},
+    responses={
+        200: tagged()[200],
+        **UNDER_WAY,
+        **problems(400, 409, 413, 415, 422, 429, 500, 503, 504),
+    },
     openapi_extra=spec_body(),
     summary="Synthesise a cam",
 )
@@ -80,7 +88,7 @@ async def list_designs(
 @router.get(
     "/{design_id}",
     response_model=Design,
-    responses={**UNDER_WAY, 304: {"description": "You have it."}, **problems(404, 500, 503, 504)},
+    responses={**tagged(), **UNDER_WAY, **problems(404, 500, 503, 504)},
     summary="A design",
 )
 async def get_design(

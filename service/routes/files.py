@@ -11,7 +11,7 @@ from typing import Annotated, Any, Literal
 from fastapi import APIRouter, Query, Request, Response
 from pydantic import BaseModel, ConfigDict, Field
 
-from service.documentation import problems
+from service.documentation import problems, tagged
 from service.errors import NotDone, NothingFits
 from service.etag import tag_of, unchanged
 from service.routes.designs import known
@@ -114,7 +114,6 @@ def _motion(exporter: Exporter[MotionOptions]) -> Callable[..., Awaitable[Respon
 
 def _add(part: str, exporter: Exporter[Any], handler: Callable[..., Awaitable[Response]]) -> None:
     content = {exporter.media_type.partition(";")[0]: {"schema": _schema(exporter)}}
-    described = {"description": exporter.title, "content": content}
     router.add_api_route(
         f"/{part}.{exporter.name}",
         handler,
@@ -122,7 +121,8 @@ def _add(part: str, exporter: Exporter[Any], handler: Callable[..., Awaitable[Re
         summary=f"{part.capitalize()}: {exporter.title}",
         response_class=Response,
         responses={
-            200: described, 304: {"description": "You have it."}, **problems(404, 409, 422)
+            **tagged(description=exporter.title, content=content),
+            **problems(404, 409, 422),
         },
     )  # fmt: skip
 

@@ -21,13 +21,13 @@ router = APIRouter(tags=["operation"])
 class Alive(BaseModel):
     """The process answers."""
 
-    status: Literal["alive"] = "alive"
+    status: Annotated[Literal["alive"], Field(description="Always this.")] = "alive"
 
 
 class Ready(BaseModel):
     """Whether designs can be worked on now."""
 
-    ready: bool
+    ready: Annotated[bool, Field(description="Store and at least one worker answer.")]
     store: Annotated[bool, Field(description="The database answers.")]
     workers: Annotated[int, Field(description="Workers that can be reached.")]
 
@@ -35,18 +35,18 @@ class Ready(BaseModel):
 class Version(BaseModel):
     """What is running."""
 
-    name: Literal["camwright"] = "camwright"
+    name: Annotated[Literal["camwright"], Field(description="Always this.")] = "camwright"
     version: Annotated[str, Field(description="Part of what a design's id is made from.")]
-    python: str
+    python: Annotated[str, Field(description="Version of Python under it.")]
 
 
 class ProblemKind(BaseModel):
     """A kind of problem."""
 
-    type: str
-    title: str
-    status: int
-    meaning: str
+    type: Annotated[str, Field(description="As in problem documents.")]
+    title: Annotated[str, Field(description="As in problem documents.")]
+    status: Annotated[int, Field(description="HTTP status.")]
+    meaning: Annotated[str, Field(description="When it occurs.")]
 
 
 @router.get("/livez", summary="Is the process alive?")

@@ -1,0 +1,83 @@
+"""The OpenAPI document: committed as generated, complete, and its examples are true."""
+
+from __future__ import annotations
+
+import json
+from typing import Any
+
+import httpx2
+import pytest
+
+from service.examples import SELF_CHECK, examples
+from service.openapi import TARGET, rendered
+from synthesis.spec import DesignSpec
+
+DOCUMENT: dict[str, Any] = json.loads(rendered())
+OPERATIONS = [
+    (path, method, operation)
+    for path, methods in DOCUMENT["paths"].items()
+    for method, operation in methods.items()
+]
+
+
+def test_the_committed_document_is_the_one_that_is_served(client: httpx2.Client) -> None:
+    assert TARGET.read_text(encoding="utf-8") == rendered(), "run `make openapi` and commit"
+    assert client.get("/openapi.json").json() == DOCUMENT
+
+
+def test_names_for_generated_clients_are_clean_and_unique() -> None:
+    names = [operation["operationId"] for _, _, operation in OPERATIONS]
+    assert len(set(names)) == len(names)
+    assert all(name.isidentifier() and name.islower() for name in names)
+
+
+@pytest.mark.parametrize(
+    "operation", [entry[2] for entry in OPERATIONS], ids=lambda each: each["operationId"]
+)
+def test_everything_is_said_in_words(operation: dict[str, Any]) -> None:
+    assert operation["summary"]
+    assert operation["tags"]
+    for parameter in operation.get("parameters", []):
+        described = parameter.get("description") or parameter["schema"].get("description")
+        assert described or parameter["in"] == "path", parameter
+    for status, response in operation["responses"].items():
+        assert response["description"]
+        if status >= "400" and operation["operationId"] != "get_readyz":
+            schema = response["content"]["application/problem+json"]["schema"]
+            assert schema == {"$ref": "#/components/schemas/Problem"}
+
+
+def test_every_reference_leads_somewhere() -> None:
+    def references(at: Any) -> list[str]:
+        if isinstance(at, dict):
+            own = [at["$ref"]] if isinstance(at.get("$ref"), str) else []
+            return own + [found for inner in at.values() for found in references(inner)]
+        return [found for inner in at for found in references(inner)] if type(at) is list else []
+
+    for reference in set(references(DOCUMENT)):
+        at: Any = DOCUMENT
+        for part in reference.removeprefix("#/").split("/"):
+            at = at[part]
+
+
+def test_fields_of_answers_are_described() -> None:
+    schemas = DOCUMENT["components"]["schemas"]
+    ours = ("DesignSummary", "DesignPage", "Problem", "Violation", "ServerLimits", "Formats")
+    for name in ours:
+        for field, schema in schemas[name]["properties"].items():
+            told = "description" in schema or "$ref" in schema or field in ("name", "items")
+            assert told or "anyOf" in schema or "discriminator" in schema, (name, field)
+
+
+@pytest.mark.parametrize("name", examples())
+def test_worked_examples_are_documented_and_sound(name: str) -> None:
+    example = examples()[name]
+    assert set(example) == {"summary", "description", "value"}
+    DesignSpec.model_validate_json(json.dumps(example["value"]), strict=True)
+    body = DOCUMENT["paths"]["/v1/designs"]["post"]["requestBody"]["content"]["application/json"]
+    assert body["examples"][name] == example
+
+
+def test_the_self_check_is_among_them() -> None:
+    assert SELF_CHECK in examples()
+    assert len(examples()) >= 5

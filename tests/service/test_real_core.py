@@ -1,0 +1,105 @@
+"""The service with the real core: every worked example, every file, and what the way costs."""
+
+from __future__ import annotations
+
+import statistics
+import sys
+import time
+from typing import Any
+
+import httpx2
+import pytest
+
+from service.examples import SELF_CHECK, examples
+from tests.service.conftest import Running
+
+
+@pytest.fixture(scope="module")
+def client(real_service: Running) -> httpx2.Client:
+    return real_service.client
+
+
+def post(client: httpx2.Client, body: dict[str, Any]) -> httpx2.Response:
+    answer = client.post("/v1/designs", json=body)
+    assert answer.status_code == 200, answer.text
+    return answer
+
+
+@pytest.mark.parametrize("name", examples())
+def test_worked_examples(client: httpx2.Client, name: str) -> None:
+    value = examples()[name]["value"]
+    design = post(client, value).json()
+    if name.startswith("infeasible"):
+        assert design["status"] == "infeasible"
+        assert design["conflict"]["relaxations"]
+        assert list(design["links"]) == ["self"]
+        return
+    assert design["certificate"]["certified"]
+    assert all(extreme["holds"] for extreme in design["extremes"])
+    if design["status"] == "optimal":
+        assert design["certificate"]["gap"] <= value["tolerance"]
+
+
+def test_an_infeasible_design_has_no_files(client: httpx2.Client) -> None:
+    design = post(client, examples()["infeasible-on-purpose"]["value"]).json()
+    answer = client.get(f"/v1/designs/{design['id']}/profile.csv")
+    assert answer.status_code == 409
+    assert answer.json()["type"] == "/problems/nothing-fits"
+
+
+@pytest.fixture(scope="module")
+def links(client: httpx2.Client) -> dict[str, str]:
+    found: dict[str, str] = post(client, examples()[SELF_CHECK]["value"]).json()["links"]
+    return found
+
+
+def test_every_file(client: httpx2.Client, links: dict[str, str]) -> None:
+    formats = client.get("/v1/formats").json()
+    described = {
+        f"{part}.{each['name']}": each for part in ("profile", "motion") for each in formats[part]
+    }
+    assert set(links) == {"self", *described}
+    for name, each in described.items():
+        answer = client.get(links[name])
+        assert answer.status_code == 200
+        assert answer.headers["content-type"] == each["media_type"]
+        how, _, file_name = answer.headers["content-disposition"].partition("; filename=")
+        assert how == ("inline" if each["name"] == "svg" else "attachment")
+        assert file_name.strip('"') == f"example-13-6-{name}"
+        known = {"If-None-Match": answer.headers["etag"]}
+        assert client.get(links[name], headers=known).status_code == 304
+
+
+def test_options_choose_the_points(client: httpx2.Client, links: dict[str, str]) -> None:
+    path = links["profile.csv"]
+
+    def lines(query: str) -> int:
+        return len(client.get(f"{path}?{query}").text.splitlines()) - 1
+
+    assert lines("points_per_degree=1") < lines("points_per_degree=4") == lines("") + 0
+    assert lines("tolerance_um=100") < lines("tolerance_um=1")
+    pitch, profile = (client.get(f"{path}?curve={curve}") for curve in ("pitch", "profile"))
+    assert pitch.headers["etag"] != profile.headers["etag"]
+    assert pitch.text != profile.text
+
+
+def test_the_way_over_http_costs_little(client: httpx2.Client) -> None:
+    """15 ms is what the service is made for; the test leaves room for busy machines."""
+    body = dict(examples()["fixed-laws"]["value"])
+    over = []
+    for i in range(25):
+        body["name"] = f"measured {i}"
+        started = time.perf_counter()
+        answer = post(client, body)
+        over.append(time.perf_counter() - started - answer.json()["report"]["seconds"])
+    print(f"over HTTP: {1e3 * statistics.median(over[5:]):.1f} ms more than in the core")
+    assert statistics.median(over[5:]) < 0.045
+
+
+def test_the_process_that_answers_holds_no_solver(real_service: Running) -> None:
+    """In a process of its own, as this one may hold anything."""
+    import subprocess
+
+    code = "import sys, service.app; print([m for m in ('cvxpy', 'casadi') if m in sys.modules])"
+    run = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    assert run.stdout.strip() == "[]"
