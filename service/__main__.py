@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from service.run import serve
-from service.settings import Settings
+from service.settings import settings_from
 
 if __name__ == "__main__":
-    serve(Settings())
+    serve(settings_from())

@@ -41,7 +41,7 @@ def create_app(settings: Settings, engine_of: EngineOf = running_engine) -> Fast
             yield
             engine.closing = True
             await jobs.close()
-        await store.close()
+        store.dispose()
 
     app = FastAPI(
         title=TITLE,

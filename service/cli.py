@@ -12,7 +12,7 @@ from rich.console import Console
 
 from service.body import parsed, validated
 from service.errors import InvalidBody, ServiceError
-from service.settings import Settings
+from service.settings import settings_from
 from synthesis.design import Design, engine_version
 from synthesis.errors import CamwrightError, TimeBudgetExceeded
 from synthesis.spec import DesignSpec
@@ -52,7 +52,7 @@ def serve(
 
     asked = {"host": host, "port": port, "database_url": database_url, "scheduler": scheduler}
     given: dict[str, Any] = {name: value for name, value in asked.items() if value is not None}
-    run(Settings(**given))
+    run(settings_from(**given))
 
 
 @app.command()
@@ -97,7 +97,7 @@ def _read(path: Path) -> DesignSpec:
 def _synthesised(spec: DesignSpec) -> Design:
     from synthesis.pipeline import synthesise
 
-    budget = Settings().budget_s(spec.time_budget_s)
+    budget = settings_from().budget_s(spec.time_budget_s)
     try:
         return synthesise(spec, deadline=time.monotonic() + budget)
     except TimeBudgetExceeded as error:

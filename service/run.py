@@ -13,12 +13,14 @@ from typing import Any
 
 import uvicorn
 from fastapi import FastAPI
+from sqlalchemy.exc import SQLAlchemyError
 
 from service.app import create_app
 from service.examples import SELF_CHECK, examples
 from service.observe import configure_logs
 from service.settings import Settings
 from service.state import State
+from service.store import Store
 from synthesis.spec import DesignSpec
 
 
@@ -26,6 +28,7 @@ def serve(settings: Settings) -> None:
     """Run until told to stop; ends the process with one sentence where that cannot be."""
     configure_logs(settings.log_level)
     listening = bound(settings)
+    _usable(settings)
     app = create_app(settings)
     config = uvicorn.Config(app, log_config=None, access_log=False, server_header=False)
     logging.getLogger("uvicorn").setLevel(logging.WARNING)
@@ -53,6 +56,16 @@ def bound(settings: Settings) -> socket.socket:
         )
     listening.set_inheritable(True)
     return listening
+
+
+def _usable(settings: Settings) -> None:
+    """Try the store; one sentence and exit 1 where it is not to be had."""
+    try:
+        Store(settings).dispose()
+    except (SQLAlchemyError, OSError, ImportError) as error:
+        reason = str(getattr(error, "orig", error)).partition("\n")[0]
+        address = settings.database.render_as_string(hide_password=True)
+        sys.exit(f"The database {address} cannot be used: {reason}. See CAMWRIGHT_DATABASE_URL.")
 
 
 class _Server(uvicorn.Server):

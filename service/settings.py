@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+import sys
 from functools import cached_property
-from typing import Annotated
+from typing import Annotated, Any
 
-from pydantic import Field
+from pydantic import Field, ValidationError, field_validator
 from pydantic_settings import BaseSettings, SettingsConfigDict
 from sqlalchemy import URL, make_url
+from sqlalchemy.exc import ArgumentError
 
 
 class Settings(BaseSettings):
@@ -39,6 +41,15 @@ class Settings(BaseSettings):
     cors_origins: list[str] = []
     log_level: Annotated[str, Field(pattern="^(debug|info|warning|error)$")] = "info"
 
+    @field_validator("database_url")
+    @classmethod
+    def _is_an_address(cls, value: str) -> str:
+        try:
+            make_url(value)
+        except ArgumentError as error:
+            raise ValueError("not a database address such as sqlite:///camwright.db") from error
+        return value
+
     @cached_property
     def database(self) -> URL:
         """The database's address, taken apart."""
@@ -47,3 +58,16 @@ class Settings(BaseSettings):
     def budget_s(self, asked: float | None) -> float:
         """Seconds that a design gets: what it asks for, within what this server allows."""
         return min(asked or self.time_budget_s, self.max_time_budget_s)
+
+
+def settings_from(**given: Any) -> Settings:
+    """What is given, the environment, the defaults; one sentence and exit 1 where that is wrong."""
+    try:
+        return Settings(**given)
+    except ValidationError as error:
+        first = error.errors()[0]
+        name = str(first["loc"][0]) if first["loc"] else ""
+        sys.exit(
+            f"CAMWRIGHT_{name.upper()} (or --{name.replace('_', '-')}) is {first['input']!r}: "
+            f"{first['msg']}."
+        )

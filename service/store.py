@@ -160,7 +160,7 @@ class Store:
         except IntegrityError:
             return await self._do(work)
 
-    async def close(self) -> None:
+    def dispose(self) -> None:
         """Let go of the database."""
         self._threads.shutdown()
         self._engine.dispose()

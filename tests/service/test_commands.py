@@ -65,6 +65,26 @@ def test_a_port_that_is_taken_is_said_in_one_sentence(tmp_path: Path) -> None:
     assert "--port" in run.stderr
 
 
+@pytest.mark.parametrize(
+    ("given", "words"),
+    [
+        (["--port", "99999"], "--port) is 99999: "),
+        (["--database-url", "sqlite:////proc/none/x.db"], "cannot be used: "),
+        (["--database-url", "nonsense"], "--database-url) is 'nonsense'"),
+    ],
+)
+def test_settings_that_cannot_be_are_said_in_one_sentence(
+    tmp_path: Path, given: list[str], words: str
+) -> None:
+    run = subprocess.run(
+        [sys.executable, "-m", "service.cli", "serve", *given],
+        cwd=tmp_path, capture_output=True, text=True, check=False, timeout=30,
+    )  # fmt: skip
+    assert run.returncode == 1, run.stderr
+    assert run.stderr.count("\n") == 1
+    assert words in run.stderr
+
+
 def test_one_design_without_a_service(spec_file: Path, tmp_path: Path) -> None:
     done = runner.invoke(cli.app, ["design", str(spec_file), "--out", str(tmp_path / "out")])
     assert done.exit_code == 0, done.output
