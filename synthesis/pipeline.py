@@ -17,7 +17,8 @@ from synthesis.design import Conflict, Design, Extreme, StageReport
 from synthesis.errors import SolverFailed, TimeBudgetExceeded
 from synthesis.formulations.candidate import Candidate, given_size
 from synthesis.formulations.problem import Held, pose
-from synthesis.formulations.refine import Search, search
+from synthesis.formulations.refine import search
+from synthesis.formulations.search import Search
 from synthesis.spec import DesignSpec
 
 DRAWN_IN = (1e-7, 1e-6, 1e-5, 1e-4)  # relative amounts by which limits are tightened, in turn
@@ -85,11 +86,12 @@ def synthesise(spec: DesignSpec, *, deadline: float | None = None) -> Design:
 
 def _attempt(spec: DesignSpec, stop: float, tighten: float) -> _Attempt:
     """Work through the objectives in order; each keeps what the ones before have reached."""
-    attempt, held = _Attempt(), ()
+    attempt = _Attempt()
+    held: tuple[Held, ...] = ()
     objectives = spec.objectives()
-    share = spec.tolerance if len(objectives) == 1 else 0.5 * spec.tolerance
     best: Candidate | None = None
-    for objective in objectives:
+    for rank, objective in enumerate(objectives, start=1):
+        share = spec.tolerance if rank == len(objectives) else 0.5 * spec.tolerance
         tried = search(pose(spec, objective, held), share, stop, tighten)
         attempt.searches.append(tried)
         if tried.best is None:

@@ -9,7 +9,7 @@ multipliers are used as numbers, not trusted: any λ ≥ 0 gives a valid bound, 
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from math import factorial, inf, sqrt
 
 import numpy as np
@@ -22,16 +22,29 @@ from synthesis.numerics.piecewise import Array
 from synthesis.solvers.clarabel import ConeSolution
 
 ROUNDING = 1e-12  # relative allowance for the floating-point sums below
+SPREAD = 8  # parts of an interval over which a point multiplier is spread
 NAMES = {2: "acceleration", 3: "jerk"}
 
 
 @dataclass(frozen=True, eq=False)
 class Bound:
-    """A lower bound of the objective [core units], what it covers, and where ideal laws switch."""
+    """A lower bound of the objective [core units], and what it covers.
+
+    Attributes:
+        switching: ψ of every free law; empty where the bound covers a spline family only.
+        order: m, the derivative that steers.
+        steering: how every free law is steered, caps at the level found.
+    """
 
     value: float
     over: str
-    switching: tuple[Switching, ...]
+    switching: tuple[Switching, ...] = ()
+    steering: tuple[Control, ...] = ()
+
+    @property
+    def order(self) -> int:
+        """m, the derivative that steers."""
+        return self.steering[0].order if self.steering else 3
 
 
 @dataclass(eq=False)
@@ -63,7 +76,7 @@ def bound(plan: Plan, solution: ConeSolution) -> Bound:
     """The bound that these multipliers give: over all laws, else over the splines' family."""
     steering = controls(plan)
     if steering is None:
-        return Bound(_in_core_units(plan, _over_family(plan, solution)), _family(plan), ())
+        return Bound(_in_core_units(plan, _over_family(plan, solution)), _family(plan))
     order = steering[0].order if steering else 3
     ledger = _add_up(plan, solution, order)
     psi = tuple(
@@ -72,7 +85,9 @@ def bound(plan: Plan, solution: ConeSolution) -> Bound:
     )
     total = _minimum(plan, solution, ledger, steering, psi)
     over = f"all motion laws with a bounded {NAMES[order]}" if steering else _family(plan)
-    return Bound(_in_core_units(plan, total), over, psi)
+    level = 0.0 if plan.extra is None else abs(float(solution.x[plan.extra]))
+    found = tuple(replace(c, cap=c.rate * level) if c.rate else c for c in steering)
+    return Bound(_in_core_units(plan, total), over, psi, found)
 
 
 def _family(plan: Plan) -> str:
@@ -128,9 +143,10 @@ def _add_up(plan: Plan, solution: ConeSolution, order: int) -> _Ledger:
     )  # fmt: skip
     _book_blocks(plan, solution, ledger, order)
     _book_balls(plan, solution, ledger)
-    _book_joints_and_fixed(plan, solution, ledger, order)
+    _book_fixed(plan, solution, ledger)
     for position in range(laws):
         _book_end(plan, solution, ledger, position, order)
+    _book_joints(plan, ledger, order)
     return ledger
 
 
@@ -159,8 +175,30 @@ def _book_blocks(plan: Plan, solution: ConeSolution, ledger: _Ledger, order: int
         if len(block.size):
             ledger.size += block.size * float(np.sum(z))
         if block.stretch is not None:
-            weights = z[:, None] * block.alpha[:order]
-            _book_point(plan, ledger, block.stretch, block.x, weights, order)
+            x, mass = block.x, z
+            if np.flatnonzero(block.alpha).tolist() == [order - 1] and not len(block.size):
+                x, mass = _spread(block.x, z)
+            weights = mass[:, None] * block.alpha[:order]
+            _book_point(plan, ledger, block.stretch, x, weights, order)
+
+
+def _spread(x: Array, mass: Array) -> tuple[Array, Array]:
+    """Point multipliers of a bound that holds everywhere, spread as hats between their points.
+
+    A point multiplier on the derivative just below the steering one makes ψ jump; where that
+    bound is met along an arc the true multiplier is a density, and ψ vanishes there. Any
+    non-negative measure of any shape is valid, this one is closer to the truth.
+    """
+    sorting = np.argsort(x)
+    x, mass = x[sorting], mass[sorting]
+    gaps = np.diff(x)
+    reach = np.concatenate([gaps, [0.0]]) + np.concatenate([[0.0], gaps])
+    share = (np.arange(SPREAD) + 0.5) / SPREAD
+    left = mass[:-1] * gaps / reach[:-1]  # of each point to its right-hand interval
+    right = mass[1:] * gaps / reach[1:]  # of the next point to the same interval
+    falling, rising = 1.0 - share, share
+    spread = left[:, None] * falling / falling.sum() + right[:, None] * rising / rising.sum()
+    return (x[:-1, None] + gaps[:, None] * share).ravel(), spread.ravel()
 
 
 def _book_balls(plan: Plan, solution: ConeSolution, ledger: _Ledger) -> None:
@@ -174,18 +212,9 @@ def _book_balls(plan: Plan, solution: ConeSolution, ledger: _Ledger) -> None:
             ledger.size -= (ball.matrix.T @ v)[plan.size]
 
 
-def _book_joints_and_fixed(plan: Plan, solution: ConeSolution, ledger: _Ledger, order: int) -> None:
-    at = 0
-    for joint in plan.joints:
-        before, after = joint_rows(joint, plan.problem.free, plan.grids)
-        mu = solution.multipliers[at : at + len(before.units)]
-        at += len(mu)
-        for k, price in enumerate(mu, start=joint.lowest):
-            if k < order:
-                unit = np.zeros((1, order))
-                unit[0, k] = price * before.units[k - joint.lowest]
-                _book_point(plan, ledger, joint.before, np.ones(1), unit, order)
-                ledger.state[joint.after][k] += price * after.units[k - joint.lowest]
+def _book_fixed(plan: Plan, solution: ConeSolution, ledger: _Ledger) -> None:
+    """Size variables that leave no choice: their rows come after those of the joints."""
+    at = sum(max(joint.highest - joint.lowest + 1, 0) for joint in plan.joints)
     for j, (low, high) in enumerate(plan.problem.sizing.bounds):
         if low == high:
             mu = float(solution.multipliers[at])
@@ -222,6 +251,27 @@ def _book_end(
     unit[0, :known] = nu[:known]
     ledger.add(-float(nu[:known] @ end[:known]))
     _book_point(plan, ledger, position, np.ones(1), unit, order)
+
+
+def _book_joints(plan: Plan, ledger: _Ledger, order: int) -> None:
+    """Joints of free laws, from the last to the first of every chain.
+
+    The multiplier of a shared derivative is what makes the unknown initial value of the law
+    behind the joint worthless; so nothing depends on how exactly the solver met it.
+    """
+    waiting = list(plan.joints)
+    while waiting:
+        befores = {joint.before for joint in waiting}
+        ready = [joint for joint in waiting if joint.after not in befores] or waiting[-1:]
+        for joint in ready:
+            waiting.remove(joint)
+            before, after = joint_rows(joint, plan.problem.free, plan.grids)
+            for k in range(joint.lowest, min(joint.highest + 1, order)):
+                price = -ledger.state[joint.after][k] / after.units[k - joint.lowest]
+                unit = np.zeros((1, order))
+                unit[0, k] = price * before.units[k - joint.lowest]
+                ledger.state[joint.after][k] = 0.0
+                _book_point(plan, ledger, joint.before, np.ones(1), unit, order)
 
 
 def _minimum(

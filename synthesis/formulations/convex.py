@@ -22,12 +22,13 @@ from synthesis.formulations.ends import Ends, Joint, meet
 from synthesis.formulations.grid import TYPICAL, Grid, SettledLaw
 from synthesis.formulations.problem import Problem
 from synthesis.formulations.matrix import Ball, Writer
-from synthesis.formulations.rows import Block, Scales
+from synthesis.formulations.rows import Block, Drawn, Scales
 from synthesis.numerics.piecewise import Array
 from synthesis.solvers.clarabel import ConeProgram
 from synthesis.terms import Norm, Row
 
 Vector = tuple[float, ...]
+EXACT = Drawn()
 
 
 @dataclass(frozen=True, eq=False)
@@ -92,17 +93,17 @@ class Plan:
 
 
 def formulate(
-    problem: Problem, grids: Sequence[Grid], level: float = 0.0, tighten: float = 0.0
+    problem: Problem, grids: Sequence[Grid], level: float = 0.0, drawn: Drawn = EXACT
 ) -> Plan:
     """State the problem on given grids.
 
     Args:
         problem: the question. grids: one per free stretch.
         level: trial level of a fractional objective [core units], otherwise without effect.
-        tighten: relative amount by which every limit is drawn in.
+        drawn: how far the rows are drawn in for the solver's sake.
     """
     free = problem.free
-    scales = _scales(problem)
+    scales = natural_scales(problem)
     settled, joints = meet(problem.stretches, grids)
     columns, at = [], 0
     for grid, known in zip(grids, settled, strict=True):
@@ -112,10 +113,10 @@ def formulate(
     order = problem.objective.energy_order()
     extra = size.stop if order is None else None
     width = size.stop + (extra is not None)
-    blocks = tuple(_blocks(problem, grids, settled, scales, level, tighten))
+    blocks = tuple(_blocks(problem, grids, settled, scales, level, drawn))
     squares = None if order is None else energy(problem.stretches, grids, order)
     writer = Writer(width, columns, size, extra, settled)
-    balls = tuple(_balls(problem, grids, writer, scales, tighten))
+    balls = tuple(_balls(problem, grids, writer, scales, drawn.tighten))
     for joint in joints:
         writer.joint(joint, free, grids)
     writer.fixed(problem.sizing.bounds, scales)
@@ -137,7 +138,7 @@ def formulate(
     )  # fmt: skip
 
 
-def _scales(problem: Problem) -> Scales:
+def natural_scales(problem: Problem) -> Scales:
     """Natural units: of size the stroke or the least prime radius, of the level a good law's."""
     level = 0.0
     for stretch in problem.stretches:
@@ -153,18 +154,18 @@ def _blocks(
     settled: Sequence[Ends],
     scales: Scales,
     level: float,
-    tighten: float,
+    drawn: Drawn,
 ) -> Iterator[Block]:
     yield from _size_bounds(problem, scales)
     position = 0
     for stretch in problem.stretches:
         for row in problem.rows_on(stretch, level):
             if stretch.law is not None:
-                block = rows.on_given(row, stretch, scales, tighten)
+                block = rows.on_given(row, stretch, scales, drawn.tighten)
                 if block is not None:
                     yield block
             else:
-                yield rows.on_law(row, position, stretch, grids[position], scales, tighten)
+                yield rows.on_law(row, position, stretch, grids[position], scales, drawn)
         if stretch.law is None:
             assert stretch.free is not None
             if not stretch.free.overshoot:
@@ -194,7 +195,7 @@ def _balls(
     for limit in problem.limits:
         cones += limit.cones(problem.stretches, machine)
     for cone in cones:
-        yield writer.norm_ball(cone.norm, scales.size, cone.radius, tighten)
+        yield writer.norm_ball(cone.norm, scales.size, cone.radius, tighten, cone.source)
     norm = problem.objective.norm(machine)
     if norm is not None:
         yield writer.norm_ball(norm, scales.size, None)

@@ -12,7 +12,7 @@ from synthesis.numerics.piecewise import Array, Piecewise
 
 TYPICAL = np.array([1.0, 2.0, 6.0, 48.0])  # sizes of g to g''' in a good law
 SAMPLES = 64
-CLOSEST_KNOTS = 2e-3  # of the segment; closer ones make the rows ill-conditioned
+CLOSEST_KNOTS = 1e-3  # of the segment; closer ones make the rows ill-conditioned
 
 
 @dataclass(frozen=True, eq=False)
@@ -59,6 +59,19 @@ def over(stretch: Stretch, breaks: Array) -> Grid:
     each = max(2, -(-SAMPLES // (len(breaks) - 1)))
     inner = breaks[:-1, None] + np.diff(breaks)[:, None] * (np.arange(each) / each)
     return Grid(SplineSpace(stretch.free.smoothness + 1, breaks), np.append(inner.ravel(), 1.0))
+
+
+def ramps(switches: Array, softer: int) -> Array:
+    """Knots for a law that is smoother than the ideal one by ``softer`` derivatives.
+
+    Where the ideal law's steering derivative jumps (at a switch, and at both ends), a smoother
+    one needs a short ramp: knots at the switch and as close beside it as knots may lie.
+    """
+    step = 1.01 * CLOSEST_KNOTS * np.arange(-softer, softer + 1)
+    around = (switches[:, None] + step).ravel()
+    ends = 1.01 * CLOSEST_KNOTS * np.arange(1, softer + 1)
+    found = np.concatenate([around, ends, 1.0 - ends])
+    return found[(found > 0.0) & (found < 1.0)]
 
 
 def merged(coarse: Array, wanted: Array) -> Array:

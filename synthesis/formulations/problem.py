@@ -67,6 +67,10 @@ class Problem:
                 value = 0.0 if earlier.objective.fractional else earlier.value
                 yield replace(row, upper=row.upper - row.level * value, level=0.0)
 
+    def with_objective(self, objective: Objective) -> Problem:
+        """The same limits with something else to make small."""
+        return replace(self, objective=objective)
+
     def settled(self, stretches: Sequence[Stretch]) -> Problem:
         """The same question with these stretches in place of the free ones."""
         by_index = {s.index: s for s in stretches}

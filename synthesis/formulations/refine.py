@@ -3,96 +3,29 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Callable
-from dataclasses import dataclass, field
-from math import inf, isfinite, sqrt
+from math import inf, sqrt
 
 import numpy as np
+from numpy.typing import NDArray
 
 from synthesis.errors import SolverFailed
 from synthesis.formulations.bound import Bound, bound
-from synthesis.formulations.candidate import (
-    Candidate, exceeded, grow, needs_size, settle, smallest, at_size,
-)  # fmt: skip
-from synthesis.formulations.convex import Plan, formulate
-from synthesis.formulations.grid import Grid, SettledLaw, merged, over, uniform
+from synthesis.formulations.candidate import Candidate, at_size, needs_size, settle, smallest
+from synthesis.formulations.convex import Plan, formulate, natural_scales
+from synthesis.formulations.grid import CLOSEST_KNOTS, Grid, merged, over, ramps, uniform
 from synthesis.formulations.problem import Problem
-from synthesis.numerics.piecewise import Array
+from synthesis.formulations.rows import Drawn, row_scale, sampled
+from synthesis.formulations.search import Search, Stage
+from synthesis.numerics.piecewise import Array, Piecewise
+from synthesis.objectives.rms_jerk import RmsJerk
 from synthesis.solvers.clarabel import ConeSolution, solve
 from synthesis.solvers.statuses import Stopped
 
-ROUNDS = 6
+ROUNDS = 8
 COARSE, FINE = 12, 96  # intervals of the first grid, by tolerance
+MOST_INTERVALS = 240
 ALLOWED = 1e-9  # relative excess of a row that is solver noise: the certificate decides
 USABLE = (Stopped.SOLVED, Stopped.INACCURATE)
-
-
-@dataclass(frozen=True)
-class Stage:
-    """What one stage modelled and what it cost."""
-
-    stage: str
-    model: str
-    solver: str
-    unknowns: int
-    rows: int
-    iterations: int
-    seconds: float
-    status: str
-    note: str = ""
-
-
-@dataclass(eq=False)
-class Search:
-    """How far one problem has come.
-
-    Attributes:
-        best: best cam so far. relaxed: best cam of the convex relaxation.
-        lower, over: best lower bound and the family that it covers.
-        infeasible: proven for the relaxation on the present knots.
-        last: the last cone program with its solution.
-    """
-
-    problem: Problem
-    tolerance: float
-    deadline: float
-    tighten: float
-    best: Candidate | None = None
-    relaxed: Candidate | None = None
-    lower: float = -inf
-    over: str = ""
-    infeasible: bool = False
-    stages: list[Stage] = field(default_factory=list)
-    grids: tuple[Grid, ...] = ()
-    last: tuple[Plan, ConeSolution] | None = None
-
-    def left(self) -> float:
-        """Seconds left."""
-        return self.deadline - time.monotonic()
-
-    def offer(self, found: Candidate) -> None:
-        """Look at a cam of the relaxation, and at what it becomes under the other limits."""
-        if self.relaxed is None or found.value < self.relaxed.value:
-            self.relaxed = found
-        finished = grow(found)
-        if finished is not None and (self.best is None or finished.value < self.best.value):
-            self.best = finished
-
-    def learn(self, lower: Bound) -> None:
-        """Keep a bound if it is the best so far; the least prime radius bounds a norm too."""
-        value = lower.value
-        if self.problem.objective.norm(self.problem.machine) is not None:
-            value = max(value, self.problem.sizing.least)
-        if value > self.lower:
-            self.lower, self.over = value, lower.over
-
-    def close(self, found: Candidate | None) -> bool:
-        """Whether a cam is within the tolerance of the bound."""
-        if found is None or not isfinite(self.lower):
-            return False
-        to_wire, machine = self.problem.objective.to_wire, self.problem.machine
-        value, lower = to_wire(found.value, machine), to_wire(self.lower, machine)
-        return value - lower <= 0.99 * self.tolerance * abs(value)
 
 
 def search(
@@ -114,7 +47,7 @@ def search(
         first = int(np.clip(3.0 / sqrt(tolerance), COARSE, FINE))
         state.grids = tuple(uniform(stretch, first) for stretch in problem.free)
         _climb(state)
-    if state.relaxed is not None and not state.close(state.best) and state.left() > 0.0:
+    if state.limited_by_shape and state.left() > 0.0:
         _nonlinear(state)
     return state
 
@@ -129,20 +62,14 @@ def _closed_form(state: Search) -> bool:
     if size is None:
         return False
     found = at_size(problem, (), size)
-    state.learn(Bound(_unmoved(problem, size), "every size of the given laws", ()))
+    norm = problem.objective.norm(problem.machine)
+    exact = found.value if norm is None else norm.value(size)
+    state.learn(Bound(exact * (1.0 - 1e-12), "every size of the given laws"))
     state.offer(found)
-    sizes = len(problem.sizing.bounds)
     seconds = time.perf_counter() - started
+    sizes = len(problem.sizing.bounds)
     state.stages.append(Stage("closed form", "half-planes", "none", sizes, 0, 0, seconds, "solved"))
     return True
-
-
-def _unmoved(problem: Problem, size: tuple[float, ...]) -> float:
-    """The objective before the size is moved off what binds it, less rounding."""
-    norm = problem.objective.norm(problem.machine)
-    if norm is None:
-        return at_size(problem, (), size).value * (1.0 - 1e-12)
-    return norm.value(size) * (1.0 - 1e-12)
 
 
 def _climb(state: Search) -> None:
@@ -151,29 +78,44 @@ def _climb(state: Search) -> None:
     for number in range(1, ROUNDS + 1):
         started = time.perf_counter()
         plan, solution, lower = solve_once(state)
-        state.last = (plan, solution)
-        if lower is not None:
-            state.learn(lower)
-        found = _read(plan, solution) if solution.stopped in USABLE else None
-        missed = _missed(found) if found is not None else []
-        if found is not None and not any(excess > ALLOWED for _, _, excess in missed):
-            state.offer(found)
+        before = state.gap
+        found, missed = _weigh(state, plan, solution, lower)
         _report(state, number, plan, solution, time.perf_counter() - started)
         if solution.stopped is Stopped.INFEASIBLE and (number > 1 or not state.grids):
             state.infeasible = state.relaxed is None
             return
         if state.close(state.relaxed) or state.left() <= 0.0 or not state.grids:
             break
-        state.grids = _finer(state, lower, missed)
+        if state.relaxed is not None and lower is not None and not lower.switching:
+            break  # bounded within its own family only: finer knots are another family
+        if state.gap > 0.9 * before and state.gap < inf:
+            break  # finer knots no longer help
+        state.grids = _finer(state, found, lower, missed)
     if state.relaxed is None and state.left() > 0.0:
         raise SolverFailed(
-            "Clarabel", solution.word, "Ask for a larger tolerance or looser limits."
+            "Clarabel", solution.word, "Ask for a larger tolerance or for looser limits."
         )
+
+
+def _weigh(
+    state: Search, plan: Plan, solution: ConeSolution, lower: Bound | None
+) -> tuple[Candidate | None, list[Array]]:
+    """Offer the cam and the bound of one round; where its rows were missed between points."""
+    if lower is None:
+        return None, [np.zeros(0)] * len(state.grids)
+    found = _read(plan, solution)
+    missed, excess = _missed(state, found)
+    if excess <= ALLOWED:
+        state.offer(found)
+    else:
+        state.margin = 1.1 * (state.margin + excess)
+    state.learn(lower)
+    return found, missed
 
 
 def _round(state: Search, trial: float = 0.0) -> tuple[Plan, ConeSolution, Bound | None]:
     """One cone program on the present grids, with its bound."""
-    plan = formulate(state.problem, state.grids, trial, state.tighten)
+    plan = formulate(state.problem, state.grids, trial, Drawn(state.tighten, state.margin))
     solution = solve(plan.program, state.left())
     return plan, solution, bound(plan, solution) if solution.stopped in USABLE else None
 
@@ -186,16 +128,16 @@ def _fraction(state: Search) -> tuple[Plan, ConeSolution, Bound | None]:
         if solution.stopped not in USABLE:
             return plan, solution, None
         reached = _read(plan, solution).value
-        settled = abs(reached - trial) <= 1e-3 * state.tolerance * trial
+        stays = abs(reached - trial) <= 1e-2 * state.tolerance * trial
         trial = reached
-        if settled:
+        if stays:
             break
     below = trial * (1.0 - 0.5 * state.tolerance)
-    _, proof, excess = _round(state, below)
-    proven = excess is not None and excess.value > 0.0
-    over = excess.over if excess is not None else ""
-    psi = excess.switching if excess is not None else ()
-    return plan, solution, Bound(below if proven else 0.0, over, psi)
+    _, _, excess = _round(state, below)
+    if excess is None:
+        return plan, solution, lower
+    proven = below if excess.value > 0.0 else 0.0
+    return plan, solution, Bound(proven, excess.over, excess.switching, excess.steering)
 
 
 def _read(plan: Plan, solution: ConeSolution) -> Candidate:
@@ -203,43 +145,75 @@ def _read(plan: Plan, solution: ConeSolution) -> Candidate:
     return settle(plan.problem, laws, size)
 
 
-def _missed(found: Candidate) -> list[tuple[int, float, float]]:
-    """Where rows of limits are worst on free laws: stretch, angle [rad], relative excess."""
-    worst = []
-    for index, stretch in enumerate(found.problem.stretches):
-        if stretch.free is None:
-            continue
-        for row in found.problem.limit_rows(stretch):
-            excess, theta = exceeded(row, found.problem, index, found.size)
-            scale = max(abs(row.upper), abs(stretch.lift), 1e-300)
-            worst.append((stretch.index, theta, excess / scale))
-    return worst
+def _missed(state: Search, found: Candidate) -> tuple[list[Array], float]:
+    """Where rows written at points are exceeded between them on the free laws, and how far.
+
+    Returns:
+        points x of every free law, and the largest excess relative to its row.
+    """
+    scales, worst = natural_scales(state.problem), -inf
+    points = []
+    settled = {stretch.index: stretch for stretch in found.problem.stretches}
+    for free, grid in zip(state.problem.free, state.grids, strict=True):
+        x = _between(grid.points)
+        s = settled[free.index].placed().derivatives(free.start + free.angle * x)
+        exceeding = [np.zeros(0)]
+        for row in state.problem.limit_rows(free):
+            if sampled(row, grid.space):
+                size = sum(a * v for a, v in zip(row.size, found.size, strict=False))
+                excess = np.array(row.coefficients) @ s + (size - row.upper)
+                excess /= row_scale(row, free, scales)
+                worst = max(worst, float(np.max(excess)))
+                exceeding.append(x[excess > ALLOWED])
+        points.append(np.unique(np.concatenate(exceeding)))
+    return points, worst
+
+
+def _between(points: Array) -> Array:
+    """Three points inside every interval."""
+    gaps = np.diff(points)[:, None] * np.array([0.25, 0.5, 0.75])
+    return np.asarray((points[:-1, None] + gaps).ravel())
 
 
 def _finer(
-    state: Search, lower: Bound | None, missed: list[tuple[int, float, float]]
+    state: Search, found: Candidate | None, lower: Bound | None, missed: list[Array]
 ) -> tuple[Grid, ...]:
-    """Knots where the bound says that the ideal law switches, points where rows were worst."""
+    """Finer knots where the law pays more than the ideal one; points where rows were missed."""
     finer = []
     for position, (stretch, grid) in enumerate(zip(state.problem.free, state.grids, strict=True)):
+        assert stretch.free is not None
         breaks = grid.space.breaks
-        switches = lower.switching[position].crossings() if lower and lower.switching else None
-        if switches is None or stretch.free is None or stretch.free.smoothness > 2:
-            breaks = _halved(breaks)
+        if found is None or lower is None or not lower.switching:
+            breaks = _halved(breaks, np.full(len(breaks) - 1, True))
         else:
-            breaks = merged(breaks, switches)
-        points = [
-            (theta - stretch.start) / stretch.angle
-            for index, theta, excess in missed
-            if index == stretch.index and excess > -1e-3
-        ]
-        kept = np.clip(np.array(points), 0.0, 1.0)
-        finer.append(over(stretch, breaks).with_points(kept))
+            softer = stretch.free.smoothness + 1 - lower.order
+            curve = found.laws[position].curve()
+            breaks = _where_it_pays(breaks, curve, lower, position, softer)
+        if len(breaks) > MOST_INTERVALS:
+            breaks = grid.space.breaks
+        finer.append(over(stretch, breaks).with_points(missed[position]))
     return tuple(finer)
 
 
-def _halved(breaks: Array) -> Array:
-    return np.union1d(breaks, 0.5 * (breaks[:-1] + breaks[1:]))
+def _where_it_pays(
+    breaks: Array, curve: Piecewise, lower: Bound, position: int, softer: int
+) -> Array:
+    """Knots at the ideal law's switches inside the dear intervals; those without one are halved."""
+    psi, control = lower.switching[position], lower.steering[position]
+    losses = psi.losses(breaks, lambda x: curve(x, control.order), control.cap, control.weight)
+    dear = losses > 0.05 * np.sum(losses) / len(losses)
+    switches = np.zeros(0) if control.weight else psi.crossings()
+    inside = np.clip(np.searchsorted(breaks, switches, "right") - 1, 0, len(dear) - 1)
+    counts = np.bincount(inside, minlength=len(dear))
+    single = dear & (counts == 1)
+    halved = _halved(breaks, dear & ~single)
+    return merged(halved, ramps(switches[single[inside]], softer))
+
+
+def _halved(breaks: Array, chosen: NDArray[np.bool_]) -> Array:
+    """The breaks with the chosen intervals cut in two."""
+    middle = 0.5 * (breaks[:-1] + breaks[1:])
+    return np.union1d(breaks, middle[chosen & (np.diff(breaks) > 2.0 * CLOSEST_KNOTS)])
 
 
 def _report(state: Search, number: int, plan: Plan, solution: ConeSolution, seconds: float) -> None:
@@ -259,19 +233,37 @@ def _nonlinear(state: Search) -> None:
     from synthesis.formulations.nonlinear import improve  # CasADi only where it is needed
 
     started = time.perf_counter()
-    plan = formulate(state.problem, state.grids, 0.0, state.tighten)
+    _smooth_start(state)
     start = state.best or state.relaxed
     assert start is not None
+    plan = formulate(state.problem, state.grids, 0.0, Drawn(state.tighten, state.margin))
     solution = improve(plan, plan.point(start.laws, start.size), state.deadline)
     laws, size = plan.recover(solution.x)
-    found = settle(state.problem, laws, size, keep_hint=True)
-    if not any(excess > ALLOWED for _, _, excess in _missed(found)):
-        finished = grow(found)
-        if finished is not None and (state.best is None or finished.value < state.best.value):
-            state.best = finished
+    for keep_hint in (True, False):
+        found = settle(state.problem, laws, size, keep_hint=keep_hint)
+        if _missed(state, found)[1] <= ALLOWED:
+            state.finish(found)
     state.stages.append(
         Stage(
             "nonlinear", "NLP", "IPOPT", len(solution.x), solution.rows, solution.iterations,
             time.perf_counter() - started, solution.stopped.value,
         )
     )  # fmt: skip
+
+
+def _smooth_start(state: Search) -> None:
+    """Another cam to start from: the law of least mean square jerk, grown until limits hold.
+
+    The relaxation's own law uses its freedom to the full, and may be bent so sharply that only
+    a huge cam could carry it.
+    """
+    if not state.problem.free:
+        return
+    gentle = state.problem.with_objective(RmsJerk())
+    plan = formulate(gentle, state.grids, 0.0, Drawn(state.tighten, state.margin))
+    solution = solve(plan.program, state.left())
+    if solution.stopped in USABLE:
+        laws, size = plan.recover(solution.x)
+        found = settle(state.problem, laws, size)
+        if _missed(state, found)[1] <= ALLOWED:
+            state.finish(found)

@@ -10,6 +10,7 @@ import numpy as np
 from synthesis.formulations.ends import Ends
 from synthesis.formulations.grid import TYPICAL, Grid
 from synthesis.motion import Stretch
+from synthesis.numerics.bspline import SplineSpace
 from synthesis.numerics.peaks import peak
 from synthesis.numerics.piecewise import Array
 from synthesis.terms import Row
@@ -50,27 +51,59 @@ class Block:
     tighten: float = 0.0
 
 
+@dataclass(frozen=True)
+class Drawn:
+    """Relative amounts by which rows are drawn in for the solver's sake.
+
+    Attributes:
+        tighten: all rows, against the solver's own tolerance.
+        margin: rows written at points, against what they miss in between.
+    """
+
+    tighten: float = 0.0
+    margin: float = 0.0
+
+
+def in_g(row: Row, stretch: Stretch) -> tuple[Array, float]:
+    """The row's factors of g and its derivatives, and what is left of its right-hand side."""
+    alpha = np.array(row.coefficients) * stretch.lift / stretch.angle ** np.arange(4)
+    return alpha, row.upper - row.coefficients[0] * stretch.s_start
+
+
+def row_scale(row: Row, stretch: Stretch, scales: Scales) -> float:
+    """Natural size of the row's terms: rows are divided by it."""
+    alpha, rhs = in_g(row, stretch)
+    parts = [*(np.abs(alpha) * TYPICAL), abs(row.level * scales.level)]
+    parts += [abs(share * scales.size) for share in row.size]
+    return float(max(parts) if row.size or row.level else max(*parts, abs(rhs)))
+
+
+def sampled(row: Row, space: SplineSpace) -> bool:
+    """Whether the row is written at points, and may be missed between them."""
+    orders = np.flatnonzero(row.coefficients)
+    order = int(orders[0]) if len(orders) == 1 else 0
+    return order == 0 or (space.degree - order > 1 and order != 3)
+
+
 def on_law(
-    row: Row, position: int, stretch: Stretch, grid: Grid, scales: Scales, tighten: float
+    row: Row, position: int, stretch: Stretch, grid: Grid, scales: Scales, drawn: Drawn
 ) -> Block:
     """The row on a free stretch: at its points, or on control points where these are exact."""
-    beta = stretch.angle ** np.arange(4)
-    alpha = np.array(row.coefficients) * stretch.lift / beta
+    alpha, rhs = in_g(row, stretch)
     orders = np.flatnonzero(alpha)
     size = np.array(row.size) * scales.size if row.size else np.zeros(0)
     level = row.level * scales.level
-    rhs = row.upper - row.coefficients[0] * stretch.s_start
-    parts = np.concatenate([np.abs(alpha) * TYPICAL, np.abs(size), [abs(level)]])
-    scale = max(parts.max(), abs(rhs)) if not row.size and not level else parts.max()
+    scale = row_scale(row, stretch, scales)
     space = grid.space
-    order = int(orders[0]) if len(orders) == 1 else -1
     common = (size / scale, level / scale)
-    if order >= 1 and (space.degree - order <= 1 or order == 3):
+    tighten = drawn.tighten
+    if not sampled(row, space):
+        order = int(orders[0])
         laws = space.control(order) * (alpha[order] / scale)
         x = space.breaks if space.degree - order == 1 else np.zeros(len(laws))
         kind: Literal["point", "control"] = "point" if space.degree - order == 1 else "control"
     else:
-        x, kind = grid.points, "point"
+        x, kind, tighten = grid.points, "point", tighten + drawn.margin
         laws = sum((alpha[k] / scale) * space.basis(x, int(k)) for k in orders)
     bound = np.full(len(laws), rhs / scale)
     return Block(kind, position, laws, x, alpha / scale, *common, bound, row.source, tighten)

@@ -7,6 +7,7 @@ polynomial of degree m − 1 between the points, and where it changes sign the i
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from math import comb, factorial
 
@@ -54,6 +55,27 @@ class Switching:
             outer = -cap * psi + weight * cap**2 if np.isfinite(cap) else inner
             value = np.where(psi <= edge, inner, outer)
         return float(np.sum(value * shares * width[:, None]) / 2.0)
+
+    def losses(
+        self, knots: Array, law: Callable[[Array], Array], cap: float, weight: float
+    ) -> Array:
+        """What a law pays more than the ideal one, knot interval by knot interval: (n,) ≥ 0.
+
+        Args:
+            knots: (n+1,) from 0 to 1.
+            law: its steering derivative at given x, right-hand values.
+            cap, weight: as in ``least``.
+        """
+        cuts = np.union1d(self._cut((0.0,)), knots)
+        nodes, shares = np.polynomial.legendre.leggauss(3)
+        width = np.diff(cuts)
+        tau = cuts[:-1, None] + width[:, None] * (nodes + 1.0) / 2.0
+        psi, w = self(tau), law(tau)
+        paid = weight * w**2 + psi * w
+        ideal = -cap * np.abs(psi) if weight == 0.0 else -(psi**2) / (4.0 * weight)
+        loss = np.sum((paid - ideal) * shares, axis=1) * width / 2.0
+        interval = np.searchsorted(knots, 0.5 * (cuts[:-1] + cuts[1:]), "right") - 1
+        return np.bincount(interval, np.maximum(loss, 0.0), minlength=len(knots) - 1)
 
     def _cut(self, values: tuple[float, ...]) -> Array:
         """The breaks and every root of ψ − value, sorted."""

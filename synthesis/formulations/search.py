@@ -1,0 +1,106 @@
+"""How far the search for one problem has come: the best cam, the best bound, what it cost."""
+
+from __future__ import annotations
+
+import time
+from dataclasses import dataclass, field
+from math import inf, isfinite
+
+from synthesis.formulations.bound import Bound
+from synthesis.formulations.candidate import Candidate, grow
+from synthesis.formulations.grid import Grid
+from synthesis.formulations.problem import Problem
+
+
+@dataclass(frozen=True)
+class Stage:
+    """What one stage modelled and what it cost."""
+
+    stage: str
+    model: str
+    solver: str
+    unknowns: int
+    rows: int
+    iterations: int
+    seconds: float
+    status: str
+    note: str = ""
+
+
+@dataclass(eq=False)
+class Search:
+    """The state of a search.
+
+    Attributes:
+        tolerance: relative gap asked for, of the objective in the wire's unit.
+        deadline: ``time.monotonic()`` at which to stop.
+        tighten: relative amount by which rows are drawn in against the solver's tolerance.
+        margin: the same for rows written at points, against what they miss in between.
+        best: best cam so far. relaxed: best cam of the convex relaxation.
+        lower, over: best lower bound and the family that it covers.
+        infeasible: the cone program has no point.
+        grids: the present knots and points of every free law.
+    """
+
+    problem: Problem
+    tolerance: float
+    deadline: float
+    tighten: float
+    margin: float = 0.0
+    best: Candidate | None = None
+    relaxed: Candidate | None = None
+    lower: float = -inf
+    over: str = ""
+    infeasible: bool = False
+    stages: list[Stage] = field(default_factory=list)
+    grids: tuple[Grid, ...] = ()
+
+    def left(self) -> float:
+        """Seconds left."""
+        return self.deadline - time.monotonic()
+
+    def offer(self, found: Candidate) -> None:
+        """Look at a cam of the relaxation, and at what it becomes under the other limits."""
+        if self.relaxed is None or found.value < self.relaxed.value:
+            self.relaxed = found
+        self.finish(found)
+
+    def finish(self, found: Candidate) -> None:
+        """Grow a cam until every limit holds, and keep it if it is the best so far."""
+        finished = grow(found)
+        if finished is not None and (self.best is None or finished.value < self.best.value):
+            self.best = finished
+
+    def learn(self, lower: Bound) -> None:
+        """Keep a bound if it is the best so far; the least prime radius bounds a norm too."""
+        value = lower.value
+        if self.problem.objective.norm(self.problem.machine) is not None:
+            value = max(value, self.problem.sizing.least)
+        if value > self.lower:
+            self.lower, self.over = value, lower.over
+
+    @property
+    def limited_by_shape(self) -> bool:
+        """Whether limits that are not convex cost more than the tolerance."""
+        if self.relaxed is None:
+            return False
+        if self.best is None:
+            return True
+        return self.best.value > self.relaxed.value and not self.close(self.best)
+
+    @property
+    def gap(self) -> float:
+        """Relative gap of the relaxation's best cam in the wire's unit, infinite while unknown."""
+        if self.relaxed is None or not isfinite(self.lower):
+            return inf
+        to_wire, machine = self.problem.objective.to_wire, self.problem.machine
+        value = to_wire(self.relaxed.value, machine)
+        return (value - to_wire(self.lower, machine)) / max(abs(value), 1e-300)
+
+    def close(self, found: Candidate | None) -> bool:
+        """Whether a cam is within the tolerance of the bound."""
+        if found is None or not isfinite(self.lower):
+            return False
+        to_wire, machine = self.problem.objective.to_wire, self.problem.machine
+        value, lower = to_wire(found.value, machine), to_wire(self.lower, machine)
+        return value - lower <= 0.99 * self.tolerance * abs(value)
