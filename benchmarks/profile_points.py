@@ -1,0 +1,60 @@
+"""1440 profile points with normals, curvature and pressure angle, for several kinds of motion."""
+
+import numpy as np
+
+from benchmarks import timed
+from synthesis.followers import TranslatingRoller
+from synthesis.laws import LAWS
+from synthesis.motion import Motion, Stretch
+from synthesis.numerics.bspline import SplineSpace
+from synthesis.numerics.piecewise import Piecewise
+from synthesis.profile import cam_profile
+
+POINTS = 1440
+SIZE = (20.0, float(np.sqrt(60.0**2 - 20.0**2)))  # example 13-6
+FOLLOWER = TranslatingRoller(roller_radius_mm=10.0, offset_mm=20.0)
+
+
+def motion(rise: Piecewise, back: Piecewise) -> Motion:
+    """Example 13-6's program with other laws: rise 60°, dwell 30°, return 60°, dwell 210°."""
+    still = Piecewise.of([0.0, 1.0], [[0.0]])
+    ends = np.radians([0.0, 60.0, 90.0, 150.0, 360.0])
+    plan = (
+        ("rise", 0.0, 30.0, rise),
+        ("dwell", 30.0, 30.0, still),
+        ("return", 30.0, 0.0, back),
+        ("dwell", 0.0, 0.0, still),
+    )
+    return Motion.of(
+        [
+            Stretch(i, kind, ends[i], ends[i + 1] - ends[i], low, high, law)
+            for i, (kind, low, high, law) in enumerate(plan)
+        ]
+    )
+
+
+def spline(degree: int, intervals: int) -> Piecewise:
+    """A rising spline from rest to rest."""
+    space = SplineSpace(degree, np.linspace(0.0, 1.0, intervals + 1))
+    middle = np.linspace(0.0, 1.0, space.size - 4)[1:-1]
+    return space.curve(np.concatenate([np.zeros(3), middle, np.ones(3)]))
+
+
+def run() -> str:
+    named = ("cycloidal", "modified_sine", "polynomial_4_5_6_7")
+    cases = {name: LAWS[name].curve for name in named}
+    motions = {name: motion(law("rise"), law("return")) for name, law in cases.items()}
+    for degree, intervals in ((3, 20), (5, 20), (5, 80)):
+        law = spline(degree, intervals)
+        motions[f"spline, degree {degree}, {intervals} intervals"] = motion(law, law)
+    theta = np.radians(np.arange(POINTS) * 360.0 / POINTS)
+    rows = [
+        f"## {POINTS} profile points with curvature",
+        "",
+        "| motion of rise and return | median (middle half of the runs) |",
+        "|---|--:|",
+    ]
+    for name, moving in motions.items():
+        timing = timed(lambda m=moving: cam_profile(m, FOLLOWER, SIZE, "ccw", theta))
+        rows.append(f"| {name} | {timing} |")
+    return "\n".join(rows)

@@ -1,0 +1,70 @@
+"""Reported derivatives of the motion are those of the reported positions."""
+
+import numpy as np
+import pytest
+from hypothesis import given
+
+from synthesis.geometry.disc import to_cam
+from tests.geometry.cams import Cam, cams, unspecial
+from tests.geometry.slopes import slopes
+
+
+@pytest.mark.parametrize("order", [0, 1, 2])
+@given(cam=cams(), fraction=unspecial(0.2, 0.8))
+def test_each_derivative_is_the_slope_of_the_one_before(order: int, cam: Cam, fraction: float):
+    theta, width = cam.inside(fraction)
+    reach = 0.15 * width
+    slope, bend = slopes(lambda angle: cam.profile(angle).s[order], theta, reach)
+    s = cam.profile(theta).s
+    # rounding of a value, divided by the reach as differences do
+    noise = 1e-13 * np.max(abs(s[order])) / reach
+    assert np.all(abs(slope - s[order + 1]) <= noise + 1e-12 * abs(s[order + 1]))
+    if order < 2:
+        noise = 1e-12 * np.max(abs(s[order])) / reach**2
+        assert np.all(abs(bend - s[order + 2]) <= noise + 1e-11 * abs(s[order + 2]))
+
+
+@given(cam=cams(), fraction=unspecial(0.2, 0.8))
+def test_the_traced_point_s_derivatives_are_those_of_its_position(cam: Cam, fraction: float):
+    theta, width = cam.inside(fraction)
+    size = (cam.e, cam.s0)
+
+    def traced(angle: np.ndarray) -> np.ndarray:
+        return np.array(cam.follower.traced_point(cam.motion.derivatives(angle), size))
+
+    told, reach = traced(theta), 0.15 * width
+    for order in range(3):
+        (dx, dy), _ = slopes(lambda angle, k=order: traced(angle)[k], theta, reach)
+        noise = 1e-13 * max(np.max(abs(told[order])), 1e-12 * cam.length) / reach
+        assert np.all(abs(dx - told[order + 1, 0]) <= noise + 1e-12 * cam.length)
+        assert np.all(abs(dy - told[order + 1, 1]) <= noise + 1e-12 * abs(told[order + 1, 1]))
+
+
+@given(unspecial(-7.0, 7.0), unspecial(-3.0, 3.0), unspecial(-3.0, 3.0))
+def test_to_cam_turns_clockwise_by_the_cam_s_angle(theta: float, x: float, y: float):
+    turned = complex(x, y) * np.exp(-1j * theta)
+    np.testing.assert_allclose(to_cam(theta, x, y), (turned.real, turned.imag), atol=1e-14)
+
+
+@given(cam=cams(), fraction=unspecial(0.2, 0.8))
+def test_any_turn_gives_the_same_motion(cam: Cam, fraction: float):
+    theta, _ = cam.inside(fraction)
+    here = cam.motion.derivatives(theta)
+    for turns in (-2, 1, 3):
+        there = cam.motion.derivatives(theta + turns * 2.0 * np.pi)
+        scale = np.max(abs(here), axis=1, keepdims=True)
+        np.testing.assert_allclose(there / scale, here / scale, atol=1e-10)
+
+
+@given(cam=cams())
+def test_at_a_joint_each_side_gives_its_own_value(cam: Cam):
+    stretches = cam.motion.stretches
+    for i, after in enumerate(stretches):
+        before = stretches[i - 1]
+        at = np.array([after.start])
+        left = cam.motion.derivatives(at, side="left").ravel()
+        right = cam.motion.derivatives(at).ravel()
+        for stretch, x, side, found in ((before, 1.0, "left", left), (after, 0.0, "right", right)):
+            want = [stretch.law(x, k, side) * stretch.lift / stretch.angle**k for k in range(4)]
+            want[0] += stretch.s_start
+            np.testing.assert_allclose(found, want, rtol=1e-8, atol=1e-9 * cam.length)

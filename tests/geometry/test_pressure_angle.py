@@ -1,0 +1,66 @@
+"""Pressure angle: between the common normal and the follower's motion, from velocities alone."""
+
+import numpy as np
+from hypothesis import given
+
+from tests.geometry.cams import Cam, cams, unspecial
+from tests.geometry.slopes import slopes
+
+
+def turned(x: np.ndarray, y: np.ndarray, angle: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Vectors turned counter-clockwise."""
+    return x * np.cos(angle) - y * np.sin(angle), x * np.sin(angle) + y * np.cos(angle)
+
+
+def contact(cam: Cam, fraction: float):
+    """Common normal and contact point in the machine frame, the sense of turning, s and s'.
+
+    The normal is perpendicular to the difference quotient of reported profile positions.
+    """
+    theta, reach = cam.steps(fraction)
+    sense = -1.0 if cam.rotation == "cw" else 1.0
+    (dx, dy), _ = slopes(
+        lambda t: np.stack([(p := cam.profile(t)).pitch_x, p.pitch_y]), theta, reach
+    )
+    p = cam.profile(theta)
+    # the pitch curve runs against the cam's turning: outward is to its left when the cam is ccw
+    nx, ny = -sense * dy / np.hypot(dx, dy), sense * dx / np.hypot(dx, dy)
+    return turned(nx, ny, sense * theta), turned(p.x, p.y, sense * theta), sense, p
+
+
+@given(cams(), unspecial(0.2, 0.8))
+def test_it_is_the_angle_between_normal_and_follower(cam: Cam, fraction: float):
+    (nx, ny), _, sense, p = contact(cam, fraction)
+    alpha = np.arctan2(-sense * nx, ny)  # from the follower's line, x = const, upwards
+    np.testing.assert_allclose(p.pressure_angle, alpha, rtol=0, atol=1e-11)
+    formula = np.arctan((p.s[1] - cam.e) / (cam.s0 + p.s[0]))
+    np.testing.assert_allclose(p.pressure_angle, formula, rtol=0, atol=1e-13)
+
+
+@given(cams(), unspecial(0.2, 0.8))
+def test_cam_and_follower_neither_part_nor_penetrate(cam: Cam, fraction: float):
+    # at the contact point both move equally fast along the common normal
+    (nx, ny), (x, y), sense, p = contact(cam, fraction)
+    cam_speed = sense * (-y * nx + x * ny)
+    follower_speed = p.s[1] * ny
+    scale = cam.length + abs(p.s[1])
+    assert np.max(abs(cam_speed - follower_speed) / scale) <= 1e-12
+
+
+@given(cams(), unspecial(0.2, 0.8))
+def test_the_follower_s_line_lies_at_the_offset(cam: Cam, fraction: float):
+    # to the right of an upward follower on a ccw cam, to the left on a cw cam
+    theta, _ = cam.inside(fraction)
+    p = cam.profile(theta)
+    sense = -1.0 if cam.rotation == "cw" else 1.0
+    x, y = turned(p.pitch_x, p.pitch_y, sense * theta)
+    np.testing.assert_allclose(x, sense * cam.e, rtol=0, atol=1e-13 * cam.length)
+    np.testing.assert_allclose(y, cam.s0 + p.s[0], rtol=0, atol=1e-13 * cam.length)
+
+
+@given(cams(), unspecial(0.2, 0.8))
+def test_a_positive_offset_lowers_it_on_a_rise_and_raises_it_on_a_return(cam: Cam, fraction: float):
+    theta, _ = cam.inside(fraction)
+    smaller = Cam(cam.motion, cam.follower, -abs(cam.e), cam.s0, cam.rotation)
+    larger = Cam(cam.motion, cam.follower, abs(cam.e), cam.s0, cam.rotation)
+    assert np.all(larger.profile(theta).pressure_angle < smaller.profile(theta).pressure_angle)

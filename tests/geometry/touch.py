@@ -1,0 +1,92 @@
+"""The finished cam run by touch: polygons, circles and rotation matrices, and nothing of a cam.
+
+The cam is a closed polygon of profile points. It is turned as a rigid body, and the roller, a
+circle whose centre slides on a vertical line, is let down until it touches. No law, no offset
+formula, no normal and no curvature occurs here, so nothing here can share an error with them.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+
+@dataclass(frozen=True)
+class Roller:
+    """A circle on a vertical slide: the line of its centre, and its radius (0: a point)."""
+
+    line: float
+    radius: float
+
+
+def turned(cam: np.ndarray, angle: float) -> np.ndarray:
+    """The cam (n, 2), turned as a whole, counter-clockwise."""
+    cos, sin = np.cos(angle), np.sin(angle)
+    return cam @ np.array([[cos, -sin], [sin, cos]]).T
+
+
+def rest_height(cam: np.ndarray, roller: Roller) -> float:
+    """Height of the roller's centre when it comes down from above and touches the polygon.
+
+    It meets a vertex, or a side at one of the two lines parallel to it at the roller's radius.
+    """
+    a, b = cam, np.roll(cam, -1, axis=0)
+    heights = [np.array([-np.inf])]
+    beside = abs(a[:, 0] - roller.line)
+    under = beside <= roller.radius
+    heights.append(a[under, 1] + np.sqrt(roller.radius**2 - beside[under] ** 2))
+    side = b - a
+    side = side * np.where(side[:, :1] < 0.0, -1.0, 1.0)  # from left to right
+    length = np.hypot(side[:, 0], side[:, 1])
+    leans = side[:, 0] > 1e-12 * length
+    side, length, start = side[leans], length[leans], np.where(a[:, :1] < b[:, :1], a, b)[leans]
+    up = np.stack([-side[:, 1], side[:, 0]], axis=1) / length[:, None]
+    part = (roller.line - start[:, 0] - roller.radius * up[:, 0]) / side[:, 0]
+    met = (part >= 0.0) & (part <= 1.0)
+    heights.append((start[:, 1] + roller.radius * up[:, 1] + part * side[:, 1])[met])
+    return float(max(np.max(h, initial=-np.inf) for h in heights))
+
+
+def clearance(cam: np.ndarray, centre: tuple[float, float]) -> float:
+    """Distance from a point to the polygon's outline."""
+    a, side = cam, np.roll(cam, -1, axis=0) - cam
+    to = np.array(centre) - a
+    squared = np.sum(side**2, axis=1)
+    part = np.sum(to * side, axis=1) / np.where(squared > 0.0, squared, 1.0)
+    nearest = to - np.clip(part, 0.0, 1.0)[:, None] * side
+    return float(np.sqrt(np.min(np.sum(nearest**2, axis=1))))
+
+
+def lifts(cam: np.ndarray, angles: np.ndarray, roller: Roller) -> np.ndarray:
+    """Height of the roller's centre at each angle by which the cam has turned."""
+    return np.array([rest_height(turned(cam, angle), roller) for angle in angles])
+
+
+def clearances(cam: np.ndarray, angles: np.ndarray, line: float, heights: np.ndarray) -> np.ndarray:
+    """Distance of the roller's centre, held at given heights, from the turning cam."""
+    return np.array(
+        [clearance(turned(cam, angle), (line, h)) for angle, h in zip(angles, heights, strict=True)]
+    )
+
+
+def cut(cam: np.ndarray, angles: np.ndarray, line: float, heights: np.ndarray, radius: float):
+    """What a cutter of the roller's size leaves of the cam: the vertices that it never covers."""
+    left = np.ones(len(cam), dtype=bool)
+    for angle, height in zip(angles, heights, strict=True):
+        centre = turned(np.array([[line, height]]), -angle)
+        left &= np.hypot(*(cam - centre).T) >= radius * (1.0 - 1e-7)
+    return cam[left]
+
+
+def coarseness(cam: np.ndarray) -> float:
+    """How far the curve through the vertices may lie from the polygon.
+
+    Over a side of length h that turns by φ a smooth arc rises h φ / 8; both neighbours' turns
+    count, and a factor of two is allowed for arcs that are not circles.
+    """
+    side = np.roll(cam, -1, axis=0) - cam
+    length = np.hypot(side[:, 0], side[:, 1])
+    heading = np.unwrap(np.arctan2(side[:, 1], side[:, 0]))
+    turn = abs(
+        np.diff(heading, append=heading[0] + 2.0 * np.pi * np.sign(heading[-1] - heading[0]))
+    )
+    return float(2.0 * np.max(length * np.maximum(turn, np.roll(turn, 1))) / 8.0)
