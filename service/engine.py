@@ -9,9 +9,11 @@ from __future__ import annotations
 import asyncio
 import contextlib
 import logging
+import signal
 import uuid
-from collections.abc import AsyncIterator, Callable
+from collections.abc import AsyncIterator, Awaitable, Callable
 from contextlib import asynccontextmanager
+from functools import partial
 from typing import Any
 
 import dask
@@ -25,6 +27,7 @@ from service.solve import Answer, Task, solve, warm_up
 from synthesis.errors import TimeBudgetExceeded
 
 log = logging.getLogger("camwright.engine")
+Connect = Callable[[], Awaitable[Any]]
 
 CONFIGURATION = {
     "distributed.scheduler.work-stealing": False,
@@ -46,10 +49,12 @@ class WarmUp(WorkerPlugin):
 
     name = "camwright-warm-up"
 
-    def __init__(self, prepare: Callable[[], None]) -> None:
-        self.prepare = prepare
+    def __init__(self, prepare: Callable[[], None], ours: bool) -> None:
+        self.prepare, self.ours = prepare, ours
 
     def setup(self, worker: Worker) -> None:
+        if self.ours:  # Ctrl-C in a terminal reaches our workers too; we stop them in order
+            signal.signal(signal.SIGINT, signal.SIG_IGN)
         try:
             self.prepare()
         except Exception:  # the worker is sound; the first design will tell what is wrong
@@ -59,8 +64,9 @@ class WarmUp(WorkerPlugin):
 class Engine:
     """Runs designs on workers; refuses what would wait too long, and stops what overruns."""
 
-    def __init__(self, client: Any, settings: Settings, task: Task) -> None:
-        self._client, self._settings, self._task = client, settings, task
+    def __init__(self, connect: Connect, client: Any, settings: Settings, task: Task) -> None:
+        self._connect, self._client = connect, client
+        self._settings, self._task = settings, task
         self._turn = asyncio.Condition()
         self._repairs: set[asyncio.Task[None]] = set()
         self.slots = settings.workers
@@ -154,15 +160,19 @@ class Engine:
             await self._client.restart_workers(stuck, raise_for_error=False)
 
     async def close(self) -> None:
-        """Wait for what is being repaired: it cannot go on without the client."""
+        """End what is being repaired, and let go of the workers."""
         self.closing = True
         for repair in list(self._repairs):
             repair.cancel()
         await asyncio.gather(*self._repairs, return_exceptions=True)
+        await self._client.close()
 
     async def watch(self) -> None:
-        """Follow how many workers a remote scheduler has: as many designs at the same time."""
+        """Follow a remote scheduler: as many designs at the same time as it has workers."""
         while True:
+            if self._client.status == "closed":  # it was lost, and may be back
+                with contextlib.suppress(OSError):
+                    self._client = await self._connect()
             self.slots = max(1, await self.workers())
             async with self._turn:
                 self._turn.notify_all()
@@ -182,18 +192,24 @@ async def running_engine(
             address: Any = settings.scheduler
             if address is None:
                 address = await stack.enter_async_context(_own_cluster(settings))
-            connect: Any = Client
-            client = await stack.enter_async_context(connect(address, asynchronous=True))
-            client.scheduler_comm.interval = BATCH_S
-            await client.register_plugin(WarmUp(prepare))
-            engine = Engine(client, settings, task)
+            connect = partial(_connected, address, prepare)
+            client = await connect()
+            engine = Engine(connect, client, settings, task)
+            stack.push_async_callback(engine.close)
             if settings.scheduler is None:
                 await client.wait_for_workers(settings.workers)
             else:
                 watcher = asyncio.create_task(engine.watch())
                 stack.callback(watcher.cancel)
             yield engine
-            await engine.close()
+
+
+async def _connected(address: Any, prepare: Callable[[], None]) -> Any:
+    connect: Any = Client
+    client = await connect(address, asynchronous=True)
+    client.scheduler_comm.interval = BATCH_S
+    await client.register_plugin(WarmUp(prepare, ours=not isinstance(address, str)))
+    return client
 
 
 def _own_cluster(settings: Settings) -> Any:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import asyncio
+import contextlib
 import errno
 import json
 import logging
@@ -35,7 +36,8 @@ def serve(settings: Settings) -> None:
     sys.stdout.write("Camwright is starting its workers ...\n")
     sys.stdout.flush()
     port = listening.getsockname()[1]
-    _Server(config, app, f"http://{_reachable(settings.host)}:{port}").run([listening])
+    with contextlib.suppress(KeyboardInterrupt):  # it has shut down in order by then
+        _Server(config, app, f"http://{_reachable(settings.host)}:{port}").run([listening])
 
 
 def bound(settings: Settings) -> socket.socket:
