@@ -14,7 +14,7 @@ from math import inf
 
 from synthesis.answer import Bounded, Cam, design, judged, proofs
 from synthesis.design import Conflict, Design, Extreme, StageReport
-from synthesis.errors import SolverFailed, TimeBudgetExceeded
+from synthesis.errors import TimeBudgetExceeded
 from synthesis.formulations.candidate import Candidate, given_size
 from synthesis.formulations.problem import Held, pose
 from synthesis.formulations.refine import search

@@ -138,9 +138,13 @@ def _add_up(plan: Plan, solution: ConeSolution, order: int) -> _Ledger:
     """All rows times their multipliers, as functionals of arbitrary laws."""
     laws = len(plan.grids)
     ledger = _Ledger(
-        0.0, np.zeros(len(plan.problem.sizing.bounds)), 0.0,
-        [[] for _ in range(laws)], [[] for _ in range(laws)], [np.zeros(order) for _ in range(laws)],
-    )  # fmt: skip
+        constant=0.0,
+        size=np.zeros(len(plan.problem.sizing.bounds)),
+        level=0.0,
+        points=[[] for _ in range(laws)],
+        weights=[[] for _ in range(laws)],
+        state=[np.zeros(order) for _ in range(laws)],
+    )
     _book_blocks(plan, solution, ledger, order)
     _book_balls(plan, solution, ledger)
     _book_fixed(plan, solution, ledger)

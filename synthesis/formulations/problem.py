@@ -15,7 +15,7 @@ from synthesis.terms import Row
 
 @dataclass(frozen=True)
 class Held:
-    """An earlier objective of an ordered list, and the value that it may not exceed (core units)."""
+    """An earlier objective of an ordered list, and the value it may not exceed [core units]."""
 
     objective: Objective
     value: float

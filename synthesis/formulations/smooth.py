@@ -1,4 +1,4 @@
-"""Limits that are not convex, looked at on settled motion: worst violation, and growing out of it."""
+"""Limits that are not convex, on settled motion: worst violation, and growing out of it."""
 
 from __future__ import annotations
 

@@ -1,0 +1,1 @@
+"""Plane curves on a turning disc; they know neither limits nor the wire."""

@@ -1,0 +1,1 @@
+"""Splines, peaks, enclosures: numerics that know neither cams nor the wire."""

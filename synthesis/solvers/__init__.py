@@ -1,0 +1,1 @@
+"""Solver adapters, one a file, with one table of statuses each."""
