@@ -58,8 +58,11 @@ class Cam:
 
     @classmethod
     def of(cls, design: Design) -> Cam:
-        """The cam of a design; InputError where the design found none."""
-        if design.status == "infeasible" or not design.motion:
+        """The cam of a design; InputError where it holds none.
+
+        A given cam that breaks its limits is infeasible, and yet can be drawn.
+        """
+        if not design.motion:
             raise InputError(
                 "/status",
                 design.status,

@@ -17,6 +17,7 @@ from synthesis.numerics.piecewise import Array
 FONT = "'Helvetica Neue',Helvetica,Arial,'Liberation Sans','DejaVu Sans',sans-serif"
 TITLE, LABEL, TICK = 4.4, 2.9, 2.6  # heights of letters, in u
 NARROW = frozenset("ijlftr.,:;'|!()[]· \u202f")
+SPACE = re.compile(r"[^\S\u202f]+")
 NOT_XML = re.compile("[^\t\n\r\x20-\ud7ff\ue000-\ufffd\U00010000-\U0010ffff]")
 
 # class: (light, dark)
@@ -90,7 +91,7 @@ def document(
 
 def plain(text: str) -> str:
     """Any text as XML character data on one line; what XML cannot hold is shown as U+FFFD."""
-    return escape(" ".join(NOT_XML.sub("\ufffd", text).split()))
+    return escape(SPACE.sub(" ", NOT_XML.sub("\ufffd", text)).strip())
 
 
 def num(value: float, decimals: int = 4) -> str:

@@ -4,9 +4,13 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
+from dataclasses import dataclass
 from typing import Any
 
+import numpy as np
 import pytest
+from numpy.typing import NDArray
+from scipy.interpolate import BSpline, PPoly
 
 from synthesis.design import Certificate, Design, Extreme, Report, SegmentMotion, SplineCurve
 from synthesis.spec import DesignSpec
@@ -151,3 +155,92 @@ def unspecial(build: Builder) -> Design:
         name="unspecial",
         limits=[],
     )
+
+
+# --- the same cam from the book's formulas, typed again ------------------------------------------
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class Truth:
+    """Formulas of mathematics.md §3 for a design, from cam angle in degrees and the side meant."""
+
+    design: Design
+
+    def motion(self, degrees: Array, side: Array | int = 0) -> Array:
+        """s and three derivatives per radian: (4, n)."""
+        meant = np.asarray(degrees) + 1e-8 * np.asarray(side)
+        found = np.zeros((4, len(degrees)))
+        moving = [segment for segment in self.design.motion if segment.angle_deg > 0.0]
+        for number, segment in enumerate(moving):
+            end = moving[number + 1].start_deg if number + 1 < len(moving) else 361.0
+            here = (meant >= segment.start_deg) & (meant < end)
+            lift = segment.s_end_mm - segment.s_start_mm
+            x = (degrees[here] - segment.start_deg) / segment.angle_deg
+            law = np.zeros((4, len(x)))
+            if segment.law == "cycloidal":
+                w = 2.0 * np.pi
+                law[0] = x - np.sin(w * x) / w
+                law[1] = 1.0 - np.cos(w * x)
+                law[2] = w * np.sin(w * x)
+                law[3] = w * w * np.cos(w * x)
+            elif segment.spline is not None:
+                law = self.spline(segment.spline, x, (meant - degrees)[here] / segment.angle_deg)
+            beta = math.radians(segment.angle_deg)
+            found[:, here] = lift * law / beta ** np.arange(4)[:, None]
+            found[0, here] += segment.s_start_mm
+        return found
+
+    @staticmethod
+    def spline(curve: SplineCurve, x: Array, aside: Array) -> Array:
+        p = curve.degree
+        knots = np.concatenate([np.zeros(p), curve.knots, np.ones(p)])
+        pieces = PPoly.from_spline(BSpline(knots, np.array(curve.coefficients), p))
+        piece = np.searchsorted(pieces.x, x + aside, side="right") - 1
+        piece = np.clip(piece, p, len(pieces.x) - p - 2)
+        out = np.zeros((4, len(x)))
+        for order in range(4):
+            for i in np.unique(piece):
+                at = piece == i
+                row = np.polyder(pieces.c[:, i], order) if order else pieces.c[:, i]
+                out[order, at] = np.polyval(row, x[at] - pieces.x[i])
+        return out
+
+    def curves(self, degrees: Array, side: Array | int = 0) -> dict[str, Array]:
+        """Pitch curve, profile, curvature and pressure angle."""
+        e = self.design.dimensions["offset_mm"]
+        roller = self.design.dimensions["roller_radius_mm"]
+        s, s1, s2, _ = self.motion(degrees, side)
+        sin, cos = np.sin(np.radians(degrees)), np.cos(np.radians(degrees))
+        height = s + math.sqrt(self.design.dimensions["prime_radius_mm"] ** 2 - e**2)
+        x, y = height * sin + e * cos, height * cos - e * sin
+        dx = s1 * sin + height * cos - e * sin
+        dy = s1 * cos - height * sin - e * cos
+        speed = np.hypot(dx, dy)
+        mirror = -1.0 if self.design.rotation == "cw" else 1.0
+        u = s1 - e
+        curvature = (height**2 + u * (2.0 * s1 - e) - height * s2) / (height**2 + u**2) ** 1.5
+        return {
+            "pitch_x": mirror * x,
+            "pitch_y": y,
+            "profile_x": mirror * (x + roller * dy / speed),
+            "profile_y": y - roller * dx / speed,
+            "curvature": curvature,
+            "pressure_angle": np.degrees(np.arctan(u / height)),
+        }
+
+    def points(self, degrees: Array, curve: str = "profile", side: Array | int = 0) -> Array:
+        """(n, 2)."""
+        found = self.curves(degrees, side)
+        return np.column_stack([found[f"{curve}_x"], found[f"{curve}_y"]])
+
+
+@pytest.fixture(scope="session")
+def truth() -> type[Truth]:
+    return Truth
+
+
+@pytest.fixture(params=["p1", "unspecial"])
+def cam(request: pytest.FixtureRequest) -> Design:
+    return request.getfixturevalue(request.param)

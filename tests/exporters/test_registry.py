@@ -38,6 +38,12 @@ def test_an_infeasible_design_has_nothing_to_write(exporter, options, build) -> 
         exporter.write(build(status="infeasible"), options)
 
 
+@NAMED
+def test_a_cam_that_breaks_its_limits_can_be_looked_at(exporter, options, p1: Design) -> None:
+    broken = p1.model_copy(update={"status": "infeasible"})
+    assert len(exporter.write(broken, options)) > 1000
+
+
 @pytest.mark.parametrize("density", [0.0, -4.0, float("nan"), float("inf"), 1000.5])
 @pytest.mark.parametrize("options", [ProfileOptions, MotionOptions])
 def test_densities_that_make_no_sense(options, density: float) -> None:
