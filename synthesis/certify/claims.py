@@ -7,7 +7,8 @@ from collections.abc import Sequence
 
 from synthesis.certify.course import Course, Jump
 from synthesis.certify.dimensions import stands
-from synthesis.certify.joints import NAMES, UNITS, joins, overshoot
+from synthesis.certify.joints import NAMES, UNITS, joins
+from synthesis.certify.overshoot import overshoot
 from synthesis.certify.quantities import (
     QUANTITIES,
     Size,
@@ -85,18 +86,18 @@ def _extreme(claim: Claim, answer: Answer) -> Extreme:
     bound = claim.upper if above else claim.lower
     if bound is None or not math.isfinite(found.width):
         return _unknown(claim, found.angle, f"no enclosure was found in {answer.boxes} boxes")
-    value, limit = claim.to_wire(found.value), claim.to_wire(bound)
-    proven = claim.to_wire(found.upper if above else found.lower)
-    inside = found.upper <= bound if above else found.lower >= bound
-    within = found.value <= bound if above else found.value >= bound
+    value, limit, *ends = map(claim.to_wire, (found.value, bound, found.lower, found.upper))
+    holds = found.upper <= bound if above else found.lower >= bound
     width, margin = 0.0, None
     if value is not None and limit is not None:
+        within = found.value <= bound if above else found.value >= bound
         margin = math.copysign(abs(limit - value), 1.0 if within else -1.0)
-        width = 0.0 if proven is None else abs(proven - value)
-        inside = inside and margin >= width
+        known = [value, *(end for end in ends if end is not None)]
+        width = max(known) - min(known)
+        holds = holds and margin >= width
     return Extreme(
         limit=claim.limit, value=value, unit=claim.unit, angle_deg=_degrees(found.angle),
-        bound=limit, margin=margin, width=width, holds=inside,
+        bound=_tidy(limit), margin=margin, width=width, holds=holds,
         evidence=f"branch and bound with Taylor models, {answer.boxes} boxes", field=claim.field,
     )  # fmt: skip
 
@@ -114,7 +115,7 @@ def _unknown(claim: Claim, angle: float, evidence: str) -> Extreme:
     bound = claim.upper if claim.upper is not None else claim.lower
     return Extreme(
         limit=claim.limit, value=None, unit=claim.unit, angle_deg=_degrees(angle),
-        bound=None if bound is None else claim.to_wire(bound), margin=None, width=0.0,
+        bound=_tidy(None if bound is None else claim.to_wire(bound)), margin=None, width=0.0,
         holds=False, evidence=evidence, field=claim.field,
     )  # fmt: skip
 
@@ -124,6 +125,11 @@ def _not_a_number() -> Extreme:
         limit="motion", value=None, unit="mm", angle_deg=0.0, bound=None, margin=None, width=0.0,
         holds=False, evidence=NOT_A_NUMBER, field="program",
     )  # fmt: skip
+
+
+def _tidy(bound: float | None) -> float | None:
+    """A bound as it was asked for: without the last digit's trace of the way to rad and back."""
+    return None if bound is None else float(f"{bound:.15g}")
 
 
 def _degrees(angle: float) -> float:

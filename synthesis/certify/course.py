@@ -17,9 +17,11 @@ from synthesis.units import FULL_TURN
 
 Indices = NDArray[np.intp]
 
-# Closer than this is joined: of the natural scale lift/β^k up to s''; a jump of a higher derivative
-# may change s'' by no more over the shorter of the two pieces.
+# Two values of s^(k) are joined if they differ by less than the sum of these two shares, one of the
+# natural scale lift/β^k, one of lift/ℓ^k with ℓ the shorter piece: what a spline's control points
+# lose by rounding, a trillionth of a millimetre in s, grows so with the order.
 JOIN_TOLERANCE: Final = 1e-9
+SHAPE_TOLERANCE: Final = 1e-13
 HIGHEST_JOIN: Final = 4
 ANGLE_ROUNDING: Final = 4.0 * 2.0**-53 * FULL_TURN  # of the angle of a joint [rad]
 TINY: Final = 1e-250  # scale of a motion that stands still
@@ -124,18 +126,23 @@ class Course:
     @cached_property
     def _jumps(self) -> tuple[Array, Array, NDArray[np.bool_]]:
         """What is between the sides, what of it counts as joined, where it is more: (5, n)."""
-        orders = np.arange(HIGHEST_JOIN + 1)[:, None]
         left, right, rounding = self._sides
-        powers, further = np.minimum(orders, 2), np.maximum(orders - 2, 0)
-        scale = self._lift / self._beta**powers
-        scale = np.maximum(scale, scale[:, self.after])
-        spare = self.stroke / np.minimum(self._beta, self._beta[self.after]) ** powers
-        natural = np.maximum(np.where(scale > 0.0, scale, spare), TINY)
         length = np.diff(self.curve.breaks)
-        natural = natural / np.minimum(length, length[self.after]) ** further
-        allowed = JOIN_TOLERANCE * natural + rounding
+        natural = self._scale(self._beta)
+        allowed = JOIN_TOLERANCE * natural + SHAPE_TOLERANCE * self._scale(length) + rounding
         sizes = right - left
         return sizes, allowed, ~(np.abs(sizes) <= allowed)
+
+    def _scale(self, length: Array) -> Array:
+        """Lift over powers of a length, the larger of both sides of each joint: (5, n).
+
+        Between two dwells the whole stroke stands for the lift.
+        """
+        orders = np.arange(HIGHEST_JOIN + 1)[:, None]
+        sides = self._lift / length**orders
+        scale = np.maximum(sides, sides[:, self.after])
+        spare = self.stroke / np.minimum(length, length[self.after]) ** orders
+        return np.maximum(np.where(scale > 0.0, scale, spare), TINY)
 
     def worst(self, order: int, joints: Indices) -> Jump:
         """What is between the two sides of a derivative where it is most, by what is allowed."""

@@ -6,7 +6,7 @@ import math
 
 import numpy as np
 
-from synthesis.certify.course import HIGHEST_JOIN, Course, Indices, Jump
+from synthesis.certify.course import HIGHEST_JOIN, Course, Jump
 from synthesis.design import Extreme
 from synthesis.limits.base import Machine
 from synthesis.numerics.piecewise import Array
@@ -55,8 +55,7 @@ def _join(machine: Machine, jump: Jump, count: int) -> Extreme:
         limit=f"{NAMES[jump.order]}_join", value=value if finite else None,
         unit=UNITS[jump.order], angle_deg=jump.angle / DEGREE, bound=bound,
         margin=bound - value if finite else None, width=0.0, holds=value <= bound,
-        evidence=f"both sides of {count} joints; bound: 1e-9 of lift/β^{min(jump.order, 2)}"
-        + (f", over a piece to the power {jump.order - 2}" if jump.order > 2 else ""),
+        evidence=f"both sides of {count} joints; bound: 1e-9 of lift/β^{jump.order} and roundings",
         field="program",
     )  # fmt: skip
 
@@ -69,49 +68,3 @@ def _jump(machine: Machine, jump: Jump) -> Extreme:
         width=0.0, holds=True, evidence="both sides of the joint; no law promises to join here",
         field="program",
     )  # fmt: skip
-
-
-def overshoot(course: Course) -> list[Extreme]:
-    """Travel backwards on spline stretches that must not overshoot; the worst of them."""
-    kept = [
-        s.index
-        for s in course.motion.stretches
-        if s.free is not None and not s.free.overshoot and s.angle > 0.0
-    ]
-    if not kept:
-        return []
-    pieces = course.pieces(kept)
-    low, high = _backward(course, pieces)
-    count = len(course.motion.stretches)
-    least = np.bincount(course.stretch[pieces], low, count)
-    most = np.bincount(course.stretch[pieces], high, count)
-    bounds = [BACKWARD * abs(s.lift) for s in course.motion.stretches]
-    worst = max(kept, key=lambda i: most[i] / bounds[i])
-    value, bound, width = float(least[worst]), bounds[worst], float(most[worst] - least[worst])
-    margin = bound - value
-    return [
-        Extreme(
-            limit="overshoot", value=value, unit="mm",
-            angle_deg=course.motion.stretches[worst].start / DEGREE, bound=bound, margin=margin,
-            width=width, holds=margin >= width,
-            evidence=f"velocity enclosed on {BOXES * len(pieces)} boxes; bound: 1e-9 of the lift",
-            field=f"program/{worst}/law/overshoot",
-        )
-    ]  # fmt: skip
-
-
-def _backward(course: Course, pieces: Indices) -> tuple[Array, Array]:
-    """∫ of the backward velocity over each piece [mm]: proven lower and upper end, (k,) each."""
-    breaks = course.curve.breaks
-    start, step = breaks[pieces], (breaks[pieces + 1] - breaks[pieces]) / BOXES
-    edges = start[:, None] + step[:, None] * np.arange(BOXES + 1)
-    edges[:, -1] = breaks[pieces + 1]
-    lo, hi = edges[:, :-1].ravel(), edges[:, 1:].ravel()
-    piece = np.repeat(pieces, BOXES)
-    s, v = course.jets.models(piece, lo, hi, 1)
-    forward = np.sign([stretch.lift for stretch in course.motion.stretches])[course.stretch[piece]]
-    high, low, *_ = v.extremes()
-    back = np.where(forward > 0.0, -low, high) + v.rem
-    most = (hi - lo) * (1.0 + 1e-12) * np.maximum(back, 0.0)
-    least = np.maximum(-2.0 * forward * s.c1 - 2.0 * s.rem, 0.0)  # s falls by at least so much
-    return least.reshape(-1, BOXES).sum(axis=1), most.reshape(-1, BOXES).sum(axis=1)

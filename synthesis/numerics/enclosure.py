@@ -27,8 +27,8 @@ class Enclosed:
     """A quantity that is proven to lie in [lower, upper].
 
     Attributes:
-        value: what was found; it is attained at ``angle`` to within rounding.
-        lower, upper: proven ends.
+        value: what was found, the function's value at ``angle`` to within rounding.
+        lower, upper: proven ends; the value lies between them.
         angle: cam angle where it was found [rad].
     """
 
@@ -63,8 +63,8 @@ class Answer:
     """The extreme of f that is nearest to its bound, or farthest beyond it.
 
     Attributes:
-        extreme: its enclosure; on the upper side ``upper`` bounds f everywhere, on the lower
-            side ``lower`` does. Infinite where nothing could be proven.
+        extreme: its enclosure. Of a maximum, ``upper`` bounds f everywhere and ``lower`` is
+            reached; of a minimum, the other way round. Infinite where nothing could be proven.
         side: +1 if it is a maximum, −1 if a minimum.
         boxes: how many boxes it took, all questions together.
     """
@@ -96,6 +96,37 @@ class _Boxes:
         return _Boxes(*(np.concatenate(pair) for pair in pairs))
 
 
+@dataclass(frozen=True, eq=False)
+class _Seen:
+    """What the models say of each box.
+
+    Attributes:
+        excess: largest excess over a bound, up to ±``rem``. above: it is over the upper one.
+        value: the function's value there. where: the place.
+    """
+
+    excess: Array
+    rem: Array
+    above: NDArray[np.bool_]
+    value: Array
+    where: Array
+
+
+def _look(boxes: _Boxes, model: Taylor, lower: Array, upper: Array) -> _Seen:
+    """The nearer of two bounds on each box, and where the function comes nearest to it."""
+    high, low, t_high, t_low = model.extremes()
+    rem = model.rem + ULPS * model.mag
+    known = np.isfinite(high + low + rem)
+    if not known.all():
+        high, low = np.where(known, high, 0.0), np.where(known, low, 0.0)
+        rem = np.where(known, rem, UNBOUNDED)
+    over, under = high - upper[boxes.question], lower[boxes.question] - low
+    above = over >= under
+    t = np.where(above, t_high, t_low)
+    where = 0.5 * (boxes.lo + boxes.hi) + t * (0.5 * (boxes.hi - boxes.lo))
+    return _Seen(np.where(above, over, under), rem, above, np.where(above, high, low), where)
+
+
 class _Search:
     """One branch and bound: the best excess found, and the largest one not excluded."""
 
@@ -106,7 +137,7 @@ class _Search:
         self.relative, self.absolute = relative, absolute
         self.best = np.full(count, -np.inf)
         self.proven = np.full(count, -np.inf)
-        self.side = [1] * count
+        self.above = np.ones(count, dtype=bool)
         self.value = np.zeros(count)
         self.angle = np.zeros(count)
         self.boxes = 0
@@ -118,34 +149,24 @@ class _Search:
             the largest excess possible on each box, and the points that look best so far.
         """
         self.boxes += len(boxes.lo)
-        high, low, t_high, t_low = model.extremes()
-        rem = model.rem + ULPS * model.mag
-        known = np.isfinite(high + low + rem)
-        if not known.all():
-            high, low = np.where(known, high, 0.0), np.where(known, low, 0.0)
-            rem = np.where(known, rem, UNBOUNDED)
-        over, under = high - self.upper[boxes.question], self.lower[boxes.question] - low
-        above = over >= under
-        found = np.where(above, over, under)
-        where = 0.5 * (boxes.lo + boxes.hi)
-        where = where + np.where(above, t_high, t_low) * (0.5 * (boxes.hi - boxes.lo))
-        sure = found - rem
+        seen = _look(boxes, model, self.lower, self.upper)
+        sure = seen.excess - seen.rem
         leaders = []
         for q in range(len(self.best)):
             mine = np.flatnonzero(boxes.question == q)
             if len(mine):
-                leaders.append(mine[np.argmax(found[mine])])
+                leaders.append(mine[np.argmax(seen.excess[mine])])
                 top = mine[np.argmax(sure[mine])]
                 if sure[top] > self.best[q]:
-                    self.best[q], self.side[q] = sure[top], 1 if above[top] else -1
-                    self.value[q] = high[top] if above[top] else low[top]
-                    self.angle[q] = where[top]
-        at = np.clip(where[leaders], boxes.lo[leaders], boxes.hi[leaders])
-        return found + rem, _Boxes(boxes.question[leaders], boxes.piece[leaders], at, at)
+                    self.best[q], self.above[q] = sure[top], seen.above[top]
+                    self.value[q], self.angle[q] = seen.value[top], seen.where[top]
+        at = np.clip(seen.where[leaders], boxes.lo[leaders], boxes.hi[leaders])
+        points = _Boxes(boxes.question[leaders], boxes.piece[leaders], at, at)
+        return seen.excess + seen.rem, points
 
     def survivors(self, boxes: _Boxes, possible: Array) -> NDArray[np.bool_]:
         """Boxes that may still hold more than the target width above the best found."""
-        bound = np.where(np.array(self.side) > 0, self.upper, self.lower)
+        bound = np.where(self.above, self.upper, self.lower)
         size = np.maximum(np.abs(self.value), np.where(np.isfinite(bound), np.abs(bound), 0.0))
         target = self.best + np.maximum(self.absolute, self.relative * size)
         keep: NDArray[np.bool_] = possible > target[boxes.question]
@@ -161,16 +182,16 @@ class _Search:
         return [self._answer(q) for q in range(len(self.best))]
 
     def _answer(self, q: int) -> Answer:
-        best, proven = float(self.best[q]), float(self.proven[q])
-        proven = math.inf if proven > 0.1 * UNBOUNDED else max(proven, best)
-        angle = float(self.angle[q])
+        best, proven, value = (float(x[q]) for x in (self.best, self.proven, self.value))
+        angle, side = float(self.angle[q]), 1 if self.above[q] else -1
         if best < -0.1 * UNBOUNDED:
-            return Answer(Enclosed(math.nan, -math.inf, math.inf, angle), 1, self.boxes)
-        if self.side[q] > 0:
+            return Answer(Enclosed(math.nan, -math.inf, math.inf, angle), side, self.boxes)
+        proven = math.inf if proven > 0.1 * UNBOUNDED else proven
+        if side > 0:
             low, high = best + float(self.upper[q]), proven + float(self.upper[q])
-            return Answer(Enclosed(low, low, high, angle), 1, self.boxes)
-        low, high = float(self.lower[q]) - proven, float(self.lower[q]) - best
-        return Answer(Enclosed(high, low, high, angle), -1, self.boxes)
+        else:
+            low, high = float(self.lower[q]) - proven, float(self.lower[q]) - best
+        return Answer(Enclosed(value, min(low, value), max(high, value), angle), side, self.boxes)
 
 
 def enclose(

@@ -9,9 +9,9 @@ models again (Makino & Berz, Int. J. Pure Appl. Math. 4 (2003) 379), so a formul
 numbers encloses its own range. The remainder shrinks with the cube of the box, which is why a
 few subdivisions prove nine digits.
 
-Rounding: ``mag`` bounds the sum of the magnitudes of all the terms of a model. Every operation
-commits at most about 15 roundings of terms not larger than the mag of its result, and adds
-``ROUNDING`` · mag (32 units in the last place) to the remainder. Underflow is not covered:
+Rounding: ``mag`` bounds |f|, and |c0| + |c1| + |c2|, and all that was added up to make them. An
+operation commits at most about 15 roundings of terms not larger than the mag of its result, and
+adds ``ROUNDING`` · mag (32 of those roundings) to the remainder. Underflow is not covered:
 quantities below 1e-290 do not occur in cams.
 
 Where a model cannot be formed (a divisor that may vanish on the box) the remainder is inf or nan;
@@ -35,7 +35,7 @@ class Taylor:
 
     Attributes:
         c0, c1, c2: (n,) coefficients. rem: (n,) bound of the remainder.
-        mag: (n,) bound of Σ|terms|, remainder included.
+        mag: (n,) bound of |f| and of |c0| + |c1| + |c2|.
     """
 
     __slots__ = ("c0", "c1", "c2", "mag", "rem")

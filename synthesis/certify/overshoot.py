@@ -1,0 +1,100 @@
+"""Spline stretches that promise never to move backwards."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from synthesis.certify.course import Course, Indices
+from synthesis.design import Extreme
+from synthesis.numerics.piecewise import Array
+from synthesis.units import DEGREE
+
+BACKWARD: Final = 1e-9  # of the lift: travel backwards that counts as none
+FINE: Final = 1e-2  # of that bound: width of the enclosure that is good enough
+FIRST: Final = 2
+SPLIT: Final = 8
+ROUNDS: Final = 7
+MOST_BOXES: Final = 50_000
+
+
+@dataclass(frozen=True, eq=False)
+class _Boxes:
+    piece: Indices
+    lo: Array
+    hi: Array
+
+    def split(self, parts: int) -> _Boxes:
+        edges = self.lo[:, None] + (self.hi - self.lo)[:, None] * (np.arange(parts + 1) / parts)
+        edges[:, -1] = self.hi
+        lo, hi = edges[:, :-1].ravel(), edges[:, 1:].ravel()
+        return _Boxes(np.repeat(self.piece, parts), lo, hi)
+
+    def take(self, keep: NDArray[np.bool_]) -> _Boxes:
+        return _Boxes(self.piece[keep], self.lo[keep], self.hi[keep])
+
+
+def overshoot(course: Course) -> list[Extreme]:
+    """Travel backwards on stretches that may not overshoot: the worst of them, if there is one."""
+    kept = [
+        s.index
+        for s in course.motion.stretches
+        if s.free is not None and not s.free.overshoot and s.angle > 0.0
+    ]
+    if not kept:
+        return []
+    least, most, count = _travel(course, course.pieces(kept))
+    bounds = [BACKWARD * abs(s.lift) for s in course.motion.stretches]
+    worst = max(kept, key=lambda i: most[i] / bounds[i])
+    value, bound, width = float(least[worst]), bounds[worst], float(most[worst] - least[worst])
+    margin = bound - value
+    return [
+        Extreme(
+            limit="overshoot", value=value, unit="mm",
+            angle_deg=course.motion.stretches[worst].start / DEGREE, bound=bound, margin=margin,
+            width=width, holds=margin >= width, field=f"program/{worst}/law/overshoot",
+            evidence=f"velocity enclosed on {count} boxes; bound: 1e-9 of the lift",
+        )
+    ]  # fmt: skip
+
+
+def _travel(course: Course, pieces: Indices) -> tuple[Array, Array, int]:
+    """∫ of the backward velocity over each stretch [mm]: proven lower and upper end.
+
+    Returns:
+        lower and upper ends, one per stretch of the motion, and the number of boxes.
+    """
+    stretches = course.motion.stretches
+    least, most = np.zeros(len(stretches)), np.zeros(len(stretches))
+    fine = FINE * BACKWARD * np.abs([s.lift for s in stretches])
+    breaks, count = course.curve.breaks, 0
+    boxes = _Boxes(pieces, breaks[pieces], breaks[pieces + 1]).split(FIRST)
+    for round_ in range(ROUNDS):
+        low, high = _on_boxes(course, boxes)
+        count += len(low)
+        owner = course.stretch[boxes.piece]
+        crowd = np.bincount(owner, minlength=len(stretches))[owner]
+        coarse = high - low > fine[owner] / crowd
+        if round_ == ROUNDS - 1 or count + SPLIT * np.count_nonzero(coarse) > MOST_BOXES:
+            coarse[:] = False
+        least += np.bincount(owner[~coarse], low[~coarse], len(stretches))
+        most += np.bincount(owner[~coarse], high[~coarse], len(stretches))
+        if not coarse.any():
+            break
+        boxes = boxes.take(coarse).split(SPLIT)
+    return least, most, count
+
+
+def _on_boxes(course: Course, boxes: _Boxes) -> tuple[Array, Array]:
+    """The same on each box: it is no less than the net fall, no more than what the speed allows."""
+    s, v = course.jets.models(boxes.piece, boxes.lo, boxes.hi, 1)
+    lifts = np.array([stretch.lift for stretch in course.motion.stretches])
+    forward = np.sign(lifts)[course.stretch[boxes.piece]]
+    high, low, *_ = v.extremes()
+    back = np.where(forward > 0.0, -low, high) + v.rem
+    most = (boxes.hi - boxes.lo) * (1.0 + 1e-12) * np.maximum(back, 0.0)
+    least = np.maximum(-2.0 * forward * s.c1 - 2.0 * s.rem, 0.0)
+    return np.minimum(least, most), most

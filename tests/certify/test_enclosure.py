@@ -1,0 +1,87 @@
+"""Branch and bound on functions whose extremes are known."""
+
+import math
+
+import numpy as np
+import pytest
+
+from synthesis.numerics.enclosure import MOST_BOXES, Question, enclose
+from synthesis.numerics.taylor import Taylor
+
+
+def wave(frequency: float, phase: float = 0.3):
+    """sin(frequency · x + phase) as a model."""
+
+    def model(piece, lo, hi):
+        centre, r = 0.5 * (lo + hi), 0.5 * (hi - lo) + 1e-15
+        angle = Taylor.of(
+            frequency * centre + phase, frequency * r, np.zeros_like(r), np.zeros_like(r)
+        )
+        return np.sin(angle)
+
+    return model
+
+
+BREAKS = np.array([0.0, 1.0, 2.5, 3.0])
+COUNTS = np.array([3, 5, 1])
+EVERYWHERE = np.arange(3)
+
+
+def test_a_maximum_and_a_minimum_are_enclosed():
+    upper = Question(EVERYWHERE, -math.inf, 0.2)
+    lower = Question(EVERYWHERE, -2.0, math.inf)
+    top, bottom = enclose(wave(2.0), BREAKS, COUNTS, [upper, lower])
+    assert (top.side, bottom.side) == (1, -1)
+    assert top.extreme.lower <= 1.0 <= top.extreme.upper
+    assert bottom.extreme.lower <= -1.0 <= bottom.extreme.upper
+    assert top.extreme.width < 1e-10
+    assert bottom.extreme.width < 2.1e-10
+    assert 2.0 * top.extreme.angle + 0.3 == pytest.approx(math.pi / 2, abs=1e-7)
+    assert 2.0 * bottom.extreme.angle + 0.3 == pytest.approx(1.5 * math.pi, abs=1e-7)
+
+
+def test_the_nearer_bound_is_reported():
+    (answer,) = enclose(wave(2.0), BREAKS, COUNTS, [Question(EVERYWHERE, -1.1, 1.2)])
+    assert answer.side == -1
+    assert answer.extreme.value == pytest.approx(-1.0, abs=1e-12)
+
+
+def test_only_the_pieces_asked_for_count():
+    (answer,) = enclose(wave(1.0, 0.0), BREAKS, COUNTS, [Question(np.array([2]), 0.0, 0.0)])
+    assert answer.extreme.value == pytest.approx(math.sin(2.5), abs=1e-13)
+    assert answer.extreme.angle == 2.5
+
+
+def test_many_equal_peaks_are_all_excluded():
+    (answer,) = enclose(wave(120.0), BREAKS, COUNTS, [Question(EVERYWHERE, 0.0, 0.0)])
+    assert answer.extreme.width < 1e-9
+    assert answer.extreme.lower <= answer.side <= answer.extreme.upper
+
+
+def test_a_pole_is_reported_as_unknown():
+    def model(piece, lo, hi):
+        centre, r = 0.5 * (lo + hi), 0.5 * (hi - lo)
+        zero = np.zeros_like(r)
+        return 1.0 / Taylor.of(centre - 1.234, r, zero, zero)
+
+    (answer,) = enclose(model, BREAKS, COUNTS, [Question(EVERYWHERE, -math.inf, 7.0)])
+    assert answer.extreme.upper == math.inf
+    assert answer.boxes <= MOST_BOXES
+
+
+def test_nothing_but_nan_is_unknown():
+    def model(piece, lo, hi):
+        bad = np.full_like(lo, np.nan)
+        return Taylor(bad, bad, bad, bad, bad)
+
+    (answer,) = enclose(model, BREAKS, COUNTS, [Question(EVERYWHERE, -1.0, 1.0)])
+    assert math.isnan(answer.extreme.value)
+    assert answer.extreme.upper == math.inf
+    assert answer.boxes <= MOST_BOXES
+
+
+def test_when_boxes_run_out_the_width_is_honest(monkeypatch):
+    monkeypatch.setattr("synthesis.numerics.enclosure.MOST_BOXES", 40)
+    (answer,) = enclose(wave(9.0), BREAKS, COUNTS, [Question(EVERYWHERE, 0.0, 0.0)])
+    assert answer.extreme.width > 1e-6
+    assert answer.extreme.lower <= answer.side <= answer.extreme.upper
