@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import asyncio
 import threading
+import time
 from collections.abc import Iterator
 from contextlib import AbstractAsyncContextManager
 from pathlib import Path
@@ -58,6 +59,16 @@ def _fake_engine(settings: Settings) -> AbstractAsyncContextManager[Engine]:
 def settings_for(folder: Path, **given: object) -> Settings:
     fields = {"port": 0, "database_url": f"sqlite:///{folder}/designs.db", "workers": 2, **given}
     return Settings.model_validate(fields)
+
+
+def wait_until_idle(client: httpx2.Client) -> None:
+    """Until nothing runs and the workers that other tests have killed are back."""
+    for _ in range(300):
+        page = client.get("/metrics").text
+        if "camwright_designs_running 0.0" in page and "camwright_workers 2.0" in page:
+            return
+        time.sleep(0.1)
+    raise AssertionError(page)
 
 
 @pytest.fixture(scope="session")

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import json
-import time
 from pathlib import Path
 
 import httpx2
@@ -13,29 +12,20 @@ from service import engine
 from service.errors import BY_STATUS, PROBLEMS
 from service.settings import Settings
 from synthesis.design import engine_version
-from tests.service.conftest import Running, settings_for
+from tests.service.conftest import Running, settings_for, wait_until_idle
 from tests.service.specs import spec
-
-
-def all_workers(client: httpx2.Client) -> httpx2.Response:
-    """/readyz once the workers that other tests have killed are back."""
-    for _ in range(100):
-        ready = client.get("/readyz")
-        if ready.status_code == 200 and ready.json()["workers"] == 2:
-            return ready
-        time.sleep(0.1)
-    raise AssertionError(ready.text)
 
 
 def test_probes(client: httpx2.Client) -> None:
     assert client.get("/livez").json() == {"status": "alive"}
-    assert all_workers(client).json() == {"ready": True, "store": True, "workers": 2}
+    wait_until_idle(client)
+    assert client.get("/readyz").json() == {"ready": True, "store": True, "workers": 2}
     assert client.get("/v1/version").json()["version"] == engine_version()
 
 
 def test_metrics_count_by_route_and_not_by_path(client: httpx2.Client) -> None:
     client.post("/v1/designs", json=spec("counted"))
-    all_workers(client)
+    wait_until_idle(client)
     client.get("/v1/designs/0123")
     client.get("/some/where")
     page = client.get("/metrics").text

@@ -10,7 +10,7 @@ from typing import Any
 import httpx2
 import pytest
 
-from tests.service.conftest import Running, settings_for
+from tests.service.conftest import Running, settings_for, wait_until_idle
 from tests.service.specs import spec
 
 
@@ -81,7 +81,8 @@ def test_twenty_at_once(tmp_path: Path) -> None:
 
 def test_too_many_waiting_are_told_when_to_come_back(service: Running) -> None:
     client, later = service.client, {"Prefer": "respond-async"}
-    bodies = [spec("sleep 1.5") for _ in range(2 + 4)]
+    wait_until_idle(client)
+    bodies = [spec("sleep 2.5") for _ in range(2 + 4)]
     for body in bodies:
         assert client.post("/v1/designs", json=body, headers=later).status_code == 202
     for headers in ({}, later):
