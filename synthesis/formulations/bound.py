@@ -16,7 +16,7 @@ import numpy as np
 
 from synthesis.formulations.control import Control, controls
 from synthesis.formulations.convex import Plan
-from synthesis.formulations.ends import boundary_rows, joint_rows
+from synthesis.formulations.ends import joint_rows
 from synthesis.formulations.switching import Switching, switching
 from synthesis.numerics.piecewise import Array
 from synthesis.solvers.clarabel import ConeSolution
@@ -248,7 +248,7 @@ def _book_end(
         laws, _ = plan.recover(solution.x)
         gradient += 2.0 / plan.energy.unit * factor.T @ (factor @ laws[position].coefficients)
     count = len(end)
-    rows = boundary_rows(space, 1.0, count)[:, space.size - count :]
+    rows = space.boundary(1.0, count)[:, space.size - count :]
     nu = np.linalg.solve(rows.T, -gradient[space.size - count :])[:order]
     known = min(count, order)
     unit = np.zeros((1, order))

@@ -54,12 +54,6 @@ class Joint:
     highest: int
 
 
-def boundary_rows(space: SplineSpace, x: float, count: int) -> Array:
-    """Derivatives 0 to count − 1 at an end of [0, 1]: (count, size)."""
-    at = np.array([x])
-    return np.vstack([space.basis(at, order) for order in range(count)])
-
-
 @dataclass(frozen=True, eq=False)
 class JointSide:
     """One side of a joint: rows dense · c of the law at ``position``, orders lowest to highest.
@@ -81,7 +75,7 @@ def joint_rows(
     scale = np.maximum(np.abs(sizes[0]), np.abs(sizes[1])) * TYPICAL_END
     units = (sizes[0] / scale, -sizes[1] / scale)
     rows = [
-        boundary_rows(grids[k].space, x, joint.highest + 1)[joint.lowest :]
+        grids[k].space.boundary(x, joint.highest + 1)[joint.lowest :]
         for k, x in ((joint.before, 1.0), (joint.after, 0.0))
     ]
     return (
@@ -140,11 +134,14 @@ def _settled(free: Stretch, given: Stretch, *, at_start: bool) -> Array:
 
 
 def _ends(space: SplineSpace, start: Array, end: Array) -> Ends:
-    first = _solved(boundary_rows(space, 0.0, len(start))[:, : len(start)], start)
-    count = len(end)
-    last = _solved(boundary_rows(space, 1.0, count)[:, space.size - count :], end)
+    first = _fixed(space, 0.0, start, slice(0, len(start)))
+    last = _fixed(space, 1.0, end, slice(space.size - len(end), space.size))
     return Ends(start, end, first, last)
 
 
-def _solved(matrix: Array, values: Array) -> Array:
-    return np.asarray(np.linalg.solve(matrix, values), dtype=float)
+def _fixed(space: SplineSpace, x: float, values: Array, where: slice) -> Array:
+    """The coefficients at an end that its known derivatives settle; all equal at rest."""
+    if not np.any(values[1:]):
+        return np.full(len(values), values[0])
+    rows = space.boundary(x, len(values))[:, where]
+    return np.asarray(np.linalg.solve(rows, values), dtype=float)

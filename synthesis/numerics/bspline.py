@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 from scipy.interpolate import BSpline
@@ -22,7 +23,7 @@ class SplineSpace:
     degree: int
     breaks: Array
 
-    @property
+    @cached_property
     def knots(self) -> Array:
         """Knot vector with clamped ends: (n + 1 + 2p,)."""
         p = self.degree
@@ -38,8 +39,17 @@ class SplineSpace:
 
         At an inner knot the piece on the right counts, at 1 the last piece.
         """
-        spline = BSpline(self.knots, np.eye(self.size), self.degree)
-        return np.asarray(spline(x, nu=order), dtype=float)
+        return np.asarray(self._basis(x, nu=order), dtype=float)
+
+    @cached_property
+    def _basis(self) -> BSpline:
+        """All basis functions at once."""
+        return BSpline(self.knots, np.eye(self.size), self.degree)
+
+    def boundary(self, x: float, count: int) -> Array:
+        """Derivatives 0 to count − 1 of every basis function at an end of [0, 1]: (count, size)."""
+        at = np.array([x])
+        return np.vstack([self.basis(at, order) for order in range(count)])
 
     def control(self, order: int) -> Array:
         """Matrix to the B-spline coefficients of the derivative: (size − order, size).
