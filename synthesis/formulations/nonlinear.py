@@ -1,9 +1,9 @@
 """The third rung: limits that are not convex join the cone program's rows, and IPOPT solves it.
 
 The unknowns are the plan's own, and its linear rows and balls stay what they are; where a norm of
-the size is the objective, it is minimised itself. Smooth limits are written where they are in
-use. The answer is measured densely, the peaks that break a limit are written too, and the program
-is solved again from where it stood, until no peak is left: an exchange method.
+the size is the objective, it is minimised itself. Smooth limits are written at points spread over
+the turn. The answer is measured densely, the peaks that break a limit are written too, and the
+program is solved again from where it stood, until no peak is left: an exchange method.
 """
 
 from __future__ import annotations
@@ -21,9 +21,9 @@ from scipy import sparse
 from synthesis.formulations.convex import Plan
 from synthesis.formulations.matrix import Ball
 from synthesis.formulations.problem import Problem
-from synthesis.formulations.spots import Spots, broken, in_use
+from synthesis.formulations.spots import Spots, broken, spread
 from synthesis.numerics.piecewise import Array
-from synthesis.solvers.ipopt import Guess, SmoothProgram, SmoothSolution, solve
+from synthesis.solvers.ipopt import Guess, SmoothProgram, solve
 from synthesis.solvers.statuses import Stopped
 
 ROUNDS = 6
@@ -60,7 +60,7 @@ def improve(
             written; peaks between these may rise by as much, so a larger one saves rounds.
     """
     began = time.perf_counter()
-    spots = in_use(*_settled(plan, start))
+    spots = spread(*_settled(plan, start))
     guess, iterations, rows = Guess(start), 0, 0
     stopped, word = Stopped.OUT_OF_TIME, "deadline"
     for _ in range(ROUNDS):
@@ -75,8 +75,7 @@ def improve(
         if stopped not in USABLE:
             break
         more = broken(*_settled(plan, found.x))
-        guess = _again(found, more)
-        spots = [*spots, *more]
+        spots, guess = [*spots, *more], Guess(found.x, found.rows, found.bounds)
         if not more:
             break
     seconds = time.perf_counter() - began
@@ -89,12 +88,6 @@ def _settled(plan: Plan, x: Array) -> tuple[Problem, tuple[float, ...]]:
     free = plan.problem.free
     placed = [s.with_law(law.curve()) for s, law in zip(free, laws, strict=True)]
     return plan.problem.settled(placed), size
-
-
-def _again(found: SmoothSolution, more: Sequence[Spots]) -> Guess:
-    """Where the next round begins: at this point, the new rows without multipliers yet."""
-    new = sum(len(spot.x) for spot in more)
-    return Guess(found.x, np.append(found.rows, np.zeros(new)), found.bounds)
 
 
 def _with_norm(plan: Plan, x: Array) -> Array:
@@ -149,27 +142,25 @@ class _Statement:
         self._put(casadi.mtimes(_constant(program.matrix[:last]), self.x), lower, rhs)
 
     def _fixed_balls(self) -> Iterator[tuple[Ball, float]]:
-        """Balls of fixed radius, and the share of the present norm that is their least one.
+        """Balls of fixed radius, and which share of it is the least allowed.
 
-        The first that bounds the prime radius above also bounds it below; without such a ball
-        the size's own bounds say both.
+        The cone of the sizing that bounds the prime radius above stands first among the balls, and
+        bounds it below too; without such a cone the size's own bounds say both.
         """
-        follower, size = self.plan.problem.machine.follower, self.plan.recover(self.at)[1]
-        prime = follower.prime_radius()
-        least = self.plan.problem.sizing.least / prime.value(size)
-        for ball in self.plan.balls:
+        sizing, prime = self.plan.problem.sizing, self.plan.problem.machine.follower.prime_radius()
+        shares = [sizing.least / cone.radius * (cone.norm == prime) for cone in sizing.cones]
+        for position, ball in enumerate(self.plan.balls):
             if ball.head is None:
-                bounds_prime = ball.norm == prime
-                yield ball, least if bounds_prime else 0.0
-                least = 0.0 if bounds_prime else least
+                yield ball, shares[position] if position < len(shares) else 0.0
 
-    def _ball(self, ball: Ball, least: float) -> None:
-        """least² ≤ ‖image‖² / scale ≤ radius² / scale; an equality where they leave no room."""
+    def _ball(self, ball: Ball, share: float) -> None:
+        """Least ≤ ‖image‖² ≤ radius² over a scale; an equality where they leave no room."""
         image = casadi.mtimes(_constant(ball.matrix), self.x) + casadi.DM(ball.shift)
-        scale = float(np.sum((ball.matrix @ self.at + ball.shift) ** 2)) or 1.0
-        upper = (ball.radius * (1.0 - ball.tighten)) ** 2 / scale
-        lower = min(least**2, upper) if least else -inf
-        self._put(casadi.sumsqr(image) / scale, np.array([lower]), np.array([upper]))
+        least = (share * ball.radius) ** 2
+        most = max((ball.radius * (1.0 - ball.tighten)) ** 2, least)
+        scale = max(float(np.sum((ball.matrix @ self.at + ball.shift) ** 2)), least) or most
+        lower = least / scale if least else -inf
+        self._put(casadi.sumsqr(image) / scale, np.array([lower]), np.array([most / scale]))
 
     def _smooth(self, spot: Spots, tighten: float) -> None:
         """One limit at its spots, drawn in."""
@@ -177,7 +168,7 @@ class _Statement:
         stretch = problem.stretches[spot.position]
         z = casadi.vertsplit(self.x[plan.size] * plan.scales.size)
         s = self._motion(spot)
-        for value in spot.limit.smooth(stretch, problem.machine, s, z):
+        for value in problem.limits[spot.limit].smooth(stretch, problem.machine, s, z):
             none = np.full(len(spot.x), -inf)
             self._put(value, none, np.full(len(spot.x), -tighten))
 

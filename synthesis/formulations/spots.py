@@ -1,8 +1,8 @@
-"""Points of the turn at which a smooth limit is written: where it is in use, and where it peaks."""
+"""Points of the turn at which a smooth limit is written: spread evenly, and where it peaks."""
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator
 from dataclasses import dataclass
 
 import numpy as np
@@ -10,12 +10,10 @@ from numpy.typing import NDArray
 
 from synthesis.formulations.problem import Problem
 from synthesis.formulations.smooth import Samples, sample
-from synthesis.limits import Limit
 from synthesis.numerics.piecewise import Array
 
 Vector = tuple[float, ...]
-IN_USE = -0.95  # points that are slacker than this at first are left to the exchange
-THINNED = 3  # one in so many samples is written at first
+POINTS = 128  # spread over a stretch, about; ends of pieces are always among them
 SAME_PLACE = 1e-9  # of a stretch: points nearer than this are one
 
 
@@ -24,27 +22,23 @@ class Spots:
     """Points of one stretch where one limit is written.
 
     Attributes:
-        position: of the stretch in the problem's program.
+        limit, position: among the problem's limits and stretches.
         x: (k,) where on the stretch, 0 to 1.
         s: (4, k) s to s''' there [mm, per rad]; where the law is given, they stay.
-        worst: the limit's largest value among them, dimensionless; positive where it is broken.
     """
 
-    limit: Limit
+    limit: int
     position: int
     x: Array
     s: Array
-    worst: float
 
 
-def in_use(settled: Problem, size: Vector) -> list[Spots]:
-    """Samples at which the smooth limits are not hopelessly slack."""
+def spread(settled: Problem, size: Vector) -> list[Spots]:
+    """Points all along the turn, for every limit that has a smooth form."""
     found = []
     for limit, position, samples, values in _traces(settled, size):
-        kept = values > IN_USE
-        kept[:, :-1] &= np.arange(values.shape[1] - 1) % THINNED == 0
-        theta, s = samples.theta[kept.ravel()], samples.s[:, kept.ravel()]
-        found += _spots(settled, limit, position, theta, s, size)
+        kept = _thinned(samples, values.shape).ravel()
+        found += _distinct(limit, position, samples, samples.theta[kept], samples.s[:, kept])
     return found
 
 
@@ -55,41 +49,48 @@ def broken(settled: Problem, size: Vector, above: float = 0.0) -> list[Spots]:
         theta, piece = _peaks(samples.theta.reshape(values.shape), values)
         curve = samples.stretch.placed()
         s = np.stack([curve.at(theta, piece, order) for order in range(4)])
-        value = _value(settled, limit, position, s, size)
-        kept = value > above
-        found += _spots(settled, limit, position, theta[kept], s[:, kept], size)
+        kept = _value(settled, limit, position, s, size) > above
+        found += _distinct(limit, position, samples, theta[kept], s[:, kept])
     return found
 
 
-def _traces(settled: Problem, size: Vector) -> Iterator[tuple[Limit, int, Samples, Array]]:
+def _traces(settled: Problem, size: Vector) -> Iterator[tuple[int, int, Samples, Array]]:
     """Every smooth limit along every stretch: its values, (pieces, samples)."""
     for position, samples in enumerate(sample(settled)):
         pieces = samples.stretch.placed().count
-        for limit in settled.limits:
+        for limit in range(len(settled.limits)):
             value = _value(settled, limit, position, samples.s, size)
             if len(value):
                 yield limit, position, samples, value.reshape(pieces, -1)
 
 
-def _value(settled: Problem, limit: Limit, position: int, s: Array, size: Vector) -> Array:
+def _value(settled: Problem, limit: int, position: int, s: Array, size: Vector) -> Array:
     """The largest of a limit's expressions at every point; empty where it has none."""
-    said = limit.smooth(settled.stretches[position], settled.machine, s, size)
+    stretch, machine = settled.stretches[position], settled.machine
+    said = settled.limits[limit].smooth(stretch, machine, s, size)
     return np.max(np.stack(said), axis=0) if said else np.zeros(0)
 
 
-def _spots(
-    settled: Problem, limit: Limit, position: int, theta: Array, s: Array, size: Vector
-) -> Sequence[Spots]:
-    """The points without repetition, if there are any."""
+def _distinct(limit: int, position: int, samples: Samples, theta: Array, s: Array) -> list[Spots]:
+    """The points, each once, if there are any.
+
+    A free law is smooth where pieces meet, and a dwell is one point; a given law may jump.
+    """
     if not len(theta):
-        return ()
-    stretch = settled.stretches[position]
+        return []
+    stretch = samples.stretch
     x = np.clip((theta - stretch.start) / stretch.angle, 0.0, 1.0)
-    # a free law is smooth where pieces meet, a dwell is one point; a given law may jump
-    told_apart = np.round(x / SAME_PLACE) if stretch.free is not None else s
-    _, first = np.unique(np.atleast_2d(told_apart), axis=1, return_index=True)
-    worst = float(np.max(_value(settled, limit, position, s, size)))
-    return (Spots(limit, position, x[first], s[:, first], worst),)
+    marks = s if stretch.free is None else np.round(x / SAME_PLACE)[None, :]
+    _, first = np.unique(marks, axis=1, return_index=True)
+    return [Spots(limit, position, x[first], s[:, first])]
+
+
+def _thinned(samples: Samples, shape: tuple[int, ...]) -> NDArray[np.bool_]:
+    """Evenly spread samples, the ends of all pieces among them: (pieces, samples)."""
+    breaks, last = samples.stretch.placed().breaks, shape[1] - 1
+    wanted = np.ceil(POINTS * np.diff(breaks) / samples.stretch.angle)
+    each: Array = np.clip(wanted, 1.0, last)[:, None]
+    return np.asarray(np.arange(shape[1]) * each % last < each)
 
 
 def _peaks(theta: Array, values: Array) -> tuple[Array, NDArray[np.intp]]:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import threading
 import time
 from dataclasses import dataclass
 from typing import Any
@@ -24,8 +25,9 @@ STATUSES = {
     "Maximum_WallTime_Exceeded": Stopped.OUT_OF_TIME,
     "Maximum_Iterations_Exceeded": Stopped.OUT_OF_ITERATIONS,
 }
-OPTIONS = {
+OPTIONS: dict[str, Any] = {
     "print_time": False,
+    "no_nlp_grad": True,
     "calc_lam_p": False,
     "ipopt.sb": "yes",
     "ipopt.print_level": 0,
@@ -35,18 +37,20 @@ OPTIONS = {
     "ipopt.dual_inf_tol": 1e-6,
     "ipopt.compl_inf_tol": 1e-8,
     "ipopt.bound_relax_factor": 1e-9,
+    "ipopt.acceptable_constr_viol_tol": 1e-6,
     "ipopt.max_iter": 200,
 }
-COLD = {"ipopt.mu_init": 1e-3}
-WARM = {
+COLD: dict[str, Any] = {"ipopt.mu_init": 1e-3}
+WARM: dict[str, Any] = {
     "ipopt.warm_start_init_point": "yes",
-    "ipopt.warm_start_bound_push": 1e-8,
-    "ipopt.warm_start_bound_frac": 1e-8,
-    "ipopt.warm_start_slack_bound_push": 1e-8,
-    "ipopt.warm_start_slack_bound_frac": 1e-8,
-    "ipopt.warm_start_mult_bound_push": 1e-8,
-    "ipopt.mu_init": 1e-6,
+    "ipopt.warm_start_bound_push": 1e-6,
+    "ipopt.warm_start_bound_frac": 1e-6,
+    "ipopt.warm_start_slack_bound_push": 1e-6,
+    "ipopt.warm_start_slack_bound_frac": 1e-6,
+    "ipopt.warm_start_mult_bound_push": 1e-6,
+    "ipopt.mu_init": 1e-8,
 }
+ONE_AT_A_TIME = threading.Lock()  # MUMPS keeps global state
 
 
 @dataclass(frozen=True, eq=False)
@@ -69,7 +73,10 @@ class SmoothProgram:
 
 @dataclass(frozen=True, eq=False)
 class Guess:
-    """Where to begin: a point, and multipliers of its rows and bounds where they are known."""
+    """Where to begin: a point, and multipliers of rows and bounds where they are known.
+
+    There may be fewer than the program has rows: those at the end have none yet.
+    """
 
     x: Array
     rows: Array | None = None
@@ -92,25 +99,28 @@ class SmoothSolution:
 def solve(program: SmoothProgram, guess: Guess, time_limit: float = math.inf) -> SmoothSolution:
     """Solve from a guess; with multipliers it is a warm start."""
     started = time.perf_counter()
-    options = dict(OPTIONS)
+    options = OPTIONS | (COLD if guess.rows is None else WARM)
     if math.isfinite(time_limit):
         options["ipopt.max_wall_time"] = max(time_limit, 1e-3)
-    start = {"x0": guess.x}
+    start: dict[str, Any] = {"x0": guess.x, "lbx": program.low, "ubx": program.high}
     if guess.rows is not None:
-        options |= WARM
-        start |= {"lam_g0": guess.rows, "lam_x0": guess.bounds}
-    else:
-        options |= COLD
+        rows = np.pad(guess.rows, (0, len(program.lower) - len(guess.rows)))
+        start |= {"lam_g0": rows, "lam_x0": guess.bounds}
     stated = {"x": program.x, "f": program.objective, "g": program.rows}
-    solver = casadi.nlpsol("nonlinear", "ipopt", stated, options)
-    found = solver(**start, lbx=program.low, ubx=program.high, lbg=program.lower, ubg=program.upper)
+    solver: Any = casadi.nlpsol("nonlinear", "ipopt", stated, options)
+    with ONE_AT_A_TIME:
+        found = solver(**start, lbg=program.lower, ubg=program.upper)
     stats = solver.stats()
     word = str(stats["return_status"])
     return SmoothSolution(
-        _column(found["x"]), _column(found["lam_g"]), _column(found["lam_x"]),
-        STATUSES.get(word, Stopped.FAILED), word, int(stats["iter_count"]),
-        time.perf_counter() - started,
+        _column(found["x"]), _column(found["lam_g"]), _column(found["lam_x"]), reason(word), word,
+        int(stats["iter_count"]), time.perf_counter() - started,
     )  # fmt: skip
+
+
+def reason(word: str) -> Stopped:
+    """IPOPT's word in the common vocabulary."""
+    return STATUSES.get(word, Stopped.FAILED)
 
 
 def _column(values: Any) -> Array:
