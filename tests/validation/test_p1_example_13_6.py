@@ -4,7 +4,7 @@ Source: a published worked example (13-6) with a printed program and a printed t
 Lift 30 mm, prime radius 60 mm (the example says base radius), roller radius 10 mm, offset 20 mm,
 counter-clockwise at 10 rad/s; rise 60° cycloidal, dwell 30°, return 60° cycloidal, dwell 210°.
 
-**The true values.** `literature` computes the seven columns, pressure angle and curvature to forty
+**The true values.** `textbook` computes the seven columns, pressure angle and curvature to forty
 digits from the textbook formulas, typed here a second time; the product must agree to 1e-9.
 
 **The printed table.** Its rows are not at the printed angles. The program stepped the cam angle by
@@ -34,7 +34,7 @@ import pytest
 from synthesis.motion import Motion
 from synthesis.profile import cam_profile
 from synthesis.spec import DesignSpec
-from tests.forty_digits import PI, cos, sin
+from tests.validation.textbook import OffsetRoller
 
 DOCS = Path(__file__).resolve().parents[2] / "docs" / "reference"
 
@@ -100,44 +100,7 @@ def product(degrees: np.ndarray):
 # --- the true values ---------------------------------------------------------------------------
 
 
-def literature(degrees: Decimal) -> dict[str, Decimal]:
-    """The example at one cam angle, in forty digits.
-
-    Cycloidal motion, s = h (x − sin 2πx / 2π); the reversed line of action of an offset follower,
-    x = (s0 + s) sin θ + e cos θ, y = (s0 + s) cos θ − e sin θ; the roller's contact on the normal
-    of that curve, towards the axis (any text on the design of cams by analysis).
-    """
-    h, prime, Rr, e, omega = (Decimal(n) for n in (30, 60, 10, 20, 10))
-    beta = PI / 3
-    s = v = a = Decimal(0)
-    if 60 <= degrees <= 90:
-        s = h
-    elif degrees < 60 or degrees <= 150:
-        x = degrees / 60 if degrees < 60 else (degrees - 90) / 60
-        s = h * (x - sin(2 * PI * x) / (2 * PI))
-        v = h / beta * (1 - cos(2 * PI * x))
-        a = 2 * PI * h / beta**2 * sin(2 * PI * x)
-        if degrees > 60:
-            s, v, a = h - s, -v, -a
-    theta = degrees * PI / 180
-    c, n = cos(theta), sin(theta)
-    height = (prime**2 - e**2).sqrt() + s
-    x, y = height * n + e * c, height * c - e * n
-    dx, dy = (v - e) * n + height * c, (v - e) * c - height * n
-    ddx = a * n + 2 * v * c - height * n - e * c
-    ddy = a * c - 2 * v * n - height * c + e * n
-    speed = (dx**2 + dy**2).sqrt()
-    return {
-        "s": s,
-        "v": v * omega,
-        "a": a * omega**2,
-        "pitch x": x,
-        "pitch y": y,
-        "profile x": x + Rr * dy / speed,
-        "profile y": y - Rr * dx / speed,
-        "tan of pressure angle": (v - e) / height,
-        "curvature": (dy * ddx - dx * ddy) / speed**3,
-    }
+EXAMPLE = OffsetRoller(h=30, rise=60, dwell=30, prime=60, e=20, Rr=10, omega=10)
 
 
 def reported(degrees: np.ndarray) -> dict[str, np.ndarray]:
@@ -161,7 +124,7 @@ ANGLES = np.sort(np.concatenate([np.arange(720) / 2.0, np.arange(180) * 1.987654
 
 @pytest.fixture(scope="module")
 def truth() -> dict[str, np.ndarray]:
-    rows = [literature(Decimal(float(angle))) for angle in ANGLES]
+    rows = [EXAMPLE.at(Decimal(float(angle))) for angle in ANGLES]
     return {name: np.array([float(row[name]) for row in rows]) for name in rows[0]}
 
 
