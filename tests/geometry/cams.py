@@ -1,6 +1,7 @@
 """Cams of unspecial size, for Hypothesis: any named law or a random spline, any offset."""
 
 from dataclasses import dataclass
+from functools import cache
 
 import numpy as np
 from hypothesis import strategies as st
@@ -74,6 +75,7 @@ class Cam:
         return theta, np.minimum(0.15 * width, 0.1 * X / (0.5 * X + abs(s[2])))
 
 
+@cache
 def unspecial(low: float, high: float) -> st.SearchStrategy[float]:
     """Numbers between two ends, none of them round."""
     return st.integers(0, 999_999).map(lambda n: low + (high - low) * (n + 0.414213562) / 1e6)
@@ -119,6 +121,7 @@ def motions(draw: st.DrawFn, lift: float = 1.0, only_gentle: bool = False) -> Mo
     return Motion.of(placed)
 
 
+@cache
 def laws(kind: str, only_gentle: bool = False) -> st.SearchStrategy[Piecewise]:
     """A named law, whatever is registered, or a random spline."""
     named = [law.curve(kind) for law in LAWS.values()]

@@ -6,6 +6,7 @@ Tangents are differences of reported positions; nothing here knows how the produ
 import numpy as np
 from hypothesis import given
 
+from tests.geometry.agreement import agree
 from tests.geometry.cams import Cam, cams, unspecial
 from tests.geometry.slopes import slopes
 
@@ -37,16 +38,17 @@ def test_the_normal_is_perpendicular_to_the_profile_and_to_the_pitch_curve(
     p = cam.profile(theta)
     for points in (profile_points(cam), pitch_points(cam)):
         (dx, dy), _ = slopes(points, theta, reach)
-        along = abs(dx * p.normal_x + dy * p.normal_y) / cam.length
+        along = (dx * p.normal_x + dy * p.normal_y) / cam.length
         # positions are rounded, and differences divide that by their reach
-        assert np.all(along <= np.maximum(1e-12, 2e-15 / reach)), f"{along} at {theta}"
+        agree("normal along tangent", theta, along, 0.0, np.maximum(1e-12, 2e-15 / reach))
 
 
 @given(cams(), INSIDE)
 def test_the_normal_points_away_from_the_cam(cam: Cam, fraction: float):
     # a small step along it leaves the pitch curve: seen from the axis, to a larger radius
     p = cam.profile(cam.inside(fraction)[0])
-    assert np.all(p.normal_x * p.pitch_x + p.normal_y * p.pitch_y > 0.0)
+    outward = p.normal_x * p.pitch_x + p.normal_y * p.pitch_y
+    assert np.all(outward > 0.0), f"inward at {np.degrees(p.theta[outward <= 0.0])}°"
 
 
 @given(cams(), INSIDE)

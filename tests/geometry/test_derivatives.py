@@ -5,6 +5,7 @@ import pytest
 from hypothesis import given
 
 from synthesis.geometry.disc import to_cam
+from tests.geometry.agreement import agree
 from tests.geometry.cams import Cam, cams, unspecial
 from tests.geometry.slopes import slopes
 
@@ -18,10 +19,11 @@ def test_each_derivative_is_the_slope_of_the_one_before(order: int, cam: Cam, fr
     s = cam.profile(theta).s
     # rounding of a value, divided by the reach as differences do
     noise = 1e-13 * np.max(abs(s[order])) / reach
-    assert np.all(abs(slope - s[order + 1]) <= noise + 1e-12 * abs(s[order + 1]))
+    name = "s" + (order + 1) * "'"
+    agree(name, theta, s[order + 1], slope, noise + 1e-12 * abs(s[order + 1]))
     if order < 2:
         noise = 1e-12 * np.max(abs(s[order])) / reach**2
-        assert np.all(abs(bend - s[order + 2]) <= noise + 1e-11 * abs(s[order + 2]))
+        agree(name + "'", theta, s[order + 2], bend, noise + 1e-11 * abs(s[order + 2]))
 
 
 @given(cam=cams(), fraction=unspecial(0.2, 0.8))
@@ -36,8 +38,9 @@ def test_the_traced_point_s_derivatives_are_those_of_its_position(cam: Cam, frac
     for order in range(3):
         (dx, dy), _ = slopes(lambda angle, k=order: traced(angle)[k], theta, reach)
         noise = 1e-13 * max(np.max(abs(told[order])), 1e-12 * cam.length) / reach
-        assert np.all(abs(dx - told[order + 1, 0]) <= noise + 1e-12 * cam.length)
-        assert np.all(abs(dy - told[order + 1, 1]) <= noise + 1e-12 * abs(told[order + 1, 1]))
+        x, y = told[order + 1]
+        agree(f"x, derivative {order + 1}", theta, x, dx, noise + 1e-12 * cam.length)
+        agree(f"y, derivative {order + 1}", theta, y, dy, noise + 1e-12 * abs(y))
 
 
 @given(unspecial(-7.0, 7.0), unspecial(-3.0, 3.0), unspecial(-3.0, 3.0))

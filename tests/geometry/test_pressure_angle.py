@@ -3,6 +3,7 @@
 import numpy as np
 from hypothesis import given
 
+from tests.geometry.agreement import agree
 from tests.geometry.cams import Cam, cams, unspecial
 from tests.geometry.slopes import slopes
 
@@ -32,9 +33,9 @@ def contact(cam: Cam, fraction: float):
 def test_it_is_the_angle_between_normal_and_follower(cam: Cam, fraction: float):
     (nx, ny), _, sense, p = contact(cam, fraction)
     alpha = np.arctan2(-sense * nx, ny)  # from the follower's line, x = const, upwards
-    np.testing.assert_allclose(p.pressure_angle, alpha, rtol=0, atol=1e-11)
+    agree("pressure angle, rad", p.theta, p.pressure_angle, alpha, 1e-11)
     formula = np.arctan((p.s[1] - cam.e) / (cam.s0 + p.s[0]))
-    np.testing.assert_allclose(p.pressure_angle, formula, rtol=0, atol=1e-13)
+    agree("pressure angle, rad, by its formula", p.theta, p.pressure_angle, formula, 1e-13)
 
 
 @given(cams(), unspecial(0.2, 0.8))
@@ -43,8 +44,8 @@ def test_cam_and_follower_neither_part_nor_penetrate(cam: Cam, fraction: float):
     (nx, ny), (x, y), sense, p = contact(cam, fraction)
     cam_speed = sense * (-y * nx + x * ny)
     follower_speed = p.s[1] * ny
-    scale = cam.length + abs(p.s[1])
-    assert np.max(abs(cam_speed - follower_speed) / scale) <= 1e-12
+    allowed = 1e-12 * (cam.length + abs(p.s[1]))
+    agree("speed along the normal", p.theta, cam_speed, follower_speed, allowed)
 
 
 @given(cams(), unspecial(0.2, 0.8))
@@ -54,13 +55,14 @@ def test_the_follower_s_line_lies_at_the_offset(cam: Cam, fraction: float):
     p = cam.profile(theta)
     sense = -1.0 if cam.rotation == "cw" else 1.0
     x, y = turned(p.pitch_x, p.pitch_y, sense * theta)
-    np.testing.assert_allclose(x, sense * cam.e, rtol=0, atol=1e-13 * cam.length)
-    np.testing.assert_allclose(y, cam.s0 + p.s[0], rtol=0, atol=1e-13 * cam.length)
+    agree("the roller's distance from the axis", theta, x, sense * cam.e, 1e-13 * cam.length)
+    agree("the roller's height", theta, y, cam.s0 + p.s[0], 1e-13 * cam.length)
 
 
 @given(cams(), unspecial(0.2, 0.8))
 def test_a_positive_offset_lowers_it_on_a_rise_and_raises_it_on_a_return(cam: Cam, fraction: float):
     theta, _ = cam.inside(fraction)
-    smaller = Cam(cam.motion, cam.follower, -abs(cam.e), cam.s0, cam.rotation)
-    larger = Cam(cam.motion, cam.follower, abs(cam.e), cam.s0, cam.rotation)
-    assert np.all(larger.profile(theta).pressure_angle < smaller.profile(theta).pressure_angle)
+    left = Cam(cam.motion, cam.follower, -abs(cam.e), cam.s0, cam.rotation)
+    right = Cam(cam.motion, cam.follower, abs(cam.e), cam.s0, cam.rotation)
+    lower = right.profile(theta).pressure_angle < left.profile(theta).pressure_angle
+    assert np.all(lower), f"not so at {np.degrees(theta[~lower])}°"

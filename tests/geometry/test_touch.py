@@ -14,6 +14,7 @@ from hypothesis import assume, given, settings
 
 from synthesis.followers import TranslatingRoller
 from tests.geometry import touch
+from tests.geometry.agreement import agree
 from tests.geometry.cams import TURN, Cam, cams, unspecial
 
 POINTS = 3000
@@ -69,11 +70,7 @@ def test_a_sound_cam_drives_the_follower_by_the_law(cam: Cam, fraction: float):
     law = cam.motion.curve(theta)
     stroke = np.max(law)
     assert np.max(allowed) < 0.01 * stroke, "the polygon is too coarse to tell anything"
-    worst = np.argmax(abs(measured - law) - allowed)
-    assert np.all(abs(measured - law) <= allowed), (
-        f"at {np.degrees(theta[worst])}° the follower stands at {measured[worst]}, "
-        f"the law says {law[worst]} (allowed: {allowed[worst]})"
-    )
+    agree("displacement", theta, law, measured, allowed)
 
 
 @settings(max_examples=30)
@@ -103,12 +100,13 @@ def test_an_undercut_cam_fails_both_ways(cam: Cam, share: float):
     law = cam.motion.curve(theta[some])
     # as reported, the loop of the profile stands in the roller's way ...
     gap = touch.clearances(points, sense * theta[some], line, heights[some]) - cam.Rr
-    assert np.min(gap) < -2e-3 * cam.Rr
-    assert np.max(run(cam, theta[some], points) - law) > 2e-3 * cam.Rr
+    assert np.min(gap) < -2e-3 * cam.Rr, "an undercut profile lets the roller pass"
+    assert np.max(run(cam, theta[some], points) - law) > 2e-3 * cam.Rr, "it does not lift it"
     # ... and once the cutter has taken the loop away, the follower falls short of the law
     finished = touch.cut(points, sense * theta, line, heights, cam.Rr)
     assert len(finished) < len(points)
-    assert np.min(run(cam, theta[some], finished) - law) < -2e-3 * cam.Rr
+    fallen = law - run(cam, theta[some], finished)
+    assert np.max(fallen) > 2e-3 * cam.Rr, "the follower reaches its lift on an undercut cam"
 
 
 # --- the instrument itself, on shapes that need no cam -----------------------------------------
