@@ -36,11 +36,12 @@ CONFIGURATION = {
     "distributed.worker.profile.enabled": False,
     "distributed.admin.system-monitor.gil.enabled": False,
     "distributed.diagnostics.nvml": False,
+    "distributed.deploy.lost-worker-timeout": "60s",  # a busy machine takes long to start one
     "distributed.scheduler.http.routes": [],
     "distributed.worker.http.routes": [],
 }
 WATCH_S = 2.0
-REPAIR_S = 20.0
+REPAIR_S = 60.0
 BATCH_S = 0.001  # Dask gathers messages for 10 ms before it sends them: longer than many designs
 
 
@@ -92,19 +93,12 @@ class Engine:
 
     async def solve(self, spec: bytes, budget_s: float) -> Answer:
         """Run one design; raises what the core raised, or WorkerLost, or TimeBudgetExceeded."""
-        self.waiting += 1
-        try:
-            async with self._turn:
-                await self._turn.wait_for(lambda: self.running < self.slots)
-                self.running += 1
-        finally:
-            self.waiting -= 1
+        await self._enter()
         if self._client.status != "running":
             await self._leave()
             raise EngineUnreachable("No worker can be reached. Try again shortly.", RETRY)
-        future = self._client.submit(
-            self._task, spec, budget_s, key=f"design-{uuid.uuid4().hex}", pure=False
-        )
+        key = f"design-{uuid.uuid4().hex}"
+        future = self._client.submit(self._task, spec, budget_s, key=key, pure=False)
         result = asyncio.ensure_future(future.result())
         try:
             return await self._answer(result, budget_s)
@@ -117,6 +111,15 @@ class Engine:
             repair.add_done_callback(self._repairs.discard)
             if sound:
                 future.release()
+
+    async def _enter(self) -> None:
+        self.waiting += 1
+        try:
+            async with self._turn:
+                await self._turn.wait_for(lambda: self.running < self.slots)
+                self.running += 1
+        finally:
+            self.waiting -= 1
 
     async def _answer(self, result: asyncio.Task[Any], budget_s: float) -> Answer:
         done, _ = await asyncio.wait({result}, timeout=budget_s + self._settings.grace_s)
@@ -167,16 +170,20 @@ class Engine:
         await asyncio.gather(*self._repairs, return_exceptions=True)
         await self._client.close()
 
-    async def watch(self) -> None:
-        """Follow a remote scheduler: as many designs at the same time as it has workers."""
+    async def watch(self, cluster: Any = None) -> None:
+        """Replace workers that our own cluster has lost; follow how many a remote one has."""
         while True:
-            if self._client.status == "closed":  # it was lost, and may be back
+            await asyncio.sleep(WATCH_S)
+            if self._client.status == "closed":  # the scheduler was lost, and may be back
                 with contextlib.suppress(OSError):
                     self._client = await self._connect()
-            self.slots = max(1, await self.workers())
-            async with self._turn:
-                self._turn.notify_all()
-            await asyncio.sleep(WATCH_S)
+            there = await self.workers()
+            if cluster is None:
+                self.slots = max(1, there)
+                async with self._turn:
+                    self._turn.notify_all()
+            elif there < self.slots:
+                cluster.scale(self.slots)
 
 
 RETRY = {"Retry-After": "2"}
@@ -189,18 +196,17 @@ async def running_engine(
     """An engine for as long as the service runs."""
     with dask.config.set(CONFIGURATION):
         async with contextlib.AsyncExitStack() as stack:
-            address: Any = settings.scheduler
-            if address is None:
-                address = await stack.enter_async_context(_own_cluster(settings))
-            connect = partial(_connected, address, prepare)
+            cluster = None
+            if settings.scheduler is None:
+                cluster = await stack.enter_async_context(_own_cluster(settings))
+            connect = partial(_connected, cluster or settings.scheduler, prepare)
             client = await connect()
             engine = Engine(connect, client, settings, task)
             stack.push_async_callback(engine.close)
-            if settings.scheduler is None:
+            if cluster is not None:
                 await client.wait_for_workers(settings.workers)
-            else:
-                watcher = asyncio.create_task(engine.watch())
-                stack.callback(watcher.cancel)
+            watcher = asyncio.create_task(engine.watch(cluster))
+            stack.callback(watcher.cancel)
             yield engine
 
 
@@ -212,9 +218,10 @@ async def _connected(address: Any, prepare: Callable[[], None]) -> Any:
     return client
 
 
-def _own_cluster(settings: Settings) -> Any:
-    cluster: Any = LocalCluster
-    return cluster(
+@asynccontextmanager
+async def _own_cluster(settings: Settings) -> AsyncIterator[Any]:
+    make: Any = LocalCluster
+    cluster = make(
         n_workers=settings.workers,
         threads_per_worker=1,
         processes=True,
@@ -223,3 +230,8 @@ def _own_cluster(settings: Settings) -> Any:
         silence_logs=logging.CRITICAL,
         asynchronous=True,
     )
+    try:
+        await cluster
+        yield cluster
+    finally:
+        await cluster.close()

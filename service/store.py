@@ -26,7 +26,7 @@ from sqlalchemy import (
     update,
 )  # fmt: skip
 from sqlalchemy.exc import IntegrityError
-from sqlalchemy.orm import DeclarativeBase, Mapped, Session, mapped_column, sessionmaker
+from sqlalchemy.orm import DeclarativeBase, Mapped, Session, defer, mapped_column, sessionmaker
 
 from service.settings import Settings
 
@@ -125,7 +125,8 @@ class Store:
 
     async def page(self, before: int | None, size: int, status: str | None) -> Sequence[DesignRow]:
         """Designs from the newest on, those with a smaller sequence than ``before``."""
-        asked = select(DesignRow).order_by(DesignRow.sequence.desc()).limit(size)
+        listed = defer(DesignRow.design), defer(DesignRow.spec)
+        asked = select(DesignRow).options(*listed).order_by(DesignRow.sequence.desc()).limit(size)
         if before is not None:
             asked = asked.where(DesignRow.sequence < before)
         if status is not None:

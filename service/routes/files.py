@@ -76,7 +76,7 @@ async def _file(
     tag = tag_of(row.etag or "", part, exporter.name, repr(asdict(options)))
     return unchanged(request, tag) or Response(
         await asyncio.to_thread(_written, row.design, exporter, options),
-        headers={"ETag": f'"{tag}"', "Content-Disposition": _disposition(row.name, part, exporter)},
+        headers={"ETag": f'"{tag}"', **_shown_or_saved(row.name, part, exporter)},
         media_type=exporter.media_type,
     )
 
@@ -85,11 +85,14 @@ def _written(design: bytes, exporter: Exporter[Any], options: Any) -> bytes:
     return exporter.write(Design.model_validate_json(design), options)
 
 
-def _disposition(name: str, part: str, exporter: Exporter[Any]) -> str:
-    """File names that every system takes; pictures are shown, all else is saved."""
+def _shown_or_saved(name: str, part: str, exporter: Exporter[Any]) -> dict[str, str]:
+    """File names that every system takes; pictures are shown (and run nothing), else saved."""
     stem = re.sub(r"[^A-Za-z0-9._-]+", "-", name).strip("-.")[:60] or "cam"
-    how = "inline" if exporter.name == "svg" else "attachment"
-    return f'{how}; filename="{stem}-{part}{exporter.extension}"'
+    file_name = f'filename="{stem}-{part}{exporter.extension}"'
+    if exporter.media_type != "image/svg+xml":
+        return {"Content-Disposition": f"attachment; {file_name}"}
+    policy = "default-src 'none'; style-src 'unsafe-inline'"
+    return {"Content-Disposition": f"inline; {file_name}", "Content-Security-Policy": policy}
 
 
 def _profile(exporter: Exporter[ProfileOptions]) -> Callable[..., Awaitable[Response]]:

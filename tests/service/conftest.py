@@ -63,7 +63,7 @@ def settings_for(folder: Path, **given: object) -> Settings:
 
 def wait_until_idle(client: httpx2.Client) -> None:
     """Until nothing runs and the workers that other tests have killed are back."""
-    for _ in range(300):
+    for _ in range(900):
         page = client.get("/metrics").text
         if "camwright_designs_running 0.0" in page and "camwright_workers 2.0" in page:
             return
