@@ -106,7 +106,9 @@ def _attempt(spec: DesignSpec, stop: float, tighten: float) -> _Attempt:
             stretch.index: (law.space, law.coefficients)
             for stretch, law in zip(attempt.searches[0].problem.free, best.laws, strict=True)
         }
-        attempt.cam = Cam(best.problem.stretches, splines, best.size)
+        settled = {stretch.index: stretch for stretch in best.problem.stretches}
+        whole = tuple(settled.get(stretch.index, stretch) for stretch in spec.stretches())
+        attempt.cam = Cam(whole, splines, best.size)
         attempt.extremes = judged(spec, attempt.cam)
     return attempt
 

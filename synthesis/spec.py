@@ -56,7 +56,8 @@ class DesignSpec(BaseModel):
     tolerance: Annotated[
         float,
         Field(
-            ge=1e-6, le=1.0,
+            ge=1e-6,
+            le=1.0,
             description="Relative gap to the best possible that is good enough: it buys time.",
         ),
     ] = 1e-3
@@ -141,10 +142,13 @@ class DesignSpec(BaseModel):
         return max(levels) - min(levels)
 
     def base_radius_range(self) -> tuple[float, float]:
-        """Smallest and largest base radius [mm]; what is left open is 1e-3 to 1e4 strokes."""
+        """Smallest and largest base radius [mm]; an open end is at 1e-3 or 1e4 strokes."""
         least, largest = ends(self.base_radius_mm)
         stroke = self.stroke()
-        return max(least, 1e-3 * stroke) if math.isinf(least) else least, min(largest, 1e4 * stroke)
+        return (
+            min(1e-3 * stroke, 0.5 * largest) if math.isinf(least) else least,
+            1e4 * max(stroke, least) if math.isinf(largest) else largest,
+        )
 
     def all_limits(self) -> tuple[Limit, ...]:
         """The limits asked for, and that a roller must not be undercut."""

@@ -44,7 +44,7 @@ def search(
     """
     state = Search(problem, tolerance, deadline, tighten)
     if not _closed_form(state):
-        first = int(np.clip(3.4 / sqrt(tolerance), COARSE, FINE))
+        first = int(np.clip(3.7 / sqrt(tolerance), COARSE, FINE))
         state.grids = tuple(uniform(stretch, first) for stretch in problem.free)
         _climb(state)
     if state.limited_by_shape and state.left() > 0.0:

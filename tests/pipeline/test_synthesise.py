@@ -255,6 +255,31 @@ def test_lift_scales_everything(factor: float) -> None:
         assert design.dimensions[name] == pytest.approx(value * factor, rel=1e-9)
 
 
+def test_a_dwell_of_no_extent_is_no_dwell() -> None:
+    touching = program()
+    touching[1]["angle_deg"], touching[3]["angle_deg"] = 0.0, 240.0
+    design = synthesise(spec(program=touching))
+    assert_sound(design)
+    top = np.radians(60.0)
+    assert design.curve.derivatives([top], 2)[2, 0] < -100.0
+
+
+def test_a_tiny_lift_on_a_large_cam() -> None:
+    small = 1e-4
+    design = synthesise(
+        spec(
+            program=program(lift=small), limits=[PRESSURE, jerk(48.0, lift=small)],
+            base_radius_mm=100.0, objective={"kind": "peak_acceleration"},
+        )
+    )  # fmt: skip
+    assert_sound(design)
+    reference = synthesise(
+        spec(limits=[jerk(48.0)], base_radius_mm=400.0, objective={"kind": "peak_acceleration"})
+    )
+    ratio = design.certificate.value / reference.certificate.value
+    assert ratio == pytest.approx(small / LIFT, rel=1e-3)
+
+
 def test_speed_changes_nothing_but_the_physical_values() -> None:
     fast = 1e4
     slow = synthesise(spec())
