@@ -98,7 +98,7 @@ def _attempt(spec: DesignSpec, stop: float, tighten: float) -> _Attempt:
             break
         best = tried.best
         attempt.bounds.append(Bounded(objective, tried.lower, tried.over))
-        held = (*held, Held(objective, best.value * (1.0 + share)))
+        held = (*held, Held(objective, tried.keepable(spec.tolerance)))
     if best is None:
         best = given_size(attempt.searches[0].problem)
     if best is not None:

@@ -97,6 +97,15 @@ class Search:
         value = to_wire(self.relaxed.value, machine)
         return (value - to_wire(self.lower, machine)) / max(abs(value), 1e-300)
 
+    def keepable(self, tolerance: float) -> float:
+        """How large the value may become [core units] and still be within a tolerance."""
+        assert self.best is not None
+        objective, machine = self.problem.objective, self.problem.machine
+        value = objective.to_wire(self.best.value, machine)
+        lower = objective.to_wire(self.lower, machine) if isfinite(self.lower) else 0.0
+        allowed = lower / (1.0 - 0.98 * min(tolerance, 0.9))
+        return objective.from_wire(max(value * (1.0 + 0.1 * tolerance), allowed), machine)
+
     def close(self, found: Candidate | None) -> bool:
         """Whether a cam is within the tolerance of the bound."""
         if found is None or not isfinite(self.lower):

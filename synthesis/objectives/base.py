@@ -51,3 +51,7 @@ class Objective(BaseModel, ABC):
     @abstractmethod
     def to_wire(self, value: float, machine: Machine) -> float:
         """The value in the wire's unit; monotone, so that it carries bounds as well."""
+
+    @abstractmethod
+    def from_wire(self, value: float, machine: Machine) -> float:
+        """The inverse of ``to_wire``."""

@@ -22,3 +22,6 @@ class BaseRadius(Objective):
 
     def to_wire(self, value: float, machine: Machine) -> float:
         return value - machine.follower.roller_radius
+
+    def from_wire(self, value: float, machine: Machine) -> float:
+        return value + machine.follower.roller_radius

@@ -26,3 +26,6 @@ class PeakAcceleration(Objective):
 
     def to_wire(self, value: float, machine: Machine) -> float:
         return value * machine.omega**2
+
+    def from_wire(self, value: float, machine: Machine) -> float:
+        return value / machine.omega**2

@@ -26,3 +26,6 @@ class PeakJerk(Objective):
 
     def to_wire(self, value: float, machine: Machine) -> float:
         return value * machine.omega**3
+
+    def from_wire(self, value: float, machine: Machine) -> float:
+        return value / machine.omega**3

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from math import atan
+from math import atan, tan
 from typing import ClassVar, Literal
 
 from synthesis.limits.base import Machine
@@ -36,3 +36,6 @@ class PeakPressureAngle(Objective):
 
     def to_wire(self, value: float, machine: Machine) -> float:
         return atan(value) / DEGREE
+
+    def from_wire(self, value: float, machine: Machine) -> float:
+        return tan(value * DEGREE)

@@ -21,3 +21,6 @@ class RmsAcceleration(Objective):
 
     def to_wire(self, value: float, machine: Machine) -> float:
         return value * machine.omega**2
+
+    def from_wire(self, value: float, machine: Machine) -> float:
+        return value / machine.omega**2

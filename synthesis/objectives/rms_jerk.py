@@ -21,3 +21,6 @@ class RmsJerk(Objective):
 
     def to_wire(self, value: float, machine: Machine) -> float:
         return value * machine.omega**3
+
+    def from_wire(self, value: float, machine: Machine) -> float:
+        return value / machine.omega**3
