@@ -166,7 +166,18 @@ def _missed(state: Search, found: Candidate) -> tuple[list[Array], float]:
                 worst = max(worst, float(np.max(excess)))
                 exceeding.append(x[excess > ALLOWED])
         points.append(np.unique(np.concatenate(exceeding)))
-    return points, worst
+    return points, max(worst, _outgrown(state, found))
+
+
+def _outgrown(state: Search, found: Candidate) -> float:
+    """How far the cam has outgrown an earlier objective's radius, closed up between points."""
+    worst = -inf
+    for earlier in state.problem.held:
+        norm = earlier.objective.norm(state.problem.machine)
+        if norm is not None:
+            ratio = norm.value(found.size) / earlier.value
+            worst = max(worst, ratio - 1.0 - 0.01 * state.tolerance)
+    return worst
 
 
 def _between(points: Array) -> Array:
