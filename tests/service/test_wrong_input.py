@@ -60,6 +60,13 @@ TABLE: dict[str, tuple[Change, str, Any, str]] = {
     "unknown law": (
         segment(0, law={"kind": "cycloid"}), "/program/0/law/kind", "cycloid", "'cycloidal'",
     ),
+    "parts of a law too long": (
+        segment(0, law={"kind": "scca", "b": 0.5, "c": 0.5, "d": 0.5}), "/program/0/law", 1.5,
+        "Scale the parts down",
+    ),
+    "part of a law too short": (
+        segment(0, law={"kind": "scca", "b": 1e-6}), "/program/0/law", 1e-6, "at least 0.001",
+    ),
     "unknown follower": (follower(kind="flat"), "/follower/kind", "flat", "translating_roller"),
     "negative roller": (
         follower(roller_radius_mm=-1), "/follower/roller_radius_mm", -1, "at least 0",
