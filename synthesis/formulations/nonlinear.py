@@ -137,9 +137,24 @@ class _Statement:
         """Equalities and inequalities as the cone program has them."""
         program = self.plan.program
         last = program.equalities + program.inequalities
-        rhs = program.rhs[:last]
-        lower = np.where(np.arange(last) < program.equalities, rhs, -inf)
-        self._put(casadi.mtimes(_constant(program.matrix[:last]), self.x), lower, rhs)
+        upper = program.rhs[:last].copy()
+        lower = np.where(np.arange(last) < program.equalities, upper, -inf)
+        upper[self._implied()] = inf
+        self._put(casadi.mtimes(_constant(program.matrix[:last]), self.x), lower, upper)
+
+    def _implied(self) -> list[int]:
+        """Bounds of the size that a ball implies: where it touches them, they leave no interior."""
+        found, at = [], self.plan.program.equalities
+        for block in self.plan.blocks:
+            for cone in self.plan.problem.sizing.cones if block.source == "bounds" else ():
+                matrix = np.array(cone.norm.matrix)
+                centre = np.linalg.solve(matrix, -np.array(cone.norm.shift))
+                reach = cone.radius * np.linalg.norm(np.linalg.solve(matrix.T, block.size))
+                room = block.rhs[0] * self.plan.scales.size - block.size @ centre - reach
+                if room >= -1e-9 * cone.radius:
+                    found.append(at)
+            at += len(block.rhs)
+        return found
 
     def _fixed_balls(self) -> Iterator[tuple[Ball, float]]:
         """Balls of fixed radius, and which share of it is the least allowed.
