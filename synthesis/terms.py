@@ -22,7 +22,7 @@ class Row:
         size: one number per size variable; empty stands for zeros.
         upper: right-hand side.
         level: coefficient of P (only objectives use it).
-        source: the limit or objective that asks for it, as named on the wire.
+        source: the objective, or the claim of a limit, that asks for it.
     """
 
     coefficients: tuple[float, float, float, float]

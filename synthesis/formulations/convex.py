@@ -17,15 +17,14 @@ import numpy as np
 from scipy import sparse
 
 from synthesis.formulations import rows
-from synthesis.formulations.energy import Energy, energy
 from synthesis.formulations.ends import Ends, Joint, meet
+from synthesis.formulations.energy import Energy, energy
 from synthesis.formulations.grid import TYPICAL, Grid, SettledLaw
-from synthesis.formulations.problem import Problem
 from synthesis.formulations.matrix import Ball, Writer
+from synthesis.formulations.problem import Problem
 from synthesis.formulations.rows import Block, Drawn, Scales
 from synthesis.numerics.piecewise import Array
 from synthesis.solvers.clarabel import ConeProgram
-from synthesis.terms import Norm, Row
 
 Vector = tuple[float, ...]
 EXACT = Drawn()
@@ -180,9 +179,11 @@ def _size_bounds(problem: Problem, scales: Scales) -> Iterator[Block]:
             continue
         unit = np.zeros(len(problem.sizing.bounds))
         for unit[j], bound in ((1.0, high), (-1.0, -low)):
+            # a far bound is divided by its size: the solver's tolerance is relative to the largest
+            far = max(abs(bound) / scales.size, 1.0)
             yield Block(
-                "size", None, None, np.zeros(1), np.zeros(4), unit.copy(), 0.0,
-                np.array([bound / scales.size]), "bounds",
+                "size", None, None, np.zeros(1), np.zeros(4), unit / far, 0.0,
+                np.array([bound / scales.size / far]), "bounds",
             )  # fmt: skip
 
 

@@ -45,7 +45,8 @@ class SettledLaw:
         greville = np.array(
             [space.knots[i + 1 : i + 1 + space.degree].mean() for i in range(space.size)]
         )
-        return np.linalg.solve(space.basis(greville), self.curve()(greville))
+        found = np.linalg.solve(space.basis(greville), self.curve()(greville))
+        return np.asarray(found, dtype=float)
 
 
 def uniform(stretch: Stretch, intervals: int) -> Grid:

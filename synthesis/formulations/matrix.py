@@ -9,8 +9,8 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy import sparse
 
-from synthesis.formulations.energy import Energy
 from synthesis.formulations.ends import Ends, Joint, joint_rows
+from synthesis.formulations.energy import Energy
 from synthesis.formulations.grid import Grid
 from synthesis.formulations.rows import Block, Scales
 from synthesis.motion import Stretch
@@ -22,7 +22,7 @@ from synthesis.terms import Norm
 class Ball:
     """‖matrix x + shift‖ ≤ x[head] + radius; without head ≤ radius alone.
 
-    ``norm`` is set where the cone speaks of the size variables alone.
+    ``norm`` is set where the cone speaks of the size variables alone, ``source`` is its cone's.
     """
 
     matrix: Array
@@ -31,6 +31,7 @@ class Ball:
     radius: float
     norm: Norm | None
     tighten: float = 0.0
+    source: str = ""
 
 
 @dataclass(eq=False)
@@ -93,7 +94,12 @@ class Writer:
         self._close(ball.shift)
 
     def norm_ball(
-        self, norm: Norm, unit: float, radius: float | None, tighten: float = 0.0
+        self,
+        norm: Norm,
+        unit: float,
+        radius: float | None,
+        tighten: float = 0.0,
+        source: str = "",
     ) -> Ball:
         """‖norm‖ ≤ radius [mm], or ≤ the extra unknown where no radius is given."""
         matrix = np.zeros((len(norm.shift), self.width))
@@ -103,7 +109,8 @@ class Writer:
             return Ball(matrix, shift, self.extra, 0.0, norm)
         # divided by the radius: the cone keeps its shape however large the cam is
         scale = radius / unit if radius > 0.0 else 1.0
-        return Ball(matrix / scale, shift / scale, None, radius / unit / scale, norm, tighten)
+        centred = radius / unit / scale
+        return Ball(matrix / scale, shift / scale, None, centred, norm, tighten, source)
 
     def energy_ball(self, squares: Energy, value: float) -> Ball:
         """Mean square ≤ value²."""

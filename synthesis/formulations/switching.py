@@ -32,7 +32,8 @@ class Switching:
         """Points inside (0, 1) where ψ − value changes sign, at jumps as well."""
         cuts = self._cut((value,))
         middle = self(0.5 * (cuts[:-1] + cuts[1:])) - value
-        return cuts[1:-1][np.sign(middle[:-1]) != np.sign(middle[1:])]
+        changes = np.sign(middle[:-1]) != np.sign(middle[1:])
+        return np.asarray(cuts[1:-1][changes], dtype=float)
 
     def least(self, cap: float, weight: float) -> float:
         """∫ min over |w| ≤ cap of (weight w² + ψ w), exact: never positive.
@@ -75,7 +76,8 @@ class Switching:
         ideal = -cap * np.abs(psi) if weight == 0.0 else -(psi**2) / (4.0 * weight)
         loss = np.sum((paid - ideal) * shares, axis=1) * width / 2.0
         interval = np.searchsorted(knots, 0.5 * (cuts[:-1] + cuts[1:]), "right") - 1
-        return np.bincount(interval, np.maximum(loss, 0.0), minlength=len(knots) - 1)
+        sums = np.bincount(interval, np.maximum(loss, 0.0), minlength=len(knots) - 1)
+        return np.asarray(sums, dtype=float)
 
     def _cut(self, values: tuple[float, ...]) -> Array:
         """The breaks and every root of ψ − value, sorted."""

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
 from math import tan
 from typing import Annotated, ClassVar, Literal
 
@@ -39,7 +40,8 @@ class PressureAngle(Limit):
         largest = self._largest(stretch.kind)
         if largest is None:
             return ()
-        return machine.follower.pressure_angle_rows(tan(largest))
+        rows = machine.follower.pressure_angle_rows(tan(largest))
+        return tuple(replace(row, source=f"pressure_angle_{stretch.kind}") for row in rows)
 
     def claims(self, stretches: Sequence[Stretch], machine: Machine) -> tuple[Claim, ...]:
         kinds: tuple[StretchKind, ...] = ("rise", "return", "dwell")

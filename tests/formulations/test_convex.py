@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import itertools
-
 import numpy as np
 import pytest
 from hypothesis import given, settings
@@ -234,7 +232,7 @@ def test_mirroring_the_program_mirrors_the_offset() -> None:
 
 @st.composite
 def scenes(draw: st.DrawFn) -> tuple[DesignSpec, int]:
-    """Feasible by construction: limits are multiples of what a good law needs."""
+    """Limits are multiples of what a good law needs; on few knots even that may be too little."""
     lift = draw(st.floats(0.5, 80.0))
     up, top, down = (draw(st.floats(a, 110.0)) for a in (25.0, 0.5, 25.0))
     free = {
@@ -265,5 +263,8 @@ def scenes(draw: st.DrawFn) -> tuple[DesignSpec, int]:
 def test_random_scenes(drawn: tuple[DesignSpec, int]) -> None:
     spec, intervals = drawn
     asked = problem(spec)
-    for grids in itertools.islice((even(asked, intervals), uneven(asked, intervals)), 2):
-        agree(spec, grids)
+    for grids in (even(asked, intervals), uneven(asked, intervals)):
+        if solve(formulate(asked, grids).program).stopped is Stopped.INFEASIBLE:
+            assert optimum(asked, grids).value is None
+        else:
+            agree(spec, grids)

@@ -1,0 +1,154 @@
+"""Why nothing fits: an irreducible set of limits in conflict, and what each alone would have to be.
+
+Every limit may be exceeded, at a price: that the least total is not zero proves the conflict on
+the given grids. Leaving out one limit after the other, for good where the rest still cannot hold,
+leaves an irreducible set (Chinneck's deletion filter).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Collection, Iterator, Sequence
+
+import numpy as np
+
+from synthesis.design import Conflict, Relaxation
+from synthesis.errors import SolverFailed
+from synthesis.formulations.convex import formulate
+from synthesis.formulations.given import Blocked, blocked
+from synthesis.formulations.grid import Grid
+from synthesis.formulations.parts import Part
+from synthesis.formulations.problem import Problem
+from synthesis.formulations.relaxation import least_value
+from synthesis.formulations.scene import DRAWN, NOTHING, Scene, yielded
+from synthesis.limits import Claim
+from synthesis.solvers.clarabel import solve
+from synthesis.solvers.statuses import Stopped
+from synthesis.spec import DesignSpec
+
+Reached = Callable[[Claim], float | None]
+ALONE = "relaxing this limit alone cannot help"
+
+
+def diagnose(
+    spec: DesignSpec, problem: Problem, grids: Sequence[Grid], reached: Reached | None = None
+) -> Conflict:
+    """Why nothing fits, and the least relaxation of every limit alone that would help.
+
+    Args:
+        spec: what was asked. problem: as posed. grids: where the search ended, one per free law.
+        reached: for a claim that is not convex, the extreme that the best cam found comes to
+            [core units]; None where there is no such cam.
+    """
+    scene = Scene.of(spec, problem, grids)
+    given = blocked(scene.parts, problem)
+    members, evidence = _conflict(scene, given, problem)
+    words = [scene.parts[k].words for k in sorted(members)]
+    relaxations = [
+        relaxation
+        for k in range(len(scene.parts))
+        for relaxation in _relaxations(scene, k, members, given)
+    ]
+    if not members:
+        curved = list(_not_convex(spec, problem, reached))
+        words = [f"{r.limit.replace('_', ' ')}: {r.asked:.6g} {r.unit}" for r in curved]
+        relaxations = curved + relaxations
+    return Conflict(limits=words, relaxations=relaxations, evidence=evidence)
+
+
+def _conflict(scene: Scene, given: dict[int, Blocked], problem: Problem) -> tuple[set[int], str]:
+    """The parts that cannot hold together, none if the convex ones can, and how that is known."""
+    members = set(given)
+    evidence = [f"{scene.parts[k].words}: {why.note}" for k, why in given.items()]
+    found = yielded(scene, scene.plan(), range(len(scene.parts)), exact=False)
+    if found is None:
+        raise SolverFailed("Clarabel", "failed", "The elastic program gave no usable point.")
+    if found.total > NOTHING:
+        order = [int(k) for k in np.argsort(found.amounts, kind="stable")]
+        members |= irreducible(scene, order)
+        evidence.append(_proof(scene, problem, found.total))
+    elif not members:
+        evidence.append(
+            "the convex limits can hold together (elastic cone program: no excess); the nonlinear "
+            "stage found no cam that keeps the others as well, which proves nothing"
+        )
+    return members, "; ".join(evidence)
+
+
+def irreducible(scene: Scene, order: Sequence[int]) -> set[int]:
+    """Parts that cannot hold together, though all but any one of them can.
+
+    Args:
+        scene: one in which nothing fits.
+        order: its parts; those named first are tried first to be left out.
+    """
+    kept = set(order)
+    for part in order:
+        if not holds(scene, kept - {part}):
+            kept.discard(part)
+    return kept
+
+
+def holds(scene: Scene, parts: Collection[int]) -> bool:
+    """Whether these parts can hold together."""
+    dropped = set(range(len(scene.parts))) - set(parts)
+    found = yielded(scene, scene.plan(), sorted(parts), dropped, exact=False)
+    return found is not None and found.total <= NOTHING
+
+
+def _proof(scene: Scene, problem: Problem, total: float) -> str:
+    stopped = solve(formulate(problem, scene.grids, 0.0, DRAWN).program).stopped
+    certified = "; Clarabel certifies that the program as asked is infeasible"
+    return (
+        f"elastic cone program: however the cam is chosen, limits are exceeded by {total:.3g} "
+        "(sum of relative excesses); leaving out any one of those named, the others can hold"
+        f"{certified if stopped is Stopped.INFEASIBLE else ''}"
+    )
+
+
+def _relaxations(
+    scene: Scene, position: int, members: Collection[int], given: dict[int, Blocked]
+) -> Iterator[Relaxation]:
+    """What one part alone would have to be, field by field."""
+    part, needed = scene.parts[position], None
+    block = given.get(position)
+    alone = position in members and not set(given) - {position}
+    if alone and (block is None or block.value is not None):
+        needed = least_value(scene, position)
+    tight = [m for m in part.members if needed is None or _tighter(part, m.asked, needed)]
+    note = block.note if block is not None else "" if needed is not None else ALONE
+    if needed is not None and len(tight) > 1:
+        note = "all limits of this name together"
+    for member in tight:
+        yield Relaxation(
+            limit=part.name, field=member.field, unit=part.unit, asked=member.asked,
+            needed=needed, note=note,
+        )  # fmt: skip
+
+
+def _tighter(part: Part, asked: float, needed: float) -> bool:
+    """Whether a member's value does not allow yet what is needed."""
+    return asked < needed if len(part.members) > 1 else asked != needed
+
+
+def _not_convex(
+    spec: DesignSpec, problem: Problem, reached: Reached | None
+) -> Iterator[Relaxation]:
+    """The limits that neither rows nor cones state, and what the best cam found makes of them."""
+    for position, limit in enumerate(problem.limits):
+        stretches, machine = problem.stretches, problem.machine
+        if any(limit.rows(s, machine) for s in stretches) or limit.cones(stretches, machine):
+            continue
+        for claim in limit.claims(stretches, machine):
+            extreme = reached(claim) if reached is not None else None
+            name = claim.field.rpartition("/")[2]
+            implied = position >= len(spec.limits)
+            yield Relaxation(
+                limit=claim.limit,
+                field="limits" if implied else f"limits/{position}/{name}",
+                unit=claim.unit,
+                asked=float(getattr(limit, name)),
+                needed=None if extreme is None else claim.to_wire(extreme),
+                note="reached by the best cam found, not proven least"
+                if extreme is not None
+                else "not convex: the least relaxation is not known; a larger cam helps as a rule",
+            )

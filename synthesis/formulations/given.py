@@ -1,0 +1,85 @@
+"""Limits that a given law breaks by itself, whatever the cam's size."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from synthesis.formulations.parts import LimitPart, Part
+from synthesis.formulations.problem import Problem
+from synthesis.motion import Stretch
+from synthesis.units import DEGREE
+
+JUMP = 1e-9  # of lift/β^k: what rounding may leave between two sides
+
+
+@dataclass(frozen=True)
+class Blocked:
+    """What the given laws need of a limit [wire], None where no value is enough, and why."""
+
+    value: float | None
+    note: str
+
+
+def blocked(parts: Sequence[Part], problem: Problem) -> dict[int, Blocked]:
+    """The parts, by position, that a given law breaks."""
+    found: dict[int, Blocked] = {}
+    for position, part in enumerate(parts):
+        if not isinstance(part, LimitPart):
+            continue
+        jump = next(_jumps(problem, _order(part, problem)), None)
+        if jump is not None:
+            found[position] = Blocked(None, jump)
+            continue
+        for stretch in problem.stretches:
+            value = part.least(replace(problem, stretches=(stretch,)), None)
+            if value is None or value > part.asked:
+                note = f"program/{stretch.index} has a given law that needs this much by itself"
+                previous = found.get(position)
+                if previous is None or value is None or value > (previous.value or value):
+                    found[position] = Blocked(value, note)
+    return found
+
+
+def _order(part: LimitPart, problem: Problem) -> int:
+    """Highest derivative that the part bounds by itself, 0 if none."""
+    highest = 0
+    for position, _ in part.where:
+        rows = problem.limits[position].rows(problem.stretches[0], problem.machine)
+        for row in part.own(rows):
+            if not row.size:
+                highest = max(highest, *(k for k, a in enumerate(row.coefficients) if a != 0.0))
+    return highest
+
+
+def _jumps(problem: Problem, order: int) -> Iterator[str]:
+    """Where a derivative below ``order`` jumps on or between given laws: there it is infinite."""
+    stretches = problem.stretches
+    for before, after in zip(stretches, (*stretches[1:], stretches[0]), strict=True):
+        if before.law is None:
+            continue
+        curve = before.placed()
+        for k in range(1, order):
+            size = JUMP * max(abs(before.lift), 1e-300) / before.angle**k
+            inner = curve.breaks[1:-1]
+            apart = np.abs(curve(inner, k, "left") - curve(inner, k, "right"))
+            if np.any(apart > size):
+                yield _note(k, before, float(inner[np.argmax(apart)]))
+            if after.law is None:
+                continue
+            size = max(size, JUMP * abs(after.lift) / after.angle**k)
+            ends = curve(curve.breaks[-1:], k, "left") - after.placed()(
+                after.placed().breaks[:1], k, "right"
+            )
+            if abs(ends[0]) > size:
+                yield _note(k, before, before.end)
+
+
+def _note(order: int, stretch: Stretch, angle: float) -> str:
+    what = ("displacement", "velocity", "acceleration")[order]
+    return (
+        f"the {what} of given laws jumps at {angle / DEGREE:.6g}° (program/{stretch.index}): "
+        "no value is enough; choose a smoother law"
+    )

@@ -1,0 +1,215 @@
+"""What may give way where nothing fits: every number of the spec that limits the cam, as a part.
+
+A part is upper-sided or a range; its values are the wire's, so nothing has to be converted back.
+"""
+
+from __future__ import annotations
+
+from abc import ABC, abstractmethod
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, replace
+from math import hypot, inf
+
+from scipy.optimize import brentq
+
+from synthesis.formulations.problem import Problem
+from synthesis.limits import Limit
+from synthesis.motion import Stretch
+from synthesis.numerics.peaks import peak
+from synthesis.ranges import ends
+from synthesis.spec import DesignSpec
+from synthesis.terms import Cone, Row
+
+Vector = tuple[float, ...]
+CEILING = {"deg": 89.9}  # the largest value that makes sense, where there is one
+OPEN = 1e4  # strokes: what the base radius may grow to while it is not limited
+
+
+@dataclass(frozen=True)
+class Member:
+    """One field of the spec that belongs to a part: its path and the value asked."""
+
+    field: str
+    asked: float
+
+
+@dataclass(frozen=True)
+class Part(ABC):
+    """A limit, or a range of the size, that may give way.
+
+    Attributes:
+        name: as in the certificate. words: as a person would say it. unit: of its values.
+        members: the fields that set it.
+    """
+
+    name: str
+    words: str
+    unit: str
+    members: tuple[Member, ...]
+
+    @property
+    def asked(self) -> float:
+        """The tightest value asked."""
+        return min(member.asked for member in self.members)
+
+    @abstractmethod
+    def loosened(self, problem: Problem, value: float) -> Problem:
+        """The problem with this part at ``value``; unchanged where the size alone is meant."""
+
+    @abstractmethod
+    def least(self, settled: Problem, size: Vector | None) -> float | None:
+        """The value nearest to what was asked that a finished cam satisfies, None if none does.
+
+        Args:
+            settled: the problem; stretches that are still free are passed over.
+            size: size variables [mm]; None: only what concerns the motion alone.
+        """
+
+
+@dataclass(frozen=True)
+class LimitPart(Part):
+    """One claim of a limit that speaks in rows or cones.
+
+    ``where`` holds position in the problem's limits and field name of every member.
+    """
+
+    where: tuple[tuple[int, str], ...]
+
+    def loosened(self, problem: Problem, value: float) -> Problem:
+        limits = list(problem.limits)
+        for (position, name), member in zip(self.where, self.members, strict=True):
+            update = {name: max(member.asked, value)}
+            limits[position] = limits[position].model_copy(update=update)
+        return replace(problem, limits=tuple(limits))
+
+    def least(self, settled: Problem, size: Vector | None) -> float | None:
+        def excess(value: float) -> float:
+            return max(self._excesses(self.loosened(settled, value), size), default=-inf)
+
+        if excess(self.asked) <= 0.0:
+            return self.asked
+        high, ceiling = 2.0 * self.asked, CEILING.get(self.unit, inf)
+        while excess(min(high, ceiling)) > 0.0:
+            high *= 4.0
+            if high > min(4.0 * ceiling, 1e30 * self.asked):
+                return None
+        root = float(brentq(excess, self.asked, min(high, ceiling), xtol=1e-300, rtol=1e-13))
+        return root if excess(root) <= 0.0 else root * (1.0 + 1e-12)
+
+    def _excesses(self, settled: Problem, size: Vector | None) -> Iterator[float]:
+        for position, _ in self.where:
+            limit = settled.limits[position]
+            for stretch in settled.stretches:
+                if stretch.law is None:
+                    continue
+                for row in self.own(limit.rows(stretch, settled.machine)):
+                    if size is not None or not row.size:
+                        yield exceeded(row, stretch, size or ())[0]
+            if size is not None:
+                for cone in limit.cones(settled.stretches, settled.machine):
+                    yield cone.norm.value(size) - cone.radius
+
+    def own(self, rows: Sequence[Row]) -> list[Row]:
+        """Those of a limit's rows that this part asks for."""
+        return [row for row in rows if row.source == self.name]
+
+
+@dataclass(frozen=True)
+class RangePart(Part):
+    """One end of the range of a size variable, or of the prime radius; both where it is fixed.
+
+    Attributes:
+        axis: which size variable, None for the prime radius.
+        low, high: what may not be left [mm], of the size variable or the prime radius.
+        shift: what the wire's value lacks to it: Rr for the base radius.
+    """
+
+    axis: int | None
+    low: float
+    high: float
+    shift: float = 0.0
+
+    def loosened(self, problem: Problem, value: float) -> Problem:
+        return problem
+
+    def least(self, settled: Problem, size: Vector | None) -> float | None:
+        if size is None:
+            return self.asked
+        found = hypot(*size) if self.axis is None else size[self.axis]
+        if self.axis is None and found <= self.shift:
+            return None
+        return self.asked if self.low <= found <= self.high else found - self.shift
+
+
+def exceeded(row: Row, stretch: Stretch, size: Vector) -> tuple[float, float]:
+    """How far a row is exceeded at its worst on a settled stretch, and where [rad]."""
+    worst, theta = peak(stretch.placed(), row.coefficients)
+    share = sum(a * v for a, v in zip(row.size, size, strict=False))
+    return worst + share - row.upper, theta
+
+
+def limit_parts(problem: Problem) -> list[Part]:
+    """Claims of limits that speak in rows or cones, those of one name together."""
+    found: dict[str, LimitPart] = {}
+    for position, limit in enumerate(problem.limits):
+        for claim in limit.claims(problem.stretches, problem.machine):
+            if claim.limit not in _sources(limit, problem):
+                continue
+            name = claim.field.rpartition("/")[2]
+            asked = float(getattr(limit, name))
+            words = f"{claim.limit.replace('_', ' ')} ≤ {asked:.6g} {claim.unit}"
+            part = found.get(claim.limit, LimitPart(claim.limit, words, claim.unit, (), ()))
+            found[claim.limit] = replace(
+                part,
+                words=words if not part.members or asked < part.asked else part.words,
+                members=(*part.members, Member(f"limits/{position}/{name}", asked)),
+                where=(*part.where, (position, name)),
+            )
+    return list(found.values())
+
+
+def _sources(limit: Limit, problem: Problem) -> set[str]:
+    machine, terms = problem.machine, list[Row | Cone]()
+    for stretch in problem.stretches:
+        terms += limit.rows(stretch, machine)
+    return {term.source for term in (*terms, *limit.cones(problem.stretches, machine))}
+
+
+def open_size(problem: Problem) -> Problem:
+    """The problem with every range of its size left open (but for the unit of size)."""
+    follower = problem.machine.follower
+    names = [f"{name}_mm" for name in follower.size_names]
+    free = {name: None for name in names if name in type(follower).model_fields}
+    largest = OPEN * max(problem.length, problem.sizing.least)
+    sizing = follower.model_copy(update=free).sizing((1e-3 * problem.length, largest))
+    return replace(problem, sizing=replace(sizing, least=problem.sizing.least))
+
+
+def range_parts(spec: DesignSpec, problem: Problem) -> list[Part]:
+    """Ranges of the follower's own dimensions and of the base radius, as far as they are asked."""
+    found: list[Part] = []
+    follower, roller = spec.follower, problem.machine.follower.roller_radius
+    for axis, size_name in enumerate(follower.size_names):
+        name = f"{size_name}_mm"
+        if name in type(follower).model_fields:
+            found += _sides(size_name, f"follower/{name}", ends(getattr(follower, name)), axis, 0.0)
+    low, high = ends(spec.base_radius_mm)
+    radii = list(_sides("base_radius", "base_radius_mm", (low, high), None, roller))
+    if any(limit.cones(problem.stretches, problem.machine) for limit in problem.limits):
+        return found + radii
+    # a larger size eases all else, so that only the largest can be in the way
+    return found + [replace(part, low=-inf) for part in radii if part.high < inf]
+
+
+def _sides(
+    name: str, field: str, asked: tuple[float, float], axis: int | None, shift: float
+) -> Iterator[RangePart]:
+    """The parts of one range: its two ends, or one part where it is a number."""
+    low, high = asked
+    ways = [("≥", low, inf, "/min"), ("≤", -inf, high, "/max")]
+    for sign, least, most, end in [("=", low, high, "")] if low == high else ways:
+        value = most if least == -inf else least
+        if abs(value) < inf:
+            words = f"{name.replace('_', ' ')} {sign} {value:.6g} mm"
+            members = (Member(field + end, value),)
+            yield RangePart(name, words, "mm", members, axis, least + shift, most + shift, shift)
