@@ -4,6 +4,7 @@ The text is Python's ``repr``, which takes half a microsecond a number and so wo
 everything else in a file. Here 17 digits are found exactly: for 1e-4 ≤ |x| < 1e16 the power of ten
 that makes x a number of 17 digits is itself a double, and the product of two doubles is a sum of
 two doubles (Dekker 1971). Fewer digits do if they stay within half the spacing of doubles at x.
+(Below a power of two doubles stand twice as close; a test goes through all of them in the range.)
 What lies outside of that range is rare in a table and left to ``repr``.
 """
 
@@ -84,8 +85,7 @@ def _digits(x: Array) -> tuple[Whole, Whole]:
     near = np.rint(low)
     number = high.astype(np.int64) + near.astype(np.int64)
     rest = low - near
-    # Below a power of two doubles stand twice as close.
-    room = 0.5 * np.where(np.frexp(x)[0] == 0.5, 0.5, 1.0) * np.spacing(x) * power
+    room = 0.5 * np.spacing(x) * power
     best = number
     for scale in (10, 100):
         quotient = number // scale
@@ -93,8 +93,7 @@ def _digits(x: Array) -> tuple[Whole, Whole]:
         up = (over > 0.5 * scale) | ((over == 0.5 * scale) & (quotient % 2 == 1))
         fits = np.abs(over - scale * up) < room
         best = np.where(fits, (quotient + up) * scale, best)
-    carried = best >= 10**17
-    return np.where(carried, best // 10, best), exponent + carried
+    return best, exponent
 
 
 def _product(a: Array, b: Array) -> tuple[Array, Array]:

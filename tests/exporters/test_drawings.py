@@ -282,6 +282,7 @@ class Diagram:
         ]
         (y1, v1), (y2, v2) = ticks[0], ticks[-1]
         self.per_mm = (v2 - v1) / (y2 - y1) * 10.0**power
+        assert self.per_mm < 0.0  # upwards
         self.zero = y1 - v1 * 10.0**power / self.per_mm
         degrees = {
             text_of(t): float(t.get("x"))

@@ -60,12 +60,19 @@ def test_written_digits(curve: str, cam: Design, truth) -> None:
     np.testing.assert_allclose(ring, right, rtol=0.0, atol=0.51e-10)
 
 
+def test_zero_has_no_sign(build) -> None:
+    """At cam angle 0 and 180° x is 0 but for rounding, of either sign."""
+    for rotation in ("ccw", "cw"):
+        data = PROFILE_FORMATS["txt"].write(build(rotation=rotation, offset=0.0), ProfileOptions())
+        assert b"\n0.0000000000 " in data
+        assert b"-0.0000000000" not in data
+
+
 def test_form(cam: Design) -> None:
     data = PROFILE_FORMATS["txt"].write(cam, ProfileOptions())
     text = data.decode("ascii")
     assert "\r" not in text
     assert text.endswith("\n")
-    assert "-0.0000000000 " not in text
     for line in text.splitlines():
         x, y, z = line.split(" ")
         assert z == "0.0000000000"

@@ -198,6 +198,21 @@ def test_a_smooth_joint_has_one_row(build) -> None:
     assert np.all(np.diff(table["theta_deg"]) > 0.0)
 
 
+def test_rounding_is_no_jump(build) -> None:
+    """A straight line written as a cubic spline: s'' vanishes but for rounding at the knots."""
+    knots = [0.0, 0.1, 0.3, 0.4, 0.7, 0.9, 1.0]
+    full = [0.0] * 3 + knots + [1.0] * 3
+    line = [sum(full[k + 1 : k + 4]) / 3.0 for k in range(len(knots) + 2)]
+    program = [
+        {"kind": "rise", "angle_deg": 100, "lift_mm": 11, "law": {"kind": "spline"}},
+        {"kind": "return", "angle_deg": 260, "lift_mm": 11, "law": {"kind": "spline"}},
+    ]
+    spline = SplineCurve(degree=3, knots=knots, coefficients=line)
+    table = motion("csv", build(program, roller=0.0, limits=[], spline=spline))
+    assert np.any(table["d2s_mm_per_rad2"] != 0.0)
+    assert list(table["theta_deg"][table["side"] != 0]) == [0.0, 100.0, 100.0, 360.0]
+
+
 def test_what_the_json_tells(unspecial: Design) -> None:
     body = json.loads(PROFILE_FORMATS["json"].write(unspecial, ProfileOptions(curve="pitch")))
     assert body["design"] == {
