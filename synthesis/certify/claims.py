@@ -42,7 +42,7 @@ def certify(
     size = tuple(float(value) for value in size)
     course = Course(motion)
     asked = [claim for limit in limits for claim in limit.claims(motion.stretches, machine)]
-    claims = [claim for claim in asked if claim.stretches]
+    claims = [claim for claim in asked if len(course.pieces(claim.stretches))]
     if not (course.finite and all(math.isfinite(value) for value in size)):
         return [_not_a_number(), *(_unknown(claim, 0.0, NOT_A_NUMBER) for claim in claims)]
     found: dict[int, Extreme] = {}

@@ -60,6 +60,8 @@ def _largest(
 
 def _pressure_slope(course: Course, machine: Machine, size: Size) -> Enclosed:
     moving = [s.index for s in course.motion.stretches if s.angle > 0.0 and s.kind != "dwell"]
+    if not moving:
+        return Enclosed(0.0, 0.0, 0.0, 0.0)
     found = _largest("pressure_angle", course, machine, size, moving)
     ends = (found.value, found.lower, found.upper)
     value, lower, upper = (

@@ -102,7 +102,7 @@ class _Seen:
 
     Attributes:
         excess: largest excess over a bound, up to ±``rem``. above: it is over the upper one.
-        value: the function's value there. where: the place.
+        value: the function's value there, as exact. where: the place.
     """
 
     excess: Array
@@ -124,6 +124,7 @@ def _look(boxes: _Boxes, model: Taylor, lower: Array, upper: Array) -> _Seen:
     above = over >= under
     t = np.where(above, t_high, t_low)
     where = 0.5 * (boxes.lo + boxes.hi) + t * (0.5 * (boxes.hi - boxes.lo))
+    where = np.clip(where, boxes.lo, boxes.hi)
     return _Seen(np.where(above, over, under), rem, above, np.where(above, high, low), where)
 
 
@@ -140,6 +141,7 @@ class _Search:
         self.above = np.ones(count, dtype=bool)
         self.value = np.zeros(count)
         self.angle = np.zeros(count)
+        self.piece = np.array([q.pieces[0] for q in questions])
         self.boxes = 0
 
     def weigh(self, boxes: _Boxes, model: Taylor) -> tuple[Array, _Boxes]:
@@ -158,11 +160,30 @@ class _Search:
                 leaders.append(mine[np.argmax(seen.excess[mine])])
                 top = mine[np.argmax(sure[mine])]
                 if sure[top] > self.best[q]:
-                    self.best[q], self.above[q] = sure[top], seen.above[top]
-                    self.value[q], self.angle[q] = seen.value[top], seen.where[top]
-        at = np.clip(seen.where[leaders], boxes.lo[leaders], boxes.hi[leaders])
+                    self.best[q] = sure[top]
+                    self._found(q, boxes, seen, top)
+        at = seen.where[leaders]
         points = _Boxes(boxes.question[leaders], boxes.piece[leaders], at, at)
         return seen.excess + seen.rem, points
+
+    def tops(self) -> _Boxes:
+        """The points where most was found."""
+        return _Boxes(np.arange(len(self.best)), self.piece, self.angle.copy(), self.angle.copy())
+
+    def settle(self, points: _Boxes, model: Taylor) -> None:
+        """Take the values from points, where models are exact but for rounding."""
+        self.boxes += len(points.lo)
+        seen = _look(points, model, self.lower, self.upper)
+        for q in range(len(self.best)):
+            mine = np.flatnonzero((points.question == q) & (seen.rem < UNBOUNDED))
+            if len(mine):
+                top = mine[np.argmax(seen.excess[mine])]
+                self.best[q] = max(self.best[q], seen.excess[top] - seen.rem[top])
+                self._found(q, points, seen, top)
+
+    def _found(self, q: int, boxes: _Boxes, seen: _Seen, top: np.intp) -> None:
+        self.above[q], self.value[q] = seen.above[top], seen.value[top]
+        self.angle[q], self.piece[q] = seen.where[top], boxes.piece[top]
 
     def survivors(self, boxes: _Boxes, possible: Array) -> NDArray[np.bool_]:
         """Boxes that may still hold more than the target width above the best found."""
@@ -214,15 +235,16 @@ def enclose(
     search = _Search(questions, relative, absolute)
     boxes = _first_boxes(breaks, counts, questions)
     with np.errstate(all="ignore"):
-        for _ in range(MOST_ROUNDS):
+        for rounds_left in range(MOST_ROUNDS, 0, -1):
             possible, points = search.weigh(boxes, model(boxes.piece, boxes.lo, boxes.hi))
             keep = search.survivors(boxes, possible)
             left = np.count_nonzero(keep)
-            if left == 0 or search.boxes + SPLIT * left > MOST_BOXES:
+            if left == 0 or search.boxes + SPLIT * left > MOST_BOXES or rounds_left == 1:
+                search.exclude(boxes.question[keep], possible[keep])
                 break
             boxes = boxes.take(keep).split().and_points(points)
-        search.exclude(boxes.question[keep], possible[keep])
-        search.weigh(points, model(points.piece, points.lo, points.hi))
+        points = search.tops().and_points(points)
+        search.settle(points, model(points.piece, points.lo, points.hi))
     return search.answers()
 
 

@@ -80,8 +80,23 @@ def test_nothing_but_nan_is_unknown():
     assert answer.boxes <= MOST_BOXES
 
 
-def test_when_boxes_run_out_the_width_is_honest(monkeypatch):
+@pytest.mark.parametrize("side", [-1, 1])
+def test_when_boxes_run_out_the_width_is_honest(monkeypatch, side):
     monkeypatch.setattr("synthesis.numerics.enclosure.MOST_BOXES", 40)
-    (answer,) = enclose(wave(9.0), BREAKS, COUNTS, [Question(EVERYWHERE, 0.0, 0.0)])
+    bounds = (-math.inf, 3.0) if side > 0 else (-3.0, math.inf)
+    (answer,) = enclose(wave(9.0), BREAKS, COUNTS, [Question(EVERYWHERE, *bounds)])
+    assert answer.side == side
     assert answer.extreme.width > 1e-6
-    assert answer.extreme.lower <= answer.side <= answer.extreme.upper
+    assert answer.extreme.value == pytest.approx(math.sin(9.0 * answer.extreme.angle + 0.3))
+    # the end that is reached is a value of the function; the other is beyond all of them
+    reached, proven = answer.extreme.lower, answer.extreme.upper
+    if side < 0:
+        reached, proven = -proven, -reached
+    assert reached <= 1.0 < proven
+
+
+def test_when_rounds_run_out_the_width_is_honest(monkeypatch):
+    monkeypatch.setattr("synthesis.numerics.enclosure.MOST_ROUNDS", 2)
+    (answer,) = enclose(wave(33.0), BREAKS, COUNTS, [Question(EVERYWHERE, -math.inf, 1.0)])
+    assert answer.extreme.lower <= 1.0 < answer.extreme.upper
+    assert answer.extreme.width > 1e-9

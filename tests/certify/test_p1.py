@@ -138,7 +138,8 @@ def test_a_circle_is_a_circle():
     assert (cutter.value, cutter.margin, cutter.holds) == (None, None, True)
     found = measure("rms_jerk", cam.motion, cam.machine, cam.size)
     assert (found.value, found.upper) == (0.0, 0.0)
-    assert measure("jerk", cam.motion, cam.machine, cam.size).upper == 0.0
+    for name in ("jerk", "pressure_slope"):
+        assert measure(name, cam.motion, cam.machine, cam.size).upper == 0.0
 
 
 def test_seen_from_behind():

@@ -3,7 +3,7 @@
 import pytest
 from hypothesis import given
 
-from synthesis.certify import certify
+from synthesis.certify import certify, claims
 from synthesis.limits import (
     Acceleration,
     CutterRadius,
@@ -13,6 +13,8 @@ from synthesis.limits import (
     ProfileRadius,
     Velocity,
 )
+from synthesis.limits.base import Claim
+from synthesis.numerics.enclosure import Answer, Enclosed
 from tests.certify.cams import Cam, cams
 
 # the limit at a value, and +1 where a larger bound is a looser one
@@ -46,3 +48,38 @@ def test_touched_and_not_quite_touched(name, cam: Cam):
     # relative to the core's quantity, which is the pitch curve's for both radii
     slack = looser * 1e-7 * (value + cam.roller) / value
     assert judged(value * (1.0 + slack)).holds
+
+
+@pytest.mark.parametrize(
+    ("side", "bound", "holds"),
+    [
+        (1, 1.25, True),
+        (1, 1.15, False),
+        (1, 1.05, False),
+        (1, 0.9, False),
+        (-1, 0.7, True),
+        (-1, 0.95, False),
+    ],
+)
+def test_the_whole_enclosure_must_satisfy_the_bound(side, bound, holds):
+    claim = Claim(
+        "velocity", "velocity", (0,), bound if side < 0 else None, bound if side > 0 else None,
+        "mm/s", lambda v: 3.0 * v, "velocity/max_mm_per_s",
+    )  # fmt: skip
+    extreme = claims._extreme(claim, Answer(Enclosed(1.0, 0.9, 1.1, 2.0), side, 7))
+    assert extreme.holds == holds
+    assert extreme.width == pytest.approx(0.6)
+    assert extreme.margin == pytest.approx(3.0 * side * (bound - 1.0))
+    assert extreme.bound == pytest.approx(3.0 * bound)
+
+
+def test_an_extreme_without_a_value_on_the_wire_is_judged_in_the_core():
+    claim = Claim(
+        "cutter_radius", "pitch_curvature", (0,), -0.1, None, "mm",
+        lambda k: 5.0 - 1.0 / k if k < 0.0 else None, "cutter_radius/radius_mm",
+    )  # fmt: skip
+    for ends in ((0.2, 0.1, 0.3), (1e-12, -1e-12, 1e-11)):
+        extreme = claims._extreme(claim, Answer(Enclosed(*ends, 2.0), -1, 7))
+        assert (extreme.value, extreme.margin, extreme.holds) == (None, None, True)
+    extreme = claims._extreme(claim, Answer(Enclosed(0.01, -0.1 - 1e-9, 0.02, 2.0), -1, 7))
+    assert not extreme.holds
