@@ -89,9 +89,8 @@ class Course:
     def counts(self) -> Indices:
         """With how many boxes to begin on each piece: few, yet most of them soon excluded."""
         length = np.diff(self.curve.breaks)
-        bent = np.any(self.curve.poly[:, 4:] != 0.0, axis=1)
         still = np.all(self.curve.poly[:, 1:] == 0.0, axis=1)
-        fewest = np.where(bent, 8.0, 2.0)
+        fewest = 2.0 + 12.0 * length / self._beta
         if self.curve.waves.shape[1]:
             real = self.curve.waves[..., 0] != 0.0
             angle = np.max(np.abs(self.curve.waves[..., 1]) * real, axis=1) * length
