@@ -25,6 +25,7 @@ from synthesis.numerics.piecewise import Array
 
 SUPERSCRIPTS = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
 MEASURED_PER_DEGREE = 20.0  # at which the extremes are read
+PLATEAU = 1e-13  # values that differ by less are one plateau
 FAR = 1.6  # a limit further out than this many times the peak is told, not drawn
 
 
@@ -61,7 +62,7 @@ def diagram(
         *_limit_lines(frame, limits),
         *_curve(frame, curve),
         *_arrows(frame, infinite, bool(limits)),
-        *_broken(frame, curve, limits),
+        *_broken(frame, fine, limits),
         *_title(frame, quantity, fine.followed_by(infinite), limits),
     ]
 
@@ -149,7 +150,7 @@ def _title(frame: Frame, quantity: Quantity, curve: Trace, limits: list[Bound]) 
     ends += [("min", curve.values.min())] if quantity.order else []
     told = []
     for word, value in ends:  # on a plateau, its beginning
-        first = np.argmax(np.isclose(curve.values, value, rtol=EXACT, atol=0.0))
+        first = np.argmax(np.isclose(curve.values, value, rtol=PLATEAU, atol=0.0))
         angle = svg.figure(curve.degrees[first], 5)
         told.append(f"{word} {svg.figure(value / 10.0**exponent)} at {angle}°")
     told += sorted({_limit_text(bound, exponent) for bound in limits})

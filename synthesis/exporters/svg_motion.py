@@ -17,6 +17,7 @@ from synthesis.exporters.svg_heading import heading
 
 WIDTH, LEFT, RIGHT = 190.0, 21.0, 8.0
 HEADER, BAND, HEIGHT, GAP, FOOTER = 20.0, 9.4, 42.0, 11.0, 12.0
+SHORT = 7  # what is left of a cut name must have more letters than this
 DRAWN_PER_DEGREE = 2.0  # a sheet is not drawn more coarsely than this
 
 
@@ -66,8 +67,8 @@ def _band(design: Design) -> list[str]:
         told = svg.fitting(_names(segment), width - 1.0, svg.LABEL)
         if told:
             body.append(svg.text("label", middle, HEADER + 4.0, told, "middle"))
-        told = svg.fitting(_manners(segment), width - 1.0, svg.TICK)
-        if told:
+        told = svg.shortened(_manner(segment), width - 1.0, svg.TICK)
+        if len(told) > SHORT or told == _manner(segment):
             body.append(svg.text("tick", middle, HEADER + 7.8, told, "middle"))
     return body + _border_angles([s.start_deg for s in _segments(design)] + [360.0])
 
@@ -95,11 +96,11 @@ def _names(segment: SegmentMotion) -> list[str]:
     return [f"{segment.kind} {lift} in {angle}", f"{segment.kind} {lift}", segment.kind]
 
 
-def _manners(segment: SegmentMotion) -> list[str]:
+def _manner(segment: SegmentMotion) -> str:
     """How it does it."""
     if segment.kind == "dwell":
-        return [f"at {svg.figure(segment.s_start_mm, 6)} mm"]
-    return [segment.law.replace("_", " ")]
+        return f"at {svg.figure(segment.s_start_mm, 6)} mm"
+    return segment.law.replace("_", " ")
 
 
 def _angle_axis(bottom: float) -> list[str]:

@@ -368,8 +368,8 @@ def test_limits_and_where_they_are_broken(p1: Design) -> None:
     for path in acceleration.broken:
         degrees, values = acceleration.read(path_points(path))
         assert np.all(np.abs(values) > 14000.0 * (1 - 1e-3))
-        # |sin 6θ| > 14 000/17 189 from 9.09° to 20.91° and so on: half a degree is a step
-        assert np.ptp(degrees) == pytest.approx(11.8, abs=1.1)
+        # |sin 6θ| > 14 000/17 189 from 9.09° to 20.91° and so on
+        assert np.ptp(degrees) == pytest.approx(11.8, abs=0.15)
     assert text_of(acceleration.told) == "max 17.19 at 15° · min −17.19 at 45° · limit ±14"
     assert not Diagram(root, "Displacement s").limits
 
