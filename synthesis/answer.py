@@ -8,8 +8,18 @@ from math import isfinite
 
 from synthesis.certify import certify, certify_size, measure
 from synthesis.design import (
-    Certificate, Conflict, Design, Extreme, Proof, Report, SegmentMotion, SplineCurve,
-    StageReport, Status, design_id, engine_version,
+    Certificate,
+    Conflict,
+    Design,
+    Extreme,
+    Proof,
+    Report,
+    SegmentMotion,
+    SplineCurve,
+    StageReport,
+    Status,
+    design_id,
+    engine_version,
 )  # fmt: skip
 from synthesis.motion import Motion, Stretch
 from synthesis.numerics.bspline import SplineSpace

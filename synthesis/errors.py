@@ -1,9 +1,9 @@
 """Everything the library raises on purpose.
 
-    CamwrightError
-    ├── InputError                the question makes no sense (wrong value, rule, way out)
-    ├── SolverFailed              a solver stopped without a usable point
-    └── TimeBudgetExceeded        time ran out; carries the best certified design so far
+CamwrightError
+├── InputError                the question makes no sense (wrong value, rule, way out)
+├── SolverFailed              a solver stopped without a usable point
+└── TimeBudgetExceeded        time ran out; carries the best certified design so far
 """
 
 from __future__ import annotations

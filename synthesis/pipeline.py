@@ -19,6 +19,8 @@ from synthesis.formulations.candidate import Candidate, given_size
 from synthesis.formulations.problem import Held, pose
 from synthesis.formulations.refine import search
 from synthesis.formulations.search import Search
+from synthesis.formulations.smooth import reached
+from synthesis.limits import Claim
 from synthesis.spec import DesignSpec
 
 DRAWN_IN = (1e-7, 1e-6, 1e-5, 1e-4)  # relative amounts by which limits are tightened, in turn
@@ -57,7 +59,7 @@ def synthesise(spec: DesignSpec, *, deadline: float | None = None) -> Design:
 
     Raises:
         TimeBudgetExceeded: time ran out before the tolerance was reached; carries the best.
-        SolverFailed: no stage gave a usable point.
+        SolverFailed: no stage gave a usable point, and not even why could be found.
     """
     clock, now = time.perf_counter(), time.monotonic()
     budget = min(
@@ -114,7 +116,15 @@ def _attempt(spec: DesignSpec, stop: float, tighten: float) -> _Attempt:
 
 
 def _conflict(spec: DesignSpec, attempt: _Attempt) -> Conflict:
-    """Why nothing fits."""
-    from synthesis.formulations.elastic import diagnose  # cvxpy takes long to import
+    """Why nothing fits, with what the largest cam of the relaxation comes to."""
+    from synthesis.formulations.elastic import diagnose
 
-    return diagnose(spec, attempt.searches[-1].problem, attempt.searches[-1].grids)
+    last = attempt.searches[-1]
+
+    def largest(claim: Claim) -> float | None:
+        if last.relaxed is None or claim.quantity != "pitch_curvature":
+            return None
+        low, high = reached(last.relaxed.problem, last.relaxed.size)
+        return high if claim.upper is not None else low
+
+    return diagnose(spec, last.problem, last.grids, largest)

@@ -31,8 +31,10 @@ class Range(BaseModel):
 
 Dimension = Annotated[
     float | Range | None,
-    Field(description="A number fixes it; {min, max} leaves it free in between; "
-          "left out, it is free within what is physical."),
+    Field(
+        description="A number fixes it; {min, max} leaves it free in between; "
+        "left out, it is free within what is physical."
+    ),
 ]
 
 

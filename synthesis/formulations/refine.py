@@ -8,7 +8,6 @@ from math import inf, sqrt
 import numpy as np
 from numpy.typing import NDArray
 
-from synthesis.errors import SolverFailed
 from synthesis.formulations.bound import Bound, bound
 from synthesis.formulations.candidate import Candidate, at_size, needs_size, settle, smallest
 from synthesis.formulations.convex import Plan, formulate, natural_scales
@@ -39,8 +38,8 @@ def search(
         deadline: ``time.monotonic()`` at which to stop with the best so far.
         tighten: relative amount by which limits are drawn in for the solver's sake.
 
-    Raises:
-        SolverFailed: no rung gave a usable point.
+    Returns:
+        the search as it ended; without a best cam where no rung gave a usable point.
     """
     state = Search(problem, tolerance, deadline, tighten)
     if not _closed_form(state):
@@ -84,17 +83,14 @@ def _climb(state: Search) -> None:
         if solution.stopped is Stopped.INFEASIBLE and (number > 1 or not state.grids):
             state.infeasible = state.relaxed is None
             return
-        if state.close(state.relaxed) or state.left() <= 0.0 or not state.grids:
+        stuck = lower is None and number > 1
+        if stuck or state.close(state.relaxed) or state.left() <= 0.0 or not state.grids:
             break
         if state.relaxed is not None and lower is not None and not lower.switching:
             break  # bounded within its own family only: finer knots are another family
         if state.gap > 0.9 * before and state.gap < inf:
             break  # finer knots no longer help
         state.grids = _finer(state, found, lower, missed)
-    if state.relaxed is None and state.left() > 0.0:
-        raise SolverFailed(
-            "Clarabel", solution.word, "Ask for a larger tolerance or for looser limits."
-        )
 
 
 def _weigh(
@@ -248,7 +244,9 @@ def _nonlinear(state: Search) -> None:
     start = state.best or state.relaxed
     assert start is not None
     plan = formulate(state.problem, state.grids, 0.0, Drawn(state.tighten, state.margin))
-    solution = improve(plan, plan.point(start.laws, start.size), state.deadline)
+    # rows drawn in by a little of what the caller allows save rounds: peaks may lie between them
+    drawn = float(np.clip(0.04 * state.tolerance, 1e-7, 1e-3))
+    solution = improve(plan, plan.point(start.laws, start.size), state.deadline, drawn)
     laws, size = plan.recover(solution.x)
     for keep_hint in (True, False):
         found = settle(state.problem, laws, size, keep_hint=keep_hint)

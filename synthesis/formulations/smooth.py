@@ -104,3 +104,15 @@ def _crossing(excess: object, low: float, high: float) -> float:
         else:
             high, f_high = middle, value
     return high
+
+
+def reached(problem: Problem, size: Vector) -> tuple[float, float]:
+    """Least and largest curvature of the pitch curve on the largest cam with these laws [1/mm]."""
+    follower = problem.machine.follower
+    largest = follower.raised(size, follower.room(size, problem.sizing))
+    values = []
+    for part in sample(problem):
+        numerator, speed_squared = follower.curvature_terms(part.s, largest)
+        values.append(numerator / speed_squared**1.5)
+    curvature = np.concatenate(values)
+    return float(np.min(curvature)), float(np.max(curvature))

@@ -32,7 +32,13 @@ class Acceleration(Limit):
         everywhere = where(stretches)
         return (
             Claim(
-                "acceleration", "acceleration", everywhere, -largest, largest,
-                "mm/s²", times(to_wire), "acceleration/max_mm_per_s2",
+                "acceleration",
+                "acceleration",
+                everywhere,
+                -largest,
+                largest,
+                "mm/s²",
+                times(to_wire),
+                "acceleration/max_mm_per_s2",
             ),
         )

@@ -1,4 +1,4 @@
-"""What a limit says to whom: rows to the cone program, smooth forms to IPOPT, claims to the judge."""
+"""What a limit says: rows to the cone program, smooth forms to IPOPT, claims to the judge."""
 
 from __future__ import annotations
 

@@ -32,7 +32,13 @@ class Jerk(Limit):
         everywhere = where(stretches)
         return (
             Claim(
-                "jerk", "jerk", everywhere, -largest, largest,
-                "mm/s³", times(to_wire), "jerk/max_mm_per_s3",
+                "jerk",
+                "jerk",
+                everywhere,
+                -largest,
+                largest,
+                "mm/s³",
+                times(to_wire),
+                "jerk/max_mm_per_s3",
             ),
         )

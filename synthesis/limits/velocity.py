@@ -32,7 +32,13 @@ class Velocity(Limit):
         everywhere = where(stretches)
         return (
             Claim(
-                "velocity", "velocity", everywhere, -largest, largest,
-                "mm/s", times(to_wire), "velocity/max_mm_per_s",
+                "velocity",
+                "velocity",
+                everywhere,
+                -largest,
+                largest,
+                "mm/s",
+                times(to_wire),
+                "velocity/max_mm_per_s",
             ),
         )
