@@ -8,6 +8,7 @@ leaves an irreducible set (Chinneck's deletion filter).
 from __future__ import annotations
 
 from collections.abc import Callable, Collection, Iterator, Sequence
+from dataclasses import replace
 
 import numpy as np
 
@@ -19,7 +20,8 @@ from synthesis.formulations.grid import Grid
 from synthesis.formulations.parts import Part
 from synthesis.formulations.problem import Problem
 from synthesis.formulations.relaxation import least_value
-from synthesis.formulations.scene import DRAWN, NOTHING, Scene, yielded
+from synthesis.formulations.rows import Drawn
+from synthesis.formulations.scene import NOTHING, Scene, yielded
 from synthesis.limits import Claim
 from synthesis.solvers.clarabel import solve
 from synthesis.solvers.statuses import Stopped
@@ -27,6 +29,8 @@ from synthesis.spec import DesignSpec
 
 Reached = Callable[[Claim], float | None]
 ALONE = "relaxing this limit alone cannot help"
+BEST = "what the best cam found comes to, not proven least"
+SPARE = 2e-3  # relative: what limits that just touch must leave for a cam to be found and proven
 
 
 def diagnose(
@@ -42,21 +46,23 @@ def diagnose(
     scene = Scene.of(spec, problem, grids)
     given = blocked(scene.parts, problem)
     members, evidence = _conflict(scene, given, problem)
-    words = [scene.parts[k].words for k in sorted(members)]
+    if not members:
+        scene = replace(scene, drawn=SPARE)
+        members, evidence = _conflict(scene, given, problem)
+        evidence = f"the limits only just fit: {SPARE:.1%} tighter they do not; {evidence}"
+    if not members:
+        return _not_convex(spec, problem, reached)
     relaxations = [
         relaxation
         for k in range(len(scene.parts))
         for relaxation in _relaxations(scene, k, members, given)
     ]
-    if not members:
-        curved = list(_not_convex(spec, problem, reached))
-        words = [f"{r.limit.replace('_', ' ')}: {r.asked:.6g} {r.unit}" for r in curved]
-        relaxations = curved + relaxations
+    words = [scene.parts[k].words for k in sorted(members)]
     return Conflict(limits=words, relaxations=relaxations, evidence=evidence)
 
 
 def _conflict(scene: Scene, given: dict[int, Blocked], problem: Problem) -> tuple[set[int], str]:
-    """The parts that cannot hold together, none if the convex ones can, and how that is known."""
+    """The parts that cannot hold together, none if all can, and how that is known."""
     members = set(given)
     evidence = [f"{scene.parts[k].words}: {why.note}" for k, why in given.items()]
     found = yielded(scene, scene.plan(), range(len(scene.parts)), exact=False)
@@ -66,11 +72,6 @@ def _conflict(scene: Scene, given: dict[int, Blocked], problem: Problem) -> tupl
         order = [int(k) for k in np.argsort(found.amounts, kind="stable")]
         members |= irreducible(scene, order)
         evidence.append(_proof(scene, problem, found.total))
-    elif not members:
-        evidence.append(
-            "the convex limits can hold together (elastic cone program: no excess); the nonlinear "
-            "stage found no cam that keeps the others as well, which proves nothing"
-        )
     return members, "; ".join(evidence)
 
 
@@ -96,7 +97,7 @@ def holds(scene: Scene, parts: Collection[int]) -> bool:
 
 
 def _proof(scene: Scene, problem: Problem, total: float) -> str:
-    stopped = solve(formulate(problem, scene.grids, 0.0, DRAWN).program).stopped
+    stopped = solve(formulate(problem, scene.grids, 0.0, Drawn(scene.drawn)).program).stopped
     certified = "; Clarabel certifies that the program as asked is infeasible"
     return (
         f"elastic cone program: however the cam is chosen, limits are exceeded by {total:.3g} "
@@ -114,6 +115,8 @@ def _relaxations(
     alone = position in members and not set(given) - {position}
     if alone and (block is None or block.value is not None):
         needed = least_value(scene, position)
+    if needed is not None and scene.drawn == SPARE:
+        needed = part.eased(needed, 2.0 * SPARE)
     tight = [m for m in part.members if needed is None or _tighter(part, m.asked, needed)]
     note = block.note if block is not None else "" if needed is not None else ALONE
     if needed is not None and len(tight) > 1:
@@ -130,25 +133,30 @@ def _tighter(part: Part, asked: float, needed: float) -> bool:
     return asked < needed if len(part.members) > 1 else asked != needed
 
 
-def _not_convex(
-    spec: DesignSpec, problem: Problem, reached: Reached | None
-) -> Iterator[Relaxation]:
+def _not_convex(spec: DesignSpec, problem: Problem, reached: Reached | None) -> Conflict:
     """The limits that neither rows nor cones state, and what the best cam found makes of them."""
+    relaxations: list[Relaxation] = []
+    stretches, machine = problem.stretches, problem.machine
     for position, limit in enumerate(problem.limits):
-        stretches, machine = problem.stretches, problem.machine
         if any(limit.rows(s, machine) for s in stretches) or limit.cones(stretches, machine):
             continue
+        asked_for = position < len(spec.limits)
         for claim in limit.claims(stretches, machine):
             extreme = reached(claim) if reached is not None else None
             name = claim.field.rpartition("/")[2]
-            implied = position >= len(spec.limits)
-            yield Relaxation(
-                limit=claim.limit,
-                field="limits" if implied else f"limits/{position}/{name}",
-                unit=claim.unit,
-                asked=float(getattr(limit, name)),
-                needed=None if extreme is None else claim.to_wire(extreme),
-                note="reached by the best cam found, not proven least"
-                if extreme is not None
-                else "not convex: the least relaxation is not known; a larger cam helps as a rule",
+            relaxations.append(
+                Relaxation(
+                    limit=claim.limit,
+                    field=f"limits/{position}/{name}" if asked_for else "limits",
+                    unit=claim.unit,
+                    asked=float(getattr(limit, name)),
+                    needed=None if extreme is None else claim.to_wire(extreme),
+                    note="the least relaxation is not known" if extreme is None else BEST,
+                )
             )
+    return Conflict(
+        limits=[f"{r.limit.replace('_', ' ')}: {r.asked:.6g} {r.unit}" for r in relaxations],
+        relaxations=relaxations,
+        evidence="the other limits can hold together (elastic cone program: no excess); that "
+        "these cannot be kept as well is not proven: no cam was found. A larger cam eases them",
+    )

@@ -65,6 +65,10 @@ class Part(ABC):
             size: size variables [mm]; None: only what concerns the motion alone.
         """
 
+    @abstractmethod
+    def eased(self, value: float, share: float) -> float:
+        """A value looser by a share of itself."""
+
 
 @dataclass(frozen=True)
 class LimitPart(Part):
@@ -95,6 +99,9 @@ class LimitPart(Part):
                 return None
         root = float(brentq(excess, self.asked, min(high, ceiling), xtol=1e-300, rtol=1e-13))
         return root if excess(root) <= 0.0 else root * (1.0 + 1e-12)
+
+    def eased(self, value: float, share: float) -> float:
+        return value * (1.0 + share)
 
     def _excesses(self, settled: Problem, size: Vector | None) -> Iterator[float]:
         for position, _ in self.where:
@@ -139,6 +146,9 @@ class RangePart(Part):
         if self.axis is None and found <= self.shift:
             return None
         return self.asked if self.low <= found <= self.high else found - self.shift
+
+    def eased(self, value: float, share: float) -> float:
+        return value + share * abs(value) * ((self.high < inf) - (self.low > -inf))
 
 
 def exceeded(row: Row, stretch: Stretch, size: Vector) -> tuple[float, float]:

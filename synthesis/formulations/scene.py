@@ -26,7 +26,7 @@ from synthesis.numerics.piecewise import Array
 from synthesis.objectives import Objective
 from synthesis.spec import DesignSpec
 
-DRAWN = Drawn(1e-7)  # limits are drawn in by as much as where cams are sought
+DRAWN = 1e-7  # limits are drawn in by as much as where cams are sought
 NOTHING = 1e-8  # a relative violation that is solver noise
 FAN = np.radians([0.0, 25.0, -25.0, 50.0, -50.0, 70.0, -70.0, 85.0, -85.0])
 TURNS = 30
@@ -47,11 +47,15 @@ class Nothing(Objective):
 
 @dataclass(frozen=True, eq=False)
 class Scene:
-    """The problem with its size open, and everything that may give way."""
+    """The problem with its size open, and everything that may give way.
+
+    ``drawn``: relative amount by which all limits are drawn in.
+    """
 
     problem: Problem
     grids: tuple[Grid, ...]
     parts: tuple[Part, ...]
+    drawn: float = DRAWN
 
     @classmethod
     def of(cls, spec: DesignSpec, problem: Problem, grids: Sequence[Grid]) -> Scene:
@@ -65,7 +69,7 @@ class Scene:
         problem = self.problem
         if part is not None:
             problem = self.parts[part].loosened(problem, value)
-        return formulate(problem, self.grids, 0.0, DRAWN)
+        return formulate(problem, self.grids, 0.0, Drawn(self.drawn))
 
     def ranges(self, dropped: Collection[int] = ()) -> list[RangePart]:
         """The ranges of its size."""
@@ -101,9 +105,9 @@ def yielded(
     """
 
     def towards(direction: Array | None) -> Yielded | None:
-        stated, floor = state(plan, scene.parts, direction, DRAWN.tighten), 0.0
+        stated, floor = state(plan, scene.parts, direction, scene.drawn), 0.0
         if rate is not None:
-            looser = state(rate.looser, scene.parts, direction, DRAWN.tighten)
+            looser = state(rate.looser, scene.parts, direction, scene.drawn)
             stated = stated.giving(loose[0], looser, rate.step, rate.at.x)
             floor = -1.0  # relative: it may have been too loose before
         return least_yield(stated, loose, dropped, floor, direction)
