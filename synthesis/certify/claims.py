@@ -9,13 +9,7 @@ from synthesis.certify.course import Course, Jump
 from synthesis.certify.dimensions import stands
 from synthesis.certify.joints import NAMES, UNITS, joins
 from synthesis.certify.overshoot import overshoot
-from synthesis.certify.quantities import (
-    QUANTITIES,
-    Size,
-    corner,
-    enclose_all,
-    infinite,
-)
+from synthesis.certify.quantities import QUANTITIES, Size, corner, enclose_all, infinite
 from synthesis.design import Extreme
 from synthesis.limits.base import Claim, Limit, Machine
 from synthesis.motion import Motion

@@ -64,7 +64,7 @@ class Quantity:
         formula: its value from the follower, the size and s to s'''; of numbers or of models.
         order: highest derivative of s that it uses; the others reach the formula as 0.
         smooth: derivatives of s below this one must not jump, or the quantity is infinite.
-        absolute: width that is good enough, besides 1e-9 of the value.
+        absolute: width that is good enough, besides 1e-10 of the value.
         turns: a corner of the traced curve makes it infinite, with the sign of the turn.
     """
 
