@@ -2,14 +2,12 @@
 
 from __future__ import annotations
 
-import copyreg
 import time
 from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any
 
 from service.links import links_of
-from synthesis.errors import InputError, SolverFailed
 from synthesis.spec import DesignSpec
 
 
@@ -75,7 +73,3 @@ WARM_UP_SPEC = {
     "limits": [{"kind": "pressure_angle", "rise_deg": 30.0, "return_deg": 45.0}],
     "tolerance": 0.05,
 }
-
-# These take more than one argument, so that pickle needs to be told how to make them again.
-copyreg.pickle(InputError, lambda e: (InputError, (e.field, e.value, e.rule, e.way_out)))
-copyreg.pickle(SolverFailed, lambda e: (SolverFailed, (e.solver, e.status, e.advice)))

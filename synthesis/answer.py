@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
+from itertools import accumulate
 from math import isfinite
 
 from synthesis.certify import certify, certify_size, measure
@@ -26,7 +27,6 @@ from synthesis.numerics.bspline import SplineSpace
 from synthesis.numerics.piecewise import Array
 from synthesis.objectives import Objective
 from synthesis.spec import DesignSpec
-from synthesis.units import DEGREE
 
 Vector = tuple[float, ...]
 
@@ -94,8 +94,9 @@ def relative_gap(value: float, lower: float) -> float:
 
 def _segments(spec: DesignSpec, cam: Cam) -> list[SegmentMotion]:
     settled = {stretch.index: stretch for stretch in cam.stretches}
+    starts = accumulate((segment.angle_deg for segment in spec.program), initial=0.0)
     found = []
-    for stretch, segment in zip(spec.stretches(), spec.program, strict=True):
+    for stretch, segment, start_deg in zip(spec.stretches(), spec.program, starts, strict=False):
         spline = None
         if stretch.index in cam.splines:
             space, coefficients = cam.splines[stretch.index]
@@ -108,8 +109,8 @@ def _segments(spec: DesignSpec, cam: Cam) -> list[SegmentMotion]:
         found.append(
             SegmentMotion(
                 kind=stretch.kind,
-                start_deg=placed.start / DEGREE,
-                angle_deg=placed.angle / DEGREE,
+                start_deg=start_deg,
+                angle_deg=segment.angle_deg,
                 s_start_mm=placed.s_start,
                 s_end_mm=placed.s_end,
                 law=segment.law_name,

@@ -29,6 +29,9 @@ class InputError(CamwrightError, ValueError):
         super().__init__(f"{field} = {value!r}: {rule} {way_out}")
         self.field, self.value, self.rule, self.way_out = field, value, rule, way_out
 
+    def __reduce__(self) -> tuple[type[InputError], tuple[str, Any, str, str]]:
+        return type(self), (self.field, self.value, self.rule, self.way_out)
+
 
 class SolverFailed(CamwrightError):
     """A solver gave no usable point; ``status`` is the solver's own word."""
@@ -36,6 +39,9 @@ class SolverFailed(CamwrightError):
     def __init__(self, solver: str, status: str, advice: str) -> None:
         super().__init__(f"{solver} stopped with {status!r}. {advice}")
         self.solver, self.status, self.advice = solver, status, advice
+
+    def __reduce__(self) -> tuple[type[SolverFailed], tuple[str, str, str]]:
+        return type(self), (self.solver, self.status, self.advice)
 
 
 class TimeBudgetExceeded(CamwrightError):

@@ -43,11 +43,13 @@ class DesignSpec(BaseModel):
             description="Segments in order; their angles sum to 360° and the lifts cancel.",
         ),
     ]
-    follower: AnyFollower
+    follower: Annotated[AnyFollower, Field(description="The follower that the machine has.")]
     base_radius_mm: Dimension = None
-    limits: Annotated[list[AnyLimit], Field(max_length=50)] = []
+    limits: Annotated[
+        list[AnyLimit], Field(max_length=50, description="What may not be exceeded.")
+    ] = []
     objective: Annotated[
-        AnyObjective | list[AnyObjective],
+        AnyObjective | Annotated[list[AnyObjective], Field(min_length=1, max_length=10)],
         Field(
             description="What to make small; a list is worked through in order: each is made as "
             "small as the ones before allow when they may lose half of the tolerance.",

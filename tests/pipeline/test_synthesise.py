@@ -12,6 +12,7 @@ import pytest
 
 from synthesis import Design, DesignSpec, synthesise
 from synthesis.errors import TimeBudgetExceeded
+from synthesis.formulations import refine
 from tests.pipeline.scenes import BETA, CYCLOIDAL, LIFT, OMEGA, PRESSURE, jerk, program, spec
 
 ROOT = 1.0 + 1e-9
@@ -349,14 +350,32 @@ def test_two_rises_share_velocity_and_acceleration() -> None:
     assert left == pytest.approx(right, rel=1e-8)
 
 
-def test_time_budget() -> None:
+def test_no_time_at_all() -> None:
     with pytest.raises(TimeBudgetExceeded) as caught:
         synthesise(spec(), deadline=time.monotonic() - 1.0)
     assert caught.value.best is None
-    hard = spec(tolerance=1e-6, time_budget_s=0.12)
+
+
+def test_time_that_ends_after_a_round_leaves_the_best_so_far(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """The clock jumps past the deadline as soon as the first round has reported."""
+    late: list[float] = [0.0]
+    real, report = time.monotonic, refine._report
+
+    def reported(*given: Any) -> None:
+        report(*given)
+        late[0] = 1e6
+
+    monkeypatch.setattr(refine, "_report", reported)
+    monkeypatch.setattr(time, "monotonic", lambda: real() + late[0])
     with pytest.raises(TimeBudgetExceeded) as caught:
-        synthesise(hard)
-    assert caught.value.best is None or caught.value.best.certificate.certified
+        synthesise(spec(tolerance=1e-5, time_budget_s=100.0))
+    best = caught.value.best
+    assert best is not None
+    assert_sound(best)
+    assert best.status == "feasible"
+    assert len(best.report.stages) == 1
 
 
 # -- refusals ------------------------------------------------------------------------------------
