@@ -269,6 +269,37 @@ def test_a_given_size_makes_the_law_give_way(objective: str):
     assert rows_broken(found.plan, found.found.x) <= 2e-9
 
 
+def test_a_size_that_touches_its_own_bounds_does_not_confuse():
+    # prime radius 50 exactly, offset 0 best: there s0 ≤ 50 has the ball's own tangent
+    spec = scene(
+        UNEVEN, angles(60.0, 60.0), radius(5.0), objective="rms_acceleration", base=30.0,
+        roller=20.0,
+    )  # fmt: skip
+    assert answer(spec).found.stopped is Stopped.SOLVED
+
+
+@pytest.mark.parametrize(
+    "objective", ["base_radius", "rms_jerk", "rms_acceleration", "peak_jerk", "peak_acceleration"]
+)
+def test_where_nothing_bites_it_agrees_with_the_cone_program(objective: str):
+    limits = [angles(20.0, 25.0), jerk(70.0, 63.0)]
+    plan, start, _ = planned(
+        scene(UNEVEN, *limits, objective=objective, roller=2.0, base={"max": 200.0}), 11
+    )
+    laws, size = plan.recover(start)
+    distorted = plan.point(laws, tuple(1.1 * value for value in size))
+    found = improve(plan, distorted)
+    program = plan.program
+    both = program.quadratic + program.quadratic.T
+    both.setdiag(program.quadratic.diagonal())
+
+    def value(x: np.ndarray) -> float:
+        return float(0.5 * x @ (both @ x) + program.linear @ x)
+
+    best = value(solve(program).x)
+    assert value(found.x) == pytest.approx(best, rel=1e-7)
+
+
 def test_the_least_prime_radius_holds_with_the_offset_free():
     spec = scene(UNEVEN, angles(30.0, 45.0), jerk(70.0, 63.0), base={"min": 70.0, "max": 300.0})
     found = answer(spec)
