@@ -1,9 +1,15 @@
 # Camwright. `make` alone prints what there is.
 
 PYTHON ?= python3
-HOST   ?= $(or $(CAMWRIGHT_HOST),127.0.0.1)
-PORT   ?= $(or $(CAMWRIGHT_PORT),8000)
 ARGS   ?=
+
+# Only `make run HOST=…` counts: many shells export a HOST of their own.
+ifneq ($(origin HOST),command line)
+HOST := $(or $(CAMWRIGHT_HOST),127.0.0.1)
+endif
+ifneq ($(origin PORT),command line)
+PORT := $(or $(CAMWRIGHT_PORT),8000)
+endif
 
 VENV := .venv
 PY   := $(VENV)/bin/python
@@ -43,8 +49,8 @@ format: $(DEV)  ## put the code in form
 	$(PY) -m ruff check --fix
 	$(PY) -m ruff format
 
-bench: $(DEV)  ## measure speed and print it
-	$(PY) -m benchmarks $(ARGS)
+bench: $(DEV)  ## measure speed and error, print it and write docs/benchmarks (ARGS="name" only prints)
+	$(PY) -m benchmarks $(or $(ARGS),--write docs/benchmarks/README.md)
 
 openapi: $(DEV)  ## write openapi/openapi.json anew
 	$(PY) -m service.openapi

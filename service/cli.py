@@ -60,7 +60,7 @@ def design(
     spec: Annotated[Path, typer.Argument(help="File with a DesignSpec, or a worked example.")],
     out_dir: Annotated[Path, typer.Option("--out", help="Folder for the results.")] = Path(),
 ) -> None:
-    """Synthesise one cam here, without a service; write design.json, profile.csv, motion.csv."""
+    """Synthesise one cam here, without a service; write design.json, profile.* and motion.*."""
     asked = _read(spec)
     started = time.perf_counter()
     done = _synthesised(asked)
@@ -115,8 +115,10 @@ def _write(design: Design, folder: Path) -> list[str]:
 
     files = {"design.json": design.model_dump_json(indent=1).encode()}
     if design.status != "infeasible":
-        files["profile.csv"] = PROFILE_FORMATS["csv"].write(design, ProfileOptions())
-        files["motion.csv"] = MOTION_FORMATS["csv"].write(design, MotionOptions())
+        for name, profile in PROFILE_FORMATS.items():
+            files[f"profile.{name}"] = profile.write(design, ProfileOptions())
+        for name, motion in MOTION_FORMATS.items():
+            files[f"motion.{name}"] = motion.write(design, MotionOptions())
     try:
         folder.mkdir(parents=True, exist_ok=True)
         for name, content in files.items():

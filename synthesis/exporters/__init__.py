@@ -8,7 +8,14 @@ from __future__ import annotations
 from collections.abc import Mapping
 from types import MappingProxyType
 
-from synthesis.exporters import csv_table, json_table, svg_motion, svg_profile, txt_points
+from synthesis.exporters import (
+    csv_table,
+    json_table,
+    svg_motion,
+    svg_profile,
+    txt_points,
+    txt_table,
+)
 from synthesis.exporters.exporter import Exporter
 from synthesis.exporters.options import MotionOptions, ProfileOptions
 
@@ -19,7 +26,10 @@ PROFILE_FORMATS: Mapping[str, Exporter[ProfileOptions]] = MappingProxyType(
     }
 )
 MOTION_FORMATS: Mapping[str, Exporter[MotionOptions]] = MappingProxyType(
-    {each.name: each for each in (json_table.MOTION, csv_table.MOTION, svg_motion.MOTION)}
+    {
+        each.name: each
+        for each in (json_table.MOTION, csv_table.MOTION, txt_table.MOTION, svg_motion.MOTION)
+    }
 )
 
 __all__ = ["MOTION_FORMATS", "PROFILE_FORMATS", "Exporter", "MotionOptions", "ProfileOptions"]

@@ -32,7 +32,9 @@ class CutterRadius(Limit):
         if radius is None:
             return ()
         numerator, speed_squared = machine.follower.curvature_terms(s, z)
-        return (-radius * numerator / speed_squared**1.5 - 1.0,)
+        speed = speed_squared**0.5
+        # κ ≥ −1/R times W/(W + R): even numbers for a cutter of any size, the same zero
+        return (-(radius * numerator / speed_squared + speed) / (speed + radius),)
 
     def claims(self, stretches: Sequence[Stretch], machine: Machine) -> tuple[Claim, ...]:
         radius = self._pitch_radius(machine)

@@ -102,6 +102,13 @@ def test_both_formats_say_the_same(cam: Design) -> None:
             np.testing.assert_array_equal(one[name], other[name])
 
 
+def test_the_plain_table_is_the_csv_without_its_header(cam: Design) -> None:
+    options = MotionOptions(PER_DEGREE)
+    plain = np.loadtxt(io.BytesIO(MOTION_FORMATS["txt"].write(cam, options)), ndmin=2)
+    table = from_csv(MOTION_FORMATS["csv"].write(cam, options))
+    assert np.array_equal(plain, np.column_stack(list(table.values())))
+
+
 def test_printed_points_of_example_13_6(p1: Design) -> None:
     """The rows of the book's table that stand at true angles: 360° (see reference-problems)."""
     table = profile("csv", p1, points_per_degree=1.0)
