@@ -17,6 +17,7 @@ import numpy as np
 from synthesis.formulations.control import Control, controls
 from synthesis.formulations.convex import Plan
 from synthesis.formulations.ends import joint_rows
+from synthesis.formulations.prices import end_prices
 from synthesis.formulations.switching import Switching, switching
 from synthesis.numerics.piecewise import Array
 from synthesis.solvers.clarabel import ConeSolution
@@ -78,10 +79,10 @@ def bound(plan: Plan, solution: ConeSolution) -> Bound:
     if steering is None:
         return Bound(_in_core_units(plan, _over_family(plan, solution)), _family(plan))
     order = steering[0].order if steering else 3
-    ledger = _add_up(plan, solution, order)
+    ledger = _add_up(plan, solution, steering, order)
     psi = tuple(
-        switching(np.concatenate(x), np.concatenate(w), order)
-        for x, w in zip(ledger.points, ledger.weights, strict=True)
+        _psi(points, weights, order)
+        for points, weights in zip(ledger.points, ledger.weights, strict=True)
     )
     total = _minimum(plan, solution, ledger, steering, psi)
     over = f"all motion laws with a bounded {NAMES[order]}" if steering else _family(plan)
@@ -120,21 +121,10 @@ def _over_family(plan: Plan, solution: ConeSolution) -> float:
     residual = curved + program.linear + program.matrix.T @ z
     box = np.maximum(10.0, 10.0 * np.abs(x))
     value = -0.5 * x @ curved - program.rhs @ z - np.abs(residual) @ box
-    return float(value) + _fixed_energy(plan)
+    return float(value)
 
 
-def _fixed_energy(plan: Plan) -> float:
-    """The settled coefficients' share of the mean square, which the program leaves out."""
-    if plan.energy is None:
-        return 0.0
-    shares = [
-        float(np.sum(known.split(factor)[1] ** 2))
-        for known, factor in zip(plan.settled, plan.energy.factors, strict=True)
-    ]
-    return sum(shares) / plan.energy.unit
-
-
-def _add_up(plan: Plan, solution: ConeSolution, order: int) -> _Ledger:
+def _add_up(plan: Plan, solution: ConeSolution, steering: Sequence[Control], order: int) -> _Ledger:
     """All rows times their multipliers, as functionals of arbitrary laws."""
     laws = len(plan.grids)
     ledger = _Ledger(
@@ -148,9 +138,9 @@ def _add_up(plan: Plan, solution: ConeSolution, order: int) -> _Ledger:
     _book_blocks(plan, solution, ledger, order)
     _book_balls(plan, solution, ledger)
     _book_fixed(plan, solution, ledger)
-    for position in range(laws):
-        _book_end(plan, solution, ledger, position, order)
-    _book_joints(plan, ledger, order)
+    psi = [_psi(*both, order) for both in zip(ledger.points, ledger.weights, strict=True)]
+    guess = [_end_price(plan, solution, position, order) for position in range(laws)]
+    _book_prices(plan, ledger, end_prices(plan, steering, psi, ledger.state, guess))
     return ledger
 
 
@@ -172,18 +162,32 @@ def _book_point(
 
 def _book_blocks(plan: Plan, solution: ConeSolution, ledger: _Ledger, order: int) -> None:
     for block, z in zip(plan.blocks, plan.multipliers(solution.multipliers), strict=True):
+        if block.kind == "monotone" and block.stretch is not None:
+            _book_monotone(plan, ledger, block.stretch, z, order)
         if block.kind in ("control", "monotone") or np.any(block.alpha[order:]):
-            continue  # says nothing of arbitrary laws, or is the steering itself
+            continue  # says nothing more of arbitrary laws, or is the steering itself
         ledger.add(-float(z @ block.rhs))
         ledger.level += block.level * float(np.sum(z))
         if len(block.size):
             ledger.size += block.size * float(np.sum(z))
         if block.stretch is not None:
             x, mass = block.x, z
-            if np.flatnonzero(block.alpha).tolist() == [order - 1] and not len(block.size):
+            if block.alpha[order - 1] != 0.0:
                 x, mass = _spread(block.x, z)
             weights = mass[:, None] * block.alpha[:order]
             _book_point(plan, ledger, block.stretch, x, weights, order)
+
+
+def _book_monotone(plan: Plan, ledger: _Ledger, position: int, z: Array, order: int) -> None:
+    """−g' ≤ 0: c_i − c_(i+1) is −gap/p times a coefficient of g', which stands for g' near by."""
+    space = plan.grids[position].space
+    p, knots = space.degree, space.knots
+    i = len(plan.settled[position].first) - 1 + np.arange(len(z))
+    x = np.mean([knots[i + 2 + j] for j in range(p - 1)], axis=0)
+    mass = z * (knots[i + p + 1] - knots[i + 1]) / p
+    weights = np.zeros((len(z), order))
+    weights[:, 1] = -mass
+    _book_point(plan, ledger, position, x, weights, order)
 
 
 def _spread(x: Array, mass: Array) -> tuple[Array, Array]:
@@ -227,55 +231,54 @@ def _book_fixed(plan: Plan, solution: ConeSolution, ledger: _Ledger) -> None:
             ledger.add(-mu * low / plan.scales.size)
 
 
-def _book_end(
-    plan: Plan, solution: ConeSolution, ledger: _Ledger, position: int, order: int
-) -> None:
-    """Known end values: their multipliers ν make the eliminated last coefficients stationary."""
+def _end_price(plan: Plan, solution: ConeSolution, position: int, order: int) -> Array:
+    """The solver's prices of g^(k)(1), k < order: of shared values those of the joints' rows.
+
+    Those of known values are what makes the eliminated last coefficients stationary.
+    """
     end, space = plan.settled[position].end, plan.grids[position].space
-    gradient = np.zeros(space.size)
+    nu, gradient = np.zeros(max(order, len(end))), np.zeros(space.size)
     for block, z in zip(plan.blocks, plan.multipliers(solution.multipliers), strict=True):
         if block.stretch == position and block.laws is not None:
             gradient += block.laws.T @ z
     at = 0
     for joint in plan.joints:
-        for side in joint_rows(joint, plan.problem.free, plan.grids):
+        before, after = joint_rows(joint, plan.problem.free, plan.grids)
+        mu = solution.multipliers[at : at + len(before.units)]
+        at += len(mu)
+        for side in (before, after):
             if side.position == position:
-                mu = solution.multipliers[at : at + len(side.units)]
                 gradient += side.dense.T @ mu
-        at += max(joint.highest - joint.lowest + 1, 0)
-    if plan.energy is not None:
-        factor = plan.energy.factors[position]
-        laws, _ = plan.recover(solution.x)
-        gradient += 2.0 / plan.energy.unit * factor.T @ (factor @ laws[position].coefficients)
+        if before.position == position:
+            shared = (mu * before.units)[: max(order - joint.lowest, 0)]
+            nu[joint.lowest : joint.lowest + len(shared)] = shared
     count = len(end)
     rows = space.boundary(1.0, count)[:, space.size - count :]
-    nu = np.linalg.solve(rows.T, -gradient[space.size - count :])[:order]
-    known = min(count, order)
-    unit = np.zeros((1, order))
-    unit[0, :known] = nu[:known]
-    ledger.add(-float(nu[:known] @ end[:known]))
-    _book_point(plan, ledger, position, np.ones(1), unit, order)
+    nu[:count] = np.linalg.solve(rows.T, -gradient[space.size - count :])
+    return nu[:order]
 
 
-def _book_joints(plan: Plan, ledger: _Ledger, order: int) -> None:
-    """Joints of free laws, from the last to the first of every chain.
+def _book_prices(plan: Plan, ledger: _Ledger, prices: Sequence[Array]) -> None:
+    """Values at the ends of laws, at their prices (m,): what is known of them is paid for.
 
-    The multiplier of a shared derivative is what makes the unknown initial value of the law
-    behind the joint worthless; so nothing depends on how exactly the solver met it.
+    A derivative that two laws share has one price; it is worth as much at the start of the law
+    behind the joint.
     """
-    waiting = list(plan.joints)
-    while waiting:
-        befores = {joint.before for joint in waiting}
-        ready = [joint for joint in waiting if joint.after not in befores] or waiting[-1:]
-        for joint in ready:
-            waiting.remove(joint)
-            before, after = joint_rows(joint, plan.problem.free, plan.grids)
-            for k in range(joint.lowest, min(joint.highest + 1, order)):
-                price = -ledger.state[joint.after][k] / after.units[k - joint.lowest]
-                unit = np.zeros((1, order))
-                unit[0, k] = price * before.units[k - joint.lowest]
-                ledger.state[joint.after][k] = 0.0
-                _book_point(plan, ledger, joint.before, np.ones(1), unit, order)
+    for position, nu in enumerate(prices):
+        known = plan.settled[position].end[: len(nu)]
+        ledger.add(-float(nu[: len(known)] @ known))
+        _book_point(plan, ledger, position, np.ones(1), nu[None, :], len(nu))
+    for joint in plan.joints:
+        before, after = joint_rows(joint, plan.problem.free, plan.grids)
+        for k in range(joint.lowest, min(joint.highest + 1, len(prices[joint.before]))):
+            ratio = after.units[k - joint.lowest] / before.units[k - joint.lowest]
+            ledger.state[joint.after][k] += ratio * prices[joint.before][k]
+
+
+def _psi(points: Sequence[Array], weights: Sequence[Array], order: int) -> Switching:
+    """ψ of what was booked on one law."""
+    none, nothing = np.zeros(0), np.zeros((0, order))
+    return switching(np.concatenate([none, *points]), np.concatenate([nothing, *weights]), order)
 
 
 def _minimum(
@@ -312,7 +315,11 @@ def _unknown_states(
     For g in [0, 1] with |∫ (x−τ)²/2 w dτ| ≤ R: |g'(0)| ≤ 7 + 7R and |g''(0)| ≤ 12 + 12R (from
     Taylor's formula at 1/2 and 1). The level and the energy are at most twice what was found.
     """
-    lost = 0.0
+    lost, spent = 0.0, 0.0
+    if plan.energy is not None:
+        laws, _ = plan.recover(solution.x)
+        for factor, law in zip(plan.energy.factors, laws, strict=True):
+            spent += float(np.sum((factor @ law.coefficients) ** 2))
     for position, (state, control) in enumerate(zip(ledger.state, steering, strict=True)):
         if not np.any(state):
             continue
@@ -322,10 +329,7 @@ def _unknown_states(
         reach = control.cap / 2.0 if control.cap < inf else 0.0
         if control.rate and plan.extra is not None:
             reach += control.rate * abs(float(solution.x[plan.extra]))
-        if control.weight:
-            laws, _ = plan.recover(solution.x)
-            assert plan.energy is not None
-            values = plan.energy.factors[position] @ laws[position].coefficients
-            reach += sqrt(2.0 * float(np.sum(values**2)) / plan.energy.weights[position])
+        if control.weight and plan.energy is not None:
+            reach += sqrt(2.0 * spent / plan.energy.weights[position])
         lost += float(np.abs(state[1:]).sum()) * 12.0 * (1.0 + reach)
     return lost

@@ -6,6 +6,8 @@ Unknowns, all dimensionless:
     ζ   size variables over the unit of size
     π   the objective's level P over its natural scale
     t   norm of the size over the unit of size
+    y   the derivative whose mean square is the objective, at its Gauss points, over its unit;
+        unknowns of their own, because the splines' matrices squared lose half of the digits
 """
 
 from __future__ import annotations
@@ -36,7 +38,8 @@ class Plan:
 
     Attributes:
         columns: unknown coefficients of every free law. size: size variables.
-        extra: column of π or t, None where the objective is an energy or nothing is asked.
+        extra: column of π or t, None where the objective is a mean square.
+        squares: columns of y, empty otherwise.
         equalities, blocks, balls: the rows, in the order of the program.
         energy: the objective where it is a mean square.
     """
@@ -49,6 +52,7 @@ class Plan:
     columns: tuple[slice, ...]
     size: slice
     extra: int | None
+    squares: slice
     blocks: tuple[Block, ...]
     balls: tuple[Ball, ...]
     energy: Energy | None
@@ -71,6 +75,12 @@ class Plan:
             coefficients = law.on(grid.space)
             x[columns] = coefficients[len(known.first) : grid.space.size - len(known.last)]
         x[self.size] = np.array(size) / self.scales.size
+        if self.energy is not None:
+            roots = [
+                f @ law.on(g.space)
+                for f, law, g in zip(self.energy.factors, laws, self.grids, strict=True)
+            ]
+            x[self.squares] = np.concatenate(roots) / self.energy.unit**0.5
         norm = self.problem.objective.norm(self.problem.machine)
         if self.extra is not None and norm is not None:
             x[self.extra] = norm.value(size) / self.scales.size
@@ -111,14 +121,17 @@ def formulate(
     size = slice(at, at + len(problem.machine.follower.size_names))
     order = problem.objective.energy_order()
     extra = size.stop if order is None else None
-    width = size.stop + (extra is not None)
     blocks = tuple(_blocks(problem, grids, settled, scales, level, drawn))
-    squares = None if order is None else energy(problem.stretches, grids, order)
-    writer = Writer(width, columns, size, extra, settled)
+    energetic = None if order is None else energy(problem.stretches, grids, order)
+    at = size.stop + (extra is not None)
+    squares = slice(at, at + (0 if energetic is None else energetic.rows))
+    writer = Writer(squares.stop, columns, size, extra, settled)
     balls = tuple(_balls(problem, grids, writer, scales, drawn.tighten))
     for joint in joints:
         writer.joint(joint, free, grids)
     writer.fixed(problem.sizing.bounds, scales)
+    if energetic is not None:
+        writer.roots(energetic, squares.start)
     equalities = writer.rows
     for block in blocks:
         writer.block(block)
@@ -126,14 +139,14 @@ def formulate(
     for ball in balls:
         writer.ball(ball)
     matrix, rhs = writer.finished()
-    quadratic, linear = _objective(squares, columns, writer)
+    quadratic, linear = _objective(squares, extra)
     program = ConeProgram(
         quadratic, linear, matrix, rhs, equalities, inequalities,
         tuple(len(ball.shift) + 1 for ball in balls),
     )  # fmt: skip
     return Plan(
         problem, tuple(grids), scales, tuple(settled), tuple(joints), tuple(columns), size, extra,
-        blocks, balls, squares, program,
+        squares, blocks, balls, energetic, program,
     )  # fmt: skip
 
 
@@ -208,19 +221,12 @@ def _balls(
             yield writer.energy_ball(energy(problem.stretches, grids, order), earlier.value)
 
 
-def _objective(
-    squares: Energy | None, plan_columns: Sequence[slice], writer: Writer
-) -> tuple[sparse.csc_matrix, Array]:
-    """P and q: the extra unknown alone, or the mean square over that of typical laws."""
-    linear = np.zeros(writer.width)
-    if squares is None:
-        if writer.extra is not None:
-            linear[writer.extra] = 1.0
-        return sparse.csc_matrix((writer.width, writer.width)), linear
-    quadratic = sparse.lil_matrix((writer.width, writer.width))
-    unit = 1.0 / squares.unit
-    for columns, factor, known in zip(plan_columns, squares.factors, writer.settled, strict=True):
-        inner, fixed = known.split(factor)
-        quadratic[columns, columns] = 2.0 * unit * np.triu(inner.T @ inner)
-        linear[columns] = 2.0 * unit * inner.T @ fixed
-    return sparse.csc_matrix(quadratic), linear
+def _objective(squares: slice, extra: int | None) -> tuple[sparse.csc_matrix, Array]:
+    """P and q: the extra unknown alone, or the sum of squares of y."""
+    linear, diagonal = np.zeros(squares.stop), np.zeros(squares.stop)
+    diagonal[squares] = 2.0
+    if extra is not None:
+        linear[extra] = 1.0
+    quadratic = sparse.csc_matrix(sparse.diags(diagonal))
+    quadratic.eliminate_zeros()
+    return quadratic, linear

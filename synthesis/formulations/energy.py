@@ -28,6 +28,11 @@ class Energy:
     weights: Array
 
     @property
+    def rows(self) -> int:
+        """Number of Gauss points of all free stretches."""
+        return sum(len(factor) for factor in self.factors)
+
+    @property
     def unit(self) -> float:
         """Natural scale: what good laws on the free stretches make of it."""
         return float(np.sum(self.weights) * TYPICAL[self.order] ** 2) or 1.0

@@ -72,6 +72,15 @@ class Writer:
                 self._put(np.ones((1, 1)), self.size.start + j)
                 self._close(np.array([low / scales.size]))
 
+    def roots(self, squares: Energy, first_column: int) -> None:
+        """y = factor · c over the root of the unit: what the mean square sums the squares of."""
+        for columns, factor, known in zip(self.columns, squares.factors, self.settled, strict=True):
+            inner, fixed = known.split(factor / squares.unit**0.5)
+            self._put(inner, columns.start)
+            self._put(-np.eye(len(inner)), first_column)
+            self._close(-fixed)
+            first_column += len(inner)
+
     def block(self, block: Block) -> None:
         """Inequality rows."""
         rhs = block.rhs - block.tighten

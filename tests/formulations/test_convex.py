@@ -133,6 +133,13 @@ def test_smoother_laws(name: str, smoothness: int) -> None:
     agree(spec, even(problem(spec), 12))
 
 
+@pytest.mark.parametrize("name", ["rms jerk, turning, limited", "rms jerk at a size"])
+@pytest.mark.parametrize("intervals", [48, 144])
+def test_mean_squares_on_fine_knots(name: str, intervals: int) -> None:
+    """Stated by the spline's squared matrix, they lost half of their digits here."""
+    agree(CASES[name], even(problem(CASES[name]), intervals))
+
+
 def test_laws_of_different_smoothness_share_what_both_have() -> None:
     program = (rise(131.7, smoothness=4), fall(97.3, smoothness=2), dwell(131.0))
     spec = scene(program, angles(23.0, 33.0), jerk(71.0, 97.3))
