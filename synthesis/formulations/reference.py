@@ -7,6 +7,7 @@ integrals are its own. Importing this module imports CVXPY, which takes more tha
 
 from __future__ import annotations
 
+import contextlib
 import warnings
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
@@ -25,7 +26,6 @@ from synthesis.units import FULL_TURN
 
 cp: Any = cvxpy  # most of its functions carry no types
 DENSE = 4001  # samples of a given law's piece when its worst angle is wanted
-ACCURACY = 1e-10
 
 
 @dataclass(frozen=True)
@@ -46,10 +46,12 @@ def optimum(problem: Problem, grids: Sequence[Grid], level: float = 0.0) -> Opti
     statement = _Statement(problem, grids)
     value = statement.value(level)
     asked = cp.Problem(cp.Minimize(value), list(statement.constraints(level)))
-    accuracy = {"tol_gap_abs": ACCURACY, "tol_gap_rel": ACCURACY, "tol_feas": ACCURACY}
-    with warnings.catch_warnings():
-        warnings.simplefilter("ignore")  # of reduced accuracy: the status says so too
-        asked.solve(solver=cp.CLARABEL, **accuracy)
+    for accuracy in (1e-10, 1e-8):  # the second where rounding does not allow the first
+        tolerances = dict.fromkeys(("tol_gap_abs", "tol_gap_rel", "tol_feas"), accuracy)
+        with warnings.catch_warnings(), contextlib.suppress(cp.SolverError):
+            warnings.simplefilter("ignore")  # of reduced accuracy: the status says so too
+            asked.solve(solver=cp.CLARABEL, **tolerances)
+            break
     if asked.status not in (cp.OPTIMAL, cp.OPTIMAL_INACCURATE):
         return Optimum(None, asked.status)
     return Optimum(statement.in_core_units(float(asked.value)), asked.status)
