@@ -114,7 +114,7 @@ def _write(design: Design, folder: Path) -> list[str]:
     from synthesis.exporters import MOTION_FORMATS, PROFILE_FORMATS, MotionOptions, ProfileOptions
 
     files = {"design.json": design.model_dump_json(indent=1).encode()}
-    if design.status != "infeasible":
+    if design.motion:
         for name, profile in PROFILE_FORMATS.items():
             files[f"profile.{name}"] = profile.write(design, ProfileOptions())
         for name, motion in MOTION_FORMATS.items():

@@ -43,7 +43,7 @@ def answered(synthesise: Callable[..., Any], spec: bytes, budget_s: float) -> An
     started = time.monotonic()
     asked = DesignSpec.model_validate_json(spec)
     design = synthesise(asked, deadline=started + budget_s)
-    design = design.model_copy(update={"links": links_of(design.id, design.status)})
+    design = design.model_copy(update={"links": links_of(design.id, has_cam=bool(design.motion))})
     proven = design.certificate
     summary = {
         "dimensions": design.dimensions,

@@ -48,7 +48,8 @@ class DesignPage(BaseModel):
 
 def accepted(row: DesignRow) -> Accepted:
     """A design under way."""
-    links = links_of(row.id, row.status)
+    summary = row.summary or {}
+    links = links_of(row.id, has_cam=bool(summary.get("dimensions")))
     state: State = row.state  # type: ignore[assignment]
     return Accepted(id=row.id, name=row.name, state=state, created=_utc(row), links=links)
 

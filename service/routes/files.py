@@ -16,6 +16,7 @@ from service.errors import NotDone, NothingFits
 from service.etag import tag_of, unchanged
 from service.routes.designs import known
 from service.state import Parts, State
+from service.store import DesignRow
 from synthesis.design import Design
 from synthesis.exporters import (
     MOTION_FORMATS,
@@ -71,18 +72,24 @@ async def _file(
     row = await known(parts, name)
     if row.state != "done" or row.design is None:
         raise NotDone(f"Design {name} is {row.state}: GET /v1/designs/{name} says how it stands.")
-    if row.status == "infeasible":
-        raise NothingFits("No cam fits these limits: see conflict in the design for what would.")
     tag = tag_of(row.etag or "", part, exporter.name, repr(asdict(options)))
     return unchanged(request, tag) or Response(
         await asyncio.to_thread(_written, row.design, exporter, options),
-        headers={"ETag": f'"{tag}"', **_shown_or_saved(row.name, part, exporter)},
+        headers={"ETag": f'"{tag}"', **_shown_or_saved(row.name, _part(part, row), exporter)},
         media_type=exporter.media_type,
     )
 
 
 def _written(design: bytes, exporter: Exporter[Any], options: Any) -> bytes:
-    return exporter.write(Design.model_validate_json(design), options)
+    finished = Design.model_validate_json(design)
+    if not finished.motion:
+        raise NothingFits("No cam fits these limits: see conflict in the design for what would.")
+    return exporter.write(finished, options)
+
+
+def _part(part: str, row: DesignRow) -> str:
+    """A cam that is given and breaks its limits may be looked at, but its files say so."""
+    return f"not-certified-{part}" if row.status == "infeasible" else part
 
 
 def _shown_or_saved(name: str, part: str, exporter: Exporter[Any]) -> dict[str, str]:

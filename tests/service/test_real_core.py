@@ -47,6 +47,17 @@ def test_an_infeasible_design_has_no_files(client: httpx2.Client) -> None:
     assert answer.json()["type"] == "/problems/nothing-fits"
 
 
+def test_a_given_cam_that_breaks_its_limits_is_drawn_and_named_so(client: httpx2.Client) -> None:
+    value = examples()["fixed-laws"]["value"] | {"base_radius_mm": 41.3}
+    value = value | {"follower": value["follower"] | {"offset_mm": 11.7}}
+    design = post(client, value).json()
+    assert design["status"] == "infeasible"
+    assert any(not extreme["holds"] for extreme in design["extremes"])
+    answer = client.get(design["links"]["profile.csv"])
+    assert answer.status_code == 200
+    assert "-not-certified-profile.csv" in answer.headers["content-disposition"]
+
+
 @pytest.fixture(scope="module")
 def links(client: httpx2.Client) -> dict[str, str]:
     found: dict[str, str] = post(client, examples()[SELF_CHECK]["value"]).json()["links"]
