@@ -20,7 +20,7 @@ from scipy.interpolate import BSpline
 from synthesis.formulations.grid import Grid
 from synthesis.formulations.problem import Problem
 from synthesis.motion import Stretch
-from synthesis.numerics.piecewise import Array, Piecewise
+from synthesis.numerics.piecewise import Piecewise
 from synthesis.terms import Norm, Row
 from synthesis.units import FULL_TURN
 
@@ -98,8 +98,9 @@ class _Statement:
         return cp.norm(np.array(norm.matrix) @ self.size + np.array(norm.shift) / self.unit)
 
     def energy_unit(self, order: int) -> float:
+        """Of the best laws between dwells: ∫ a² = 12, ∫ j² = 720."""
         shares = ((s.lift / s.angle**order) ** 2 * s.angle for s in self.problem.stretches)
-        return sum(shares) / FULL_TURN
+        return {2: 12.0, 3: 720.0}[order] * sum(shares) / FULL_TURN
 
     def mean_square(self, order: int, unit: float) -> Any:
         """1/2π ∫ (s^(order))² dθ over ``unit``."""
@@ -149,20 +150,20 @@ class _Statement:
             promised = [s.free.smoothness for s in (before, after) if s.free is not None]
             if not promised:
                 continue
-            beta = min(s.angle for s in (before, after) if s.free is not None)
             for order in range(min(promised) + 1):
-                left, right = self._at(before, 1.0, order), self._at(after, 0.0, order)
-                yield (left - right) * (beta**order / self.unit) == 0.0
+                left, entries = self._at(before, 1.0, order)
+                right, more = self._at(after, 0.0, order)
+                yield (left - right) / max(entries, more) == 0.0
                 if order == 0:
                     yield left / self.unit == before.s_end / self.unit
 
-    def _at(self, stretch: Stretch, x: float, order: int) -> Any:
-        """s^(order) at one end of a stretch."""
+    def _at(self, stretch: Stretch, x: float, order: int) -> tuple[Any, float]:
+        """s^(order) at one end of a stretch, and the largest factor of an unknown in it."""
         if stretch.index in self.laws:
-            return self.laws[stretch.index].derivative(np.array([x]), order)[0]
+            return self.laws[stretch.index].at(x, order)
         placed = stretch.placed()
         theta = placed.breaks[-1:] if x == 1.0 else placed.breaks[:1]
-        return float(placed(theta, order, "left" if x == 1.0 else "right")[0])
+        return float(placed(theta, order, "left" if x == 1.0 else "right")[0]), 0.0
 
     def _rows(self, stretch: Stretch, level: float) -> Iterator[Row]:
         machine = self.problem.machine
@@ -195,8 +196,9 @@ class _Law:
         self.c = cp.Variable(grid.space.size)
         self.basis = BSpline(grid.space.knots, np.eye(grid.space.size), grid.space.degree)
 
-    def derivative(self, x: Array, order: int) -> Any:
-        return (self.basis(x, nu=order) * (self.unit / self.stretch.angle**order)) @ self.c
+    def at(self, x: float, order: int) -> tuple[Any, float]:
+        table = self.basis(x, nu=order) * (self.unit / self.stretch.angle**order)
+        return table @ self.c, float(np.abs(table).max())
 
     def row(self, coefficients: Sequence[float]) -> tuple[Any, float]:
         """Σ coefficients[k] s^(k) where it is limited, and its largest entry.
