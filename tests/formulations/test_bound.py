@@ -130,7 +130,7 @@ def test_garbage_gives_a_bound_too(name: str, seed: int, magnitude: float) -> No
     rng = np.random.default_rng(seed)
     z = answer.solution.multipliers
     noise = rng.standard_normal(len(z)) * 10.0**magnitude
-    for wrong in (z * np.exp(noise), z + noise, rng.permutation(z)):
+    for wrong in (z * np.exp(noise), z + noise, rng.permutation(z), z * 10.0 ** abs(magnitude)):
         lower = bound(answer.plan, replace(answer.solution, multipliers=wrong))
         assert not lower.value > fine * (1.0 + 1e-9)
 
