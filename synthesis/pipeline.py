@@ -127,4 +127,11 @@ def _conflict(spec: DesignSpec, attempt: _Attempt) -> Conflict:
         low, high = reached(last.relaxed.problem, last.relaxed.size)
         return high if claim.upper is not None else low
 
-    return diagnose(spec, last.problem, last.grids, largest)
+    found = diagnose(spec, last.problem, last.grids, largest)
+    refused = [e for e in attempt.extremes if not e.holds]
+    if not refused:
+        return found
+    words = ", ".join(f"{e.limit} {e.value} {e.unit} at {e.angle_deg:.3f}°" for e in refused)
+    evidence = f"{found.evidence}; the certificate refused the cam at hand: {words}"
+    limits = [*found.limits, *(e.limit.replace("_", " ") for e in refused)]
+    return found.model_copy(update={"evidence": evidence, "limits": list(dict.fromkeys(limits))})

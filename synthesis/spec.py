@@ -118,6 +118,25 @@ class DesignSpec(BaseModel):
             )
         return self
 
+    @model_validator(mode="after")
+    def _has_a_best(self) -> DesignSpec:
+        kinds = [objective.kind for objective in self.objectives()]
+        if "peak_pressure_angle" not in kinds:
+            return self
+        sized = math.isfinite(ends(self.base_radius_mm)[1]) or any(
+            limit.kind == "outer_radius" for limit in self.limits
+        )
+        sized = sized or "base_radius" in kinds[: kinds.index("peak_pressure_angle") + 1]
+        if not sized:
+            raise PydanticCustomError(
+                "no_best_pressure_angle",
+                "objective peak_pressure_angle has no best value while the cam may grow "
+                "without end: every larger cam has a smaller pressure angle. Give "
+                "base_radius_mm a max, limit outer_radius, or put base_radius before it.",
+                {},
+            )
+        return self
+
     # -- what the core asks ------------------------------------------------------------------
 
     def machine(self) -> Machine:

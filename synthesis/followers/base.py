@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any, ClassVar
 
@@ -61,8 +61,10 @@ class Follower(BaseModel, ABC):
         """The size made larger by ``amount`` [mm] in the way that eases every geometric limit."""
 
     @abstractmethod
-    def room(self, z: tuple[float, ...], sizing: Sizing) -> float:
-        """How far ``raised`` can go within the bounds [mm]."""
+    def room(
+        self, z: tuple[float, ...], bounds: Sequence[tuple[float, float]], cones: Sequence[Cone]
+    ) -> float:
+        """How far ``raised`` can go within bounds and cones of the size [mm]."""
 
     @abstractmethod
     def reaching(self, z: tuple[float, ...], radius: float) -> tuple[float, ...]:

@@ -8,7 +8,7 @@ tan α = u / X;  κ = [X² + u (2s' − e) − X s''] / (X² + u²)^{3/2}   (Rot
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from typing import Annotated, Any, ClassVar, Literal
 
 import numpy as np
@@ -54,11 +54,15 @@ class TranslatingRoller(Follower):
         e, s0 = z
         return e, s0 + amount
 
-    def room(self, z: tuple[float, ...], sizing: Sizing) -> float:
+    def room(
+        self, z: tuple[float, ...], bounds: Sequence[tuple[float, float]], cones: Sequence[Cone]
+    ) -> float:
         e, s0 = z
-        largest = sizing.bounds[1][1]
-        for cone in sizing.cones:
-            largest = min(largest, math.sqrt(max(cone.radius**2 - e**2, 0.0)))
+        largest = bounds[1][1]
+        for cone in cones:
+            across, along = cone.norm.shift
+            reach = math.sqrt(max(cone.radius**2 - (e + across) ** 2, 0.0))
+            largest = min(largest, reach - along)
         return max(largest - s0, 0.0)
 
     def reaching(self, z: tuple[float, ...], radius: float) -> tuple[float, ...]:

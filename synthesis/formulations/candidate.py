@@ -12,7 +12,7 @@ from synthesis.formulations.grid import SettledLaw
 from synthesis.formulations.problem import Problem
 from synthesis.formulations.smooth import grown
 from synthesis.numerics.peaks import peak
-from synthesis.terms import Cone, Row
+from synthesis.terms import Row
 
 Vector = tuple[float, ...]
 CLEARANCE = 1e-8  # relative: sizes and smooth limits stay this far off what binds them
@@ -55,9 +55,11 @@ def settle(
 def at_size(settled: Problem, laws: Sequence[SettledLaw], size: Vector) -> Candidate:
     """The cam with this size, raised to the least prime radius and off the rows that bind it."""
     follower = settled.machine.follower
+    bounds = settled.sizing.bounds  # a solver keeps them to its tolerance only
+    size = tuple(min(max(v, low), high) for v, (low, high) in zip(size, bounds, strict=True))
     size = follower.reaching(size, settled.sizing.least)
     clear = CLEARANCE * follower.prime_radius().value(size)
-    size = follower.raised(size, min(clear, follower.room(size, settled.sizing)))
+    size = follower.raised(size, min(clear, settled.room(size)))
     return Candidate(settled, tuple(laws), size, value(settled, size))
 
 
@@ -92,16 +94,9 @@ def needs_size(problem: Problem) -> bool:
 def smallest(settled: Problem) -> Vector | None:
     """The closed form's size; None where there is none, or a cone cuts it off."""
     size = nearest(settled)
-    if size is None or any(cone.norm.value(size) > cone.radius for cone in _cones(settled)):
+    if size is None or any(cone.norm.value(size) > cone.radius for cone in settled.cones):
         return None
     return size
-
-
-def _cones(problem: Problem) -> list[Cone]:
-    found = list(problem.sizing.cones)
-    for limit in problem.limits:
-        found += limit.cones(problem.stretches, problem.machine)
-    return found
 
 
 def value(settled: Problem, size: Vector) -> float:

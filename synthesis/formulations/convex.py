@@ -181,7 +181,7 @@ def _blocks(
         if stretch.law is None:
             assert stretch.free is not None
             if not stretch.free.overshoot:
-                yield rows.monotone(position, grids[position], settled[position])
+                yield rows.monotone(position, grids[position], settled[position], drawn)
             position += 1
 
 

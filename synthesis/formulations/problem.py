@@ -10,7 +10,7 @@ from synthesis.limits import Limit, Machine
 from synthesis.motion import Stretch
 from synthesis.objectives import Objective
 from synthesis.spec import DesignSpec
-from synthesis.terms import Row
+from synthesis.terms import Cone, Row
 
 
 @dataclass(frozen=True)
@@ -66,6 +66,18 @@ class Problem:
             for row in earlier.objective.rows(stretch, self.machine, earlier.value):
                 value = 0.0 if earlier.objective.fractional else earlier.value
                 yield replace(row, upper=row.upper - row.level * value, level=0.0)
+
+    @property
+    def cones(self) -> tuple[Cone, ...]:
+        """Every cone on the size: of the sizing and of limits."""
+        found = list(self.sizing.cones)
+        for limit in self.limits:
+            found += limit.cones(self.stretches, self.machine)
+        return tuple(found)
+
+    def room(self, size: tuple[float, ...]) -> float:
+        """How far a size can be raised within bounds and cones [mm]."""
+        return self.machine.follower.room(size, self.sizing.bounds, self.cones)
 
     def with_objective(self, objective: Objective) -> Problem:
         """The same limits with something else to make small."""

@@ -15,6 +15,8 @@ from synthesis.numerics.peaks import peak
 from synthesis.numerics.piecewise import Array
 from synthesis.terms import Row
 
+MONOTONE = 0.02  # share of the tightening that coefficients in order get: there are many of them
+
 
 @dataclass(frozen=True)
 class Scales:
@@ -123,11 +125,12 @@ def on_given(row: Row, stretch: Stretch, scales: Scales, tighten: float) -> Bloc
     )  # fmt: skip
 
 
-def monotone(position: int, grid: Grid, known: Ends) -> Block:
+def monotone(position: int, grid: Grid, known: Ends, drawn: Drawn) -> Block:
     """Coefficients that never fall: the law never moves backwards."""
     first, stop = len(known.first) - 1, grid.space.size - len(known.last)
     laws = -np.diff(np.eye(grid.space.size), axis=0)[first:stop]
     nothing = np.zeros(len(laws))
     return Block(
-        "monotone", position, laws, nothing, np.zeros(4), np.zeros(0), 0.0, nothing, "overshoot"
-    )
+        "monotone", position, laws, nothing, np.zeros(4), np.zeros(0), 0.0, nothing, "overshoot",
+        MONOTONE * drawn.tighten,
+    )  # fmt: skip

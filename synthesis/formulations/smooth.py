@@ -6,6 +6,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import NDArray
 
 from synthesis.formulations.problem import Problem
 from synthesis.motion import Stretch
@@ -13,20 +14,24 @@ from synthesis.numerics.piecewise import Array
 
 Vector = tuple[float, ...]
 DENSITY = 16  # points on every piece of a law, ends included
+PEAK_ROUNDS = 4
+NEAR = -0.1  # samples slacker than this have no peak beside them that matters
+ZOOMS = 5  # each narrows a peak to a quarter of the interval
 WATCHED = -0.7  # points that are slacker than this at first are not looked at while growing
 
 
 @dataclass(frozen=True, eq=False)
 class Samples:
-    """One stretch sampled densely and one-sided at breaks: s to s''' (4, n) and θ (n,)."""
+    """One stretch sampled densely, one-sided at breaks: θ (n,), s to s''' (4, n), its pieces."""
 
     stretch: Stretch
     theta: Array
     s: Array
+    piece: NDArray[np.intp]
 
-    def at(self, keep: Array) -> Samples:
+    def at(self, keep: NDArray[np.bool_]) -> Samples:
         """Only the points marked."""
-        return Samples(self.stretch, self.theta[keep], self.s[:, keep])
+        return Samples(self.stretch, self.theta[keep], self.s[:, keep], self.piece[keep])
 
 
 def sample(problem: Problem) -> list[Samples]:
@@ -39,7 +44,7 @@ def sample(problem: Problem) -> list[Samples]:
         theta = (curve.breaks[:-1, None] + np.diff(curve.breaks)[:, None] * step).ravel()
         piece = np.repeat(np.arange(curve.count), density)
         s = np.stack([curve.at(theta, piece, order) for order in range(4)])
-        found.append(Samples(stretch, theta, s))
+        found.append(Samples(stretch, theta, s, piece))
     return found
 
 
@@ -62,31 +67,85 @@ def grown(problem: Problem, size: Vector, margin: float) -> Vector | None:
     """The size raised as little as needed for the smooth limits to hold by ``margin``.
 
     Raising enlarges the prime radius and lowers pressure angle and curvature alike; None where
-    even the largest size allowed does not do.
+    even the largest size allowed does not do. Peaks that lie between the samples are looked for
+    on the grown cam and sampled too, until none is left.
     """
-    samples = sample(problem)
-    follower = problem.machine.follower
-    room = follower.room(size, problem.sizing)
+    samples, follower = sample(problem), problem.machine.follower
+    for _ in range(PEAK_ROUNDS):
+        found = _grown(problem, samples, size, margin)
+        if found is None:
+            return None
+        missed = peaks(problem, samples, found)
+        size = found
+        if violation(problem, missed, size) <= -0.5 * margin:
+            return size
+        samples = [*samples, *missed]
+    clear = margin * follower.prime_radius().value(size)
+    return follower.raised(size, min(clear, problem.room(size)))
+
+
+def _grown(problem: Problem, samples: list[Samples], size: Vector, margin: float) -> Vector | None:
+    """The same at given samples alone."""
+    follower, room = problem.machine.follower, problem.room(size)
 
     def excess(raised: float) -> float:
         return violation(problem, watched, follower.raised(size, raised)) + margin
 
-    watched = samples
-    if excess(0.0) <= 0.0:
-        return size
-    keep = [
-        np.max(np.stack(list(_expressions(problem, part, size))), axis=0) > WATCHED
-        for part in samples
-    ]
-    watched = [p.at(k) for p, k in zip(samples, keep, strict=True) if np.any(k)]
-    low, step = 0.0, 1e-6 * problem.length
-    while excess(min(step, room)) > 0.0:
-        if step >= room:
-            return None
-        low, step = step, 4.0 * step
-    high = _crossing(excess, low, min(step, room))
-    watched = samples
-    return follower.raised(size, high) if excess(high) <= 0.0 else None
+    high, keep = 0.0, [np.full(len(part.theta), False) for part in samples]
+    for _ in range(PEAK_ROUNDS):
+        at = follower.raised(size, high)
+        value = [_worst(problem, part, at) for part in samples]
+        if max(float(np.max(v)) for v in value) + margin <= 0.0:
+            return at
+        # points that were slack so far may come to bind on a larger cam: watch them from now on
+        keep = [k | (v > WATCHED) for k, v in zip(keep, value, strict=True)]
+        watched = [p.at(k) for p, k in zip(samples, keep, strict=True) if np.any(k)]
+        low, step = high, max(1e-6 * problem.length, high)
+        while excess(min(step, room)) > 0.0:
+            if step >= room:
+                return None
+            low, step = step, 4.0 * step
+        high = _crossing(excess, low, min(step, room))
+    return None
+
+
+def _worst(problem: Problem, part: Samples, size: Vector) -> Array:
+    """The largest smooth expression at every point: (n,)."""
+    values = list(_expressions(problem, part, size))
+    return np.max(np.stack(values), axis=0) if values else np.full(len(part.theta), -np.inf)
+
+
+def peaks(problem: Problem, samples: list[Samples], size: Vector) -> list[Samples]:
+    """Local maxima of the smooth expressions between the samples, closed in on by zooming."""
+    found = []
+    for part in samples[: len(problem.stretches)]:
+        value = _worst(problem, part, size)
+        same = part.piece[1:] == part.piece[:-1]
+        rises = np.concatenate([[False], same & (value[1:] >= value[:-1])])
+        falls = np.concatenate([same & (value[:-1] >= value[1:]), [False]])
+        first = ~np.concatenate([[False], same])
+        last = ~np.concatenate([same, [False]])
+        top = (rises | first) & (falls | last) & (value > NEAR)
+        if np.any(top):
+            found.append(_zoomed(problem, part, size, np.flatnonzero(top)))
+    return found
+
+
+def _zoomed(problem: Problem, part: Samples, size: Vector, top: NDArray[np.intp]) -> Samples:
+    """The tops moved to where their expression is largest between the neighbouring samples."""
+    curve, piece, theta = part.stretch.placed(), part.piece[top], part.theta[top]
+    left, right = curve.breaks[piece], curve.breaks[piece + 1]
+    reach = (right - left) / (np.count_nonzero(part.piece == part.piece[0]) - 1)
+    for _ in range(ZOOMS):
+        step = np.linspace(-1.0, 1.0, 9)
+        tried = np.clip(theta[:, None] + reach[:, None] * step, left[:, None], right[:, None])
+        on = np.repeat(piece, len(step))
+        s = np.stack([curve.at(tried.ravel(), on, order) for order in range(4)])
+        value = _worst(problem, Samples(part.stretch, tried.ravel(), s, on), size)
+        best = np.argmax(value.reshape(tried.shape), axis=1)
+        theta, reach = tried[np.arange(len(theta)), best], reach / 4.0
+    s = np.stack([curve.at(theta, piece, order) for order in range(4)])
+    return Samples(part.stretch, theta, s, piece)
 
 
 def _crossing(excess: object, low: float, high: float) -> float:
@@ -109,7 +168,7 @@ def _crossing(excess: object, low: float, high: float) -> float:
 def reached(problem: Problem, size: Vector) -> tuple[float, float]:
     """Least and largest curvature of the pitch curve on the largest cam with these laws [1/mm]."""
     follower = problem.machine.follower
-    largest = follower.raised(size, follower.room(size, problem.sizing))
+    largest = follower.raised(size, problem.room(size))
     values = []
     for part in sample(problem):
         numerator, speed_squared = follower.curvature_terms(part.s, largest)

@@ -425,3 +425,43 @@ def test_stages_report_what_was_modelled() -> None:
 def test_spec_is_the_request_body() -> None:
     body = spec().model_dump(mode="json")
     assert DesignSpec.model_validate(body) == spec()
+
+
+def test_a_law_that_must_overshoot_is_refused_by_name() -> None:
+    """A return that has to end with a downward acceleration at rest cannot come from above."""
+    steps = [
+        {"kind": "rise", "angle_deg": 100.0, "lift_mm": 23.0},
+        {"kind": "dwell", "angle_deg": 60.0},
+        {"kind": "return", "angle_deg": 90.0, "lift_mm": 11.0},
+        {"kind": "return", "angle_deg": 60.0, "lift_mm": 12.0, "law": {"kind": "simple_harmonic"}},
+        {"kind": "dwell", "angle_deg": 50.0},
+    ]
+    design = synthesise(spec(program=steps, limits=[PRESSURE]))
+    assert design.status == "infeasible"
+    assert design.conflict is not None
+    assert "overshoot" in design.conflict.limits
+    allowed = [dict(step) for step in steps]
+    allowed[2]["law"] = {"kind": "spline", "overshoot": True}
+    assert synthesise(spec(program=allowed, limits=[PRESSURE])).certificate.certified
+
+
+@pytest.mark.parametrize("roller", [0.0, 3.4])
+def test_peaks_between_samples_are_grown_out_of(roller: float) -> None:
+    """A hollow that only just admits the cutter, on long pieces: certified at the first attempt."""
+    design = synthesise(
+        spec(
+            program=program({"kind": "polynomial_4_5_6_7"}),
+            follower={"kind": "translating_roller", "roller_radius_mm": roller, "offset_mm": 3.3},
+            limits=[{"kind": "cutter_radius", "radius_mm": 41.7}],
+            objective={"kind": "base_radius"},
+        )
+    )
+    assert design.certificate.certified
+    hollow = next(e for e in design.extremes if e.limit == "cutter_radius")
+    assert hollow.value == pytest.approx(41.7, rel=1e-5)
+
+
+def test_the_largest_cam_is_no_answer() -> None:
+    with pytest.raises(ValueError, match="every larger cam has a smaller pressure angle"):
+        spec(objective={"kind": "peak_pressure_angle"})
+    spec(objective=[{"kind": "base_radius"}, {"kind": "peak_pressure_angle"}])
