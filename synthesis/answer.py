@@ -71,9 +71,7 @@ def proofs(spec: DesignSpec, cam: Cam, bounds: Iterable[Bounded]) -> list[Proof]
         value = objective.to_wire(
             measure(objective.quantity, motion, machine, cam.size).upper, machine
         )
-        known = isfinite(bounded.lower) and isfinite(value)
-        # a bound above the value by rounding says that the value is best possible
-        lower = min(objective.to_wire(bounded.lower, machine), value) if known else None
+        lower = _sound(objective.to_wire(bounded.lower, machine), value)
         gap = None if lower is None else relative_gap(value, lower)
         found.append(
             Proof(
@@ -85,6 +83,13 @@ def proofs(spec: DesignSpec, cam: Cam, bounds: Iterable[Bounded]) -> list[Proof]
             )
         )
     return found
+
+
+def _sound(lower: float, value: float) -> float | None:
+    """The bound, if it is one: above the value it may lie by rounding only."""
+    if not (isfinite(lower) and isfinite(value)) or lower > value + 1e-7 * abs(value):
+        return None
+    return min(lower, value)
 
 
 def relative_gap(value: float, lower: float) -> float:

@@ -32,6 +32,12 @@ class Row:
     source: str = ""
 
 
+def derivative(order: int, factor: float) -> tuple[float, float, float, float]:
+    """Coefficients of a row that holds ``factor`` times the ``order``-th derivative alone."""
+    s, v, a, j = (factor if k == order else 0.0 for k in range(4))
+    return s, v, a, j
+
+
 @dataclass(frozen=True)
 class Norm:
     """‖matrix · z + shift‖, Euclidean: how a radius depends on the size variables [mm]."""

@@ -72,11 +72,14 @@ class Search:
             self.best = finished
 
     def learn(self, lower: Bound) -> None:
-        """Keep a bound if it is the best so far; the least prime radius bounds a norm too."""
+        """Keep a bound over all laws if it is the best so far, a family's while it is the present.
+
+        The least prime radius bounds a norm too.
+        """
         value = lower.value
         if self.problem.objective.norm(self.problem.machine) is not None:
             value = max(value, self.problem.sizing.least)
-        if value > self.lower:
+        if value > self.lower or not lower.switching:
             self.lower, self.over = value, lower.over
 
     @property

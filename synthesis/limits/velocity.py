@@ -2,43 +2,23 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from typing import Annotated, ClassVar, Literal
 
 from pydantic import Field
 
-from synthesis.limits.base import Claim, Limit, Machine, times, where
-from synthesis.motion import Stretch
-from synthesis.terms import Row
+from synthesis.limits.derivative import DerivativeLimit
 
 
-class Velocity(Limit):
+class Velocity(DerivativeLimit):
     """|v| ≤ the limit at every cam angle."""
 
     kind: Literal["velocity"] = "velocity"
     title: ClassVar[str] = "Velocity"
+    order: ClassVar[int] = 1
+    field: ClassVar[str] = "max_mm_per_s"
+    unit: ClassVar[str] = "mm/s"
     max_mm_per_s: Annotated[float, Field(gt=0.0, le=1e30, description="Largest |velocity|.")]
 
-    def rows(self, stretch: Stretch, machine: Machine) -> tuple[Row, ...]:
-        largest = self.max_mm_per_s / machine.omega
-        return (
-            Row((0.0, 1.0, 0.0, 0.0), (), largest, source="velocity"),
-            Row((0.0, -1.0, 0.0, 0.0), (), largest, source="velocity"),
-        )
-
-    def claims(self, stretches: Sequence[Stretch], machine: Machine) -> tuple[Claim, ...]:
-        to_wire = machine.omega
-        largest = self.max_mm_per_s / to_wire
-        everywhere = where(stretches)
-        return (
-            Claim(
-                "velocity",
-                "velocity",
-                everywhere,
-                -largest,
-                largest,
-                "mm/s",
-                times(to_wire),
-                "velocity/max_mm_per_s",
-            ),
-        )
+    @property
+    def largest(self) -> float:
+        return self.max_mm_per_s

@@ -4,23 +4,17 @@ from __future__ import annotations
 
 from typing import ClassVar, Literal
 
-from synthesis.limits.base import Machine
-from synthesis.objectives.base import Objective
+from synthesis.objectives.derivative import DerivativeObjective
 
 
-class RmsAcceleration(Objective):
+class RmsAcceleration(DerivativeObjective):
     """Minimise √(1/2π ∫ a² dθ) over the whole turn."""
 
     kind: Literal["rms_acceleration"] = "rms_acceleration"
     title: ClassVar[str] = "Rms acceleration"
     quantity: ClassVar[str] = "rms_acceleration"
     wire_name: ClassVar[str] = "rms_acceleration_mm_per_s2"
+    order: ClassVar[int] = 2
 
     def energy_order(self) -> int:
-        return 2
-
-    def to_wire(self, value: float, machine: Machine) -> float:
-        return value * machine.omega**2
-
-    def from_wire(self, value: float, machine: Machine) -> float:
-        return value / machine.omega**2
+        return self.order

@@ -1,0 +1,38 @@
+"""What the limits on velocity, acceleration and jerk have in common."""
+
+from __future__ import annotations
+
+from abc import ABC, abstractmethod
+from collections.abc import Sequence
+from typing import ClassVar
+
+from synthesis.limits.base import Claim, Limit, Machine, times, where
+from synthesis.motion import Stretch
+from synthesis.terms import Row, derivative
+
+
+class DerivativeLimit(Limit, ABC):
+    """|s^(order)| ω^order ≤ a limit, at every cam angle and on both sides of a jump."""
+
+    order: ClassVar[int]
+    field: ClassVar[str]
+    unit: ClassVar[str]
+
+    @property
+    @abstractmethod
+    def largest(self) -> float:
+        """The limit in the wire's unit."""
+
+    def rows(self, stretch: Stretch, machine: Machine) -> tuple[Row, ...]:
+        upper = self.largest / machine.omega**self.order
+        up, down = derivative(self.order, 1.0), derivative(self.order, -1.0)
+        return Row(up, (), upper, source=self.kind), Row(down, (), upper, source=self.kind)
+
+    def claims(self, stretches: Sequence[Stretch], machine: Machine) -> tuple[Claim, ...]:
+        to_wire = machine.omega**self.order
+        largest, path = self.largest / to_wire, f"{self.kind}/{self.field}"
+        claim = Claim(
+            self.kind, self.kind, where(stretches), -largest, largest, self.unit,
+            times(to_wire), path,
+        )  # fmt: skip
+        return (claim,)
