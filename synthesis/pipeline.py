@@ -23,6 +23,7 @@ from synthesis.formulations.smooth import reached
 from synthesis.limits import Claim
 from synthesis.spec import DesignSpec
 
+DIAGNOSIS_S = 5.0  # for finding out why nothing fits; what is not known by then is said to be so
 DRAWN_IN = (1e-7, 1e-6, 1e-5, 1e-4)  # relative amounts by which limits are tightened, in turn
 
 
@@ -127,7 +128,8 @@ def _conflict(spec: DesignSpec, attempt: _Attempt) -> Conflict:
         low, high = reached(last.relaxed.problem, last.relaxed.size)
         return high if claim.upper is not None else low
 
-    found = diagnose(spec, last.problem, last.grids, largest)
+    until = min(last.deadline, time.monotonic() + DIAGNOSIS_S)
+    found = diagnose(spec, last.problem, last.grids, largest, until)
     refused = [e for e in attempt.extremes if not e.holds]
     if not refused:
         return found

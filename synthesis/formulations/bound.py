@@ -120,8 +120,20 @@ def _over_family(plan: Plan, solution: ConeSolution) -> float:
     curved = full @ x
     residual = curved + program.linear + program.matrix.T @ z
     box = np.maximum(10.0, 10.0 * np.abs(x))
-    value = -0.5 * x @ curved - program.rhs @ z - np.abs(residual) @ box
+    value = -0.5 * x @ curved - _asked(plan) @ z - np.abs(residual) @ box
     return float(value)
+
+
+def _asked(plan: Plan) -> Array:
+    """The right-hand sides as asked, before they were drawn in for the solver's sake."""
+    rhs, at = plan.program.rhs.copy(), plan.program.equalities
+    for block in plan.blocks:
+        rhs[at : at + len(block.rhs)] += block.tighten
+        at += len(block.rhs)
+    for ball in plan.balls:
+        rhs[at] += ball.radius * ball.tighten
+        at += 1 + len(ball.shift)
+    return rhs
 
 
 def _add_up(plan: Plan, solution: ConeSolution, steering: Sequence[Control], order: int) -> _Ledger:

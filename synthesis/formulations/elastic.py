@@ -7,8 +7,10 @@ leaves an irreducible set (Chinneck's deletion filter).
 
 from __future__ import annotations
 
+import time
 from collections.abc import Callable, Collection, Iterator, Sequence
 from dataclasses import replace
+from math import inf
 
 import numpy as np
 
@@ -28,13 +30,18 @@ from synthesis.solvers.statuses import Stopped
 from synthesis.spec import DesignSpec
 
 Reached = Callable[[Claim], float | None]
+LATE = "the time budget ended before this was known"
 ALONE = "relaxing this limit alone cannot help"
 BEST = "what the best cam found comes to, not proven least"
 SPARE = 2e-3  # relative: what limits that just touch must leave for a cam to be found and proven
 
 
 def diagnose(
-    spec: DesignSpec, problem: Problem, grids: Sequence[Grid], reached: Reached | None = None
+    spec: DesignSpec,
+    problem: Problem,
+    grids: Sequence[Grid],
+    reached: Reached | None = None,
+    deadline: float = inf,
 ) -> Conflict:
     """Why nothing fits, and the least relaxation of every limit alone that would help.
 
@@ -42,6 +49,7 @@ def diagnose(
         spec: what was asked. problem: as posed. grids: where the search ended, one per free law.
         reached: for a claim that is not convex, the extreme that the best cam found comes to
             [core units]; None where there is no such cam.
+        deadline: ``time.monotonic()`` after which no further relaxation is looked for.
     """
     scene = Scene.of(spec, problem, grids)
     given = blocked(scene.parts, problem)
@@ -55,7 +63,7 @@ def diagnose(
     relaxations = [
         relaxation
         for k in range(len(scene.parts))
-        for relaxation in _relaxations(scene, k, members, given)
+        for relaxation in _relaxations(scene, k, members, given, deadline)
     ]
     words = [scene.parts[k].words for k in sorted(members)]
     return Conflict(limits=words, relaxations=relaxations, evidence=evidence)
@@ -107,18 +115,25 @@ def _proof(scene: Scene, problem: Problem, total: float) -> str:
 
 
 def _relaxations(
-    scene: Scene, position: int, members: Collection[int], given: dict[int, Blocked]
+    scene: Scene,
+    position: int,
+    members: Collection[int],
+    given: dict[int, Blocked],
+    deadline: float,
 ) -> Iterator[Relaxation]:
     """What one part alone would have to be, field by field."""
     part, needed = scene.parts[position], None
     block = given.get(position)
     alone = position in members and not set(given) - {position}
-    if alone and (block is None or block.value is not None):
+    late = time.monotonic() >= deadline
+    if alone and not late and (block is None or block.value is not None):
         needed = least_value(scene, position)
     if needed is not None and scene.drawn == SPARE:
         needed = part.eased(needed, 2.0 * SPARE)
     tight = [m for m in part.members if needed is None or _tighter(part, m.asked, needed)]
-    note = block.note if block is not None else "" if needed is not None else ALONE
+    note = (
+        block.note if block is not None else "" if needed is not None else LATE if late else ALONE
+    )
     if needed is not None and len(tight) > 1:
         note = "all limits of this name together"
     for member in tight:

@@ -465,3 +465,16 @@ def test_the_largest_cam_is_no_answer() -> None:
     with pytest.raises(ValueError, match="every larger cam has a smaller pressure angle"):
         spec(objective={"kind": "peak_pressure_angle"})
     spec(objective=[{"kind": "base_radius"}, {"kind": "peak_pressure_angle"}])
+
+
+@pytest.mark.parametrize("tolerance", [2e-2, 7e-3])
+def test_a_bound_over_a_family_lies_below_the_value(tolerance: float) -> None:
+    """Without a jerk limit; the rows that the solver keeps drawn in must not raise the bound."""
+    knife = {"kind": "translating_roller", "roller_radius_mm": 0.0}
+    design = synthesise(spec(limits=[PRESSURE], follower=knife, tolerance=tolerance))
+    proof = design.certificate
+    assert proof.bound_over.startswith("splines of degree 3")
+    assert proof.lower_bound is not None
+    assert proof.value is not None
+    assert proof.lower_bound <= proof.value
+    assert design.status == "optimal"
