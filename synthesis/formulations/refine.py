@@ -86,11 +86,12 @@ def _climb(state: Search) -> None:
         stuck = lower is None and number > 1
         if stuck or state.close(state.relaxed) or state.left() <= 0.0 or not state.grids:
             break
-        if state.relaxed is not None and lower is not None and not lower.switching:
-            break  # bounded within its own family only: finer knots are another family
         if state.gap > 0.9 * before and state.gap < inf:
             break  # finer knots no longer help
-        state.grids = _finer(state, found, lower, missed)
+        if state.relaxed is not None and lower is not None and not lower.switching:
+            state.grids = _denser(state.grids)
+        else:
+            state.grids = _finer(state, found, lower, missed)
 
 
 def _weigh(
@@ -180,6 +181,11 @@ def _between(points: Array) -> Array:
     """Three points inside every interval."""
     gaps = np.diff(points)[:, None] * np.array([0.25, 0.5, 0.75])
     return np.asarray((points[:-1, None] + gaps).ravel())
+
+
+def _denser(grids: tuple[Grid, ...]) -> tuple[Grid, ...]:
+    """More points on the same knots: finer knots are another family, with another bound."""
+    return tuple(grid.with_points(0.5 * (grid.points[1:] + grid.points[:-1])) for grid in grids)
 
 
 def _finer(
