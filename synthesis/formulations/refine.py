@@ -199,6 +199,25 @@ def _finer(
         if len(breaks) > MOST_INTERVALS:
             breaks = grid.space.breaks
         finer.append(over(stretch, breaks).with_points(missed[position]))
+    if all(_alike(new, grid) for new, grid in zip(finer, state.grids, strict=True)):
+        return _all_halved(state, missed)
+    return tuple(finer)
+
+
+def _alike(new: Grid, grid: Grid) -> bool:
+    """Whether new knots are no other than the present ones."""
+    breaks, present = new.space.breaks, grid.space.breaks
+    return len(breaks) == len(present) and bool(np.all(abs(breaks - present) <= CLOSEST_KNOTS))
+
+
+def _all_halved(state: Search, missed: list[Array]) -> tuple[Grid, ...]:
+    """No interval stands out, so what is left is the bound's: its multipliers lie too far apart."""
+    finer = []
+    for stretch, grid, more in zip(state.problem.free, state.grids, missed, strict=True):
+        breaks = grid.space.breaks
+        if len(breaks) <= MOST_INTERVALS:
+            breaks = _halved(breaks, np.full(len(breaks) - 1, True))
+        finer.append(over(stretch, breaks).with_points(more))
     return tuple(finer)
 
 
