@@ -1,4 +1,4 @@
-"""Public benchmark camshape (COPS, CUTEst, MINLPLib): the global optimum, with its proof checked."""
+"""Public benchmark camshape (COPS, CUTEst, MINLPLib): the global optimum and its proof."""
 
 import math
 from dataclasses import dataclass
@@ -88,7 +88,7 @@ def bound(n: int) -> Proof:
         total[1:-1] -= 2.0 * math.cos(theta) * m
         total[2:] += m
         left = total[2:-1]
-        charged = float(np.sum(abs(left))) + 8.0 * EPS * float(np.sum(m))
+        charged = float(np.sum(abs(left))) + 16.0 * EPS * float(np.sum(m))
         least = (-(total[0] + total[1]) - charged) / total[-1]
         upper[i - 1] = 1.0 / least if least > 1.0 / LARGEST else LARGEST
     growth = ALPHA * theta

@@ -24,9 +24,7 @@ def unit(order: int) -> float:
     return (OMEGA / BETA) ** order
 
 
-def spec(
-    law: str, objective: str = "peak_acceleration", jerk: float | None = None
-) -> DesignSpec:
+def spec(law: str, objective: str = "peak_acceleration", jerk: float | None = None) -> DesignSpec:
     """The cam with a given law, or a free one.
 
     Args:
