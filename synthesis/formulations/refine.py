@@ -74,12 +74,17 @@ def _closed_form(state: Search) -> bool:
 def _climb(state: Search) -> None:
     """Second rung: cone programs on finer and finer knots until the bound is near."""
     solve_once = _fraction if state.problem.objective.fractional else _round
+    usable: tuple[Grid, ...] = ()  # on which there was a law: not on other knots that are no finer
     for number in range(1, ROUNDS + 1):
         started = time.perf_counter()
         plan, solution, lower = solve_once(state)
         before = state.gap
         found, missed = _weigh(state, plan, solution, lower)
         _report(state, number, plan, solution, time.perf_counter() - started)
+        if solution.stopped is Stopped.INFEASIBLE and usable:
+            state.grids, usable, state.margin = usable, (), 0.0
+            state.grids = _all_halved(state, missed)
+            continue
         if solution.stopped is Stopped.INFEASIBLE and (number > 1 or not state.grids):
             state.infeasible = state.relaxed is None
             return
@@ -90,6 +95,7 @@ def _climb(state: Search) -> None:
             break  # bounded within its own family only: finer knots are another family
         if state.gap > 0.9 * before and state.gap < inf:
             break  # finer knots no longer help
+        usable = state.grids if lower is not None else ()
         state.grids = _finer(state, found, lower, missed)
 
 
