@@ -107,8 +107,9 @@ def holds(scene: Scene, parts: Collection[int]) -> bool:
 def _proof(scene: Scene, problem: Problem, total: float) -> str:
     stopped = solve(formulate(problem, scene.grids, 0.0, Drawn(scene.drawn)).program).stopped
     certified = "; Clarabel certifies that the program as asked is infeasible"
+    chosen = "cam and splines on its knots are" if problem.free else "the cam is"
     return (
-        f"elastic cone program: however the cam is chosen, limits are exceeded by {total:.3g} "
+        f"elastic cone program: however {chosen} chosen, limits are exceeded by {total:.3g} "
         "(sum of relative excesses); leaving out any one of those named, the others can hold"
         f"{certified if stopped is Stopped.INFEASIBLE else ''}"
     )

@@ -74,12 +74,17 @@ def _closed_form(state: Search) -> bool:
 def _climb(state: Search) -> None:
     """Second rung: cone programs on finer and finer knots until the bound is near."""
     solve_once = _fraction if state.problem.objective.fractional else _round
+    usable: tuple[Grid, ...] = ()  # on which there was a law: not on other knots that are no finer
     for number in range(1, ROUNDS + 1):
         started = time.perf_counter()
         plan, solution, lower = solve_once(state)
         before = state.gap
         found, missed = _weigh(state, plan, solution, lower)
         _report(state, number, plan, solution, time.perf_counter() - started)
+        if solution.stopped is Stopped.INFEASIBLE and usable:
+            state.grids, usable, state.margin = usable, (), 0.0
+            state.grids = _all_halved(state, missed)
+            continue
         if solution.stopped is Stopped.INFEASIBLE and (number > 1 or not state.grids):
             state.infeasible = state.relaxed is None
             return
@@ -88,6 +93,7 @@ def _climb(state: Search) -> None:
             break
         if state.gap > 0.9 * before and state.gap < inf:
             break  # finer knots no longer help
+        usable = state.grids if lower is not None else ()
         if state.relaxed is not None and lower is not None and not lower.switching:
             state.grids = _denser(state.grids)
         else:
@@ -205,6 +211,25 @@ def _finer(
         if len(breaks) > MOST_INTERVALS:
             breaks = grid.space.breaks
         finer.append(over(stretch, breaks).with_points(missed[position]))
+    if all(_alike(new, grid) for new, grid in zip(finer, state.grids, strict=True)):
+        return _all_halved(state, missed)
+    return tuple(finer)
+
+
+def _alike(new: Grid, grid: Grid) -> bool:
+    """Whether new knots are no other than the present ones."""
+    breaks, present = new.space.breaks, grid.space.breaks
+    return len(breaks) == len(present) and bool(np.all(abs(breaks - present) <= CLOSEST_KNOTS))
+
+
+def _all_halved(state: Search, missed: list[Array]) -> tuple[Grid, ...]:
+    """No interval stands out, so what is left is the bound's: its multipliers lie too far apart."""
+    finer = []
+    for stretch, grid, more in zip(state.problem.free, state.grids, missed, strict=True):
+        breaks = grid.space.breaks
+        if len(breaks) <= MOST_INTERVALS:
+            breaks = _halved(breaks, np.full(len(breaks) - 1, True))
+        finer.append(over(stretch, breaks).with_points(more))
     return tuple(finer)
 
 

@@ -32,16 +32,22 @@ class DwellTurn(MotionLaw):
     | kind | s |
     |---|---|
     | `double_harmonic` | [(1 − cos πx) − (1 − cos 2πx)/4]/2 |
+    | `polynomial_3_4_5_6` | 8x³ − 12x⁴ + 6x⁵ − x⁶: with its mirror image 64y³(1 − y)³, y = x/2 |
     | `kloomok_muffley_8` | 6.09755x³ − 20.78040x⁵ + 26.73155x⁶ − 13.60965x⁷ + 2.56095x⁸ |
     """
 
-    kind: Literal["double_harmonic", "kloomok_muffley_8"]
+    kind: Literal["double_harmonic", "polynomial_3_4_5_6", "kloomok_muffley_8"]
     turn: Turn = "top"
     rows: ClassVar = {
         "double_harmonic": Row(
             "Double harmonic",
             "Kloomok and Muffley, Plate cam design, Product Engineering (1955); Rothbart (1956)",
             double_harmonic(),
+        ),
+        "polynomial_3_4_5_6": Row(
+            "3-4-5-6 polynomial (single dwell)",
+            "Norton, Design of Machinery, single-dwell cam",
+            about_both_ends([Fraction(c) for c in (0, 0, 0, 8, -12, 6, -1)], Fraction(1)),
         ),
         "kloomok_muffley_8": Row(
             "Eighth-power polynomial (Kloomok–Muffley)",

@@ -22,7 +22,7 @@ both_ways = pytest.mark.parametrize("stretch", STRETCHES)
 
 def test_every_law_says_where_it_ends() -> None:
     assert sorted(REST + TURN) == KINDS
-    assert TURN == ["double_harmonic", "kloomok_muffley_8"]
+    assert TURN == ["double_harmonic", "kloomok_muffley_8", "polynomial_3_4_5_6"]
 
 
 @every_law
