@@ -59,11 +59,14 @@ def cam_profile(
         side: which one-sided values to give where a derivative jumps.
     """
     s = motion.derivatives(theta, 3, side)
-    (px, py), (dx, dy), (ax, ay), _ = follower.traced_point(s, size)
+    (px, py), (dx, dy), (ax, ay), *_ = follower.traced_point(s, size)
     tx, ty = dx + py, dy - px  # tangent D p, D = d/dθ + J
     sx, sy = ax + dy + ty, ay - dx - tx  # D D p
-    speed = np.hypot(tx, ty)
-    nx, ny = -ty / speed, tx / speed  # the curve runs clockwise round the cam: outward is left
+    wx, wy = follower.normal((tx, ty), s, size)  # the curve runs clockwise: outward is left
+    length = np.hypot(wx, wy)
+    nx, ny = wx / length, wy / length
+    # an undercut curve runs backwards along a face: negative speed, negative radius
+    speed = np.copysign(np.hypot(tx, ty), tx * ny - ty * nx)
     curvature = (ty * sx - tx * sy) / speed**3
     (gx, gy), _ = follower.direction(s, size)
     alpha = np.arctan2(gx * ny - gy * nx, gx * nx + gy * ny)
