@@ -7,7 +7,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from synthesis.followers import TranslatingFlatFace
-from synthesis.motion import Motion
+from synthesis.motion import Motion, Stretch
+from synthesis.numerics.piecewise import Piecewise
 from synthesis.profile import CamProfile, cam_profile
 from tests.geometry import touch
 from tests.geometry.agreement import agree
@@ -147,6 +148,15 @@ def test_an_undercut_cam_says_so_and_lifts_the_face_too_far(cam: FlatCam, share:
     assert np.min(p.curvature) < 0.0
     lifted = heights(np.stack([p.x, p.y], axis=1), cam.sense * theta[::10]) - cam.Rb
     assert np.max(lifted - cam.motion.curve(theta[::10])) > 0.0
+
+
+def test_at_a_cusp_the_radius_is_nothing():
+    law = Piecewise.of([0.0, 1.0], [[0.0]])
+    still = Motion.of([Stretch(0, "dwell", 0.0, TURN, 0.0, 0.0, law)])
+    p = FlatCam(still, 0.0, "ccw").profile(np.array([0.7]))
+    assert p.radius[0] == 0.0
+    assert p.curvature[0] == np.inf
+    assert p.normal_y[0] == np.cos(0.7)
 
 
 @given(flat_cams(), unspecial(0.1, 0.9))
