@@ -86,9 +86,13 @@ class LimitPart(Part):
     def loosened(self, problem: Problem, value: float) -> Problem:
         limits = list(problem.limits)
         for (position, name), member in zip(self.where, self.members, strict=True):
-            update = {name: max(member.asked, value)}
+            update = {name: self.looser(member.asked, value)}
             limits[position] = limits[position].model_copy(update=update)
         return replace(problem, limits=tuple(limits))
+
+    def looser(self, asked: float, value: float) -> float:
+        """The looser of what a member asks and a value."""
+        return max(asked, value)
 
     def least(self, settled: Problem, size: Vector | None) -> float | None:
         def excess(value: float) -> float:
@@ -133,12 +137,8 @@ class LeastPart(LimitPart):
     def asked(self) -> float:
         return max(member.asked for member in self.members)
 
-    def loosened(self, problem: Problem, value: float) -> Problem:
-        limits = list(problem.limits)
-        for (position, name), member in zip(self.where, self.members, strict=True):
-            update = {name: min(member.asked, value)}
-            limits[position] = limits[position].model_copy(update=update)
-        return replace(problem, limits=tuple(limits))
+    def looser(self, asked: float, value: float) -> float:
+        return min(asked, value)
 
     def least(self, settled: Problem, size: Vector | None) -> float | None:
         def excess(value: float) -> float:

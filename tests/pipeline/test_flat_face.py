@@ -120,8 +120,7 @@ def test_a_jump_of_the_velocity_is_no_cam() -> None:
 
 @pytest.mark.parametrize("rotation", ["ccw", "cw"])
 def test_every_format_is_written(rotation: str) -> None:
-    design = synthesise(asked(RADIUS, law="3-4-5" if "3-4-5" in NAMED else NAMED[0],
-                              rotation=rotation))  # fmt: skip
+    design = synthesise(asked(RADIUS, law="polynomial_3_4_5", rotation=rotation))
     for exporter in PROFILE_FORMATS.values():
         assert len(exporter.write(design, ProfileOptions())) > 1000
         assert len(exporter.write(design, ProfileOptions(tolerance_um=5.0))) > 1000
