@@ -23,6 +23,8 @@ PLACES = {
     "base_radius_positive": ("base_radius_mm",),
     "offset_beyond_prime_radius": ("follower", "offset_mm"),
     "no_best_pressure_angle": ("objective",),
+    "pressure_angle_given": ("objective",),
+    "limit_does_not_suit": ("limits",),
 }
 SHAPES = ("model_type", "model_attributes_type", "list_type", "dict_type", "float_type")
 # What is not among these was raised by the core: "rule. Way out." with its numbers.

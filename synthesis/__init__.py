@@ -12,7 +12,7 @@ Notation, used throughout (lengths in mm, angles in rad, derivatives per radian 
     Rb, Rr   base radius (of the profile), roller radius; Rp = Rb + Rr prime radius
     e        offset; s0 = √(Rp² − e²); X = s0 + s; u = s' − e
     α        pressure angle; κ, ρ signed curvature and its radius, convex positive
-    z        the follower's size variables, for a translating follower (e, s0)
+    z        the follower's size variables, (e, s0) of a translating roller, (Rb) of a face
 """
 
 from __future__ import annotations

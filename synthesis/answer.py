@@ -147,7 +147,7 @@ def design(
         rotation=spec.rotation,
         speed_rpm=spec.speed_rpm,
         follower=spec.follower.kind,
-        dimensions={} if cam is None else dict(spec.follower.dimensions(cam.size)),
+        dimensions={} if cam is None else _dimensions(spec, cam),
         size=[] if cam is None else list(cam.size),
         objectives={p.objective: p.value for p in proven if p.value is not None},
         motion=[] if cam is None else _segments(spec, cam),
@@ -157,6 +157,12 @@ def design(
         report=Report(stages=list(stages), seconds=seconds),
         spec=spec,
     )
+
+
+def _dimensions(spec: DesignSpec, cam: Cam) -> dict[str, float]:
+    """Those of the size, and those that the motion asks for."""
+    more = spec.follower.motion_dimensions(Motion.of(cam.stretches))
+    return {**spec.follower.dimensions(cam.size), **more}
 
 
 def _unproven(spec: DesignSpec) -> Proof:

@@ -25,7 +25,8 @@ class CamProfile:
         pitch_x, pitch_y: roller centre [mm]. x, y: profile (contact point) [mm].
         normal_x, normal_y: outward unit normal, common to both curves.
         curvature: signed curvature of the pitch curve [1/mm], convex positive.
-        radius: signed radius of curvature of the profile [mm]: ρ_pitch − Rr, ∞ where straight.
+        radius: signed radius of curvature of the profile [mm]: ρ_pitch − Rr, ∞ where straight;
+            along a flat face negative where undercut.
         pressure_angle: signed α [rad]; positive where the cam pushes against a rise.
     """
 
@@ -59,12 +60,16 @@ def cam_profile(
         side: which one-sided values to give where a derivative jumps.
     """
     s = motion.derivatives(theta, 3, side)
-    (px, py), (dx, dy), (ax, ay), _ = follower.traced_point(s, size)
+    (px, py), (dx, dy), (ax, ay), *_ = follower.traced_point(s, size)
     tx, ty = dx + py, dy - px  # tangent D p, D = d/dθ + J
     sx, sy = ax + dy + ty, ay - dx - tx  # D D p
-    speed = np.hypot(tx, ty)
-    nx, ny = -ty / speed, tx / speed  # the curve runs clockwise round the cam: outward is left
-    curvature = (ty * sx - tx * sy) / speed**3
+    wx, wy = follower.normal((tx, ty), s, size)  # the curve runs clockwise: outward is left
+    length = np.hypot(wx, wy)
+    nx, ny = wx / length, wy / length
+    # an undercut curve runs backwards along a face: negative speed, negative radius
+    speed = np.copysign(np.hypot(tx, ty), tx * ny - ty * nx)
+    with np.errstate(divide="ignore", invalid="ignore"):  # a cusp has radius 0
+        curvature = np.where(speed == 0.0, np.inf, (ty * sx - tx * sy) / speed**3)
     (gx, gy), _ = follower.direction(s, size)
     alpha = np.arctan2(gx * ny - gy * nx, gx * nx + gy * ny)
     with np.errstate(divide="ignore"):

@@ -105,17 +105,19 @@ class DesignSpec(BaseModel):
                 "base_radius_mm = {value} leaves no positive base radius. Give a positive one.",
                 {"value": largest},
             )
-        e_min, e_max = ends(self.follower.offset_mm)
-        nearest = 0.0 if e_min <= 0.0 <= e_max else min(abs(e_min), abs(e_max))
-        prime = largest + self.follower.roller_radius
-        if nearest >= prime:
-            raise PydanticCustomError(
-                "offset_beyond_prime_radius",
-                "offset_mm = {offset} is not inside the prime radius {prime} mm "
-                "(base radius plus roller radius): the follower would miss the pitch circle. "
-                "Take a smaller offset or a larger base radius.",
-                {"offset": nearest, "prime": prime},
-            )
+        self.follower.check_reach(largest)
+        return self
+
+    @model_validator(mode="after")
+    def _limits_suit(self) -> DesignSpec:
+        for position, limit in enumerate(self.limits):
+            if not limit.suits(self.follower):
+                raise PydanticCustomError(
+                    "limit_does_not_suit",
+                    "limits/{position} is {limit}, which says nothing about a {kind} follower. "
+                    "Remove it, or choose another follower.",
+                    {"position": position, "limit": limit.kind, "kind": self.follower.kind},
+                )
         return self
 
     @model_validator(mode="after")
@@ -123,6 +125,13 @@ class DesignSpec(BaseModel):
         kinds = [objective.kind for objective in self.objectives()]
         if "peak_pressure_angle" not in kinds:
             return self
+        if not self.follower.pressure_angle_rows(1.0):
+            raise PydanticCustomError(
+                "pressure_angle_given",
+                "objective peak_pressure_angle has nothing to choose: the pressure angle of a "
+                "{kind} follower is that of its face, whatever the cam. Choose another objective.",
+                {"kind": self.follower.kind},
+            )
         sized = math.isfinite(ends(self.base_radius_mm)[1]) or any(
             limit.kind == "outer_radius" for limit in self.limits
         )

@@ -1,7 +1,7 @@
 """The vocabulary between limits and formulations: linear rows and cones.
 
 s, s', s'', s'''  displacement and its derivatives per radian [mm, mm/rad, …]
-z                 the follower's size variables, for a translating follower (e, s0) [mm]
+z                 the follower's size variables: (e, s0) of a roller, (Rb) of a face [mm]
 P                 the objective's own variable: the level that it pushes down
 """
 

@@ -45,7 +45,7 @@ def certify_size(spec: DesignSpec, size: tuple[float, ...]) -> list[Extreme]:
         size: the follower's size variables [mm].
     """
     dimensions = spec.follower.dimensions(size)
-    prime = abs(dimensions["prime_radius_mm"])
+    prime = spec.follower.prime_radius().value(size)
     found = []
     for name, value in dimensions.items():
         for owner, prefix in ((spec, ""), (spec.follower, "follower/")):

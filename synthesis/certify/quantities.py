@@ -31,15 +31,15 @@ def tangent(follower: Follower, size: Size, s: tuple[Any, ...]) -> Vector2:
 
 
 def pressure_angle(follower: Follower, size: Size, s: tuple[Any, ...]) -> Any:
-    """α from the outward normal (−ty, tx) to the direction of drive g [rad]."""
-    tx, ty = tangent(follower, size, s)
+    """α from the outward normal, the curve's own or a face's, to the direction of drive g [rad]."""
+    nx, ny = follower.normal(tangent(follower, size, s), s, size)
     (gx, gy), _ = follower.direction(s, size)
-    return np.arctan2(gx * tx + gy * ty, gy * tx - gx * ty)
+    return np.arctan2(gx * ny - gy * nx, gx * nx + gy * ny)
 
 
 def pitch_curvature(follower: Follower, size: Size, s: tuple[Any, ...]) -> Any:
     """κ = T × S / |T|³ of the curve, run clockwise round the cam: convex positive [1/mm]."""
-    (px, py), (dx, dy), (ax, ay), _ = follower.traced_point(s, size)
+    (px, py), (dx, dy), (ax, ay), *_ = follower.traced_point(s, size)
     tx, ty = dx + py, dy - px
     sx, sy = ax + dy + ty, ay - dx - tx
     square = tx * tx + ty * ty
@@ -50,6 +50,24 @@ def pitch_radius(follower: Follower, size: Size, s: tuple[Any, ...]) -> Any:
     """|p|: how far the curve is from the cam's axis [mm]."""
     (px, py), *_ = follower.traced_point(s, size)
     return np.sqrt(px * px + py * py)
+
+
+def face_radius(follower: Follower, size: Size, s: tuple[Any, ...]) -> Any:
+    """ρ = T·m / m·m with m = n' + J n, n the face's unit normal, at the contact point [mm].
+
+    The support function's way: where T runs against the turning face the profile is undercut, and
+    ρ is negative; at a cusp it passes through 0. The curvature from T alone would be 1/|ρ|.
+    """
+    tx, ty = tangent(follower, size, s)
+    mx, my = follower.face_turn(s, size)
+    return (tx * mx + ty * my) / (mx * mx + my * my)
+
+
+def contact(follower: Follower, size: Size, s: tuple[Any, ...]) -> Any:
+    """How far the contact point is along the face from its middle, positive to the right [mm]."""
+    (px, py), *_ = follower.traced_point(s, size)
+    nx, ny = follower.normal(tangent(follower, size, s), s, size)
+    return px * ny - py * nx
 
 
 def _derivative(order: int) -> Formula:
@@ -65,6 +83,7 @@ class Quantity:
         order: highest derivative of s that it uses; the others reach the formula as 0.
         smooth: derivatives of s below this one must not jump, or the quantity is infinite.
         absolute: width that is good enough, besides 1e-10 of the value.
+        share: the same as a share of the cam's size, for lengths that may vanish.
         turns: a corner of the traced curve makes it infinite, with the sign of the turn.
     """
 
@@ -72,6 +91,7 @@ class Quantity:
     order: int
     smooth: int = 0
     absolute: float = 0.0
+    share: float = 0.0
     turns: bool = False
 
 
@@ -81,7 +101,11 @@ QUANTITIES = {
     "jerk": Quantity(_derivative(3), 3, smooth=3),
     "pressure_angle": Quantity(pressure_angle, 1, absolute=1e-10),
     "pitch_curvature": Quantity(pitch_curvature, 2, turns=True),
-    "pitch_radius": Quantity(pitch_radius, 0),
+    "pitch_radius": Quantity(pitch_radius, 1),
+    "face_radius": Quantity(face_radius, 2, smooth=2, share=1e-12),
+    "contact": Quantity(contact, 1, smooth=1, share=1e-12),
+    "contact_left": Quantity(lambda *at: -contact(*at), 1, smooth=1, share=1e-12),
+    "contact_right": Quantity(contact, 1, smooth=1, share=1e-12),
 }
 
 
@@ -97,7 +121,10 @@ def enclose_all(
         return found
 
     breaks, counts = course.curve.breaks, course.counts
-    return enclose(model, breaks, counts, questions, absolute=quantity.absolute)
+    enough = quantity.absolute
+    if quantity.share > 0.0:
+        enough += quantity.share * machine.follower.prime_radius().value(size)
+    return enclose(model, breaks, counts, questions, absolute=enough)
 
 
 def infinite(quantity: Quantity, course: Course, stretches: Sequence[int]) -> Jump | None:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
@@ -29,7 +30,9 @@ class Scene:
         borders, middles: the cam at the borders of segments and half-way between them.
         drive: unit vector along which the follower moves.
         rotation: +1 where the cam turns counter-clockwise, −1 clockwise.
+        centre: where the follower's stem begins: the roller's centre [mm].
         roller, base, prime: radii [mm].
+        face: how far a flat face reaches against and along the x axis [mm].
         extent: left, bottom, right and top of all that is drawn, texts excepted [mm].
         u: the sheet's unit [mm]. decimals: of coordinates.
     """
@@ -40,7 +43,9 @@ class Scene:
     middles: CamProfile
     drive: tuple[float, float]
     rotation: float
+    centre: tuple[float, float]
     roller: float
+    face: tuple[float, float]
     base: float
     prime: float
     extent: Box
@@ -55,7 +60,10 @@ class Scene:
         sign = -1.0 if cam.rotation == "cw" else 1.0
         drive = (sign * float(gx[0]), float(gy[0]))
         moving = [s for s in cam.motion.stretches if s.angle > 0.0]
-        roller, prime = cam.follower.roller_radius, design.dimensions["prime_radius_mm"]
+        shape = cam.follower.shape(cam.motion, cam.size)
+        roller, prime = shape.roller, cam.follower.prime_radius().value(cam.size)
+        centre = sign * shape.centre[0], shape.centre[1]
+        face = (shape.left, shape.right) if sign > 0.0 else (shape.right, shape.left)
         across = max(float(np.ptp(curve.pitch_x)), float(np.ptp(curve.pitch_y)), 2.0 * prime)
         u = across / UNITS_ACROSS
         return cls(
@@ -65,18 +73,15 @@ class Scene:
             middles=cam.at(np.array([s.start + 0.5 * s.angle for s in moving])),
             drive=drive,
             rotation=sign,
+            centre=centre,
             roller=roller,
+            face=face,
             base=design.dimensions["base_radius_mm"],
             prime=prime,
-            extent=_extent(curve, start, drive, prime, roller, STEM * u),
+            extent=_extent(curve, centre, drive, prime, roller, face, STEM * u),
             u=u,
             decimals=max(4, 7 - math.floor(math.log10(across))),
         )
-
-    @property
-    def centre(self) -> tuple[float, float]:
-        """The roller's centre [mm]."""
-        return float(self.start.pitch_x[0]), float(self.start.pitch_y[0])
 
     @property
     def offset(self) -> float:
@@ -94,17 +99,18 @@ class Scene:
 
 def _extent(
     curve: CamProfile,
-    start: CamProfile,
+    centre: tuple[float, float],
     drive: tuple[float, float],
     prime: float,
     roller: float,
+    face: tuple[float, float],
     stem: float,
 ) -> Box:
-    x, y = float(start.pitch_x[0]), float(start.pitch_y[0])
+    x, y = centre
     end_x, end_y = x + (roller + stem) * drive[0], y + (roller + stem) * drive[1]
     xs = [-prime, prime, float(curve.pitch_x.min()), float(curve.pitch_x.max())]
     ys = [-prime, prime, float(curve.pitch_y.min()), float(curve.pitch_y.max())]
-    xs += [x - roller, x + roller, end_x]
+    xs += [x - max(roller, face[0]), x + max(roller, face[1]), end_x]
     ys += [y - roller, y + roller, end_y]
     return min(xs), min(ys), max(xs), max(ys)
 
@@ -176,8 +182,18 @@ def _rotation(scene: Scene) -> list[str]:
     return [svg.path("line outline", steps), svg.arrow_head("solid", x3, y3, along, size)]
 
 
+def _flat_face(scene: Scene, at: Callable[[float, float], str]) -> list[str]:
+    """A plate as wide as contact needs, and its stem."""
+    u, (left, right) = scene.u, scene.face
+    corners = [(0.0, -left), (0.0, right), (2.0 * u, right), (2.0 * u, 1.5 * u),
+               (STEM * u, 1.5 * u), (STEM * u, -1.5 * u), (2.0 * u, -1.5 * u),
+               (2.0 * u, -left)]  # fmt: skip
+    steps = "M" + "L".join(at(*corner) for corner in corners) + "Z"
+    return [svg.path("outline metal", steps)]
+
+
 def _follower(scene: Scene) -> list[str]:
-    """Roller and stem, or a knife edge, at cam angle 0."""
+    """Roller and stem, a flat face or a knife edge, at cam angle 0."""
     u, (x, y), (gx, gy) = scene.u, scene.centre, scene.drive
     half = min(max(0.3 * scene.roller, 1.2 * u), 2.5 * u, 0.8 * scene.roller or math.inf)
     end, foot = scene.roller + STEM * u, math.sqrt(max(scene.roller**2 - half**2, 0.0))
@@ -185,6 +201,8 @@ def _follower(scene: Scene) -> list[str]:
     def at(along: float, across: float) -> str:
         return f"{svg.num(x + along * gx + across * gy)} {svg.num(y + along * gy - across * gx)}"
 
+    if any(scene.face):
+        return _flat_face(scene, at)
     if scene.roller == 0.0:
         corners = [(end, -half), (3.0 * u, -half), (0.0, 0.0), (3.0 * u, half), (end, half)]
         return [svg.path("outline metal", "M" + "L".join(at(*corner) for corner in corners))]

@@ -38,7 +38,7 @@ def _profile(design: Design, options: ProfileOptions) -> bytes:
         *labels(design, scene, x, y),
         *heading(design, MARGIN * u, width - MARGIN * u, u),
         *_legend_lines(rows, MARGIN * u, legend, u),
-        *_remarks(design, second, legend, u),
+        *_remarks(design, scene, second, legend, u),
         *_scale_bar(second, legend + 4.0 * ROW * u, u),
     ]
     title = f"Cam {design.name or design.id}"
@@ -72,11 +72,10 @@ def _legend_lines(rows: list[tuple[str, str]], x: float, top: float, u: float) -
     return body
 
 
-def _remarks(design: Design, x: float, top: float, u: float) -> list[str]:
+def _remarks(design: Design, scene: Scene, x: float, top: float, u: float) -> list[str]:
     levels = [end for segment in design.motion for end in (segment.s_start_mm, segment.s_end_mm)]
-    roller = design.spec.follower.roller_radius
     told = [
-        f"roller radius {svg.figure(roller, 6)} mm" if roller > 0.0 else "knife edge",
+        _tip(scene),
         f"stroke {svg.figure(max(levels) - min(levels), 6)} mm",
         "follower shown at cam angle 0°",
         f"cam angles run {TURNS[OPPOSITE[design.rotation]]}",
@@ -84,6 +83,13 @@ def _remarks(design: Design, x: float, top: float, u: float) -> list[str]:
     return [
         svg.text("label", x, top + ((k + 0.5) * ROW + 1.0) * u, line) for k, line in enumerate(told)
     ]
+
+
+def _tip(scene: Scene) -> str:
+    """What touches the cam."""
+    if any(scene.face):
+        return f"flat face, contact over {svg.figure(sum(scene.face), 6)} mm"
+    return f"roller radius {svg.figure(scene.roller, 6)} mm" if scene.roller > 0.0 else "knife edge"
 
 
 def _scale_bar(x: float, y: float, u: float) -> list[str]:

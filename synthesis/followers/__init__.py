@@ -2,11 +2,16 @@
 
 from __future__ import annotations
 
+from typing import Annotated
+
+from pydantic import Field
+
 from synthesis.followers.base import Follower
+from synthesis.followers.translating_flat_face import TranslatingFlatFace
 from synthesis.followers.translating_roller import TranslatingRoller
 
-AnyFollower = TranslatingRoller
+AnyFollower = Annotated[TranslatingRoller | TranslatingFlatFace, Field(discriminator="kind")]
 
-FOLLOWERS: tuple[type[Follower], ...] = (TranslatingRoller,)
+FOLLOWERS: tuple[type[Follower], ...] = (TranslatingRoller, TranslatingFlatFace)
 
-__all__ = ["FOLLOWERS", "AnyFollower", "Follower", "TranslatingRoller"]
+__all__ = ["FOLLOWERS", "AnyFollower", "Follower", "TranslatingFlatFace", "TranslatingRoller"]

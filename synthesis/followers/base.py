@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any, ClassVar
 
 from pydantic import BaseModel, ConfigDict
 
+from synthesis.motion import Motion
 from synthesis.terms import Cone, Norm, Row
 
 Vector2 = tuple[Any, Any]
@@ -29,6 +30,34 @@ class Sizing:
     least: float
 
 
+@dataclass(frozen=True)
+class Measure:
+    """What the certificate has to measure for a bound: lower ≤ quantity ≤ upper [core units].
+
+    ``to_wire``: monotone map to the wire's unit; None where the wire has no value.
+    """
+
+    quantity: str
+    lower: float | None
+    upper: float | None
+    to_wire: Callable[[float], float | None]
+
+
+@dataclass(frozen=True)
+class Shape:
+    """The follower's end as a drawing shows it, in the machine frame of a ccw cam [mm].
+
+    Attributes:
+        centre: where its stem begins. roller: radius about it, 0 where there is no roller.
+        left, right: how far a face reaches to either side, both 0 where there is no face.
+    """
+
+    centre: tuple[float, float]
+    roller: float
+    left: float = 0.0
+    right: float = 0.0
+
+
 class Follower(BaseModel, ABC):
     """A follower family: given dimensions, free dimensions (the size z), and its geometry.
 
@@ -42,6 +71,7 @@ class Follower(BaseModel, ABC):
     kind: str
     title: ClassVar[str]
     size_names: ClassVar[tuple[str, ...]]
+    always_convex: ClassVar[bool] = False  # a profile that is not undercut has no hollows
 
     @property
     @abstractmethod
@@ -76,23 +106,70 @@ class Follower(BaseModel, ABC):
 
     @abstractmethod
     def traced_point(self, s: Any, z: Any) -> tuple[Vector2, ...]:
-        """The roller's centre and its θ-derivatives 1 to 3 in the machine frame.
+        """The traced point and its θ-derivatives in the machine frame: a roller's centre.
 
         Args:
             s: the four values s, s', s'', s''', of any arithmetic type (arrays, intervals).
             z: size variables.
 
         Returns:
-            four pairs (x, y).
+            pairs (x, y) of the point and at least its first two derivatives.
         """
 
     @abstractmethod
     def direction(self, s: Any, z: Any) -> tuple[Vector2, Vector2]:
-        """Unit vector along which the roller's centre is driven, and its θ-derivative."""
+        """Unit vector along which the follower is driven, and its θ-derivative."""
 
     @abstractmethod
     def curvature_terms(self, s: Any, z: Any) -> tuple[Any, Any]:
         """Numerator N and squared speed W² of the traced curve: κ = N / W³, convex positive."""
+
+    def normal(self, tangent: Vector2, s: Any, z: Any) -> Vector2:
+        """Outward common normal, of any length: of the traced curve, or of a face that has one.
+
+        Args:
+            tangent: of the traced curve, which runs clockwise round the cam.
+            s, z: as for ``traced_point``.
+        """
+        tx, ty = tangent
+        return -ty, tx
+
+    def face_turn(self, s: Any, z: Any) -> Vector2:
+        """How the face's unit normal n turns as seen from the cam: n' + J n; only with a face."""
+        raise NotImplementedError(f"{self.kind} has no face")
+
+    def check_reach(self, largest: float) -> None:
+        """Refuse dimensions that no base radius up to ``largest`` [mm] can serve."""
+        return None
+
+    def profile_radius_rows(self, least: float) -> tuple[Row, ...]:
+        """Profile radius ≥ least as rows linear in s to s'' and z; () where it is not linear."""
+        return ()
+
+    def profile_radius_measure(self, least: float) -> Measure | None:
+        """Profile radius ≥ least on the finished cam; None where it cannot fail.
+
+        Of a traced curve at the distance Rr: κ ≤ 1/(Rr + least), free of division by what may
+        vanish on the way from convex to hollow.
+        """
+        roller, smallest = self.roller_radius, self.roller_radius + least
+        if smallest <= 0.0:
+            return None
+
+        def to_wire(curvature: float) -> float | None:
+            return 1.0 / curvature - roller if curvature > 0.0 else None
+
+        return Measure("pitch_curvature", None, 1.0 / smallest, to_wire)
+
+    def contact_rows(self, left: float, right: float) -> tuple[Row, ...]:
+        """Contact within left and right [mm] of a face's middle, in this order; () without one."""
+        return ()
+
+    def shape(self, motion: Motion, z: tuple[float, ...]) -> Shape:
+        """What a drawing shows at cam angle 0."""
+        s = motion.derivatives([0.0])
+        (x, y), *_ = self.traced_point(s, z)
+        return Shape((float(x[0]), float(y[0])), self.roller_radius)
 
     @abstractmethod
     def outermost(self, s_max: float) -> Norm:
@@ -101,3 +178,7 @@ class Follower(BaseModel, ABC):
     @abstractmethod
     def dimensions(self, z: tuple[float, ...]) -> Mapping[str, float]:
         """The cam's dimensions as named on the wire [mm]."""
+
+    def motion_dimensions(self, motion: Motion) -> Mapping[str, float]:
+        """Dimensions that follow from the finished motion [mm]."""
+        return {}

@@ -13,6 +13,7 @@ from typing import Annotated, Any, ClassVar, Literal
 
 import numpy as np
 from pydantic import Field
+from pydantic_core import PydanticCustomError
 
 from synthesis.followers.base import Follower, Sizing, Vector2
 from synthesis.ranges import Dimension, ends
@@ -34,6 +35,19 @@ class TranslatingRoller(Follower):
     @property
     def roller_radius(self) -> float:
         return self.roller_radius_mm
+
+    def check_reach(self, largest: float) -> None:
+        e_min, e_max = ends(self.offset_mm)
+        nearest = 0.0 if e_min <= 0.0 <= e_max else min(abs(e_min), abs(e_max))
+        prime = largest + self.roller_radius
+        if nearest >= prime:
+            raise PydanticCustomError(
+                "offset_beyond_prime_radius",
+                "offset_mm = {offset} is not inside the prime radius {prime} mm "
+                "(base radius plus roller radius): the follower would miss the pitch circle. "
+                "Take a smaller offset or a larger base radius.",
+                {"offset": nearest, "prime": prime},
+            )
 
     def sizing(self, base_radius: tuple[float, float]) -> Sizing:
         least, largest = (radius + self.roller_radius_mm for radius in base_radius)

@@ -1,8 +1,8 @@
 """The smallest cam for given laws, in closed form: the point of a polygon nearest to the axis.
 
-With the laws given, every row is a half-plane of the two size variables; its worst cam angle is
-known. For pressure angle alone this is the apex of mathematics' two half-planes, with the cases
-where another side binds included.
+With the laws given, every row is a half-plane of the size variables, one or two; its worst cam
+angle is known. For pressure angle alone this is the apex of mathematics' two half-planes, with the
+cases where another side binds included.
 """
 
 from __future__ import annotations
@@ -57,16 +57,23 @@ def nearest(problem: Problem) -> Vector | None:
 def _nearest_to_origin(a: Array, b: Array, tolerance: float) -> Array | None:
     """Origin, foot on one line, or corner of two: the feasible candidate of least norm."""
     feet = a * b[:, None]
-    first, second = np.triu_indices(len(b), 1)
-    cross = a[first, 0] * a[second, 1] - a[first, 1] * a[second, 0]
-    meeting = np.abs(cross) > 1e-12
-    i, j, d = first[meeting], second[meeting], cross[meeting]
-    x = (b[i] * a[j, 1] - b[j] * a[i, 1]) / d
-    y = (a[i, 0] * b[j] - a[j, 0] * b[i]) / d
-    candidates = np.vstack([np.zeros((1, 2)), feet, np.column_stack([x, y])])
+    candidates = np.vstack([np.zeros((1, a.shape[1])), feet, _corners(a, b)])
     reach = tolerance + 1e-13 * np.max(np.abs(candidates), axis=1)
     inside = np.all(candidates @ a.T <= b + reach[:, None], axis=1)
     if not inside.any():
         return None
     allowed = candidates[inside]
     return np.asarray(allowed[np.argmin(np.sum(allowed**2, axis=1))])
+
+
+def _corners(a: Array, b: Array) -> Array:
+    """Where two lines of the plane meet; one size variable has none."""
+    if a.shape[1] == 1:
+        return np.zeros((0, 1))
+    first, second = np.triu_indices(len(b), 1)
+    cross = a[first, 0] * a[second, 1] - a[first, 1] * a[second, 0]
+    meeting = np.abs(cross) > 1e-12
+    i, j, d = first[meeting], second[meeting], cross[meeting]
+    x = (b[i] * a[j, 1] - b[j] * a[i, 1]) / d
+    y = (a[i, 0] * b[j] - a[j, 0] * b[i]) / d
+    return np.column_stack([x, y])

@@ -146,7 +146,7 @@ def _relaxations(
 
 def _tighter(part: Part, asked: float, needed: float) -> bool:
     """Whether a member's value does not allow yet what is needed."""
-    return asked < needed if len(part.members) > 1 else asked != needed
+    return part.tighter(asked, needed) if len(part.members) > 1 else asked != needed
 
 
 def _not_convex(spec: DesignSpec, problem: Problem, reached: Reached | None) -> Conflict:

@@ -44,13 +44,12 @@ def blocked(parts: Sequence[Part], problem: Problem) -> dict[int, Blocked]:
 
 
 def _order(part: LimitPart, problem: Problem) -> int:
-    """Highest derivative that the part bounds by itself, 0 if none."""
+    """Highest derivative in the part's rows, 0 if none: those below must not jump."""
     highest = 0
     for position, _ in part.where:
         rows = problem.limits[position].rows(problem.stretches[0], problem.machine)
         for row in part.own(rows):
-            if not row.size:
-                highest = max(highest, *(k for k, a in enumerate(row.coefficients) if a != 0.0))
+            highest = max(highest, *(k for k, a in enumerate(row.coefficients) if a != 0.0))
     return highest
 
 

@@ -1,6 +1,6 @@
 """What may give way where nothing fits: every number of the spec that limits the cam, as a part.
 
-A part is upper-sided or a range; its values are the wire's, so nothing has to be converted back.
+A part is one-sided or a range; its values are the wire's, so nothing has to be converted back.
 """
 
 from __future__ import annotations
@@ -69,6 +69,10 @@ class Part(ABC):
     def eased(self, value: float, share: float) -> float:
         """A value looser by a share of itself."""
 
+    def tighter(self, asked: float, needed: float) -> bool:
+        """Whether what is asked does not allow yet what is needed."""
+        return asked < needed
+
 
 @dataclass(frozen=True)
 class LimitPart(Part):
@@ -82,9 +86,13 @@ class LimitPart(Part):
     def loosened(self, problem: Problem, value: float) -> Problem:
         limits = list(problem.limits)
         for (position, name), member in zip(self.where, self.members, strict=True):
-            update = {name: max(member.asked, value)}
+            update = {name: self.looser(member.asked, value)}
             limits[position] = limits[position].model_copy(update=update)
         return replace(problem, limits=tuple(limits))
+
+    def looser(self, asked: float, value: float) -> float:
+        """The looser of what a member asks and a value."""
+        return max(asked, value)
 
     def least(self, settled: Problem, size: Vector | None) -> float | None:
         def excess(value: float) -> float:
@@ -119,6 +127,35 @@ class LimitPart(Part):
     def own(self, rows: Sequence[Row]) -> list[Row]:
         """Those of a limit's rows that this part asks for."""
         return [row for row in rows if row.source == self.name]
+
+
+@dataclass(frozen=True)
+class LeastPart(LimitPart):
+    """A claim of such a limit that bounds from below; it eases down to 0, not farther."""
+
+    @property
+    def asked(self) -> float:
+        return max(member.asked for member in self.members)
+
+    def looser(self, asked: float, value: float) -> float:
+        return min(asked, value)
+
+    def least(self, settled: Problem, size: Vector | None) -> float | None:
+        def excess(value: float) -> float:
+            return max(self._excesses(self.loosened(settled, value), size), default=-inf)
+
+        if excess(self.asked) <= 0.0:
+            return self.asked
+        if excess(0.0) > 0.0:
+            return None
+        root = float(brentq(excess, 0.0, self.asked, xtol=1e-300, rtol=1e-13))
+        return root if excess(root) <= 0.0 else root * (1.0 - 1e-12)
+
+    def eased(self, value: float, share: float) -> float:
+        return value * (1.0 - share)
+
+    def tighter(self, asked: float, needed: float) -> bool:
+        return asked > needed
 
 
 @dataclass(frozen=True)
@@ -158,8 +195,13 @@ def exceeded(row: Row, stretch: Stretch, size: Vector) -> tuple[float, float]:
     return worst + share - row.upper, theta
 
 
-def limit_parts(problem: Problem) -> list[Part]:
-    """Claims of limits that speak in rows or cones, those of one name together."""
+def limit_parts(problem: Problem, asked_for: int) -> list[Part]:
+    """Claims of limits that speak in rows or cones, those of one name together.
+
+    Args:
+        problem: the question.
+        asked_for: how many of its limits the spec names; the others hold for every cam.
+    """
     found: dict[str, LimitPart] = {}
     for position, limit in enumerate(problem.limits):
         for claim in limit.claims(problem.stretches, problem.machine):
@@ -167,12 +209,14 @@ def limit_parts(problem: Problem) -> list[Part]:
                 continue
             name = claim.field.rpartition("/")[2]
             asked = float(getattr(limit, name))
-            words = f"{claim.limit.replace('_', ' ')} ≤ {asked:.6g} {claim.unit}"
-            part = found.get(claim.limit, LimitPart(claim.limit, words, claim.unit, (), ()))
+            kind, sign = (LeastPart, "≥") if claim.upper is None else (LimitPart, "≤")
+            words = f"{claim.limit.replace('_', ' ')} {sign} {asked:.6g} {claim.unit}"
+            part = found.get(claim.limit, kind(claim.limit, words, claim.unit, (), ()))
+            field = f"limits/{position}/{name}" if position < asked_for else "limits"
             found[claim.limit] = replace(
                 part,
-                words=words if not part.members or asked < part.asked else part.words,
-                members=(*part.members, Member(f"limits/{position}/{name}", asked)),
+                words=words if not part.members or part.tighter(asked, part.asked) else part.words,
+                members=(*part.members, Member(field, asked)),
                 where=(*part.where, (position, name)),
             )
     return list(found.values())

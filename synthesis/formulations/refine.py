@@ -257,7 +257,8 @@ def _halved(breaks: Array, chosen: NDArray[np.bool_]) -> Array:
 def _report(state: Search, number: int, plan: Plan, solution: ConeSolution, seconds: float) -> None:
     rows, unknowns = plan.program.matrix.shape
     knots = sum(len(grid.space.breaks) - 1 for grid in plan.grids)
-    model = "QP" if plan.energy is not None else "SOCP" if plan.balls else "LP"
+    conic = any(len(ball.shift) > 1 for ball in plan.balls)  # of one row: two half-spaces
+    model = "QP" if plan.energy is not None else "SOCP" if conic else "LP"
     state.stages.append(
         Stage(
             f"convex {number}", f"{model}, {knots} spline intervals", "Clarabel", unknowns, rows,

@@ -44,7 +44,7 @@ def least_value(scene: Scene, part: int) -> float | None:
             return new
         value = new
         if isinstance(asked, LimitPart) and reached is not None:
-            rate = Rate(found, scene.plan(part, value * (1.0 + STEP)), STEP)
+            rate = Rate(found, scene.plan(part, asked.eased(value, STEP)), STEP)
     return value
 
 

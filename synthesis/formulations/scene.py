@@ -61,7 +61,7 @@ class Scene:
     def of(cls, spec: DesignSpec, problem: Problem, grids: Sequence[Grid]) -> Scene:
         """The scene of a spec."""
         idle = replace(open_size(problem), objective=Nothing(), held=())
-        parts = (*limit_parts(problem), *range_parts(spec, problem))
+        parts = (*limit_parts(problem, len(spec.limits)), *range_parts(spec, problem))
         return cls(idle, tuple(grids), parts)
 
     def plan(self, part: int | None = None, value: float = 0.0) -> Plan:
@@ -125,6 +125,9 @@ def yielded(
 def _starts(scene: Scene, plan: Plan, eased: Yielded) -> Iterator[Array]:
     """Unit vectors: towards the point found, towards the ends of the offset's range, all round."""
     size = eased.x[plan.size]
+    if len(size) == 1:
+        yield np.ones(1)
+        return
     yield size / max(float(np.linalg.norm(size)), 1e-300)
     radius = max(part.low for part in scene.ranges() if part.axis is None)
     for part in scene.ranges():
@@ -147,6 +150,8 @@ def _best(towards: Towards, starts: list[Array], plan: Plan, *, ring: bool) -> Y
             return best
     if best is None or best.direction is None:
         return None
+    if len(best.direction) == 1:
+        return best
     turned = _on_ring(towards, best.direction) if ring else _turned(towards, best, plan)
     return turned if turned is not None and turned.total < best.total else best
 

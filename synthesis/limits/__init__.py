@@ -9,6 +9,7 @@ from pydantic import Field
 from synthesis.limits.acceleration import Acceleration
 from synthesis.limits.base import Claim, Limit, Machine
 from synthesis.limits.cutter_radius import CutterRadius
+from synthesis.limits.face_width import FaceWidth
 from synthesis.limits.jerk import Jerk
 from synthesis.limits.outer_radius import OuterRadius
 from synthesis.limits.pressure_angle import PressureAngle
@@ -16,12 +17,20 @@ from synthesis.limits.profile_radius import ProfileRadius
 from synthesis.limits.velocity import Velocity
 
 AnyLimit = Annotated[
-    PressureAngle | ProfileRadius | CutterRadius | Velocity | Acceleration | Jerk | OuterRadius,
+    PressureAngle
+    | ProfileRadius
+    | CutterRadius
+    | Velocity
+    | Acceleration
+    | Jerk
+    | OuterRadius
+    | FaceWidth,
     Field(discriminator="kind"),
 ]
 
 LIMITS: tuple[type[Limit], ...] = (
     PressureAngle, ProfileRadius, CutterRadius, Velocity, Acceleration, Jerk, OuterRadius,
+    FaceWidth,
 )  # fmt: skip
 
 __all__ = ["LIMITS", "AnyLimit", "Claim", "Limit", "Machine"]

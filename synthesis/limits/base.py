@@ -59,6 +59,10 @@ class Limit(BaseModel, ABC):
     kind: str
     title: ClassVar[str]
 
+    def suits(self, follower: Follower) -> bool:
+        """Whether the limit says anything about such a follower."""
+        return True
+
     def rows(self, stretch: Stretch, machine: Machine) -> tuple[Row, ...]:
         """Linear rows on one stretch; for a limit that is not convex, those it implies."""
         return ()

@@ -24,6 +24,8 @@ class CutterRadius(Limit):
 
     def _pitch_radius(self, machine: Machine) -> float | None:
         """Smallest hollow radius of the pitch curve [mm]; None where the cutter always fits."""
+        if machine.follower.always_convex:
+            return None
         radius = self.radius_mm - machine.follower.roller_radius
         return radius if radius > 0.0 else None
 

@@ -3,19 +3,22 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
 from typing import Annotated, Any, ClassVar, Literal
 
 from pydantic import Field
 
 from synthesis.limits.base import Claim, Limit, Machine, where
 from synthesis.motion import Stretch
+from synthesis.terms import Row
 
 
 class ProfileRadius(Limit):
     """Radius of the convex profile ≥ ``min_mm``: ρ_pitch ≥ Rr + min wherever ρ_pitch is positive.
 
-    Written as κ_pitch ≤ 1/(Rr + min), which is free of division by what may vanish. Signed: a
-    hollow flank (negative curvature) is the business of the limit ``cutter_radius``.
+    The follower says it in linear rows where it can (a flat face: ρ = Rb + s + s''). For a roller
+    it is written as κ_pitch ≤ 1/(Rr + min), which is free of division by what may vanish. Signed:
+    a hollow flank (negative curvature) is the business of the limit ``cutter_radius``.
     """
 
     kind: Literal["profile_radius"] = "profile_radius"
@@ -25,32 +28,31 @@ class ProfileRadius(Limit):
         Field(ge=0.0, le=1e6, description="Smallest radius of the convex profile; 0: no undercut."),
     ] = 0.0
 
-    def _pitch_radius(self, machine: Machine) -> float:
-        """Smallest convex radius of the pitch curve [mm]."""
-        return machine.follower.roller_radius + self.min_mm
+    def rows(self, stretch: Stretch, machine: Machine) -> tuple[Row, ...]:
+        rows = machine.follower.profile_radius_rows(self.min_mm)
+        return tuple(replace(row, source="profile_radius") for row in rows)
 
     def smooth(self, stretch: Stretch, machine: Machine, s: Any, z: Any) -> tuple[Any, ...]:
-        smallest = self._pitch_radius(machine)
-        if smallest <= 0.0:
+        smallest = machine.follower.roller_radius + self.min_mm
+        if smallest <= 0.0 or self.rows(stretch, machine):
             return ()
         numerator, speed_squared = machine.follower.curvature_terms(s, z)
         # κ ≤ 1/ρ_min with κ = N/W³, divided by W² to keep the size of the numbers even
         return (smallest * numerator / speed_squared**1.5 - 1.0,)
 
     def claims(self, stretches: Sequence[Stretch], machine: Machine) -> tuple[Claim, ...]:
-        smallest = self._pitch_radius(machine)
-        if smallest <= 0.0:
+        found = machine.follower.profile_radius_measure(self.min_mm)
+        if found is None:
             return ()
-        roller = machine.follower.roller_radius
         return (
             Claim(
                 "profile_radius",
-                "pitch_curvature",
+                found.quantity,
                 where(stretches),
-                None,
-                1.0 / smallest,
+                found.lower,
+                found.upper,
                 "mm",
-                lambda curvature: 1.0 / curvature - roller if curvature > 0.0 else None,
+                found.to_wire,
                 "profile_radius/min_mm",
             ),
         )

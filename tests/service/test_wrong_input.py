@@ -54,6 +54,20 @@ TABLE: dict[str, tuple[Change, str, Any, str]] = {
     "lift missing": (without("program", 0, "lift_mm"), "/program/0/lift_mm", None, "required"),
     "absurd number": (segment(0, lift_mm=1e300), "/program/0/lift_mm", 1e300, "at most"),
     "huge integer": (segment(0, lift_mm=10**400), "/program/0/lift_mm", ..., "must be"),
+    "face of a roller": (
+        changed(limits=[{"kind": "face_width", "width_mm": 40}]), "/limits", ..., "Remove it",
+    ),
+    "face of no width": (
+        changed(
+            follower={"kind": "translating_flat_face"}, limits=[{"kind": "face_width"}]
+        ), "/limits/0", ..., "Give width_mm",
+    ),
+    "angle of a face": (
+        changed(
+            follower={"kind": "translating_flat_face"}, limits=[],
+            objective={"kind": "peak_pressure_angle"},
+        ), "/objective", ..., "another objective",
+    ),
     "unknown segment": (segment(0, kind="ris"), "/program/0/kind", "ris", "Did you mean 'rise'"),
     "segment of no kind": (without("program", 1, "kind"), "/program/1/kind", None, "required"),
     "segment is a number": (changed(program=[3]), "/program/0", 3, "object"),
