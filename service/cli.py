@@ -89,7 +89,7 @@ def analyse(
     else:
         out.print(analysis_table.headline(found), analysis_table.undercut(found), sep="\n")
         for table in analysis_table.tables(found):
-            out.print(table)
+            out.print(table, width=max(out.width, analysis_table.WIDTH))
     if not found.holds:
         raise typer.Exit(3)
 

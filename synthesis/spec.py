@@ -180,9 +180,9 @@ class DesignSpec(BaseModel):
 
     def left_free(self) -> Iterator[tuple[str, Any]]:
         """JSON pointer and value of everything that the answer would have to choose."""
-        for index, segment in enumerate(self.program):
-            if segment.angle_deg > 0.0 and segment.law_name == "spline":
-                yield f"/program/{index}/law", segment.law_name
+        for stretch in self.stretches():
+            if stretch.law is None and stretch.angle > 0.0:
+                yield f"/program/{stretch.index}/law", self.program[stretch.index].law_name
         sizes = {
             "/base_radius_mm": self.base_radius_mm,
             "/follower/offset_mm": self.follower.offset_mm,
