@@ -88,8 +88,9 @@ def analyse(
         print(found.model_dump_json(indent=1))
     else:
         out.print(analysis_table.headline(found), analysis_table.undercut(found), sep="\n")
+        wide = Console(highlight=False, width=max(out.width, analysis_table.WIDTH))
         for table in analysis_table.tables(found):
-            out.print(table, width=max(out.width, analysis_table.WIDTH))
+            wide.print(table)
     if not found.holds:
         raise typer.Exit(3)
 

@@ -1,4 +1,4 @@
-"""P2: offset roller, parabolic rise, harmonic return; what it breaks, where it jumps, what mends it.
+"""P2: parabolic rise, harmonic return; what it breaks, where it jumps, what mends it.
 
 The textbook formulas are typed here from the literature and share nothing with the product.
 """
