@@ -23,17 +23,13 @@ from synthesis.spec import DesignSpec
 def analyse(spec: DesignSpec, *, deadline: float | None = None) -> Analysis:
     """Say what a given cam does, which limits it breaks, by how much, where, and what mends it.
 
-    Args:
-        spec: a cam whose laws, base radius and offset are all given.
-        deadline: ``time.monotonic()`` at which to stop; the spec's own budget counts as well.
+    ``deadline`` is a ``time.monotonic()``; the spec's own budget counts as well.
 
     Raises:
         InputError: something is left free.
         TimeBudgetExceeded: time ran out while looking for what would mend it.
     """
     cam = given(spec)
-    own = inf if spec.time_budget_s is None else time.monotonic() + spec.time_budget_s
-    stop = min(own, inf if deadline is None else deadline)
     extremes = judged(spec, cam)
     broken = [extreme.limit for extreme in extremes if not extreme.holds]
     curves = Curves(cam.motion, spec.machine(), cam.size)
@@ -47,9 +43,15 @@ def analyse(spec: DesignSpec, *, deadline: float | None = None) -> Analysis:
         curves=curves.summaries(),
         jumps=curves.jumps(),
         undercut=curves.undercut(),
-        mend=mend(spec, cam, stop) if broken else None,
+        mend=mend(spec, cam, _stop(spec, deadline)) if broken else None,
         spec=spec,
     )
+
+
+def _stop(spec: DesignSpec, deadline: float | None) -> float:
+    """The earlier of the caller's deadline and the end of the spec's own budget, from now on."""
+    own = inf if spec.time_budget_s is None else time.monotonic() + spec.time_budget_s
+    return min(own, inf if deadline is None else deadline)
 
 
 def given(spec: DesignSpec) -> Cam:
