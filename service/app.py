@@ -18,7 +18,7 @@ from service.etag import TagEncodings
 from service.jobs import Jobs
 from service.metrics import Metrics
 from service.observe import Observe
-from service.routes import catalogue, designs, files, operation
+from service.routes import analyses, catalogue, designs, files, operation
 from service.settings import Settings
 from service.state import State
 from service.store import Store
@@ -53,7 +53,7 @@ def create_app(settings: Settings, engine_of: EngineOf = running_engine) -> Fast
         generate_unique_id_function=client_name,
         redirect_slashes=False,
     )
-    for routes in (designs, files, catalogue, operation):
+    for routes in (designs, analyses, files, catalogue, operation):
         app.include_router(routes.router)
     pages.install(app)
     problem.install(app)

@@ -10,11 +10,13 @@ from typing import Annotated, Any, NoReturn
 import typer
 from rich.console import Console
 
+from service import analysis_table
 from service.body import parsed, validated
 from service.errors import InvalidBody, ServiceError
 from service.settings import settings_from
 from synthesis.design import Design, engine_version
 from synthesis.errors import CamwrightError, TimeBudgetExceeded
+from synthesis.findings import Analysis
 from synthesis.spec import DesignSpec
 
 app = typer.Typer(
@@ -73,6 +75,34 @@ def design(
     if done.conflict is not None:
         out.print(f"These limits cannot hold together: {', '.join(done.conflict.limits)}")
         raise typer.Exit(3)
+
+
+@app.command()
+def analyse(
+    spec: Annotated[Path, typer.Argument(help="File with a DesignSpec, or a worked example.")],
+    as_json: Annotated[bool, typer.Option("--json", help="Print the whole as JSON.")] = False,
+) -> None:
+    """Analyse a cam that is given in full: what it does, what it breaks, and what mends it."""
+    found = _analysed(_read(spec))
+    if as_json:
+        print(found.model_dump_json(indent=1))
+    else:
+        out.print(analysis_table.headline(found), analysis_table.undercut(found), sep="\n")
+        wide = Console(highlight=False, width=max(out.width, analysis_table.WIDTH))
+        for table in analysis_table.tables(found):
+            wide.print(table)
+    if not found.holds:
+        raise typer.Exit(3)
+
+
+def _analysed(spec: DesignSpec) -> Analysis:
+    from synthesis.analysis import analyse
+
+    budget = settings_from().budget_s(spec.time_budget_s)
+    try:
+        return analyse(spec, deadline=time.monotonic() + budget)
+    except CamwrightError as error:
+        _stop(str(error))
 
 
 def _read(path: Path) -> DesignSpec:

@@ -25,6 +25,9 @@ the profile.
    (how close to the best possible the answer is).
 3. Take the points: `/v1/designs/{id}/profile.csv`, `.txt`, `.json`, `.svg`, and `/motion.*`.
 
+A cam that exists already goes to `POST /v1/analyses`: what it does, which limits it breaks, by how
+much and where, and what would mend it.
+
 **Units** are in the field names: mm, degrees of cam angle, rpm; velocity to jerk in mm/s to mm/s³
 at the given speed. **Angles** count from the start of the program in the sense that the program
 runs. **A number** fixes a dimension, `{"min", "max"}` leaves it free in between, leaving it out
@@ -38,6 +41,7 @@ The same spec gives the same id and the same bytes; results carry a strong `ETag
 """
 TAGS = [
     {"name": "designs", "description": "Ask for a cam; look at it, list them, forget it."},
+    {"name": "analyses", "description": "What a cam does that is given in full."},
     {"name": "files", "description": "Points and curves of a finished design."},
     {"name": "catalogue", "description": "What a spec may name, and what this server allows."},
     {"name": "operation", "description": "For those who run the service."},
@@ -72,11 +76,11 @@ UNDER_WAY_HEADERS = {
 }
 
 
-def spec_body() -> dict[str, Any]:
-    """The request body of POST /v1/designs with its worked examples."""
+def spec_body(part: str = "") -> dict[str, Any]:
+    """A DesignSpec as request body, with the worked examples of a part of the service."""
     content = {
         "schema": {"$ref": "#/components/schemas/DesignSpec"},
-        "examples": examples(),
+        "examples": examples(part),
     }
     return {"requestBody": {"required": True, "content": {"application/json": content}}}
 

@@ -91,14 +91,17 @@ class Engine:
                 {"Retry-After": "5"},
             )
 
-    async def solve(self, spec: bytes, budget_s: float) -> Answer:
-        """Run one design; raises what the core raised, or WorkerLost, or TimeBudgetExceeded."""
+    async def solve(self, spec: bytes, budget_s: float, task: Task | None = None) -> Answer:
+        """Run one design, or another task in its place.
+
+        Raises what the core raised, or WorkerLost, or TimeBudgetExceeded.
+        """
         await self._enter()
         if self._client.status != "running":
             await self._leave()
             raise EngineUnreachable("No worker can be reached. Try again shortly.", RETRY)
         key = f"design-{uuid.uuid4().hex}"
-        future = self._client.submit(self._task, spec, budget_s, key=key, pure=False)
+        future = self._client.submit(task or self._task, spec, budget_s, key=key, pure=False)
         result = asyncio.ensure_future(future.result())
         try:
             return await self._answer(result, budget_s)

@@ -14,9 +14,16 @@ FOLDERS = (
 SELF_CHECK = "example-13-6-sized"
 
 
+ANALYSES = "analyses"  # the folder of those that are given in full, for POST /v1/analyses
+
+
 @cache
-def examples() -> dict[str, dict[str, Any]]:
-    """By file name: summary, description and value, the spec. Empty where none were installed."""
-    folder = next((folder for folder in FOLDERS if folder.is_dir()), None)
+def examples(part: str = "") -> dict[str, dict[str, Any]]:
+    """By file name: summary, description and value, the spec. Empty where none were installed.
+
+    Args:
+        part: the folder among the examples; those of designs stand at its top.
+    """
+    folder = next((folder / part for folder in FOLDERS if folder.is_dir()), None)
     files = sorted(folder.glob("*.json")) if folder else []
     return {file.stem: json.loads(file.read_text(encoding="utf-8")) for file in files}

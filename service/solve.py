@@ -1,4 +1,4 @@
-"""What a worker does: bytes of a spec in, bytes of a design out. Nothing else crosses the wire."""
+"""What a worker does: bytes of a spec in, bytes of an answer out. Nothing else crosses the wire."""
 
 from __future__ import annotations
 
@@ -13,11 +13,11 @@ from synthesis.spec import DesignSpec
 
 @dataclass(frozen=True)
 class Answer:
-    """A finished design and what lists show of it.
+    """A finished design and what lists show of it, or an analysis, which is in no list.
 
     Attributes:
         design: the response body.
-        status: optimal, feasible or infeasible.
+        status: optimal, feasible or infeasible; of an analysis, holds or broken.
         summary: the other fields of a list's row.
         seconds: time the core took.
     """
@@ -54,6 +54,17 @@ def answered(synthesise: Callable[..., Any], spec: bytes, budget_s: float) -> An
     }
     body = design.model_dump_json().encode()
     return Answer(body, design.status, summary, time.monotonic() - started)
+
+
+def analyse(spec: bytes, budget_s: float) -> Answer:
+    """Analyse a given cam; runs in a worker process."""
+    from synthesis.analysis import analyse as analysed
+
+    started = time.monotonic()
+    asked = DesignSpec.model_validate_json(spec)
+    found = analysed(asked, deadline=started + budget_s)
+    status = "holds" if found.holds else "broken"
+    return Answer(found.model_dump_json().encode(), status, {}, time.monotonic() - started)
 
 
 def warm_up() -> None:

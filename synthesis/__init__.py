@@ -3,6 +3,8 @@
     from synthesis import DesignSpec, synthesise
     design = synthesise(DesignSpec.model_validate(body))
 
+and ``analyse(spec)`` for a cam that is given in full.
+
 Notation, used throughout (lengths in mm, angles in rad, derivatives per radian of cam angle):
 
     θ, β     cam angle; angle of a segment        x = (θ − start)/β, from 0 to 1
@@ -20,15 +22,19 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
+    from synthesis.analysis import analyse
     from synthesis.design import Design
+    from synthesis.findings import Analysis
     from synthesis.pipeline import synthesise
     from synthesis.spec import DesignSpec
 
-__all__ = ["Design", "DesignSpec", "synthesise"]
+__all__ = ["Analysis", "Design", "DesignSpec", "analyse", "synthesise"]
 
 _HOMES = {
+    "Analysis": "synthesis.findings",
     "Design": "synthesis.design",
     "DesignSpec": "synthesis.spec",
+    "analyse": "synthesis.analysis",
     "synthesise": "synthesis.pipeline",
 }
 

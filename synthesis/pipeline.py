@@ -135,5 +135,6 @@ def _conflict(spec: DesignSpec, attempt: _Attempt) -> Conflict:
         return found
     words = ", ".join(f"{e.limit} {e.value} {e.unit} at {e.angle_deg:.3f}°" for e in refused)
     evidence = f"{found.evidence}; the certificate refused the cam at hand: {words}"
-    limits = [*found.limits, *(e.limit.replace("_", " ") for e in refused)]
-    return found.model_copy(update={"evidence": evidence, "limits": list(dict.fromkeys(limits))})
+    named = (e.limit.replace("_", " ") for e in refused)
+    new = [name for name in named if not any(known.startswith(name) for known in found.limits)]
+    return found.model_copy(update={"evidence": evidence, "limits": [*found.limits, *new]})

@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Iterator
 from itertools import accumulate
-from typing import Annotated, Literal
+from typing import Annotated, Any, Literal
 
 from pydantic import BaseModel, ConfigDict, Field, model_validator
 from pydantic_core import PydanticCustomError
@@ -16,7 +17,7 @@ from synthesis.motion import Stretch
 from synthesis.objectives import AnyObjective
 from synthesis.objectives.base_radius import BaseRadius
 from synthesis.program import Segment
-from synthesis.ranges import Dimension, ends
+from synthesis.ranges import Dimension, Range, ends
 from synthesis.units import FULL_TURN, rad_per_s
 
 MAX_SEGMENTS = 100
@@ -185,6 +186,20 @@ class DesignSpec(BaseModel):
         if any(limit.kind == "profile_radius" for limit in self.limits):
             return tuple(self.limits)
         return (*self.limits, ProfileRadius())
+
+    def left_free(self) -> Iterator[tuple[str, Any]]:
+        """JSON pointer and value of everything that the answer would have to choose."""
+        for stretch in self.stretches():
+            if stretch.law is None and stretch.angle > 0.0:
+                yield f"/program/{stretch.index}/law", self.program[stretch.index].law_name
+        sizes = {
+            "/base_radius_mm": self.base_radius_mm,
+            **{f"/follower/{name}": value for name, value in self.follower.adjustable().items()},
+        }
+        for field, value in sizes.items():
+            low, high = ends(value)
+            if low != high:
+                yield field, value.model_dump() if isinstance(value, Range) else value
 
     def objectives(self) -> tuple[AnyObjective, ...]:
         """The objectives in order."""

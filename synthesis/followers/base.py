@@ -10,6 +10,7 @@ from typing import Any, ClassVar
 from pydantic import BaseModel, ConfigDict
 
 from synthesis.motion import Motion
+from synthesis.ranges import Range
 from synthesis.terms import Cone, Norm, Row
 
 Vector2 = tuple[Any, Any]
@@ -137,6 +138,10 @@ class Follower(BaseModel, ABC):
     def face_turn(self, s: Any, z: Any) -> Vector2:
         """How the face's unit normal n turns as seen from the cam: n' + J n; only with a face."""
         raise NotImplementedError(f"{self.kind} has no face")
+
+    def adjustable(self) -> Mapping[str, float | Range | None]:
+        """Its dimensions that may also be left free: field and value."""
+        return {}
 
     def check_reach(self, largest: float) -> None:
         """Refuse dimensions that no base radius up to ``largest`` [mm] can serve."""

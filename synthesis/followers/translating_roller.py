@@ -16,7 +16,7 @@ from pydantic import Field
 from pydantic_core import PydanticCustomError
 
 from synthesis.followers.base import Follower, Sizing, Vector2
-from synthesis.ranges import Dimension, ends
+from synthesis.ranges import Dimension, Range, ends
 from synthesis.terms import Cone, Norm, Row
 
 
@@ -48,6 +48,9 @@ class TranslatingRoller(Follower):
                 "Take a smaller offset or a larger base radius.",
                 {"offset": nearest, "prime": prime},
             )
+
+    def adjustable(self) -> Mapping[str, float | Range | None]:
+        return {"offset_mm": self.offset_mm}
 
     def sizing(self, base_radius: tuple[float, float]) -> Sizing:
         least, largest = (radius + self.roller_radius_mm for radius in base_radius)

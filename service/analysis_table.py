@@ -1,0 +1,104 @@
+"""An analysis as tables for a terminal."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+from rich.box import SIMPLE_HEAD
+from rich.table import Table
+
+from synthesis.findings import Analysis, Mend, Peak
+
+WIDTH = 110  # what the widest table needs
+
+
+def tables(found: Analysis) -> Iterator[Table]:
+    """Limits, curves, jumps, and what would mend the cam: those that have something to say."""
+    yield _limits(found)
+    yield _curves(found)
+    if found.jumps:
+        yield _jumps(found)
+    if found.mend is not None:
+        yield _mend(found.mend)
+
+
+def headline(found: Analysis) -> str:
+    """The answer in one line."""
+    sizes = ", ".join(f"{name} {value:.4f}" for name, value in found.dimensions.items())
+    verdict = "every limit holds" if found.holds else f"broken: {', '.join(found.broken)}"
+    return f"{verdict}; {sizes}"
+
+
+def undercut(found: Analysis) -> str:
+    """Undercut or cusp in one line."""
+    worst = found.undercut
+    if worst is None:
+        return "No undercut."
+    return (
+        f"{worst.kind.capitalize()} at {worst.angle_deg:.4f}°: the pitch curve's radius is "
+        f"{worst.pitch_radius_mm:.4f} mm, the roller's {worst.roller_radius_mm:.4f} mm."
+    )
+
+
+def _table(title: str, *columns: str) -> Table:
+    table = Table(title=title, title_justify="left", box=SIMPLE_HEAD)
+    for i, column in enumerate(columns):
+        table.add_column(column, justify="left" if i == 0 else "right", no_wrap=True)
+    return table
+
+
+def _limits(found: Analysis) -> Table:
+    table = _table("Limits", "limit", "value", "unit", "at °", "allowed", "margin", "")
+    for e in found.extremes:
+        table.add_row(
+            e.limit, _number(e.value), e.unit, f"{e.angle_deg:.3f}", _number(e.bound),
+            _number(e.margin), "holds" if e.holds else "BROKEN",
+        )  # fmt: skip
+    return table
+
+
+def _curves(found: Analysis) -> Table:
+    table = _table("Curves", "curve", "over", "unit", "largest", "at °", "smallest", "at °")
+    for c in found.curves:
+        table.add_row(c.curve, c.over, c.unit, *_peak(c.largest), *_peak(c.smallest))
+    return table
+
+
+def _peak(peak: Peak | None) -> tuple[str, str]:
+    if peak is None:
+        return "–", "–"
+    sides = {"left": "−", "right": "+", "both": ""}
+    return _number(peak.value), f"{peak.angle_deg:.3f}{sides[peak.side]}"
+
+
+def _jumps(found: Analysis) -> Table:
+    table = _table("Jumps", "curve", "at °", "unit", "before", "after", "jump")
+    for j in found.jumps:
+        values = (_number(value) for value in (j.before, j.after, j.jump))
+        table.add_row(j.curve, f"{j.angle_deg:.3f}", j.unit, *values)
+    return table
+
+
+def _mend(mend: Mend) -> Table:
+    table = _table("What would mend it", "change", "to", "by", "unit")
+    for size in mend.sizes:
+        name = f"base radius, offset {size.offset}"
+        if not size.dimensions:
+            table.add_row(name, "no size helps", "", "")
+            continue
+        table.add_row(
+            name, _number(size.dimensions["base_radius_mm"]),
+            _number(size.base_radius_change_mm), "mm",
+        )  # fmt: skip
+        if size.offset == "free":
+            offset = _number(size.dimensions["offset_mm"])
+            table.add_row("  with offset", offset, _number(size.offset_change_mm), "mm")
+    for alone in mend.relaxations:
+        if alone.needed is not None:
+            change = _number(alone.needed - alone.asked)
+            table.add_row(f"{alone.field} alone", _number(alone.needed), change, alone.unit)
+    return table
+
+
+def _number(value: float | None) -> str:
+    return "–" if value is None else f"{value:.6g}"

@@ -1,0 +1,231 @@
+"""The curves of a given cam: their extremes, their jumps, and where the profile is undercut."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from typing import get_args
+
+import numpy as np
+
+from synthesis.certify.course import Course, Indices
+from synthesis.certify.joints import NAMES, UNITS
+from synthesis.certify.quantities import QUANTITIES, Quantity, Size, enclose_all, tangent
+from synthesis.findings import CurveJump, CurveSummary, Over, Peak, Side, Undercut
+from synthesis.limits.base import Machine, times, where
+from synthesis.motion import Motion
+from synthesis.numerics.enclosure import Enclosed, Question
+from synthesis.units import DEGREE
+
+Map = Callable[[float], float]
+DISPLACEMENT = Quantity(lambda follower, size, s: s[0], 0)
+CURVATURE = QUANTITIES["pitch_curvature"]
+CURVATURE_UNIT = "1/mm"
+AT_JOINT = 1e-9  # rad: an extreme this near to a joint is at it
+CUSP = 1e-9  # of the roller radius: as large as the pitch curve's radius
+
+
+@dataclass(frozen=True, eq=False)
+class Curves:
+    """A cam, given in full, as something to be summed up."""
+
+    motion: Motion
+    machine: Machine
+    size: Size
+
+    @cached_property
+    def course(self) -> Course:
+        """The motion as the judge sees it."""
+        return Course(self.motion)
+
+    def summaries(self) -> list[CurveSummary]:
+        """The extremes of every curve."""
+        omega, degrees = self.machine.omega, times(1.0 / DEGREE)
+        found = [self._summary("displacement", "turn", DISPLACEMENT, "mm", times(1.0))]
+        for order, name in enumerate(NAMES[1:4], start=1):
+            to_wire = times(omega**order)
+            found.append(self._summary(name, "turn", QUANTITIES[name], UNITS[order], to_wire))
+        for over in get_args(Over):
+            if over == "turn" or where(self.motion.stretches, over):
+                quantity = QUANTITIES["pressure_angle"]
+                found.append(self._summary("pressure_angle", over, quantity, "deg", degrees))
+        name, quantity, unit = self._bend
+        bend = self._summary(name, "turn", quantity, unit, times(1.0))
+        return [*found, bend, *(self._radii(bend) if self._faceless else ())]
+
+    def jumps(self) -> list[CurveJump]:
+        """Every jump of s, s', s'' and of the curvature, in the order of the cam angle."""
+        found, bent = [], set()
+        for order in range(3):
+            to_wire = self.machine.omega**order
+            for joint in self._breaches(order):
+                before, after = (side[order] * to_wire for side in self.course.sides(int(joint)))
+                found.append(self._jump(NAMES[order], UNITS[order], int(joint), before, after))
+                bent.add(int(joint))
+        for joint in bent:
+            name, quantity, unit = self._bend
+            found.append(self._jump(name, unit, joint, *self._both(quantity, joint)))
+        return sorted(found, key=lambda jump: jump.angle_deg)
+
+    def undercut(self) -> Undercut | None:
+        """Where the profile turns back: under a roller too large for it, or under a flat face."""
+        roller = self.machine.follower.roller_radius
+        if not self._faceless:
+            return self._undercut_face()
+        if roller <= 0.0:
+            return None
+        corner = next(self._corners(), None)
+        if corner is not None:
+            return Undercut(
+                kind="corner", angle_deg=self._angle(corner), pitch_radius_mm=0.0,
+                roller_radius_mm=roller, too_large_mm=roller,
+            )  # fmt: skip
+        sharpest = self._extreme(CURVATURE, self._everywhere, 1)
+        excess = roller - 1.0 / sharpest.value if sharpest.value > 0.0 else -math.inf
+        if excess < -CUSP * roller:
+            return None
+        return Undercut(
+            kind="undercut" if excess > CUSP * roller else "cusp",
+            angle_deg=_degrees(sharpest.angle), pitch_radius_mm=1.0 / sharpest.value,
+            roller_radius_mm=roller, too_large_mm=excess,
+        )  # fmt: skip
+
+    def _undercut_face(self) -> Undercut | None:
+        """Where the radius under a flat face is not positive."""
+        _, quantity, _ = self._bend
+        least = self._extreme(quantity, self._everywhere, -1)
+        cusp = CUSP * self.machine.follower.prime_radius().value(self.size)
+        if least.value > cusp:
+            return None
+        return Undercut(
+            kind="undercut" if least.value < -cusp else "cusp",
+            angle_deg=_degrees(least.angle), pitch_radius_mm=least.value, roller_radius_mm=0.0,
+            too_large_mm=-least.value,
+        )  # fmt: skip
+
+    # -- extremes ----------------------------------------------------------------------------
+
+    @cached_property
+    def _faceless(self) -> bool:
+        """Whether the profile's radius comes from a traced curve's curvature, not from a face."""
+        measure = self.machine.follower.profile_radius_measure(0.0)
+        return measure is None or measure.lower is None
+
+    @cached_property
+    def _bend(self) -> tuple[str, Quantity, str]:
+        """What tells how sharply the profile bends: name, quantity, unit."""
+        if self._faceless:
+            return "pitch_curvature", CURVATURE, CURVATURE_UNIT
+        return "profile_radius", QUANTITIES["face_radius"], "mm"
+
+    def _summary(
+        self, name: str, over: Over, quantity: Quantity, unit: str, to_wire: Map
+    ) -> CurveSummary:
+        kinds = () if over == "turn" else (over,)
+        stretches = where(self.motion.stretches, *kinds)
+        largest, smallest = (
+            self._peak(quantity, self._extreme(quantity, stretches, side), to_wire)
+            for side in (1, -1)
+        )
+        return CurveSummary(
+            curve=name, over=over, unit=unit, largest=largest, smallest=smallest,
+            infinite_deg=self._infinite(quantity),
+        )  # fmt: skip
+
+    def _radii(self, curvature: CurveSummary) -> Iterator[CurveSummary]:
+        """The sharpest convex and the sharpest hollow radius of the profile."""
+        roller = self.machine.follower.roller_radius
+        pairs = (
+            ("convex_radius", curvature.largest, 1.0),
+            ("hollow_radius", curvature.smallest, -1.0),
+        )
+        for name, peak, sign in pairs:
+            least = None
+            if peak is not None and peak.value * sign > 0.0:
+                pitch = sign / peak.value
+                width = pitch * pitch * peak.width
+                value = pitch - sign * roller
+                least = peak.model_copy(update={"value": value, "width": width})
+            yield CurveSummary(
+                curve=name, over="turn", unit="mm", largest=None, smallest=least, infinite_deg=[]
+            )
+
+    def _extreme(self, quantity: Quantity, stretches: Sequence[int], side: int) -> Enclosed:
+        """The largest value (side 1) or the smallest (−1) on these stretches."""
+        lower, upper = (-math.inf, 0.0) if side > 0 else (0.0, math.inf)
+        question = Question(self.course.pieces(stretches), lower, upper)
+        (answer,) = enclose_all(quantity, self.course, self.machine, self.size, [question])
+        return answer.extreme
+
+    def _peak(self, quantity: Quantity, found: Enclosed, to_wire: Map) -> Peak | None:
+        if not math.isfinite(found.value):
+            return None
+        ends = to_wire(found.lower), to_wire(found.upper)
+        return Peak(
+            value=to_wire(found.value), angle_deg=_degrees(found.angle),
+            side=self._side(quantity, found), width=abs(ends[1] - ends[0]),
+        )  # fmt: skip
+
+    def _side(self, quantity: Quantity, found: Enclosed) -> Side:
+        """Which side of a joint an extreme belongs to, where the curve jumps there."""
+        ends = self.course.curve.breaks[1:]
+        joint = int(np.argmin(np.abs(ends - found.angle)))
+        if found.angle <= AT_JOINT:
+            joint = len(ends) - 1
+        elif abs(float(ends[joint]) - found.angle) > AT_JOINT:
+            return "both"
+        if not any(joint in self._breaches(order) for order in range(quantity.order + 1)):
+            return "both"
+        before, after = self._both(quantity, joint)
+        return "left" if abs(before - found.value) <= abs(after - found.value) else "right"
+
+    # -- joints ------------------------------------------------------------------------------
+
+    @cached_property
+    def _everywhere(self) -> tuple[int, ...]:
+        return where(self.motion.stretches)
+
+    def _breaches(self, order: int) -> Indices:
+        return self.course.breaches(order, np.arange(self.course.curve.count))
+
+    def _angle(self, joint: int) -> float:
+        """Cam angle of a joint; the one that closes the turn is at 0."""
+        last = joint == self.course.curve.count - 1
+        return 0.0 if last else _degrees(float(self.course.curve.breaks[joint + 1]))
+
+    def _both(self, quantity: Quantity, joint: int) -> tuple[float, float]:
+        """A curve's values on the left and on the right of a joint."""
+        before, after = (
+            float(quantity.formula(self.machine.follower, self.size, side))
+            for side in self.course.sides(joint)
+        )
+        return before, after
+
+    def _jump(self, name: str, unit: str, joint: int, before: float, after: float) -> CurveJump:
+        return CurveJump(
+            curve=name, unit=unit, angle_deg=self._angle(joint), before=before, after=after,
+            jump=after - before,
+        )  # fmt: skip
+
+    def _infinite(self, quantity: Quantity) -> list[float]:
+        """Cam angles at which a curve is infinite."""
+        orders = range(1, 2) if quantity.turns else range(quantity.smooth)
+        joints = {int(joint) for order in orders for joint in self._breaches(order)}
+        return sorted(self._angle(joint) for joint in joints)
+
+    def _corners(self) -> Iterator[int]:
+        """Joints at which the pitch curve turns convexly on the spot."""
+        for joint in self._breaches(1):
+            before, after = (
+                tangent(self.machine.follower, self.size, side)
+                for side in self.course.sides(int(joint))
+            )
+            if before[1] * after[0] - before[0] * after[1] > 0.0:
+                yield int(joint)
+
+
+def _degrees(angle: float) -> float:
+    """An angle as it was asked for: without the trace of the way to rad and back."""
+    return round(angle / DEGREE, 9)
