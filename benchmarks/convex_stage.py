@@ -6,6 +6,7 @@ from math import pi
 from typing import Any
 
 from benchmarks import Timing, timed
+from benchmarks.main_job import CONVEX
 from synthesis.formulations.bound import bound
 from synthesis.formulations.convex import formulate
 from synthesis.formulations.elastic import diagnose
@@ -33,13 +34,8 @@ def spec(objective: str = "base_radius", jerk: float = 1.5, **more: Any) -> Desi
     ]
     return DesignSpec.model_validate(
         {
-            "speed_rpm": OMEGA * 30.0 / pi,
-            "program": [
-                {"kind": "rise", "angle_deg": 60.0, "lift_mm": 30.0},
-                {"kind": "dwell", "angle_deg": 30.0},
-                {"kind": "return", "angle_deg": 60.0, "lift_mm": 30.0},
-                {"kind": "dwell", "angle_deg": 210.0},
-            ],
+            "speed_rpm": CONVEX["speed_rpm"],
+            "program": CONVEX["program"],
             "follower": {"kind": "translating_roller", "roller_radius_mm": 10.0},
             "limits": limits,
             "objective": {"kind": objective},

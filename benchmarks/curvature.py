@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 
 from benchmarks import timed
+from benchmarks.main_job import CONVEX
 from synthesis.formulations.candidate import grow, settle
 from synthesis.formulations.convex import Plan, formulate
 from synthesis.formulations.grid import uniform
@@ -53,13 +54,8 @@ def spec(scene: dict[str, Any]) -> DesignSpec:
         limits.append({"kind": "cutter_radius", "radius_mm": scene["cutter_radius"]})
     return DesignSpec.model_validate(
         {
-            "speed_rpm": OMEGA * 30.0 / pi,
-            "program": [
-                {"kind": "rise", "angle_deg": 60.0, "lift_mm": 30.0},
-                {"kind": "dwell", "angle_deg": 30.0},
-                {"kind": "return", "angle_deg": 60.0, "lift_mm": 30.0},
-                {"kind": "dwell", "angle_deg": 210.0},
-            ],
+            "speed_rpm": CONVEX["speed_rpm"],
+            "program": CONVEX["program"],
             "follower": {
                 "kind": "translating_roller",
                 "roller_radius_mm": scene["roller"],

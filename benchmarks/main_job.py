@@ -156,11 +156,9 @@ def _start(plan: Plan) -> np.ndarray:
     x = np.zeros(plan.program.matrix.shape[1])
     for grid, known, columns in zip(plan.grids, plan.settled, plan.columns, strict=True):
         space: SplineSpace = grid.space
-        greville = np.array(
-            [space.knots[i + 1 : i + 1 + space.degree].mean() for i in range(space.size)]
-        )
-        law = 10.0 * greville**3 - 15.0 * greville**4 + 6.0 * greville**5
-        fit = np.linalg.solve(space.basis(greville), law)
+        at = space.greville
+        law = 10.0 * at**3 - 15.0 * at**4 + 6.0 * at**5
+        fit = np.linalg.solve(space.basis(at), law)
         x[columns] = fit[len(known.first) : space.size - len(known.last)]
     x[plan.size] = np.array([0.3, 2.5]) * 30.0 / plan.scales.size
     return x

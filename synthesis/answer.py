@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
+from functools import cached_property
 from itertools import accumulate
 from math import isfinite
 
@@ -39,7 +40,7 @@ class Cam:
     splines: dict[int, tuple[SplineSpace, Array]]
     size: Vector
 
-    @property
+    @cached_property
     def motion(self) -> Motion:
         """The joined motion."""
         return Motion.of(self.stretches)
@@ -98,10 +99,9 @@ def relative_gap(value: float, lower: float) -> float:
 
 
 def _segments(spec: DesignSpec, cam: Cam) -> list[SegmentMotion]:
-    settled = {stretch.index: stretch for stretch in cam.stretches}
     starts = accumulate((segment.angle_deg for segment in spec.program), initial=0.0)
     found = []
-    for stretch, segment, start_deg in zip(spec.stretches(), spec.program, starts, strict=False):
+    for stretch, segment, start_deg in zip(cam.stretches, spec.program, starts, strict=False):
         spline = None
         if stretch.index in cam.splines:
             space, coefficients = cam.splines[stretch.index]
@@ -110,14 +110,13 @@ def _segments(spec: DesignSpec, cam: Cam) -> list[SegmentMotion]:
                 knots=space.breaks.tolist(),
                 coefficients=coefficients.tolist(),
             )
-        placed = settled.get(stretch.index, stretch)
         found.append(
             SegmentMotion(
                 kind=stretch.kind,
                 start_deg=start_deg,
                 angle_deg=segment.angle_deg,
-                s_start_mm=placed.s_start,
-                s_end_mm=placed.s_end,
+                s_start_mm=stretch.s_start,
+                s_end_mm=stretch.s_end,
                 law=segment.law_name,
                 spline=spline,
             )
@@ -161,7 +160,7 @@ def design(
 
 def _dimensions(spec: DesignSpec, cam: Cam) -> dict[str, float]:
     """Those of the size, and those that the motion asks for."""
-    more = spec.follower.motion_dimensions(Motion.of(cam.stretches))
+    more = spec.follower.motion_dimensions(cam.motion)
     return {**spec.follower.dimensions(cam.size), **more}
 
 

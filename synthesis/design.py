@@ -18,67 +18,69 @@ from synthesis.spec import DesignSpec
 Status = Literal["optimal", "feasible", "infeasible"]
 
 
-class _Part(BaseModel):
+class Part(BaseModel):
+    """A part of an answer: frozen, and nothing in it that the contract does not name."""
+
     model_config = ConfigDict(frozen=True, extra="forbid")
 
 
-def _told(description: str) -> Any:
+def told(description: str) -> Any:
     """A required field with its description in the contract."""
     return Field(description=description)
 
 
-class SplineCurve(_Part):
+class SplineCurve(Part):
     """A B-spline in normalised form: x = (θ − start)/angle in [0, 1], g(x) from 0 to 1.
 
     s = s_start + (s_end − s_start) g(x). Knots are without repetition; both ends are clamped.
     """
 
-    degree: int = _told("Polynomial degree p; p + 1 equal knots stand at either end.")
-    knots: list[float] = _told("Knots in x from 0 to 1, each once.")
-    coefficients: list[float] = _told("B-spline coefficients of g: knots − 1 + degree of them.")
+    degree: int = told("Polynomial degree p; p + 1 equal knots stand at either end.")
+    knots: list[float] = told("Knots in x from 0 to 1, each once.")
+    coefficients: list[float] = told("B-spline coefficients of g: knots − 1 + degree of them.")
 
 
-class SegmentMotion(_Part):
+class SegmentMotion(Part):
     """One segment of the motion as it came out."""
 
-    kind: Literal["rise", "dwell", "return"] = _told("What the follower does.")
-    start_deg: float = _told("Cam angle where the segment starts.")
-    angle_deg: float = _told("Cam angle of the segment.")
-    s_start_mm: float = _told("Displacement at its start, measured from the lowest position.")
-    s_end_mm: float = _told("Displacement at its end.")
-    law: str = _told("Name of the law; `spline` where it was chosen here.")
+    kind: Literal["rise", "dwell", "return"] = told("What the follower does.")
+    start_deg: float = told("Cam angle where the segment starts.")
+    angle_deg: float = told("Cam angle of the segment.")
+    s_start_mm: float = told("Displacement at its start, measured from the lowest position.")
+    s_end_mm: float = told("Displacement at its end.")
+    law: str = told("Name of the law; `spline` where it was chosen here.")
     spline: SplineCurve | None = Field(None, description="The law where it was chosen here.")
 
 
-class Extreme(_Part):
+class Extreme(Part):
     """One limit on the finished cam: how far it is used, where, and how that is known."""
 
-    limit: str = _told("The limit; one of the spec's, or one that every cam must keep.")
-    value: float | None = _told("Extreme over all cam angles; null: none, or infinite.")
-    unit: str = _told("Unit of value, bound, margin and width.")
-    angle_deg: float = _told("Cam angle where the extreme occurs.")
-    bound: float | None = _told("What the spec allows.")
-    margin: float | None = _told("Distance to the bound, negative where it is broken.")
-    width: float = _told("Width of the proven enclosure of the extreme.")
-    holds: bool = _told("Margin not below the enclosure's width: proven at every cam angle.")
-    evidence: str = _told("How the extreme was enclosed.")
-    field: str = _told("Field of the spec that sets the bound.")
+    limit: str = told("The limit; one of the spec's, or one that every cam must keep.")
+    value: float | None = told("Extreme over all cam angles; null: none, or infinite.")
+    unit: str = told("Unit of value, bound, margin and width.")
+    angle_deg: float = told("Cam angle where the extreme occurs.")
+    bound: float | None = told("What the spec allows.")
+    margin: float | None = told("Distance to the bound, negative where it is broken.")
+    width: float = told("Width of the proven enclosure of the extreme.")
+    holds: bool = told("Margin not below the enclosure's width: proven at every cam angle.")
+    evidence: str = told("How the extreme was enclosed.")
+    field: str = told("Field of the spec that sets the bound.")
 
 
-class Proof(_Part):
+class Proof(Part):
     """How far one objective is from the best possible."""
 
-    objective: str = _told("Name of the objective's value, with its unit.")
-    value: float | None = _told("Value of the finished cam.")
-    lower_bound: float | None = _told("No cam of the family in bound_over is better than this.")
-    bound_over: str = _told("The family of cams that the bound covers.")
-    gap: float | None = _told("(value − lower_bound) / value.")
+    objective: str = told("Name of the objective's value, with its unit.")
+    value: float | None = told("Value of the finished cam.")
+    lower_bound: float | None = told("No cam of the family in bound_over is better than this.")
+    bound_over: str = told("The family of cams that the bound covers.")
+    gap: float | None = told("(value − lower_bound) / value.")
 
 
 class Certificate(Proof):
     """What was proven of the answer, for the first objective and in `also` for the others."""
 
-    certified: bool = _told("Every limit holds at every cam angle.")
+    certified: bool = told("Every limit holds at every cam angle.")
     also: list[Proof] = Field(
         [],
         description="Later objectives of an ordered list; their bounds hold for cams that keep "
@@ -86,68 +88,68 @@ class Certificate(Proof):
     )
 
 
-class StageReport(_Part):
+class StageReport(Part):
     """One stage of the ladder: what was modelled and what it cost."""
 
-    stage: str = _told("closed form, convex (with the round's number) or nonlinear.")
-    model: str = _told("Class of the model: half-planes, LP, QP, SOCP or NLP.")
-    solver: str = _told("Which solver, if any.")
-    unknowns: int = _told("Number of unknowns.")
-    rows: int = _told("Number of rows, those of cones included.")
-    iterations: int = _told("Iterations of the solver, all calls of the stage.")
-    seconds: float = _told("Wall time of the stage.")
-    status: str = _told("Why the solver stopped; the certificate alone says what that is worth.")
+    stage: str = told("closed form, convex (with the round's number) or nonlinear.")
+    model: str = told("Class of the model: half-planes, LP, QP, SOCP or NLP.")
+    solver: str = told("Which solver, if any.")
+    unknowns: int = told("Number of unknowns.")
+    rows: int = told("Number of rows, those of cones included.")
+    iterations: int = told("Iterations of the solver, all calls of the stage.")
+    seconds: float = told("Wall time of the stage.")
+    status: str = told("Why the solver stopped; the certificate alone says what that is worth.")
     note: str = Field("", description="Anything else worth knowing.")
 
 
-class Report(_Part):
+class Report(Part):
     """Stage by stage, and the whole."""
 
-    stages: list[StageReport] = _told("In the order they ran.")
-    seconds: float = _told("Wall time of the whole design in the core.")
+    stages: list[StageReport] = told("In the order they ran.")
+    seconds: float = told("Wall time of the whole design in the core.")
 
 
-class Relaxation(_Part):
+class Relaxation(Part):
     """The least change of one limit, the others kept, that would make the scene possible."""
 
-    limit: str = _told("Name of the limit.")
-    field: str = _told("Where its value stands in the spec.")
-    unit: str = _told("Unit of asked and needed.")
-    asked: float = _told("What the spec says.")
-    needed: float | None = _told("Least sufficient value; null where it alone cannot help.")
+    limit: str = told("Name of the limit.")
+    field: str = told("Where its value stands in the spec.")
+    unit: str = told("Unit of asked and needed.")
+    asked: float = told("What the spec says.")
+    needed: float | None = told("Least sufficient value; null where it alone cannot help.")
     note: str = Field("", description="Why there is no value, or what it is worth.")
 
 
-class Conflict(_Part):
+class Conflict(Part):
     """Why nothing fits, and what would."""
 
-    limits: list[str] = _told("The limits that cannot hold together.")
-    relaxations: list[Relaxation] = _told("For each limit, what it would have to be.")
-    evidence: str = _told("How the conflict is known, and whether it is proven.")
+    limits: list[str] = told("The limits that cannot hold together.")
+    relaxations: list[Relaxation] = told("For each limit, what it would have to be.")
+    evidence: str = told("How the conflict is known, and whether it is proven.")
 
 
-class Design(_Part):
+class Design(Part):
     """The answer to a DesignSpec."""
 
-    id: str = _told("Hash of the spec and the engine's version.")
-    name: str = _told("Name from the spec.")
-    engine_version: str = _told("Version of Camwright that made it.")
-    status: Status = _told(
+    id: str = told("Hash of the spec and the engine's version.")
+    name: str = told("Name from the spec.")
+    engine_version: str = told("Version of Camwright that made it.")
+    status: Status = told(
         "optimal: certified, every gap within the tolerance; feasible: certified; "
         "infeasible: no certified cam."
     )
-    rotation: Literal["ccw", "cw"] = _told("Sense in which the cam turns.")
-    speed_rpm: float = _told("Cam speed.")
-    follower: str = _told("Kind of the follower.")
-    dimensions: dict[str, float] = _told("Base radius, prime radius, offset, … in mm.")
-    size: list[float] = _told("The follower's size variables; their names: /v1/followers.")
-    objectives: dict[str, float] = _told("Value of every objective asked.")
-    motion: list[SegmentMotion] = _told("The motion, segment by segment.")
-    extremes: list[Extreme] = _told("Every limit, measured on the finished cam.")
-    certificate: Certificate = _told("What was proven.")
+    rotation: Literal["ccw", "cw"] = told("Sense in which the cam turns.")
+    speed_rpm: float = told("Cam speed.")
+    follower: str = told("Kind of the follower.")
+    dimensions: dict[str, float] = told("Base radius, prime radius, offset, … in mm.")
+    size: list[float] = told("The follower's size variables; their names: /v1/followers.")
+    objectives: dict[str, float] = told("Value of every objective asked.")
+    motion: list[SegmentMotion] = told("The motion, segment by segment.")
+    extremes: list[Extreme] = told("Every limit, measured on the finished cam.")
+    certificate: Certificate = told("What was proven.")
     conflict: Conflict | None = Field(None, description="Why nothing fits, where nothing does.")
-    report: Report = _told("What was modelled and what it cost.")
-    spec: DesignSpec = _told("The question.")
+    report: Report = told("What was modelled and what it cost.")
+    spec: DesignSpec = told("The question.")
     links: dict[str, str] = Field({}, description="Where to find its files.")
 
     @cached_property

@@ -10,9 +10,8 @@ from synthesis.formulations.closed_form import nearest
 from synthesis.formulations.energy import mean_square
 from synthesis.formulations.grid import SettledLaw
 from synthesis.formulations.problem import Problem
+from synthesis.formulations.rows import exceeded
 from synthesis.formulations.smooth import grown
-from synthesis.numerics.peaks import peak
-from synthesis.terms import Row
 
 Vector = tuple[float, ...]
 CLEARANCE = 1e-8  # relative: sizes and smooth limits stay this far off what binds them
@@ -110,18 +109,11 @@ def value(settled: Problem, size: Vector) -> float:
     return _fraction(settled, size) if objective.fractional else _level(settled, size, 0.0)
 
 
-def exceeded(row: Row, settled: Problem, index: int, size: Vector) -> tuple[float, float]:
-    """How far a row is exceeded at its worst on one stretch (≤ 0: not), and where [rad]."""
-    worst, theta = peak(settled.stretches[index].placed(), row.coefficients)
-    share = sum(a * v for a, v in zip(row.size, size, strict=False))
-    return worst + share - row.upper, theta
-
-
 def _level(settled: Problem, size: Vector, trial: float) -> float:
     """The least P that satisfies the objective's rows."""
     return max(
-        exceeded(row, settled, index, size)[0] / -row.level
-        for index, stretch in enumerate(settled.stretches)
+        exceeded(row, stretch, size) / -row.level
+        for stretch in settled.stretches
         for row in settled.objective.rows(stretch, settled.machine, trial)
     )
 

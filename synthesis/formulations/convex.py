@@ -205,10 +205,7 @@ def _balls(
 ) -> Iterator[Ball]:
     """Cones of the sizing, of limits, of the objective's norm, of objectives held."""
     machine = problem.machine
-    cones = [*problem.sizing.cones]
-    for limit in problem.limits:
-        cones += limit.cones(problem.stretches, machine)
-    for cone in cones:
+    for cone in problem.cones:
         yield writer.norm_ball(cone.norm, scales.size, cone.radius, tighten, cone.source)
     norm = problem.objective.norm(machine)
     if norm is not None:

@@ -42,10 +42,7 @@ class SettledLaw:
         """Coefficients on another space of the same degree: equal or finer knots keep the law."""
         if space is self.space:
             return self.coefficients
-        greville = np.array(
-            [space.knots[i + 1 : i + 1 + space.degree].mean() for i in range(space.size)]
-        )
-        found = np.linalg.solve(space.basis(greville), self.curve()(greville))
+        found = np.linalg.solve(space.basis(space.greville), self.curve()(space.greville))
         return np.asarray(found, dtype=float)
 
 

@@ -13,9 +13,8 @@ from math import hypot, inf
 from scipy.optimize import brentq
 
 from synthesis.formulations.problem import Problem
+from synthesis.formulations.rows import exceeded
 from synthesis.limits import Limit
-from synthesis.motion import Stretch
-from synthesis.numerics.peaks import peak
 from synthesis.ranges import ends
 from synthesis.spec import DesignSpec
 from synthesis.terms import Cone, Row
@@ -119,7 +118,7 @@ class LimitPart(Part):
                     continue
                 for row in self.own(limit.rows(stretch, settled.machine)):
                     if size is not None or not row.size:
-                        yield exceeded(row, stretch, size or ())[0]
+                        yield exceeded(row, stretch, size or ())
             if size is not None:
                 for cone in limit.cones(settled.stretches, settled.machine):
                     yield cone.norm.value(size) - cone.radius
@@ -186,13 +185,6 @@ class RangePart(Part):
 
     def eased(self, value: float, share: float) -> float:
         return value + share * abs(value) * ((self.high < inf) - (self.low > -inf))
-
-
-def exceeded(row: Row, stretch: Stretch, size: Vector) -> tuple[float, float]:
-    """How far a row is exceeded at its worst on a settled stretch, and where [rad]."""
-    worst, theta = peak(stretch.placed(), row.coefficients)
-    share = sum(a * v for a, v in zip(row.size, size, strict=False))
-    return worst + share - row.upper, theta
 
 
 def limit_parts(problem: Problem, asked_for: int) -> list[Part]:

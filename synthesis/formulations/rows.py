@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Literal
 
@@ -134,3 +135,9 @@ def monotone(position: int, grid: Grid, known: Ends, drawn: Drawn) -> Block:
         "monotone", position, laws, nothing, np.zeros(4), np.zeros(0), 0.0, nothing, "overshoot",
         MONOTONE * drawn.tighten,
     )  # fmt: skip
+
+
+def exceeded(row: Row, stretch: Stretch, size: Sequence[float]) -> float:
+    """How far a row is exceeded at its worst cam angle on a settled stretch (≤ 0: nowhere)."""
+    worst, _ = peak(stretch.placed(), row.coefficients)
+    return worst + sum(a * v for a, v in zip(row.size, size, strict=False)) - row.upper

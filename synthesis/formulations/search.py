@@ -91,14 +91,18 @@ class Search:
             return True
         return self.best.value > self.relaxed.value and not self.close(self.best)
 
-    @property
-    def gap(self) -> float:
-        """Relative gap of the relaxation's best cam in the wire's unit, infinite while unknown."""
-        if self.relaxed is None or not isfinite(self.lower):
+    def gap_of(self, found: Candidate | None) -> float:
+        """Relative gap of a cam to the bound in the wire's unit, infinite while unknown."""
+        if found is None or not isfinite(self.lower):
             return inf
         to_wire, machine = self.problem.objective.to_wire, self.problem.machine
-        value = to_wire(self.relaxed.value, machine)
+        value = to_wire(found.value, machine)
         return (value - to_wire(self.lower, machine)) / max(abs(value), 1e-300)
+
+    @property
+    def gap(self) -> float:
+        """That of the relaxation's best cam."""
+        return self.gap_of(self.relaxed)
 
     def keepable(self, tolerance: float) -> float:
         """How large the value may become [core units] and still be within a tolerance."""
@@ -111,8 +115,4 @@ class Search:
 
     def close(self, found: Candidate | None) -> bool:
         """Whether a cam is within the tolerance of the bound."""
-        if found is None or not isfinite(self.lower):
-            return False
-        to_wire, machine = self.problem.objective.to_wire, self.problem.machine
-        value, lower = to_wire(found.value, machine), to_wire(self.lower, machine)
-        return value - lower <= 0.99 * self.tolerance * abs(value)
+        return self.gap_of(found) <= 0.99 * self.tolerance

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
@@ -48,18 +48,17 @@ def sample(problem: Problem) -> list[Samples]:
     return found
 
 
-def _expressions(problem: Problem, samples: Samples, size: Vector) -> Iterator[Array]:
-    for limit in problem.limits:
-        for value in limit.smooth(samples.stretch, problem.machine, samples.s, size):
-            yield np.broadcast_to(np.asarray(value, dtype=float), samples.theta.shape)
-
-
 def violation(problem: Problem, samples: list[Samples], size: Vector) -> float:
     """Largest value of the smooth expressions (≤ 0: all hold); −inf where there are none."""
-    worst = -np.inf
-    for part in samples:
-        for value in _expressions(problem, part, size):
-            worst = max(worst, float(np.max(np.where(np.isnan(value), np.inf, value))))
+    return max((float(np.max(_worst(problem, part, size))) for part in samples), default=-np.inf)
+
+
+def _worst(problem: Problem, part: Samples, size: Vector) -> Array:
+    """The largest smooth expression at every point, ∞ where one has no value: (n,)."""
+    worst = np.full(len(part.theta), -np.inf)
+    for limit in problem.limits:
+        for value in limit.smooth(part.stretch, problem.machine, part.s, size):
+            worst = np.maximum(worst, np.where(np.isnan(value), np.inf, value))
     return worst
 
 
@@ -109,12 +108,6 @@ def _grown(problem: Problem, samples: list[Samples], size: Vector, margin: float
     return None
 
 
-def _worst(problem: Problem, part: Samples, size: Vector) -> Array:
-    """The largest smooth expression at every point: (n,)."""
-    values = list(_expressions(problem, part, size))
-    return np.max(np.stack(values), axis=0) if values else np.full(len(part.theta), -np.inf)
-
-
 def peaks(problem: Problem, samples: list[Samples], size: Vector) -> list[Samples]:
     """Local maxima of the smooth expressions between the samples, closed in on by zooming."""
     found = []
@@ -148,9 +141,8 @@ def _zoomed(problem: Problem, part: Samples, size: Vector, top: NDArray[np.intp]
     return Samples(part.stretch, theta, s, piece)
 
 
-def _crossing(excess: object, low: float, high: float) -> float:
+def _crossing(excess: Callable[[float], float], low: float, high: float) -> float:
     """A point where ``excess`` is not positive, within 1e-9 relative of where it crosses zero."""
-    assert callable(excess)
     f_low, f_high = excess(low), excess(high)
     for _ in range(60):
         if high - low <= 1e-9 * high:

@@ -42,6 +42,11 @@ class SplineSpace:
         return np.asarray(self._basis(x, nu=order), dtype=float)
 
     @cached_property
+    def greville(self) -> Array:
+        """Abscissae at which interpolation by this space is well posed: (size,)."""
+        return np.array([self.knots[i + 1 : i + 1 + self.degree].mean() for i in range(self.size)])
+
+    @cached_property
     def _basis(self) -> BSpline:
         """All basis functions at once."""
         return BSpline(self.knots, np.eye(self.size), self.degree)
