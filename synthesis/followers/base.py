@@ -211,7 +211,14 @@ class Follower(BaseModel, ABC):
 
     @abstractmethod
     def outermost(self, s_max: float) -> Norm:
-        """Largest radius of the traced curve, at displacement ``s_max``, as a norm of z."""
+        """Largest radius of the traced curve, at displacement ``s_max``, as a norm of z.
+
+        Or what grows with that radius, as for ``prime_radius``.
+        """
+
+    def outer_cone(self, s_max: float, radius: float, source: str) -> Cone:
+        """That the traced curve stays within a radius [mm]."""
+        return Cone(self.outermost(s_max), radius, source)
 
     @abstractmethod
     def dimensions(self, z: tuple[float, ...]) -> Mapping[str, float]:

@@ -171,6 +171,12 @@ class OscillatingRoller(Follower):
         cos, sin = math.cos(s_max / self.arm_mm), math.sin(s_max / self.arm_mm)
         return Norm(((-cos, sin), (sin, cos)), (self.arm_mm, 0.0))
 
+    def outer_cone(self, s_max: float, radius: float, source: str) -> Cone:
+        if self._distance is None:
+            return Cone(self.outermost(s_max), radius, source)
+        angle = enclosed_angle(self.arm_mm, self._distance, radius)
+        return Cone(self.outermost(s_max), self.arm_mm * angle, source)
+
     def pressure_angle_rows(self, slope: float) -> tuple[Row, ...]:
         return ()  # not linear in s
 

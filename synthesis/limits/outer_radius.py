@@ -26,7 +26,7 @@ class OuterRadius(Limit):
     def cones(self, stretches: Sequence[Stretch], machine: Machine) -> tuple[Cone, ...]:
         highest = max(max(s.s_start, s.s_end) for s in stretches)
         radius = self.max_mm + machine.follower.roller_radius
-        return (Cone(machine.follower.outermost(highest), radius, "outer_radius"),)
+        return (machine.follower.outer_cone(highest, radius, "outer_radius"),)
 
     def claims(self, stretches: Sequence[Stretch], machine: Machine) -> tuple[Claim, ...]:
         radius = self.max_mm + machine.follower.roller_radius
