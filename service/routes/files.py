@@ -55,6 +55,24 @@ class ProfileQuery(BaseModel):
         Literal["profile", "pitch"],
         Field(description="The cam's profile, or the path of the roller's centre."),
     ] = "profile"
+    turn_deg: Annotated[
+        float,
+        Field(
+            ge=-360.0,
+            le=360.0,
+            description="Turn the points about the cam's axis by this angle, counter-clockwise "
+            "positive: the cam as it sits on a shaft. The drawing (svg) stays as it is.",
+        ),
+    ] = 0.0
+    z_mm: Annotated[
+        float | None,
+        Field(
+            ge=-1e6,
+            le=1e6,
+            description="Position along the axis: the third column of point files (0 where it is "
+            "left out), and a column z_mm of tables.",
+        ),
+    ] = None
 
 
 class MotionQuery(BaseModel):
