@@ -139,7 +139,7 @@ def _filled(cam: Any, shaft: dict[str, Any]) -> Any:
 
 def within_half_turn(degrees: float) -> float:
     """The same direction in (−180, 180], without the last digits' noise [deg]."""
-    return 180.0 - round(180.0 - degrees, 9) % 360.0
+    return round(180.0 - round(180.0 - degrees, 9) % 360.0, 9)
 
 
 def within_turn(degrees: float) -> float:

@@ -104,4 +104,4 @@ def _scale_bar(x: float, y: float, u: float) -> list[str]:
     return body
 
 
-PROFILE = Exporter("svg", "Drawing of the cam", "image/svg+xml", ".svg", _profile)
+PROFILE = Exporter("svg", "Drawing of the cam", "image/svg+xml", ".svg", _profile, placeable=False)

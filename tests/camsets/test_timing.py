@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import itertools
+
 import numpy as np
 import pytest
 
@@ -40,7 +42,7 @@ def test_events_by_hand(found: CamSet) -> None:
 def test_arcs_cover_the_turn_once(found: CamSet) -> None:
     arcs = found.timing.arcs
     assert sum(arc.angle_deg for arc in arcs) == pytest.approx(360.0, abs=1e-6)
-    for arc, following in zip(arcs, arcs[1:], strict=False):
+    for arc, following in itertools.pairwise(arcs):
         assert arc.start_deg + arc.angle_deg == pytest.approx(following.start_deg, abs=1e-6)
         assert arc.moving != following.moving
 
