@@ -122,9 +122,9 @@ class CamSetSpec(BaseModel):
                 if own != shaft:
                     raise PydanticCustomError(
                         "cam_off_the_shaft",
-                        "{field} is {own} here and {shaft} of the shaft: all cams turn with it. "
+                        "{field} is {value} here and {shaft} of the shaft: all cams turn with it. "
                         "Leave it out, or give the same.",
-                        {"position": position, "field": field, "own": own, "shaft": shaft},
+                        {"position": position, "field": field, "value": own, "shaft": shaft},
                     )
         return self
 
