@@ -15,7 +15,7 @@ from service.schema_walk import properties_at
 
 MOST_SHOWN = 50
 LONGEST_VALUE = 200
-# Rules over several fields: where the caller has to look, from the object that keeps the rule.
+# Rules over several fields: where the caller has to look in the spec, which may be part of a set.
 # What stands in braces is among the error's numbers and names.
 PLACES = {
     "program_angles": ("program",),
@@ -23,6 +23,13 @@ PLACES = {
     "program_still": ("program",),
     "base_radius_positive": ("base_radius_mm",),
     "offset_beyond_prime_radius": ("follower", "offset_mm"),
+    "lift_does_not_suit": ("program",),
+    "limit_unit_does_not_suit": ("limits",),
+    "centre_distance_positive": ("follower", "centre_distance_mm"),
+    "arm_does_not_reach": ("follower",),
+    "initial_angle_range": ("follower", "initial_angle_deg"),
+    "initial_angle_contradicts": ("follower", "initial_angle_deg"),
+    "swing_too_large": ("program",),
     "no_best_pressure_angle": ("objective",),
     "pressure_angle_given": ("objective",),
     "limit_does_not_suit": ("limits",),
@@ -106,7 +113,7 @@ def of_body(errors: Sequence[Any], body: Any, model: Body) -> list[dict[str, Any
     members: dict[str, set[bool]] = {}
     for error in errors:
         path, inserted = place(body, error["loc"], error["type"])
-        path = (*path, *_place_of_rule(error))
+        path = _looked_up(error, path)
         if error["type"] in ("union_tag_invalid", "union_tag_not_found"):
             path = (*path, error["ctx"]["discriminator"].strip("'"))
         wrong_shape = error["type"] in SHAPES and any(_is_member(name) for name in inserted)
@@ -119,10 +126,13 @@ def of_body(errors: Sequence[Any], body: Any, model: Body) -> list[dict[str, Any
     return _settled(by_place, members)[:MOST_SHOWN]
 
 
-def _place_of_rule(error: Any) -> tuple[str, ...]:
-    """Where to look for a rule over several fields; () for those of one field."""
-    parts = PLACES.get(error["type"], ())
-    return tuple(part.format(**error.get("ctx") or {}) for part in parts)
+def _looked_up(error: Any, path: Loc) -> Loc:
+    """The path where to look for a rule over several fields, in the spec that it was broken in."""
+    if error["type"] not in PLACES:
+        return path
+    place = [part.format(**error.get("ctx") or {}) for part in PLACES[error["type"]]]
+    within = path.index(place[0]) if place[0] in path else len(path)
+    return (*path[:within], *place)
 
 
 def _is_member(name: str) -> bool:

@@ -83,8 +83,8 @@ def _captions(cam: MountedCam, top: float) -> list[str]:
 
 
 def _stroke(cam: MountedCam) -> str:
-    levels = [end for s in cam.design.motion for end in (s.s_start_mm, s.s_end_mm)]
-    return f"{svg.figure(max(levels) - min(levels), 6)} mm"
+    levels = [end for segment in cam.design.motion for end in segment.levels]
+    return svg.measured(max(levels) - min(levels), cam.design.spec.follower.travel.unit)
 
 
 def _nothing(top: float) -> list[str]:
