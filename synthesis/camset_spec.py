@@ -58,8 +58,9 @@ class CamOnShaft(BaseModel):
         Field(
             ge=-360.0,
             le=360.0,
-            description="Direction of the follower about the shaft, counter-clockwise from x; "
-            "90 is upwards, as in a design on its own [deg].",
+            description="Where about the shaft the follower is mounted: direction of the y axis "
+            "of its design's frame, counter-clockwise from x; 90 is upwards, as in a design on "
+            "its own [deg].",
         ),
     ] = UPWARDS_DEG
     spec: Annotated[

@@ -306,7 +306,7 @@ def test_worked_examples(client: httpx2.Client, name: str) -> None:
     assert shown["schema"] == {"$ref": "#/components/schemas/CamSetSpec"}
     answer = post(client, example["value"])
     assert answer.status_code == 200, answer.text
-    assert answer.json()["status"] == "optimal"
+    assert answer.json()["status"] in ("optimal", "feasible")
     assert client.get(answer.json()["links"]["bundle.zip"]).status_code == 200
 
 
