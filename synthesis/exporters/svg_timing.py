@@ -37,6 +37,7 @@ def timing_diagram(cams: CamSet) -> bytes:
         body += _captions(cam, top)
         body += _lane(cam, top) if cam.has_cam else _nothing(top)
     if len(cams.cams) > 1:
+        bottom += 1.5
         body += _counted(cams.timing.arcs, bottom)
         bottom += COUNT
     body += _angle_axis(bottom)

@@ -22,6 +22,7 @@ from synthesis.camset_spec import MAX_CAMS
 from synthesis.exporters.bundle import BundleOptions, bundle
 from tests.camsets.sets import INLET, PRESS, body
 from tests.exporters.test_bundle import STEEP
+from tests.service.conftest import Running, settings_for
 from tests.service.specs import spec as design_spec
 from tests.service.test_designs import wait_for
 from tests.service.test_openapi import DOCUMENT
@@ -135,6 +136,15 @@ def test_a_set_under_way_is_dismissed(client: httpx2.Client) -> None:
     assert client.delete(where).status_code == 204
     assert client.get(where).status_code == 404
     assert client.delete(where).json()["type"] == "/problems/unknown-cam-set"
+
+
+def test_what_was_accepted_outlives_the_process(tmp_path: Path) -> None:
+    settings = settings_for(tmp_path, workers=1)
+    asked = named("kept", cams=[{"name": f"free {i}", "spec": FREE} for i in range(20)])
+    with Running(settings, real=False) as service:
+        where = post(service.client, asked, Prefer="respond-async").headers["location"]
+    with Running(settings, real=False) as service:
+        assert wait_for(service.client, where).json()["name"] == "kept"
 
 
 def test_where_time_ends_the_problem_is_told(client: httpx2.Client) -> None:
