@@ -16,7 +16,8 @@ from typer.testing import CliRunner
 
 from service import cli
 from service.examples import CAM_SETS, examples
-from synthesis import CamSet, CamSetSpec
+from service.violations import of_body
+from synthesis import CamSet, CamSetSpec, DesignSpec
 from synthesis.camset import set_id
 from synthesis.camset_spec import MAX_CAMS
 from synthesis.exporters.bundle import BundleOptions, bundle
@@ -298,6 +299,20 @@ def test_sets_that_make_no_sense(
     if value is not ...:
         assert errors[0]["value"] == value
     assert words in f"{errors[0]['rule']} {errors[0]['way_out']}", errors
+
+
+def test_rules_over_several_fields_are_placed_in_the_spec_that_broke_them() -> None:
+    """Wherever in it they were found."""
+    error = {"type": "program_angles", "input": {}, "msg": "Wrong. Mend it.", "ctx": {}}
+    for inside in ((), ("program",), ("program", 0)):
+        places = [
+            of_body([error | {"loc": (*spec, *inside)}], asked, model)[0]["pointer"]
+            for spec, asked, model in (
+                ((), INLET, DesignSpec),
+                (("cams", 1, "spec"), body(), CamSetSpec),
+            )
+        ]
+        assert places == ["/program", "/cams/1/spec/program"]
 
 
 def test_the_server_says_how_many_cams(client: httpx2.Client) -> None:
