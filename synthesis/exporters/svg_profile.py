@@ -1,6 +1,7 @@
 """Drawing of the cam as SVG, at true scale in mm: the cam, its circles, and the follower.
 
-The shapes stand in a group with y upwards, so their numbers are those of the cam's frame.
+The shapes stand in a group with y upwards, so their numbers are those of the cam's frame; a place
+on a shaft, ``turn_deg`` and ``z_mm``, is not drawn.
 """
 
 from __future__ import annotations
@@ -107,4 +108,4 @@ def _scale_bar(x: float, y: float, u: float) -> list[str]:
     return body
 
 
-PROFILE = Exporter("svg", "Drawing of the cam", "image/svg+xml", ".svg", _profile)
+PROFILE = Exporter("svg", "Drawing of the cam", "image/svg+xml", ".svg", _profile, placeable=False)
