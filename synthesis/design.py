@@ -153,6 +153,11 @@ class Design(Part):
     links: dict[str, str] = Field({}, description="Where to find its files.")
 
     @cached_property
+    def built(self) -> DesignSpec:
+        """The question with what was settled after the size, such as a counter roller's place."""
+        return self.spec.built(self.dimensions)
+
+    @cached_property
     def curve(self) -> Motion:
         """The motion, rebuilt to the last bit from the spec and the spline coefficients."""
         settled: list[Stretch] = []

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from typing import Literal
 
+from pydantic import Field
+
 from synthesis.design import Extreme, Part, Relaxation, Status, told
 from synthesis.spec import DesignSpec
 
@@ -63,6 +65,7 @@ class Undercut(Part):
     )
     roller_radius_mm: float = told("Radius of the roller; 0 under a flat face.")
     too_large_mm: float = told("Roller radius less that radius of curvature.")
+    flank: str = Field("", description="Which flank, where the cam has several.")
 
 
 class SizeChange(Part):

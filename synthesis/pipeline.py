@@ -125,7 +125,7 @@ def _conflict(spec: DesignSpec, attempt: _Attempt) -> Conflict:
     def largest(claim: Claim) -> float | None:
         if last.relaxed is None or claim.quantity != "pitch_curvature":
             return None
-        low, high = reached(last.relaxed.problem, last.relaxed.size)
+        low, high = reached(last.relaxed.problem, last.relaxed.size, claim.path)
         return high if claim.upper is not None else low
 
     until = min(last.deadline, time.monotonic() + DIAGNOSIS_S)

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from synthesis.exporters.cam import Cam
-from synthesis.exporters.chords import position
+from synthesis.exporters.chords import is_pitch, position
 from synthesis.exporters.options import MotionOptions, ProfileOptions
 from synthesis.exporters.sampling import Rows, table_rows
 from synthesis.numerics.piecewise import Array
@@ -30,7 +30,7 @@ def profile_columns(cam: Cam, options: ProfileOptions) -> list[Column]:
     rows = table_rows(cam, options)
     at = cam.at(rows.theta, rows.left)
     x, y = position(options.curve, at)
-    which = "pitch curve" if options.curve == "pitch" else "profile"
+    which = "pitch curve" if is_pitch(options.curve) else "profile"
     return [
         _angle(rows),
         *_physical(at.s, cam.omega),

@@ -25,7 +25,7 @@ FRAME = (
 
 
 def _profile(design: Design, options: ProfileOptions) -> bytes:
-    cam = Cam.of(design)
+    cam = Cam.of(design, options.curve)
     turns = ("counter-clockwise", "clockwise")
     turns = turns if design.rotation == "ccw" else turns[::-1]
     head = {

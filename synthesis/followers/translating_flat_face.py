@@ -14,7 +14,8 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from typing import Any, ClassVar, Literal
 
-from synthesis.followers.base import Follower, Measure, Shape, Sizing, Vector2
+from synthesis.followers.base import Follower, Measure, Shape, Sizing
+from synthesis.followers.flank import Flank, Vector2
 from synthesis.motion import Motion
 from synthesis.numerics.peaks import peak
 from synthesis.terms import Cone, Norm, Row
@@ -61,7 +62,7 @@ class TranslatingFlatFace(Follower):
         # Rb + s + s'' ≥ least
         return (Row((-1.0, 0.0, -1.0, 0.0), (-1.0,), -least),)
 
-    def profile_radius_measure(self, least: float) -> Measure:
+    def profile_radius_measure(self, flank: Flank, least: float) -> Measure:
         return Measure("face_radius", least, None, float)
 
     def contact_rows(self, left: float, right: float) -> tuple[Row, ...]:
@@ -86,14 +87,14 @@ class TranslatingFlatFace(Follower):
         return radius * abs(radius), radius * radius
 
     def shape(self, motion: Motion, z: tuple[float, ...]) -> Shape:
-        wide = self.motion_dimensions(motion)
+        wide = self.motion_dimensions(motion, z)
         foot = z[0] + float(motion.derivatives([0.0], 0)[0, 0])
         return Shape((0.0, foot), 0.0, wide["face_left_mm"], wide["face_right_mm"])
 
     def dimensions(self, z: tuple[float, ...]) -> Mapping[str, float]:
         return {"base_radius_mm": z[0]}
 
-    def motion_dimensions(self, motion: Motion) -> Mapping[str, float]:
+    def motion_dimensions(self, motion: Motion, z: tuple[float, ...]) -> Mapping[str, float]:
         """The face that contact needs: to the left and right of the slide's line on a ccw cam."""
         left, _ = peak(motion.curve, (0.0, -1.0, 0.0, 0.0))
         right, _ = peak(motion.curve, (0.0, 1.0, 0.0, 0.0))

@@ -15,9 +15,14 @@ import numpy as np
 from pydantic import Field
 from pydantic_core import PydanticCustomError
 
-from synthesis.followers.base import Follower, Sizing, Vector2
+from synthesis.followers.base import Follower, Sizing
+from synthesis.followers.closures import Force, SlideClosure
+from synthesis.followers.flank import Flank, Vector2
+from synthesis.motion import Motion
 from synthesis.ranges import Dimension, Range, ends
 from synthesis.terms import Cone, Norm, Row
+
+LEAST = 1e-3  # of the base radius: smallest prime radius of a cam that is touched from inside
 
 
 class TranslatingRoller(Follower):
@@ -31,29 +36,59 @@ class TranslatingRoller(Follower):
         float, Field(ge=0.0, le=1e6, description="Radius of the roller; 0 is a knife edge.")
     ]
     offset_mm: Dimension = None
+    closure: SlideClosure = Force()
 
     @property
     def roller_radius(self) -> float:
         return self.roller_radius_mm
 
+    @property
+    def flanks(self) -> tuple[Flank, ...]:
+        return self.closure.flanks(self, self.roller_radius_mm)
+
+    @property
+    def companions(self) -> tuple[str, ...]:
+        return self.closure.companions
+
+    def companion_ranges(self) -> Mapping[str, tuple[str, float | Range | None]]:
+        return self.closure.companion_ranges()
+
+    def alone(self) -> Follower:
+        return self.model_copy(update={"closure": self.closure.alone()})
+
+    def completed(self, values: Mapping[str, float]) -> Follower:
+        return self.model_copy(update={"closure": self.closure.completed(values)})
+
     def check_reach(self, largest: float) -> None:
+        self.closure.check(self.roller_radius_mm)
+        gap = self.base_gap
+        if largest + gap <= 0.0:
+            raise PydanticCustomError(
+                "roller_fills_ring",
+                "base_radius_mm = {value} is not above the roller radius {roller} mm: touched from "
+                "inside, the roller would fill the ring. Take a larger base radius or a smaller "
+                "roller.",
+                {"value": largest, "roller": -gap},
+            )
         e_min, e_max = ends(self.offset_mm)
         nearest = 0.0 if e_min <= 0.0 <= e_max else min(abs(e_min), abs(e_max))
-        prime = largest + self.roller_radius
+        prime = largest + gap
         if nearest >= prime:
             raise PydanticCustomError(
                 "offset_beyond_prime_radius",
                 "offset_mm = {offset} is not inside the prime radius {prime} mm "
-                "(base radius plus roller radius): the follower would miss the pitch circle. "
+                "(base radius {word} roller radius): the follower would miss the pitch circle. "
                 "Take a smaller offset or a larger base radius.",
-                {"offset": nearest, "prime": prime},
+                {"offset": nearest, "prime": prime, "word": "plus" if gap >= 0.0 else "less"},
             )
 
     def adjustable(self) -> Mapping[str, float | Range | None]:
         return {"offset_mm": self.offset_mm}
 
     def sizing(self, base_radius: tuple[float, float]) -> Sizing:
-        least, largest = (radius + self.roller_radius_mm for radius in base_radius)
+        gap = self.base_gap
+        # inside a ring any positive prime radius is a cam
+        least, largest = (max(radius + gap, LEAST * radius) for radius in base_radius)
         e_min, e_max = ends(self.offset_mm)
         e_min, e_max = max(e_min, -largest), min(e_max, largest)
         nearest = 0.0 if e_min <= 0.0 <= e_max else min(abs(e_min), abs(e_max))
@@ -77,9 +112,13 @@ class TranslatingRoller(Follower):
         e, s0 = z
         largest = bounds[1][1]
         for cone in cones:
-            across, along = cone.norm.shift
-            reach = math.sqrt(max(cone.radius**2 - (e + across) ** 2, 0.0))
-            largest = min(largest, reach - along)
+            # ‖q + s0 w‖ ≤ radius, w the image of the unit of s0: the larger root
+            (ax, bx), (ay, by) = cone.norm.matrix
+            qx, qy = ax * e + cone.norm.shift[0], ay * e + cone.norm.shift[1]
+            length = math.hypot(bx, by)
+            across, along = (qx * by - qy * bx) / length, (qx * bx + qy * by) / length
+            reach = math.sqrt(max(cone.radius**2 - across**2, 0.0))
+            largest = min(largest, (reach - along) / length)
         return max(largest - s0, 0.0)
 
     def reaching(self, z: tuple[float, ...], radius: float) -> tuple[float, ...]:
@@ -114,9 +153,13 @@ class TranslatingRoller(Follower):
         e, s0 = z
         prime = float(np.hypot(e, s0))
         return {
-            "base_radius_mm": prime - self.roller_radius_mm,
+            "base_radius_mm": prime - self.base_gap,
             "prime_radius_mm": prime,
             "roller_radius_mm": self.roller_radius_mm,
             "offset_mm": e,
             "s0_mm": s0,
+            **self.closure.dimensions(self.roller_radius_mm),
         }
+
+    def motion_dimensions(self, motion: Motion, z: tuple[float, ...]) -> Mapping[str, float]:
+        return self.closure.motion_dimensions(motion, z)

@@ -9,6 +9,7 @@ from typing import Annotated, ClassVar, Literal
 
 from pydantic import Field
 
+from synthesis.followers.flank import labelled
 from synthesis.limits.base import Claim, Limit, Machine, times, where
 from synthesis.motion import Stretch, StretchKind
 from synthesis.terms import Row
@@ -20,7 +21,8 @@ Degrees = Annotated[float, Field(gt=0.0, lt=90.0)]
 class PressureAngle(Limit):
     """|α| ≤ the rise's limit on every rise, ≤ the return's on every return; dwells are free.
 
-    Linear in the motion and the size together: |s' − e| ≤ tan α_max (s0 + s).
+    Linear in the motion and the size together: |s' − e| ≤ tan α_max (s0 + s). Rises and returns
+    are the program's, for a counter cam too, which falls where the main cam rises.
     """
 
     kind: Literal["pressure_angle"] = "pressure_angle"
@@ -40,14 +42,18 @@ class PressureAngle(Limit):
         largest = self._largest(stretch.kind)
         if largest is None:
             return ()
-        rows = machine.follower.pressure_angle_rows(tan(largest))
-        return tuple(replace(row, source=f"pressure_angle_{stretch.kind}") for row in rows)
+        name, slope = f"pressure_angle_{stretch.kind}", tan(largest)
+        return tuple(
+            replace(row, source=labelled(name, label))
+            for label, path in machine.follower.paths.items()
+            for row in path.pressure_angle_rows(slope)
+        )
 
     def claims(self, stretches: Sequence[Stretch], machine: Machine) -> tuple[Claim, ...]:
         kinds: tuple[StretchKind, ...] = ("rise", "return", "dwell")
         return tuple(
             Claim(
-                f"pressure_angle_{kind}",
+                labelled(f"pressure_angle_{kind}", path),
                 "pressure_angle",
                 where(stretches, kind),
                 -largest,
@@ -55,7 +61,9 @@ class PressureAngle(Limit):
                 "deg",
                 times(1.0 / DEGREE),
                 f"pressure_angle/{kind}_deg",
+                path,
             )
+            for path in machine.follower.paths
             for kind in kinds
             if (largest := self._largest(kind)) is not None and where(stretches, kind)
         )

@@ -1,0 +1,61 @@
+"""What every closure promises."""
+
+from __future__ import annotations
+
+from abc import ABC, abstractmethod
+from collections.abc import Mapping
+from typing import Annotated, ClassVar
+
+from pydantic import BaseModel, ConfigDict, Field
+
+from synthesis.followers.flank import Flank, Trace
+from synthesis.motion import Motion
+from synthesis.ranges import Range
+
+Rim = Annotated[
+    float,
+    Field(
+        ge=0.0,
+        le=1e6,
+        description="Material around the flank that is touched from inside; the limit "
+        "outer_radius counts it in.",
+    ),
+]
+
+
+class Closure(BaseModel, ABC):
+    """What keeps a roller on its cam, and with it: which curves the cam is made of."""
+
+    model_config = ConfigDict(frozen=True, extra="forbid", allow_inf_nan=False)
+
+    kind: str
+    title: ClassVar[str]
+    companions: ClassVar[tuple[str, ...]] = ()  # paths of further rollers
+
+    @abstractmethod
+    def flanks(self, trace: Trace, roller_radius: float) -> tuple[Flank, ...]:
+        """The cam's flanks; the base radius is that of the first."""
+
+    def check(self, roller_radius: float) -> None:
+        """Refuse a roller that it cannot hold."""
+        return None
+
+    def companion_ranges(self) -> Mapping[str, tuple[str, float | Range | None]]:
+        """Dimensions of a second roller that may be left free: field, dimension, value."""
+        return {}
+
+    def alone(self) -> Closure:
+        """The same without what is settled after the size."""
+        return self
+
+    def completed(self, values: Mapping[str, float]) -> Closure:
+        """The same with dimensions that were left free, by their names among the dimensions."""
+        return self
+
+    def dimensions(self, roller_radius: float) -> Mapping[str, float]:
+        """Its dimensions as named on the wire [mm]."""
+        return {}
+
+    def motion_dimensions(self, motion: Motion, z: tuple[float, ...]) -> Mapping[str, float]:
+        """Dimensions that follow from the finished motion [mm]."""
+        return {}
