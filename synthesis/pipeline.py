@@ -16,6 +16,7 @@ from synthesis.answer import Bounded, Cam, design, judged, proofs
 from synthesis.design import Conflict, Design, Extreme, StageReport
 from synthesis.errors import TimeBudgetExceeded
 from synthesis.formulations.candidate import Candidate, given_size
+from synthesis.formulations.companion import Settled, settled
 from synthesis.formulations.problem import Held, pose
 from synthesis.formulations.refine import search
 from synthesis.formulations.search import Search
@@ -29,10 +30,17 @@ DRAWN_IN = (1e-7, 1e-6, 1e-5, 1e-4)  # relative amounts by which limits are tigh
 
 @dataclass(eq=False)
 class _Attempt:
-    """What one pass over the objectives came to."""
+    """What one pass over the objectives came to.
 
+    ``posed`` is the question that was solved, ``built`` the spec of the cam that came out: they
+    differ from what was asked where something is settled after the size.
+    """
+
+    posed: DesignSpec
+    built: DesignSpec
     searches: list[Search] = field(default_factory=list)
     cam: Cam | None = None
+    best: Candidate | None = None
     bounds: list[Bounded] = field(default_factory=list)
     extremes: list[Extreme] = field(default_factory=list)
 
@@ -77,19 +85,42 @@ def synthesise(spec: DesignSpec, *, deadline: float | None = None) -> Design:
     late = time.monotonic() >= now + budget
     if not attempt.certified and late:
         raise TimeBudgetExceeded(budget)
-    conflict = None if attempt.certified else _conflict(spec, attempt)
-    proven = [] if attempt.cam is None else proofs(spec, attempt.cam, attempt.bounds)
+    conflict = None if attempt.certified else _conflict(attempt.posed, attempt)
+    proven = [] if attempt.cam is None else proofs(attempt.built, attempt.cam, attempt.bounds)
+    seconds = time.perf_counter() - clock
     found = design(
-        spec, attempt.cam, attempt.extremes, proven, stages, time.perf_counter() - clock, conflict
-    )
+        attempt.built, attempt.cam, attempt.extremes, proven, stages, seconds, conflict
+    ).asked_as(spec)
     if late and found.status == "feasible":
         raise TimeBudgetExceeded(budget, found)
     return found
 
 
 def _attempt(spec: DesignSpec, stop: float, tighten: float) -> _Attempt:
+    """Solve the spec without what is settled after the size, then settle it.
+
+    Where no place of a counter roller suits the cam so found, the cam is sought again with the
+    farthest place given: the counter cam then has its say in the laws and the size.
+    """
+    attempt = _solved(spec.alone(), stop, tighten)
+    if attempt.best is None:
+        return attempt
+    place = settled(spec, attempt.best)
+    if not place.holds:
+        first, attempt = attempt, _solved(place.spec, stop, tighten)
+        attempt.searches = [*first.searches, *attempt.searches]
+        if any(limit.cones(spec.stretches(), spec.alone().machine()) for limit in spec.limits):
+            attempt.bounds = first.bounds  # a nearer place might suit an outer radius better
+        place = Settled(place.spec, True)
+    attempt.built = place.spec
+    if attempt.cam is not None:
+        attempt.extremes = judged(spec, attempt.cam, place.spec)
+    return attempt
+
+
+def _solved(spec: DesignSpec, stop: float, tighten: float) -> _Attempt:
     """Work through the objectives in order; each keeps what the ones before have reached."""
-    attempt = _Attempt()
+    attempt = _Attempt(spec, spec)
     held: tuple[Held, ...] = ()
     objectives = spec.objectives()
     best: Candidate | None = None
@@ -109,10 +140,9 @@ def _attempt(spec: DesignSpec, stop: float, tighten: float) -> _Attempt:
             stretch.index: (law.space, law.coefficients)
             for stretch, law in zip(attempt.searches[0].problem.free, best.laws, strict=True)
         }
-        settled = {stretch.index: stretch for stretch in best.problem.stretches}
-        whole = tuple(settled.get(stretch.index, stretch) for stretch in spec.stretches())
-        attempt.cam = Cam(whole, splines, best.size)
-        attempt.extremes = judged(spec, attempt.cam)
+        known = {stretch.index: stretch for stretch in best.problem.stretches}
+        whole = tuple(known.get(stretch.index, stretch) for stretch in spec.stretches())
+        attempt.cam, attempt.best = Cam(whole, splines, best.size), best
     return attempt
 
 
@@ -123,7 +153,10 @@ def _conflict(spec: DesignSpec, attempt: _Attempt) -> Conflict:
     last = attempt.searches[-1]
 
     def largest(claim: Claim) -> float | None:
+        follower = last.problem.machine.follower
         if last.relaxed is None or claim.quantity != "pitch_curvature":
+            return None
+        if claim.path in follower.companions:  # a larger main cam leaves it no more room
             return None
         low, high = reached(last.relaxed.problem, last.relaxed.size, claim.path)
         return high if claim.upper is not None else low

@@ -189,6 +189,11 @@ class DesignSpec(BaseModel):
         rest = (a for a in always if a.kind not in named and a.suits(self.follower))
         return (*self.limits, *rest)
 
+    def alone(self) -> DesignSpec:
+        """The same without what is settled after the size and is still free."""
+        follower = self.follower.alone()
+        return self if follower == self.follower else self.model_copy(update={"follower": follower})
+
     def built(self, dimensions: Mapping[str, float]) -> DesignSpec:
         """The same with what was settled after the size, by the names of the dimensions."""
         follower = self.follower.completed(dimensions)

@@ -171,6 +171,10 @@ class Follower(BaseModel, ABC):
         """The same without what is settled after the size and is still free."""
         return self
 
+    def companion(self, values: Mapping[str, float]) -> Follower:
+        """The same with the flanks of its further rollers alone."""
+        return self
+
     def completed(self, values: Mapping[str, float]) -> Follower:
         """The same with what was settled after the size, by the names of the dimensions."""
         return self

@@ -56,6 +56,9 @@ class TranslatingRoller(Follower):
     def alone(self) -> Follower:
         return self.model_copy(update={"closure": self.closure.alone()})
 
+    def companion(self, values: Mapping[str, float]) -> Follower:
+        return self.model_copy(update={"closure": self.closure.companion(values)})
+
     def completed(self, values: Mapping[str, float]) -> Follower:
         return self.model_copy(update={"closure": self.closure.completed(values)})
 

@@ -48,6 +48,10 @@ class Closure(BaseModel, ABC):
         """The same without what is settled after the size."""
         return self
 
+    def companion(self, values: Mapping[str, float]) -> Closure:
+        """The same with the flanks of further rollers alone."""
+        return self
+
     def completed(self, values: Mapping[str, float]) -> Closure:
         """The same with dimensions that were left free, by their names among the dimensions."""
         return self

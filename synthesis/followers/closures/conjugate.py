@@ -61,7 +61,10 @@ class ConjugateSlide(Closure):
         low, high = ends(self.distance_mm)
         return self if low == high else Force()
 
-    def completed(self, values: Mapping[str, float]) -> Closure:
+    def companion(self, values: Mapping[str, float]) -> Closure:
+        return CounterAlone(pair=self.completed(values))
+
+    def completed(self, values: Mapping[str, float]) -> ConjugateSlide:
         return self.model_copy(update={"distance_mm": values["counter_distance_mm"]})
 
     def dimensions(self, roller_radius: float) -> Mapping[str, float]:
@@ -79,3 +82,15 @@ class ConjugateSlide(Closure):
             "counter_prime_radius_mm": prime,
             "counter_base_radius_mm": prime - self.roller_radius_mm,
         }
+
+
+class CounterAlone(Closure):
+    """The counter cam of a pair, looked at by itself."""
+
+    kind: Literal["counter_alone"] = "counter_alone"
+    title: ClassVar[str] = "Counter cam alone"
+    companions: ClassVar[tuple[str, ...]] = ("counter",)
+    pair: ConjugateSlide
+
+    def flanks(self, trace: Trace, roller_radius: float) -> tuple[Flank, ...]:
+        return self.pair.flanks(trace, roller_radius)[1:]
