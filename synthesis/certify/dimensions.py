@@ -9,19 +9,21 @@ from synthesis.certify.quantities import Size, pressure_angle
 from synthesis.design import Extreme
 from synthesis.followers import Follower
 from synthesis.followers.flank import Trace, labelled
-from synthesis.limits.base import Machine
+from synthesis.limits.base import Claim, Machine, where
+from synthesis.motion import Motion
 from synthesis.ranges import ends
 from synthesis.spec import DesignSpec
 from synthesis.units import DEGREE
 
-ALLOWANCE = 1e-12  # relative to the prime radius: roundings on the way from the size
+ALLOWANCE = 1e-12  # of the prime radius, or of 180°: roundings on the way from the size
 
 
 def stands(course: Course, machine: Machine, size: Size) -> list[Extreme]:
     """A positive base radius, and a follower that the prime circle drives outwards.
 
     A translating follower does so where its offset lies inside the prime radius, with the roller
-    above the axis; then the pressure angle at rest on the prime circle is below 90°.
+    above the axis; one on an arm, where the arm is not stretched along the line of centres. Then
+    the pressure angle at rest on the prime circle is below 90°.
     """
     base = machine.follower.dimensions(size)["base_radius_mm"]
     return [
@@ -44,9 +46,22 @@ def _at_rest(limit: str, trace: Trace, size: Size, stroke: float) -> Extreme:
     return Extreme(
         limit=limit, value=alpha, unit="deg", angle_deg=0.0, bound=90.0,
         margin=90.0 - alpha, width=0.0, holds=alpha < 90.0,
-        evidence="pressure angle at rest on the prime circle: below 90° the offset lies "
-        "inside the prime radius", field="follower",
+        evidence="pressure angle at rest on the prime circle: below 90° the cam drives the "
+        "follower outwards", field="follower",
     )  # fmt: skip
+
+
+def standing(motion: Motion, machine: Machine, size: Size) -> list[Claim]:
+    """That the follower can stand at every displacement, where that is not so by itself."""
+    found = machine.follower.displacement_measure(size)
+    if found is None:
+        return []
+    return [
+        Claim(
+            "reach", found.quantity, where(motion.stretches), found.lower, found.upper,
+            found.unit, found.to_wire, "follower",
+        )
+    ]  # fmt: skip
 
 
 def certify_size(
@@ -60,13 +75,14 @@ def certify_size(
         built: the follower with what was settled after the size; None: the spec's own.
     """
     dimensions = (built or spec.follower).dimensions(size)
-    prime = spec.follower.prime_radius().value(size)
+    sizes = {"mm": spec.follower.radius(size), "deg": 180.0}
     found = []
     for name, value in dimensions.items():
         for owner, prefix in ((spec, ""), (spec.follower, "follower/")):
             if name in type(owner).model_fields:
                 asked = ends(getattr(owner, name))
-                found += _within(name, value, asked, ALLOWANCE * prime, prefix + name)
+                allowance = ALLOWANCE * sizes[name.rpartition("_")[2]]
+                found += _within(name, value, asked, allowance, prefix + name)
     for field, (name, wanted) in spec.follower.companion_ranges().items():
         allowance = ALLOWANCE * dimensions[name]
         found += _within(name, dimensions[name], ends(wanted), allowance, f"follower/{field}")
@@ -78,13 +94,14 @@ def _within(
 ) -> list[Extreme]:
     """A dimension against the nearer end of its range; nothing where both are open."""
     low, high = asked
+    named, _, unit = name.rpartition("_")
     margin, bound = min((value - low, low), (high - value, high))
     if math.isinf(bound):
         return []
     return [
         Extreme(
-            limit=name.removesuffix("_mm"), value=value, unit="mm", angle_deg=0.0, bound=bound,
+            limit=named, value=value, unit=unit, angle_deg=0.0, bound=bound,
             margin=margin, width=0.0, holds=margin >= -allowance,
-            evidence=f"from the size; rounding allowance {allowance:.3g} mm", field=field,
+            evidence=f"from the size; rounding allowance {allowance:.3g} {unit}", field=field,
         )
     ]  # fmt: skip

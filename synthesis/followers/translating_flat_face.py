@@ -26,7 +26,7 @@ class TranslatingFlatFace(Follower):
 
     kind: Literal["translating_flat_face"] = "translating_flat_face"
     title: ClassVar[str] = "Translating flat face, perpendicular to its slide"
-    size_names: ClassVar[tuple[str, ...]] = ("base_radius",)
+    size_charts: ClassVar[tuple[tuple[str, ...], ...]] = (("base_radius",),)
     always_convex: ClassVar[bool] = True
 
     @property

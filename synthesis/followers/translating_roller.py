@@ -18,7 +18,7 @@ from pydantic_core import PydanticCustomError
 from synthesis.followers.base import Follower, Sizing
 from synthesis.followers.closures import Force, SlideClosure
 from synthesis.followers.flank import Flank, Vector2
-from synthesis.motion import Motion
+from synthesis.motion import Motion, Stretch
 from synthesis.ranges import Dimension, Range, ends
 from synthesis.terms import Cone, Norm, Row
 
@@ -30,7 +30,7 @@ class TranslatingRoller(Follower):
 
     kind: Literal["translating_roller"] = "translating_roller"
     title: ClassVar[str] = "Translating roller (radius 0: knife edge)"
-    size_names: ClassVar[tuple[str, ...]] = ("offset", "s0")
+    size_charts: ClassVar[tuple[tuple[str, ...], ...]] = (("offset", "s0"),)
 
     roller_radius_mm: Annotated[
         float, Field(ge=0.0, le=1e6, description="Radius of the roller; 0 is a knife edge.")
@@ -62,9 +62,9 @@ class TranslatingRoller(Follower):
     def completed(self, values: Mapping[str, float]) -> Follower:
         return self.model_copy(update={"closure": self.closure.completed(values)})
 
-    def check_reach(self, largest: float) -> None:
+    def check_reach(self, base_radius: tuple[float, float], stretches: Sequence[Stretch]) -> None:
         self.closure.check(self.roller_radius_mm)
-        gap = self.base_gap
+        largest, gap = base_radius[1], self.base_gap
         if largest + gap <= 0.0:
             raise PydanticCustomError(
                 "roller_fills_ring",
