@@ -81,7 +81,8 @@ TABLE: dict[str, tuple[Change, str, Any, str]] = {
     ),
     "an arm that is too long": (on_an_arm(arm_mm=250), "/follower", 250, "from 150 to 350"),
     "a swing past the line of centres": (
-        on_an_arm(swing=120), "/program", pytest.approx(107.545951), "cam angle 44.2529° (program/0)",
+        on_an_arm(swing=120), "/program", pytest.approx(107.545951),
+        "at cam angle 44.2529° (program/0)",
     ),
     "an angle that contradicts the radius": (
         on_an_arm(initial_angle_deg=60), "/follower/initial_angle_deg", 60, "Leave out one",
