@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
@@ -185,6 +186,10 @@ class Follower(BaseModel, ABC):
         """Dimensions settled after the size: field, its name among the dimensions, value."""
         return {}
 
+    def places(self, z: tuple[float, ...], s_max: float) -> tuple[float, float]:
+        """Between which values such a dimension makes sense, in the unit of the wire."""
+        return -math.inf, math.inf
+
     def alone(self) -> Follower:
         """The same without what is settled after the size and is still free."""
         return self
@@ -259,6 +264,14 @@ class Follower(BaseModel, ABC):
     def nearest(self, s_max: float) -> float:
         """Displacement between 0 and ``s_max`` at which the traced curve is nearest to the axis."""
         return 0.0
+
+    def second_arm(self, length: float, angle: float) -> Trace:
+        """The roller of a second arm [mm] at its pivot, at an angle [rad]; only with an arm."""
+        raise NotImplementedError(f"{self.kind} has no arm")
+
+    def arm_angle(self, s: float, z: tuple[float, ...]) -> float:
+        """Angle at its pivot from the line to the axis to the arm [rad]; only with an arm."""
+        raise NotImplementedError(f"{self.kind} has no arm")
 
     @abstractmethod
     def dimensions(self, z: tuple[float, ...]) -> Mapping[str, float]:

@@ -17,6 +17,7 @@ rule of a cam touched from outside holds for both.
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from dataclasses import dataclass
 from typing import Any, Literal, Protocol
 
@@ -50,6 +51,14 @@ class Trace(Protocol):
     def nearest(self, s_max: float) -> float: ...
 
 
+class Host(Trace, Protocol):
+    """The main roller's follower, as a closure sees it: what further rollers can be fixed to."""
+
+    def second_arm(self, length: float, angle: float) -> Trace: ...
+
+    def arm_angle(self, s: float, z: tuple[float, ...]) -> float: ...
+
+
 @dataclass(frozen=True)
 class Flank:
     """One curve that the cam is made of.
@@ -69,6 +78,12 @@ class Flank:
     path: str
     trace: Trace
     rim: float = 0.0
+
+
+def outer_gap(flanks: Iterable[Flank], path: str) -> float:
+    """What the cam's edge lacks to a traced curve [mm]: negative where the edge is outside."""
+    mine = (flank for flank in flanks if flank.path == path)
+    return min(flank.side * flank.distance - flank.rim for flank in mine)
 
 
 def labelled(claim: str, label: str) -> str:

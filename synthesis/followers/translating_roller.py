@@ -15,17 +15,16 @@ import numpy as np
 from pydantic import Field
 from pydantic_core import PydanticCustomError
 
-from synthesis.followers.base import Follower, Sizing
-from synthesis.followers.closures import Force, SlideClosure
-from synthesis.followers.flank import Flank, Vector2
+from synthesis.followers.base import Sizing
+from synthesis.followers.closures import LEAST, Force, SlideClosure
+from synthesis.followers.flank import Vector2
+from synthesis.followers.roller import RollerFollower
 from synthesis.motion import Motion, Stretch
 from synthesis.ranges import Dimension, Range, ends
 from synthesis.terms import Cone, Norm, Row
 
-LEAST = 1e-3  # of the base radius: smallest prime radius of a cam that is touched from inside
 
-
-class TranslatingRoller(Follower):
+class TranslatingRoller(RollerFollower):
     """A roller on a slide that moves in a straight line past the cam's axis."""
 
     kind: Literal["translating_roller"] = "translating_roller"
@@ -38,41 +37,9 @@ class TranslatingRoller(Follower):
     offset_mm: Dimension = None
     closure: SlideClosure = Force()
 
-    @property
-    def roller_radius(self) -> float:
-        return self.roller_radius_mm
-
-    @property
-    def flanks(self) -> tuple[Flank, ...]:
-        return self.closure.flanks(self, self.roller_radius_mm)
-
-    @property
-    def companions(self) -> tuple[str, ...]:
-        return self.closure.companions
-
-    def companion_ranges(self) -> Mapping[str, tuple[str, float | Range | None]]:
-        return self.closure.companion_ranges()
-
-    def alone(self) -> Follower:
-        return self.model_copy(update={"closure": self.closure.alone()})
-
-    def companion(self, values: Mapping[str, float]) -> Follower:
-        return self.model_copy(update={"closure": self.closure.companion(values)})
-
-    def completed(self, values: Mapping[str, float]) -> Follower:
-        return self.model_copy(update={"closure": self.closure.completed(values)})
-
     def check_reach(self, base_radius: tuple[float, float], stretches: Sequence[Stretch]) -> None:
-        self.closure.check(self.roller_radius_mm)
         largest, gap = base_radius[1], self.base_gap
-        if largest + gap <= 0.0:
-            raise PydanticCustomError(
-                "roller_fills_ring",
-                "base_radius_mm = {value} is not above the roller radius {roller} mm: touched from "
-                "inside, the roller would fill the ring. Take a larger base radius or a smaller "
-                "roller.",
-                {"value": largest, "roller": -gap},
-            )
+        self.closure.check(self.roller_radius_mm, largest, gap)
         e_min, e_max = ends(self.offset_mm)
         nearest = 0.0 if e_min <= 0.0 <= e_max else min(abs(e_min), abs(e_max))
         prime = largest + gap
@@ -165,4 +132,4 @@ class TranslatingRoller(Follower):
         }
 
     def motion_dimensions(self, motion: Motion, z: tuple[float, ...]) -> Mapping[str, float]:
-        return self.closure.motion_dimensions(motion, z)
+        return self.closure.motion_dimensions(self, motion, z)

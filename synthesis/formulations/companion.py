@@ -1,9 +1,9 @@
 """The place of a counter roller that is left free: the nearest at which its cam keeps every limit.
 
-The counter cam follows from the laws, the size and the distance L between the rollers. Only
-L less the main roller's height enters its geometry, so the distance does not weigh on the main
-cam: the cam sought without the counter cam stays the best one as long as some distance in the
-range will do, and its lower bound holds for every distance.
+The counter cam follows from the laws, the size and the place: the distance between two rollers on
+a slide, the angle between two arms. It does not weigh on the main cam: the cam sought without the
+counter cam stays the best one as long as some place in the range will do, and its lower bound
+holds for every place.
 """
 
 from __future__ import annotations
@@ -23,7 +23,7 @@ from synthesis.spec import DesignSpec
 from synthesis.terms import Cone
 
 CLEARANCE = 1e-8  # relative: how far the distance stays off what binds it
-FARTHEST = 1e4  # strokes: what no practical machine exceeds
+STEP = 0.01  # of the range: first step away from the nearest place
 ROUNDS = 4
 
 
@@ -55,8 +55,10 @@ def settled(spec: DesignSpec, found: Candidate) -> Settled:
         return Settled(spec, True)
     ((name, (low, high)),) = free
     scene = _Scene(spec, found, name)
-    nearest = max(low, scene.touching)
-    farthest = min(high, nearest + FARTHEST * found.problem.length)
+    stretches = found.problem.stretches
+    highest = max(max(s.s_start, s.s_end) for s in stretches)
+    touching, farthest = spec.follower.places(found.size, highest)
+    nearest, farthest = max(low, touching), min(high, farthest)
     least = scene.least(nearest, farthest)
     value = farthest if least is None else least
     if scene.outgrown(value) > 0.0 >= scene.outgrown(nearest):
@@ -76,15 +78,6 @@ class _Scene:
     spec: DesignSpec
     found: Candidate
     name: str
-
-    @property
-    def touching(self) -> float:
-        """The distance at which the counter roller's centre would reach the axis [mm]."""
-        stretches = self.found.problem.stretches
-        (_, height), *_ = self.spec.follower.alone().traced_point(
-            (max(max(s.s_start, s.s_end) for s in stretches), 0.0, 0.0, 0.0), self.found.size
-        )
-        return float(height)
 
     def at(self, distance: float) -> Problem:
         """The question put to the counter cam alone."""
@@ -112,7 +105,7 @@ class _Scene:
     def _least(self, samples: list[Samples], low: float, high: float) -> float | None:
         if self.excess(low, samples) <= 0.0:
             return low
-        step, near = 0.05 * self.found.problem.length, low
+        step, near = min(STEP * (high - low), max(0.05 * low, 1e-9 * high)), low
         while self.excess(min(near + step, high), samples) > 0.0:
             if near + step >= high:
                 return None

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import replace
-from typing import Annotated, ClassVar, Literal
+from typing import Annotated, Any, ClassVar, Literal
 
 from pydantic import Field
 
@@ -33,6 +33,17 @@ class CounterBaseRadius(Limit):
             for flank in _counters(machine)
             for row in flank.trace.radius_rows(flank.distance + self.min_mm)
         )
+
+    def smooth(self, stretch: Stretch, machine: Machine, s: Any, z: Any) -> tuple[Any, ...]:
+        if self.rows(stretch, machine):
+            return ()
+        found = []
+        for flank in _counters(machine):
+            least = flank.distance + self.min_mm
+            (px, py), *_ = flank.trace.traced_point(s, z)
+            square = px * px + py * py
+            found.append((least * least - square) / (least * least + square))
+        return tuple(found)
 
     def claims(self, stretches: Sequence[Stretch], machine: Machine) -> tuple[Claim, ...]:
         return tuple(

@@ -7,7 +7,7 @@ from typing import Annotated, ClassVar, Literal
 
 from pydantic import Field
 
-from synthesis.followers.flank import Flank, labelled
+from synthesis.followers.flank import Trace, labelled, outer_gap
 from synthesis.limits.base import Claim, Limit, Machine, where
 from synthesis.motion import Stretch
 from synthesis.terms import Cone
@@ -29,17 +29,17 @@ class OuterRadius(Limit):
         highest = max(max(s.s_start, s.s_end) for s in stretches)
         return tuple(
             Cone(
-                flank.trace.outermost(highest),
+                trace.outermost(highest),
                 max(self.max_mm + gap, 0.0),
-                labelled("outer_radius", flank.path),
+                labelled("outer_radius", path),
             )
-            for flank, gap in _outermost(machine)
+            for path, trace, gap in _edges(machine)
         )
 
     def claims(self, stretches: Sequence[Stretch], machine: Machine) -> tuple[Claim, ...]:
         return tuple(
             Claim(
-                labelled("outer_radius", flank.path),
+                labelled("outer_radius", path),
                 "pitch_radius",
                 where(stretches),
                 None,
@@ -47,18 +47,16 @@ class OuterRadius(Limit):
                 "mm",
                 _less(gap),
                 "outer_radius/max_mm",
-                flank.path,
+                path,
             )
-            for flank, gap in _outermost(machine)
+            for path, trace, gap in _edges(machine)
         )
 
 
-def _outermost(machine: Machine) -> Iterator[tuple[Flank, float]]:
-    """The outer flank of every path, and what its edge lacks to the traced curve [mm]."""
-    for path in machine.follower.paths:
-        flanks = [flank for flank in machine.follower.flanks if flank.path == path]
-        outer = min(flanks, key=lambda flank: flank.side * flank.distance)
-        yield outer, outer.side * outer.distance - outer.rim
+def _edges(machine: Machine) -> Iterator[tuple[str, Trace, float]]:
+    """Every path by name, and what the edge of its cam lacks to it [mm]."""
+    for path, trace in machine.follower.paths.items():
+        yield path, trace, outer_gap(machine.follower.flanks, path)
 
 
 def _less(gap: float) -> Callable[[float], float]:

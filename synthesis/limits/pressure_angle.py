@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import replace
 from math import tan
-from typing import Annotated, ClassVar, Literal
+from typing import Annotated, Any, ClassVar, Literal
 
 from pydantic import Field
 
@@ -48,6 +48,22 @@ class PressureAngle(Limit):
             for label, path in machine.follower.paths.items()
             for row in path.pressure_angle_rows(slope)
         )
+
+    def smooth(self, stretch: Stretch, machine: Machine, s: Any, z: Any) -> tuple[Any, ...]:
+        """Of counter rollers that say nothing in rows: |n × g| ≤ tan α_max n · g."""
+        largest = self._largest(stretch.kind)
+        found: list[Any] = []
+        for label in () if largest is None else machine.follower.companions:
+            path, slope = machine.follower.paths[label], tan(largest or 0.0)
+            if path.pressure_angle_rows(slope):
+                continue
+            (px, py), (dx, dy), *_ = path.traced_point(s, z)
+            nx, ny = path.normal((dx + py, dy - px), s, z)
+            (gx, gy), _ = path.direction(s, z)
+            length = (nx * nx + ny * ny) ** 0.5
+            across, along = gx * ny - gy * nx, slope * (gx * nx + gy * ny)
+            found += [(across - along) / length, (-across - along) / length]
+        return tuple(found)
 
     def claims(self, stretches: Sequence[Stretch], machine: Machine) -> tuple[Claim, ...]:
         kinds: tuple[StretchKind, ...] = ("rise", "return", "dwell")

@@ -6,8 +6,8 @@ from typing import Annotated
 
 from pydantic import Field
 
-from synthesis.followers.closures.base import Closure
-from synthesis.followers.closures.conjugate import ConjugateSlide
+from synthesis.followers.closures.base import LEAST, Closure
+from synthesis.followers.closures.conjugate import ConjugateArm, ConjugateSlide
 from synthesis.followers.closures.force import Force
 from synthesis.followers.closures.groove import Groove
 
@@ -15,5 +15,18 @@ SlideClosure = Annotated[
     Force | Groove | ConjugateSlide,
     Field(discriminator="kind", description="What keeps the roller on the cam."),
 ]
+ArmClosure = Annotated[
+    Force | Groove | ConjugateArm,
+    Field(discriminator="kind", description="What keeps the roller on the cam."),
+]
 
-__all__ = ["Closure", "ConjugateSlide", "Force", "Groove", "SlideClosure"]
+__all__ = [
+    "LEAST",
+    "ArmClosure",
+    "Closure",
+    "ConjugateArm",
+    "ConjugateSlide",
+    "Force",
+    "Groove",
+    "SlideClosure",
+]

@@ -2,15 +2,18 @@
 
 from __future__ import annotations
 
+import math
 from abc import ABC, abstractmethod
 from collections.abc import Mapping
 from typing import Annotated, ClassVar
 
 from pydantic import BaseModel, ConfigDict, Field
 
-from synthesis.followers.flank import Flank, Trace
+from synthesis.followers.flank import Flank, Host
 from synthesis.motion import Motion
 from synthesis.ranges import Range
+
+LEAST = 1e-3  # of the base radius: smallest prime radius of a cam that is touched from inside
 
 Rim = Annotated[
     float,
@@ -33,16 +36,26 @@ class Closure(BaseModel, ABC):
     companions: ClassVar[tuple[str, ...]] = ()  # paths of further rollers
 
     @abstractmethod
-    def flanks(self, trace: Trace, roller_radius: float) -> tuple[Flank, ...]:
+    def flanks(self, trace: Host, roller_radius: float) -> tuple[Flank, ...]:
         """The cam's flanks; the base radius is that of the first."""
 
-    def check(self, roller_radius: float) -> None:
-        """Refuse a roller that it cannot hold."""
+    def check(self, roller_radius: float, largest: float, gap: float) -> None:
+        """Refuse a roller that it cannot hold.
+
+        Args:
+            roller_radius: Rr [mm].
+            largest: largest base radius allowed [mm].
+            gap: prime radius less base radius [mm].
+        """
         return None
 
     def companion_ranges(self) -> Mapping[str, tuple[str, float | Range | None]]:
         """Dimensions of a second roller that may be left free: field, dimension, value."""
         return {}
+
+    def places(self, trace: Host, z: tuple[float, ...], s_max: float) -> tuple[float, float]:
+        """Between which values a second roller's place makes sense, in the unit of the wire."""
+        return -math.inf, math.inf
 
     def alone(self) -> Closure:
         """The same without what is settled after the size."""
@@ -60,6 +73,8 @@ class Closure(BaseModel, ABC):
         """Its dimensions as named on the wire [mm]."""
         return {}
 
-    def motion_dimensions(self, motion: Motion, z: tuple[float, ...]) -> Mapping[str, float]:
+    def motion_dimensions(
+        self, trace: Host, motion: Motion, z: tuple[float, ...]
+    ) -> Mapping[str, float]:
         """Dimensions that follow from the finished motion [mm]."""
         return {}

@@ -8,7 +8,7 @@ from pydantic import Field
 from pydantic_core import PydanticCustomError
 
 from synthesis.followers.closures.base import Closure, Rim
-from synthesis.followers.flank import Flank, Trace
+from synthesis.followers.flank import Flank, Host
 
 
 class Force(Closure):
@@ -27,7 +27,7 @@ class Force(Closure):
 
     rim_mm: Rim = 0.0
 
-    def check(self, roller_radius: float) -> None:
+    def check(self, roller_radius: float, largest: float, gap: float) -> None:
         if self.rim_mm > 0.0 and self.contact == "outside":
             raise PydanticCustomError(
                 "rim_without_ring",
@@ -35,7 +35,15 @@ class Force(Closure):
                 "Leave rim_mm out, or choose contact inside.",
                 {"value": self.rim_mm},
             )
+        if largest + gap <= 0.0:
+            raise PydanticCustomError(
+                "roller_fills_ring",
+                "base_radius_mm = {value} is not above the roller radius {roller} mm: touched from "
+                "inside, the roller would fill the ring. Take a larger base radius or a smaller "
+                "roller.",
+                {"value": largest, "roller": roller_radius},
+            )
 
-    def flanks(self, trace: Trace, roller_radius: float) -> tuple[Flank, ...]:
+    def flanks(self, trace: Host, roller_radius: float) -> tuple[Flank, ...]:
         side: Literal[1, -1] = 1 if self.contact == "outside" else -1
         return (Flank("", side, roller_radius, "", trace, self.rim_mm),)

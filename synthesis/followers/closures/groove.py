@@ -9,7 +9,7 @@ from pydantic import Field
 from pydantic_core import PydanticCustomError
 
 from synthesis.followers.closures.base import Closure, Rim
-from synthesis.followers.flank import Flank, Trace
+from synthesis.followers.flank import Flank, Host
 
 
 class Groove(Closure):
@@ -28,14 +28,14 @@ class Groove(Closure):
 
     rim_mm: Rim = 0.0
 
-    def flanks(self, trace: Trace, roller_radius: float) -> tuple[Flank, ...]:
+    def flanks(self, trace: Host, roller_radius: float) -> tuple[Flank, ...]:
         distance = self._distance(roller_radius)
         return (
             Flank("inner", 1, distance, "", trace),
             Flank("outer", -1, distance, "", trace, self.rim_mm),
         )
 
-    def check(self, roller_radius: float) -> None:
+    def check(self, roller_radius: float, largest: float, gap: float) -> None:
         if roller_radius <= 0.0:
             raise PydanticCustomError(
                 "groove_needs_roller",
