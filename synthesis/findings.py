@@ -80,7 +80,11 @@ class SizeChange(Part):
     )
     dimensions: dict[str, float] = told("Base radius, prime radius, offset, … by name and unit.")
     base_radius_change_mm: float | None = told("New base radius less the given one.")
-    offset_change_mm: float | None = told("New offset less the given one.")
+    offset_change_mm: float | None = told("New offset less the given one; null without one.")
+    changes: dict[str, float] = Field(
+        {},
+        description="The same of every dimension that was freed: new value less the given one.",
+    )
     gap: float | None = told("How far the base radius is at most from the least possible.")
 
 
