@@ -12,6 +12,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from math import inf, isnan
 
+import numpy as np
 from scipy.optimize import brentq
 
 from synthesis.formulations.candidate import Candidate
@@ -118,7 +119,8 @@ class _Scene:
         """By how much the worst limit is exceeded, relative; falls with the distance."""
         problem = self.at(distance)
         worst = max(self._rows(problem), default=-1.0)
-        shape = violation(problem, samples, self.found.size)
+        with np.errstate(divide="ignore", invalid="ignore"):  # with the roller on the axis
+            shape = violation(problem, samples, self.found.size)
         value = max(worst, shape + CLEARANCE)
         return 1.0 if isnan(value) or value == inf else value
 
