@@ -13,7 +13,7 @@ from dataclasses import asdict, dataclass, field
 from math import inf
 
 from synthesis.answer import Bounded, Cam, design, judged, proofs
-from synthesis.design import Conflict, Design, Extreme, StageReport
+from synthesis.design import Conflict, Design, Extreme, Relaxation, StageReport
 from synthesis.errors import TimeBudgetExceeded
 from synthesis.formulations.candidate import Candidate, given_size
 from synthesis.formulations.companion import Settled, settled
@@ -22,6 +22,7 @@ from synthesis.formulations.refine import search
 from synthesis.formulations.search import Search
 from synthesis.formulations.smooth import reached
 from synthesis.limits import Claim
+from synthesis.ranges import ends
 from synthesis.spec import DesignSpec
 
 DIAGNOSIS_S = 5.0  # for finding out why nothing fits; what is not known by then is said to be so
@@ -85,7 +86,7 @@ def synthesise(spec: DesignSpec, *, deadline: float | None = None) -> Design:
     late = time.monotonic() >= now + budget
     if not attempt.certified and late:
         raise TimeBudgetExceeded(budget)
-    conflict = None if attempt.certified else _conflict(attempt.posed, attempt)
+    conflict = None if attempt.certified else _conflict(spec, attempt)
     proven = [] if attempt.cam is None else proofs(attempt.built, attempt.cam, attempt.bounds)
     seconds = time.perf_counter() - clock
     found = design(
@@ -162,7 +163,9 @@ def _conflict(spec: DesignSpec, attempt: _Attempt) -> Conflict:
         return high if claim.upper is not None else low
 
     until = min(last.deadline, time.monotonic() + DIAGNOSIS_S)
-    found = diagnose(spec, last.problem, last.grids, largest, until)
+    found = diagnose(attempt.posed, last.problem, last.grids, largest, until)
+    farther = _farther(spec, until)
+    found = found.model_copy(update={"relaxations": [*found.relaxations, *farther]})
     refused = [e for e in attempt.extremes if not e.holds]
     if not refused:
         return found
@@ -171,3 +174,26 @@ def _conflict(spec: DesignSpec, attempt: _Attempt) -> Conflict:
     named = (e.limit.replace("_", " ") for e in refused)
     new = [name for name in named if not any(known.startswith(name) for known in found.limits)]
     return found.model_copy(update={"evidence": evidence, "limits": [*found.limits, *new]})
+
+
+def _farther(spec: DesignSpec, until: float) -> list[Relaxation]:
+    """Where a counter roller would have to stand for the cam that is best without it."""
+    opened = spec.opened()
+    if opened == spec:
+        return []
+    attempt = _attempt(opened, until, DRAWN_IN[0])
+    if not attempt.certified or attempt.cam is None:
+        return []
+    told, found = attempt.built.follower.dimensions(attempt.cam.size), []
+    for place, (name, asked) in spec.follower.companion_ranges().items():
+        low, high = ends(asked)
+        if high < told[name]:
+            found.append(
+                Relaxation(
+                    limit=name.rpartition("_")[0],
+                    field=f"follower/{place}" + ("" if low == high else "/max"),
+                    unit=name.rpartition("_")[2], asked=high, needed=told[name],
+                    note="enough for the cam that is best without the counter cam",
+                )
+            )  # fmt: skip
+    return found

@@ -225,6 +225,13 @@ class DesignSpec(BaseModel):
         follower = self.follower.alone()
         return self if follower == self.follower else self.model_copy(update={"follower": follower})
 
+    def opened(self) -> DesignSpec:
+        """The same with everything left free that is settled after the size."""
+        follower = self.follower.opened()
+        if follower == self.follower:
+            return self
+        return self.model_copy(update={"follower": follower})
+
     def built(self, dimensions: Mapping[str, float]) -> DesignSpec:
         """The same with what was settled after the size, by the names of the dimensions."""
         follower = self.follower.completed(dimensions)

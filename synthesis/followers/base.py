@@ -190,6 +190,10 @@ class Follower(BaseModel, ABC):
         """Between which values such a dimension makes sense, in the unit of the wire."""
         return -math.inf, math.inf
 
+    def opened(self) -> Follower:
+        """The same with everything left free that is settled after the size."""
+        return self
+
     def alone(self) -> Follower:
         """The same without what is settled after the size and is still free."""
         return self

@@ -36,6 +36,9 @@ class RollerFollower(Follower, ABC):
     def places(self, z: tuple[float, ...], s_max: float) -> tuple[float, float]:
         return self.closure.places(self, z, s_max)
 
+    def opened(self) -> Self:
+        return self._closed(self.closure.opened())
+
     def alone(self) -> Self:
         return self._closed(self.closure.alone())
 

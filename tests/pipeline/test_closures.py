@@ -175,6 +175,30 @@ def test_a_range_that_ends_too_early_reshapes_the_main_cam() -> None:
     assert extreme(near, "counter_distance").bound == most
 
 
+def test_a_conflict_says_how_far_the_counter_roller_would_have_to_be() -> None:
+    limit = {"kind": "pressure_angle", "rise_deg": 29.0, "return_deg": 61.0}
+    free = synthesise(spec(PAIR, limit))
+    enough = free.dimensions["counter_distance_mm"]
+    for place, field in ((0.8 * enough, ""), ({"max": 0.8 * enough}, "/max")):
+        refused = synthesise(spec(PAIR | {"distance_mm": place}, limit))
+        assert refused.status == "infeasible"
+        told = [r for r in refused.conflict.relaxations if r.limit == "counter_distance"]
+        assert [r.field for r in told] == [f"follower/closure/distance_mm{field}"]
+        assert told[0].needed == pytest.approx(enough, rel=1e-9)
+        assert told[0].asked == pytest.approx(0.8 * enough)
+
+
+def test_the_peak_pressure_angle_is_that_of_both_cams() -> None:
+    objective = {"kind": "peak_pressure_angle"}
+    design = synthesise(spec(PAIR, base_radius_mm=64.0, objective=objective))
+    both = max(
+        np.max(abs(np.degrees(points(design, name).pressure_angle[abs(speed) > 0.0])))
+        for name in ("main", "counter")
+        for speed in [design.curve.derivatives(THETA)[1]]
+    )
+    assert design.objectives["peak_pressure_angle_deg"] == pytest.approx(both, rel=1e-6)
+
+
 def test_an_outer_radius_brings_the_counter_roller_nearer() -> None:
     loose = synthesise(spec(PAIR, {"kind": "outer_radius", "max_mm": 400.0}))
     assert extreme(loose, "outer_radius_counter").holds

@@ -57,6 +57,10 @@ class Closure(BaseModel, ABC):
         """Between which values a second roller's place makes sense, in the unit of the wire."""
         return -math.inf, math.inf
 
+    def opened(self) -> Closure:
+        """The same with everything left free that is settled after the size."""
+        return self
+
     def alone(self) -> Closure:
         """The same without what is settled after the size."""
         return self

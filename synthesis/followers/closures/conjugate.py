@@ -68,6 +68,9 @@ class Conjugate(Closure, ABC):
     def companion_ranges(self) -> Mapping[str, tuple[str, float | Range | None]]:
         return {f"closure/{self.field}": (self.dimension, self.place)}
 
+    def opened(self) -> Closure:
+        return self.model_copy(update={self.field: None})
+
     def alone(self) -> Closure:
         low, high = ends(self.place)
         return self if low == high else Force()
