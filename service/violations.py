@@ -34,6 +34,9 @@ PLACES = {
     "pressure_angle_given": ("objective",),
     "limit_does_not_suit": ("limits",),
     "cam_off_the_shaft": ("cams", "{position}", "spec", "{field}"),
+    "groove_needs_roller": ("follower", "roller_radius_mm"),
+    "roller_fills_ring": ("base_radius_mm",),
+    "rim_without_ring": ("follower", "closure", "rim_mm"),
 }
 SHAPES = ("model_type", "model_attributes_type", "list_type", "dict_type", "float_type")
 # What is not among these was raised by the core: "rule. Way out." with its numbers.
