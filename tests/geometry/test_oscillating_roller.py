@@ -356,12 +356,12 @@ def test_a_size_is_raised_to_a_radius_and_within_its_cones(cam: ArmCam, factor: 
 
 
 @given(arm_cams(), unspecial(0.5, 1.5))
-def test_an_outer_radius_is_kept_just_where_its_cone_holds(cam: ArmCam, share: float):
+def test_an_outer_radius_is_kept_just_where_its_norm_says_so(cam: ArmCam, share: float):
     highest = np.max(cam.motion.curve(cam.motion.curve.breaks[:-1]))
     outer = float(cam.radius(highest))
-    cone = cam.follower.outer_cone(highest, share * outer, "outer_radius")
+    norm, most = cam.follower.outermost(highest), cam.follower.value_of(share * outer)
     if abs(share - 1.0) > 1e-6:
-        assert (cone.norm.value(cam.size) <= cone.radius) == (share > 1.0)
+        assert (norm.value(cam.size) <= most) == (share > 1.0)
 
 
 @given(arm_cams())
