@@ -30,7 +30,7 @@ class OuterRadius(Limit):
         return tuple(
             Cone(
                 trace.outermost(highest),
-                max(self.max_mm + gap, 0.0),
+                trace.value_of(max(self.max_mm + gap, 0.0)),
                 labelled("outer_radius", path),
             )
             for path, trace, gap in _edges(machine)
