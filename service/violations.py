@@ -32,6 +32,7 @@ PLACES = {
     "no_best_pressure_angle": ("objective",),
     "pressure_angle_given": ("objective",),
     "limit_does_not_suit": ("limits",),
+    "outer_radius_too_small": ("limits",),
     "groove_needs_roller": ("follower", "roller_radius_mm"),
     "roller_fills_ring": ("base_radius_mm",),
     "rim_without_ring": ("follower", "closure", "rim_mm"),
