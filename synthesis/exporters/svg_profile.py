@@ -1,6 +1,7 @@
 """Drawing of the cam as SVG, at true scale in mm: the cam, its circles, and the follower.
 
-The shapes stand in a group with y upwards, so their numbers are those of the cam's frame.
+The shapes stand in a group with y upwards, so their numbers are those of the cam's frame; a place
+on a shaft, ``turn_deg`` and ``z_mm``, is not drawn.
 """
 
 from __future__ import annotations
@@ -63,8 +64,8 @@ def _legend(design: Design, scene: Scene) -> list[tuple[str, str]]:
     if "offset_mm" in size:
         rows.append(("line centre", f"line of the follower, offset {size['offset_mm']} mm"))
     if scene.pivot is not None:
-        distance = f"pivot {size['centre_distance_mm']} mm from the cam's axis"
-        rows.append(("line centre", f"arm of {size['arm_mm']} mm, {distance}"))
+        distance = size["centre_distance_mm"]
+        rows.append(("line centre", f"arm {size['arm_mm']} mm, pivot at {distance} mm"))
     return rows
 
 
@@ -116,4 +117,4 @@ def _scale_bar(x: float, y: float, u: float) -> list[str]:
     return body
 
 
-PROFILE = Exporter("svg", "Drawing of the cam", "image/svg+xml", ".svg", _profile)
+PROFILE = Exporter("svg", "Drawing of the cam", "image/svg+xml", ".svg", _profile, placeable=False)
