@@ -144,6 +144,7 @@ class DesignSpec(BaseModel):
                     "Remove it, or choose another follower.",
                     {"position": position, "limit": limit.kind, "kind": self.follower.kind},
                 )
+            limit.check(self.follower)
         return self
 
     @model_validator(mode="after")
@@ -242,18 +243,14 @@ class DesignSpec(BaseModel):
         for stretch in self.stretches():
             if stretch.law is None and stretch.angle > 0.0:
                 yield f"/program/{stretch.index}/law", self.program[stretch.index].law_name
+        asked: dict[str, Any] = {}
         bounds = self.follower.sizing(self.base_radius_range()).bounds
-        if all(low == high for low, high in bounds):
-            return
-        sizes = {
-            "/base_radius_mm": self.base_radius_mm,
-            **{f"/follower/{name}": value for name, value in self.follower.adjustable().items()},
-            **{
-                f"/follower/{name}": value
-                for name, (_, value) in self.follower.companion_ranges().items()
-            },
-        }
-        for field, value in sizes.items():
+        if any(low != high for low, high in bounds):
+            asked = {"/base_radius_mm": self.base_radius_mm}
+            asked |= {f"/follower/{k}": value for k, value in self.follower.adjustable().items()}
+        places = self.follower.companion_ranges()
+        asked |= {f"/follower/{k}": value for k, (_, value) in places.items()}
+        for field, value in asked.items():
             low, high = ends(value)
             if low != high:
                 yield field, value.model_dump() if isinstance(value, Range) else value

@@ -8,9 +8,9 @@
     01-inlet/shaft-profile.*    its profile in the shaft's frame: turned, and at its place along it
     01-inlet/motion.*           its motion over its own cam angle
 
-A cam of several flanks has a file for each: profile-inner.*, profile-outer.*; paths of rollers'
-centres are called pitch.*. Drawings show a cam in its own frame only, and all of it. A cam for
-which nothing fits has its design.json alone.
+A cam of several flanks has a file for each: profile.* is the first, then profile-outer.* or
+profile-counter.*; paths of rollers' centres are called pitch.*. Drawings show a cam in its own frame
+only, and all of it. A cam for which nothing fits has its design.json alone.
 """
 
 from __future__ import annotations
@@ -28,7 +28,7 @@ from zipfile import ZIP_DEFLATED, ZipFile, ZipInfo
 from synthesis.camset import CamSet, MountedCam
 from synthesis.errors import InputError
 from synthesis.exporters import MOTION_FORMATS, PROFILE_FORMATS
-from synthesis.exporters.cam import Cam
+from synthesis.exporters.cam import profiles
 from synthesis.exporters.exporter import Exporter
 from synthesis.exporters.options import CurveName, MotionOptions, ProfileOptions
 from synthesis.exporters.svg_timing import timing_diagram
@@ -151,12 +151,11 @@ def _files_of(cam: MountedCam, options: BundleOptions) -> Iterator[tuple[str, by
 
 def _curves(cam: MountedCam, wanted: CurveName) -> dict[str, CurveName]:
     """The curves that a cam consists of, by what their files are called."""
-    follower = Cam.of(cam.design).follower
-    if wanted == "pitch":
-        others = [cast(CurveName, labelled(path, "pitch")) for path in follower.companions]
-        return {name.replace("_", "-"): name for name in (wanted, *others)}
-    named = [cast(CurveName, flank.name) for flank in follower.flanks if flank.name]
-    return {f"profile-{name}": name for name in named} or {"profile": "profile"}
+    if wanted == "profile":
+        return profiles(cam.design)
+    companions = cam.design.built.follower.companions
+    others = [cast(CurveName, labelled(path, "pitch")) for path in companions]
+    return {name.replace("_", "-"): name for name in (wanted, *others)}
 
 
 def _chosen(formats: Any, names: tuple[str, ...]) -> list[Exporter[Any]]:

@@ -78,6 +78,10 @@ class Limit(BaseModel, ABC):
         """Unit of displacement that it is given in; None where it is not about displacement."""
         return None
 
+    def check(self, follower: Follower) -> None:
+        """Refuse a value that no cam of such a follower can keep."""
+        return None
+
     def rows(self, stretch: Stretch, machine: Machine) -> tuple[Row, ...]:
         """Linear rows on one stretch; for a limit that is not convex, those it implies."""
         return ()

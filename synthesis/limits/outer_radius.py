@@ -6,7 +6,9 @@ from collections.abc import Callable, Iterator, Sequence
 from typing import Annotated, ClassVar, Literal
 
 from pydantic import Field
+from pydantic_core import PydanticCustomError
 
+from synthesis.followers.base import Follower
 from synthesis.followers.flank import Trace, labelled, outer_gap
 from synthesis.limits.base import Claim, Limit, Machine, where
 from synthesis.motion import Stretch
@@ -25,12 +27,25 @@ class OuterRadius(Limit):
     title: ClassVar[str] = "Largest radius of the profile"
     max_mm: Annotated[float, Field(gt=0.0, le=1e9, description="Largest radius of the profile.")]
 
+    def check(self, follower: Follower) -> None:
+        alone = follower.alone()
+        for path in alone.paths:
+            gap = outer_gap(alone.flanks, path)
+            if self.max_mm + gap <= 0.0:
+                raise PydanticCustomError(
+                    "outer_radius_too_small",
+                    "max_mm = {value} of outer_radius is not above {gap} mm: roller, clearance "
+                    "and rim take that much around the pitch curve. Allow a larger radius, or "
+                    "make them smaller.",
+                    {"value": self.max_mm, "gap": -gap},
+                )
+
     def cones(self, stretches: Sequence[Stretch], machine: Machine) -> tuple[Cone, ...]:
         highest = max(max(s.s_start, s.s_end) for s in stretches)
         return tuple(
             Cone(
                 trace.outermost(highest),
-                max(self.max_mm + gap, 0.0),
+                trace.value_of(self.max_mm + gap),
                 labelled("outer_radius", path),
             )
             for path, trace, gap in _edges(machine)

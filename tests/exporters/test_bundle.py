@@ -184,9 +184,9 @@ def test_every_flank_is_there(flanked: CamSet) -> None:
     files = opened(flanked, profile_formats=("txt", "svg"), motion_formats=())
     names = [name.partition("/")[2] for name in files if name.startswith(("01-", "02-"))]
     assert names == [
-        "design.json", "profile-inner.txt", "shaft-profile-inner.txt",
+        "design.json", "profile.txt", "shaft-profile.txt",
         "profile-outer.txt", "shaft-profile-outer.txt", "profile.svg",
-        "design.json", "profile-main.txt", "shaft-profile-main.txt",
+        "design.json", "profile.txt", "shaft-profile.txt",
         "profile-counter.txt", "shaft-profile-counter.txt", "profile.svg",
     ]  # fmt: skip
     pitch = opened(
@@ -204,12 +204,12 @@ def test_every_flank_is_turned_alike(flanked: CamSet) -> None:
     """By its polar angles; clockwise, so by + 71.3° and − 38.9°."""
     files = opened(flanked, profile_formats=("txt",), motion_formats=())
     for folder, turn, flanks in (
-        ("01-grooved", 71.3, ("inner", "outer")),
-        ("02-conjugate", -38.9, ("main", "counter")),
+        ("01-grooved", 71.3, ("", "-outer")),
+        ("02-conjugate", -38.9, ("", "-counter")),
     ):
         for flank in flanks:
             own, shaft = (
-                points(files[f"{folder}/{which}-{flank}.txt"]) @ [1.0, 1.0j, 0.0]
+                points(files[f"{folder}/{which}{flank}.txt"]) @ [1.0, 1.0j, 0.0]
                 for which in ("profile", "shaft-profile")
             )
             np.testing.assert_allclose(
@@ -233,3 +233,20 @@ def test_files_are_made_one_after_the_other(found: CamSet) -> None:
     """So that an archive of fifty cams does not hold fifty cams' files at a time."""
     made: Callable[[], tuple[str, bytes]] = iter(bundle_files(found, BundleOptions())).__next__
     assert [made()[0] for _ in range(2)] == ["cam-set.json", "timing.svg"]
+
+
+def test_a_cam_of_several_flanks_brings_a_file_for_each() -> None:
+    groove = {"closure": {"kind": "groove", "clearance_mm": 0.4}}
+    grooved = INLET | {"follower": INLET["follower"] | groove}
+    files = opened(
+        synthesise_set(asked(cams=[{"name": "inlet", "phase_deg": 37.9, "spec": grooved}])),
+        profile_formats=("txt", "svg"),
+    )
+    inside = [name.removeprefix("01-inlet/") for name in files if name.startswith("01-inlet/p")]
+    assert inside == ["profile.txt", "profile-outer.txt", "profile.svg"]
+    for prefix in ("", "shaft-"):
+        inner, outer = (
+            points(files[f"01-inlet/{prefix}profile{name}.txt"]) for name in ("", "-outer")
+        )
+        apart = np.hypot(*(inner - outer)[:, :2].T)
+        np.testing.assert_allclose(apart, 2.0 * 9.1 + 0.4, rtol=1e-9)
