@@ -9,8 +9,8 @@
     01-inlet/motion.*           its motion over its own cam angle
 
 A cam of several flanks has a file for each: profile.* is the first, then profile-outer.* or
-profile-counter.*; paths of rollers' centres are called pitch.*. Drawings show a cam in its own frame
-only, and all of it. A cam for which nothing fits has its design.json alone.
+profile-counter.*; rollers' paths are called pitch.*. Drawings show a cam in its own frame only,
+and all of it. A cam for which nothing fits has its design.json alone.
 """
 
 from __future__ import annotations
