@@ -11,7 +11,7 @@ from pydantic import BaseModel, ConfigDict
 
 from synthesis.motion import Motion
 from synthesis.ranges import Range
-from synthesis.terms import Cone, Norm, Row
+from synthesis.terms import Cone, Curved, Norm, Row
 
 Vector2 = tuple[Any, Any]
 
@@ -23,12 +23,30 @@ class Sizing:
     Attributes:
         bounds: (lower, upper) of every size variable, finite [mm].
         cones: what else is convex.
-        least: smallest prime radius [mm]; not convex, so bounds and cones say only part of it.
+        least: smallest value of the norm ``prime_radius`` [mm]; not convex, so bounds and cones
+            say only part of it.
     """
 
     bounds: tuple[tuple[float, float], ...]
     cones: tuple[Cone, ...]
     least: float
+
+
+@dataclass(frozen=True)
+class Pinning:
+    """A dimension that is free within low and high, as followers for which it is fixed.
+
+    Attributes:
+        low, high: its range [mm], may be open. unit: a value of its order of magnitude.
+        at: the follower with it fixed.
+        whole: value and size variables of that follower to those of the free one.
+    """
+
+    low: float
+    high: float
+    unit: float
+    at: Callable[[float], Follower]
+    whole: Callable[[float, tuple[float, ...]], tuple[float, ...]]
 
 
 @dataclass(frozen=True)
@@ -85,7 +103,15 @@ class Follower(BaseModel, ABC):
 
     @abstractmethod
     def prime_radius(self) -> Norm:
-        """Rp as a norm of z."""
+        """What a small cam makes small, as a norm of z [mm]: Rp, or what grows with it."""
+
+    def radius_of(self, value: float) -> float:
+        """Rp at a value of the norm ``prime_radius`` [mm]: a monotone map."""
+        return value
+
+    def value_of(self, radius: float) -> float:
+        """The norm ``prime_radius`` at a prime radius [mm]: the inverse of ``radius_of``."""
+        return radius
 
     @abstractmethod
     def raised(self, z: tuple[float, ...], amount: float) -> tuple[float, ...]:
@@ -99,11 +125,19 @@ class Follower(BaseModel, ABC):
 
     @abstractmethod
     def reaching(self, z: tuple[float, ...], radius: float) -> tuple[float, ...]:
-        """The size raised until its prime radius is at least ``radius`` [mm]."""
+        """The size raised until the norm ``prime_radius`` is at least ``radius`` [mm]."""
 
     @abstractmethod
     def pressure_angle_rows(self, slope: float) -> tuple[Row, ...]:
-        """|tan α| ≤ slope as rows linear in s, s' and z."""
+        """|tan α| ≤ slope as rows linear in s, s' and z; () where none say it."""
+
+    def pressure_angle_curves(self, slope: float) -> tuple[Curved, ...]:
+        """|tan α| ≤ slope where it is not linear in s, s' and z together; otherwise ()."""
+        return ()
+
+    def pinning(self) -> Pinning | None:
+        """A free dimension that, once it is fixed, leaves curved limits with rows; None: none."""
+        return None
 
     @abstractmethod
     def traced_point(self, s: Any, z: Any) -> tuple[Vector2, ...]:

@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 
 from synthesis.formulations.bound import Bound, bound
 from synthesis.formulations.candidate import Candidate, at_size, needs_size, settle, smallest
+from synthesis.formulations.closed_form import nearest
 from synthesis.formulations.convex import Plan, formulate, natural_scales
 from synthesis.formulations.grid import CLOSEST_KNOTS, Grid, merged, over, ramps, uniform
 from synthesis.formulations.problem import Problem
@@ -62,6 +63,8 @@ def _closed_form(state: Search) -> bool:
         return False
     found = at_size(problem, (), size)
     norm = problem.objective.norm(problem.machine)
+    if problem.curved:
+        size = nearest(problem) or size  # that one was drawn in
     exact = found.value if norm is None else norm.value(size)
     state.learn(Bound(exact * (1.0 - 1e-12), "every size of the given laws"))
     state.offer(found)

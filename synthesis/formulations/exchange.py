@@ -1,0 +1,93 @@
+"""Half-planes of curved limits on settled laws: there is one at every cam angle.
+
+Only a few of them bind. Those that a size breaks most are found by sampling every piece and
+zooming in on each local maximum; the closed form adds them and is asked again (an exchange method).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
+
+import numpy as np
+
+from synthesis.formulations.problem import Problem
+from synthesis.numerics.piecewise import Array, Piecewise
+from synthesis.terms import Curved, Cuts, Vector
+
+DENSITY = 24  # samples of a piece; a law of many pieces needs fewer on each
+LEAST_DENSITY = 8
+ZOOMS, NARROWER, FAN = 12, 4.0, np.linspace(-1.0, 1.0, 9)
+
+
+@dataclass(frozen=True, eq=False)
+class Planes:
+    """Half-planes normals · z ≤ offsets, (k, n_size) and (k,), and by how much z breaks each."""
+
+    normals: Array
+    offsets: Array
+    excess: Array
+
+
+def tightest(problem: Problem, z: Vector) -> Planes:
+    """Of every curved limit the half-planes that stand out at a size, on settled stretches.
+
+    ``excess`` is left less right side over the normal's length [mm].
+    """
+    found = [part for stretch in problem.stretches if stretch.law is not None
+             for curve in problem.curves_on(stretch)
+             for part in _peaks(curve, stretch.placed(), np.array(z))]  # fmt: skip
+    if not found:
+        return Planes(np.zeros((0, len(z))), np.zeros(0), np.zeros(0))
+    return Planes(*(np.concatenate(column) for column in zip(*found, strict=True)))
+
+
+def _peaks(curve: Curved, placed: Piecewise, z: Array) -> Iterator[tuple[Array, Array, Array]]:
+    """Normals, offsets and excess at the local maxima of every family of half-planes."""
+    density = max(LEAST_DENSITY, min(DENSITY, 192 // placed.count))
+    step = np.linspace(0.0, 1.0, density)
+    theta = placed.breaks[:-1, None] + np.diff(placed.breaks)[:, None] * step
+    piece = np.repeat(np.arange(placed.count), density)
+    families = curve.half_planes(_motion(placed, theta.ravel(), piece))
+    for number, cuts in enumerate(families):
+        value = _excess(cuts, z).reshape(theta.shape)
+        padded = np.pad(value, ((0, 0), (1, 1)), constant_values=-np.inf)
+        top = (value >= padded[:, :-2]) & (value >= padded[:, 2:])
+        on, column = np.nonzero(top)
+
+        def at(angle: Array, on: Array, number: int = number) -> Cuts:
+            return curve.half_planes(_motion(placed, angle, on))[number]
+
+        low, high = placed.breaks[on], placed.breaks[on + 1]
+        theta_top = _zoomed(at, z, theta[on, column], on, low, high, density)
+        cuts = at(theta_top, on)
+        length = np.linalg.norm(cuts.size, axis=0)
+        yield cuts.size.T / length[:, None], cuts.upper / length, _excess(cuts, z)
+
+
+def _zoomed(
+    at: Callable[..., Cuts],
+    z: Array,
+    theta: Array,
+    on: Array,
+    low: Array,
+    high: Array,
+    density: int,
+) -> Array:
+    """Angles moved to where their excess is largest between the neighbouring samples."""
+    reach = (high - low) / (density - 1)
+    for _ in range(ZOOMS):
+        tried = np.clip(theta[:, None] + reach[:, None] * FAN, low[:, None], high[:, None])
+        value = _excess(at(tried.ravel(), np.repeat(on, len(FAN))), z).reshape(tried.shape)
+        theta = tried[np.arange(len(theta)), np.argmax(value, axis=1)]
+        reach = reach / NARROWER
+    return theta
+
+
+def _motion(placed: Piecewise, theta: Array, piece: Array) -> Array:
+    return np.stack([placed.at(theta, piece, order) for order in range(4)])
+
+
+def _excess(cuts: Cuts, z: Array) -> Array:
+    """How far z is outside of every half-plane [mm]."""
+    return np.asarray((z @ cuts.size - cuts.upper) / np.linalg.norm(cuts.size, axis=0))
