@@ -37,14 +37,18 @@ class Pinning:
     """A dimension that is free within low and high, as followers for which it is fixed.
 
     Attributes:
+        name: as a person would say it.
         low, high: its range [mm], may be open. unit: a value of its order of magnitude.
+        of: its value for size variables of the free follower.
         at: the follower with it fixed.
         whole: value and size variables of that follower to those of the free one.
     """
 
+    name: str
     low: float
     high: float
     unit: float
+    of: Callable[[tuple[float, ...]], float]
     at: Callable[[float], Follower]
     whole: Callable[[float, tuple[float, ...]], tuple[float, ...]]
 
@@ -103,15 +107,7 @@ class Follower(BaseModel, ABC):
 
     @abstractmethod
     def prime_radius(self) -> Norm:
-        """What a small cam makes small, as a norm of z [mm]: Rp, or what grows with it."""
-
-    def radius_of(self, value: float) -> float:
-        """Rp at a value of the norm ``prime_radius`` [mm]: a monotone map."""
-        return value
-
-    def value_of(self, radius: float) -> float:
-        """The norm ``prime_radius`` at a prime radius [mm]: the inverse of ``radius_of``."""
-        return radius
+        """The norm of z that is pushed down for a small cam: Rp, or what grows with it."""
 
     @abstractmethod
     def raised(self, z: tuple[float, ...], amount: float) -> tuple[float, ...]:
@@ -209,6 +205,14 @@ class Follower(BaseModel, ABC):
         s = motion.derivatives([0.0])
         (x, y), *_ = self.traced_point(s, z)
         return Shape((float(x[0]), float(y[0])), self.roller_radius)
+
+    def radius_of(self, value: float) -> float:
+        """Rp at a value of the norm ``prime_radius`` [mm]: a monotone map."""
+        return value
+
+    def value_of(self, radius: float) -> float:
+        """The norm ``prime_radius`` at a prime radius [mm]: the inverse of ``radius_of``."""
+        return radius
 
     @abstractmethod
     def outermost(self, s_max: float) -> Norm:

@@ -30,11 +30,11 @@ class Region:
     """Where curved limits are written as rows.
 
     Attributes:
-        sizes: bounds of every size variable that any better cam keeps [mm].
+        sizes: bounds of every size variable that any better cam keeps [mm]; none: no rows.
         abouts: where the rows are tight; none: all over the region.
     """
 
-    sizes: tuple[tuple[float, float], ...]
+    sizes: tuple[tuple[float, float], ...] = ()
     abouts: tuple[About, ...] = ()
 
     @classmethod
@@ -54,6 +54,8 @@ def on_law(
 ) -> Iterator[Block]:
     """Rows at the points of a free law, valid for every law and every size of the region."""
     assert stretch.free is not None
+    if not region.sizes:
+        return
     none = np.zeros_like(grid.points)
     low, high = sorted((stretch.s_start, stretch.s_end))
     if stretch.free.overshoot:

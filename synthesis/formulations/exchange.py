@@ -10,11 +10,13 @@ from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import NDArray
 
 from synthesis.formulations.problem import Problem
 from synthesis.numerics.piecewise import Array, Piecewise
 from synthesis.terms import Curved, Cuts, Vector
 
+Indices = NDArray[np.intp]
 DENSITY = 24  # samples of a piece; a law of many pieces needs fewer on each
 LEAST_DENSITY = 8
 ZOOMS, NARROWER, FAN = 12, 4.0, np.linspace(-1.0, 1.0, 9)
@@ -55,26 +57,26 @@ def _peaks(curve: Curved, placed: Piecewise, z: Array) -> Iterator[tuple[Array, 
         top = (value >= padded[:, :-2]) & (value >= padded[:, 2:])
         on, column = np.nonzero(top)
 
-        def at(angle: Array, on: Array, number: int = number) -> Cuts:
+        def at(angle: Array, on: Indices, number: int = number) -> Cuts:
             return curve.half_planes(_motion(placed, angle, on))[number]
 
-        low, high = placed.breaks[on], placed.breaks[on + 1]
-        theta_top = _zoomed(at, z, theta[on, column], on, low, high, density)
+        ends = placed.breaks[on], placed.breaks[on + 1]
+        theta_top = _zoomed(at, z, theta[on, column], on, ends, density)
         cuts = at(theta_top, on)
         length = np.linalg.norm(cuts.size, axis=0)
         yield cuts.size.T / length[:, None], cuts.upper / length, _excess(cuts, z)
 
 
 def _zoomed(
-    at: Callable[..., Cuts],
+    at: Callable[[Array, Indices], Cuts],
     z: Array,
     theta: Array,
-    on: Array,
-    low: Array,
-    high: Array,
+    on: Indices,
+    ends: tuple[Array, Array],
     density: int,
 ) -> Array:
     """Angles moved to where their excess is largest between the neighbouring samples."""
+    low, high = ends
     reach = (high - low) / (density - 1)
     for _ in range(ZOOMS):
         tried = np.clip(theta[:, None] + reach[:, None] * FAN, low[:, None], high[:, None])
@@ -84,7 +86,7 @@ def _zoomed(
     return theta
 
 
-def _motion(placed: Piecewise, theta: Array, piece: Array) -> Array:
+def _motion(placed: Piecewise, theta: Array, piece: Indices) -> Array:
     return np.stack([placed.at(theta, piece, order) for order in range(4)])
 
 
