@@ -10,7 +10,7 @@ from __future__ import annotations
 import math
 from abc import ABC, abstractmethod
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, ClassVar
 
 from synthesis.numerics.piecewise import Array
 
@@ -97,10 +97,11 @@ class Curved(ABC):
     """A limit on motion and size together that no fixed row says.
 
     For a settled motion it is linear in the size, exactly; where it is nearly convex, rows follow
-    from it point by point. ``source``: as of a row.
+    from it point by point. ``source``: as of a row. ``order``: highest derivative in it.
     """
 
     source: str
+    order: ClassVar[int] = 3
 
     @abstractmethod
     def excess(self, s: Any, z: Any) -> tuple[Any, ...]:

@@ -21,7 +21,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from dataclasses import dataclass
 from math import atan, hypot, pi
-from typing import Any
+from typing import Any, ClassVar
 
 import numpy as np
 
@@ -41,6 +41,7 @@ class FreePivot(Curved):
         arm: l [mm]. sense: σ. slope: t.
     """
 
+    order: ClassVar[int] = 1
     arm: float
     sense: float
     slope: float
@@ -72,6 +73,7 @@ class FixedPivot(Curved):
         arm: l, distance: d [mm]. sense: σ. slope: t.
     """
 
+    order: ClassVar[int] = 1
     arm: float
     distance: float
     sense: float

@@ -19,7 +19,8 @@ from synthesis.terms import Curved, Cuts, Vector
 Indices = NDArray[np.intp]
 DENSITY = 24  # samples of a piece; a law of many pieces needs fewer on each
 LEAST_DENSITY = 8
-ZOOMS, NARROWER, FAN = 12, 4.0, np.linspace(-1.0, 1.0, 9)
+ZOOMS, NARROWER, FAN = 7, 8.0, np.linspace(-1.0, 1.0, 17)
+TOPS = 4  # local maxima of a family that are looked at closely
 
 
 @dataclass(frozen=True, eq=False)
@@ -50,21 +51,26 @@ def _peaks(curve: Curved, placed: Piecewise, z: Array) -> Iterator[tuple[Array, 
     step = np.linspace(0.0, 1.0, density)
     theta = placed.breaks[:-1, None] + np.diff(placed.breaks)[:, None] * step
     piece = np.repeat(np.arange(placed.count), density)
-    families = curve.half_planes(_motion(placed, theta.ravel(), piece))
+    families = curve.half_planes(_motion(curve, placed, theta.ravel(), piece))
     for number, cuts in enumerate(families):
         value = _excess(cuts, z).reshape(theta.shape)
         padded = np.pad(value, ((0, 0), (1, 1)), constant_values=-np.inf)
         top = (value >= padded[:, :-2]) & (value >= padded[:, 2:])
-        on, column = np.nonzero(top)
+        on, column = np.nonzero(top & (value >= _threshold(value[top])))
 
         def at(angle: Array, on: Indices, number: int = number) -> Cuts:
-            return curve.half_planes(_motion(placed, angle, on))[number]
+            return curve.half_planes(_motion(curve, placed, angle, on))[number]
 
         ends = placed.breaks[on], placed.breaks[on + 1]
         theta_top = _zoomed(at, z, theta[on, column], on, ends, density)
         cuts = at(theta_top, on)
         length = np.linalg.norm(cuts.size, axis=0)
         yield cuts.size.T / length[:, None], cuts.upper / length, _excess(cuts, z)
+
+
+def _threshold(values: Array) -> float:
+    """The TOPS-th largest value."""
+    return float(np.sort(values)[-min(TOPS, len(values))])
 
 
 def _zoomed(
@@ -86,8 +92,12 @@ def _zoomed(
     return theta
 
 
-def _motion(placed: Piecewise, theta: Array, piece: Indices) -> Array:
-    return np.stack([placed.at(theta, piece, order) for order in range(4)])
+def _motion(curve: Curved, placed: Piecewise, theta: Array, piece: Indices) -> Array:
+    """The displacement and its derivatives, as far as the limit asks for them: (4, n)."""
+    s = np.zeros((4, len(theta)))
+    for order in range(curve.order + 1):
+        s[order] = placed.at(theta, piece, order)
+    return s
 
 
 def _excess(cuts: Cuts, z: Array) -> Array:
