@@ -82,13 +82,15 @@ class Cuts:
 
 @dataclass(frozen=True, eq=False)
 class Within:
-    """What is known beforehand of n points: low ≤ s ≤ high there [mm], (n,) each, and of z.
+    """What is known beforehand of n points: low ≤ s ≤ high, slow ≤ s' ≤ fast, (n,) each, and of z.
 
     ``sizes``: lower and upper bound of every size variable [mm].
     """
 
     low: Array
     high: Array
+    slow: Array
+    fast: Array
     sizes: tuple[tuple[float, float], ...]
 
 

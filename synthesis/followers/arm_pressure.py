@@ -123,6 +123,7 @@ class FixedPivot(Curved):
         for sign, turn in ((1.0, -self._angle), (-1.0, pi - self._angle)):
             # v = sign ψ + turn, and −π/2 < v ≤ π
             ends = np.sort(np.stack([sign * low + turn, sign * high + turn]), axis=0)
+            ends = self._needed(sign, within, ends)
             hull = Hull.over(ends[0], ends[1])
             if about is None:
                 where = [ends[0] + share * (hull.touch - ends[0]) for share in SHARES]
@@ -137,6 +138,19 @@ class FixedPivot(Curved):
                 coefficients = np.stack([steep, sign * self.sense * one, none, none])
                 upper = self._reach * (value + slope * turn) - sign * self.arm
                 yield Cuts(coefficients, steep[None, :], upper)
+
+    def _needed(self, sign: float, within: Within, ends: Array) -> Array:
+        """The part of a range of v over which a row has to hold, s' being bounded.
+
+        cos v ≥ sign (l + σ s')/D: below the v of the smallest right side the row always holds,
+        beyond that of the largest it never does.
+        """
+        reach = np.stack([within.slow, within.fast])
+        with np.errstate(invalid="ignore"):
+            share = np.sort(sign * (self.arm + self.sense * reach) / self._reach, axis=0)
+        v = np.arccos(np.clip(share[::-1], -1.0, 1.0))
+        nearer = np.stack([np.maximum(ends[0], v[0]), np.minimum(ends[1], v[1])])
+        return np.asarray(np.where(nearer[0] < nearer[1], nearer, ends))
 
 
 @dataclass(frozen=True, eq=False)

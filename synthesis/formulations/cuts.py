@@ -10,8 +10,9 @@ import numpy as np
 from synthesis.formulations.grid import TYPICAL, Grid
 from synthesis.formulations.problem import Problem
 from synthesis.formulations.rows import Block, Drawn, Scales
+from synthesis.formulations.tubing import Tube
 from synthesis.motion import Stretch
-from synthesis.numerics.piecewise import Piecewise
+from synthesis.numerics.piecewise import Array, Piecewise
 from synthesis.terms import Curved, Cuts, Vector, Within
 
 SAMPLES = 64  # on a given stretch, about
@@ -32,10 +33,12 @@ class Region:
     Attributes:
         sizes: bounds of every size variable that any better cam keeps [mm]; none: no rows.
         abouts: where the rows are tight; none: all over the region.
+        tubes: what every free law of a better cam keeps to; none: its ends alone are known.
     """
 
     sizes: tuple[tuple[float, float], ...] = ()
     abouts: tuple[About, ...] = ()
+    tubes: tuple[Tube, ...] = ()
 
     @classmethod
     def whole(cls, problem: Problem) -> Region:
@@ -53,14 +56,9 @@ def on_law(
     region: Region,
 ) -> Iterator[Block]:
     """Rows at the points of a free law, valid for every law and every size of the region."""
-    assert stretch.free is not None
     if not region.sizes:
         return
-    none = np.zeros_like(grid.points)
-    low, high = sorted((stretch.s_start, stretch.s_end))
-    if stretch.free.overshoot:
-        low, high = -np.inf, np.inf
-    within = Within(low + none, high + none, region.sizes)
+    within = _within(position, stretch, grid.points, region)
     if not region.abouts:
         for cuts in curve.cuts(within, None):
             yield _block(cuts, curve.source, position, stretch, grid, scales, drawn)
@@ -68,6 +66,22 @@ def on_law(
         s = stretch.s_start + stretch.lift * about.laws[position](grid.points)
         for cuts in curve.cuts(within, (s, about.size)):
             yield _block(cuts, curve.source, position, stretch, grid, scales, drawn)
+
+
+def _within(position: int, stretch: Stretch, x: Array, region: Region) -> Within:
+    """What is known of s and s' at points of a free law."""
+    assert stretch.free is not None
+    if region.tubes:
+        low, high = region.tubes[position].positions(x)
+        slow, fast = region.tubes[position].speeds(x)
+    else:
+        low, high = np.zeros_like(x), np.ones_like(x)
+        slow, fast = np.zeros_like(x), np.full_like(x, np.inf)
+        if stretch.free.overshoot:
+            low, high, slow = -fast, fast, -fast
+    places = np.sort(stretch.s_start + stretch.lift * np.stack([low, high]), axis=0)
+    speeds = np.sort(stretch.lift / stretch.angle * np.stack([slow, fast]), axis=0)
+    return Within(places[0], places[1], speeds[0], speeds[1], region.sizes)
 
 
 def _block(

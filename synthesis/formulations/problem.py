@@ -6,6 +6,7 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 from math import inf
+from typing import Literal
 
 from synthesis.followers.base import Sizing
 from synthesis.limits import Limit, Machine
@@ -13,6 +14,18 @@ from synthesis.motion import Stretch
 from synthesis.objectives import Objective
 from synthesis.spec import DesignSpec
 from synthesis.terms import Cone, Curved, Row
+
+
+class Nothing(Objective):
+    """No objective: only whether the limits can hold."""
+
+    kind: Literal["nothing"] = "nothing"
+
+    def to_wire(self, value: float, machine: Machine) -> float:
+        return value
+
+    def from_wire(self, value: float, machine: Machine) -> float:
+        return value
 
 
 @dataclass(frozen=True)

@@ -18,15 +18,15 @@ from synthesis.formulations.pinned import pinned
 from synthesis.formulations.problem import Problem
 from synthesis.formulations.rows import Drawn, row_scale, sampled
 from synthesis.formulations.search import Search, Stage
-from synthesis.formulations.tangency import turn
+from synthesis.formulations.tangency import turned
 from synthesis.numerics.piecewise import Array, Piecewise
 from synthesis.objectives.rms_jerk import RmsJerk
 from synthesis.solvers.clarabel import ConeSolution, solve
 from synthesis.solvers.statuses import Stopped
 
 ROUNDS = 8
-TURNS = 8
 COARSE, FINE = 12, 96  # intervals of the first grid, by tolerance
+CURVED = 16  # the most of them while rows still have to turn
 MOST_INTERVALS = 240
 ALLOWED = 1e-9  # relative excess of a row that is solver noise: the certificate decides
 USABLE = (Stopped.SOLVED, Stopped.INACCURATE)
@@ -52,7 +52,7 @@ def search(
     elif problem.curved and problem.machine.follower.pinning() is not None:
         pinned(state, search)
     else:
-        first = int(np.clip(3.7 / sqrt(tolerance), COARSE, FINE))
+        first = int(np.clip(3.7 / sqrt(tolerance), COARSE, CURVED if problem.curved else FINE))
         state.grids = tuple(uniform(stretch, first) for stretch in problem.free)
         _climb(state)
     if (state.limited_by_shape or state.short) and state.left() > 0.0:
@@ -88,8 +88,8 @@ def _climb(state: Search) -> None:
     usable: tuple[Grid, ...] = ()  # on which there was a law: not on other knots that are no finer
     for number in range(1, ROUNDS + 1):
         started = time.perf_counter()
-        plan, solution, lower = solve_once(state)
         before = state.gap
+        plan, solution, lower = solve_once(state)
         found, missed = _weigh(state, plan, solution, lower)
         _report(state, number, plan, solution, time.perf_counter() - started)
         if solution.stopped is Stopped.INFEASIBLE and usable:
@@ -129,17 +129,7 @@ def _weigh(
 
 def _round(state: Search, trial: float = 0.0) -> tuple[Plan, ConeSolution, Bound | None]:
     """One cone program on the present grids, with its bound; curved limits are met in it."""
-    if not state.problem.curved:
-        return _solved(state, trial)
-    for _ in range(TURNS):
-        plan, solution, lower = _solved(state, trial)
-        if lower is None:
-            break
-        state.learn(lower)
-        state.tangent = turn(state, plan, solution)
-        if state.tangent or state.left() <= 0.0:
-            break
-    return plan, solution, lower
+    return turned(state, trial, _solved) if state.problem.curved else _solved(state, trial)
 
 
 def _solved(state: Search, trial: float) -> tuple[Plan, ConeSolution, Bound | None]:
