@@ -25,7 +25,7 @@ from synthesis.formulations.tube import tubes
 from synthesis.solvers.clarabel import ConeSolution
 
 TURNS, NARROWINGS = 24, 3
-STALLED = 0.05  # of the tolerance: gain of a turn that is none
+STALLED = 0.05  # of the tolerance, or of what is missing: gain of a turn that is none
 WIDE = 0.3  # of the gap: what the region's width may cost before it is narrowed
 KEPT = 4  # answers whose rows are kept
 MET = 1e-9  # excess of a curved limit that rows about the answer have no more to take off
@@ -54,7 +54,7 @@ def turned(state: Search, trial: float, solved: Solved) -> Outcome:
         if state.tangent or state.close(state.relaxed) or state.left() <= 0.0:
             break
         before, value = value, _value(plan, solution)
-        if value - before > STALLED * state.tolerance * abs(value):
+        if value - before > _gain_worth(state, value * plan.scales.size) / plan.scales.size:
             continue
         # rows have turned as far as they do: what is left is due to the region's width
         if narrowed == NARROWINGS or not _worth_it(state, value * plan.scales.size):
@@ -70,6 +70,15 @@ def _value(plan: Plan, solution: ConeSolution) -> float:
     if plan.extra is not None:
         return float(solution.x[plan.extra])
     return float(np.sum(solution.x[plan.squares] ** 2))
+
+
+def _gain_worth(state: Search, value: float) -> float:
+    """The least gain of a turn for which there is another one."""
+    least = STALLED * state.tolerance * abs(value)
+    norm = state.problem.objective.norm(state.problem.machine)
+    if norm is None or state.relaxed is None:
+        return least
+    return max(least, STALLED * (state.relaxed.value - value))
 
 
 def _worth_it(state: Search, value: float) -> bool:
