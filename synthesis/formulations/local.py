@@ -41,7 +41,7 @@ def improve_from(state: Search, start: Candidate, started: float) -> None:
     for keep_hint in (True, False):
         found = settle(state.problem, laws, size, keep_hint=keep_hint)
         if misses(state, found)[1] <= ALLOWED:
-            state.finish(found)
+            state.accept(found)
     state.stages.append(
         Stage(
             "nonlinear", "NLP", "IPOPT", len(solution.x), solution.rows, solution.iterations,
@@ -65,4 +65,4 @@ def gentle(state: Search) -> None:
         laws, size = plan.recover(solution.x)
         found = settle(state.problem, laws, size)
         if misses(state, found)[1] <= ALLOWED:
-            state.finish(found)
+            state.accept(found)

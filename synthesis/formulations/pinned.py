@@ -1,4 +1,4 @@
-"""A free dimension that makes a scene not convex, pinned: what is left of it is solved as any other.
+"""A free dimension that makes a scene not convex, pinned: the rest is solved as any other scene.
 
 With the laws given, its values are searched. With free laws, a nonlinear program moves all
 together, from several starts; the scene pinned at its answer then finds the best of all laws for

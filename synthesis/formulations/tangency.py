@@ -8,6 +8,7 @@ while, without which it may swing to and fro.
 
 from __future__ import annotations
 
+import time
 from collections.abc import Callable
 from dataclasses import replace
 from math import inf, isfinite
@@ -19,13 +20,16 @@ from synthesis.formulations.candidate import settle
 from synthesis.formulations.convex import EXACT, Plan, formulate
 from synthesis.formulations.cuts import About, Region
 from synthesis.formulations.grid import Grid
+from synthesis.formulations.local import gentle, improve_from
+from synthesis.formulations.missed import ALLOWED, misses
 from synthesis.formulations.problem import Nothing, Problem
 from synthesis.formulations.search import Search
 from synthesis.formulations.tube import tubes
 from synthesis.solvers.clarabel import ConeSolution
 
-TURNS, NARROWINGS = 24, 3
+TURNS = 24
 STALLED = 0.05  # of the tolerance, or of what is missing: gain of a turn that is none
+WORTH = 0.1  # of what is missing: what narrowing has to gain before it is done again
 WIDE = 0.3  # of the gap: what the region's width may cost before it is narrowed
 KEPT = 4  # answers whose rows are kept
 MET = 1e-9  # excess of a curved limit that rows about the answer have no more to take off
@@ -43,7 +47,9 @@ def turned(state: Search, trial: float, solved: Solved) -> Outcome:
         trial: trial level of a fractional objective.
         solved: states and solves one program.
     """
-    value, narrowed = -inf, 0
+    value, narrowed_at = -inf, -inf
+    if state.relaxed is None and state.region is None:
+        gentle(state)  # any cam at all says what no better one exceeds
     for _ in range(TURNS):
         plan, solution, lower = solved(state, trial)
         if lower is None:
@@ -57,11 +63,13 @@ def turned(state: Search, trial: float, solved: Solved) -> Outcome:
         if value - before > _gain_worth(state, value * plan.scales.size) / plan.scales.size:
             continue
         # rows have turned as far as they do: what is left is due to the region's width
-        if narrowed == NARROWINGS or not _worth_it(state, value * plan.scales.size):
+        size = value * plan.scales.size
+        if size - narrowed_at <= WORTH * (_smallest(state) - size) or not _worth_it(state, size):
             break
+        _improved(state)
         if not _narrowed(state, plan, lower, loose):
             break
-        narrowed += 1
+        narrowed_at = size
     return plan, solution, lower
 
 
@@ -72,21 +80,34 @@ def _value(plan: Plan, solution: ConeSolution) -> float:
     return float(np.sum(solution.x[plan.squares] ** 2))
 
 
+def _smallest(state: Search) -> float:
+    """The value of the best cam so far, infinite while there is none."""
+    found = [cam.value for cam in (state.relaxed, state.best) if cam is not None]
+    return min(found, default=inf)
+
+
+def _improved(state: Search) -> None:
+    """Where laws of the cone programs fit no size at all, another way to a cam, once."""
+    if state.last is not None and not state.improved and misses(state, state.last)[1] > ALLOWED:
+        state.improved = True
+        improve_from(state, state.best or state.relaxed or state.last, time.perf_counter())
+
+
 def _gain_worth(state: Search, value: float) -> float:
     """The least gain of a turn for which there is another one."""
     least = STALLED * state.tolerance * abs(value)
     norm = state.problem.objective.norm(state.problem.machine)
-    if norm is None or state.relaxed is None:
-        return least
-    return max(least, STALLED * (state.relaxed.value - value))
+    missing = _smallest(state) - value
+    return max(least, STALLED * missing) if norm is not None and isfinite(missing) else least
 
 
 def _worth_it(state: Search, value: float) -> bool:
     """Whether rows leave more to gain than knots do, the size being what is weighed."""
     norm = state.problem.objective.norm(state.problem.machine)
-    if norm is None or state.relaxed is None or not isfinite(state.lower):
+    best = _smallest(state)
+    if norm is None or not isfinite(best - state.lower):
         return norm is not None
-    return state.relaxed.value - value > WIDE * (state.relaxed.value - state.lower)
+    return best - value > WIDE * (best - state.lower)
 
 
 def _narrowed(state: Search, plan: Plan, lower: Bound, loose: set[int]) -> bool:
@@ -113,7 +134,7 @@ def _turn(state: Search, plan: Plan, solution: ConeSolution) -> set[int]:
     laws, size = plan.recover(solution.x)
     state.last = settle(problem, laws, size)
     curves = tuple(law.curve() for law in laws)
-    if max(_excesses(problem, state.last.problem, state.last.size), default=-inf) <= MET:
+    if misses(state, state.last)[1] <= ALLOWED:
         state.offer(state.last)
     settled = problem.settled(
         [s.with_law(curve) for s, curve in zip(problem.free, curves, strict=True)]
@@ -122,23 +143,23 @@ def _turn(state: Search, plan: Plan, solution: ConeSolution) -> set[int]:
     abouts = (About(curves, state.last.size), About(curves, size), *region.abouts)[:KEPT]
     state.region = replace(region, sizes=_sizes(state), abouts=abouts)
     norm = problem.objective.norm(problem.machine)
-    if norm is not None and state.relaxed is not None:
-        missing = state.relaxed.value - norm.value(size)
-        if missing <= SHARE * state.tolerance * state.relaxed.value:
+    if norm is not None:
+        missing = _smallest(state) - norm.value(size)
+        if missing <= SHARE * state.tolerance * norm.value(size):
             return set()
-    excesses = _excesses(problem, settled, size)
+    excesses = _excesses(state, settled, size)
     return {position for position, excess in enumerate(excesses) if excess > MET}
 
 
-def _excesses(asked: Problem, settled: Problem, size: tuple[float, ...]) -> list[float]:
-    """By how much curved limits are exceeded on every free law, at sampled angles."""
+def _excesses(state: Search, settled: Problem, size: tuple[float, ...]) -> list[float]:
+    """By how much curved limits are exceeded on every free law, at the points of its rows."""
     found = []
     by_index = {stretch.index: stretch for stretch in settled.stretches}
-    for free in asked.free:
+    for free, grid in zip(state.problem.free, state.grids, strict=True):
         stretch = by_index[free.index]
-        theta = stretch.start + stretch.angle * np.linspace(0.0, 1.0, 129)
-        s = stretch.placed().derivatives(theta)
-        values = [v for curve in asked.curves_on(stretch) for v in curve.excess(s, size)]
+        s = stretch.placed().derivatives(stretch.start + stretch.angle * grid.points)
+        curves = state.problem.curves_on(stretch)
+        values = [value for curve in curves for value in curve.excess(s, size)]
         found.append(max((float(np.max(value)) for value in values), default=-inf))
     return found
 
@@ -151,8 +172,7 @@ def _sizes(state: Search) -> tuple[tuple[float, float], ...]:
         return bounds
     ((factor,),), (shift,) = norm.matrix, norm.shift
     ((low, high),) = bounds
-    if state.relaxed is not None:
-        high = min(high, (state.relaxed.value * (1.0 + SPARE) - shift) / factor)
+    high = min(high, (_smallest(state) * (1.0 + SPARE) - shift) / factor)
     if isfinite(state.lower):
         low = max(low, (state.lower * (1.0 - SPARE) - shift) / factor)
     return ((min(low, high), high),)
