@@ -31,6 +31,7 @@ PLACES = {
     "swing_too_large": ("program",),
     "no_best_pressure_angle": ("objective",),
     "pressure_angle_given": ("objective",),
+    "pressure_angle_not_weighed": ("objective",),
     "limit_does_not_suit": ("limits",),
 }
 SHAPES = ("model_type", "model_attributes_type", "list_type", "dict_type", "float_type")

@@ -114,10 +114,10 @@ def _one_by_one(trials: _Pinned) -> None:
     """Given laws: the best value of a fan, and the least between its neighbours."""
     fan = trials.fan(FAN)
     values = [trials.worth(x) for x in fan if trials.state.left() > 0.0]
-    best = int(np.argmin(values))
-    if values[best] >= 1e30 or len(fan) == 1:
+    best = int(np.argmin(values)) if values else 0
+    if not values or values[best] >= 1e30 or len(values) == 1:
         return
-    around = fan[max(best - 1, 0)], fan[min(best + 1, len(fan) - 1)]
+    around = fan[max(best - 1, 0)], fan[min(best + 1, len(values) - 1)]
     accuracy = max(min(0.1 * trials.state.tolerance**0.5, 1e-3), 1e-7)
     minimize_scalar(trials.worth, bounds=around, method="bounded", options={"xatol": accuracy})
 
