@@ -12,7 +12,6 @@ import time
 from collections.abc import Collection, Iterator, Mapping
 from dataclasses import dataclass
 from math import inf, isfinite
-from typing import Any
 
 from synthesis.design import Conflict, Relaxation
 from synthesis.formulations.problem import pose
@@ -20,7 +19,7 @@ from synthesis.formulations.refine import search
 from synthesis.formulations.search import Search
 from synthesis.limits import Limit
 from synthesis.objectives.base_radius import BaseRadius
-from synthesis.ranges import Range, ends
+from synthesis.ranges import ends, without_end
 from synthesis.spec import DesignSpec
 
 ROUGH = 0.05  # tolerance: whether there is a cam is asked, not which is best
@@ -132,20 +131,13 @@ def _changed(spec: DesignSpec, values: Mapping[_Part, float | None]) -> DesignSp
             limits[part.owner] = _limit(spec, limits[part.owner], part.attribute, value)
         elif part.field.startswith("follower/"):
             now = follower.get(part.attribute, getattr(spec.follower, part.attribute))
-            follower[part.attribute] = _opened(now, part)
+            follower[part.attribute] = without_end(now, part.field.rpartition("/")[2])
         else:
             now = update.get(part.attribute, getattr(spec, part.attribute))
-            update[part.attribute] = _opened(now, part)
+            update[part.attribute] = without_end(now, part.field.rpartition("/")[2])
     kept = [limit for limit in limits if limit is not None]
     machine = spec.follower.model_copy(update=follower)
     return spec.model_copy(update={**update, "limits": kept, "follower": machine})
-
-
-def _opened(dimension: Any, part: _Part) -> Range | None:
-    """A dimension with one end left open, or both where it is a number."""
-    if not isinstance(dimension, Range) or part.field.endswith(part.attribute):
-        return None
-    return dimension.model_copy(update={part.field.rpartition("/")[2]: None})
 
 
 def _limit(
