@@ -160,8 +160,9 @@ class DesignSpec(BaseModel):
         if not self.follower.pressure_angle_rows(1.0):
             raise PydanticCustomError(
                 "pressure_angle_given",
-                "objective peak_pressure_angle has nothing to choose: the pressure angle of a "
-                "{kind} follower is that of its face, whatever the cam. Choose another objective.",
+                "objective peak_pressure_angle is not on offer for a {kind} follower: a flat face "
+                "has the pressure angle of its own tilt, and of an arm it is not known how small "
+                "it can be. Choose another objective; an arm takes a limit pressure_angle.",
                 {"kind": self.follower.kind},
             )
         sized = math.isfinite(ends(self.base_radius_mm)[1]) or any(

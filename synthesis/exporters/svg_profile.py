@@ -61,8 +61,8 @@ def _legend(design: Design, scene: Scene) -> list[tuple[str, str]]:
     if "offset_mm" in size:
         rows.append(("line centre", f"line of the follower, offset {size['offset_mm']} mm"))
     if scene.pivot is not None:
-        distance = f"pivot {size['centre_distance_mm']} mm from the cam's axis"
-        rows.append(("line centre", f"arm of {size['arm_mm']} mm, {distance}"))
+        distance = size["centre_distance_mm"]
+        rows.append(("line centre", f"arm {size['arm_mm']} mm, pivot at {distance} mm"))
     return rows
 
 

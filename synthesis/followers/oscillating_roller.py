@@ -206,11 +206,10 @@ class OscillatingRoller(Follower):
         return (FixedPivot("pressure_angle", arm, self._distance, sigma, slope),)
 
     def displacement_measure(self, z: tuple[float, ...]) -> Measure:
-        l, start = self.arm_mm, self._initial_angle(z)
-        return Measure(
-            "displacement", -l * start, l * (math.pi - start), lambda s: (start + s / l) / DEGREE,
-            "deg",
-        )  # fmt: skip
+        # 0 < ψ < 180°
+        l, lowest = self.arm_mm, -self.arm_mm * self._initial_angle(z)
+        highest = lowest + l * math.pi
+        return Measure("displacement", lowest, highest, lambda s: (s - lowest) / l / DEGREE, "deg")
 
     # -- geometry ----------------------------------------------------------------------------
 

@@ -90,8 +90,8 @@ class Arm:
                 "radius plus roller radius): with the pivot at the distance given it reaches "
                 "radii from {least} to {most} mm. Change arm_mm, centre_distance_mm or "
                 "base_radius_mm.",
-                {"arm": l, "prime": wrong, "least": round(shortest, 6),
-                 "most": round(l + d1, 6) if math.isfinite(d1) else "∞"},
+                {"arm": l, "prime": f"{wrong:.6g}", "least": f"{shortest:.6g}",
+                 "most": f"{l + d1:.6g}" if math.isfinite(d1) else "∞"},
             )  # fmt: skip
 
     def _check_angle(self, prime: tuple[float, float]) -> None:
@@ -115,9 +115,9 @@ class Arm:
                 "initial_angle_deg = {angle} puts the roller on the prime radius {found} mm, "
                 "not on that of base_radius_mm plus roller radius, {prime} mm. Leave out one "
                 "of the two: either follows from the other.",
-                {"angle": (low if least > prime[1] else high) / DEGREE,
-                 "found": least if least > prime[1] else most,
-                 "prime": prime[1] if least > prime[1] else prime[0]},
+                {"angle": round((low if least > prime[1] else high) / DEGREE, 9),
+                 "found": f"{least if least > prime[1] else most:.6g}",
+                 "prime": f"{prime[1] if least > prime[1] else prime[0]:.6g}"},
             )  # fmt: skip
 
     def _check_swing(self, prime: tuple[float, float], stretches: Sequence[Stretch]) -> None:
@@ -132,8 +132,8 @@ class Arm:
             "at cam angle {at}° (program/{index}) the arm has swung by {swing}° from {start}°"
             "{where}: at 180° it is stretched along the line of centres and can be driven no "
             "further. Make the lift smaller{way}.",
-            {"at": round(_crossing(stretch, room) / DEGREE, 4), "index": stretch.index,
-             "swing": round(180.0 - start / DEGREE, 6), "start": round(start / DEGREE, 6),
+            {"swing": round(180.0 - start / DEGREE, 6), "index": stretch.index,
+             "at": round(_crossing(stretch, room) / DEGREE, 4), "start": round(start / DEGREE, 6),
              "where": "" if base is None else f" (base radius {base - self.roller:.6g} mm)",
              "way": "" if base is None else ", the base radius smaller, or the pivot farther"},
         )  # fmt: skip
