@@ -12,6 +12,7 @@ import time
 from collections.abc import Collection, Iterator, Mapping
 from dataclasses import dataclass
 from math import inf, isfinite
+from typing import Any
 
 from synthesis.design import Conflict, Relaxation
 from synthesis.formulations.problem import pose
@@ -124,8 +125,8 @@ def _without(spec: DesignSpec, dropped: Collection[_Part]) -> DesignSpec:
 def _changed(spec: DesignSpec, values: Mapping[_Part, float | None]) -> DesignSpec:
     """The spec with other numbers in its limits, and without those that are None."""
     limits: list[Limit | None] = list(spec.limits)
-    update: dict[str, object] = {}
-    follower: dict[str, object] = {}
+    update: dict[str, Any] = {}
+    follower: dict[str, Any] = {}
     for part, value in values.items():
         if part.owner is not None:
             limits[part.owner] = _limit(spec, limits[part.owner], part.attribute, value)

@@ -11,18 +11,19 @@ from __future__ import annotations
 import time
 from collections.abc import Callable
 from dataclasses import replace
-from math import inf, isfinite
+from math import inf, isfinite, sqrt
 
 import numpy as np
 
 from synthesis.formulations.bound import Bound
 from synthesis.formulations.candidate import settle
+from synthesis.formulations.control import controls
 from synthesis.formulations.convex import EXACT, Plan, formulate
 from synthesis.formulations.cuts import About, Region
 from synthesis.formulations.grid import Grid
 from synthesis.formulations.local import gentle, improve_from
 from synthesis.formulations.missed import ALLOWED, misses
-from synthesis.formulations.problem import Nothing, Problem
+from synthesis.formulations.problem import Held, Nothing, Problem
 from synthesis.formulations.search import Search
 from synthesis.formulations.tube import tubes
 from synthesis.solvers.clarabel import ConeSolution
@@ -60,24 +61,29 @@ def turned(state: Search, trial: float, solved: Solved) -> Outcome:
         if state.tangent or state.close(state.relaxed) or state.left() <= 0.0:
             break
         before, value = value, _value(plan, solution)
-        if value - before > _gain_worth(state, value * plan.scales.size) / plan.scales.size:
+        if value - before > _gain_worth(state, value):
             continue
         # rows have turned as far as they do: what is left is due to the region's width
-        size = value * plan.scales.size
-        if size - narrowed_at <= WORTH * (_smallest(state) - size) or not _worth_it(state, size):
+        if not _worth_it(state, value):
             break
         _improved(state)
+        if value - narrowed_at <= WORTH * (_smallest(state) - value) < inf:
+            break
         if not _narrowed(state, plan, lower, loose):
             break
-        narrowed_at = size
+        narrowed_at = value
     return plan, solution, lower
 
 
 def _value(plan: Plan, solution: ConeSolution) -> float:
-    """The program's objective, in its own unit."""
-    if plan.extra is not None:
-        return float(solution.x[plan.extra])
-    return float(np.sum(solution.x[plan.squares] ** 2))
+    """The program's objective in core units."""
+    if plan.energy is not None:
+        squares = float(np.sum(solution.x[plan.squares] ** 2))
+        return sqrt(squares * plan.energy.unit + plan.energy.constant)
+    norm = plan.problem.objective.norm(plan.problem.machine)
+    assert plan.extra is not None
+    unit = plan.scales.level if norm is None else plan.scales.size
+    return float(solution.x[plan.extra]) * unit
 
 
 def _smallest(state: Search) -> float:
@@ -95,32 +101,34 @@ def _improved(state: Search) -> None:
 
 def _gain_worth(state: Search, value: float) -> float:
     """The least gain of a turn for which there is another one."""
-    least = STALLED * state.tolerance * abs(value)
-    norm = state.problem.objective.norm(state.problem.machine)
-    missing = _smallest(state) - value
-    return max(least, STALLED * missing) if norm is not None and isfinite(missing) else least
+    least, missing = STALLED * state.tolerance * abs(value), _smallest(state) - value
+    return max(least, STALLED * missing) if isfinite(missing) else least
 
 
 def _worth_it(state: Search, value: float) -> bool:
-    """Whether rows leave more to gain than knots do, the size being what is weighed."""
-    norm = state.problem.objective.norm(state.problem.machine)
+    """Whether rows leave more to gain than knots do."""
     best = _smallest(state)
-    if norm is None or not isfinite(best - state.lower):
-        return norm is not None
+    if not isfinite(best - state.lower):
+        return True
     return best - value > WIDE * (best - state.lower)
 
 
 def _narrowed(state: Search, plan: Plan, lower: Bound, loose: set[int]) -> bool:
     """Narrow the region to what a better cam can be; False where nothing says how."""
-    region, problem = state.region, state.problem
-    if region is None or not lower.switching or problem.objective.norm(problem.machine) is None:
+    region, problem, best = state.region, state.problem, _smallest(state)
+    if region is None or not lower.switching or not isfinite(best):
         return False
     inside = replace(problem.sizing, bounds=region.sizes, least=0.0)
     asked = replace(problem, objective=Nothing(), sizing=inside)
+    if problem.objective.norm(problem.machine) is None:  # otherwise the sizes say it
+        held = Held(problem.objective, best * (1.0 + SPARE))
+        asked = replace(asked, held=(*problem.held, held))
     grids = tuple(Grid(grid.space, grid.space.breaks) for grid in plan.grids)
-    fewer = replace(region, abouts=region.abouts[:1])
-    free = formulate(asked, grids, 0.0, EXACT, fewer)
-    state.region = replace(region, tubes=tubes(free, lower.steering, region.tubes, loose))
+    free = formulate(asked, grids, 0.0, EXACT, replace(region, abouts=region.abouts[:1]))
+    steering = controls(free)
+    if steering is None or any(not isfinite(control.cap) for control in steering):
+        return False
+    state.region = replace(region, tubes=tubes(free, steering, region.tubes, loose))
     return True
 
 
@@ -142,11 +150,9 @@ def _turn(state: Search, plan: Plan, solution: ConeSolution) -> set[int]:
     region = state.region or Region()
     abouts = (About(curves, state.last.size), About(curves, size), *region.abouts)[:KEPT]
     state.region = replace(region, sizes=_sizes(state), abouts=abouts)
-    norm = problem.objective.norm(problem.machine)
-    if norm is not None:
-        missing = _smallest(state) - norm.value(size)
-        if missing <= SHARE * state.tolerance * norm.value(size):
-            return set()
+    value = _value(plan, solution)
+    if _smallest(state) - value <= SHARE * state.tolerance * abs(value):
+        return set()
     excesses = _excesses(state, settled, size)
     return {position for position, excess in enumerate(excesses) if excess > MET}
 
