@@ -37,7 +37,7 @@ def tightest(problem: Problem, z: Vector) -> Planes:
     ``excess`` is left less right side over the normal's length [mm].
     """
     found = [
-        _peaks(curve, stretch.placed(), np.array(z))
+        peaks(curve, stretch.placed(), np.array(z))
         for stretch in problem.stretches
         if stretch.law is not None
         for curve in problem.curves_on(stretch)
@@ -50,8 +50,8 @@ def tightest(problem: Problem, z: Vector) -> Planes:
     )
 
 
-def _peaks(curve: Curved, placed: Piecewise, z: Array) -> Planes:
-    """Half-planes at the local maxima of every family of them."""
+def peaks(curve: Curved, placed: Piecewise, z: Array) -> Planes:
+    """Half-planes at the few highest local maxima of every family of them."""
     density = max(LEAST_DENSITY, min(DENSITY, 192 // placed.count))
     step = np.linspace(0.0, 1.0, density)
     theta = placed.breaks[:-1, None] + np.diff(placed.breaks)[:, None] * step

@@ -15,6 +15,8 @@ from math import inf, isfinite
 from typing import Any
 
 from synthesis.design import Conflict, Relaxation
+from synthesis.formulations.given import blocked
+from synthesis.formulations.parts import limit_parts
 from synthesis.formulations.problem import pose
 from synthesis.formulations.refine import search
 from synthesis.formulations.search import Search
@@ -30,6 +32,7 @@ CEILING = {"deg": 89.9}
 LATE = "the time budget ended before this was known"
 FOUND = "a cam was found with this value; that it is the least is not proven"
 ELSEWHERE = "a cam was found with this value; nearer ones were not looked for"
+REFUSED = "a cam was found that keeps all limits, but it could not be certified"
 ALONE = "relaxing this limit alone was not seen to help"
 
 
@@ -58,7 +61,12 @@ def stalemate(spec: DesignSpec, deadline: float = inf) -> Conflict:
         spec: what was asked.
         deadline: ``time.monotonic()`` after which nothing more is tried.
     """
+    alone_broken = _by_given_laws(spec)
+    if alone_broken is not None:
+        return alone_broken
     parts = list(_parts(spec))
+    if _tried(spec, (), deadline).best is not None:
+        return Conflict(limits=[], relaxations=[], evidence=REFUSED)
     kept, late = set(parts), False
     for part in parts:
         if time.monotonic() >= deadline:
@@ -77,6 +85,27 @@ def stalemate(spec: DesignSpec, deadline: float = inf) -> Conflict:
         relaxations=relaxations,
         evidence=_evidence(proven, late),
     )
+
+
+def _by_given_laws(spec: DesignSpec) -> Conflict | None:
+    """Limits that a given law breaks whatever the size; None where there are none."""
+    problem = pose(spec, BaseRadius())
+    parts = limit_parts(problem, len(spec.limits))
+    found = blocked(parts, problem)
+    if not found:
+        return None
+    return Conflict(
+        limits=[parts[k].words for k in found],
+        relaxations=[
+            Relaxation(
+                limit=parts[k].name, field=member.field, unit=parts[k].unit, asked=member.asked,
+                needed=why.value, note=why.note,
+            )
+            for k, why in found.items()
+            for member in parts[k].members
+        ],
+        evidence="; ".join(f"{parts[k].words}: {why.note}" for k, why in found.items()),
+    )  # fmt: skip
 
 
 def _evidence(proven: Search, late: bool) -> str:
