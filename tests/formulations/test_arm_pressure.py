@@ -20,7 +20,7 @@ SENSES = {"opposite": 1.0, "same": -1.0}
 
 def motion(seed: int, count: int = 400) -> np.ndarray:
     rng = np.random.default_rng(seed)
-    swing, rate = rng.uniform(0.0, 0.6, count), rng.uniform(-0.9, 0.9, count)
+    swing, rate = rng.uniform(0.0, 0.6, count), rng.uniform(-2.4, 2.4, count)
     return np.stack([ARM * swing, ARM * rate, np.zeros(count), np.zeros(count)])
 
 
@@ -45,14 +45,14 @@ def test_exceeded_exactly_where_the_judge_measures_more(sense: str) -> None:
         beyond = np.max(np.stack(curve.excess(s, z)), axis=0) > 0.0
         clear = np.abs(alpha - limit) > 1e-9
         np.testing.assert_array_equal(beyond[clear], (alpha > limit)[clear])
-        assert 0.1 < np.mean(beyond) < 0.9
+        assert 0.1 < np.mean(beyond) < 0.95
 
 
 @pytest.mark.parametrize("sense", SENSES)
 def test_half_planes_allow_the_sizes_that_the_limit_allows(sense: str) -> None:
     s = motion(2)
     for curve, z in both(sense, radians(38.3)):
-        for size in (z, tuple(0.7 * v for v in z), tuple(1.6 * v for v in z)):
+        for size in (z, *(tuple(k * v for v in z) for k in (0.7, 1.6, 4.6))):
             exceeded = np.max(np.stack(curve.excess(s, size)), axis=0) > 0.0
             planes = [np.array(size) @ cuts.size - cuts.upper for cuts in curve.half_planes(s)]
             outside = np.max(np.stack(planes), axis=0) > 0.0

@@ -78,6 +78,7 @@ def test_given_law_as_small_as_a_global_search_finds(sense: str, distance: float
     assert design.status == "optimal"
     assert certified(design)
     assert prime(design) == pytest.approx(searched(sense, distance), rel=1e-6)
+    assert design.certificate.value == pytest.approx(design.dimensions["base_radius_mm"], rel=1e-9)
     assert design.certificate.bound_over == "every size of the given laws"
 
 
