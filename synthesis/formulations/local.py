@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import time
+from math import inf
 
 import numpy as np
 
@@ -12,35 +13,52 @@ from synthesis.formulations.cuts import Region
 from synthesis.formulations.missed import ALLOWED, misses
 from synthesis.formulations.rows import Drawn
 from synthesis.formulations.search import Search, Stage
+from synthesis.numerics.piecewise import Array
 from synthesis.objectives.rms_jerk import RmsJerk
 from synthesis.solvers.clarabel import solve
 from synthesis.solvers.statuses import Stopped
 
+EXCHANGES = 3  # of rows between whose points something was missed
 USABLE = (Stopped.SOLVED, Stopped.INACCURATE)
 
 
 def nonlinear(state: Search) -> None:
     """From the relaxation's cam grown out of the limits, or from a gentler one."""
-    started = time.perf_counter()
     gentle(state)
     start = state.best or state.relaxed or state.last
     if start is not None:
-        improve_from(state, start, started)
+        improve_from(state, start)
 
 
-def improve_from(state: Search, start: Candidate, started: float) -> None:
-    """IPOPT on the present knots; ``started``: when the stage began, ``time.perf_counter()``."""
+def improve_from(state: Search, start: Candidate) -> None:
+    """IPOPT on the present knots, its rows written at more points where they were missed."""
+    for _ in range(EXCHANGES):
+        missed, excess = _improved(state, start)
+        if excess <= ALLOWED or state.problem.curved or state.left() <= 0.0:
+            break
+        # rows that the size cannot mend, a counter cam's, were missed between their points
+        state.margin = 1.1 * (state.margin + excess)
+        both = zip(state.grids, missed, strict=True)
+        state.grids = tuple(grid.with_points(more) for grid, more in both)
+
+
+def _improved(state: Search, start: Candidate) -> tuple[list[Array], float]:
+    """One run of IPOPT; where its rows were missed between their points, and how far."""
     from synthesis.formulations.nonlinear import improve  # CasADi only where it is needed
 
+    started = time.perf_counter()
     drawn = Drawn(state.tighten, state.margin)
     plan = formulate(state.problem, state.grids, 0.0, drawn, Region())  # smooth forms say more
     # rows drawn in by a little of what the caller allows save rounds: peaks may lie between them
     spare = float(np.clip(0.04 * state.tolerance, 1e-7, 1e-3))
     solution = improve(plan, plan.point(start.laws, start.size), state.deadline, spare)
     laws, size = plan.recover(solution.x)
+    least: tuple[list[Array], float] = [], inf
     for keep_hint in (True, False):
         found = settle(state.problem, laws, size, keep_hint=keep_hint)
-        if misses(state, found)[1] <= ALLOWED:
+        missed = misses(state, found)
+        least = min(least, missed, key=lambda each: each[1])
+        if missed[1] <= ALLOWED:
             state.accept(found)
     state.stages.append(
         Stage(
@@ -48,6 +66,7 @@ def improve_from(state: Search, start: Candidate, started: float) -> None:
             time.perf_counter() - started, solution.stopped.value,
         )
     )  # fmt: skip
+    return least
 
 
 def gentle(state: Search) -> None:

@@ -129,7 +129,7 @@ def _jointly(trials: _Pinned) -> None:
     gentle(state)
     for start in list(_starts(trials)):
         if state.left() > 0.0:
-            improve_from(state, start, time.perf_counter())
+            improve_from(state, start)
     if state.best is None or state.left() <= 0.0:
         return
     at = trials.pinning.of(state.best.size)
@@ -139,7 +139,7 @@ def _jointly(trials: _Pinned) -> None:
     tried = trials.solved(inside, state.tolerance)
     state.grids = tried.grids or state.grids
     if state.best is not None and inside == at:
-        improve_from(state, state.best, time.perf_counter())
+        improve_from(state, state.best)
 
 
 def _starts(trials: _Pinned) -> Iterator[Candidate]:

@@ -8,7 +8,6 @@ while, without which it may swing to and fro.
 
 from __future__ import annotations
 
-import time
 from collections.abc import Callable
 from dataclasses import replace
 from math import inf, isfinite, sqrt
@@ -96,7 +95,7 @@ def _improved(state: Search) -> None:
     """Where laws of the cone programs fit no size at all, another way to a cam, once."""
     if state.last is not None and not state.improved and misses(state, state.last)[1] > ALLOWED:
         state.improved = True
-        improve_from(state, state.best or state.relaxed or state.last, time.perf_counter())
+        improve_from(state, state.best or state.relaxed or state.last)
 
 
 def _gain_worth(state: Search, value: float) -> float:

@@ -47,6 +47,7 @@ class Claim:
         unit: unit on the wire.
         to_wire: monotone map from the core's unit to the wire's; None where the wire has no value.
         field: the field of the spec that sets it, as in ``limits/pressure_angle/rise_deg``.
+        path: name of the traced curve that is measured, among the follower's ``paths``.
     """
 
     limit: str
@@ -57,6 +58,7 @@ class Claim:
     unit: str
     to_wire: Callable[[float], float | None]
     field: str
+    path: str = ""
 
 
 class Limit(BaseModel, ABC):

@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Iterator, Sequence
 from typing import Annotated, ClassVar, Literal
 
 from pydantic import Field
 
+from synthesis.followers.flank import Trace, labelled, outer_gap
 from synthesis.limits.base import Claim, Limit, Machine, where
 from synthesis.motion import Stretch
 from synthesis.terms import Cone
@@ -16,7 +17,8 @@ class OuterRadius(Limit):
     """No point of the profile lies farther from the cam's axis than ``max_mm``.
 
     Where the profile is outermost its normal is radial, so the pitch curve is outermost there
-    too, Rr farther out: the profile's largest radius is the pitch curve's less Rr.
+    too: the profile's largest radius is the pitch curve's less Rr, or plus Rr where the cam lies
+    around the roller; there the rim that was asked for comes on top.
     """
 
     kind: Literal["outer_radius"] = "outer_radius"
@@ -25,21 +27,38 @@ class OuterRadius(Limit):
 
     def cones(self, stretches: Sequence[Stretch], machine: Machine) -> tuple[Cone, ...]:
         highest = max(max(s.s_start, s.s_end) for s in stretches)
-        radius = self.max_mm + machine.follower.roller_radius
-        return (Cone(machine.follower.outermost(highest), radius, "outer_radius"),)
+        return tuple(
+            Cone(
+                trace.outermost(highest),
+                trace.value_of(max(self.max_mm + gap, 0.0)),
+                labelled("outer_radius", path),
+            )
+            for path, trace, gap in _edges(machine)
+        )
 
     def claims(self, stretches: Sequence[Stretch], machine: Machine) -> tuple[Claim, ...]:
-        radius = self.max_mm + machine.follower.roller_radius
-        roller = machine.follower.roller_radius
-        return (
+        return tuple(
             Claim(
-                "outer_radius",
+                labelled("outer_radius", path),
                 "pitch_radius",
                 where(stretches),
                 None,
-                radius,
+                self.max_mm + gap,
                 "mm",
-                lambda pitch: pitch - roller,
+                _less(gap),
                 "outer_radius/max_mm",
-            ),
+                path,
+            )
+            for path, trace, gap in _edges(machine)
         )
+
+
+def _edges(machine: Machine) -> Iterator[tuple[str, Trace, float]]:
+    """Every path by name, and what the edge of its cam lacks to it [mm]."""
+    for path, trace in machine.follower.paths.items():
+        yield path, trace, outer_gap(machine.follower.flanks, path)
+
+
+def _less(gap: float) -> Callable[[float], float]:
+    """The map that takes away ``gap``."""
+    return lambda pitch: pitch - gap
