@@ -110,8 +110,8 @@ def _attempt(spec: DesignSpec, stop: float, tighten: float) -> _Attempt:
     if not place.holds:
         first, attempt = attempt, _solved(place.spec, stop, tighten)
         attempt.searches = [*first.searches, *attempt.searches]
-        if any(limit.cones(spec.stretches(), spec.alone().machine()) for limit in spec.limits):
-            attempt.bounds = first.bounds  # a nearer place might suit an outer radius better
+        if not place.farthest:
+            attempt.bounds = first.bounds  # another place might suit better: those hold for all
         place = Settled(place.spec, True)
     attempt.built = place.spec
     if attempt.cam is not None:

@@ -10,7 +10,7 @@ from typing import Any, ClassVar
 
 from pydantic import BaseModel, ConfigDict
 
-from synthesis.followers.flank import Flank, Trace, Vector2
+from synthesis.followers.flank import Flank, Places, Trace, Vector2
 from synthesis.motion import Motion, Stretch
 from synthesis.ranges import Range
 from synthesis.terms import Cone, Curved, Norm, Row
@@ -216,9 +216,9 @@ class Follower(BaseModel, ABC):
         """Dimensions settled after the size: field, its name among the dimensions, value."""
         return {}
 
-    def places(self, z: tuple[float, ...], s_max: float) -> tuple[float, float]:
-        """Between which values such a dimension makes sense, in the unit of the wire."""
-        return -math.inf, math.inf
+    def places(self, z: tuple[float, ...], s_max: float) -> Places:
+        """Where such a dimension makes sense, with displacements up to ``s_max``."""
+        return Places(-math.inf, math.inf, True)
 
     def opened(self) -> Follower:
         """The same with everything left free that is settled after the size."""
