@@ -87,7 +87,8 @@ def analyse(
     if as_json:
         print(found.model_dump_json(indent=1))
     else:
-        out.print(analysis_table.headline(found), analysis_table.undercut(found), sep="\n")
+        out.print(analysis_table.headline(found))
+        out.print(analysis_table.undercut(found), analysis_table.self_crossing(found), sep="\n")
         wide = Console(highlight=False, width=max(out.width, analysis_table.WIDTH))
         for table in analysis_table.tables(found):
             wide.print(table)

@@ -13,7 +13,8 @@ import numpy as np
 from synthesis.certify.course import Course, Indices
 from synthesis.certify.joints import NAMES, UNITS
 from synthesis.certify.quantities import QUANTITIES, Quantity, Size, enclose_all, tangent
-from synthesis.findings import CurveJump, CurveSummary, Over, Peak, Side, Undercut
+from synthesis.certify.simple import approach
+from synthesis.findings import CurveJump, CurveSummary, Over, Peak, SelfCrossing, Side, Undercut
 from synthesis.limits.base import Machine, times, where
 from synthesis.motion import Motion
 from synthesis.numerics.enclosure import Enclosed, Question
@@ -90,6 +91,19 @@ class Curves:
             kind="undercut" if excess > CUSP * roller else "cusp",
             angle_deg=_degrees(sharpest.angle), pitch_radius_mm=1.0 / sharpest.value,
             roller_radius_mm=roller, too_large_mm=excess,
+        )  # fmt: skip
+
+    def self_crossing(self) -> SelfCrossing | None:
+        """Where far parts of the profile cross deepest; only under a roller do they."""
+        roller = self.machine.follower.roller_radius
+        if not self._faceless or roller <= 0.0:
+            return None
+        found = approach(self.course, self.machine, self.size)
+        if found.least >= roller or found.holds_off(roller):
+            return None
+        return SelfCrossing(
+            profile_deg=_degrees(found.profile), roller_deg=_degrees(found.roller),
+            depth_mm=roller - found.least,
         )  # fmt: skip
 
     def _undercut_face(self) -> Undercut | None:
