@@ -7,8 +7,10 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any, ClassVar
 
+import numpy as np
 from pydantic import BaseModel, ConfigDict
 
+from synthesis.errors import InputError
 from synthesis.motion import Motion
 from synthesis.ranges import Range
 from synthesis.terms import Cone, Norm, Row
@@ -175,6 +177,40 @@ class Follower(BaseModel, ABC):
         s = motion.derivatives([0.0])
         (x, y), *_ = self.traced_point(s, z)
         return Shape((float(x[0]), float(y[0])), self.roller_radius)
+
+    # -- read back from a profile ----------------------------------------------------------------
+
+    def posture(self, point: Any, normal: Any) -> tuple[Any, Any]:
+        """The posture in which the follower has its traced point at a point of the cam.
+
+        Args:
+            point: of the cam [mm]. normal: outward unit normal there. Both (2, n), in the frame
+                of a ccw cam.
+
+        Returns:
+            cam angle θ [rad], any turn, and position [mm], (n,) each: the displacement from a
+            place that is the family's own. Not a number where the follower does not reach.
+
+        Raises:
+            InputError: such a follower is not read back from a profile.
+        """
+        raise InputError(
+            "/follower/kind", self.kind, "Profiles are not read back for this follower yet.",
+            "Take a translating follower.",
+        )  # fmt: skip
+
+    def lowest(self, position: float) -> tuple[float, ...]:
+        """The size z of a cam whose lowest position is this one [mm]; see ``posture``."""
+        raise NotImplementedError(f"{self.kind} has no posture")
+
+    def clearance(self, away: Any, up: Any) -> Any:
+        """How far points lie outside the follower's body [mm].
+
+        Args:
+            away: (2, n) from the traced point [mm]. up: (2,) the drive's direction, both in the
+                cam's frame.
+        """
+        return np.hypot(away[0], away[1]) - self.roller_radius
 
     @abstractmethod
     def outermost(self, s_max: float) -> Norm:
