@@ -8,11 +8,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from synthesis.exporters.cam import Cam
-from synthesis.exporters.chords import position
 from synthesis.exporters.options import MotionOptions, ProfileOptions
+from synthesis.exporters.placement import placed
 from synthesis.exporters.sampling import Rows, table_rows
 from synthesis.numerics.piecewise import Array
 from synthesis.units import DEGREE
+
+POWERS = str.maketrans("²³", "23")
 
 
 @dataclass(frozen=True, eq=False)
@@ -29,13 +31,18 @@ def profile_columns(cam: Cam, options: ProfileOptions) -> list[Column]:
     """The curve's points with the motion and the geometry there."""
     rows = table_rows(cam, options)
     at = cam.at(rows.theta, rows.left)
-    x, y = position(options.curve, at)
+    x, y = placed(options, at)
     which = "pitch curve" if options.curve == "pitch" else "profile"
+    if options.turn_deg == 0.0:
+        frame = f"{which}, in the cam's frame"
+    else:
+        frame = f"{which}, turned by {options.turn_deg:.12g}° from the cam's frame"
     return [
         _angle(rows),
-        *_physical(at.s, cam.omega),
-        Column("x_mm", "mm", f"{which}, in the cam's frame", x),
-        Column("y_mm", "mm", f"{which}, in the cam's frame", y),
+        *_physical(at.s, cam),
+        Column("x_mm", "mm", frame, x),
+        Column("y_mm", "mm", frame, y),
+        *_axial(rows, options.z_mm),
         Column(
             "pressure_angle_deg", "deg",
             "signed; positive where the cam pushes against a rise", at.pressure_angle / DEGREE,
@@ -56,14 +63,14 @@ def motion_columns(cam: Cam, options: MotionOptions) -> list[Column]:
     """The follower's motion at the given speed, and per radian of cam angle."""
     rows = table_rows(cam, options)
     s = cam.derivatives(rows.theta, rows.left)
-    return [
-        _angle(rows),
-        *_physical(s, cam.omega),
-        Column("ds_mm_per_rad", "mm/rad", "first derivative of s by the cam angle", s[1]),
-        Column("d2s_mm_per_rad2", "mm/rad²", "second derivative of s by the cam angle", s[2]),
-        Column("d3s_mm_per_rad3", "mm/rad³", "third derivative of s by the cam angle", s[3]),
-        _side(rows),
-    ]
+    return [_angle(rows), *_physical(s, cam), *_per_radian(s, cam), _side(rows)]
+
+
+def _axial(rows: Rows, z_mm: float | None) -> list[Column]:
+    """z, where it is asked for."""
+    if z_mm is None:
+        return []
+    return [Column("z_mm", "mm", "position along the axis", np.full(len(rows.theta), z_mm))]
 
 
 def _angle(rows: Rows) -> Column:
@@ -75,10 +82,27 @@ def _side(rows: Rows) -> Column:
     return Column("side", "1", meaning, rows.side)
 
 
-def _physical(s: Array, omega: float) -> list[Column]:
+def _physical(s: Array, cam: Cam) -> list[Column]:
+    told = ("displacement from the lowest position", "velocity", "acceleration", "jerk")
     return [
-        Column("s_mm", "mm", "displacement from the lowest position", s[0]),
-        Column("v_mm_per_s", "mm/s", "velocity", s[1] * omega),
-        Column("a_mm_per_s2", "mm/s²", "acceleration", s[2] * omega**2),
-        Column("j_mm_per_s3", "mm/s³", "jerk", s[3] * omega**3),
+        Column(_named(letter, unit), unit, told[order], s[order] * cam.rate(order))
+        for order, letter in enumerate("svaj")
+        for unit in [cam.travel.told(order)]
     ]
+
+
+def _per_radian(s: Array, cam: Cam) -> list[Column]:
+    told = ("first", "second", "third")
+    return [
+        Column(
+            _named(letter, unit), unit, f"{told[order - 1]} derivative of s by the cam angle",
+            s[order] / cam.travel.per_unit,
+        )
+        for order, letter in enumerate(("ds", "d2s", "d3s"), start=1)
+        for unit in [cam.travel.told(order).replace("/s", "/rad")]
+    ]  # fmt: skip
+
+
+def _named(letter: str, unit: str) -> str:
+    """A column's name: ``a_mm_per_s2`` for a in mm/s²."""
+    return f"{letter}_{unit}".replace("/", "_per_").translate(POWERS)

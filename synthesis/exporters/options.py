@@ -33,11 +33,16 @@ class ProfileOptions:
         tolerance_um: if given, it decides instead of the density: no chord between neighbouring
             points departs further than this from the true curve [µm].
         curve: the profile, or the pitch curve (path of the roller's centre).
+        turn_deg: angle by which points are turned about the cam's axis, counter-clockwise
+            positive: the cam as it sits on a shaft with others.
+        z_mm: position along that axis; None leaves tables without z, and is 0 in point files.
     """
 
     points_per_degree: float = 4.0
     tolerance_um: float | None = None
     curve: CurveName = "profile"
+    turn_deg: float = 0.0
+    z_mm: float | None = None
 
     def __post_init__(self) -> None:
         _check_density(self.points_per_degree)
@@ -55,6 +60,9 @@ class ProfileOptions:
                 f"The curve must be one of {', '.join(CURVES)}.",
                 "Leave it out for the profile.",
             )
+        for field, value in (("/turn_deg", self.turn_deg), ("/z_mm", self.z_mm or 0.0)):
+            if not math.isfinite(value):
+                raise InputError(field, value, "This must be a finite number.", "Leave it out.")
 
 
 @dataclass(frozen=True)

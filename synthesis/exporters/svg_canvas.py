@@ -32,6 +32,8 @@ FILLS = {
     "metal": ("#ffffff", "#15191e"),
     "rest": ("#f1f3f5", "#1d2228"),
     "solid": ("#14181d", "#f0f3f6"),
+    "start": ("#0b57a4", "#82bbf5"),
+    "several": ("#cfe0f0", "#24405c"),
 }
 STROKES = {
     "outline": ("#14181d", "#f0f3f6", 0.5, ""),
@@ -44,6 +46,7 @@ STROKES = {
     "grid": ("#dde2e7", "#2b323a", 0.15, ""),
     "border": ("#8a939d", "#78828d", 0.2, ""),
     "jump": ("#0b57a4", "#82bbf5", 0.2, "0.6 0.6"),
+    "phase": ("#0b57a4", "#82bbf5", 0.3, "1.6 0.8"),
     "limit": ("#b3261e", "#ff8f85", 0.3, "2.4 1.2"),
     "broken": ("#b3261e", "#ff8f85", 1.1, ""),
     "halo": ("#ffffff", "#15191e", 1.2, ""),
@@ -105,6 +108,16 @@ def figure(value: float, digits: int = 4) -> str:
     rounded = float(f"{value:.{digits}g}") + 0.0
     text = f"{rounded:,.12g}" if abs(rounded) >= 1e5 else f"{rounded:.12g}"
     return text.replace(",", "\u202f").replace("inf", "∞").replace("e+", "e").replace("-", "−")
+
+
+def unit(name: str) -> str:
+    """A unit as a drawing writes it."""
+    return name.replace("deg", "°")
+
+
+def measured(value: float, name: str, digits: int = 6) -> str:
+    """A value with its unit: 30 mm, 45°."""
+    return f"{figure(value, digits)}{'' if name == 'deg' else ' '}{unit(name)}"
 
 
 def width_of(text: str, size: float) -> float:

@@ -90,7 +90,8 @@ def ride(outline: Outline, follower: Follower) -> Ride:
     )
     turned, height = np.mod(theta[~below], FULL_TURN), position[~below]
     order = np.argsort(turned, kind="stable")
-    return Ride(turned[order], height[order], bridges)
+    in_order = tuple(sorted(bridges, key=lambda bridge: bridge.angle))
+    return Ride(turned[order], height[order], in_order)
 
 
 def _below(theta: Array, position: Array) -> NDArray[np.bool_]:

@@ -26,12 +26,13 @@ class Outline:
     Attributes:
         point: profile points. normal: outward unit normals. bend: signed curvature, convex
             positive [1/mm].
-        rms, largest: residuals of the measured points [mm].
+        points: how many were measured. rms, largest: their residuals [mm].
     """
 
     point: Array
     normal: Array
     bend: Array
+    points: int
     rms: float
     largest: float
 
@@ -61,10 +62,10 @@ def outline(points: Array, tolerance: float) -> Outline:
             f"x = {ring[worst, 0]:.6g}, y = {ring[worst, 1]:.6g} mm.",
             "Allow that much, remove outliers, or measure more points where the curve bends.",
         )  # fmt: skip
-    return _read(curve, FINER * intervals, float(np.sqrt(np.mean(off**2))), float(np.max(off)))
+    return _read(curve, FINER * intervals, off)
 
 
-def _read(curve: PeriodicSpline, count: int, rms: float, largest: float) -> Outline:
+def _read(curve: PeriodicSpline, count: int, off: Array) -> Outline:
     u = curve.period * np.arange(count) / count
     point, (tx, ty), (sx, sy) = (curve(u, order).T for order in range(3))
     speed = np.hypot(tx, ty)

@@ -25,7 +25,8 @@ class ReadSpline(Part):
 
     degree: int = told("Polynomial degree.")
     knots_deg: list[float] = told("Knots in [0, 360), the first at 0.")
-    coefficients_mm: list[float] = told("One coefficient per knot.")
+    unit: Literal["mm", "deg"] = told("Unit of displacements: deg where the follower swings.")
+    coefficients: list[float] = told("One coefficient per knot, in this unit.")
 
 
 class ReadPeak(Part):
@@ -44,23 +45,12 @@ class ReadPeak(Part):
     )
 
 
-class ReadRow(Part):
-    """The motion at one cam angle."""
-
-    angle_deg: float = told("Cam angle.")
-    s_mm: float = told("Displacement from the lowest position.")
-    v_mm_per_s: float = told("Velocity.")
-    a_mm_per_s2: float = told("Acceleration.")
-    j_mm_per_s3: float = told("Jerk.")
-    pressure_angle_deg: float = told("Pressure angle, positive where the cam pushes a rise.")
-
-
 class ReadDwell(Part):
     """An arc along which the follower stands still, as far as the tolerance tells."""
 
     start_deg: float = told("Cam angle where it begins.")
     angle_deg: float = told("Its length.")
-    s_mm: float = told("Displacement there.")
+    s: float = told("Displacement there, in the unit of the motion.")
 
 
 class NotTouched(Part):
@@ -89,11 +79,15 @@ class ProfileAnalysis(Part):
 
     name: str = told("Name from the request.")
     engine_version: str = told("Version of Camwright that read it.")
-    dimensions: dict[str, float] = told("Base radius, prime radius, offset, stroke, … in mm.")
+    dimensions: dict[str, float] = told("Base radius, prime radius, offset, stroke, … as read.")
     fit: Fit = told("How well the curves fit.")
     spline: ReadSpline = told("The motion.")
     peaks: list[ReadPeak] = told("The extremes of motion and pressure angle.")
     dwells: list[ReadDwell] = told("Where the follower stands still.")
     not_touched: list[NotTouched] = told("Hollows too narrow for the roller, or under the face.")
     off_face: list[OffFace] = told("Where contact leaves the face that was given.")
-    rows: list[ReadRow] = told("The motion, from cam angle 0.")
+    table: dict[str, list[float]] = told(
+        "The motion from cam angle 0, by columns: `angle_deg`; `s_mm`, `v_mm_per_s`, "
+        "`a_mm_per_s2`, `j_mm_per_s3`, or the same with deg where the follower swings; "
+        "`pressure_angle_deg`."
+    )

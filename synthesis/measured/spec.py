@@ -53,3 +53,8 @@ class MeasuredCam(BaseModel):
     rows_per_degree: Annotated[
         float, Field(ge=0.1, le=20.0, description="Rows of the motion's table.")
     ] = 1.0
+
+    @property
+    def mirror(self) -> float:
+        """−1 where the cam turns clockwise: its mirror image in x turns counter-clockwise."""
+        return -1.0 if self.rotation == "cw" else 1.0
