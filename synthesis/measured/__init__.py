@@ -18,7 +18,7 @@ from synthesis.ranges import ends
 
 __all__ = ["MeasuredCam", "ProfileAnalysis", "read_back"]
 
-PROFILE_SHARE = 0.9  # of the tolerance, for the outline; the rest is the motion's
+MOTION_SHARE = 0.1  # of the tolerance: how far the motion's spline may pass from what was read
 
 
 def read_back(cam: MeasuredCam) -> ProfileAnalysis:
@@ -36,7 +36,7 @@ def read_back(cam: MeasuredCam) -> ProfileAnalysis:
                 "Give this dimension as a number.",
             )  # fmt: skip
     points = np.array(cam.points_mm, dtype=float) * np.array([cam.mirror, 1.0])
-    shape = outline(points, PROFILE_SHARE * cam.tolerance_mm)
-    rode = ride(shape, cam.follower)
-    found = read(rode, (1.0 - PROFILE_SHARE) * cam.tolerance_mm)
+    shape = outline(points, cam.tolerance_mm)
+    rode = ride(shape, cam.follower, cam.tolerance_mm)
+    found = read(rode, MOTION_SHARE * cam.tolerance_mm)
     return told(cam, shape, rode, found)

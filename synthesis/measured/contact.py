@@ -58,8 +58,10 @@ class Ride:
     bridges: tuple[Bridge, ...]
 
 
-def ride(outline: Outline, follower: Follower) -> Ride:
+def ride(outline: Outline, follower: Follower, tolerance: float) -> Ride:
     """Let the follower run over the outline.
+
+    Gaps up to the tolerance [mm] are none: they may be the measurement's.
 
     Raises:
         InputError: the follower does not reach the cam.
@@ -84,14 +86,11 @@ def ride(outline: Outline, follower: Follower) -> Ride:
             "Check the follower's dimensions and the sense of rotation.",
         )  # fmt: skip
     below = _below(theta, position)
-    bridges = tuple(
-        _bridge(run, outline, centre, _meeting(run, theta, position), follower)
-        for run in _runs(below)
-    )
+    bridges = [_bridge(run, outline, theta, (position, centre), follower) for run in _runs(below)]
     turned, height = np.mod(theta[~below], FULL_TURN), position[~below]
     order = np.argsort(turned, kind="stable")
-    in_order = tuple(sorted(bridges, key=lambda bridge: bridge.angle))
-    return Ride(turned[order], height[order], in_order)
+    real = (bridge for bridge in bridges if bridge.gap > tolerance)
+    return Ride(turned[order], height[order], tuple(sorted(real, key=lambda each: each.angle)))
 
 
 def _below(theta: Array, position: Array) -> NDArray[np.bool_]:
@@ -136,21 +135,26 @@ def _runs(below: NDArray[np.bool_]) -> list[NDArray[np.intp]]:
     return [order[a + 1 : b + 1] for a, b in edges.reshape(-1, 2)]
 
 
-def _meeting(run: NDArray[np.intp], theta: Array, position: Array) -> float:
-    """Cam angle at which the follower passes from one side of a hollow to the other [rad].
+def _meeting(
+    run: NDArray[np.intp], theta: Array, position: Array, centre: Array
+) -> tuple[float, Array]:
+    """Where the follower passes from one side of a hollow to the other: θ [rad], its centre (2,).
 
-    Where the tangents of the two branches meet, which the last points touched enclose.
+    The tangents of the two branches meet there, between the last points touched.
     """
     n = len(theta)
     one, two = (run[0] - 1) % n, (run[-1] + 1) % n
     before, after = (one - 1) % n, (two + 1) % n
     gap = math.remainder(float(theta[two] - theta[one]), FULL_TURN)
-    rising = (position[one] - position[before]) / _ahead(theta[one] - theta[before])
-    falling = (position[after] - position[two]) / _ahead(theta[after] - theta[two])
-    if rising == falling:
-        return float(theta[one] + 0.5 * gap)
-    share = (position[two] - position[one] - falling * gap) / (rising - falling)
-    return float(theta[one] + min(max(share, 0.0), gap))
+    back, on = _ahead(theta[one] - theta[before]), _ahead(theta[after] - theta[two])
+    rising = (position[one] - position[before]) / back
+    falling = (position[after] - position[two]) / on
+    share = 0.5 * gap
+    if rising != falling:
+        share = (position[two] - position[one] - falling * gap) / (rising - falling)
+    share = min(max(share, 0.0), gap)
+    along = (centre[:, one] - centre[:, before]) / back
+    return float(theta[one] + share), centre[:, one] + share * along
 
 
 def _ahead(angle: float) -> float:
@@ -159,13 +163,16 @@ def _ahead(angle: float) -> float:
 
 
 def _bridge(
-    run: NDArray[np.intp], outline: Outline, centre: Array, angle: float, follower: Follower
+    run: NDArray[np.intp],
+    outline: Outline,
+    theta: Array,
+    postures: tuple[Array, Array],
+    follower: Follower,
 ) -> Bridge:
     """What is left out between two points of contact."""
-    ends = np.array([run[0] - 1, run[-1] + 1]) % outline.point.shape[1]
-    middle = np.mean(centre[:, ends], axis=1)
+    angle, centre = _meeting(run, theta, *postures)
     up = np.array([math.sin(angle), math.cos(angle)])
-    inward = follower.clearance(outline.point[:, run] - middle[:, None], up)
+    inward = follower.clearance(outline.point[:, run] - centre[:, None], up)
     deepest = int(np.argmax(inward))
     bend = float(np.min(outline.bend[run]))
     x, y = outline.point[:, run[deepest]]

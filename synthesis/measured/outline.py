@@ -69,7 +69,9 @@ def _read(curve: PeriodicSpline, count: int, off: Array) -> Outline:
     u = curve.period * np.arange(count) / count
     point, (tx, ty), (sx, sy) = (curve(u, order).T for order in range(3))
     speed = np.hypot(tx, ty)
-    return Outline(point, np.stack([-ty, tx]) / speed, (ty * sx - tx * sy) / speed**3, rms, largest)
+    normal, bend = np.stack([-ty, tx]) / speed, (ty * sx - tx * sy) / speed**3
+    rms, largest = float(np.sqrt(np.mean(off**2))), float(np.max(off))
+    return Outline(point, normal, bend, len(off), rms, largest)
 
 
 def _ring(points: Array) -> Array:
