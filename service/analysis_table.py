@@ -34,8 +34,9 @@ def undercut(found: Analysis) -> str:
     worst = found.undercut
     if worst is None:
         return "No undercut."
+    flank = f" of the {worst.flank} flank" if worst.flank else ""
     return (
-        f"{worst.kind.capitalize()} at {worst.angle_deg:.4f}°: the pitch curve's radius is "
+        f"{worst.kind.capitalize()}{flank} at {worst.angle_deg:.4f}°: the pitch curve's radius is "
         f"{worst.pitch_radius_mm:.4f} mm, the roller's {worst.roller_radius_mm:.4f} mm."
     )
 
@@ -45,8 +46,9 @@ def self_crossing(found: Analysis) -> str:
     worst = found.self_crossing
     if worst is None:
         return "The profile does not cross itself."
+    which = worst.flank or "profile"
     return (
-        f"The profile crosses itself: at {worst.roller_deg:.4f}° the roller cuts "
+        f"The {which} crosses itself: at {worst.roller_deg:.4f}° the roller cuts "
         f"{worst.depth_mm:.4f} mm deep into the profile of {worst.profile_deg:.4f}°."
     )
 

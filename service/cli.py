@@ -209,12 +209,20 @@ def _synthesised(spec: Any, synthesise: Callable[..., Any]) -> Any:
 
 
 def _write(design: Design, folder: Path) -> list[str]:
-    from synthesis.exporters import MOTION_FORMATS, PROFILE_FORMATS, MotionOptions, ProfileOptions
+    from synthesis.exporters import (
+        MOTION_FORMATS,
+        PROFILE_FORMATS,
+        MotionOptions,
+        ProfileOptions,
+        profiles,
+    )
 
     files = {"design.json": design.model_dump_json(indent=1).encode()}
     if design.motion:
         for name, profile in PROFILE_FORMATS.items():
-            files[f"profile.{name}"] = profile.write(design, ProfileOptions())
+            for stem, curve in profiles(design).items():
+                if profile.placeable or stem == "profile":  # a drawing shows every flank
+                    files[f"{stem}.{name}"] = profile.write(design, ProfileOptions(curve=curve))
         for name, motion in MOTION_FORMATS.items():
             files[f"motion.{name}"] = motion.write(design, MotionOptions())
     _save(files, folder)

@@ -34,9 +34,10 @@ Several cams on one shaft go to `POST /v1/cam-sets`, each with its phase: one ti
 one archive with all files, in the cams' own frames and in the shaft's.
 
 **Units** are in the field names: mm, degrees of cam angle, rpm; velocity to jerk in mm/s to mm/s³
-at the given speed. **Angles** count from the start of the program in the sense that the program
-runs. **A number** fixes a dimension, `{"min", "max"}` leaves it free in between, leaving it out
-leaves it free. **A law** is named, or `spline`: then it is part of the answer.
+at the given speed, or in deg/s to deg/s³ where the follower swings on an arm (`lift_deg`).
+**Angles** count from the start of the program in the sense that the program runs. **A number**
+fixes a dimension, `{"min", "max"}` leaves it free in between, leaving it out leaves it free. **A
+law** is named, or `spline`: then it is part of the answer.
 
 Infeasible is a result, not an error: `status` is `infeasible` and `conflict` names the limits that
 cannot hold together and the least change of each that would help. Everything that does go wrong is

@@ -33,6 +33,10 @@ PLACES = {
     "no_best_pressure_angle": ("objective",),
     "pressure_angle_given": ("objective",),
     "limit_does_not_suit": ("limits",),
+    "outer_radius_too_small": ("limits",),
+    "groove_needs_roller": ("follower", "roller_radius_mm"),
+    "roller_fills_ring": ("base_radius_mm",),
+    "rim_without_ring": ("follower", "closure", "rim_mm"),
     "cam_off_the_shaft": ("cams", "{position}", "spec", "{field}"),
 }
 SHAPES = ("model_type", "model_attributes_type", "list_type", "dict_type", "float_type")

@@ -65,6 +65,7 @@ class Undercut(Part):
     )
     roller_radius_mm: float = told("Radius of the roller; 0 under a flat face.")
     too_large_mm: float = told("Roller radius less that radius of curvature.")
+    flank: str = Field("", description="Which flank, where the cam has several.")
 
 
 class SelfCrossing(Part):
@@ -73,6 +74,7 @@ class SelfCrossing(Part):
     profile_deg: float = told("Cam angle of the profile point that is cut deepest.")
     roller_deg: float = told("Cam angle at which the roller cuts into it.")
     depth_mm: float = told("How deep it cuts: roller radius less the distance of its centre.")
+    flank: str = Field("", description="Which flank, where the cam has several.")
 
 
 class SizeChange(Part):

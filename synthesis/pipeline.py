@@ -15,15 +15,16 @@ from math import inf
 
 from synthesis.answer import Bounded, Cam, design, judged, proofs
 from synthesis.certify import CROSSING
-from synthesis.design import Conflict, Design, Extreme, StageReport
+from synthesis.design import Conflict, Design, Extreme, Relaxation, StageReport
 from synthesis.errors import TimeBudgetExceeded
 from synthesis.formulations.candidate import Candidate, given_size
+from synthesis.formulations.companion import Settled, settled
 from synthesis.formulations.problem import Held, pose
 from synthesis.formulations.refine import search
 from synthesis.formulations.search import Search
 from synthesis.formulations.smooth import reached
 from synthesis.limits import Claim
-from synthesis.ranges import Range
+from synthesis.ranges import Range, ends
 from synthesis.spec import DesignSpec
 
 DIAGNOSIS_S = 5.0  # for finding out why nothing fits; what is not known by then is said to be so
@@ -34,10 +35,17 @@ DRAWN_IN = (1e-7, 1e-6, 1e-5, 1e-4)  # relative amounts by which limits are tigh
 
 @dataclass(eq=False)
 class _Attempt:
-    """What one pass over the objectives came to."""
+    """What one pass over the objectives came to.
 
+    ``posed`` is the question that was solved, ``built`` the spec of the cam that came out: they
+    differ from what was asked where something is settled after the size.
+    """
+
+    posed: DesignSpec
+    built: DesignSpec
     searches: list[Search] = field(default_factory=list)
     cam: Cam | None = None
+    best: Candidate | None = None
     bounds: list[Bounded] = field(default_factory=list)
     extremes: list[Extreme] = field(default_factory=list)
 
@@ -49,8 +57,8 @@ class _Attempt:
     @property
     def crosses(self) -> bool:
         """Whether nothing is wrong with the cam but that its profile crosses itself."""
-        broken = {extreme.limit for extreme in self.extremes if not extreme.holds}
-        return self.cam is not None and broken == {CROSSING}
+        broken = [extreme.limit for extreme in self.extremes if not extreme.holds]
+        return bool(broken) and all(limit.startswith(CROSSING) for limit in broken)
 
     @property
     def hopeless(self) -> bool:
@@ -86,10 +94,11 @@ def synthesise(spec: DesignSpec, *, deadline: float | None = None) -> Design:
     if not attempt.certified and late:
         raise TimeBudgetExceeded(budget)
     conflict = None if attempt.certified else _conflict(spec, attempt)
-    proven = [] if attempt.cam is None else proofs(spec, attempt.cam, attempt.bounds)
+    proven = [] if attempt.cam is None else proofs(attempt.built, attempt.cam, attempt.bounds)
+    seconds = time.perf_counter() - clock
     found = design(
-        spec, attempt.cam, attempt.extremes, proven, stages, time.perf_counter() - clock, conflict
-    )
+        attempt.built, attempt.cam, attempt.extremes, proven, stages, seconds, conflict
+    ).asked_as(spec)
     if late and found.status == "feasible":
         raise TimeBudgetExceeded(budget, found)
     return found
@@ -116,7 +125,7 @@ def _grown(
     gap says honestly what the growth has cost; later objectives, which hold what earlier ones
     had reached, keep no bound.
     """
-    least, largest = _base_radius(spec, crossing), spec.base_radius_range()[1]
+    least, largest = _base_radius(crossing), spec.base_radius_range()[1]
     most, best, step = largest, crossing, FIRST_GROWTH * least
     for _ in range(GROWTHS):
         trial_radius = min(least + step, largest) if best is crossing else 0.5 * (least + most)
@@ -125,8 +134,9 @@ def _grown(
         raised = Range(min=trial_radius, max=largest)
         tried = _drawn_in(spec.model_copy(update={"base_radius_mm": raised}), stop, stages)
         if tried.cam is not None and tried.certified:
-            extremes = judged(spec, tried.cam)
-            most, best = _base_radius(spec, tried), replace(tried, extremes=extremes)
+            built = tried.built.model_copy(update={"base_radius_mm": spec.base_radius_mm})
+            extremes = judged(spec, tried.cam, built)
+            most, best = _base_radius(tried), replace(tried, built=built, extremes=extremes)
         elif tried.crosses:
             least, step = trial_radius, 2.0 * step
         else:
@@ -138,14 +148,36 @@ def _grown(
     return replace(best, bounds=[first, *unknown])
 
 
-def _base_radius(spec: DesignSpec, attempt: _Attempt) -> float:
+def _base_radius(attempt: _Attempt) -> float:
     assert attempt.cam is not None
-    return spec.follower.dimensions(attempt.cam.size)["base_radius_mm"]
+    return attempt.built.follower.dimensions(attempt.cam.size)["base_radius_mm"]
 
 
 def _attempt(spec: DesignSpec, stop: float, tighten: float) -> _Attempt:
+    """Solve the spec without what is settled after the size, then settle it.
+
+    Where no place of a counter roller suits the cam so found, the cam is sought again with the
+    farthest place given: the counter cam then has its say in the laws and the size.
+    """
+    attempt = _solved(spec.alone(), stop, tighten)
+    if attempt.best is None:
+        return attempt
+    place = settled(spec, attempt.best)
+    if not place.holds:
+        first, attempt = attempt, _solved(place.spec, stop, tighten)
+        attempt.searches = [*first.searches, *attempt.searches]
+        if any(limit.cones(spec.stretches(), spec.alone().machine()) for limit in spec.limits):
+            attempt.bounds = first.bounds  # a nearer place might suit an outer radius better
+        place = Settled(place.spec, True)
+    attempt.built = place.spec
+    if attempt.cam is not None:
+        attempt.extremes = judged(spec, attempt.cam, place.spec)
+    return attempt
+
+
+def _solved(spec: DesignSpec, stop: float, tighten: float) -> _Attempt:
     """Work through the objectives in order; each keeps what the ones before have reached."""
-    attempt = _Attempt()
+    attempt = _Attempt(spec, spec)
     held: tuple[Held, ...] = ()
     objectives = spec.objectives()
     best: Candidate | None = None
@@ -165,10 +197,9 @@ def _attempt(spec: DesignSpec, stop: float, tighten: float) -> _Attempt:
             stretch.index: (law.space, law.coefficients)
             for stretch, law in zip(attempt.searches[0].problem.free, best.laws, strict=True)
         }
-        settled = {stretch.index: stretch for stretch in best.problem.stretches}
-        whole = tuple(settled.get(stretch.index, stretch) for stretch in spec.stretches())
-        attempt.cam = Cam(whole, splines, best.size)
-        attempt.extremes = judged(spec, attempt.cam)
+        known = {stretch.index: stretch for stretch in best.problem.stretches}
+        whole = tuple(known.get(stretch.index, stretch) for stretch in spec.stretches())
+        attempt.cam, attempt.best = Cam(whole, splines, best.size), best
     return attempt
 
 
@@ -179,13 +210,18 @@ def _conflict(spec: DesignSpec, attempt: _Attempt) -> Conflict:
     last = attempt.searches[-1]
 
     def largest(claim: Claim) -> float | None:
+        follower = last.problem.machine.follower
         if last.relaxed is None or claim.quantity != "pitch_curvature":
             return None
-        low, high = reached(last.relaxed.problem, last.relaxed.size)
+        if claim.path in follower.companions:  # a larger main cam leaves it no more room
+            return None
+        low, high = reached(last.relaxed.problem, last.relaxed.size, claim.path)
         return high if claim.upper is not None else low
 
     until = min(last.deadline, time.monotonic() + DIAGNOSIS_S)
-    found = diagnose(spec, last.problem, last.grids, largest, until)
+    found = diagnose(attempt.posed, last.problem, last.grids, largest, until)
+    farther = _farther(spec, until)
+    found = found.model_copy(update={"relaxations": [*found.relaxations, *farther]})
     refused = [e for e in attempt.extremes if not e.holds]
     if not refused:
         return found
@@ -194,3 +230,26 @@ def _conflict(spec: DesignSpec, attempt: _Attempt) -> Conflict:
     named = (e.limit.replace("_", " ") for e in refused)
     new = [name for name in named if not any(known.startswith(name) for known in found.limits)]
     return found.model_copy(update={"evidence": evidence, "limits": [*found.limits, *new]})
+
+
+def _farther(spec: DesignSpec, until: float) -> list[Relaxation]:
+    """Where a counter roller would have to stand for the cam that is best without it."""
+    opened = spec.opened()
+    if opened == spec:
+        return []
+    attempt = _attempt(opened, until, DRAWN_IN[0])
+    if not attempt.certified or attempt.cam is None:
+        return []
+    told, found = attempt.built.follower.dimensions(attempt.cam.size), []
+    for place, (name, asked) in spec.follower.companion_ranges().items():
+        low, high = ends(asked)
+        if high < told[name]:
+            found.append(
+                Relaxation(
+                    limit=name.rpartition("_")[0],
+                    field=f"follower/{place}" + ("" if low == high else "/max"),
+                    unit=name.rpartition("_")[2], asked=high, needed=told[name],
+                    note="enough for the cam that is best without the counter cam",
+                )
+            )  # fmt: skip
+    return found

@@ -6,7 +6,7 @@ import asyncio
 import re
 from collections.abc import Awaitable, Callable
 from dataclasses import asdict
-from typing import Annotated, Any, Literal
+from typing import Annotated, Any
 
 from fastapi import APIRouter, Query, Request, Response
 from pydantic import BaseModel, ConfigDict, Field
@@ -21,6 +21,7 @@ from synthesis.design import Design
 from synthesis.exporters import (
     MOTION_FORMATS,
     PROFILE_FORMATS,
+    CurveName,
     Exporter,
     MotionOptions,
     ProfileOptions,
@@ -52,8 +53,12 @@ class ProfileQuery(BaseModel):
         ),
     ] = None
     curve: Annotated[
-        Literal["profile", "pitch"],
-        Field(description="The cam's profile, or the path of the roller's centre."),
+        CurveName,
+        Field(
+            description="The cam's profile, or the path of the roller's centre. A groove has an "
+            "inner and an outer profile, conjugate cams a main and a counter profile and a "
+            "counter pitch curve; `profile` is the first of them."
+        ),
     ] = "profile"
     turn_deg: Annotated[
         float,

@@ -4,7 +4,7 @@
     cam-set.json                the set as delivered
     timing.svg, timing.csv      what happens when
     01-inlet/design.json        the first cam as designed
-    01-inlet/profile.*          its profile in its own frame
+    01-inlet/profile.*          its profile in its own frame; further flanks as profile-outer.*
     01-inlet/shaft-profile.*    its profile in the shaft's frame: turned, and at its place along it
     01-inlet/motion.*           its motion over its own cam angle
 
@@ -26,6 +26,7 @@ from zipfile import ZIP_DEFLATED, ZipFile, ZipInfo
 from synthesis.camset import CamSet, MountedCam
 from synthesis.errors import InputError
 from synthesis.exporters import MOTION_FORMATS, PROFILE_FORMATS
+from synthesis.exporters.cam import profiles
 from synthesis.exporters.exporter import Exporter
 from synthesis.exporters.options import MotionOptions, ProfileOptions
 from synthesis.exporters.svg_timing import timing_diagram
@@ -124,12 +125,16 @@ def _files_of(cam: MountedCam, options: BundleOptions) -> Iterator[tuple[str, by
     yield "design.json", cam.design.model_dump_json(indent=1).encode()
     if not cam.has_cam:
         return
-    on_shaft = replace(options.profile, turn_deg=cam.turn_deg, z_mm=cam.axial_mm)
+    whole = options.profile.curve == "profile"
+    curves = profiles(cam.design) if whole else {"profile": options.profile.curve}
     for profile in _chosen(PROFILE_FORMATS, options.profile_formats):
-        name = f"profile{profile.extension}"
-        yield name, profile.write(cam.design, options.profile)
-        if profile.placeable:
-            yield f"shaft-{name}", profile.write(cam.design, on_shaft)
+        for stem, curve in curves.items():
+            name, wanted = f"{stem}{profile.extension}", replace(options.profile, curve=curve)
+            if profile.placeable or stem == "profile":  # a drawing shows every flank
+                yield name, profile.write(cam.design, wanted)
+            if profile.placeable:
+                on_shaft = replace(wanted, turn_deg=cam.turn_deg, z_mm=cam.axial_mm)
+                yield f"shaft-{name}", profile.write(cam.design, on_shaft)
     for motion in _chosen(MOTION_FORMATS, options.motion_formats):
         yield f"motion{motion.extension}", motion.write(cam.design, options.motion)
 

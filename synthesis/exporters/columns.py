@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from synthesis.exporters.cam import Cam
+from synthesis.exporters.chords import is_pitch
 from synthesis.exporters.options import MotionOptions, ProfileOptions
 from synthesis.exporters.placement import placed
 from synthesis.exporters.sampling import Rows, table_rows
@@ -32,7 +33,7 @@ def profile_columns(cam: Cam, options: ProfileOptions) -> list[Column]:
     rows = table_rows(cam, options)
     at = cam.at(rows.theta, rows.left)
     x, y = placed(options, at)
-    which = "pitch curve" if options.curve == "pitch" else "profile"
+    which = "pitch curve" if is_pitch(options.curve) else "profile"
     if options.turn_deg == 0.0:
         frame = f"{which}, in the cam's frame"
     else:

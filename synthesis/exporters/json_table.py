@@ -26,7 +26,7 @@ TURNED = " The points are turned from there by {turn:.12g}° about z, counter-cl
 
 
 def _profile(design: Design, options: ProfileOptions) -> bytes:
-    cam = Cam.of(design)
+    cam = Cam.of(design, options.curve)
     turns = ("counter-clockwise", "clockwise")
     turns = turns if design.rotation == "ccw" else turns[::-1]
     head = {

@@ -18,7 +18,8 @@ from synthesis.exporters.sampling import RING_DECIMALS, ring_points
 
 
 def _profile(design: Design, options: ProfileOptions) -> bytes:
-    points = np.round(ring_points(Cam.of(design), options), RING_DECIMALS) + 0.0  # no −0
+    cam = Cam.of(design, options.curve)
+    points = np.round(ring_points(cam, options), RING_DECIMALS) + 0.0  # no −0
     z = round(options.z_mm or 0.0, RING_DECIMALS) + 0.0
     row = f"%.{RING_DECIMALS}f %.{RING_DECIMALS}f {z:.{RING_DECIMALS}f}\n"
     return (row * len(points) % tuple(points.ravel().tolist())).encode("ascii")

@@ -25,8 +25,9 @@ def read_back(cam: MeasuredCam) -> ProfileAnalysis:
     """The motion that a follower makes on a measured profile.
 
     Raises:
-        InputError: a dimension of the follower is left free; points that are no closed curve
-            round the axis, or scatter beyond the tolerance; a follower that does not reach them.
+        InputError: a dimension of the follower is left free, or it is not pressed on from outside;
+            points that are no closed curve round the axis, or scatter beyond the tolerance; a
+            follower that does not reach them.
     """
     for name, value in cam.follower.adjustable().items():
         low, high = ends(value)
@@ -35,6 +36,13 @@ def read_back(cam: MeasuredCam) -> ProfileAnalysis:
                 f"/follower/{name}", None, "A profile is read back for a follower that is given.",
                 "Give this dimension as a number.",
             )  # fmt: skip
+    if [flank.side for flank in cam.follower.flanks] != [1]:
+        raise InputError(
+            "/follower/closure", cam.follower.kind,
+            "A profile is read back for one roller that touches it from outside.",
+            "Leave closure out: for a groove send its inner flank, for a counter roller its own "
+            "cam with its own follower.",
+        )  # fmt: skip
     points = np.array(cam.points_mm, dtype=float) * np.array([cam.mirror, 1.0])
     shape = outline(points, cam.tolerance_mm)
     rode = ride(shape, cam.follower, cam.tolerance_mm)

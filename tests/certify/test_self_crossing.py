@@ -11,6 +11,7 @@ from synthesis.certify.path import Path
 from synthesis.certify.self_crossing import Nearest, nearest
 from synthesis.design import Extreme
 from synthesis.followers import TranslatingFlatFace, TranslatingRoller
+from synthesis.followers.closures.groove import Groove
 from synthesis.laws import LAWS
 from synthesis.limits import Machine
 from synthesis.limits.profile_radius import ProfileRadius
@@ -175,8 +176,8 @@ def test_a_knife_edge_and_a_flat_face_need_no_search() -> None:
     edge = Machine(TranslatingRoller(roller_radius_mm=0.0, offset_mm=e), 10.0)
     found = {each.limit: each for each in certify(motion, edge, (e, s0), [])}
     assert found["self_crossing"].holds
-    assert "away from the axis" in found["self_crossing"].evidence
-    # below the axis the point comes back over the places that it has passed above
+    assert "one way with s" in found["self_crossing"].evidence
+    # through the axis the point comes back over places that it has passed before
     under = {each.limit: each for each in certify(motion, edge, (e, -20.0), [])}
     assert not under["self_crossing"].holds
     face = certify(motion, Machine(TranslatingFlatFace(), 10.0), (300.0,), [])
@@ -197,3 +198,14 @@ def test_what_cannot_be_proven_is_not_called_sound() -> None:
     """A roller whose centre runs through the cam's axis with the offset 0: no tangent there."""
     motion, _, _ = thin_lobe(1.0)
     assert not search(motion, 0.0, 0.0, 2.0).holds_off(2.0)
+
+
+def test_every_flank_is_judged_by_itself() -> None:
+    """A groove over the thin lobe: its inner flank crosses itself, its outer one does not."""
+    motion, machine, size = thin_lobe(0.51)
+    groove = machine.follower.model_copy(update={"closure": Groove()})
+    found = {e.limit: e for e in certify(motion, Machine(groove, 10.0), size, [ProfileRadius()])}
+    alone = judged(0.51)["self_crossing"]
+    assert found["self_crossing_inner"].value == alone.value
+    assert not found["self_crossing_inner"].holds
+    assert found["self_crossing_outer"].holds

@@ -179,3 +179,20 @@ def test_files_are_made_one_after_the_other(found: CamSet) -> None:
     """So that an archive of fifty cams does not hold fifty cams' files at a time."""
     made: Callable[[], tuple[str, bytes]] = iter(bundle_files(found, BundleOptions())).__next__
     assert [made()[0] for _ in range(2)] == ["cam-set.json", "timing.svg"]
+
+
+def test_a_cam_of_several_flanks_brings_a_file_for_each() -> None:
+    groove = {"closure": {"kind": "groove", "clearance_mm": 0.4}}
+    grooved = INLET | {"follower": INLET["follower"] | groove}
+    files = opened(
+        synthesise_set(asked(cams=[{"name": "inlet", "phase_deg": 37.9, "spec": grooved}])),
+        profile_formats=("txt", "svg"),
+    )
+    inside = [name.removeprefix("01-inlet/") for name in files if name.startswith("01-inlet/p")]
+    assert inside == ["profile.txt", "profile-outer.txt", "profile.svg"]
+    for prefix in ("", "shaft-"):
+        inner, outer = (
+            points(files[f"01-inlet/{prefix}profile{name}.txt"]) for name in ("", "-outer")
+        )
+        apart = np.hypot(*(inner - outer)[:, :2].T)
+        np.testing.assert_allclose(apart, 2.0 * 9.1 + 0.4, rtol=1e-9)

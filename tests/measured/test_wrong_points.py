@@ -76,6 +76,11 @@ def test_a_follower_that_is_not_given(points: np.ndarray) -> None:
     assert error.field == "/follower/offset_mm"
 
 
+def test_a_groove(points: np.ndarray) -> None:
+    error = refused(points, ROLLER | {"closure": {"kind": "groove"}})
+    assert error.field == "/follower/closure"
+
+
 @pytest.mark.parametrize(
     "follower",
     [ROLLER | {"offset_mm": 66.0}, ARM | {"arm_mm": 20.0}, ARM | {"centre_distance_mm": 200.0}],
