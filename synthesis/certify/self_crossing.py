@@ -38,10 +38,11 @@ from synthesis.certify.path import Boxes, Path
 from synthesis.numerics.piecewise import Array
 from synthesis.units import FULL_TURN
 
-WIDEST: Final = FULL_TURN / 64.0
-TURNING: Final = 0.35  # a box whose tangent turns through more is split [rad]
+WIDEST: Final = FULL_TURN / 48.0
+TURNING: Final = 0.6  # a box whose tangent turns through more is split [rad]
 UNSTEADY: Final = 1.0  # turning of a box from which on its neighbours' angles are not told apart
 MOST_BOXES: Final = 2_000
+GROUPS: Final = 96
 MOST_PAIRS: Final = 400_000
 SPLIT: Final = 4
 ROUNDS: Final = 10
@@ -103,23 +104,28 @@ def _boxes(path: Path) -> tuple[Boxes, Array, Array]:
 
 
 def _far(low: Array, high: Array) -> tuple[Indices, Indices]:
-    """Pairs of boxes that neither arc between them brings together: of profile, of roller."""
-    n = len(low)
+    """Pairs of boxes that neither arc between them brings together: of profile, of roller.
+
+    Neighbouring boxes are looked at in groups: two boxes are near where their groups are.
+    """
     # neighbours meet in a point: their angles differ by a corner's, less than half a turn
     middle = 0.5 * (low + high)
     steady = np.unwrap(np.append(middle, middle[0]))
     shift, turn = steady[:-1] - middle, float(steady[-1] - steady[0])
-    bottom = np.minimum.accumulate(_round(low + shift, turn), axis=1)
-    top = np.maximum.accumulate(_round(high + shift, turn), axis=1)
-    near = top - bottom < math.pi * (1.0 - ROUNDING)  # [i, k]: the arc from box i over k more
-    start, steps = np.nonzero(~near)
-    end = (start + steps) % n
-    behind: NDArray[np.bool_] = near[end, (n - steps) % n] & (steps > 0)
-    return start[~behind], end[~behind]
+    first = np.arange(0, len(low), math.ceil(len(low) / GROUPS))
+    bottom = np.minimum.accumulate(_round(np.minimum.reduceat(low + shift, first), turn), axis=1)
+    top = np.maximum.accumulate(_round(np.maximum.reduceat(high + shift, first), turn), axis=1)
+    near = top - bottom < math.pi * (1.0 - ROUNDING)  # [i, k]: the arc from group i over k more
+    index = np.arange(len(first))
+    forward: NDArray[np.bool_] = near[index[:, None], (index - index[:, None]) % len(first)]
+    counts = np.diff(np.append(first, len(low)))
+    far = np.repeat(np.repeat(~(forward | forward.T), counts, axis=0), counts, axis=1)
+    profile, roller = np.nonzero(far)
+    return profile, roller
 
 
 def _round(angle: Array, turn: float) -> Array:
-    """(n, n): row i holds the angle from box i on, once round, through which it gains a turn."""
+    """(n, n): row i holds the angle from group i on, once round, through which it gains a turn."""
     twice = np.concatenate([angle, angle + turn])
     return sliding_window_view(twice, len(angle))[: len(angle)]
 
