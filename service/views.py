@@ -32,7 +32,9 @@ class DesignSummary(Accepted):
     """One line of the list."""
 
     status: Annotated[Status | None, Field(description="What came out; null until it is done.")]
-    dimensions: Annotated[dict[str, float], Field(description="Base radius, offset, … in mm.")] = {}
+    dimensions: Annotated[
+        dict[str, float], Field(description="Base radius, offset, …: name and unit.")
+    ] = {}
     objective: Annotated[str | None, Field(description="What was made small.")] = None
     value: Annotated[float | None, Field(description="How small it became.")] = None
     gap: Annotated[float | None, Field(description="Relative distance to the bound.")] = None

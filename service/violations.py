@@ -33,11 +33,11 @@ PLACES = {
     "no_best_pressure_angle": ("objective",),
     "pressure_angle_given": ("objective",),
     "limit_does_not_suit": ("limits",),
-    "outer_radius_too_small": ("limits",),
+    "cam_off_the_shaft": ("cams", "{position}", "spec", "{field}"),
     "groove_needs_roller": ("follower", "roller_radius_mm"),
     "roller_fills_ring": ("base_radius_mm",),
     "rim_without_ring": ("follower", "closure", "rim_mm"),
-    "cam_off_the_shaft": ("cams", "{position}", "spec", "{field}"),
+    "outer_radius_too_small": ("limits",),
 }
 SHAPES = ("model_type", "model_attributes_type", "list_type", "dict_type", "float_type")
 # What is not among these was raised by the core: "rule. Way out." with its numbers.

@@ -263,6 +263,14 @@ class Follower(BaseModel, ABC):
         (x, y), *_ = self.traced_point(s, z)
         return Shape((float(x[0]), float(y[0])), self.roller_radius)
 
+    def radius_of(self, value: float) -> float:
+        """Rp at a value of the norm ``prime_radius`` [mm]: a monotone map."""
+        return value
+
+    def value_of(self, radius: float) -> float:
+        """The norm ``prime_radius`` at a prime radius [mm]: the inverse of ``radius_of``."""
+        return radius
+
     # -- read back from a profile ----------------------------------------------------------------
 
     def posture(self, point: Any, normal: Any) -> tuple[Any, Any]:
@@ -281,7 +289,7 @@ class Follower(BaseModel, ABC):
         """
         raise InputError(
             "/follower/kind", self.kind, "Profiles are not read back for this follower yet.",
-            "Take a translating follower.",
+            "Take a translating follower, or a roller on an arm.",
         )  # fmt: skip
 
     def lowest(self, position: float) -> tuple[float, ...]:
@@ -299,7 +307,10 @@ class Follower(BaseModel, ABC):
 
     @abstractmethod
     def outermost(self, s_max: float) -> Norm:
-        """Largest radius of the traced curve, at displacement ``s_max``, as a norm of z."""
+        """Largest radius of the traced curve, at displacement ``s_max``, as a norm of z.
+
+        Or what grows with that radius, as for ``prime_radius``.
+        """
 
     def nearest(self, s_max: float) -> float:
         """Displacement between 0 and ``s_max`` at which the traced curve is nearest to the axis."""

@@ -170,6 +170,17 @@ class OscillatingRoller(RollerFollower):
         p, q = z
         return p, max(q, math.sqrt(max(radius**2 - (self.arm_mm - p) ** 2, 0.0)))
 
+    def radius_of(self, value: float) -> float:
+        if self._distance is None:
+            return value
+        angle = min(max(value / self.arm_mm, 0.0), math.pi)
+        return third_side(self.arm_mm, self._distance, angle)
+
+    def value_of(self, radius: float) -> float:
+        if self._distance is None:
+            return radius
+        return self.arm_mm * enclosed_angle(self.arm_mm, self._distance, radius)
+
     def outermost(self, s_max: float) -> Norm:
         # R grows with ψ: at the highest lift, (l − d cosψ, d sinψ)
         if self._distance is not None:

@@ -45,7 +45,7 @@ class OuterRadius(Limit):
         return tuple(
             Cone(
                 trace.outermost(highest),
-                self.max_mm + gap,
+                trace.value_of(self.max_mm + gap),
                 labelled("outer_radius", path),
             )
             for path, trace, gap in _edges(machine)

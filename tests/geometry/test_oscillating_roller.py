@@ -355,6 +355,15 @@ def test_a_size_is_raised_to_a_radius_and_within_its_cones(cam: ArmCam, factor: 
     assert any(out) or beyond[-1] > sizing.bounds[-1][1]
 
 
+@given(arm_cams(), unspecial(0.5, 1.5))
+def test_an_outer_radius_is_kept_just_where_its_norm_says_so(cam: ArmCam, share: float):
+    highest = np.max(cam.motion.curve(cam.motion.curve.breaks[:-1]))
+    outer = float(cam.radius(highest))
+    norm, most = cam.follower.outermost(highest), cam.follower.value_of(share * outer)
+    if abs(share - 1.0) > 1e-6:
+        assert (norm.value(cam.size) <= most) == (share > 1.0)
+
+
 @given(arm_cams())
 def test_a_given_size_leaves_nothing_open(cam: ArmCam):
     fixed = replace(cam, fixed=True)

@@ -69,6 +69,9 @@ class CounterArm:
         ]
         return Norm(tuple(rows), tuple(shift))
 
+    def value_of(self, radius: float) -> float:
+        return self.arm.value_of(radius)
+
     def nearest(self, s_max: float) -> float:
         return s_max
 

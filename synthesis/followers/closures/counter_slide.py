@@ -70,5 +70,8 @@ class CounterSlide:
         # highest above its own axis where the main roller is lowest
         return Norm(((0.0, 0.0), (0.0, -1.0)), (self.offset, self.distance))
 
+    def value_of(self, radius: float) -> float:
+        return radius
+
     def nearest(self, s_max: float) -> float:
         return s_max
