@@ -32,6 +32,7 @@ PLACES = {
     "swing_too_large": ("program",),
     "no_best_pressure_angle": ("objective",),
     "pressure_angle_given": ("objective",),
+    "pressure_angle_not_weighed": ("objective",),
     "limit_does_not_suit": ("limits",),
     "cam_off_the_shaft": ("cams", "{position}", "spec", "{field}"),
     "groove_needs_roller": ("follower", "roller_radius_mm"),

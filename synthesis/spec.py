@@ -152,6 +152,13 @@ class DesignSpec(BaseModel):
         kinds = [objective.kind for objective in self.objectives()]
         if "peak_pressure_angle" not in kinds:
             return self
+        if self.follower.pressure_angle_curves(1.0):
+            raise PydanticCustomError(
+                "pressure_angle_not_weighed",
+                "objective peak_pressure_angle is not offered for a {kind} follower. Limit "
+                "pressure_angle instead, and lower its value while base_radius stays small enough.",
+                {"kind": self.follower.kind},
+            )
         if not self.follower.pressure_angle_rows(1.0):
             raise PydanticCustomError(
                 "pressure_angle_given",

@@ -10,6 +10,7 @@ from synthesis.certify.dimensions import standing, stands
 from synthesis.certify.joints import NAMES, joins
 from synthesis.certify.overshoot import overshoot
 from synthesis.certify.quantities import QUANTITIES, Size, corner, enclose_all, infinite
+from synthesis.certify.simple import crosses
 from synthesis.design import Extreme
 from synthesis.limits.base import Claim, Limit, Machine
 from synthesis.motion import Motion
@@ -30,8 +31,8 @@ def certify(
 
     Returns:
         one extreme per claim of the limits, in their order, then what every cam must satisfy:
-        a base radius, a follower that stands beside the cam, a motion that is continuous and
-        keeps the promises of its spline laws.
+        a base radius, a follower that stands beside the cam, a profile that does not cross
+        itself, a motion that is continuous and keeps the promises of its spline laws.
     """
     size = tuple(float(value) for value in size)
     course = Course(motion)
@@ -45,12 +46,13 @@ def certify(
         mine = [i for i, claim in enumerate(claims) if (claim.quantity, claim.path) == subject]
         extremes = _judge(*subject, course, machine, size, [claims[i] for i in mine])
         found.update(zip(mine, extremes, strict=True))
-    always = [
-        *stands(course, machine, size),
+    cam = [*stands(course, machine, size), *crosses(course, machine, size)]
+    return [
+        *(found[i] for i in range(len(claims))),
+        *cam,
         *joins(course, machine),
         *overshoot(course, machine),
     ]
-    return [*(found[i] for i in range(len(claims))), *always]
 
 
 def _judge(

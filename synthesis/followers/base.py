@@ -8,12 +8,14 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any, ClassVar
 
+import numpy as np
 from pydantic import BaseModel, ConfigDict
 
-from synthesis.followers.flank import Flank, Trace, Vector2
+from synthesis.errors import InputError
+from synthesis.followers.flank import Flank, Places, Trace, Vector2
 from synthesis.motion import Motion, Stretch
 from synthesis.ranges import Range
-from synthesis.terms import Cone, Norm, Row
+from synthesis.terms import Cone, Curved, Norm, Row
 from synthesis.units import Travel
 
 
@@ -24,12 +26,34 @@ class Sizing:
     Attributes:
         bounds: (lower, upper) of every size variable, finite [mm].
         cones: what else is convex.
-        least: smallest prime radius [mm]; not convex, so bounds and cones say only part of it.
+        least: smallest value of the norm ``prime_radius`` [mm]; not convex, so bounds and cones
+            say only part of it.
     """
 
     bounds: tuple[tuple[float, float], ...]
     cones: tuple[Cone, ...]
     least: float
+
+
+@dataclass(frozen=True)
+class Pinning:
+    """A dimension that is free within low and high, as followers for which it is fixed.
+
+    Attributes:
+        name: as a person would say it.
+        low, high: its range [mm], may be open. unit: a value of its order of magnitude.
+        of: its value for size variables of the free follower.
+        at: the follower with it fixed.
+        whole: value and size variables of that follower to those of the free one.
+    """
+
+    name: str
+    low: float
+    high: float
+    unit: float
+    of: Callable[[tuple[float, ...]], float]
+    at: Callable[[float], Follower]
+    whole: Callable[[float, tuple[float, ...]], tuple[float, ...]]
 
 
 @dataclass(frozen=True)
@@ -133,11 +157,19 @@ class Follower(BaseModel, ABC):
 
     @abstractmethod
     def reaching(self, z: tuple[float, ...], radius: float) -> tuple[float, ...]:
-        """The size raised until its prime radius is at least ``radius`` [mm]."""
+        """The size raised until the norm ``prime_radius`` is at least ``radius`` [mm]."""
 
     @abstractmethod
     def pressure_angle_rows(self, slope: float) -> tuple[Row, ...]:
-        """|tan α| ≤ slope as rows linear in s, s' and z."""
+        """|tan α| ≤ slope as rows linear in s, s' and z; () where none say it."""
+
+    def pressure_angle_curves(self, slope: float) -> tuple[Curved, ...]:
+        """|tan α| ≤ slope where it is not linear in s, s' and z together; otherwise ()."""
+        return ()
+
+    def pinning(self) -> Pinning | None:
+        """A free dimension that, once it is fixed, leaves curved limits with rows; None: none."""
+        return None
 
     @abstractmethod
     def traced_point(self, s: Any, z: Any) -> tuple[Vector2, ...]:
@@ -186,9 +218,9 @@ class Follower(BaseModel, ABC):
         """Dimensions settled after the size: field, its name among the dimensions, value."""
         return {}
 
-    def places(self, z: tuple[float, ...], s_max: float) -> tuple[float, float]:
-        """Between which values such a dimension makes sense, in the unit of the wire."""
-        return -math.inf, math.inf
+    def places(self, z: tuple[float, ...], s_max: float) -> Places:
+        """Where such a dimension makes sense, with displacements up to ``s_max``."""
+        return Places(-math.inf, math.inf, True)
 
     def opened(self) -> Follower:
         """The same with everything left free that is settled after the size."""
@@ -268,6 +300,40 @@ class Follower(BaseModel, ABC):
     def value_of(self, radius: float) -> float:
         """The norm ``prime_radius`` at a prime radius [mm]: the inverse of ``radius_of``."""
         return radius
+
+    # -- read back from a profile ----------------------------------------------------------------
+
+    def posture(self, point: Any, normal: Any) -> tuple[Any, Any]:
+        """The posture in which the follower has its traced point at a point of the cam.
+
+        Args:
+            point: of the cam [mm]. normal: outward unit normal there. Both (2, n), in the frame
+                of a ccw cam.
+
+        Returns:
+            cam angle θ [rad], any turn, and position [mm], (n,) each: the displacement from a
+            place that is the family's own. Not a number where the follower does not reach.
+
+        Raises:
+            InputError: such a follower is not read back from a profile.
+        """
+        raise InputError(
+            "/follower/kind", self.kind, "Profiles are not read back for this follower yet.",
+            "Take a translating follower, or a roller on an arm.",
+        )  # fmt: skip
+
+    def lowest(self, position: float) -> tuple[float, ...]:
+        """The size z of a cam whose lowest position is this one [mm]; see ``posture``."""
+        raise NotImplementedError(f"{self.kind} has no posture")
+
+    def clearance(self, away: Any, up: Any) -> Any:
+        """How far points lie outside the follower's body [mm].
+
+        Args:
+            away: (2, n) from the traced point [mm]. up: (2,) the drive's direction, both in the
+                cam's frame.
+        """
+        return np.hypot(away[0], away[1]) - self.roller_radius
 
     @abstractmethod
     def outermost(self, s_max: float) -> Norm:

@@ -82,6 +82,20 @@ class Flank:
     rim: float = 0.0
 
 
+@dataclass(frozen=True)
+class Places:
+    """Where a second roller can be, in the unit of the wire.
+
+    Attributes:
+        nearest, farthest: between which places its cam has the axis inside.
+        easier_farther: whether every limit of its cam but the outer radius is eased by distance.
+    """
+
+    nearest: float
+    farthest: float
+    easier_farther: bool
+
+
 def outer_gap(flanks: Iterable[Flank], path: str) -> float:
     """What the cam's edge lacks to a traced curve [mm]: negative where the edge is outside."""
     mine = (flank for flank in flanks if flank.path == path)

@@ -14,6 +14,8 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from typing import Any, ClassVar, Literal
 
+import numpy as np
+
 from synthesis.followers.base import Follower, Measure, Shape, Sizing
 from synthesis.followers.flank import Flank, Vector2
 from synthesis.motion import Motion
@@ -70,6 +72,16 @@ class TranslatingFlatFace(Follower):
 
     def traced_point(self, s: Any, z: Any) -> tuple[Vector2, ...]:
         return (s[1], s[0] + z[0]), (s[2], s[1]), (s[3], s[2])
+
+    def posture(self, point: Any, normal: Any) -> tuple[Any, Any]:
+        (x, y), (nx, ny) = point, normal
+        return np.arctan2(nx, ny), x * nx + y * ny  # the support function over its angle
+
+    def lowest(self, position: float) -> tuple[float, ...]:
+        return (position,)
+
+    def clearance(self, away: Any, up: Any) -> Any:
+        return -(away[0] * up[0] + away[1] * up[1])
 
     def direction(self, s: Any, z: Any) -> tuple[Vector2, Vector2]:
         zero = 0.0 * s[0]

@@ -100,3 +100,16 @@ def test_the_angle_between_the_arms_is_no_larger_than_a_limit_asks(limit, name, 
     angle = design.dimensions["counter_angle_deg"]
     nearer = analyse(spec(PAIR | {"angle_deg": angle * (1.0 - 1e-4)}, sense, limits))
     assert name in nearer.broken
+
+
+def test_a_range_of_angles_that_ends_too_early_is_told_with_what_would_do() -> None:
+    limits = [{"kind": "pressure_angle", "rise_deg": 37.0, "return_deg": 60.0}]
+    enough = synthesise(spec(PAIR, "opposite", limits)).dimensions["counter_angle_deg"]
+    most = 0.9 * enough
+    refused = synthesise(spec(PAIR | {"angle_deg": {"max": most}}, "opposite", limits))
+    assert refused.status == "infeasible"
+    assert refused.dimensions["counter_angle_deg"] <= most
+    (told,) = [r for r in refused.conflict.relaxations if r.limit == "counter_angle"]
+    assert told.field == "follower/closure/angle_deg/max"
+    assert (told.asked, told.unit) == (most, "deg")
+    assert told.needed == pytest.approx(enough, rel=1e-9)
