@@ -160,7 +160,7 @@ def design(
 
 def _dimensions(spec: DesignSpec, cam: Cam) -> dict[str, float]:
     """Those of the size, and those that the motion asks for."""
-    more = spec.follower.motion_dimensions(cam.motion)
+    more = spec.follower.motion_dimensions(cam.motion, cam.size)
     return {**spec.follower.dimensions(cam.size), **more}
 
 

@@ -126,7 +126,8 @@ class DesignSpec(BaseModel):
         kinds = [objective.kind for objective in self.objectives()]
         if "peak_pressure_angle" not in kinds:
             return self
-        if not self.follower.pressure_angle_rows(1.0):
+        rows = self.follower.pressure_angle_rows(1.0)
+        if all(row.constant for row in rows):
             raise PydanticCustomError(
                 "pressure_angle_given",
                 "objective peak_pressure_angle has nothing to choose: the pressure angle of a "

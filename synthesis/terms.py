@@ -31,6 +31,11 @@ class Row:
     level: float = 0.0
     source: str = ""
 
+    @property
+    def constant(self) -> bool:
+        """Whether neither the motion nor the size has a say in it: it holds, or nothing helps."""
+        return not (any(self.coefficients) or any(self.size) or self.level)
+
 
 def derivative(order: int, factor: float) -> tuple[float, float, float, float]:
     """Coefficients of a row that holds ``factor`` times the ``order``-th derivative alone."""

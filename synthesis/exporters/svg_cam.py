@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
@@ -32,7 +31,8 @@ class Scene:
         rotation: +1 where the cam turns counter-clockwise, −1 clockwise.
         centre: where the follower's stem begins: the roller's centre [mm].
         roller, base, prime: radii [mm].
-        face: how far a flat face reaches against and along the x axis [mm].
+        face: how far a flat face reaches to the left and to the right [mm].
+        along: unit vector along the face, to the right.
         extent: left, bottom, right and top of all that is drawn, texts excepted [mm].
         u: the sheet's unit [mm]. decimals: of coordinates.
     """
@@ -46,6 +46,7 @@ class Scene:
     centre: tuple[float, float]
     roller: float
     face: tuple[float, float]
+    along: tuple[float, float]
     base: float
     prime: float
     extent: Box
@@ -64,6 +65,7 @@ class Scene:
         roller, prime = shape.roller, cam.follower.prime_radius().value(cam.size)
         centre = sign * shape.centre[0], shape.centre[1]
         face = (shape.left, shape.right) if sign > 0.0 else (shape.right, shape.left)
+        along = shape.along[0], sign * shape.along[1]
         across = max(float(np.ptp(curve.pitch_x)), float(np.ptp(curve.pitch_y)), 2.0 * prime)
         u = across / UNITS_ACROSS
         return cls(
@@ -76,9 +78,10 @@ class Scene:
             centre=centre,
             roller=roller,
             face=face,
+            along=along,
             base=design.dimensions["base_radius_mm"],
             prime=prime,
-            extent=_extent(curve, centre, drive, prime, roller, face, STEM * u),
+            extent=_extent(curve, centre, drive, prime, roller, (face, along), STEM * u),
             u=u,
             decimals=max(4, 7 - math.floor(math.log10(across))),
         )
@@ -103,15 +106,15 @@ def _extent(
     drive: tuple[float, float],
     prime: float,
     roller: float,
-    face: tuple[float, float],
+    face: tuple[tuple[float, float], tuple[float, float]],
     stem: float,
 ) -> Box:
-    x, y = centre
+    (x, y), ((left, right), (tx, ty)) = centre, face
     end_x, end_y = x + (roller + stem) * drive[0], y + (roller + stem) * drive[1]
     xs = [-prime, prime, float(curve.pitch_x.min()), float(curve.pitch_x.max())]
     ys = [-prime, prime, float(curve.pitch_y.min()), float(curve.pitch_y.max())]
-    xs += [x - max(roller, face[0]), x + max(roller, face[1]), end_x]
-    ys += [y - roller, y + roller, end_y]
+    xs += [x - roller, x + roller, end_x, x - left * tx, x + right * tx]
+    ys += [y - roller, y + roller, end_y, y - left * ty, y + right * ty]
     return min(xs), min(ys), max(xs), max(ys)
 
 
@@ -182,27 +185,39 @@ def _rotation(scene: Scene) -> list[str]:
     return [svg.path("line outline", steps), svg.arrow_head("solid", x3, y3, along, size)]
 
 
-def _flat_face(scene: Scene, at: Callable[[float, float], str]) -> list[str]:
-    """A plate as wide as contact needs, and its stem."""
+def _flat_face(scene: Scene) -> list[str]:
+    """A plate as wide as contact needs, and its stem, which it covers where they meet."""
     u, (left, right) = scene.u, scene.face
-    corners = [(0.0, -left), (0.0, right), (2.0 * u, right), (2.0 * u, 1.5 * u),
-               (STEM * u, 1.5 * u), (STEM * u, -1.5 * u), (2.0 * u, -1.5 * u),
-               (2.0 * u, -left)]  # fmt: skip
-    steps = "M" + "L".join(at(*corner) for corner in corners) + "Z"
-    return [svg.path("outline metal", steps)]
+    (tx, ty), (gx, gy) = scene.along, scene.drive
+    half, left, right = 1.5 * u, max(left, 1.5 * u), max(right, 1.5 * u)
+    foot = half * abs(gx * tx + gy * ty) / (gy * tx - gx * ty)  # the stem's corner on the face
+    stem = scene.drive, [(foot, -half), (foot, half), (STEM * u, half), (STEM * u, -half)]
+    plate = (-ty, tx), [(0.0, -left), (0.0, right), (2.0 * u, right), (2.0 * u, -left)]
+    return [
+        svg.path(
+            "outline metal", "M" + "L".join(_from(scene.centre, up, *c) for c in corners) + "Z"
+        )
+        for up, corners in (stem, plate)
+    ]
+
+
+def _from(centre: tuple[float, float], up: tuple[float, float], along: float, across: float) -> str:
+    """A point so far along a direction, and across it to the right."""
+    (x, y), (gx, gy) = centre, up
+    return f"{svg.num(x + along * gx + across * gy)} {svg.num(y + along * gy - across * gx)}"
 
 
 def _follower(scene: Scene) -> list[str]:
     """Roller and stem, a flat face or a knife edge, at cam angle 0."""
-    u, (x, y), (gx, gy) = scene.u, scene.centre, scene.drive
+    u, (x, y) = scene.u, scene.centre
     half = min(max(0.3 * scene.roller, 1.2 * u), 2.5 * u, 0.8 * scene.roller or math.inf)
     end, foot = scene.roller + STEM * u, math.sqrt(max(scene.roller**2 - half**2, 0.0))
 
     def at(along: float, across: float) -> str:
-        return f"{svg.num(x + along * gx + across * gy)} {svg.num(y + along * gy - across * gx)}"
+        return _from(scene.centre, scene.drive, along, across)
 
     if any(scene.face):
-        return _flat_face(scene, at)
+        return _flat_face(scene)
     if scene.roller == 0.0:
         corners = [(end, -half), (3.0 * u, -half), (0.0, 0.0), (3.0 * u, half), (end, half)]
         return [svg.path("outline metal", "M" + "L".join(at(*corner) for corner in corners))]

@@ -50,13 +50,15 @@ class Shape:
 
     Attributes:
         centre: where its stem begins. roller: radius about it, 0 where there is no roller.
-        left, right: how far a face reaches to either side, both 0 where there is no face.
+        left, right: how far a face reaches from there to either side, both 0 where there is none.
+        along: unit vector along the face, to the right.
     """
 
     centre: tuple[float, float]
     roller: float
     left: float = 0.0
     right: float = 0.0
+    along: tuple[float, float] = (1.0, 0.0)
 
 
 class Follower(BaseModel, ABC):
@@ -139,6 +141,10 @@ class Follower(BaseModel, ABC):
         """How the face's unit normal n turns as seen from the cam: n' + J n; only with a face."""
         raise NotImplementedError(f"{self.kind} has no face")
 
+    def face_middle(self, s: Any, z: Any) -> Vector2:
+        """The point that moves with the face, from which its reach is measured; only with one."""
+        raise NotImplementedError(f"{self.kind} has no face")
+
     def adjustable(self) -> Mapping[str, float | Range | None]:
         """Its dimensions that may also be left free: field and value."""
         return {}
@@ -184,6 +190,6 @@ class Follower(BaseModel, ABC):
     def dimensions(self, z: tuple[float, ...]) -> Mapping[str, float]:
         """The cam's dimensions as named on the wire [mm]."""
 
-    def motion_dimensions(self, motion: Motion) -> Mapping[str, float]:
+    def motion_dimensions(self, motion: Motion, z: tuple[float, ...]) -> Mapping[str, float]:
         """Dimensions that follow from the finished motion [mm]."""
         return {}

@@ -114,10 +114,10 @@ class LimitPart(Part):
         for position, _ in self.where:
             limit = settled.limits[position]
             for stretch in settled.stretches:
-                if stretch.law is None:
-                    continue
                 for row in self.own(limit.rows(stretch, settled.machine)):
-                    if size is not None or not row.size:
+                    if row.constant:
+                        yield -row.upper
+                    elif stretch.law is not None and (size is not None or not row.size):
                         yield exceeded(row, stretch, size or ())
             if size is not None:
                 for cone in limit.cones(settled.stretches, settled.machine):
@@ -241,10 +241,22 @@ def range_parts(spec: DesignSpec, problem: Problem) -> list[Part]:
             found += _sides(size_name, f"follower/{name}", ends(getattr(follower, name)), axis, 0.0)
     low, high = ends(spec.base_radius_mm)
     radii = list(_sides("base_radius", "base_radius_mm", (low, high), None, roller))
-    if any(limit.cones(problem.stretches, problem.machine) for limit in problem.limits):
+    if _harmed_by_size(problem):
         return found + radii
-    # a larger size eases all else, so that only the largest can be in the way
+    # a larger size eases everything, so that only the largest can be in the way
     return found + [replace(part, low=-inf) for part in radii if part.high < inf]
+
+
+def _harmed_by_size(problem: Problem) -> bool:
+    """Whether a larger size may break a limit: its outer radius, or contact on a tilted face."""
+    follower, low = problem.machine.follower, tuple(low for low, _ in problem.sizing.bounds)
+    raised = follower.raised(low, 1.0)
+    rows = (row for s in problem.stretches for limit in problem.limits
+            for row in limit.rows(s, problem.machine))  # fmt: skip
+    return any(limit.cones(problem.stretches, problem.machine) for limit in problem.limits) or any(
+        sum(a * (new - old) for a, new, old in zip(row.size, raised, low, strict=False)) > 0.0
+        for row in rows
+    )
 
 
 def _sides(

@@ -18,6 +18,13 @@ class Roller:
     radius: float
 
 
+@dataclass(frozen=True)
+class Line:
+    """A straight edge on a vertical slide, turned counter-clockwise from horizontal [rad]."""
+
+    tilt: float
+
+
 def turned(cam: np.ndarray, angle: float) -> np.ndarray:
     """The cam (n, 2), turned as a whole, counter-clockwise."""
     cos, sin = np.cos(angle), np.sin(angle)
@@ -44,6 +51,12 @@ def rest_height(cam: np.ndarray, roller: Roller) -> float:
     met = (part >= 0.0) & (part <= 1.0)
     heights.append((start[:, 1] + roller.radius * up[:, 1] + part * side[:, 1])[met])
     return float(max(np.max(h, initial=-np.inf) for h in heights))
+
+
+def rests(cam: np.ndarray, angles: np.ndarray, line: Line) -> np.ndarray:
+    """Where the edge crosses the y axis when it comes down from above onto the turning polygon."""
+    slope = np.tan(line.tilt)
+    return np.array([np.max(p[:, 1] - slope * p[:, 0]) for p in (turned(cam, a) for a in angles)])
 
 
 def clearance(cam: np.ndarray, centre: tuple[float, float]) -> float:
