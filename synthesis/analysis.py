@@ -10,7 +10,7 @@ import time
 from math import inf
 from typing import Literal
 
-from synthesis.answer import Cam, judged
+from synthesis.answer import Cam, dimensions, judged
 from synthesis.certify.curves import Curves
 from synthesis.design import Design, engine_version
 from synthesis.errors import InputError, SolverFailed, TimeBudgetExceeded
@@ -39,7 +39,7 @@ def analyse(spec: DesignSpec, *, deadline: float | None = None) -> Analysis:
         name=spec.name,
         engine_version=engine_version(),
         holds=not broken,
-        dimensions=dict(spec.follower.dimensions(cam.size)),
+        dimensions=dimensions(spec, cam),
         broken=broken,
         extremes=extremes,
         curves=curves.summaries(),

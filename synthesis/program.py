@@ -4,7 +4,8 @@ from __future__ import annotations
 
 from typing import Annotated, Literal
 
-from pydantic import BaseModel, ConfigDict, Field
+from pydantic import BaseModel, ConfigDict, Field, model_validator
+from pydantic_core import PydanticCustomError
 
 from synthesis.laws import AnyLaw, SplineLaw
 from synthesis.motion import Stretch, StretchKind
@@ -15,6 +16,10 @@ Angle = Annotated[float, Field(gt=0.0, le=360.0, description="Cam angle of the s
 Lift = Annotated[
     float, Field(ge=1e-6, le=1e6, description="Distance that the follower moves [mm], positive.")
 ]
+Swing = Annotated[
+    float,
+    Field(ge=1e-6, lt=180.0, description="Angle that the follower's arm swings [deg], positive."),
+]
 
 
 class _Segment(BaseModel):
@@ -22,16 +27,26 @@ class _Segment(BaseModel):
 
     @property
     def signed_lift(self) -> float:
-        """Displacement gained over the segment [mm]."""
+        """Displacement gained over the segment, in its own unit."""
         return 0.0
+
+    @property
+    def lift_unit(self) -> str | None:
+        """Unit of the lift, as in the field's name; None where there is none."""
+        return None
 
     @property
     def law_name(self) -> str:
         """Name of the law on the wire."""
         return "dwell"
 
-    def stretch(self, index: int, start: float, angle: float, s_start: float) -> Stretch:
-        """The segment placed on the cam (angles in rad)."""
+    def stretch(
+        self, index: int, start: float, angle: float, s_start: float, per_unit: float = 1.0
+    ) -> Stretch:
+        """The segment placed on the cam (angles in rad, displacement in mm).
+
+        ``per_unit``: the core's mm in one unit of its lift.
+        """
         raise NotImplementedError
 
 
@@ -43,13 +58,16 @@ class Dwell(_Segment):
         float, Field(ge=0.0, le=360.0, description="Cam angle of the dwell [deg].")
     ]
 
-    def stretch(self, index: int, start: float, angle: float, s_start: float) -> Stretch:
+    def stretch(
+        self, index: int, start: float, angle: float, s_start: float, per_unit: float = 1.0
+    ) -> Stretch:
         return Stretch(index, "dwell", start, angle, s_start, s_start, STILL)
 
 
 class _Move(_Segment):
     angle_deg: Angle
-    lift_mm: Lift
+    lift_mm: Lift | None = None
+    lift_deg: Swing | None = None
     law: AnyLaw = Field(
         default_factory=SplineLaw,
         description="A named motion law, or `spline`: then the law is part of the answer.",
@@ -59,10 +77,38 @@ class _Move(_Segment):
     def law_name(self) -> str:
         return self.law.kind
 
+    @model_validator(mode="after")
+    def _lifts(self) -> _Move:
+        if (self.lift_mm is None) == (self.lift_deg is None):
+            raise PydanticCustomError(
+                "lift_unclear",
+                "the segment gives {number}. Give lift_mm for a follower that slides, or "
+                "lift_deg for one on an arm.",
+                {"number": "no lift" if self.lift_mm is None else "two lifts"},
+            )
+        return self
+
+    @property
+    def lift_unit(self) -> str | None:
+        return "deg" if self.lift_mm is None else "mm"
+
+    @property
+    def _lift(self) -> float:
+        """Lift in its own unit."""
+        given = self.lift_deg if self.lift_mm is None else self.lift_mm
+        assert given is not None  # exactly one is, or the segment had been refused
+        return given
+
     def _placed(
-        self, kind: StretchKind, index: int, start: float, angle: float, s_start: float
+        self,
+        kind: StretchKind,
+        index: int,
+        start: float,
+        angle: float,
+        s_start: float,
+        per_unit: float,
     ) -> Stretch:
-        s_end = s_start + self.signed_lift
+        s_end = s_start + self.signed_lift * per_unit
         curve, free = self.law.curve(kind), self.law.free()
         return Stretch(index, kind, start, angle, s_start, s_end, curve, free)
 
@@ -74,10 +120,12 @@ class Rise(_Move):
 
     @property
     def signed_lift(self) -> float:
-        return self.lift_mm
+        return self._lift
 
-    def stretch(self, index: int, start: float, angle: float, s_start: float) -> Stretch:
-        return self._placed("rise", index, start, angle, s_start)
+    def stretch(
+        self, index: int, start: float, angle: float, s_start: float, per_unit: float = 1.0
+    ) -> Stretch:
+        return self._placed("rise", index, start, angle, s_start, per_unit)
 
 
 class Return(_Move):
@@ -87,10 +135,12 @@ class Return(_Move):
 
     @property
     def signed_lift(self) -> float:
-        return -self.lift_mm
+        return -self._lift
 
-    def stretch(self, index: int, start: float, angle: float, s_start: float) -> Stretch:
-        return self._placed("return", index, start, angle, s_start)
+    def stretch(
+        self, index: int, start: float, angle: float, s_start: float, per_unit: float = 1.0
+    ) -> Stretch:
+        return self._placed("return", index, start, angle, s_start, per_unit)
 
 
 Segment = Annotated[Rise | Dwell | Return, Field(discriminator="kind")]

@@ -70,6 +70,30 @@ class DesignSpec(BaseModel):
     ] = None
 
     @model_validator(mode="after")
+    def _units_suit(self) -> DesignSpec:
+        unit, kind = self.follower.travel.unit, self.follower.kind
+        move = {"mm": "slides", "deg": "swings"}[unit]
+        for position, segment in enumerate(self.program):
+            if segment.lift_unit not in (None, unit):
+                raise PydanticCustomError(
+                    "lift_does_not_suit",
+                    "program/{position} gives its lift in {given}, but a {kind} follower {move}. "
+                    "Give lift_{unit} instead of lift_{given}.",
+                    {"position": position, "given": segment.lift_unit, "kind": kind,
+                     "move": move, "unit": unit},
+                )  # fmt: skip
+        for position, limit in enumerate(self.limits):
+            if limit.travel_unit not in (None, unit):
+                raise PydanticCustomError(
+                    "limit_unit_does_not_suit",
+                    "limits/{position} ({limit}) is given in {given}, but a {kind} follower "
+                    "{move}. Give the limit's field with {unit} in its name.",
+                    {"position": position, "limit": limit.kind, "given": limit.travel_unit,
+                     "kind": kind, "move": move, "unit": unit},
+                )  # fmt: skip
+        return self
+
+    @model_validator(mode="after")
     def _closes(self) -> DesignSpec:
         turn = math.fsum(segment.angle_deg for segment in self.program)
         if abs(turn - 360.0) > ANGLE_SUM_TOLERANCE_DEG:
@@ -85,9 +109,9 @@ class DesignSpec(BaseModel):
         if abs(rest) > 1e-9 * largest:
             raise PydanticCustomError(
                 "program_lift",
-                "The follower ends {rest} mm away from where it began. "
+                "The follower ends {rest} {unit} away from where it began. "
                 "Make the lifts of rises and returns sum to zero.",
-                {"rest": rest},
+                {"rest": rest, "unit": self.follower.travel.unit},
             )
         if largest == 0.0:
             raise PydanticCustomError(
@@ -106,7 +130,7 @@ class DesignSpec(BaseModel):
                 "base_radius_mm = {value} leaves no positive base radius. Give a positive one.",
                 {"value": largest},
             )
-        self.follower.check_reach(largest)
+        self.follower.check_reach(self._open_range(), self.stretches())
         return self
 
     @model_validator(mode="after")
@@ -157,6 +181,7 @@ class DesignSpec(BaseModel):
     def stretches(self) -> tuple[Stretch, ...]:
         """The program placed on the cam, displacements measured from the lowest position."""
         turn = math.fsum(segment.angle_deg for segment in self.program)
+        per_unit = self.follower.travel.per_unit
         ends_deg = list(accumulate((segment.angle_deg for segment in self.program), initial=0.0))
         angles = [FULL_TURN * value / turn for value in ends_deg]
         angles[-1] = FULL_TURN
@@ -164,16 +189,21 @@ class DesignSpec(BaseModel):
         lowest = min(levels)
         placed = []
         for i, segment in enumerate(self.program):
-            level = levels[i] - lowest
-            placed.append(segment.stretch(i, angles[i], angles[i + 1] - angles[i], level))
+            level = (levels[i] - lowest) * per_unit
+            span = angles[i + 1] - angles[i]
+            placed.append(segment.stretch(i, angles[i], span, level, per_unit))
         return tuple(placed)
 
     def stroke(self) -> float:
         """Highest less lowest displacement [mm]: the unit of length inside the formulations."""
         levels = list(accumulate((seg.signed_lift for seg in self.program), initial=0.0))
-        return max(levels) - min(levels)
+        return (max(levels) - min(levels)) * self.follower.travel.per_unit
 
     def base_radius_range(self) -> tuple[float, float]:
+        """Smallest and largest base radius that the follower can reach [mm]."""
+        return self.follower.reachable(self._open_range(), self.stroke())
+
+    def _open_range(self) -> tuple[float, float]:
         """Smallest and largest base radius [mm]; an open end is at 1e-3 or 1e4 strokes."""
         least, largest = ends(self.base_radius_mm)
         stroke = self.stroke()
@@ -193,6 +223,9 @@ class DesignSpec(BaseModel):
         for stretch in self.stretches():
             if stretch.law is None and stretch.angle > 0.0:
                 yield f"/program/{stretch.index}/law", self.program[stretch.index].law_name
+        bounds = self.follower.sizing(self.base_radius_range()).bounds
+        if all(low == high for low, high in bounds):
+            return
         sizes = {
             "/base_radius_mm": self.base_radius_mm,
             **{f"/follower/{name}": value for name, value in self.follower.adjustable().items()},

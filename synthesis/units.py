@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import math
+from dataclasses import dataclass
+from typing import Literal
 
 DEGREE = math.pi / 180.0
 FULL_TURN = 2.0 * math.pi
@@ -11,3 +13,25 @@ FULL_TURN = 2.0 * math.pi
 def rad_per_s(speed_rpm: float) -> float:
     """Angular speed ω in rad/s of a shaft turning at ``speed_rpm``."""
     return speed_rpm * FULL_TURN / 60.0
+
+
+@dataclass(frozen=True)
+class Travel:
+    """How a follower's displacement is told: a length, or the angle of its arm.
+
+    Inside the core every displacement is a length: of an arm, the arc of the roller's centre.
+
+    Attributes:
+        unit: on the wire. per_unit: the core's mm in one of them.
+    """
+
+    unit: Literal["mm", "deg"] = "mm"
+    per_unit: float = 1.0
+
+    def told(self, order: int) -> str:
+        """The unit of the ``order``-th time derivative, as in ``mm/s²``."""
+        return self.unit + ("", "/s", "/s²", "/s³", "/s⁴")[order]
+
+    def rate(self, order: int, omega: float) -> float:
+        """Factor from s^(order) per radian to the time derivative on the wire, at ω [rad/s]."""
+        return float(omega**order / self.per_unit)

@@ -40,7 +40,7 @@ class TranslatingFlatFace(Follower):
 
     kind: Literal["translating_flat_face"] = "translating_flat_face"
     title: ClassVar[str] = "Translating flat face, perpendicular to its slide or tilted"
-    size_names: ClassVar[tuple[str, ...]] = ("base_radius",)
+    size_charts: ClassVar[tuple[tuple[str, ...], ...]] = (("base_radius",),)
     always_convex: ClassVar[bool] = True
 
     tilt_deg: Annotated[
