@@ -11,7 +11,7 @@ from pydantic import BaseModel, ConfigDict
 
 from synthesis.motion import Motion, Stretch
 from synthesis.ranges import Range
-from synthesis.terms import Cone, Norm, Row
+from synthesis.terms import Cone, Curved, Norm, Row
 from synthesis.units import Travel
 
 Vector2 = tuple[Any, Any]
@@ -24,12 +24,34 @@ class Sizing:
     Attributes:
         bounds: (lower, upper) of every size variable, finite [mm].
         cones: what else is convex.
-        least: smallest prime radius [mm]; not convex, so bounds and cones say only part of it.
+        least: smallest value of the norm ``prime_radius`` [mm]; not convex, so bounds and cones
+            say only part of it.
     """
 
     bounds: tuple[tuple[float, float], ...]
     cones: tuple[Cone, ...]
     least: float
+
+
+@dataclass(frozen=True)
+class Pinning:
+    """A dimension that is free within low and high, as followers for which it is fixed.
+
+    Attributes:
+        name: as a person would say it.
+        low, high: its range [mm], may be open. unit: a value of its order of magnitude.
+        of: its value for size variables of the free follower.
+        at: the follower with it fixed.
+        whole: value and size variables of that follower to those of the free one.
+    """
+
+    name: str
+    low: float
+    high: float
+    unit: float
+    of: Callable[[tuple[float, ...]], float]
+    at: Callable[[float], Follower]
+    whole: Callable[[float, tuple[float, ...]], tuple[float, ...]]
 
 
 @dataclass(frozen=True)
@@ -119,11 +141,19 @@ class Follower(BaseModel, ABC):
 
     @abstractmethod
     def reaching(self, z: tuple[float, ...], radius: float) -> tuple[float, ...]:
-        """The size raised until its prime radius is at least ``radius`` [mm]."""
+        """The size raised until the norm ``prime_radius`` is at least ``radius`` [mm]."""
 
     @abstractmethod
     def pressure_angle_rows(self, slope: float) -> tuple[Row, ...]:
-        """|tan α| ≤ slope as rows linear in s, s' and z."""
+        """|tan α| ≤ slope as rows linear in s, s' and z; () where none say it."""
+
+    def pressure_angle_curves(self, slope: float) -> tuple[Curved, ...]:
+        """|tan α| ≤ slope where it is not linear in s, s' and z together; otherwise ()."""
+        return ()
+
+    def pinning(self) -> Pinning | None:
+        """A free dimension that, once it is fixed, leaves curved limits with rows; None: none."""
+        return None
 
     @abstractmethod
     def traced_point(self, s: Any, z: Any) -> tuple[Vector2, ...]:
@@ -214,6 +244,14 @@ class Follower(BaseModel, ABC):
         s = motion.derivatives([0.0])
         (x, y), *_ = self.traced_point(s, z)
         return Shape((float(x[0]), float(y[0])), self.roller_radius)
+
+    def radius_of(self, value: float) -> float:
+        """Rp at a value of the norm ``prime_radius`` [mm]: a monotone map."""
+        return value
+
+    def value_of(self, radius: float) -> float:
+        """The norm ``prime_radius`` at a prime radius [mm]: the inverse of ``radius_of``."""
+        return radius
 
     @abstractmethod
     def outermost(self, s_max: float) -> Norm:

@@ -23,13 +23,14 @@ from typing import Annotated, Any, ClassVar, Literal, Self
 import numpy as np
 from pydantic import Field
 
-from synthesis.followers.base import Follower, Measure, Shape, Sizing, Vector2
+from synthesis.followers.arm_pressure import FixedPivot, FreePivot
+from synthesis.followers.base import Follower, Measure, Pinning, Shape, Sizing, Vector2
 from synthesis.followers.reach import Arm
 from synthesis.geometry.triangle import enclosed_angle, third_side
 from synthesis.motion import Motion, Stretch
 from synthesis.numerics.peaks import peak
 from synthesis.ranges import Dimension, Range, ends
-from synthesis.terms import Cone, Norm, Row
+from synthesis.terms import Cone, Curved, Norm, Row
 from synthesis.units import DEGREE, Travel
 
 SENSES = {"opposite": 1.0, "same": -1.0}
@@ -159,10 +160,34 @@ class OscillatingRoller(Follower):
 
     def reaching(self, z: tuple[float, ...], radius: float) -> tuple[float, ...]:
         if self._distance is not None:
-            angle = enclosed_angle(self.arm_mm, self._distance, radius)
-            return (max(z[0], self.arm_mm * angle),)
+            return (max(z[0], radius),)
         p, q = z
         return p, max(q, math.sqrt(max(radius**2 - (self.arm_mm - p) ** 2, 0.0)))
+
+    def radius_of(self, value: float) -> float:
+        if self._distance is None:
+            return value
+        angle = min(max(value / self.arm_mm, 0.0), math.pi)
+        return third_side(self.arm_mm, self._distance, angle)
+
+    def value_of(self, radius: float) -> float:
+        if self._distance is None:
+            return radius
+        return self.arm_mm * enclosed_angle(self.arm_mm, self._distance, radius)
+
+    def pinning(self) -> Pinning | None:
+        if self._distance is not None:
+            return None
+        low, high = ends(self.centre_distance_mm)
+
+        def at(distance: float) -> Follower:
+            return self.model_copy(update={"centre_distance_mm": distance})
+
+        def whole(distance: float, z: tuple[float, ...]) -> tuple[float, ...]:
+            angle = z[0] / self.arm_mm
+            return distance * math.cos(angle), distance * math.sin(angle)
+
+        return Pinning("centre distance", max(low, 0.0), high, self.arm_mm, _hypot, at, whole)
 
     def outermost(self, s_max: float) -> Norm:
         # R grows with ψ: at the highest lift, (l − d cosψ, d sinψ)
@@ -173,6 +198,12 @@ class OscillatingRoller(Follower):
 
     def pressure_angle_rows(self, slope: float) -> tuple[Row, ...]:
         return ()  # not linear in s
+
+    def pressure_angle_curves(self, slope: float) -> tuple[Curved, ...]:
+        arm, sigma = self.arm_mm, self.sigma
+        if self._distance is None:
+            return (FreePivot("pressure_angle", arm, sigma, slope),)
+        return (FixedPivot("pressure_angle", arm, self._distance, sigma, slope),)
 
     def displacement_measure(self, z: tuple[float, ...]) -> Measure:
         l, start = self.arm_mm, self._initial_angle(z)
@@ -276,6 +307,10 @@ class OscillatingRoller(Follower):
             "outer_radius_mm": outer,
             "pivot_clearance_mm": float(self._bearing(z)[0]) - outer,
         }
+
+
+def _hypot(z: tuple[float, ...]) -> float:
+    return math.hypot(*z)
 
 
 def _step(cone: Cone, z: tuple[float, ...]) -> float:

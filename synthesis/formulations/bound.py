@@ -181,12 +181,12 @@ def _book_blocks(plan: Plan, solution: ConeSolution, ledger: _Ledger, order: int
         ledger.add(-float(z @ block.rhs))
         ledger.level += block.level * float(np.sum(z))
         if len(block.size):
-            ledger.size += block.size * float(np.sum(z))
+            ledger.size += block.priced(z)
         if block.stretch is not None:
             x, mass = block.x, z
-            if block.alpha[order - 1] != 0.0:
+            if block.alpha.ndim == 1 and block.alpha[order - 1] != 0.0:
                 x, mass = _spread(block.x, z)
-            weights = mass[:, None] * block.alpha[:order]
+            weights = mass[:, None] * block.alpha[:order].T
             _book_point(plan, ledger, block.stretch, x, weights, order)
 
 

@@ -2,7 +2,8 @@
 
 With the laws given, every row is a half-plane of the size variables, one or two; its worst cam
 angle is known. For pressure angle alone this is the apex of mathematics' two half-planes, with the
-cases where another side binds included.
+cases where another side binds included. A curved limit has a half-plane at every cam angle: those
+that the answer breaks are added until there is none.
 """
 
 from __future__ import annotations
@@ -10,11 +11,14 @@ from __future__ import annotations
 import numpy as np
 
 from synthesis.formulations import rows
+from synthesis.formulations.exchange import tightest
 from synthesis.formulations.problem import Problem
 from synthesis.formulations.rows import Scales
 from synthesis.numerics.piecewise import Array
 
 Vector = tuple[float, ...]
+EXCHANGES = 40
+SETTLED = 1e-12  # of the norm: what a size may stick out of a half-plane
 
 
 def half_planes(problem: Problem) -> tuple[Array, Array]:
@@ -34,12 +38,33 @@ def half_planes(problem: Problem) -> tuple[Array, Array]:
     return np.array(normals), np.array(offsets)
 
 
-def nearest(problem: Problem) -> Vector | None:
+def nearest(problem: Problem, clear: float = 0.0) -> Vector | None:
     """The size of least prime radius on all half-planes; None where they have no common point.
 
     Cones and limits that are not convex are not looked at.
+
+    Args:
+        problem: the question, laws settled.
+        clear: share of the norm by which the half-planes of curved limits are drawn in.
     """
     normals, offsets = half_planes(problem)
+    size = _least(problem, normals, offsets)
+    for _ in range(EXCHANGES if problem.curved else 0):
+        if size is None:
+            return None
+        broken = tightest(problem, size)
+        scale = max(problem.machine.follower.prime_radius().value(size), 1e-6 * problem.length)
+        more = broken.excess > (SETTLED - clear) * scale
+        if not np.any(more):
+            break
+        normals = np.vstack([normals, broken.normals[more]])
+        offsets = np.concatenate([offsets, broken.offsets[more] - clear * scale])
+        size = _least(problem, normals, offsets)
+    return size
+
+
+def _least(problem: Problem, normals: Array, offsets: Array) -> Vector | None:
+    """The same for given half-planes."""
     norm = problem.machine.follower.prime_radius()
     matrix, shift = np.array(norm.matrix), np.array(norm.shift)
     # in y = M z + m the wanted point is the one nearest to the origin

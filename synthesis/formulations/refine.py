@@ -10,11 +10,15 @@ from numpy.typing import NDArray
 
 from synthesis.formulations.bound import Bound, bound
 from synthesis.formulations.candidate import Candidate, at_size, needs_size, settle, smallest
+from synthesis.formulations.closed_form import nearest
 from synthesis.formulations.convex import Plan, formulate, natural_scales
+from synthesis.formulations.cuts import Region
 from synthesis.formulations.grid import CLOSEST_KNOTS, Grid, merged, over, ramps, uniform
+from synthesis.formulations.pinned import pinned
 from synthesis.formulations.problem import Problem
 from synthesis.formulations.rows import Drawn, row_scale, sampled
 from synthesis.formulations.search import Search, Stage
+from synthesis.formulations.tangency import turned
 from synthesis.numerics.piecewise import Array, Piecewise
 from synthesis.objectives.rms_jerk import RmsJerk
 from synthesis.solvers.clarabel import ConeSolution, solve
@@ -22,6 +26,7 @@ from synthesis.solvers.statuses import Stopped
 
 ROUNDS = 8
 COARSE, FINE = 12, 96  # intervals of the first grid, by tolerance
+CURVED = 16  # the most of them while rows still have to turn
 MOST_INTERVALS = 240
 ALLOWED = 1e-9  # relative excess of a row that is solver noise: the certificate decides
 USABLE = (Stopped.SOLVED, Stopped.INACCURATE)
@@ -42,11 +47,15 @@ def search(
         the search as it ended; without a best cam where no rung gave a usable point.
     """
     state = Search(problem, tolerance, deadline, tighten)
-    if not _closed_form(state):
-        first = int(np.clip(3.7 / sqrt(tolerance), COARSE, FINE))
+    if _closed_form(state):
+        pass
+    elif problem.curved and problem.machine.follower.pinning() is not None:
+        pinned(state, search)
+    else:
+        first = int(np.clip(3.7 / sqrt(tolerance), COARSE, CURVED if problem.curved else FINE))
         state.grids = tuple(uniform(stretch, first) for stretch in problem.free)
         _climb(state)
-    if state.limited_by_shape and state.left() > 0.0:
+    if (state.limited_by_shape or state.short) and state.left() > 0.0:
         _nonlinear(state)
     return state
 
@@ -62,6 +71,8 @@ def _closed_form(state: Search) -> bool:
         return False
     found = at_size(problem, (), size)
     norm = problem.objective.norm(problem.machine)
+    if problem.curved:
+        size = nearest(problem) or size  # that one was drawn in
     exact = found.value if norm is None else norm.value(size)
     state.learn(Bound(exact * (1.0 - 1e-12), "every size of the given laws"))
     state.offer(found)
@@ -77,8 +88,8 @@ def _climb(state: Search) -> None:
     usable: tuple[Grid, ...] = ()  # on which there was a law: not on other knots that are no finer
     for number in range(1, ROUNDS + 1):
         started = time.perf_counter()
-        plan, solution, lower = solve_once(state)
         before = state.gap
+        plan, solution, lower = solve_once(state)
         found, missed = _weigh(state, plan, solution, lower)
         _report(state, number, plan, solution, time.perf_counter() - started)
         if solution.stopped is Stopped.INFEASIBLE and usable:
@@ -110,15 +121,20 @@ def _weigh(
     missed, excess = _missed(state, found)
     if excess <= ALLOWED:
         state.offer(found)
-    else:
+    elif state.tangent:
         state.margin = 1.1 * (state.margin + excess)
     state.learn(lower)
     return found, missed
 
 
 def _round(state: Search, trial: float = 0.0) -> tuple[Plan, ConeSolution, Bound | None]:
-    """One cone program on the present grids, with its bound."""
-    plan = formulate(state.problem, state.grids, trial, Drawn(state.tighten, state.margin))
+    """One cone program on the present grids, with its bound; curved limits are met in it."""
+    return turned(state, trial, _solved) if state.problem.curved else _solved(state, trial)
+
+
+def _solved(state: Search, trial: float) -> tuple[Plan, ConeSolution, Bound | None]:
+    drawn = Drawn(state.tighten, state.margin)
+    plan = formulate(state.problem, state.grids, trial, drawn, state.region)
     solution = solve(plan.program, state.left())
     return plan, solution, bound(plan, solution) if solution.stopped in USABLE else None
 
@@ -168,6 +184,10 @@ def _missed(state: Search, found: Candidate) -> tuple[list[Array], float]:
                 excess /= row_scale(row, free, scales)
                 worst = max(worst, float(np.max(excess)))
                 exceeding.append(x[excess > ALLOWED])
+        for curve in state.problem.curves_on(free):
+            for value in curve.excess(s, found.size):
+                worst = max(worst, float(np.max(value)))
+                exceeding.append(x[value > ALLOWED])
         points.append(np.unique(np.concatenate(exceeding)))
     return points, max(worst, _outgrown(state, found))
 
@@ -273,12 +293,14 @@ def _nonlinear(state: Search) -> None:
 
     started = time.perf_counter()
     _smooth_start(state)
-    start = state.best or state.relaxed
-    assert start is not None
-    plan = formulate(state.problem, state.grids, 0.0, Drawn(state.tighten, state.margin))
+    start = state.best or state.relaxed or state.last
+    if start is None:
+        return
+    drawn = Drawn(state.tighten, state.margin)
+    plan = formulate(state.problem, state.grids, 0.0, drawn, Region())  # smooth forms say more
     # rows drawn in by a little of what the caller allows save rounds: peaks may lie between them
-    drawn = float(np.clip(0.04 * state.tolerance, 1e-7, 1e-3))
-    solution = improve(plan, plan.point(start.laws, start.size), state.deadline, drawn)
+    spare = float(np.clip(0.04 * state.tolerance, 1e-7, 1e-3))
+    solution = improve(plan, plan.point(start.laws, start.size), state.deadline, spare)
     laws, size = plan.recover(solution.x)
     for keep_hint in (True, False):
         found = settle(state.problem, laws, size, keep_hint=keep_hint)

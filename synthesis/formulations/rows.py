@@ -37,7 +37,8 @@ class Block:
             monotone: coefficients in order; size: no motion in it.
         stretch: position among the free stretches, None for kind size.
         laws: (r, n) over all coefficients of that stretch, None for kind size.
-        alpha: (4,), x: (r,), size: (n_size,), level, rhs: (r,) the limit itself.
+        alpha: (4,), or (4, r) where the rows differ. x: (r,). size: (n_size,), or (r, n_size).
+        level, rhs: (r,) the limit itself.
         tighten: by how much the solver is asked to stay below rhs.
         source: the limit or objective behind it.
     """
@@ -52,6 +53,10 @@ class Block:
     rhs: Array
     source: str
     tighten: float = 0.0
+
+    def priced(self, z: Array) -> Array:
+        """What multipliers (r,) make of the size's share: (n_size,)."""
+        return self.size * float(np.sum(z)) if self.size.ndim == 1 else z @ self.size
 
 
 @dataclass(frozen=True)

@@ -5,13 +5,13 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import replace
 from math import tan
-from typing import Annotated, ClassVar, Literal
+from typing import Annotated, Any, ClassVar, Literal
 
 from pydantic import Field
 
 from synthesis.limits.base import Claim, Limit, Machine, times, where
 from synthesis.motion import Stretch, StretchKind
-from synthesis.terms import Row
+from synthesis.terms import Curved, Row
 from synthesis.units import DEGREE
 
 Degrees = Annotated[float, Field(gt=0.0, lt=90.0)]
@@ -20,7 +20,8 @@ Degrees = Annotated[float, Field(gt=0.0, lt=90.0)]
 class PressureAngle(Limit):
     """|α| ≤ the rise's limit on every rise, ≤ the return's on every return; dwells are free.
 
-    Linear in the motion and the size together: |s' − e| ≤ tan α_max (s0 + s).
+    Linear in the motion and the size together for a translating roller: |s' − e| ≤
+    tan α_max (s0 + s). On an arm it is not: the follower then says it as curved.
     """
 
     kind: Literal["pressure_angle"] = "pressure_angle"
@@ -42,6 +43,17 @@ class PressureAngle(Limit):
             return ()
         rows = machine.follower.pressure_angle_rows(tan(largest))
         return tuple(replace(row, source=f"pressure_angle_{stretch.kind}") for row in rows)
+
+    def curved(self, stretch: Stretch, machine: Machine) -> tuple[Curved, ...]:
+        largest = self._largest(stretch.kind)
+        if largest is None:
+            return ()
+        curves = machine.follower.pressure_angle_curves(tan(largest))
+        return tuple(replace(curve, source=f"pressure_angle_{stretch.kind}") for curve in curves)
+
+    def smooth(self, stretch: Stretch, machine: Machine, s: Any, z: Any) -> tuple[Any, ...]:
+        curves = self.curved(stretch, machine)
+        return tuple(value for curve in curves for value in curve.excess(s, z))
 
     def claims(self, stretches: Sequence[Stretch], machine: Machine) -> tuple[Claim, ...]:
         kinds: tuple[StretchKind, ...] = ("rise", "return", "dwell")

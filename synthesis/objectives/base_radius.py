@@ -21,7 +21,7 @@ class BaseRadius(Objective):
         return machine.follower.prime_radius()
 
     def to_wire(self, value: float, machine: Machine) -> float:
-        return value - machine.follower.roller_radius
+        return machine.follower.radius_of(value) - machine.follower.roller_radius
 
     def from_wire(self, value: float, machine: Machine) -> float:
-        return value + machine.follower.roller_radius
+        return machine.follower.value_of(value + machine.follower.roller_radius)
