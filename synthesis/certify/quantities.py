@@ -64,11 +64,11 @@ def face_radius(follower: Follower, size: Size, s: tuple[Any, ...]) -> Any:
 
 
 def contact(follower: Follower, size: Size, s: tuple[Any, ...]) -> Any:
-    """How far the contact point is along the face from its middle, positive to the right [mm]."""
+    """How far the contact point is along the face from its middle, on its positive side [mm]."""
     (px, py), *_ = follower.traced_point(s, size)
     mx, my = follower.face_middle(s, size)
     nx, ny = follower.normal(tangent(follower, size, s), s, size)
-    return (px - mx) * ny - (py - my) * nx
+    return ((px - mx) * ny - (py - my) * nx) * follower.face_side
 
 
 def _derivative(order: int) -> Formula:

@@ -101,6 +101,7 @@ class Follower(BaseModel, ABC):
     title: ClassVar[str]
     size_charts: ClassVar[tuple[tuple[str, ...], ...]]  # names of z, by what is given
     always_convex: ClassVar[bool] = False  # a profile that is not undercut has no hollows
+    face_ends: ClassVar[tuple[str, ...]] = ()  # of a flat face, as in the limit on its width
 
     @property
     def size_names(self) -> tuple[str, ...]:
@@ -151,6 +152,18 @@ class Follower(BaseModel, ABC):
         """|tan α| ≤ slope where it is not linear in s, s' and z together; otherwise ()."""
         return ()
 
+    def profile_radius_curves(self, least: float) -> tuple[Curved, ...]:
+        """Profile radius ≥ least [mm] where every half-plane of the size is known; otherwise ()."""
+        return ()
+
+    def contact_curves(self, end: str, reach: float) -> tuple[Curved, ...]:
+        """Contact on this side of an end of the face, ``reach`` [mm] from its middle, likewise."""
+        return ()
+
+    def outer_radius_curves(self, largest: float) -> tuple[Curved, ...]:
+        """Largest radius of the traced curve ≤ largest [mm] where it is not a norm of z."""
+        return ()
+
     def pinning(self) -> Pinning | None:
         """A free dimension that, once it is fixed, leaves curved limits with rows; None: none."""
         return None
@@ -190,8 +203,13 @@ class Follower(BaseModel, ABC):
         raise NotImplementedError(f"{self.kind} has no face")
 
     def face_middle(self, s: Any, z: Any) -> Vector2:
-        """The point that moves with the face, from which its reach is measured; only with one."""
+        """Where a face's reach is measured from, along the face; only with one."""
         raise NotImplementedError(f"{self.kind} has no face")
+
+    @property
+    def face_side(self) -> float:
+        """+1 where a face's reach counts positive to the right of its normal, −1 to the left."""
+        return 1.0
 
     def adjustable(self) -> Mapping[str, float | Range | None]:
         """Its dimensions that may also be left free: field and value."""
@@ -254,8 +272,11 @@ class Follower(BaseModel, ABC):
         return radius
 
     @abstractmethod
-    def outermost(self, s_max: float) -> Norm:
-        """Largest radius of the traced curve, at displacement ``s_max``, as a norm of z."""
+    def outermost(self, s_max: float) -> Norm | None:
+        """Largest radius of the traced curve, at displacement ``s_max``, as a norm of z.
+
+        None where it is none; then ``outer_radius_curves`` say it.
+        """
 
     @abstractmethod
     def dimensions(self, z: tuple[float, ...]) -> Mapping[str, float]:

@@ -42,6 +42,7 @@ class TranslatingFlatFace(Follower):
     title: ClassVar[str] = "Translating flat face, perpendicular to its slide or tilted"
     size_charts: ClassVar[tuple[tuple[str, ...], ...]] = (("base_radius",),)
     always_convex: ClassVar[bool] = True
+    face_ends: ClassVar[tuple[str, ...]] = ("left", "right")
 
     tilt_deg: Annotated[
         float,

@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import Annotated, ClassVar, Literal
+from dataclasses import replace
+from typing import Annotated, Any, ClassVar, Literal
 
 from pydantic import Field
 
 from synthesis.limits.base import Claim, Limit, Machine, where
 from synthesis.motion import Stretch
-from synthesis.terms import Cone
+from synthesis.terms import Cone, Curved
 
 
 class OuterRadius(Limit):
@@ -26,7 +27,16 @@ class OuterRadius(Limit):
     def cones(self, stretches: Sequence[Stretch], machine: Machine) -> tuple[Cone, ...]:
         highest = max(max(s.s_start, s.s_end) for s in stretches)
         radius = self.max_mm + machine.follower.roller_radius
-        return (Cone(machine.follower.outermost(highest), radius, "outer_radius"),)
+        norm = machine.follower.outermost(highest)
+        return () if norm is None else (Cone(norm, radius, "outer_radius"),)
+
+    def curved(self, stretch: Stretch, machine: Machine) -> tuple[Curved, ...]:
+        radius = self.max_mm + machine.follower.roller_radius
+        curves = machine.follower.outer_radius_curves(radius)
+        return tuple(replace(curve, source="outer_radius") for curve in curves)
+
+    def smooth(self, stretch: Stretch, machine: Machine, s: Any, z: Any) -> tuple[Any, ...]:
+        return tuple(v for curve in self.curved(stretch, machine) for v in curve.excess(s, z))
 
     def claims(self, stretches: Sequence[Stretch], machine: Machine) -> tuple[Claim, ...]:
         radius = self.max_mm + machine.follower.roller_radius

@@ -103,3 +103,36 @@ def coarseness(cam: np.ndarray) -> float:
         np.diff(heading, append=heading[0] + 2.0 * np.pi * np.sign(heading[-1] - heading[0]))
     )
     return float(2.0 * np.max(length * np.maximum(turn, np.roll(turn, 1))) / 8.0)
+
+
+@dataclass(frozen=True)
+class Hinged:
+    """A straight edge that swings about a pivot.
+
+    Its line passes the pivot at ``gap``, measured towards the origin; ``sense`` is +1 where it
+    swings clockwise away from the origin, −1 counter-clockwise. Angles are counted from where it
+    would be parallel to the line from the pivot to the origin.
+    """
+
+    pivot: tuple[float, float]
+    gap: float
+    sense: float
+
+
+def rest_angles(cam: np.ndarray, angles: np.ndarray, edge: Hinged) -> np.ndarray:
+    """Where the edge comes to rest as it swings back onto the turning polygon [rad].
+
+    A vertex at the distance r from the pivot, seen β off the line to the origin, is touched where
+    the edge's angle exceeds β by that whose sine is gap/r.
+    """
+    pivot = np.array(edge.pivot)
+    inward = -pivot / np.hypot(*pivot)
+    found = []
+    for angle in angles:
+        to = turned(cam, angle) - pivot
+        ahead, beside = to @ inward, edge.sense * (inward[0] * -to[:, 1] + inward[1] * to[:, 0])
+        distance = np.hypot(ahead, beside)
+        near = distance > abs(edge.gap)  # else the edge passes beyond the pivot, clear of them
+        above = np.arcsin(edge.gap / distance[near])
+        found.append(np.max(np.arctan2(beside, ahead)[near] + above))
+    return np.array(found)
