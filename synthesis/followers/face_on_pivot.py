@@ -16,6 +16,7 @@ from synthesis.numerics.piecewise import Array
 from synthesis.terms import Curved, Cuts, Vector, Within
 
 RIGHT_ANGLE = 0.5 * math.pi
+LEAST = 1e-6  # of a normal's square: it may vanish at single angles
 FAR = 1e6  # rad: a bound of the angle that is none
 
 
@@ -58,7 +59,8 @@ class OnPivot(Curved):
         q, swing = z[-1] + self.offset, s[0] / self.reference
         p = z[0] if self.distance is None else (self.distance**2 - q * q) ** 0.5
         cos, sin = np.cos(swing), np.sin(swing)
-        unit = self.reference * max(1.0, abs(self.along))
+        # over d times the length of the half-plane's normal
+        unit = ((p * p + q * q) * (a * a + b * b + LEAST)) ** 0.5
         return ((a * (p * cos - q * sin) + b * (p * sin + q * cos) - c) / unit,)
 
     def half_planes(self, s: Array) -> tuple[Cuts, ...]:

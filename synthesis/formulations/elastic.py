@@ -74,6 +74,8 @@ def _conflict(scene: Scene, given: dict[int, Blocked], problem: Problem) -> tupl
     members = set(given)
     evidence = [f"{scene.parts[k].words}: {why.note}" for k, why in given.items()]
     found = yielded(scene, scene.plan(), range(len(scene.parts)), exact=False)
+    if found is None and problem.curved:
+        return members, "; ".join([*evidence, "no elastic program has a point"])
     if found is None:
         raise SolverFailed("Clarabel", "failed", "The elastic program gave no usable point.")
     if found.total > NOTHING:
