@@ -105,10 +105,12 @@ class Curved(ABC):
 
     For a settled motion it is linear in the size, exactly; where it is nearly convex, rows follow
     from it point by point. ``source``: as of a row. ``order``: highest derivative in it.
+    ``turns``: whether ``cuts`` says anything.
     """
 
     source: str
     order: ClassVar[int] = 3
+    turns: ClassVar[bool] = True
 
     @abstractmethod
     def excess(self, s: Any, z: Any) -> tuple[Any, ...]:

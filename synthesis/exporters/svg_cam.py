@@ -118,6 +118,8 @@ def _stem(
     """Direction of the follower's stem: that of its motion, or from the roller to the pivot."""
     if pivot is not None:
         length = math.hypot(pivot[0] - centre[0], pivot[1] - centre[1])
+        if length == 0.0:  # a face that points at its pivot
+            return 0.0, 1.0
         return (pivot[0] - centre[0]) / length, (pivot[1] - centre[1]) / length
     (gx, gy), _ = cam.follower.direction(start.s, cam.size)
     return sign * float(gx[0]), float(gy[0])
@@ -230,6 +232,21 @@ def _flat_face(scene: Scene) -> list[str]:
     ]
 
 
+def _swinging_face(scene: Scene) -> list[str]:
+    """A plate from the foot of the pivot to where contact ends, the link to the pivot, its eye."""
+    u, (left, right), (tx, ty), pivot = scene.u, scene.face, scene.along, scene.pivot
+    assert pivot is not None
+    eye, left, right = PIVOT * STEM * u, max(left, 0.0), max(right, 0.0)
+    plate = [(0.0, -left), (0.0, right), (2.0 * u, right), (2.0 * u, -left)]
+    steps = "M" + "L".join(_from(scene.centre, (-ty, tx), *corner) for corner in plate) + "Z"
+    return [
+        svg.line("line outline", *scene.centre, *pivot),
+        svg.path("outline metal", steps),
+        svg.circle("outline metal", *pivot, eye),
+        svg.circle("outline metal", *pivot, HUB * u),
+    ]
+
+
 def _from(centre: tuple[float, float], up: tuple[float, float], along: float, across: float) -> str:
     """A point so far along a direction, and across it to the right."""
     (x, y), (gx, gy) = centre, up
@@ -266,7 +283,7 @@ def _follower(scene: Scene) -> list[str]:
         return _from(scene.centre, scene.drive, along, across)
 
     if any(scene.face):
-        return _flat_face(scene)
+        return _flat_face(scene) if scene.pivot is None else _swinging_face(scene)
     if scene.pivot is not None:
         return _arm(scene, at, half)
     if scene.roller == 0.0:

@@ -62,7 +62,8 @@ def _legend(design: Design, scene: Scene) -> list[tuple[str, str]]:
         rows.append(("line centre", f"line of the follower, offset {size['offset_mm']} mm"))
     if scene.pivot is not None:
         distance = f"pivot {size['centre_distance_mm']} mm from the cam's axis"
-        rows.append(("line centre", f"arm of {size['arm_mm']} mm, {distance}"))
+        arm = f"arm of {size['arm_mm']} mm, " if "arm_mm" in size else ""
+        rows.append(("line centre", arm + distance))
     return rows
 
 

@@ -32,6 +32,7 @@ class OnPivot(Curved):
     """
 
     order: ClassVar[int] = 2
+    turns: ClassVar[bool] = False
     reference: float
     sigma: float
     offset: float
@@ -103,3 +104,26 @@ class OnPivot(Curved):
 
     def cuts(self, within: Within, about: tuple[Array, Vector] | None) -> tuple[Cuts, ...]:
         return ()  # none are known that hold for every law
+
+
+@dataclass(frozen=True)
+class NotNearer(Curved):
+    """The pivot no nearer than ``least`` [mm], where z = (p, Rb); ``offset``: f [mm].
+
+    No half-planes say it, so it is asked of a finished size alone.
+    """
+
+    order: ClassVar[int] = 0
+    turns: ClassVar[bool] = False
+    least: float
+    offset: float
+
+    def excess(self, s: Any, z: Any) -> tuple[Any, ...]:
+        p, q = z[0], z[1] + self.offset
+        return (1.0 - (p * p + q * q) / self.least**2 + 0.0 * s[0],)
+
+    def half_planes(self, s: Array) -> tuple[Cuts, ...]:
+        return ()
+
+    def cuts(self, within: Within, about: tuple[Array, Vector] | None) -> tuple[Cuts, ...]:
+        return ()

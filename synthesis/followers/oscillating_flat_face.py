@@ -28,11 +28,11 @@ from collections.abc import Mapping, Sequence
 from typing import Annotated, Any, ClassVar, Literal
 
 import numpy as np
-from pydantic import Field, PrivateAttr, field_validator
+from pydantic import Field, field_validator
 from pydantic_core import PydanticCustomError
 
-from synthesis.followers.base import Follower, Measure, Pinning, Shape, Sizing, Vector2
-from synthesis.followers.face_on_pivot import RIGHT_ANGLE, OnPivot
+from synthesis.followers.base import Follower, Measure, Shape, Sizing, Vector2
+from synthesis.followers.face_on_pivot import RIGHT_ANGLE, NotNearer, OnPivot
 from synthesis.motion import Motion, Stretch
 from synthesis.numerics.peaks import peak, summit
 from synthesis.numerics.piecewise import Array
@@ -81,7 +81,6 @@ class OscillatingFlatFace(Follower):
             "counter-clockwise (on a cw cam mirrored, as everything is).",
         ),
     ] = 0.0
-    _reference: float | None = PrivateAttr(None)  # of a range that has been narrowed
 
     @field_validator("centre_distance_mm")
     @classmethod
@@ -105,7 +104,7 @@ class OscillatingFlatFace(Follower):
     @property
     def reference(self) -> float:
         """The core's mm per radian of swing: the largest centre distance."""
-        return self._reference or ends(self.centre_distance_mm)[1]
+        return ends(self.centre_distance_mm)[1]
 
     @property
     def travel(self) -> Travel:
@@ -128,24 +127,6 @@ class OscillatingFlatFace(Follower):
 
     def adjustable(self) -> Mapping[str, float | Range | None]:
         return {} if self.distance is not None else {"centre_distance_mm": self.centre_distance_mm}
-
-    def pinning(self) -> Pinning | None:
-        if self.distance is not None:
-            return None
-        low, high = ends(self.centre_distance_mm)
-
-        def at(distance: float) -> Follower:
-            fixed = self.model_copy(update={"centre_distance_mm": distance})
-            fixed._reference = self.reference
-            return fixed
-
-        def whole(distance: float, z: tuple[float, ...]) -> tuple[float, ...]:
-            return math.sqrt(max(distance**2 - (z[0] + self.face_offset_mm) ** 2, 0.0)), z[0]
-
-        def of(z: tuple[float, ...]) -> float:
-            return math.hypot(z[0], z[1] + self.face_offset_mm)
-
-        return Pinning("centre distance", max(low, 0.0), high, self.reference, of, at, whole)
 
     def reachable(self, base_radius: tuple[float, float], stroke: float) -> tuple[float, float]:
         # ψ0 + φ < 90° at the highest lift
@@ -237,10 +218,13 @@ class OscillatingFlatFace(Follower):
         return OnPivot("", self.reference, self.sigma, f, self.distance, **terms)
 
     def profile_radius_curves(self, least: float) -> tuple[Curved, ...]:
-        """ρ ≥ least, and contact on the face's own side of the pivot."""
+        """ρ ≥ least, contact on the face's own side of the pivot, the pivot not too near."""
+        nearest, _ = ends(self.centre_distance_mm)
+        free = self.distance is None and nearest > 0.0
         return (
             self._limit(bend=-1.0, cubed=-(self.face_offset_mm + least)),
             self._limit(along=-1.0),
+            *((NotNearer("", nearest, self.face_offset_mm),) if free else ()),
         )
 
     def pressure_angle_curves(self, slope: float) -> tuple[Curved, ...]:

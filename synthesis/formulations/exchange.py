@@ -20,6 +20,7 @@ Indices = NDArray[np.intp]
 DENSITY = 24  # samples of a piece; a law of many pieces needs fewer on each
 LEAST_DENSITY = 8
 ZOOMS, NARROWER, FAN = 7, 8.0, np.linspace(-1.0, 1.0, 17)
+CLEAR = 0.25  # of the size: half-planes that are farther away at every sample bind nowhere
 TOPS = 4  # local maxima of a family that are looked at closely
 
 
@@ -54,6 +55,8 @@ def _peaks(curve: Curved, placed: Piecewise, z: Array) -> Iterator[tuple[Array, 
     families = curve.half_planes(_motion(curve, placed, theta.ravel(), piece))
     for number, cuts in enumerate(families):
         value = _excess(cuts, z).reshape(theta.shape)
+        if np.max(value) < -CLEAR * np.linalg.norm(z):
+            continue
         padded = np.pad(value, ((0, 0), (1, 1)), constant_values=-np.inf)
         top = (value >= padded[:, :-2]) & (value >= padded[:, 2:])
         on, column = np.nonzero(top & (value >= _threshold(value[top])))
