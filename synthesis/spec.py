@@ -154,8 +154,8 @@ class DesignSpec(BaseModel):
         if all(row.constant for row in rows):
             raise PydanticCustomError(
                 "pressure_angle_given",
-                "objective peak_pressure_angle has nothing to choose: the pressure angle of a "
-                "{kind} follower is that of its face, whatever the cam. Choose another objective.",
+                "objective peak_pressure_angle cannot be chosen for a {kind} follower: its "
+                "pressure angle is given, or it can only be limited. Choose another objective.",
                 {"kind": self.follower.kind},
             )
         sized = math.isfinite(ends(self.base_radius_mm)[1]) or any(

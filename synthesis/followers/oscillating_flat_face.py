@@ -40,6 +40,7 @@ from synthesis.ranges import Range, ends
 from synthesis.terms import Cone, Curved, Norm, Row
 from synthesis.units import DEGREE, Travel
 
+SLOWEST = 1e-3  # of the cam's speed: how fast the normal turns on the cam at least
 SENSES = {"opposite": 1.0, "same": -1.0}
 
 
@@ -158,7 +159,7 @@ class OscillatingFlatFace(Follower):
             if stretch.law is None or stretch.kind == "dwell" or stretch.angle <= 0.0:
                 continue
             speed, at = peak(stretch.placed(), (0.0, -self.sigma / self.reference, 0.0, 0.0))
-            if speed >= 1.0:
+            if speed > 1.0 - SLOWEST:
                 raise PydanticCustomError(
                     "face_turns_with_cam",
                     "at cam angle {at}° (program/{index}) the face turns {speed} times as fast as "
@@ -212,6 +213,10 @@ class OscillatingFlatFace(Follower):
             "displacement", -l * (RIGHT_ANGLE + start), l * (RIGHT_ANGLE - start),
             lambda s: (start + s / l) / DEGREE, "deg",
         )  # fmt: skip
+
+    def profile_radius_rows(self, least: float) -> tuple[Row, ...]:
+        # w ≥ SLOWEST: without it there is no radius; the radius itself is curved
+        return (Row((0.0, -self.sigma, 0.0, 0.0), (), self.reference * (1.0 - SLOWEST)),)
 
     def _limit(self, **terms: float) -> Curved:
         f = self.face_offset_mm

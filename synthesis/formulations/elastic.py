@@ -156,7 +156,9 @@ def _not_convex(spec: DesignSpec, problem: Problem, reached: Reached | None) -> 
     relaxations: list[Relaxation] = []
     stretches, machine = problem.stretches, problem.machine
     for position, limit in enumerate(problem.limits):
-        if any(limit.rows(s, machine) for s in stretches) or limit.cones(stretches, machine):
+        curved = any(limit.curved(s, machine) for s in stretches)
+        linear = any(limit.rows(s, machine) for s in stretches) or limit.cones(stretches, machine)
+        if linear and not curved:
             continue
         asked_for = position < len(spec.limits)
         for claim in limit.claims(stretches, machine):
