@@ -87,10 +87,9 @@ def mend(spec: DesignSpec, cam: Cam, stop: float) -> Mend:
 
 def _resized(spec: DesignSpec, cam: Cam, offset: Offset, stop: float) -> SizeChange:
     """The smallest base radius, with the laws as they are."""
-    freed: dict[str, object] = {"base_radius_mm": None}
-    if offset == "free":
-        opened = dict.fromkeys(spec.follower.adjustable())
-        freed["follower"] = spec.follower.model_copy(update=opened)
+    follower = spec.follower.unsized()
+    opened = dict.fromkeys(follower.adjustable()) if offset == "free" else {}
+    freed = {"base_radius_mm": None, "follower": follower.model_copy(update=opened)}
     found = _synthesised(spec.model_copy(update=freed), stop)
     if found is None or found.status == "infeasible":
         return SizeChange(
@@ -104,6 +103,7 @@ def _resized(spec: DesignSpec, cam: Cam, offset: Offset, stop: float) -> SizeCha
         dimensions=new,
         base_radius_change_mm=new["base_radius_mm"] - old["base_radius_mm"],
         offset_change_mm=new["offset_mm"] - old["offset_mm"] if "offset_mm" in new else None,
+        changes={name: new[name] - old[name] for name in opened},
         gap=found.certificate.gap,
     )
 

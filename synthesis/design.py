@@ -165,6 +165,17 @@ class Design(Part):
     spec: DesignSpec = told("The question.")
     links: dict[str, str] = Field({}, description="Where to find its files.")
 
+    def asked_as(self, spec: DesignSpec) -> Design:
+        """The same design as the answer to a spec that left more open."""
+        if spec == self.spec:
+            return self
+        return self.model_copy(update={"spec": spec, "id": design_id(spec)})
+
+    @cached_property
+    def built(self) -> DesignSpec:
+        """The question with what was settled after the size, such as a counter roller's place."""
+        return self.spec.built(self.dimensions)
+
     @cached_property
     def curve(self) -> Motion:
         """The motion, rebuilt to the last bit from the spec and the spline coefficients."""

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from typing import Literal
 
+from pydantic import Field
+
 from synthesis.design import Extreme, Part, Relaxation, Status, told
 from synthesis.spec import DesignSpec
 
@@ -63,6 +65,7 @@ class Undercut(Part):
     )
     roller_radius_mm: float = told("Radius of the roller; 0 under a flat face.")
     too_large_mm: float = told("Roller radius less that radius of curvature.")
+    flank: str = Field("", description="Which flank, where the cam has several.")
 
 
 class SizeChange(Part):
@@ -77,7 +80,11 @@ class SizeChange(Part):
     )
     dimensions: dict[str, float] = told("Base radius, prime radius, offset, … by name and unit.")
     base_radius_change_mm: float | None = told("New base radius less the given one.")
-    offset_change_mm: float | None = told("New offset less the given one.")
+    offset_change_mm: float | None = told("New offset less the given one; null without one.")
+    changes: dict[str, float] = Field(
+        {},
+        description="The same of every dimension that was freed: new value less the given one.",
+    )
     gap: float | None = told("How far the base radius is at most from the least possible.")
 
 

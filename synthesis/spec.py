@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from itertools import accumulate
 from typing import Annotated, Any, Literal
 
@@ -12,6 +12,7 @@ from pydantic_core import PydanticCustomError
 
 from synthesis.followers import AnyFollower
 from synthesis.limits import AnyLimit, Limit, Machine
+from synthesis.limits.counter_base_radius import CounterBaseRadius
 from synthesis.limits.profile_radius import ProfileRadius
 from synthesis.motion import Stretch
 from synthesis.objectives import AnyObjective
@@ -143,6 +144,7 @@ class DesignSpec(BaseModel):
                     "Remove it, or choose another follower.",
                     {"position": position, "limit": limit.kind, "kind": self.follower.kind},
                 )
+            limit.check(self.follower)
         return self
 
     @model_validator(mode="after")
@@ -150,12 +152,19 @@ class DesignSpec(BaseModel):
         kinds = [objective.kind for objective in self.objectives()]
         if "peak_pressure_angle" not in kinds:
             return self
-        rows = self.follower.pressure_angle_rows(1.0)
-        if all(row.constant for row in rows):
+        if self.follower.pressure_angle_curves(1.0):
+            raise PydanticCustomError(
+                "pressure_angle_not_weighed",
+                "objective peak_pressure_angle is not offered for a {kind} follower. Limit "
+                "pressure_angle instead, and lower its value while base_radius stays small enough.",
+                {"kind": self.follower.kind},
+            )
+        if all(row.constant for row in self.follower.pressure_angle_rows(1.0)):
             raise PydanticCustomError(
                 "pressure_angle_given",
-                "objective peak_pressure_angle cannot be chosen for a {kind} follower: its "
-                "pressure angle is given, or it can only be limited. Choose another objective.",
+                "objective peak_pressure_angle is not on offer for a {kind} follower: a flat face "
+                "has the pressure angle of its own tilt, and of an arm it is not known how small "
+                "it can be. Choose another objective; an arm takes a limit pressure_angle.",
                 {"kind": self.follower.kind},
             )
         sized = math.isfinite(ends(self.base_radius_mm)[1]) or any(
@@ -213,24 +222,42 @@ class DesignSpec(BaseModel):
         )
 
     def all_limits(self) -> tuple[Limit, ...]:
-        """The limits asked for, and that a roller must not be undercut."""
-        if any(limit.kind == "profile_radius" for limit in self.limits):
-            return tuple(self.limits)
-        return (*self.limits, ProfileRadius())
+        """The limits asked for, and what every cam must keep: no undercut, a counter cam's base."""
+        named = {limit.kind for limit in self.limits}
+        always = (ProfileRadius(), CounterBaseRadius())
+        rest = (a for a in always if a.kind not in named and a.suits(self.follower))
+        return (*self.limits, *rest)
+
+    def alone(self) -> DesignSpec:
+        """The same without what is settled after the size and is still free."""
+        follower = self.follower.alone()
+        return self if follower == self.follower else self.model_copy(update={"follower": follower})
+
+    def opened(self) -> DesignSpec:
+        """The same with everything left free that is settled after the size."""
+        follower = self.follower.opened()
+        if follower == self.follower:
+            return self
+        return self.model_copy(update={"follower": follower})
+
+    def built(self, dimensions: Mapping[str, float]) -> DesignSpec:
+        """The same with what was settled after the size, by the names of the dimensions."""
+        follower = self.follower.completed(dimensions)
+        return self if follower == self.follower else self.model_copy(update={"follower": follower})
 
     def left_free(self) -> Iterator[tuple[str, Any]]:
         """JSON pointer and value of everything that the answer would have to choose."""
         for stretch in self.stretches():
             if stretch.law is None and stretch.angle > 0.0:
                 yield f"/program/{stretch.index}/law", self.program[stretch.index].law_name
+        asked: dict[str, Any] = {}
         bounds = self.follower.sizing(self.base_radius_range()).bounds
-        if all(low == high for low, high in bounds):
-            return
-        sizes = {
-            "/base_radius_mm": self.base_radius_mm,
-            **{f"/follower/{name}": value for name, value in self.follower.adjustable().items()},
-        }
-        for field, value in sizes.items():
+        if any(low != high for low, high in bounds):
+            asked = {"/base_radius_mm": self.base_radius_mm}
+            asked |= {f"/follower/{k}": value for k, value in self.follower.adjustable().items()}
+        places = self.follower.companion_ranges()
+        asked |= {f"/follower/{k}": value for k, (_, value) in places.items()}
+        for field, value in asked.items():
             low, high = ends(value)
             if low != high:
                 yield field, value.model_dump() if isinstance(value, Range) else value

@@ -41,18 +41,22 @@ def certify(
     if not (course.finite and all(math.isfinite(value) for value in size)):
         return [_not_a_number(machine), *(_unknown(claim, 0.0, NOT_A_NUMBER) for claim in claims)]
     found: dict[int, Extreme] = {}
-    for name in dict.fromkeys(claim.quantity for claim in claims):
-        mine = [i for i, claim in enumerate(claims) if claim.quantity == name]
-        extremes = _judge(name, course, machine, size, [claims[i] for i in mine])
+    for subject in dict.fromkeys((claim.quantity, claim.path) for claim in claims):
+        mine = [i for i, claim in enumerate(claims) if (claim.quantity, claim.path) == subject]
+        extremes = _judge(*subject, course, machine, size, [claims[i] for i in mine])
         found.update(zip(mine, extremes, strict=True))
-    always = [*stands(machine, size), *joins(course, machine), *overshoot(course, machine)]
+    always = [
+        *stands(course, machine, size),
+        *joins(course, machine),
+        *overshoot(course, machine),
+    ]
     return [*(found[i] for i in range(len(claims))), *always]
 
 
 def _judge(
-    name: str, course: Course, machine: Machine, size: Size, claims: Sequence[Claim]
+    name: str, path: str, course: Course, machine: Machine, size: Size, claims: Sequence[Claim]
 ) -> list[Extreme]:
-    """The extremes of all claims about one quantity."""
+    """The extremes of all claims about one quantity on one path."""
     quantity = QUANTITIES[name]
     jumps = [
         infinite(quantity, course, claim.stretches)
@@ -68,7 +72,9 @@ def _judge(
         for claim, jump in zip(claims, jumps, strict=True)
         if jump is None
     ]
-    answers = iter(enclose_all(quantity, course, machine, size, questions) if questions else ())
+    answers = iter(
+        enclose_all(quantity, course, machine, size, questions, path) if questions else ()
+    )
     return [
         _extreme(claim, next(answers)) if jump is None else _infinite(claim, jump, machine)
         for claim, jump in zip(claims, jumps, strict=True)

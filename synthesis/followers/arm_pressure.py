@@ -177,9 +177,10 @@ class Hull:
 
     def line(self, v: Array) -> tuple[Array, Array]:
         """Value at 0 and slope of the line that touches the hull at v."""
+        v = np.maximum(v, self.low)
         at = np.minimum(v, self.touch)
         width = np.maximum(self.high - self.touch, 1e-300)
         chord = (np.cos(self.high) - np.cos(self.touch)) / width
-        convex = (v > self.touch) & (self.high - self.touch > 1e-9)
+        convex = (v >= self.touch) & (self.high - self.touch > 1e-9)
         slope = np.where(convex, chord, -np.sin(at))
         return np.cos(at) - slope * at, slope

@@ -31,8 +31,9 @@ import numpy as np
 from pydantic import Field, field_validator
 from pydantic_core import PydanticCustomError
 
-from synthesis.followers.base import Follower, Measure, Shape, Sizing, Vector2
+from synthesis.followers.base import Follower, Measure, Shape, Sizing
 from synthesis.followers.face_on_pivot import RIGHT_ANGLE, NotNearer, OnPivot
+from synthesis.followers.flank import Flank, Vector2
 from synthesis.motion import Motion, Stretch
 from synthesis.numerics.peaks import peak, summit
 from synthesis.numerics.piecewise import Array
@@ -204,7 +205,7 @@ class OscillatingFlatFace(Follower):
     def pressure_angle_rows(self, slope: float) -> tuple[Row, ...]:
         return ()
 
-    def profile_radius_measure(self, least: float) -> Measure:
+    def profile_radius_measure(self, flank: Flank, least: float) -> Measure:
         return Measure("face_radius", least, None, float)
 
     def displacement_measure(self, z: tuple[float, ...]) -> Measure:
@@ -317,14 +318,10 @@ class OscillatingFlatFace(Follower):
         v, *_ = self._rates(s)
         return ny - v * ux, -nx - v * uy
 
-    def face_middle(self, s: Any, z: Any) -> Vector2:
+    def face_axis(self, s: Any, z: Any) -> tuple[Vector2, Vector2]:
         (p, q), gamma = self._pivot(z), self.pivot_direction_deg * DEGREE
         d, still = (p * p + q * q) ** 0.5, 0.0 * s[0]
-        return still + d * math.cos(gamma), still + d * math.sin(gamma)
-
-    @property
-    def face_side(self) -> float:
-        return -self.sigma
+        return (still + d * math.cos(gamma), still + d * math.sin(gamma)), self._frame(s, z)[0]
 
     def curvature_terms(self, s: Any, z: Any) -> tuple[Any, Any]:
         (c, e), (v, a, _) = self._levers(s, z), self._rates(s)
@@ -337,9 +334,9 @@ class OscillatingFlatFace(Follower):
 
     def shape(self, motion: Motion, z: tuple[float, ...]) -> Shape:
         wide, s = self.motion_dimensions(motion, z), motion.derivatives([0.0])[:, 0].tolist()
-        (_, (nx, ny)), (x, y) = self._frame(s, z), self.face_middle(s, z)
+        (_, (nx, ny)), ((x, y), _) = self._frame(s, z), self.face_axis(s, z)
         reach = -wide["face_near_mm"], wide["face_far_mm"]
-        left, right = reach if self.face_side > 0.0 else reach[::-1]
+        left, right = reach if self.sigma < 0.0 else reach[::-1]
         foot = float(x - self.face_offset_mm * nx), float(y - self.face_offset_mm * ny)
         return Shape(foot, 0.0, left, right, (float(ny), float(-nx)), (float(x), float(y)))
 

@@ -26,7 +26,8 @@ from typing import Annotated, Any, ClassVar, Literal
 from pydantic import Field, field_validator
 from pydantic_core import PydanticCustomError
 
-from synthesis.followers.base import Follower, Measure, Shape, Sizing, Vector2
+from synthesis.followers.base import Follower, Measure, Shape, Sizing
+from synthesis.followers.flank import Flank, Vector2
 from synthesis.motion import Motion
 from synthesis.numerics.peaks import peak
 from synthesis.terms import Cone, Norm, Row
@@ -116,7 +117,7 @@ class TranslatingFlatFace(Follower):
         cos, _ = self._tilt
         return (Row((-cos, 0.0, -cos, 0.0), (-1.0,), -least),)
 
-    def profile_radius_measure(self, least: float) -> Measure:
+    def profile_radius_measure(self, flank: Flank, least: float) -> Measure:
         return Measure("face_radius", least, None, float)
 
     @property
@@ -149,9 +150,10 @@ class TranslatingFlatFace(Follower):
         (cos, sin), zero = self._tilt, 0.0 * s[0]
         return zero + cos, zero + sin  # J n: the cam turns, the face does not
 
-    def face_middle(self, s: Any, z: Any) -> Vector2:
-        cos, sin = self._tilt
-        return 0.0 * s[0] + self.offset_mm, s[0] + (z[0] + self.offset_mm * sin) / cos
+    def face_axis(self, s: Any, z: Any) -> tuple[Vector2, Vector2]:
+        (cos, sin), zero = self._tilt, 0.0 * s[0]
+        crossed = s[0] + (z[0] + self.offset_mm * sin) / cos  # by the slide's line
+        return (zero + self.offset_mm, crossed), (zero + cos, zero + sin)
 
     def curvature_terms(self, s: Any, z: Any) -> tuple[Any, Any]:
         radius = (s[0] + s[2]) * self._tilt[0] + z[0]
@@ -159,7 +161,7 @@ class TranslatingFlatFace(Follower):
 
     def shape(self, motion: Motion, z: tuple[float, ...]) -> Shape:
         wide = self.motion_dimensions(motion, z)
-        x, y = self.face_middle(motion.derivatives([0.0], 0)[:, 0].tolist(), z)
+        (x, y), _ = self.face_axis(motion.derivatives([0.0], 0)[:, 0].tolist(), z)
         return Shape((x, y), 0.0, wide["face_left_mm"], wide["face_right_mm"], self._tilt)
 
     def dimensions(self, z: tuple[float, ...]) -> Mapping[str, float]:

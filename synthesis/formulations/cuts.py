@@ -7,6 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from synthesis.formulations.exchange import peaks
 from synthesis.formulations.grid import TYPICAL, Grid
 from synthesis.formulations.problem import Problem
 from synthesis.formulations.rows import Block, Drawn, Scales
@@ -109,9 +110,10 @@ def _block(
 
 
 def on_given(curve: Curved, stretch: Stretch, scales: Scales, tighten: float) -> Iterator[Block]:
-    """Half-planes of the size at sampled angles of a given law.
+    """Half-planes of the size from a given law.
 
-    With one size variable the tightest of them says all; the others are left out.
+    With one size variable the tightest to either side say all; with more, those at sampled angles
+    do nearly.
     """
     placed = stretch.placed()
     each = max(2, SAMPLES // placed.count) + 1
@@ -119,14 +121,19 @@ def on_given(curve: Curved, stretch: Stretch, scales: Scales, tighten: float) ->
     theta = (placed.breaks[:-1, None] + np.diff(placed.breaks)[:, None] * step).ravel()
     piece = np.repeat(np.arange(placed.count), each)
     s = np.stack([placed.at(theta, piece, order) for order in range(4)])
-    for cuts in curve.half_planes(s):
-        size = cuts.size * scales.size
-        scale = np.max(np.abs(size), axis=0)
-        rows, rhs = (size / scale).T, cuts.upper / scale
-        if rows.shape[1] == 1:
-            worst = int(np.argmin(rhs))
-            rows, rhs = rows[worst : worst + 1], rhs[worst : worst + 1]
-        yield Block(
-            "size", None, None, np.zeros(len(rhs)), np.zeros(4), rows, 0.0, rhs, curve.source,
-            tighten,
-        )  # fmt: skip
+    families = curve.half_planes(s)
+    normals = np.concatenate([cuts.size.T for cuts in families])
+    offsets = np.concatenate([cuts.upper for cuts in families])
+    if normals.shape[1] == 1:
+        found = peaks(curve, placed, np.zeros(1))
+        sides = [found.normals[:, 0] > 0.0, found.normals[:, 0] < 0.0]
+        worst = [
+            np.flatnonzero(side)[np.argmin(found.offsets[side])] for side in sides if any(side)
+        ]
+        normals, offsets = found.normals[worst], found.offsets[worst]
+    rows = normals * scales.size
+    scale = np.max(np.abs(rows), axis=1)
+    yield Block(
+        "size", None, None, np.zeros(len(rows)), np.zeros(4), rows / scale[:, None], 0.0,
+        offsets / scale, curve.source, tighten,
+    )  # fmt: skip

@@ -19,6 +19,7 @@ from synthesis.errors import SolverFailed
 from synthesis.formulations.convex import formulate
 from synthesis.formulations.given import Blocked, blocked
 from synthesis.formulations.grid import Grid
+from synthesis.formulations.impasse import stalemate
 from synthesis.formulations.parts import Part
 from synthesis.formulations.problem import Problem
 from synthesis.formulations.relaxation import least_value
@@ -51,6 +52,8 @@ def diagnose(
             [core units]; None where there is no such cam.
         deadline: ``time.monotonic()`` after which no further relaxation is looked for.
     """
+    if problem.curved:
+        return stalemate(spec, deadline)
     scene = Scene.of(spec, problem, grids)
     given = blocked(scene.parts, problem)
     members, evidence = _conflict(scene, given, problem)

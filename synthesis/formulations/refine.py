@@ -11,16 +11,16 @@ from numpy.typing import NDArray
 from synthesis.formulations.bound import Bound, bound
 from synthesis.formulations.candidate import Candidate, at_size, needs_size, settle, smallest
 from synthesis.formulations.closed_form import nearest
-from synthesis.formulations.convex import Plan, formulate, natural_scales
-from synthesis.formulations.cuts import Region
+from synthesis.formulations.convex import Plan, formulate
 from synthesis.formulations.grid import CLOSEST_KNOTS, Grid, merged, over, ramps, uniform
+from synthesis.formulations.local import nonlinear
+from synthesis.formulations.missed import ALLOWED, misses
 from synthesis.formulations.pinned import pinned
 from synthesis.formulations.problem import Problem
-from synthesis.formulations.rows import Drawn, row_scale, sampled
+from synthesis.formulations.rows import Drawn
 from synthesis.formulations.search import Search, Stage
 from synthesis.formulations.tangency import turned
 from synthesis.numerics.piecewise import Array, Piecewise
-from synthesis.objectives.rms_jerk import RmsJerk
 from synthesis.solvers.clarabel import ConeSolution, solve
 from synthesis.solvers.statuses import Stopped
 
@@ -28,7 +28,6 @@ ROUNDS = 8
 COARSE, FINE = 12, 96  # intervals of the first grid, by tolerance
 CURVED = 16  # the most of them while rows still have to turn
 MOST_INTERVALS = 240
-ALLOWED = 1e-9  # relative excess of a row that is solver noise: the certificate decides
 USABLE = (Stopped.SOLVED, Stopped.INACCURATE)
 
 
@@ -51,12 +50,13 @@ def search(
         pass
     elif problem.curved and problem.machine.follower.pinning() is not None:
         pinned(state, search)
+        return state
     else:
         first = int(np.clip(3.7 / sqrt(tolerance), COARSE, CURVED if problem.curved else FINE))
         state.grids = tuple(uniform(stretch, first) for stretch in problem.free)
         _climb(state)
     if (state.limited_by_shape or state.short) and state.left() > 0.0:
-        _nonlinear(state)
+        nonlinear(state)
     return state
 
 
@@ -117,8 +117,9 @@ def _weigh(
     """Offer the cam and the bound of one round; where its rows were missed between points."""
     if lower is None:
         return None, [np.zeros(0)] * len(state.grids)
-    found = _read(plan, solution)
-    missed, excess = _missed(state, found)
+    # where rows are turned to the answer, it has been read already
+    found = state.last if state.problem.curved and state.last else _read(plan, solution)
+    missed, excess = misses(state, found)
     if excess <= ALLOWED:
         state.offer(found)
     elif state.tangent:
@@ -162,51 +163,6 @@ def _fraction(state: Search) -> tuple[Plan, ConeSolution, Bound | None]:
 def _read(plan: Plan, solution: ConeSolution) -> Candidate:
     laws, size = plan.recover(solution.x)
     return settle(plan.problem, laws, size)
-
-
-def _missed(state: Search, found: Candidate) -> tuple[list[Array], float]:
-    """Where rows written at points are exceeded between them on the free laws, and how far.
-
-    Returns:
-        points x of every free law, and the largest excess relative to its row.
-    """
-    scales, worst = natural_scales(state.problem), -inf
-    points = []
-    settled = {stretch.index: stretch for stretch in found.problem.stretches}
-    for free, grid in zip(state.problem.free, state.grids, strict=True):
-        x = _between(grid.points)
-        s = settled[free.index].placed().derivatives(free.start + free.angle * x)
-        exceeding = [np.zeros(0)]
-        for row in state.problem.limit_rows(free):
-            if sampled(row, grid.space):
-                size = sum(a * v for a, v in zip(row.size, found.size, strict=False))
-                excess = np.array(row.coefficients) @ s + (size - row.upper)
-                excess /= row_scale(row, free, scales)
-                worst = max(worst, float(np.max(excess)))
-                exceeding.append(x[excess > ALLOWED])
-        for curve in state.problem.curves_on(free):
-            for value in curve.excess(s, found.size):
-                worst = max(worst, float(np.max(value)))
-                exceeding.append(x[value > ALLOWED])
-        points.append(np.unique(np.concatenate(exceeding)))
-    return points, max(worst, _outgrown(state, found))
-
-
-def _outgrown(state: Search, found: Candidate) -> float:
-    """How far the cam has outgrown an earlier objective's radius, closed up between points."""
-    worst = -inf
-    for earlier in state.problem.held:
-        norm = earlier.objective.norm(state.problem.machine)
-        if norm is not None:
-            ratio = norm.value(found.size) / earlier.value
-            worst = max(worst, ratio - 1.0 - 0.01 * state.tolerance)
-    return worst
-
-
-def _between(points: Array) -> Array:
-    """Three points inside every interval."""
-    gaps = np.diff(points)[:, None] * np.array([0.25, 0.5, 0.75])
-    return np.asarray((points[:-1, None] + gaps).ravel())
 
 
 def _denser(grids: tuple[Grid, ...]) -> tuple[Grid, ...]:
@@ -285,48 +241,3 @@ def _report(state: Search, number: int, plan: Plan, solution: ConeSolution, seco
             solution.iterations, seconds, solution.stopped.value,
         )
     )  # fmt: skip
-
-
-def _nonlinear(state: Search) -> None:
-    """Third rung: limits that are not convex, from the relaxation's cam grown out of them."""
-    from synthesis.formulations.nonlinear import improve  # CasADi only where it is needed
-
-    started = time.perf_counter()
-    _smooth_start(state)
-    start = state.best or state.relaxed or state.last
-    if start is None:
-        return
-    drawn = Drawn(state.tighten, state.margin)
-    plan = formulate(state.problem, state.grids, 0.0, drawn, Region())  # smooth forms say more
-    # rows drawn in by a little of what the caller allows save rounds: peaks may lie between them
-    spare = float(np.clip(0.04 * state.tolerance, 1e-7, 1e-3))
-    solution = improve(plan, plan.point(start.laws, start.size), state.deadline, spare)
-    laws, size = plan.recover(solution.x)
-    for keep_hint in (True, False):
-        found = settle(state.problem, laws, size, keep_hint=keep_hint)
-        if _missed(state, found)[1] <= ALLOWED:
-            state.finish(found)
-    state.stages.append(
-        Stage(
-            "nonlinear", "NLP", "IPOPT", len(solution.x), solution.rows, solution.iterations,
-            time.perf_counter() - started, solution.stopped.value,
-        )
-    )  # fmt: skip
-
-
-def _smooth_start(state: Search) -> None:
-    """Another cam to start from: the law of least mean square jerk, grown until limits hold.
-
-    The relaxation's own law uses its freedom to the full, and may be bent so sharply that only
-    a huge cam could carry it.
-    """
-    if not state.problem.free:
-        return
-    gentle = state.problem.with_objective(RmsJerk())
-    plan = formulate(gentle, state.grids, 0.0, Drawn(state.tighten, state.margin))
-    solution = solve(plan.program, state.left())
-    if solution.stopped in USABLE:
-        laws, size = plan.recover(solution.x)
-        found = settle(state.problem, laws, size)
-        if _missed(state, found)[1] <= ALLOWED:
-            state.finish(found)

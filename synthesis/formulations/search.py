@@ -42,6 +42,7 @@ class Search:
         infeasible: the cone program has no point.
         grids: the present knots and points of every free law.
         region: where curved limits are written; tangent: whether they are met there.
+        improved: whether a local optimum was sought on the way.
         last: the last cam read from a cone program, whatever it is worth.
     """
 
@@ -59,6 +60,7 @@ class Search:
     grids: tuple[Grid, ...] = ()
     region: Region | None = None
     tangent: bool = True
+    improved: bool = False
     last: Candidate | None = None
 
     def left(self) -> float:
@@ -70,6 +72,13 @@ class Search:
         if self.relaxed is None or found.value < self.relaxed.value:
             self.relaxed = found
         self.finish(found)
+
+    def accept(self, found: Candidate) -> None:
+        """A cam under all limits; with curved ones the relaxation's may be no better than it."""
+        if self.problem.curved:
+            self.offer(found)
+        else:
+            self.finish(found)
 
     def finish(self, found: Candidate) -> None:
         """Grow a cam until every limit holds, and keep it if it is the best so far."""

@@ -9,6 +9,7 @@ from typing import Annotated, Any, ClassVar, Literal
 
 from pydantic import Field
 
+from synthesis.followers.flank import labelled
 from synthesis.limits.base import Claim, Limit, Machine, times, where
 from synthesis.motion import Stretch, StretchKind
 from synthesis.terms import Curved, Row
@@ -21,7 +22,8 @@ class PressureAngle(Limit):
     """|α| ≤ the rise's limit on every rise, ≤ the return's on every return; dwells are free.
 
     Linear in the motion and the size together for a translating roller: |s' − e| ≤
-    tan α_max (s0 + s). On an arm it is not: the follower then says it as curved.
+    tan α_max (s0 + s). On an arm it is not: the follower then says it as curved. Rises and returns
+    are the program's, for a counter cam too, which falls where the main cam rises.
     """
 
     kind: Literal["pressure_angle"] = "pressure_angle"
@@ -41,8 +43,29 @@ class PressureAngle(Limit):
         largest = self._largest(stretch.kind)
         if largest is None:
             return ()
-        rows = machine.follower.pressure_angle_rows(tan(largest))
-        return tuple(replace(row, source=f"pressure_angle_{stretch.kind}") for row in rows)
+        name, slope = f"pressure_angle_{stretch.kind}", tan(largest)
+        return tuple(
+            replace(row, source=labelled(name, label))
+            for label, path in machine.follower.paths.items()
+            for row in path.pressure_angle_rows(slope)
+        )
+
+    def smooth(self, stretch: Stretch, machine: Machine, s: Any, z: Any) -> tuple[Any, ...]:
+        """What is curved, and of counter rollers that say nothing in rows |n × g| ≤ t n · g."""
+        largest = self._largest(stretch.kind)
+        curves = self.curved(stretch, machine)
+        found: list[Any] = [value for curve in curves for value in curve.excess(s, z)]
+        for label in () if largest is None else machine.follower.companions:
+            path, slope = machine.follower.paths[label], tan(largest or 0.0)
+            if path.pressure_angle_rows(slope):
+                continue
+            (px, py), (dx, dy), *_ = path.traced_point(s, z)
+            nx, ny = path.normal((dx + py, dy - px), s, z)
+            (gx, gy), _ = path.direction(s, z)
+            length = (nx * nx + ny * ny) ** 0.5
+            across, along = gx * ny - gy * nx, slope * (gx * nx + gy * ny)
+            found += [(across - along) / length, (-across - along) / length]
+        return tuple(found)
 
     def curved(self, stretch: Stretch, machine: Machine) -> tuple[Curved, ...]:
         largest = self._largest(stretch.kind)
@@ -51,15 +74,11 @@ class PressureAngle(Limit):
         curves = machine.follower.pressure_angle_curves(tan(largest))
         return tuple(replace(curve, source=f"pressure_angle_{stretch.kind}") for curve in curves)
 
-    def smooth(self, stretch: Stretch, machine: Machine, s: Any, z: Any) -> tuple[Any, ...]:
-        curves = self.curved(stretch, machine)
-        return tuple(value for curve in curves for value in curve.excess(s, z))
-
     def claims(self, stretches: Sequence[Stretch], machine: Machine) -> tuple[Claim, ...]:
         kinds: tuple[StretchKind, ...] = ("rise", "return", "dwell")
         return tuple(
             Claim(
-                f"pressure_angle_{kind}",
+                labelled(f"pressure_angle_{kind}", path),
                 "pressure_angle",
                 where(stretches, kind),
                 -largest,
@@ -67,7 +86,9 @@ class PressureAngle(Limit):
                 "deg",
                 times(1.0 / DEGREE),
                 f"pressure_angle/{kind}_deg",
+                path,
             )
+            for path in machine.follower.paths
             for kind in kinds
             if (largest := self._largest(kind)) is not None and where(stretches, kind)
         )
