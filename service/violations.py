@@ -34,6 +34,8 @@ PLACES = {
     "pressure_angle_given": ("objective",),
     "pressure_angle_not_weighed": ("objective",),
     "limit_does_not_suit": ("limits",),
+    "face_turns_with_cam": ("program",),
+    "face_swings_too_far": ("follower", "centre_distance_mm"),
     "cam_off_the_shaft": ("cams", "{position}", "spec", "{field}"),
     "groove_needs_roller": ("follower", "roller_radius_mm"),
     "roller_fills_ring": ("base_radius_mm",),

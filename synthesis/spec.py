@@ -159,7 +159,7 @@ class DesignSpec(BaseModel):
                 "pressure_angle instead, and lower its value while base_radius stays small enough.",
                 {"kind": self.follower.kind},
             )
-        if not self.follower.pressure_angle_rows(1.0):
+        if all(row.constant for row in self.follower.pressure_angle_rows(1.0)):
             raise PydanticCustomError(
                 "pressure_angle_given",
                 "objective peak_pressure_angle is not on offer for a {kind} follower: a flat face "

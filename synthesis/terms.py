@@ -35,6 +35,11 @@ class Row:
     level: float = 0.0
     source: str = ""
 
+    @property
+    def constant(self) -> bool:
+        """Whether neither the motion nor the size has a say in it: it holds, or nothing helps."""
+        return not (any(self.coefficients) or any(self.size) or self.level)
+
 
 def derivative(order: int, factor: float) -> tuple[float, float, float, float]:
     """Coefficients of a row that holds ``factor`` times the ``order``-th derivative alone."""
@@ -100,10 +105,12 @@ class Curved(ABC):
 
     For a settled motion it is linear in the size, exactly; where it is nearly convex, rows follow
     from it point by point. ``source``: as of a row. ``order``: highest derivative in it.
+    ``turns``: whether ``cuts`` says anything.
     """
 
     source: str
     order: ClassVar[int] = 3
+    turns: ClassVar[bool] = True
 
     @abstractmethod
     def excess(self, s: Any, z: Any) -> tuple[Any, ...]:

@@ -76,7 +76,8 @@ class Shape:
 
     Attributes:
         centre: where its stem begins. roller: radius about it, 0 where there is no roller.
-        left, right: how far a face reaches to either side, both 0 where there is no face.
+        left, right: how far a face reaches from there to either side, both 0 where there is none.
+        along: unit vector along the face, to the right.
         pivot: of an arm, None where the follower slides.
     """
 
@@ -84,6 +85,7 @@ class Shape:
     roller: float
     left: float = 0.0
     right: float = 0.0
+    along: tuple[float, float] = (1.0, 0.0)
     pivot: tuple[float, float] | None = None
 
 
@@ -101,6 +103,7 @@ class Follower(BaseModel, ABC):
     title: ClassVar[str]
     size_charts: ClassVar[tuple[tuple[str, ...], ...]]  # names of z, by what is given
     always_convex: ClassVar[bool] = False  # a profile that is not undercut has no hollows
+    face_ends: ClassVar[tuple[str, ...]] = ()  # of a flat face, as in the limit on its width
 
     @property
     def size_names(self) -> tuple[str, ...]:
@@ -167,6 +170,18 @@ class Follower(BaseModel, ABC):
         """|tan α| ≤ slope where it is not linear in s, s' and z together; otherwise ()."""
         return ()
 
+    def profile_radius_curves(self, least: float) -> tuple[Curved, ...]:
+        """Profile radius ≥ least [mm] where every half-plane of the size is known; otherwise ()."""
+        return ()
+
+    def contact_curves(self, end: str, reach: float) -> tuple[Curved, ...]:
+        """Contact on this side of an end of the face, ``reach`` [mm] from its middle, likewise."""
+        return ()
+
+    def outer_radius_curves(self, largest: float) -> tuple[Curved, ...]:
+        """Largest radius of the traced curve ≤ largest [mm] where it is not a norm of z."""
+        return ()
+
     def pinning(self) -> Pinning | None:
         """A free dimension that, once it is fixed, leaves curved limits with rows; None: none."""
         return None
@@ -203,6 +218,10 @@ class Follower(BaseModel, ABC):
 
     def face_turn(self, s: Any, z: Any) -> Vector2:
         """How the face's unit normal n turns as seen from the cam: n' + J n; only with a face."""
+        raise NotImplementedError(f"{self.kind} has no face")
+
+    def face_axis(self, s: Any, z: Any) -> tuple[Vector2, Vector2]:
+        """Where a face's reach is measured from, and the unit vector along it; only with one."""
         raise NotImplementedError(f"{self.kind} has no face")
 
     def adjustable(self) -> Mapping[str, float | Range | None]:
@@ -336,10 +355,11 @@ class Follower(BaseModel, ABC):
         return np.hypot(away[0], away[1]) - self.roller_radius
 
     @abstractmethod
-    def outermost(self, s_max: float) -> Norm:
+    def outermost(self, s_max: float) -> Norm | None:
         """Largest radius of the traced curve, at displacement ``s_max``, as a norm of z.
 
-        Or what grows with that radius, as for ``prime_radius``.
+        Or what grows with that radius, as for ``prime_radius``; None where it is no norm: then
+        ``outer_radius_curves`` say it.
         """
 
     def nearest(self, s_max: float) -> float:

@@ -10,6 +10,7 @@ import numpy as np
 from synthesis.formulations.parts import LimitPart, Part
 from synthesis.formulations.problem import Problem
 from synthesis.motion import Stretch
+from synthesis.terms import Row
 from synthesis.units import DEGREE
 
 JUMP = 1e-9  # of lift/β^k: what rounding may leave between two sides
@@ -37,6 +38,8 @@ def blocked(parts: Sequence[Part], problem: Problem) -> dict[int, Blocked]:
             value = part.least(replace(problem, stretches=(stretch,)), None)
             if value is None or value > part.asked:
                 note = f"program/{stretch.index} has a given law that needs this much by itself"
+                if _fixed(part, problem):
+                    note = "the follower needs this much by itself, whatever law and size"
                 previous = found.get(position)
                 if previous is None or value is None or value > (previous.value or value):
                     found[position] = Blocked(value, note)
@@ -45,12 +48,20 @@ def blocked(parts: Sequence[Part], problem: Problem) -> dict[int, Blocked]:
 
 def _order(part: LimitPart, problem: Problem) -> int:
     """Highest derivative in the part's rows, 0 if none: those below must not jump."""
-    highest = 0
-    for position, _ in part.where:
-        rows = problem.limits[position].rows(problem.stretches[0], problem.machine)
-        for row in part.own(rows):
-            highest = max(highest, *(k for k, a in enumerate(row.coefficients) if a != 0.0))
-    return highest
+    orders = (k for row in _rows(part, problem) for k, a in enumerate(row.coefficients) if a != 0.0)
+    return max(orders, default=0)
+
+
+def _fixed(part: LimitPart, problem: Problem) -> bool:
+    """Whether neither law nor size has a say in the part."""
+    return all(row.constant for row in _rows(part, problem))
+
+
+def _rows(part: LimitPart, problem: Problem) -> Iterator[Row]:
+    """The part's rows wherever it has any."""
+    for stretch in problem.stretches:
+        for position, _ in part.where:
+            yield from part.own(problem.limits[position].rows(stretch, problem.machine))
 
 
 def _jumps(problem: Problem, order: int) -> Iterator[str]:

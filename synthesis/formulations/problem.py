@@ -76,9 +76,12 @@ class Problem:
         yield from self.objective.rows(stretch, self.machine, level)
 
     def limit_rows(self, stretch: Stretch) -> Iterator[Row]:
-        """The rows on one stretch that do not speak of the objective at hand."""
+        """The rows on one stretch that do not speak of the objective at hand.
+
+        Constant ones leave nothing to choose: whether they hold is the certificate's business.
+        """
         for limit in self.limits:
-            yield from limit.rows(stretch, self.machine)
+            yield from (row for row in limit.rows(stretch, self.machine) if not row.constant)
         for earlier in self.held:
             for row in earlier.objective.rows(stretch, self.machine, earlier.value):
                 value = 0.0 if earlier.objective.fractional else earlier.value
