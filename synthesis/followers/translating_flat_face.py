@@ -23,10 +23,9 @@ import math
 from collections.abc import Mapping, Sequence
 from typing import Annotated, Any, ClassVar, Literal
 
+import numpy as np
 from pydantic import Field, field_validator
 from pydantic_core import PydanticCustomError
-
-import numpy as np
 
 from synthesis.followers.base import Follower, Measure, Shape, Sizing
 from synthesis.followers.flank import Flank, Vector2
