@@ -16,11 +16,55 @@ StretchKind = Literal["rise", "dwell", "return"]
 
 
 @dataclass(frozen=True)
+class EndState:
+    """What is asked of the motion at one end of a segment; None is left to the neighbour.
+
+    Attributes:
+        velocity, acceleration: s' [mm/rad] and s'' [mm/rad²] just inside the segment.
+    """
+
+    velocity: float | None = None
+    acceleration: float | None = None
+
+    @property
+    def known(self) -> tuple[float | None, float | None]:
+        """s' and s'' in this order."""
+        return self.velocity, self.acceleration
+
+    def normalised(self, angle: float, scale: float) -> tuple[float | None, float | None]:
+        """g' and g'' for s = s_start + scale · g((θ − start)/angle)."""
+        v, a = self.known
+        return (
+            None if v is None else v * angle / scale,
+            None if a is None else a * angle**2 / scale,
+        )
+
+    def or_else(self, other: EndState) -> EndState:
+        """What is not asked here is taken from ``other``."""
+        v, a = self.known
+        return EndState(other.velocity if v is None else v, other.acceleration if a is None else a)
+
+
+ANY_STATE = EndState()
+
+
+@dataclass(frozen=True)
 class FreeLaw:
-    """A law that is part of the answer: a spline of class C^smoothness."""
+    """A law that is part of the answer: a spline of class C^smoothness.
+
+    Attributes:
+        smoothness: number of continuous derivatives inside. overshoot: may it move backwards.
+        joins: how many derivatives it shares with its neighbours at its start and at its end;
+            fewer than the smoothness where a state is asked for that the neighbour has not.
+    """
 
     smoothness: int
     overshoot: bool
+    joins: tuple[int, int] = (4, 4)
+
+    def promised(self, *, at_start: bool) -> int:
+        """Derivatives that do not jump at one of its ends."""
+        return min(self.smoothness, self.joins[0 if at_start else 1])
 
 
 @dataclass(frozen=True, eq=False)
@@ -35,6 +79,7 @@ class Stretch:
         law: the normalised law g(x), 0 to 1 over x in [0, 1], so that
             s = s_start + (s_end − s_start) g((θ − start)/β); None while it is free.
         free: what a free law must satisfy; None where the law is given.
+        at_start, at_end: states asked for at its two ends.
     """
 
     index: int
@@ -45,6 +90,8 @@ class Stretch:
     s_end: float
     law: Piecewise | None
     free: FreeLaw | None = None
+    at_start: EndState = ANY_STATE
+    at_end: EndState = ANY_STATE
 
     @property
     def end(self) -> float:

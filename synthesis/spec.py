@@ -16,6 +16,7 @@ from synthesis.limits.profile_radius import ProfileRadius
 from synthesis.motion import Stretch
 from synthesis.objectives import AnyObjective
 from synthesis.objectives.base_radius import BaseRadius
+from synthesis.placing import placed
 from synthesis.program import Segment
 from synthesis.ranges import Dimension, Range, ends
 from synthesis.units import FULL_TURN, rad_per_s
@@ -49,6 +50,14 @@ class DesignSpec(BaseModel):
     limits: Annotated[
         list[AnyLimit], Field(max_length=50, description="What may not be exceeded.")
     ] = []
+    continuity: Annotated[
+        Literal[0, 1, 2, 3, 4] | None,
+        Field(
+            description="How many derivatives of the displacement may jump nowhere on the turn. "
+            "Splines are made that smooth; where named laws jump the design is infeasible and "
+            "the extreme says by how much and where. Left out: jumps of named laws are reported.",
+        ),
+    ] = None
     objective: Annotated[
         AnyObjective | Annotated[list[AnyObjective], Field(min_length=1, max_length=10)],
         Field(
@@ -80,8 +89,8 @@ class DesignSpec(BaseModel):
                 {"turn": round(turn, 9), "verb": "Add" if turn < 360.0 else "Remove",
                  "difference": round(abs(360.0 - turn), 9)},
             )  # fmt: skip
-        rest = math.fsum(segment.signed_lift for segment in self.program)
-        largest = max(abs(segment.signed_lift) for segment in self.program)
+        lifts = self.lifts()
+        rest, largest = math.fsum(lifts), max(map(abs, lifts))
         if abs(rest) > 1e-9 * largest:
             raise PydanticCustomError(
                 "program_lift",
@@ -95,6 +104,11 @@ class DesignSpec(BaseModel):
                 "The follower never moves: program holds no rise and no return. Add both.",
                 {},
             )
+        return self
+
+    @model_validator(mode="after")
+    def _states_fit(self) -> DesignSpec:
+        self.stretches()
         return self
 
     @model_validator(mode="after")
@@ -153,23 +167,30 @@ class DesignSpec(BaseModel):
         """The follower and the cam's speed."""
         return Machine(self.follower, rad_per_s(self.speed_rpm))
 
+    def lifts(self) -> list[float]:
+        """Displacement gained over every segment [mm]."""
+        omega = rad_per_s(self.speed_rpm)
+        return [segment.gain(omega) for segment in self.program]
+
+    def _levels(self) -> list[float]:
+        """Displacement at the ends of the segments, from where the program starts [mm]."""
+        return list(accumulate(self.lifts(), initial=0.0))
+
     def stretches(self) -> tuple[Stretch, ...]:
         """The program placed on the cam, displacements measured from the lowest position."""
         turn = math.fsum(segment.angle_deg for segment in self.program)
         ends_deg = list(accumulate((segment.angle_deg for segment in self.program), initial=0.0))
         angles = [FULL_TURN * value / turn for value in ends_deg]
         angles[-1] = FULL_TURN
-        levels = list(accumulate((seg.signed_lift for seg in self.program), initial=0.0))
+        levels = self._levels()
         lowest = min(levels)
-        placed = []
-        for i, segment in enumerate(self.program):
-            level = levels[i] - lowest
-            placed.append(segment.stretch(i, angles[i], angles[i + 1] - angles[i], level))
-        return tuple(placed)
+        starts = [level - lowest for level in levels[:-1]]
+        omega = rad_per_s(self.speed_rpm)
+        return placed(self.program, angles, starts, omega, self.continuity or 0)
 
     def stroke(self) -> float:
         """Highest less lowest displacement [mm]: the unit of length inside the formulations."""
-        levels = list(accumulate((seg.signed_lift for seg in self.program), initial=0.0))
+        levels = self._levels()
         return max(levels) - min(levels)
 
     def base_radius_range(self) -> tuple[float, float]:
