@@ -109,6 +109,7 @@ def _segments(spec: DesignSpec, cam: Cam) -> list[SegmentMotion]:
                 degree=space.degree,
                 knots=space.breaks.tolist(),
                 coefficients=coefficients.tolist(),
+                unit_mm=None if stretch.readings is None else stretch.unit,
             )
         found.append(
             SegmentMotion(

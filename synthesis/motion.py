@@ -12,7 +12,8 @@ from numpy.typing import ArrayLike
 from synthesis.numerics.piecewise import Array, Piecewise, Side, join
 from synthesis.units import FULL_TURN
 
-StretchKind = Literal["rise", "dwell", "return"]
+Sense = Literal["rise", "dwell", "return"]
+StretchKind = Literal["rise", "dwell", "return", "table"]
 
 
 @dataclass(frozen=True)
@@ -68,18 +69,33 @@ class FreeLaw:
 
 
 @dataclass(frozen=True, eq=False)
+class Readings:
+    """A table that a stretch has to follow.
+
+    Attributes:
+        x: (m,) where, as fractions of the stretch. s: (m,) displacement there [mm].
+        tolerance: how far the motion may pass them [mm].
+    """
+
+    x: Array
+    s: Array
+    tolerance: float
+
+
+@dataclass(frozen=True, eq=False)
 class Stretch:
     """One segment of the motion program, placed on the cam.
 
     Attributes:
         index: position in the program, from 0.
-        kind: rise, dwell or return.
+        kind: rise, dwell or return; a table that moves both ways is neither.
         start, angle: cam angle where it starts, and its length β [rad].
         s_start, s_end: displacement at its ends [mm], measured from the lowest position.
-        law: the normalised law g(x), 0 to 1 over x in [0, 1], so that
-            s = s_start + (s_end − s_start) g((θ − start)/β); None while it is free.
+        law: the normalised law g(x), 0 to 1 over x in [0, 1] (of a table: to lift/unit), so that
+            s = s_start + unit · g((θ − start)/β); None while it is free.
         free: what a free law must satisfy; None where the law is given.
         at_start, at_end: states asked for at its two ends.
+        readings: the table that it has to follow, None where it follows none.
     """
 
     index: int
@@ -92,6 +108,7 @@ class Stretch:
     free: FreeLaw | None = None
     at_start: EndState = ANY_STATE
     at_end: EndState = ANY_STATE
+    readings: Readings | None = None
 
     @property
     def end(self) -> float:
@@ -103,6 +120,16 @@ class Stretch:
         """s_end − s_start [mm]: negative on a return."""
         return self.s_end - self.s_start
 
+    @property
+    def senses(self) -> tuple[Sense, ...]:
+        """The ways in which it moves: a table that turns back, both."""
+        return ("rise", "return") if self.kind == "table" else (self.kind,)
+
+    @property
+    def unit(self) -> float:
+        """What g is multiplied by [mm]: the lift, of a table the range it runs through."""
+        return self.lift if self.readings is None else float(np.ptp(self.readings.s))
+
     def with_law(self, law: Piecewise) -> Stretch:
         """The same stretch with its law settled."""
         return replace(self, law=law)
@@ -111,7 +138,7 @@ class Stretch:
         """s(θ) on this stretch [mm over rad]; the law must be settled."""
         if self.law is None:
             raise ValueError(f"the law of stretch {self.index} is still free")
-        return self.law.placed(self.start, self.angle, self.s_start, self.lift)
+        return self.law.placed(self.start, self.angle, self.s_start, self.unit)
 
 
 @dataclass(frozen=True, eq=False)

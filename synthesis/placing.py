@@ -123,7 +123,7 @@ def _differ(
 ) -> bool:
     if one is None or other is None:
         return False
-    scale = max(abs(s.lift) / s.angle**order for s in (left, right))
+    scale = max(abs(s.unit) / s.angle**order for s in (left, right))
     return abs(one - other) > SAME * max(scale, abs(one), abs(other))
 
 
@@ -165,9 +165,17 @@ def _rougher(stretch: Stretch, end: int) -> Stretch:
 
 def _forwards(stretch: Stretch, end: str, state: EndState, omega: float) -> None:
     """A free law that may not move backwards cannot have a state that makes it."""
-    if stretch.free is None or stretch.free.overshoot:
-        return
     asked = stretch.at_end if end == "end" else stretch.at_start
+    if stretch.free is None:
+        return
+    if state.velocity is None and asked.acceleration is not None:
+        raise _error(
+            "acceleration_alone", asked.acceleration * omega**2, stretch.index, end,
+            "mm/s² at the {end} of program/{segment} is asked for without a velocity, between "
+            "two splines. Give velocity_mm_per_s with it, or leave both out",
+        )  # fmt: skip
+    if stretch.free.overshoot:
+        return
     forward = 1.0 if stretch.lift > 0.0 else -1.0
     scale = abs(stretch.lift) / stretch.angle
     v, a = state.velocity, asked.acceleration
@@ -183,12 +191,6 @@ def _forwards(stretch: Stretch, end: str, state: EndState, omega: float) -> None
         raise _error(
             "state_backwards", a * omega**2, stretch.index, end,
             f"mm/s² and no velocity {words}{way_out}", kind=stretch.kind,
-        )  # fmt: skip
-    if v is None and asked.acceleration is not None:
-        raise _error(
-            "acceleration_alone", asked.acceleration * omega**2, stretch.index, end,
-            "mm/s² at the {end} of program/{segment} is asked for without a velocity, between "
-            "two splines. Give velocity_mm_per_s with it, or leave both out",
         )  # fmt: skip
 
 

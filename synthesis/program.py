@@ -3,17 +3,21 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from functools import cached_property
 from typing import Annotated, Literal
 
+import numpy as np
 from pydantic import BaseModel, ConfigDict, Field, model_validator
 from pydantic_core import PydanticCustomError
 
+from synthesis import table
 from synthesis.laws import AnyLaw, SplineLaw
-from synthesis.motion import ANY_STATE, EndState, Stretch, StretchKind
-from synthesis.numerics.piecewise import Piecewise
+from synthesis.motion import ANY_STATE, EndState, FreeLaw, Readings, Stretch, StretchKind
+from synthesis.numerics.piecewise import Array, Piecewise
 from synthesis.units import DEGREE
 
 LINE = Piecewise.of([0.0, 1.0], [[0.0, 1.0]])
+TABLE_JOINS = 2  # derivatives that a smoothed table shares with its neighbours
 STILL = Piecewise.of([0.0, 1.0], [[0.0]])
 Angle = Annotated[float, Field(gt=0.0, le=360.0, description="Cam angle of the segment [deg].")]
 Lift = Annotated[
@@ -45,6 +49,14 @@ class State(BaseModel):
         return EndState(None if v is None else v / omega, None if a is None else a / omega**2)
 
 
+def _states(start: State | None, end: State | None, omega: float) -> tuple[EndState, EndState]:
+    """Both end states per radian; nothing asked where nothing is given."""
+    first, last = (
+        ANY_STATE if state is None else state.per_radian(omega) for state in (start, end)
+    )
+    return first, last
+
+
 class _Segment(BaseModel):
     model_config = ConfigDict(frozen=True, extra="forbid", allow_inf_nan=False)
 
@@ -67,6 +79,11 @@ class _Segment(BaseModel):
     def overshoots(self) -> bool:
         """Whether it may move backwards."""
         return False
+
+    def span(self, omega: float) -> tuple[float, float]:
+        """Lowest and highest displacement on the segment, from its start [mm]."""
+        gain = self.gain(omega)
+        return min(gain, 0.0), max(gain, 0.0)
 
     def gain(self, omega: float) -> float:
         """Displacement gained over the segment [mm] at cam speed ω [rad/s]."""
@@ -130,10 +147,7 @@ class _Move(_Segment):
         omega: float,
     ) -> Stretch:
         s_end = s_start + self.signed_lift
-        first, last = (
-            ANY_STATE if state is None else state.per_radian(omega)
-            for state in (self.start, self.end)
-        )
+        first, last = _states(self.start, self.end, omega)
         placed = Stretch(
             index, kind, start, angle, s_start, s_end, None, self.law.free(), first, last
         )
@@ -230,4 +244,109 @@ class ConstantSpeed(_Segment):
         return Stretch(index, kind, start, angle, s_start, s_start + gain, LINE)
 
 
-Segment = Annotated[Rise | Dwell | Return | ConstantSpeed, Field(discriminator="kind")]
+class Table(_Segment):
+    """The follower runs through a table, smoothed within a tolerance.
+
+    The motion is the spline of least mean square jerk that passes no row by more than the
+    tolerance and joins its neighbours with their velocity and acceleration. Only differences of
+    the displacements count. A table that moves both ways is held to the pressure-angle limits of
+    rises and of returns; for either alone, split it where it turns.
+    """
+
+    kind: Literal["table"] = "table"
+    angle_deg: Angle
+    points: Annotated[
+        list[tuple[float, float]] | None,
+        Field(
+            max_length=table.MOST,
+            description="Rows: cam angle from the segment's start [deg], displacement [mm]. The "
+            "first row is at 0, the last at angle_deg; on a whole turn that one may be missing.",
+        ),
+    ] = None
+    angles_deg: Annotated[
+        list[float] | None,
+        Field(max_length=table.MOST, description="The first column, instead of points [deg]."),
+    ] = None
+    displacements_mm: Annotated[
+        list[float] | None,
+        Field(max_length=table.MOST, description="The second column, instead of points [mm]."),
+    ] = None
+    tolerance_mm: Annotated[
+        float,
+        Field(ge=1e-7, le=1e3, description="How far the motion may pass a row [mm]."),
+    ]
+    lift_mm: Annotated[
+        float | None,
+        Field(
+            ge=-1e6,
+            le=1e6,
+            description="Displacement gained, with its sign [mm], where the table's own is "
+            "inexact; left out: last row less first row, on a whole turn 0.",
+        ),
+    ] = None
+    smoothness: Annotated[
+        Literal[2, 3, 4], Field(description="Number of continuous derivatives.")
+    ] = 4
+    start: State | None = Field(None, description="Velocity and acceleration at its start.")
+    end: State | None = Field(None, description="Velocity and acceleration at its end.")
+
+    @cached_property
+    def _table(self) -> tuple[Array, Array]:
+        """Fractions of the segment, and displacement from the segment's start [mm]."""
+        degrees, s = table.columns(self.points, self.angles_deg, self.displacements_mm)
+        table.check(degrees, self.angle_deg)
+        degrees, s = table.closed(degrees, s, self.angle_deg)
+        return degrees / degrees[-1], s - (s[0] + s[-1] - self._gain(s)) / 2.0
+
+    def _gain(self, s: Array) -> float:
+        whole = self.angle_deg >= table.WHOLE_TURN
+        own = 0.0 if whole else float(s[-1] - s[0])
+        return own if self.lift_mm is None else self.lift_mm
+
+    @model_validator(mode="after")
+    def _makes_sense(self) -> Table:
+        s = self._table[1]
+        error = abs(float(s[-1] - s[0]) - self._gain(s))
+        if error > 2.0 * self.tolerance_mm:
+            raise PydanticCustomError(
+                "table_lift",
+                "{error} mm lie between the lift of the table, {lift} mm, and the one asked for: "
+                "more than twice its tolerance. Correct lift_mm or the table; a table of a whole "
+                "turn ends where it begins.",
+                {"error": error, "lift": float(s[-1] - s[0])},
+            )
+        if float(np.ptp(s)) <= 2.0 * self.tolerance_mm:
+            raise PydanticCustomError(
+                "table_still",
+                "{range} mm is all that the table moves, within its tolerance. "
+                "Use a dwell, or a smaller tolerance_mm.",
+                {"range": float(np.ptp(s))},
+            )
+        return self
+
+    @property
+    def law_name(self) -> str:
+        return "table"
+
+    def gain(self, omega: float) -> float:
+        return self._gain(self._table[1])
+
+    def span(self, omega: float) -> tuple[float, float]:
+        s = self._table[1]
+        ends = (0.0, self.gain(omega))
+        return min(float(s.min()), *ends), max(float(s.max()), *ends)
+
+    def stretch(
+        self, index: int, start: float, angle: float, s_start: float, omega: float = 1.0
+    ) -> Stretch:
+        x, s = self._table
+        readings = Readings(x, s_start + s, self.tolerance_mm)
+        return Stretch(
+            index, table.sense(s, self.tolerance_mm), start, angle, s_start,
+            s_start + self.gain(omega), None,
+            FreeLaw(self.smoothness, overshoot=True, joins=(TABLE_JOINS, TABLE_JOINS)),
+            *_states(self.start, self.end, omega), readings,
+        )  # fmt: skip
+
+
+Segment = Annotated[Rise | Dwell | Return | ConstantSpeed | Table, Field(discriminator="kind")]

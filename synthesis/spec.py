@@ -90,7 +90,7 @@ class DesignSpec(BaseModel):
                  "difference": round(abs(360.0 - turn), 9)},
             )  # fmt: skip
         lifts = self.lifts()
-        rest, largest = math.fsum(lifts), max(map(abs, lifts))
+        rest, largest = math.fsum(lifts), self.stroke()
         if abs(rest) > 1e-9 * largest:
             raise PydanticCustomError(
                 "program_lift",
@@ -176,6 +176,15 @@ class DesignSpec(BaseModel):
         """Displacement at the ends of the segments, from where the program starts [mm]."""
         return list(accumulate(self.lifts(), initial=0.0))
 
+    def _reach(self) -> tuple[float, float]:
+        """Lowest and highest displacement, from where the program starts [mm]."""
+        omega = rad_per_s(self.speed_rpm)
+        spans = [segment.span(omega) for segment in self.program]
+        both = [
+            (at + low, at + high) for at, (low, high) in zip(self._levels(), spans, strict=False)
+        ]
+        return min(low for low, _ in both), max(high for _, high in both)
+
     def stretches(self) -> tuple[Stretch, ...]:
         """The program placed on the cam, displacements measured from the lowest position."""
         turn = math.fsum(segment.angle_deg for segment in self.program)
@@ -183,15 +192,15 @@ class DesignSpec(BaseModel):
         angles = [FULL_TURN * value / turn for value in ends_deg]
         angles[-1] = FULL_TURN
         levels = self._levels()
-        lowest = min(levels)
+        lowest, _ = self._reach()
         starts = [level - lowest for level in levels[:-1]]
         omega = rad_per_s(self.speed_rpm)
         return placed(self.program, angles, starts, omega, self.continuity or 0)
 
     def stroke(self) -> float:
         """Highest less lowest displacement [mm]: the unit of length inside the formulations."""
-        levels = self._levels()
-        return max(levels) - min(levels)
+        lowest, highest = self._reach()
+        return highest - lowest
 
     def base_radius_range(self) -> tuple[float, float]:
         """Smallest and largest base radius [mm]; an open end is at 1e-3 or 1e4 strokes."""
@@ -211,7 +220,7 @@ class DesignSpec(BaseModel):
     def left_free(self) -> Iterator[tuple[str, Any]]:
         """JSON pointer and value of everything that the answer would have to choose."""
         for stretch in self.stretches():
-            if stretch.law is None and stretch.angle > 0.0:
+            if stretch.law is None and stretch.readings is None and stretch.angle > 0.0:
                 yield f"/program/{stretch.index}/law", self.program[stretch.index].law_name
         sizes = {
             "/base_radius_mm": self.base_radius_mm,

@@ -11,6 +11,7 @@ from synthesis.certify.joints import NAMES, UNITS, joins
 from synthesis.certify.overshoot import overshoot
 from synthesis.certify.quantities import QUANTITIES, Size, corner, enclose_all, infinite
 from synthesis.certify.states import states
+from synthesis.certify.tables import tables
 from synthesis.design import Extreme
 from synthesis.limits.base import Claim, Limit, Machine
 from synthesis.motion import Motion
@@ -37,7 +38,7 @@ def certify(
     Returns:
         one extreme per claim of the limits, in their order, then what every cam must satisfy:
         a base radius, a follower that stands beside the cam, a motion that is continuous and
-        has the states asked of it and keeps the promises of its spline laws.
+        has the states asked of it, follows its tables and keeps the promises of its spline laws.
     """
     size = tuple(float(value) for value in size)
     course = Course(motion)
@@ -50,8 +51,8 @@ def certify(
         mine = [i for i, claim in enumerate(claims) if claim.quantity == name]
         extremes = _judge(name, course, machine, size, [claims[i] for i in mine])
         found.update(zip(mine, extremes, strict=True))
-    promised = [*joins(course, machine, continuity), *states(course, machine), *overshoot(course)]
-    always = [*stands(machine, size), *promised]
+    promised = [*joins(course, machine, continuity), *states(course, machine), *tables(course)]
+    always = [*stands(machine, size), *promised, *overshoot(course)]
     return [*(found[i] for i in range(len(claims))), *always]
 
 

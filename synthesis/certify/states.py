@@ -44,7 +44,7 @@ def _misses(course: Course, order: int) -> Iterator[tuple[float, float, float, s
 
 
 def _allowed(stretch: Stretch, order: int, wanted: float) -> float:
-    return JOIN_TOLERANCE * max(abs(stretch.lift) / stretch.angle**order, abs(wanted))
+    return JOIN_TOLERANCE * max(abs(stretch.unit) / stretch.angle**order, abs(wanted))
 
 
 def _extreme(
