@@ -22,6 +22,11 @@ def segment(index: int, **fields: Any) -> Change:
     return lambda body: body["program"][index].update(fields)
 
 
+def table(*rows: list[Any]) -> Change:
+    fields = {"kind": "table", "angle_deg": 60, "tolerance_mm": 0.01, "points": list(rows)}
+    return lambda body: body["program"].__setitem__(0, fields)
+
+
 def follower(**fields: Any) -> Change:
     return lambda body: body["follower"].update(fields)
 
@@ -93,6 +98,22 @@ TABLE: dict[str, tuple[Change, str, Any, str]] = {
     ),
     "constant velocity of no size": (
         segment(1, kind="constant_velocity"), "/program/1", 0, "exactly one",
+    ),
+    "a table out of order": (
+        table([0, 1], [20, 3], [20, 9], [40, 19], [60, 31]), "/program/0", 20.0, "Remove one",
+    ),
+    "a table with a hole": (
+        table([0, 1], [20, 3], [30, None], [60, 31]), "/program/0/points/2/1", None, "number",
+    ),
+    "a table of columns that differ": (
+        lambda body: table()(body) or segment(
+            0, points=None, angles_deg=[0, 60], displacements_mm=[0]
+        )(body),
+        "/program/0", 2, "as many of one",
+    ),
+    "a table of no tolerance": (
+        segment(0, kind="table", points=[[0, 0], [60, 30]]), "/program/0/tolerance_mm", None,
+        "required",
     ),
     "continuity of a fifth derivative": (changed(continuity=5), "/continuity", 5, "3, 4"),
     "unknown follower": (follower(kind="flat"), "/follower/kind", "flat", "translating_roller"),
