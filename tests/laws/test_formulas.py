@@ -180,6 +180,8 @@ PULSES: dict[str, tuple[list[float], Branch]] = {
         ("scca_cv20", [0.1, 0.3, 0.4],
          [lambda x: np.sin(5 * pi * x), lambda x: 1 + 0 * x,
           lambda x: np.cos(5 * pi * (x - 0.3))]),
+        ("trapezoidal_acceleration", [1 / 8, 3 / 8, 1 / 2],
+         [lambda x: 8 * x, lambda x: 1 + 0 * x, lambda x: 8 * (1 / 2 - x)]),
         ("modified_trapezoid", [1 / 8, 3 / 8, 1 / 2],
          [lambda x: np.sin(4 * pi * x), lambda x: 1 + 0 * x,
           lambda x: np.cos(4 * pi * (x - 3 / 8))]),
