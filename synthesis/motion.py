@@ -17,10 +17,14 @@ StretchKind = Literal["rise", "dwell", "return"]
 
 @dataclass(frozen=True)
 class FreeLaw:
-    """A law that is part of the answer: a spline of class C^smoothness."""
+    """A law that is part of the answer: a spline of class C^smoothness.
+
+    ``knots`` are x in (0, 1) where it must be free to bend: ends of windows, points on the way.
+    """
 
     smoothness: int
     overshoot: bool
+    knots: tuple[float, ...] = ()
 
 
 @dataclass(frozen=True, eq=False)

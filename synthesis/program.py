@@ -2,13 +2,18 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import Annotated, Literal
 
-from pydantic import BaseModel, ConfigDict, Field
+from pydantic import BaseModel, ConfigDict, Field, model_validator
 
 from synthesis.laws import AnyLaw, SplineLaw
+from synthesis.limits.demand import Demand
 from synthesis.motion import Stretch, StretchKind
 from synthesis.numerics.piecewise import Piecewise
+from synthesis.windows import MOST, Point, Window, check_bounds, check_places, check_stroke
+from synthesis.windows import demands as demanded
+from synthesis.windows import knots as wanted_knots
 
 STILL = Piecewise.of([0.0, 1.0], [[0.0]])
 Angle = Annotated[float, Field(gt=0.0, le=360.0, description="Cam angle of the segment [deg].")]
@@ -34,6 +39,10 @@ class _Segment(BaseModel):
         """The segment placed on the cam (angles in rad)."""
         raise NotImplementedError
 
+    def demands(self, index: int) -> tuple[Demand, ...]:
+        """What its windows and points ask for, as bounds that the segment has to keep."""
+        return ()
+
 
 class Dwell(_Segment):
     """The follower stands still."""
@@ -55,15 +64,39 @@ class _Move(_Segment):
         description="A named motion law, or `spline`: then the law is part of the answer.",
     )
 
+    windows: Annotated[
+        list[Window],
+        Field(max_length=MOST, description="Bounds that hold on a part of the segment."),
+    ] = []
+    points: Annotated[
+        list[Point],
+        Field(max_length=MOST, description="Points that the follower passes through."),
+    ] = []
+
+    @model_validator(mode="after")
+    def _windows_fit(self) -> _Move:
+        check_places(self.angle_deg, self.windows, self.points)
+        check_bounds(self.windows)
+        free = self.law.free()
+        if free is not None and not free.overshoot:
+            sense = 1.0 if self.signed_lift > 0.0 else -1.0
+            check_stroke(self.lift_mm, sense, self.windows, self.points)
+        return self
+
     @property
     def law_name(self) -> str:
         return self.law.kind
+
+    def demands(self, index: int) -> tuple[Demand, ...]:
+        return demanded(index, self.angle_deg, self.windows, self.points)
 
     def _placed(
         self, kind: StretchKind, index: int, start: float, angle: float, s_start: float
     ) -> Stretch:
         s_end = s_start + self.signed_lift
         curve, free = self.law.curve(kind), self.law.free()
+        if free is not None:
+            free = replace(free, knots=wanted_knots(self.angle_deg, self.windows, self.points))
         return Stretch(index, kind, start, angle, s_start, s_end, curve, free)
 
 
