@@ -227,8 +227,10 @@ def _book_parts(plan: Plan, solution: ConeSolution, ledger: _Ledger, order: int)
             ledger.heights[block.stretch].append(z * block.alpha[order] / np.ptp(block.spans, 1))
             continue
         x, mass = block.x, z
-        if block.alpha[order - 1] != 0.0 and len(x) > 1:
-            x, mass = spread(x, mass)
+        if block.alpha[order - 1] != 0.0 and len(x) > 3:
+            # where a window ends its bound may be met at that very point
+            x, mass = spread(x, np.concatenate([[0.0], z[1:-1], [0.0]]))
+            x, mass = np.append(x, block.x[[0, -1]]), np.append(mass, z[[0, -1]])
         weights = mass[:, None] * block.alpha[:order]
         _book_point(plan, ledger, block.stretch, x, weights, order)
 

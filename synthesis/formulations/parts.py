@@ -52,6 +52,11 @@ class Part(ABC):
         """The tightest value asked."""
         return min(member.asked for member in self.members)
 
+    @property
+    def hint(self) -> str:
+        """What is worth knowing of its values."""
+        return ""
+
     @abstractmethod
     def loosened(self, problem: Problem, value: float) -> Problem:
         """The problem with this part at ``value``; unchanged where the size alone is meant."""
@@ -177,6 +182,7 @@ class WindowPart(Part):
     Attributes:
         position: among the problem's limits. limit: as asked.
         sense: 1 where its value grows as it gives way, −1 where it falls.
+        held: bounded on both sides, and the value says how far off it may be.
         rate: the wire's unit per core unit. natural: size of its values in a good law [wire].
     """
 
@@ -185,6 +191,11 @@ class WindowPart(Part):
     sense: float
     rate: float
     natural: float
+    held: bool
+
+    @property
+    def hint(self) -> str:
+        return "deviation allowed either way" if self.held else ""
 
     def loosened(self, problem: Problem, value: float) -> Problem:
         limits = list(problem.limits)
@@ -282,7 +293,7 @@ def _window_part(problem: Problem, position: int, claim: Claim) -> WindowPart:
     low, *more = sorted(end for end in map(claim.to_wire, given) if end is not None)
     from_below = (claim.upper is None) == (one > zero)
     sense = 1.0 if more or not from_below else -1.0
-    half = 0.0 if claim.exact or not more else 0.5 * (more[0] - low)
+    half = 0.0 if claim.exact or not more else float(f"{0.5 * (more[0] - low):.12g}")
     middle = 0.5 * (low + more[0]) if more else low
     sign = "=" if more else "≤" if sense > 0.0 else "≥"
     words = f"{claim.limit.replace('_', ' ')} {sign} {middle:.6g} {claim.unit}"
@@ -290,8 +301,8 @@ def _window_part(problem: Problem, position: int, claim: Claim) -> WindowPart:
         words += f" ± {half:.6g} {claim.unit}"
     return WindowPart(
         name=claim.limit, words=words, unit=claim.unit,
-        members=(Member(claim.field, half if more else low),),
-        position=position, limit=limit, sense=sense, rate=abs(one - zero),
+        members=(Member(claim.field, half if more else float(f"{low:.15g}")),),
+        position=position, limit=limit, held=bool(more), sense=sense, rate=abs(one - zero),
         natural=abs(one - zero) * abs(stretch.lift) / stretch.angle**order,
     )  # fmt: skip
 

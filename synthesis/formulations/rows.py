@@ -147,8 +147,8 @@ def _on_part(
     laws, bound = table * (alpha[order] / scale), np.full(len(table), rhs / scale)
     tighten = min(drawn.tighten + drawn.margin * sampled(row, space), ROOM * row.room / scale)
     return Block(
-        "point", position, laws, np.clip(x, *part), alpha / scale, np.zeros(0), 0.0, bound, row.source,
-        tighten, spans, row.exact,
+        "point", position, laws, np.clip(x, *part), alpha / scale, np.zeros(0), 0.0, bound,
+        row.source, tighten, spans, row.exact,
     )  # fmt: skip
 
 
