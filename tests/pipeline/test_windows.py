@@ -281,3 +281,22 @@ def test_an_overshooting_law_goes_where_it_is_sent() -> None:
     design = synthesise(cam(up, limits=[LIMITS[0], {"kind": "jerk", "max_mm_per_s3": 4e6}]))
     assert design.status in ("optimal", "feasible")
     assert motion_at(design, 50.3, 0) == pytest.approx(LIFT + 1.7, abs=1e-9 * LIFT)
+
+
+def test_a_point_of_a_small_move_far_up_is_still_exact() -> None:
+    """The enclosure has to be finer than 1e-10 of the displacement."""
+    high, small = 310.7, 2.3
+    program = [
+        {"kind": "rise", "angle_deg": 120.0, "lift_mm": high, "law": {"kind": "cycloidal"}},
+        {"kind": "dwell", "angle_deg": 10.0},
+        {"kind": "rise", "angle_deg": 40.0, "lift_mm": small,
+         "points": [{"angle_deg": 13.7, "travel_mm": 0.71}]},
+        {"kind": "dwell", "angle_deg": 10.0},
+        {"kind": "return", "angle_deg": 180.0, "lift_mm": high + small,
+         "law": {"kind": "cycloidal"}},
+    ]  # fmt: skip
+    limits = [LIMITS[0], {"kind": "jerk", "max_mm_per_s3": 2e7}]
+    design = synthesise(cam(program=program, limits=limits, tolerance=0.05))
+    told = extreme(design, "program/2/points/0/travel_mm")
+    assert told.holds
+    assert told.width <= told.margin <= 1.001e-9 * small
