@@ -15,11 +15,17 @@ from service.schema_walk import properties_at
 
 MOST_SHOWN = 50
 LONGEST_VALUE = 200
-# Rules over several fields: where the caller has to look.
+# Rules over several fields: where the caller has to look; what stands in braces is in the context.
 PLACES = {
     "program_angles": ("program",),
     "program_lift": ("program",),
     "program_still": ("program",),
+    "states_differ": ("program", "{segment}", "{end}"),
+    "state_not_neighbours": ("program", "{segment}"),
+    "state_backwards": ("program", "{segment}"),
+    "acceleration_alone": ("program", "{segment}"),
+    "state_not_met": ("program", "{segment}", "{end}"),
+    "law_backwards": ("program", "{segment}"),
     "base_radius_positive": ("base_radius_mm",),
     "offset_beyond_prime_radius": ("follower", "offset_mm"),
     "no_best_pressure_angle": ("objective",),
@@ -103,7 +109,7 @@ def of_body(errors: Sequence[Any], body: Any) -> list[dict[str, Any]]:
     members: dict[str, set[bool]] = {}
     for error in errors:
         path, inserted = place(body, error["loc"], error["type"])
-        path = PLACES.get(error["type"], path)
+        path = _at(error, path)
         if error["type"] in ("union_tag_invalid", "union_tag_not_found"):
             path = (*path, error["ctx"]["discriminator"].strip("'"))
         wrong_shape = error["type"] in SHAPES and any(_is_member(name) for name in inserted)
@@ -114,6 +120,12 @@ def of_body(errors: Sequence[Any], body: Any) -> list[dict[str, Any]]:
                 whole = pointer_to(place(body, error["loc"][: error["loc"].index(name)], "")[0])
                 members.setdefault(whole, set()).add(wrong_shape)
     return _settled(by_place, members)[:MOST_SHOWN]
+
+
+def _at(error: Any, path: tuple[str | int, ...]) -> tuple[str | int, ...]:
+    """Where the rule over several fields says to look; names in braces are in its context."""
+    ctx = error.get("ctx") or {}
+    return tuple(part.format(**ctx) for part in PLACES.get(error["type"], ())) or path
 
 
 def _is_member(name: str) -> bool:

@@ -59,7 +59,7 @@ def judged(spec: DesignSpec, cam: Cam) -> list[Extreme]:
     """Every limit, every dimension and every promise of the motion, measured on the cam."""
     motion = cam.motion
     return [
-        *certify(motion, spec.machine(), cam.size, spec.all_limits()),
+        *certify(motion, spec.machine(), cam.size, spec.all_limits(), spec.continuity),
         *certify_size(spec, cam.size),
     ]
 
@@ -109,6 +109,7 @@ def _segments(spec: DesignSpec, cam: Cam) -> list[SegmentMotion]:
                 degree=space.degree,
                 knots=space.breaks.tolist(),
                 coefficients=coefficients.tolist(),
+                unit_mm=None if stretch.readings is None else stretch.unit,
             )
         found.append(
             SegmentMotion(

@@ -11,7 +11,7 @@ from typing import Any, Literal
 import numpy as np
 from pydantic import BaseModel, ConfigDict, Field
 
-from synthesis.motion import Motion, Stretch
+from synthesis.motion import Motion, Stretch, StretchKind
 from synthesis.numerics.bspline import SplineSpace
 from synthesis.spec import DesignSpec
 
@@ -32,23 +32,25 @@ def told(description: str) -> Any:
 class SplineCurve(Part):
     """A B-spline in normalised form: x = (θ − start)/angle in [0, 1], g(x) from 0 to 1.
 
-    s = s_start + (s_end − s_start) g(x). Knots are without repetition; both ends are clamped.
+    s = s_start + unit · g(x), where the unit is s_end − s_start unless it is told: a table has its
+    own, and g ends at (s_end − s_start)/unit. Knots are without repetition; both ends are clamped.
     """
 
     degree: int = told("Polynomial degree p; p + 1 equal knots stand at either end.")
     knots: list[float] = told("Knots in x from 0 to 1, each once.")
     coefficients: list[float] = told("B-spline coefficients of g: knots − 1 + degree of them.")
+    unit_mm: float | None = Field(None, description="Length of g = 1 in a table; null: the lift.")
 
 
 class SegmentMotion(Part):
     """One segment of the motion as it came out."""
 
-    kind: Literal["rise", "dwell", "return"] = told("What the follower does.")
+    kind: StretchKind = told("What the follower does; `table` where it moves both ways.")
     start_deg: float = told("Cam angle where the segment starts.")
     angle_deg: float = told("Cam angle of the segment.")
     s_start_mm: float = told("Displacement at its start, measured from the lowest position.")
     s_end_mm: float = told("Displacement at its end.")
-    law: str = told("Name of the law; `spline` where it was chosen here.")
+    law: str = told("Name of the law; `spline` where it was chosen here, `table` if smoothed.")
     spline: SplineCurve | None = Field(None, description="The law where it was chosen here.")
 
 

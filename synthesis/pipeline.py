@@ -20,6 +20,7 @@ from synthesis.formulations.problem import Held, pose
 from synthesis.formulations.refine import search
 from synthesis.formulations.search import Search
 from synthesis.formulations.smooth import reached
+from synthesis.formulations.tables import Tables, smooth_tables
 from synthesis.limits import Claim
 from synthesis.spec import DesignSpec
 
@@ -67,9 +68,10 @@ def synthesise(spec: DesignSpec, *, deadline: float | None = None) -> Design:
         inf if spec.time_budget_s is None else spec.time_budget_s,
         inf if deadline is None else deadline - now,
     )
-    stages: list[StageReport] = []
+    tables = smooth_tables(spec.stretches(), now + budget)
+    stages = [StageReport(**asdict(stage)) for stage in tables.stages]
     for tighten in DRAWN_IN:
-        attempt = _attempt(spec, now + budget, tighten)
+        attempt = _attempt(spec, tables, now + budget, tighten)
         for tried in attempt.searches:
             stages += [StageReport(**asdict(stage)) for stage in tried.stages]
         if attempt.certified or attempt.hopeless or time.monotonic() >= now + budget:
@@ -87,7 +89,7 @@ def synthesise(spec: DesignSpec, *, deadline: float | None = None) -> Design:
     return found
 
 
-def _attempt(spec: DesignSpec, stop: float, tighten: float) -> _Attempt:
+def _attempt(spec: DesignSpec, tables: Tables, stop: float, tighten: float) -> _Attempt:
     """Work through the objectives in order; each keeps what the ones before have reached."""
     attempt = _Attempt()
     held: tuple[Held, ...] = ()
@@ -95,7 +97,7 @@ def _attempt(spec: DesignSpec, stop: float, tighten: float) -> _Attempt:
     best: Candidate | None = None
     for rank, objective in enumerate(objectives, start=1):
         share = spec.tolerance if rank == len(objectives) else 0.5 * spec.tolerance
-        tried = search(pose(spec, objective, held), share, stop, tighten)
+        tried = search(pose(spec, objective, held, tables.stretches), share, stop, tighten)
         attempt.searches.append(tried)
         if tried.best is None:
             break
@@ -110,8 +112,8 @@ def _attempt(spec: DesignSpec, stop: float, tighten: float) -> _Attempt:
             for stretch, law in zip(attempt.searches[0].problem.free, best.laws, strict=True)
         }
         settled = {stretch.index: stretch for stretch in best.problem.stretches}
-        whole = tuple(settled.get(stretch.index, stretch) for stretch in spec.stretches())
-        attempt.cam = Cam(whole, splines, best.size)
+        whole = tuple(settled.get(stretch.index, stretch) for stretch in tables.stretches)
+        attempt.cam = Cam(whole, {**tables.splines, **splines}, best.size)
         attempt.extremes = judged(spec, attempt.cam)
     return attempt
 

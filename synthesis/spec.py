@@ -16,6 +16,7 @@ from synthesis.limits.profile_radius import ProfileRadius
 from synthesis.motion import Stretch
 from synthesis.objectives import AnyObjective
 from synthesis.objectives.base_radius import BaseRadius
+from synthesis.placing import placed
 from synthesis.program import Segment
 from synthesis.ranges import Dimension, Range, ends
 from synthesis.units import FULL_TURN, rad_per_s
@@ -49,6 +50,14 @@ class DesignSpec(BaseModel):
     limits: Annotated[
         list[AnyLimit], Field(max_length=50, description="What may not be exceeded.")
     ] = []
+    continuity: Annotated[
+        Literal[0, 1, 2, 3, 4] | None,
+        Field(
+            description="How many derivatives of the displacement may jump nowhere on the turn. "
+            "Splines are made that smooth; where named laws jump the design is infeasible and "
+            "the extreme says by how much and where. Left out: jumps of named laws are reported.",
+        ),
+    ] = None
     objective: Annotated[
         AnyObjective | Annotated[list[AnyObjective], Field(min_length=1, max_length=10)],
         Field(
@@ -80,8 +89,8 @@ class DesignSpec(BaseModel):
                 {"turn": round(turn, 9), "verb": "Add" if turn < 360.0 else "Remove",
                  "difference": round(abs(360.0 - turn), 9)},
             )  # fmt: skip
-        rest = math.fsum(segment.signed_lift for segment in self.program)
-        largest = max(abs(segment.signed_lift) for segment in self.program)
+        lifts = self.lifts()
+        rest, largest = math.fsum(lifts), self.stroke()
         if abs(rest) > 1e-9 * largest:
             raise PydanticCustomError(
                 "program_lift",
@@ -95,6 +104,11 @@ class DesignSpec(BaseModel):
                 "The follower never moves: program holds no rise and no return. Add both.",
                 {},
             )
+        return self
+
+    @model_validator(mode="after")
+    def _states_fit(self) -> DesignSpec:
+        self.stretches()
         return self
 
     @model_validator(mode="after")
@@ -153,24 +167,40 @@ class DesignSpec(BaseModel):
         """The follower and the cam's speed."""
         return Machine(self.follower, rad_per_s(self.speed_rpm))
 
+    def lifts(self) -> list[float]:
+        """Displacement gained over every segment [mm]."""
+        omega = rad_per_s(self.speed_rpm)
+        return [segment.gain(omega) for segment in self.program]
+
+    def _levels(self) -> list[float]:
+        """Displacement at the ends of the segments, from where the program starts [mm]."""
+        return list(accumulate(self.lifts(), initial=0.0))
+
+    def _reach(self) -> tuple[float, float]:
+        """Lowest and highest displacement, from where the program starts [mm]."""
+        omega = rad_per_s(self.speed_rpm)
+        spans = [segment.span(omega) for segment in self.program]
+        both = [
+            (at + low, at + high) for at, (low, high) in zip(self._levels(), spans, strict=False)
+        ]
+        return min(low for low, _ in both), max(high for _, high in both)
+
     def stretches(self) -> tuple[Stretch, ...]:
         """The program placed on the cam, displacements measured from the lowest position."""
         turn = math.fsum(segment.angle_deg for segment in self.program)
         ends_deg = list(accumulate((segment.angle_deg for segment in self.program), initial=0.0))
         angles = [FULL_TURN * value / turn for value in ends_deg]
         angles[-1] = FULL_TURN
-        levels = list(accumulate((seg.signed_lift for seg in self.program), initial=0.0))
-        lowest = min(levels)
-        placed = []
-        for i, segment in enumerate(self.program):
-            level = levels[i] - lowest
-            placed.append(segment.stretch(i, angles[i], angles[i + 1] - angles[i], level))
-        return tuple(placed)
+        levels = self._levels()
+        lowest, _ = self._reach()
+        starts = [level - lowest for level in levels[:-1]]
+        omega = rad_per_s(self.speed_rpm)
+        return placed(self.program, angles, starts, omega, self.continuity or 0)
 
     def stroke(self) -> float:
         """Highest less lowest displacement [mm]: the unit of length inside the formulations."""
-        levels = list(accumulate((seg.signed_lift for seg in self.program), initial=0.0))
-        return max(levels) - min(levels)
+        lowest, highest = self._reach()
+        return highest - lowest
 
     def base_radius_range(self) -> tuple[float, float]:
         """Smallest and largest base radius [mm]; an open end is at 1e-3 or 1e4 strokes."""
@@ -191,7 +221,7 @@ class DesignSpec(BaseModel):
     def left_free(self) -> Iterator[tuple[str, Any]]:
         """JSON pointer and value of everything that the answer would have to choose."""
         for stretch in self.stretches():
-            if stretch.law is None and stretch.angle > 0.0:
+            if stretch.law is None and stretch.readings is None and stretch.angle > 0.0:
                 yield f"/program/{stretch.index}/law", self.program[stretch.index].law_name
         sizes = {
             "/base_radius_mm": self.base_radius_mm,

@@ -10,6 +10,8 @@ from synthesis.certify.dimensions import stands
 from synthesis.certify.joints import NAMES, UNITS, joins
 from synthesis.certify.overshoot import overshoot
 from synthesis.certify.quantities import QUANTITIES, Size, corner, enclose_all, infinite
+from synthesis.certify.states import states
+from synthesis.certify.tables import tables
 from synthesis.design import Extreme
 from synthesis.limits.base import Claim, Limit, Machine
 from synthesis.motion import Motion
@@ -21,18 +23,23 @@ NOT_A_NUMBER = "the motion or the size holds something that is not a finite numb
 
 
 def certify(
-    motion: Motion, machine: Machine, size: tuple[float, ...], limits: Sequence[Limit]
+    motion: Motion,
+    machine: Machine,
+    size: tuple[float, ...],
+    limits: Sequence[Limit],
+    continuity: int | None = None,
 ) -> list[Extreme]:
     """How far every limit is used on the finished cam, proven for every cam angle.
 
     Args:
         motion: the settled motion. machine: the machine around it.
         size: the follower's size variables [mm]. limits: what was asked.
+        continuity: how many derivatives of s may jump nowhere; None where nothing is asked.
 
     Returns:
         one extreme per claim of the limits, in their order, then what every cam must satisfy:
         a base radius, a follower that stands beside the cam, a motion that is continuous and
-        keeps the promises of its spline laws.
+        has the states asked of it, follows its tables and keeps the promises of its spline laws.
     """
     size = tuple(float(value) for value in size)
     course = Course(motion)
@@ -45,7 +52,8 @@ def certify(
         mine = [i for i, claim in enumerate(claims) if (claim.quantity, claim.exact) == kind]
         extremes = _judge(*kind, course, machine, size, [claims[i] for i in mine])
         found.update(zip(mine, extremes, strict=True))
-    always = [*stands(machine, size), *joins(course, machine), *overshoot(course)]
+    promised = [*joins(course, machine, continuity), *states(course, machine), *tables(course)]
+    always = [*stands(machine, size), *promised, *overshoot(course)]
     return [*(found[i] for i in range(len(claims))), *always]
 
 

@@ -59,10 +59,10 @@ class Course:
         placed = [s for s in motion.stretches if s.angle > 0.0]
         pieces = [s.law.count if s.law is not None else 0 for s in placed]
         self.stretch: Indices = np.repeat([s.index for s in placed], pieces)
-        self._lift = np.repeat([abs(s.lift) for s in placed], pieces)
+        self._lift = np.repeat([abs(s.unit) for s in placed], pieces)
         self._beta = np.repeat([s.angle for s in placed], pieces)
         levels = [level for s in placed for level in (s.s_start, s.s_end)]
-        self.stroke = max(levels) - min(levels)
+        self.stroke = max(max(levels) - min(levels), *(abs(s.unit) for s in placed))
 
     @cached_property
     def jets(self) -> Jets:

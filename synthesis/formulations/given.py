@@ -51,14 +51,14 @@ def _jumps(problem: Problem, order: int) -> Iterator[str]:
             continue
         curve = before.placed()
         for k in range(1, order):
-            size = JUMP * max(abs(before.lift), 1e-300) / before.angle**k
+            size = JUMP * max(abs(before.unit), 1e-300) / before.angle**k
             inner = curve.breaks[1:-1]
             apart = np.abs(curve(inner, k, "left") - curve(inner, k, "right"))
             if np.any(apart > size):
                 yield _note(k, before, float(inner[np.argmax(apart)]))
             if after.law is None:
                 continue
-            size = max(size, JUMP * abs(after.lift) / after.angle**k)
+            size = max(size, JUMP * abs(after.unit) / after.angle**k)
             ends = curve(curve.breaks[-1:], k, "left") - after.placed()(
                 after.placed().breaks[:1], k, "right"
             )

@@ -100,5 +100,9 @@ def times(factor: float) -> Callable[[float], float]:
 
 
 def where(stretches: Sequence[Stretch], *kinds: str) -> tuple[int, ...]:
-    """Indices of the stretches of these kinds that have an extent (all kinds if none is named)."""
-    return tuple(s.index for s in stretches if s.angle > 0.0 and (not kinds or s.kind in kinds))
+    """Indices of the stretches that move so and have an extent (of all if nothing is named)."""
+    return tuple(
+        s.index
+        for s in stretches
+        if s.angle > 0.0 and (not kinds or any(sense in kinds for sense in s.senses))
+    )

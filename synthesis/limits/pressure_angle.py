@@ -10,7 +10,7 @@ from typing import Annotated, ClassVar, Literal
 from pydantic import Field
 
 from synthesis.limits.base import Claim, Limit, Machine, times, where
-from synthesis.motion import Stretch, StretchKind
+from synthesis.motion import Sense, Stretch
 from synthesis.terms import Row
 from synthesis.units import DEGREE
 
@@ -31,20 +31,21 @@ class PressureAngle(Limit):
         None, description="Largest |pressure angle| on dwells; left out, dwells are free."
     )
 
-    def _largest(self, kind: StretchKind) -> float | None:
+    def _largest(self, kind: Sense) -> float | None:
         """Limit on a kind of stretch [rad], None where it is free."""
         degrees = {"rise": self.rise_deg, "return": self.return_deg, "dwell": self.dwell_deg}[kind]
         return None if degrees is None else degrees * DEGREE
 
     def rows(self, stretch: Stretch, machine: Machine) -> tuple[Row, ...]:
-        largest = self._largest(stretch.kind)
-        if largest is None:
-            return ()
-        rows = machine.follower.pressure_angle_rows(tan(largest))
-        return tuple(replace(row, source=f"pressure_angle_{stretch.kind}") for row in rows)
+        return tuple(
+            replace(row, source=f"pressure_angle_{kind}")
+            for kind in stretch.senses
+            if (largest := self._largest(kind)) is not None
+            for row in machine.follower.pressure_angle_rows(tan(largest))
+        )
 
     def claims(self, stretches: Sequence[Stretch], machine: Machine) -> tuple[Claim, ...]:
-        kinds: tuple[StretchKind, ...] = ("rise", "return", "dwell")
+        kinds: tuple[Sense, ...] = ("rise", "return", "dwell")
         return tuple(
             Claim(
                 f"pressure_angle_{kind}",

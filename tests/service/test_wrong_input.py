@@ -95,6 +95,20 @@ TABLE: dict[str, tuple[Change, str, Any, str]] = {
     "part of a law too short": (
         segment(0, law={"kind": "scca", "b": 1e-6}), "/program/0/law", 1e-6, "at least 0.001",
     ),
+    "a state that the law has not": (
+        segment(2, start={"acceleration_mm_per_s2": 7}), "/program/2/start", 7.0, "polynomial_5",
+    ),
+    "a state of nothing known": (
+        segment(0, end={"speed": 3}), "/program/0/end/speed", 3, "velocity_mm_per_s",
+    ),
+    "a spline sent backwards": (
+        segment(0, law={"kind": "spline"}, end={"velocity_mm_per_s": -5}), "/program/0", -5.0,
+        "overshoot",
+    ),
+    "constant velocity of no size": (
+        segment(1, kind="constant_velocity"), "/program/1", 0, "exactly one",
+    ),
+    "continuity of a fifth derivative": (changed(continuity=5), "/continuity", 5, "3, 4"),
     "unknown follower": (follower(kind="flat"), "/follower/kind", "flat", "translating_roller"),
     "negative roller": (
         follower(roller_radius_mm=-1), "/follower/roller_radius_mm", -1, "at least 0",
