@@ -57,11 +57,13 @@ class FreeLaw:
         smoothness: number of continuous derivatives inside. overshoot: may it move backwards.
         joins: how many derivatives it shares with its neighbours at its start and at its end;
             fewer than the smoothness where a state is asked for that the neighbour has not.
+        knots: x in (0, 1) where it must be free to bend: ends of windows, points on the way.
     """
 
     smoothness: int
     overshoot: bool
     joins: tuple[int, int] = (4, 4)
+    knots: tuple[float, ...] = ()
 
     def promised(self, *, at_start: bool) -> int:
         """Derivatives that do not jump at one of its ends."""

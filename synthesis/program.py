@@ -12,9 +12,13 @@ from pydantic_core import PydanticCustomError
 
 from synthesis import table
 from synthesis.laws import AnyLaw, SplineLaw
+from synthesis.limits.demand import Demand
 from synthesis.motion import ANY_STATE, EndState, FreeLaw, Readings, Stretch, StretchKind
 from synthesis.numerics.piecewise import Array, Piecewise
 from synthesis.units import DEGREE
+from synthesis.windows import MOST, Point, Window, check_bounds, check_places, check_stroke
+from synthesis.windows import demands as demanded
+from synthesis.windows import knots as wanted_knots
 
 LINE = Piecewise.of([0.0, 1.0], [[0.0, 1.0]])
 TABLE_JOINS = 2  # derivatives that a smoothed table shares with its neighbours
@@ -99,6 +103,10 @@ class _Segment(BaseModel):
         """The placed segment with its law run between these states."""
         return placed
 
+    def demands(self, index: int) -> tuple[Demand, ...]:
+        """What its windows and points ask for, as bounds that the segment has to keep."""
+        return ()
+
 
 class Dwell(_Segment):
     """The follower stands still."""
@@ -124,6 +132,24 @@ class _Move(_Segment):
 
     start: State | None = Field(None, description="Velocity and acceleration at its start.")
     end: State | None = Field(None, description="Velocity and acceleration at its end.")
+    windows: Annotated[
+        list[Window],
+        Field(max_length=MOST, description="Bounds that hold on a part of the segment."),
+    ] = []
+    points: Annotated[
+        list[Point],
+        Field(max_length=MOST, description="Points that the follower passes through."),
+    ] = []
+
+    @model_validator(mode="after")
+    def _windows_fit(self) -> _Move:
+        check_places(self.angle_deg, self.windows, self.points)
+        check_bounds(self.windows)
+        free = self.law.free()
+        if free is not None and not free.overshoot:
+            sense = 1.0 if self.signed_lift > 0.0 else -1.0
+            check_stroke(self.lift_mm, sense, self.windows, self.points)
+        return self
 
     @property
     def law_name(self) -> str:
@@ -137,6 +163,9 @@ class _Move(_Segment):
     def overshoots(self) -> bool:
         return self.law.overshoots
 
+    def demands(self, index: int) -> tuple[Demand, ...]:
+        return demanded(index, self.angle_deg, self.windows, self.points)
+
     def _placed(
         self,
         kind: StretchKind,
@@ -148,9 +177,10 @@ class _Move(_Segment):
     ) -> Stretch:
         s_end = s_start + self.signed_lift
         first, last = _states(self.start, self.end, omega)
-        placed = Stretch(
-            index, kind, start, angle, s_start, s_end, None, self.law.free(), first, last
-        )
+        free = self.law.free()
+        if free is not None:
+            free = replace(free, knots=wanted_knots(self.angle_deg, self.windows, self.points))
+        placed = Stretch(index, kind, start, angle, s_start, s_end, None, free, first, last)
         return self.between(placed, first, last)
 
     def between(self, placed: Stretch, start: EndState, end: EndState) -> Stretch:

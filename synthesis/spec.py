@@ -212,10 +212,11 @@ class DesignSpec(BaseModel):
         )
 
     def all_limits(self) -> tuple[Limit, ...]:
-        """The limits asked for, and that a roller must not be undercut."""
+        """The limits asked for, that a roller must not be undercut, windows and points."""
+        demands = [d for i, segment in enumerate(self.program) for d in segment.demands(i)]
         if any(limit.kind == "profile_radius" for limit in self.limits):
-            return tuple(self.limits)
-        return (*self.limits, ProfileRadius())
+            return (*self.limits, *demands)
+        return (*self.limits, ProfileRadius(), *demands)
 
     def left_free(self) -> Iterator[tuple[str, Any]]:
         """JSON pointer and value of everything that the answer would have to choose."""

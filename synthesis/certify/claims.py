@@ -18,6 +18,7 @@ from synthesis.motion import Motion
 from synthesis.numerics.enclosure import Answer, Question
 from synthesis.units import DEGREE
 
+ENOUGH, FINE = 1e-10, 1e-14  # relative widths of enclosures, the second of a single value
 NOT_A_NUMBER = "the motion or the size holds something that is not a finite number"
 
 
@@ -47,9 +48,9 @@ def certify(
     if not (course.finite and all(math.isfinite(value) for value in size)):
         return [_not_a_number(), *(_unknown(claim, 0.0, NOT_A_NUMBER) for claim in claims)]
     found: dict[int, Extreme] = {}
-    for name in dict.fromkeys(claim.quantity for claim in claims):
-        mine = [i for i, claim in enumerate(claims) if claim.quantity == name]
-        extremes = _judge(name, course, machine, size, [claims[i] for i in mine])
+    for kind in dict.fromkeys((claim.quantity, claim.exact) for claim in claims):
+        mine = [i for i, claim in enumerate(claims) if (claim.quantity, claim.exact) == kind]
+        extremes = _judge(*kind, course, machine, size, [claims[i] for i in mine])
         found.update(zip(mine, extremes, strict=True))
     promised = [*joins(course, machine, continuity), *states(course, machine), *tables(course)]
     always = [*stands(machine, size), *promised, *overshoot(course)]
@@ -57,29 +58,37 @@ def certify(
 
 
 def _judge(
-    name: str, course: Course, machine: Machine, size: Size, claims: Sequence[Claim]
+    name: str, exact: bool, course: Course, machine: Machine, size: Size, claims: Sequence[Claim]
 ) -> list[Extreme]:
-    """The extremes of all claims about one quantity."""
+    """The extremes of all claims about one quantity, all of them exact or none."""
     quantity = QUANTITIES[name]
     jumps = [
-        infinite(quantity, course, claim.stretches)
+        infinite(quantity, course, claim.stretches, claim.part)
         or corner(quantity, course, machine, size, claim)
         for claim in claims
     ]
     questions = [
-        Question(
-            course.pieces(claim.stretches),
-            -math.inf if claim.lower is None else claim.lower,
-            math.inf if claim.upper is None else claim.upper,
-        )
-        for claim, jump in zip(claims, jumps, strict=True)
-        if jump is None
+        _question(course, claim) for claim, jump in zip(claims, jumps, strict=True) if jump is None
     ]
-    answers = iter(enclose_all(quantity, course, machine, size, questions) if questions else ())
+    width = FINE if exact else ENOUGH
+    answers = iter(
+        enclose_all(quantity, course, machine, size, questions, width) if questions else ()
+    )
     return [
         _extreme(claim, next(answers)) if jump is None else _infinite(claim, jump, machine)
         for claim, jump in zip(claims, jumps, strict=True)
     ]
+
+
+def _question(course: Course, claim: Claim) -> Question:
+    """What a claim asks of its part of the turn."""
+    pieces, spans = course.spans(claim.stretches, claim.part)
+    return Question(
+        pieces,
+        -math.inf if claim.lower is None else claim.lower,
+        math.inf if claim.upper is None else claim.upper,
+        spans,
+    )
 
 
 def _extreme(claim: Claim, answer: Answer) -> Extreme:

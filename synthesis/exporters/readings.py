@@ -101,7 +101,8 @@ def bounds(design: Design, quantity: Quantity) -> list[Bound]:
 def _bound(claim: Claim, stretch: Stretch) -> Bound:
     lower = None if claim.lower is None else claim.to_wire(claim.lower)
     upper = None if claim.upper is None else claim.to_wire(claim.upper)
-    start, end = in_degrees(np.array([stretch.start, stretch.end])).tolist()
+    ends = stretch.start + stretch.angle * np.array(claim.part)
+    start, end = in_degrees(ends).tolist()
     return Bound(
         start, end, -math.inf if lower is None else lower, math.inf if upper is None else upper
     )

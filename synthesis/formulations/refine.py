@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import time
+from collections.abc import Sequence
 from math import inf, sqrt
 
 import numpy as np
@@ -13,7 +14,7 @@ from synthesis.formulations.candidate import Candidate, at_size, needs_size, set
 from synthesis.formulations.convex import Plan, formulate, natural_scales
 from synthesis.formulations.grid import CLOSEST_KNOTS, Grid, merged, over, ramps, uniform
 from synthesis.formulations.problem import Problem
-from synthesis.formulations.rows import Drawn, row_scale, sampled
+from synthesis.formulations.rows import Drawn, inside, row_scale, sampled
 from synthesis.formulations.search import Search, Stage
 from synthesis.numerics.piecewise import Array, Piecewise
 from synthesis.objectives.rms_jerk import RmsJerk
@@ -166,6 +167,7 @@ def _missed(state: Search, found: Candidate) -> tuple[list[Array], float]:
                 size = sum(a * v for a, v in zip(row.size, found.size, strict=False))
                 excess = np.array(row.coefficients) @ s + (size - row.upper)
                 excess /= row_scale(row, free, scales)
+                excess = np.where(inside(row, x), excess, -inf)
                 worst = max(worst, float(np.max(excess)))
                 exceeding.append(x[excess > ALLOWED])
         points.append(np.unique(np.concatenate(exceeding)))
@@ -207,7 +209,8 @@ def _finer(
         else:
             softer = stretch.free.smoothness + 1 - lower.order
             curve = found.laws[position].curve()
-            breaks = _where_it_pays(breaks, curve, lower, position, softer)
+            needed = stretch.free.knots
+            breaks = _where_it_pays(breaks, curve, lower, position, softer, needed)
         if len(breaks) > MOST_INTERVALS:
             breaks = grid.space.breaks
         finer.append(over(stretch, breaks).with_points(missed[position]))
@@ -234,9 +237,17 @@ def _all_halved(state: Search, missed: list[Array]) -> tuple[Grid, ...]:
 
 
 def _where_it_pays(
-    breaks: Array, curve: Piecewise, lower: Bound, position: int, softer: int
+    breaks: Array,
+    curve: Piecewise,
+    lower: Bound,
+    position: int,
+    softer: int,
+    needed: Sequence[float],
 ) -> Array:
-    """Knots at the ideal law's switches inside the dear intervals; those without one are halved."""
+    """Knots at the ideal law's switches inside the dear intervals; those without one are halved.
+
+    Those that are ``needed`` stay.
+    """
     psi, control = lower.switching[position], lower.steering[position]
     losses = psi.losses(breaks, lambda x: curve(x, control.order), control.cap, control.weight)
     dear = losses > 0.05 * np.sum(losses) / len(losses)
@@ -245,7 +256,14 @@ def _where_it_pays(
     counts = np.bincount(inside, minlength=len(dear))
     single = dear & (counts == 1)
     halved = _halved(breaks, dear & ~single)
-    return merged(halved, ramps(switches[single[inside]], softer))
+    wanted = np.concatenate([_beside(needed), ramps(switches[single[inside]], softer)])
+    return merged(halved, wanted, needed)
+
+
+def _beside(needed: Sequence[float]) -> Array:
+    """As close as knots may lie: where a window ends, even an ideal law has much to settle."""
+    step = 1.01 * CLOSEST_KNOTS
+    return np.concatenate([np.array(needed) - step, np.array(needed) + step])
 
 
 def _halved(breaks: Array, chosen: NDArray[np.bool_]) -> Array:

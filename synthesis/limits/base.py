@@ -39,6 +39,8 @@ class Claim:
         unit: unit on the wire.
         to_wire: monotone map from the core's unit to the wire's; None where the wire has no value.
         field: the field of the spec that sets it, as in ``limits/pressure_angle/rise_deg``.
+        part: first and last x, in [0, 1], of these stretches where it must hold; None: all along.
+        exact: the quantity has one value there; the bounds leave no more than rounding.
     """
 
     limit: str
@@ -49,6 +51,8 @@ class Claim:
     unit: str
     to_wire: Callable[[float], float | None]
     field: str
+    part: tuple[float, float] | None = None
+    exact: bool = False
 
 
 class Limit(BaseModel, ABC):
@@ -80,6 +84,10 @@ class Limit(BaseModel, ABC):
             z: the size variables, scalars [mm].
         """
         return ()
+
+    def widened(self, amount: float) -> Limit:
+        """The limit giving way by an amount [wire]; where its claims are of a part of a stretch."""
+        return self
 
     @abstractmethod
     def claims(self, stretches: Sequence[Stretch], machine: Machine) -> tuple[Claim, ...]:

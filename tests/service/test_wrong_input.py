@@ -73,6 +73,20 @@ TABLE: dict[str, tuple[Change, str, Any, str]] = {
             objective={"kind": "peak_pressure_angle"},
         ), "/objective", ..., "another objective",
     ),
+    "window after the segment": (
+        segment(0, windows=[{"from_deg": 1, "to_deg": 99, "travel_mm": 3}]), "/program/0", 99.0,
+        "split the window",
+    ),
+    "window of nothing": (
+        segment(0, windows=[{"from_deg": 1, "to_deg": 9}]), "/program/0/windows/0", ...,
+        "travel_mm",
+    ),
+    "point before the segment": (
+        segment(0, points=[{"angle_deg": 0, "travel_mm": 3}]), "/program/0", 0.0, "lift_mm",
+    ),
+    "window on a dwell": (
+        segment(1, windows=[]), "/program/1/windows", [], "not a field",
+    ),
     "unknown segment": (segment(0, kind="ris"), "/program/0/kind", "ris", "Did you mean 'rise'"),
     "segment of no kind": (without("program", 1, "kind"), "/program/1/kind", None, "required"),
     "segment is a number": (changed(program=[3]), "/program/0", 3, "object"),
