@@ -82,7 +82,7 @@ def _jumps(found: Analysis) -> Table:
 def _mend(mend: Mend) -> Table:
     table = _table("What would mend it", "change", "to", "by", "unit")
     for size in mend.sizes:
-        name = f"base radius, offset {size.offset}"
+        name = f"base radius, follower's place {size.offset}"
         if not size.dimensions:
             table.add_row(name, "no size helps", "", "")
             continue
@@ -90,9 +90,10 @@ def _mend(mend: Mend) -> Table:
             name, _number(size.dimensions["base_radius_mm"]),
             _number(size.base_radius_change_mm), "mm",
         )  # fmt: skip
-        if size.offset == "free":
-            offset = _number(size.dimensions["offset_mm"])
-            table.add_row("  with offset", offset, _number(size.offset_change_mm), "mm")
+        for each, by in size.changes.items():
+            plain, _, unit = each.rpartition("_")
+            told = _number(size.dimensions[each]), _number(by), unit
+            table.add_row(f"  with {plain.replace('_', ' ')}", *told)
     for alone in mend.relaxations:
         if alone.needed is not None:
             change = _number(alone.needed - alone.asked)

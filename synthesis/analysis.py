@@ -10,7 +10,7 @@ import time
 from math import inf
 from typing import Literal
 
-from synthesis.answer import Cam, judged
+from synthesis.answer import Cam, dimensions, judged
 from synthesis.certify.curves import Curves
 from synthesis.design import Design, engine_version
 from synthesis.errors import InputError, SolverFailed, TimeBudgetExceeded
@@ -40,7 +40,7 @@ def analyse(spec: DesignSpec, *, deadline: float | None = None) -> Analysis:
         name=spec.name,
         engine_version=engine_version(),
         holds=not broken,
-        dimensions=dict(spec.follower.dimensions(cam.size)),
+        dimensions=dimensions(spec, cam),
         broken=broken,
         extremes=extremes,
         curves=curves.summaries(),
@@ -89,10 +89,9 @@ def mend(spec: DesignSpec, cam: Cam, stop: float) -> Mend:
 
 def _resized(spec: DesignSpec, cam: Cam, offset: Offset, stop: float) -> SizeChange:
     """The smallest base radius, with the laws as they are."""
-    freed: dict[str, object] = {"base_radius_mm": None}
-    if offset == "free":
-        opened = dict.fromkeys(spec.follower.adjustable())
-        freed["follower"] = spec.follower.model_copy(update=opened)
+    follower = spec.follower.unsized()
+    opened = dict.fromkeys(follower.adjustable()) if offset == "free" else {}
+    freed = {"base_radius_mm": None, "follower": follower.model_copy(update=opened)}
     found = _synthesised(spec.model_copy(update=freed), stop)
     if found is None or found.status == "infeasible":
         return SizeChange(
@@ -106,6 +105,7 @@ def _resized(spec: DesignSpec, cam: Cam, offset: Offset, stop: float) -> SizeCha
         dimensions=new,
         base_radius_change_mm=new["base_radius_mm"] - old["base_radius_mm"],
         offset_change_mm=new["offset_mm"] - old["offset_mm"] if "offset_mm" in new else None,
+        changes={name: new[name] - old[name] for name in opened},
         gap=found.certificate.gap,
     )
 

@@ -76,7 +76,7 @@ def proofs(spec: DesignSpec, cam: Cam, bounds: Iterable[Bounded]) -> list[Proof]
         gap = None if lower is None else relative_gap(value, lower)
         found.append(
             Proof(
-                objective=objective.wire_name,
+                objective=objective.name_on_wire(machine),
                 value=value if isfinite(value) else None,
                 lower_bound=lower,
                 bound_over=bounded.over,
@@ -99,6 +99,7 @@ def relative_gap(value: float, lower: float) -> float:
 
 
 def _segments(spec: DesignSpec, cam: Cam) -> list[SegmentMotion]:
+    travel = spec.follower.travel
     starts = accumulate((segment.angle_deg for segment in spec.program), initial=0.0)
     found = []
     for stretch, segment, start_deg in zip(cam.stretches, spec.program, starts, strict=False):
@@ -109,17 +110,21 @@ def _segments(spec: DesignSpec, cam: Cam) -> list[SegmentMotion]:
                 degree=space.degree,
                 knots=space.breaks.tolist(),
                 coefficients=coefficients.tolist(),
-                unit_mm=None if stretch.readings is None else stretch.unit,
+                **{f"unit_{travel.unit}": stretch.unit / travel.per_unit}
+                if stretch.readings is not None
+                else {},
             )
         found.append(
             SegmentMotion(
                 kind=stretch.kind,
                 start_deg=start_deg,
                 angle_deg=segment.angle_deg,
-                s_start_mm=stretch.s_start,
-                s_end_mm=stretch.s_end,
                 law=segment.law_name,
                 spline=spline,
+                **{
+                    f"s_start_{travel.unit}": stretch.s_start / travel.per_unit,
+                    f"s_end_{travel.unit}": stretch.s_end / travel.per_unit,
+                },
             )
         )
     return found
@@ -147,7 +152,7 @@ def design(
         rotation=spec.rotation,
         speed_rpm=spec.speed_rpm,
         follower=spec.follower.kind,
-        dimensions={} if cam is None else _dimensions(spec, cam),
+        dimensions={} if cam is None else dimensions(spec, cam),
         size=[] if cam is None else list(cam.size),
         objectives={p.objective: p.value for p in proven if p.value is not None},
         motion=[] if cam is None else _segments(spec, cam),
@@ -159,12 +164,12 @@ def design(
     )
 
 
-def _dimensions(spec: DesignSpec, cam: Cam) -> dict[str, float]:
+def dimensions(spec: DesignSpec, cam: Cam) -> dict[str, float]:
     """Those of the size, and those that the motion asks for."""
-    more = spec.follower.motion_dimensions(cam.motion)
+    more = spec.follower.motion_dimensions(cam.motion, cam.size)
     return {**spec.follower.dimensions(cam.size), **more}
 
 
 def _unproven(spec: DesignSpec) -> Proof:
-    name = spec.objectives()[0].wire_name
+    name = spec.objectives()[0].name_on_wire(spec.machine())
     return Proof(objective=name, value=None, lower_bound=None, bound_over="", gap=None)

@@ -40,6 +40,7 @@ class SplineCurve(Part):
     knots: list[float] = told("Knots in x from 0 to 1, each once.")
     coefficients: list[float] = told("B-spline coefficients of g: knots − 1 + degree of them.")
     unit_mm: float | None = Field(None, description="Length of g = 1 in a table; null: the lift.")
+    unit_deg: float | None = Field(None, description="The same of a follower on an arm.")
 
 
 class SegmentMotion(Part):
@@ -48,10 +49,23 @@ class SegmentMotion(Part):
     kind: StretchKind = told("What the follower does; `table` where it moves both ways.")
     start_deg: float = told("Cam angle where the segment starts.")
     angle_deg: float = told("Cam angle of the segment.")
-    s_start_mm: float = told("Displacement at its start, measured from the lowest position.")
-    s_end_mm: float = told("Displacement at its end.")
+    s_start_mm: float | None = Field(
+        None, description="Displacement at its start, measured from the lowest position."
+    )
+    s_end_mm: float | None = Field(None, description="Displacement at its end.")
+    s_start_deg: float | None = Field(
+        None, description="The same of a follower on an arm: the angle that it has swung."
+    )
+    s_end_deg: float | None = Field(None, description="Angle that it has swung at its end.")
     law: str = told("Name of the law; `spline` where it was chosen here, `table` if smoothed.")
     spline: SplineCurve | None = Field(None, description="The law where it was chosen here.")
+
+    @property
+    def levels(self) -> tuple[float, float]:
+        """Displacement at its start and end, in the unit of the follower's travel."""
+        start = self.s_start_deg if self.s_start_mm is None else self.s_start_mm
+        end = self.s_end_deg if self.s_end_mm is None else self.s_end_mm
+        return start or 0.0, end or 0.0
 
 
 class Extreme(Part):
@@ -143,7 +157,7 @@ class Design(Part):
     rotation: Literal["ccw", "cw"] = told("Sense in which the cam turns.")
     speed_rpm: float = told("Cam speed.")
     follower: str = told("Kind of the follower.")
-    dimensions: dict[str, float] = told("Base radius, prime radius, offset, … in mm.")
+    dimensions: dict[str, float] = told("Base radius, prime radius, offset, … by name and unit.")
     size: list[float] = told("The follower's size variables; their names: /v1/followers.")
     objectives: dict[str, float] = told("Value of every objective asked.")
     motion: list[SegmentMotion] = told("The motion, segment by segment.")

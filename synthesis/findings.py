@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from typing import Literal
 
+from pydantic import Field
+
 from synthesis.design import Extreme, Part, Relaxation, Status, told
 from synthesis.spec import DesignSpec
 
@@ -68,14 +70,20 @@ class Undercut(Part):
 class SizeChange(Part):
     """The smallest cam that keeps every limit, with the laws as they are."""
 
-    offset: Literal["kept", "free"] = told("Whether the offset stays as given.")
+    offset: Literal["kept", "free"] = told(
+        "Whether the follower's own place stays as given: its offset, or the distance of its pivot."
+    )
     status: Status | None = told(
         "infeasible: no size was found that mends it; optimal, feasible: certified; null: the "
         "solvers gave no answer."
     )
-    dimensions: dict[str, float] = told("Base radius, prime radius, offset, … in mm.")
+    dimensions: dict[str, float] = told("Base radius, prime radius, offset, … by name and unit.")
     base_radius_change_mm: float | None = told("New base radius less the given one.")
-    offset_change_mm: float | None = told("New offset less the given one.")
+    offset_change_mm: float | None = told("New offset less the given one; null without one.")
+    changes: dict[str, float] = Field(
+        {},
+        description="The same of every dimension that was freed: new value less the given one.",
+    )
     gap: float | None = told("How far the base radius is at most from the least possible.")
 
 
@@ -94,7 +102,7 @@ class Analysis(Part):
     name: str = told("Name from the spec.")
     engine_version: str = told("Version of Camwright that found it.")
     holds: bool = told("Whether every limit holds at every cam angle.")
-    dimensions: dict[str, float] = told("Base radius, prime radius, offset, … in mm.")
+    dimensions: dict[str, float] = told("Base radius, prime radius, offset, … by name and unit.")
     broken: list[str] = told("The limits that do not hold.")
     extremes: list[Extreme] = told("Every limit, measured on the cam.")
     curves: list[CurveSummary] = told("The extremes of every curve.")

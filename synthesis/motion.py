@@ -76,12 +76,13 @@ class Readings:
 
     Attributes:
         x: (m,) where, as fractions of the stretch. s: (m,) displacement there [mm].
-        tolerance: how far the motion may pass them [mm].
+        tolerance: how far the motion may pass them [mm]. field: of the segment, that sets it.
     """
 
     x: Array
     s: Array
     tolerance: float
+    field: str = "tolerance_mm"
 
 
 @dataclass(frozen=True, eq=False)

@@ -19,6 +19,7 @@ from synthesis.laws.characteristics import extremes
 from synthesis.motion import EndState, Stretch
 from synthesis.numerics.piecewise import Piecewise
 from synthesis.program import Segment
+from synthesis.units import Pace
 
 SAME = 1e-9  # of lift/β^k: two values of s^(k) that agree
 BACKWARD = 1e-9  # of g': motion backwards that is rounding
@@ -28,7 +29,7 @@ def placed(
     program: Sequence[Segment],
     angles: Sequence[float],
     levels: Sequence[float],
-    omega: float,
+    pace: Pace,
     least_smoothness: int = 0,
 ) -> tuple[Stretch, ...]:
     """The segments as stretches, laws run between the states that the joints settle.
@@ -37,25 +38,25 @@ def placed(
         program: the segments.
         angles: (n+1,) where they start and where the last one ends [rad].
         levels: (n,) displacement at their starts [mm].
-        omega: cam speed [rad/s].
+        pace: turns the wire's displacements and rates into the core's.
         least_smoothness: splines are made at least so smooth.
 
     Raises:
         PydanticCustomError: a state that a law cannot meet, or two states that contradict.
     """
     found = [
-        segment.stretch(i, angles[i], angles[i + 1] - angles[i], levels[i], omega)
+        segment.stretch(i, angles[i], angles[i + 1] - angles[i], levels[i], pace)
         for i, segment in enumerate(program)
     ]
     turning = [i for i, stretch in enumerate(found) if stretch.angle > 0.0]
     joints = [*pairwise(turning), (turning[-1], turning[0])]
     for before, after in joints:
-        _share(found, before, after, omega)
+        _share(found, before, after, pace)
     _take_over(program, found, joints)
     for i in turning:
-        _check(program, found[i], omega)
+        _check(program, found[i], pace)
     for before, after in joints:
-        _meet(program, found, before, after, omega)
+        _meet(program, found, before, after, pace)
     return tuple(_smoothed(stretch, least_smoothness) for stretch in found)
 
 
@@ -65,18 +66,18 @@ def _smoothed(stretch: Stretch, least: int) -> Stretch:
     return replace(stretch, free=replace(stretch.free, smoothness=least))
 
 
-def _share(found: list[Stretch], before: int, after: int, omega: float) -> None:
+def _share(found: list[Stretch], before: int, after: int, pace: Pace) -> None:
     """What one free side of a joint asks for is asked of the other too."""
     left, right = found[before], found[after]
     if _differ(left.at_end.velocity, right.at_start.velocity, 1, left, right):
         assert left.at_end.velocity is not None
         assert right.at_start.velocity is not None
         raise _error(
-            "states_differ", left.at_end.velocity * omega, after, "start",
-            "mm/s at the end of program/{other} meets {theirs} mm/s at the start of "
+            pace, "states_differ", pace.wire(left.at_end.velocity, 1), after, "start",
+            "{per_s} at the end of program/{other} meets {theirs} {per_s} at the start of "
             "program/{segment}: the velocity would jump. Ask for the same on both sides, or on "
             "one side only",
-            other=before, theirs=right.at_start.velocity * omega,
+            other=before, theirs=pace.wire(right.at_start.velocity, 1),
         )  # fmt: skip
     if left.free is not None:
         found[before] = replace(left, at_end=left.at_end.or_else(right.at_start))
@@ -128,7 +129,7 @@ def _differ(
 
 
 def _meet(
-    program: Sequence[Segment], found: list[Stretch], before: int, after: int, omega: float
+    program: Sequence[Segment], found: list[Stretch], before: int, after: int, pace: Pace
 ) -> None:
     """Velocities asked for must be the neighbour's; how smoothly a free law can join follows."""
     left, right = found[before], found[after]
@@ -136,7 +137,7 @@ def _meet(
     theirs = right.at_start.or_else(EndState() if right.law is None else _own(right, at_end=False))
     for i, end in ((before, "end"), (after, "start")):
         both = ours.or_else(theirs) if end == "end" else theirs.or_else(ours)
-        _forwards(found[i], end, both, omega)
+        _forwards(found[i], end, both, pace)
     asked = left.at_end.velocity is not None or right.at_start.velocity is not None
     if asked and _differ(ours.velocity, theirs.velocity, 1, left, right):
         late = right.at_start.velocity is None
@@ -145,11 +146,11 @@ def _meet(
         assert value.velocity is not None
         assert its.velocity is not None
         raise _error(
-            "state_not_neighbours", value.velocity * omega, at, end,
-            "mm/s at the {end} of program/{segment} does not meet program/{other}, whose law "
-            "{law} has {theirs} mm/s there. Leave the velocity out, or "
+            pace, "state_not_neighbours", pace.wire(value.velocity, 1), at, end,
+            "{per_s} at the {end} of program/{segment} does not meet program/{other}, whose law "
+            "{law} has {theirs} {per_s} there. Leave the velocity out, or "
             "give program/{other} a law that meets it: spline or polynomial_5",
-            other=other, theirs=its.velocity * omega, law=program[other].law_name,
+            other=other, theirs=pace.wire(its.velocity, 1), law=program[other].law_name,
         )  # fmt: skip
     if _differ(ours.acceleration, theirs.acceleration, 2, left, right):
         found[before], found[after] = _rougher(left, 1), _rougher(right, 0)
@@ -163,16 +164,16 @@ def _rougher(stretch: Stretch, end: int) -> Stretch:
     return replace(stretch, free=replace(stretch.free, joins=joins))
 
 
-def _forwards(stretch: Stretch, end: str, state: EndState, omega: float) -> None:
+def _forwards(stretch: Stretch, end: str, state: EndState, pace: Pace) -> None:
     """A free law that may not move backwards cannot have a state that makes it."""
     asked = stretch.at_end if end == "end" else stretch.at_start
     if stretch.free is None:
         return
     if state.velocity is None and asked.acceleration is not None:
         raise _error(
-            "acceleration_alone", asked.acceleration * omega**2, stretch.index, end,
-            "mm/s² at the {end} of program/{segment} is asked for without a velocity, between "
-            "two splines. Give velocity_mm_per_s with it, or leave both out",
+            pace, "acceleration_alone", pace.wire(asked.acceleration, 2), stretch.index, end,
+            "{per_s2} at the {end} of program/{segment} is asked for without a velocity, between "
+            "two splines. Give a velocity with it, or leave both out",
         )  # fmt: skip
     if stretch.free.overshoot:
         return
@@ -184,17 +185,18 @@ def _forwards(stretch: Stretch, end: str, state: EndState, omega: float) -> None
     way_out = ". Turn its sign, or allow overshoot in the segment's law"
     if v is not None and v * forward < -SAME * scale:
         raise _error(
-            "state_backwards", v * omega, stretch.index, end, f"mm/s {words}{way_out}",
+            pace, "state_backwards", pace.wire(v, 1), stretch.index, end,
+            "{per_s} " + words + way_out,
             kind=stretch.kind,
         )  # fmt: skip
     if v is not None and a is not None and abs(v) <= SAME * scale and a * outward < 0.0:
         raise _error(
-            "state_backwards", a * omega**2, stretch.index, end,
-            f"mm/s² and no velocity {words}{way_out}", kind=stretch.kind,
+            pace, "state_backwards", pace.wire(a, 2), stretch.index, end,
+            "{per_s2} and no velocity " + words + way_out, kind=stretch.kind,
         )  # fmt: skip
 
 
-def _check(program: Sequence[Segment], stretch: Stretch, omega: float) -> None:
+def _check(program: Sequence[Segment], stretch: Stretch, pace: Pace) -> None:
     """A given law must have the states asked of it, and not move backwards because of them."""
     segment = program[stretch.index]
     asked_of = stretch.at_start.known + stretch.at_end.known
@@ -202,24 +204,25 @@ def _check(program: Sequence[Segment], stretch: Stretch, omega: float) -> None:
         return
     for end, asked in (("start", stretch.at_start), ("end", stretch.at_end)):
         own = _own(stretch, at_end=end == "end")
-        for order, unit in ((1, "mm/s"), (2, "mm/s²")):
+        for order, unit in ((1, "{per_s}"), (2, "{per_s2}")):
             wanted, has = asked.known[order - 1], own.known[order - 1]
             if _differ(wanted, has, order, stretch, stretch):
                 assert wanted is not None
                 assert has is not None
                 raise _error(
-                    "state_not_met", wanted * omega**order, stretch.index, end,
+                    pace, "state_not_met", pace.wire(wanted, order), stretch.index, end,
                     unit + " is asked for at the {end} of program/{segment}, but its law {law} "
                     "has {own} " + unit + " there. Laws between rests take equal velocities at "
                     "both ends and no acceleration; polynomial_5, polynomial_7 and spline take "
                     "any state",
-                    own=has * omega**order, law=segment.law_name,
+                    own=pace.wire(has, order), law=segment.law_name,
                 )  # fmt: skip
     least = _slowest(stretch.law)
     if least < -BACKWARD and not segment.overshoots:
         raise _error(
-            "law_backwards", least * stretch.lift / stretch.angle * omega, stretch.index, "law",
-            "mm/s is reached on program/{segment}: between these states its law {law} moves the "
+            pace, "law_backwards", pace.wire(least * stretch.lift / stretch.angle, 1),
+            stretch.index, "law",
+            "{per_s} is reached on program/{segment}: between these states its law {law} moves the "
             "{kind} backwards. Ask for other velocities, another angle or lift, or take "
             "polynomial_5 or spline with overshoot allowed",
             law=segment.law_name, kind=stretch.kind,
@@ -232,11 +235,14 @@ def _slowest(law: Piecewise) -> float:
 
 
 def _error(
-    name: Any, value: float, segment: int, end: str, words: str, **more: Any
+    pace: Pace, name: Any, value: float, segment: int, end: str, words: str, **more: Any
 ) -> PydanticCustomError:
     """The error with its wrong value first; ``segment`` and ``end`` say where it stands."""
-    rounded = {k: _digits(v) if isinstance(v, float) else v for k, v in more.items()}
-    context = {"value": _digits(value), "segment": segment, "end": end, **rounded}
+    rounded: dict[str, Any] = {
+        k: _digits(v) if isinstance(v, float) else v for k, v in more.items()
+    }
+    units = {"per_s": pace.travel.told(1), "per_s2": pace.travel.told(2)}
+    context = {"value": _digits(value), "segment": segment, "end": end, **rounded, **units}
     return PydanticCustomError(name, f"{{value}} {words}.", context)
 
 

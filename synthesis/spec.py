@@ -19,7 +19,7 @@ from synthesis.objectives.base_radius import BaseRadius
 from synthesis.placing import placed
 from synthesis.program import Segment
 from synthesis.ranges import Dimension, Range, ends
-from synthesis.units import FULL_TURN, rad_per_s
+from synthesis.units import FULL_TURN, Pace, rad_per_s
 
 MAX_SEGMENTS = 100
 ANGLE_SUM_TOLERANCE_DEG = 1e-6
@@ -79,6 +79,30 @@ class DesignSpec(BaseModel):
     ] = None
 
     @model_validator(mode="after")
+    def _units_suit(self) -> DesignSpec:
+        unit, kind = self.follower.travel.unit, self.follower.kind
+        move = {"mm": "slides", "deg": "swings"}[unit]
+        for position, segment in enumerate(self.program):
+            for given in sorted(segment.units - {unit}):
+                raise PydanticCustomError(
+                    "lift_does_not_suit",
+                    "program/{position} gives its lift in {given}, but a {kind} follower {move}. "
+                    "Give lift_{unit} instead of lift_{given}.",
+                    {"position": position, "given": given, "kind": kind,
+                     "move": move, "unit": unit},
+                )  # fmt: skip
+        for position, limit in enumerate(self.limits):
+            if limit.travel_unit not in (None, unit):
+                raise PydanticCustomError(
+                    "limit_unit_does_not_suit",
+                    "limits/{position} ({limit}) is given in {given}, but a {kind} follower "
+                    "{move}. Give the limit's field with {unit} in its name.",
+                    {"position": position, "limit": limit.kind, "given": limit.travel_unit,
+                     "kind": kind, "move": move, "unit": unit},
+                )  # fmt: skip
+        return self
+
+    @model_validator(mode="after")
     def _closes(self) -> DesignSpec:
         turn = math.fsum(segment.angle_deg for segment in self.program)
         if abs(turn - 360.0) > ANGLE_SUM_TOLERANCE_DEG:
@@ -94,9 +118,9 @@ class DesignSpec(BaseModel):
         if abs(rest) > 1e-9 * largest:
             raise PydanticCustomError(
                 "program_lift",
-                "The follower ends {rest} mm away from where it began. "
+                "The follower ends {rest} {unit} away from where it began. "
                 "Make the lifts of rises and returns sum to zero.",
-                {"rest": rest},
+                {"rest": self._pace().wire(rest), "unit": self.follower.travel.unit},
             )
         if largest == 0.0:
             raise PydanticCustomError(
@@ -120,7 +144,7 @@ class DesignSpec(BaseModel):
                 "base_radius_mm = {value} leaves no positive base radius. Give a positive one.",
                 {"value": largest},
             )
-        self.follower.check_reach(largest)
+        self.follower.check_reach(self._open_range(), self.stretches())
         return self
 
     @model_validator(mode="after")
@@ -143,8 +167,9 @@ class DesignSpec(BaseModel):
         if not self.follower.pressure_angle_rows(1.0):
             raise PydanticCustomError(
                 "pressure_angle_given",
-                "objective peak_pressure_angle has nothing to choose: the pressure angle of a "
-                "{kind} follower is that of its face, whatever the cam. Choose another objective.",
+                "objective peak_pressure_angle is not on offer for a {kind} follower: a flat face "
+                "has the pressure angle of its own tilt, and of an arm it is not known how small "
+                "it can be. Choose another objective; an arm takes a limit pressure_angle.",
                 {"kind": self.follower.kind},
             )
         sized = math.isfinite(ends(self.base_radius_mm)[1]) or any(
@@ -167,10 +192,14 @@ class DesignSpec(BaseModel):
         """The follower and the cam's speed."""
         return Machine(self.follower, rad_per_s(self.speed_rpm))
 
+    def _pace(self) -> Pace:
+        """What turns the program's displacements and rates into the core's."""
+        return Pace(self.follower.travel, rad_per_s(self.speed_rpm))
+
     def lifts(self) -> list[float]:
         """Displacement gained over every segment [mm]."""
-        omega = rad_per_s(self.speed_rpm)
-        return [segment.gain(omega) for segment in self.program]
+        pace = self._pace()
+        return [segment.gain(pace) for segment in self.program]
 
     def _levels(self) -> list[float]:
         """Displacement at the ends of the segments, from where the program starts [mm]."""
@@ -178,8 +207,8 @@ class DesignSpec(BaseModel):
 
     def _reach(self) -> tuple[float, float]:
         """Lowest and highest displacement, from where the program starts [mm]."""
-        omega = rad_per_s(self.speed_rpm)
-        spans = [segment.span(omega) for segment in self.program]
+        pace = self._pace()
+        spans = [segment.span(pace) for segment in self.program]
         both = [
             (at + low, at + high) for at, (low, high) in zip(self._levels(), spans, strict=False)
         ]
@@ -194,8 +223,7 @@ class DesignSpec(BaseModel):
         levels = self._levels()
         lowest, _ = self._reach()
         starts = [level - lowest for level in levels[:-1]]
-        omega = rad_per_s(self.speed_rpm)
-        return placed(self.program, angles, starts, omega, self.continuity or 0)
+        return placed(self.program, angles, starts, self._pace(), self.continuity or 0)
 
     def stroke(self) -> float:
         """Highest less lowest displacement [mm]: the unit of length inside the formulations."""
@@ -203,6 +231,10 @@ class DesignSpec(BaseModel):
         return highest - lowest
 
     def base_radius_range(self) -> tuple[float, float]:
+        """Smallest and largest base radius that the follower can reach [mm]."""
+        return self.follower.reachable(self._open_range(), self.stroke())
+
+    def _open_range(self) -> tuple[float, float]:
         """Smallest and largest base radius [mm]; an open end is at 1e-3 or 1e4 strokes."""
         least, largest = ends(self.base_radius_mm)
         stroke = self.stroke()
@@ -223,6 +255,9 @@ class DesignSpec(BaseModel):
         for stretch in self.stretches():
             if stretch.law is None and stretch.readings is None and stretch.angle > 0.0:
                 yield f"/program/{stretch.index}/law", self.program[stretch.index].law_name
+        bounds = self.follower.sizing(self.base_radius_range()).bounds
+        if all(low == high for low, high in bounds):
+            return
         sizes = {
             "/base_radius_mm": self.base_radius_mm,
             **{f"/follower/{name}": value for name, value in self.follower.adjustable().items()},

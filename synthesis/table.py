@@ -1,103 +1,144 @@
-"""Tables of displacement over cam angle: what makes sense of one, and how it is read."""
+"""Segments that follow a table."""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from functools import cached_property
+from typing import Annotated, Literal
 
 import numpy as np
-from pydantic_core import PydanticCustomError
+from pydantic import Field, model_validator
 
-from synthesis.motion import StretchKind
+from synthesis import readings
+from synthesis.motion import FreeLaw, Readings, Stretch
 from synthesis.numerics.piecewise import Array
+from synthesis.segment import Part, State, Unit, end_states, one_unit, signed, units_of
+from synthesis.units import AS_IS, Pace
 
-FEWEST, MOST = 4, 20_000
-SAME_ANGLE = 1e-9  # deg: where a table begins and ends
-WHOLE_TURN = 360.0
+JOINS = 2  # derivatives that a smoothed table shares with its neighbours
+Column = list[float] | None
 
 
-def columns(
-    points: Sequence[tuple[float, float]] | None,
-    angles: Sequence[float] | None,
-    displacements: Sequence[float] | None,
-) -> tuple[Array, Array]:
-    """The two columns [deg, mm], from rows or from columns.
+class Table(Part):
+    """The follower runs through a table, smoothed within a tolerance.
 
-    Raises:
-        PydanticCustomError: neither or both are given, or columns of unequal length.
+    The motion is the spline of least mean square jerk that passes no row by more than the
+    tolerance and joins its neighbours with their velocity and acceleration. Only differences of
+    the displacements count. Where the table rises it is held to the pressure-angle limit of rises,
+    where it returns to that of returns.
     """
-    by_rows, by_columns = points is not None, angles is not None or displacements is not None
-    if by_rows == by_columns or (angles is None) != (displacements is None):
-        raise PydanticCustomError(
-            "table_columns",
-            "A table is given once: as points, or as angles_deg with displacements_mm. "
-            "Give one of the two.",
-            {},
-        )
-    if points is not None:
-        table = np.array(points, dtype=float).reshape(-1, 2)
-        return table[:, 0], table[:, 1]
-    one, other = np.array(angles, dtype=float), np.array(displacements, dtype=float)
-    if len(one) != len(other):
-        raise PydanticCustomError(
-            "table_columns",
-            "{angles} angles_deg stand beside {displacements} displacements_mm. "
-            "Give as many of one as of the other.",
-            {"angles": len(one), "displacements": len(other)},
-        )
-    return one, other
 
+    kind: Literal["table"] = "table"
+    points: Annotated[
+        list[tuple[float, float]] | None,
+        Field(
+            max_length=readings.MOST,
+            description="Rows: cam angle from the segment's start [deg], displacement [mm, or "
+            "deg of an arm, as tolerance]. The first row is at 0, the last at angle_deg; on a "
+            "whole turn that one may be missing.",
+        ),
+    ] = None
+    angles_deg: Annotated[
+        Column,
+        Field(max_length=readings.MOST, description="The first column, instead of points [deg]."),
+    ] = None
+    displacements_mm: Annotated[
+        Column,
+        Field(max_length=readings.MOST, description="The second column, instead of points [mm]."),
+    ] = None
+    displacements_deg: Annotated[
+        Column,
+        Field(max_length=readings.MOST, description="The same of a follower on an arm [deg]."),
+    ] = None
+    tolerance_mm: Annotated[
+        float | None,
+        Field(ge=1e-7, le=1e3, description="How far the motion may pass a row [mm]."),
+    ] = None
+    tolerance_deg: Annotated[
+        float | None,
+        Field(ge=1e-9, le=10.0, description="The same of a follower on an arm [deg]."),
+    ] = None
+    lift_mm: Annotated[
+        float | None,
+        signed(
+            "Displacement gained, with its sign [mm], where the table's own is inexact; left "
+            "out: last row less first row, on a whole turn 0.",
+            1e6,
+        ),
+    ] = None
+    lift_deg: Annotated[float | None, signed("The same of a follower on an arm [deg].", 180.0)] = (
+        None
+    )
+    smoothness: Annotated[
+        Literal[2, 3, 4], Field(description="Number of continuous derivatives.")
+    ] = 4
+    start: State | None = Field(None, description="Velocity and acceleration at its start.")
+    end: State | None = Field(None, description="Velocity and acceleration at its end.")
 
-def check(degrees: Array, angle: float) -> None:
-    """Angles must increase, and span the segment from its start to its end.
+    @property
+    def units(self) -> frozenset[Unit]:
+        given: dict[Unit, tuple[object, ...]] = {
+            "mm": (self.displacements_mm, self.tolerance_mm, self.lift_mm),
+            "deg": (self.displacements_deg, self.tolerance_deg, self.lift_deg),
+        }
+        used = frozenset(u for u, row in given.items() if any(value is not None for value in row))
+        return used | units_of(self.start, self.end)
 
-    Raises:
-        PydanticCustomError: with the number of the first row that breaks the rule, from 0.
-    """
-    if not FEWEST <= len(degrees) <= MOST:
-        raise PydanticCustomError(
-            "table_size",
-            "A table of {count} rows cannot be read: it takes {fewest} to {most}. "
-            "Give more rows, or a named law; or leave some out.",
-            {"count": len(degrees), "fewest": FEWEST, "most": MOST},
-        )
-    for row in np.flatnonzero(np.diff(degrees) <= 0.0)[:1] + 1:
-        again = degrees[row] == degrees[row - 1]
-        raise PydanticCustomError(
-            "table_order",
-            "{angle}° in row {row} does not come after the {before}° of the row before. {way_out}",
-            {"angle": float(degrees[row]), "row": int(row), "before": float(degrees[row - 1]),
-             "way_out": "Remove one of the two rows." if again else "Sort the rows by angle."},
+    @property
+    def tolerance_field(self) -> str:
+        """The field that sets the tolerance."""
+        return "tolerance_deg" if self.tolerance_mm is None else "tolerance_mm"
+
+    @property
+    def _tolerance(self) -> float:
+        given = self.tolerance_deg if self.tolerance_mm is None else self.tolerance_mm
+        assert given is not None  # one is, or the segment had been refused
+        return given
+
+    @cached_property
+    def _table(self) -> tuple[Array, Array]:
+        """Fractions of the segment, and displacement from the segment's start, in its unit."""
+        second = self.displacements_mm or self.displacements_deg
+        degrees, s = readings.columns(self.points, self.angles_deg, second)
+        readings.check(degrees, self.angle_deg)
+        degrees, s = readings.closed(degrees, s, self.angle_deg)
+        return degrees / degrees[-1], s - (s[0] + s[-1] - self._gain(s)) / 2.0
+
+    def _gain(self, s: Array) -> float:
+        asked = self.lift_deg if self.lift_mm is None else self.lift_mm
+        own = 0.0 if self.angle_deg >= readings.WHOLE_TURN else float(s[-1] - s[0])
+        return own if asked is None else asked
+
+    @model_validator(mode="after")
+    def _makes_sense(self) -> Table:
+        one_unit(self.units, "table")
+        readings.check_tolerance(self.tolerance_mm, self.tolerance_deg)
+        s = self._table[1]
+        readings.check_lift(float(s[-1] - s[0]), self._gain(s), self._tolerance)
+        readings.check_range(float(np.ptp(s)), self._tolerance)
+        return self
+
+    @property
+    def law_name(self) -> str:
+        return "table"
+
+    @property
+    def signed_lift(self) -> float:
+        return self._gain(self._table[1])
+
+    def span(self, pace: Pace) -> tuple[float, float]:
+        s = self._table[1]
+        ends = (0.0, self.signed_lift)
+        return pace.core(min(s.min(), *ends)), pace.core(max(s.max(), *ends))
+
+    def stretch(
+        self, index: int, start: float, angle: float, s_start: float, pace: Pace = AS_IS
+    ) -> Stretch:
+        x, s = self._table
+        unit = pace.core(1.0)
+        given = Readings(x, s_start + unit * s, unit * self._tolerance, self.tolerance_field)
+        return Stretch(
+            index, readings.sense(s, self._tolerance), start, angle, s_start,
+            s_start + self.gain(pace), None,
+            FreeLaw(self.smoothness, overshoot=True, joins=(JOINS, JOINS)),
+            *end_states(self.start, self.end, pace), given,
         )  # fmt: skip
-    outside = (degrees < -SAME_ANGLE) | (degrees > angle + SAME_ANGLE)
-    for row in np.flatnonzero(outside)[:1]:
-        raise PydanticCustomError(
-            "table_outside",
-            "{angle}° in row {row} lies outside the segment, which runs from 0° to {end}°. "
-            "Count angles from the segment's start, or remove the row.",
-            {"angle": float(degrees[row]), "row": int(row), "end": angle},
-        )
-    last = angle if angle < WHOLE_TURN - SAME_ANGLE else float(degrees[-1])
-    for row, end in ((0, 0.0), (len(degrees) - 1, last)):
-        if abs(degrees[row] - end) > SAME_ANGLE:
-            raise PydanticCustomError(
-                "table_ends",
-                "{angle}° in row {row} should be {end}°: a table begins at 0° and ends at its "
-                "angle_deg. Add a row there (on a whole turn the last one may be missing).",
-                {"angle": float(degrees[row]), "row": row, "end": end},
-            )
-
-
-def closed(degrees: Array, displacements: Array, angle: float) -> tuple[Array, Array]:
-    """The table of a whole turn with its first row repeated at the end, if that is missing."""
-    if angle - degrees[-1] <= SAME_ANGLE:
-        return degrees, displacements
-    return np.append(degrees, angle), np.append(displacements, displacements[0])
-
-
-def sense(displacements: Array, tolerance: float) -> StretchKind:
-    """Whether a table rises, returns or stands still but for its tolerance; or turns back."""
-    rising = np.max(np.maximum.accumulate(displacements) - displacements) <= 2.0 * tolerance
-    falling = np.max(displacements - np.minimum.accumulate(displacements)) <= 2.0 * tolerance
-    if rising and falling:
-        return "dwell"
-    return "rise" if rising else "return" if falling else "table"

@@ -53,6 +53,13 @@ class FollowerEntry(Entry):
     """A follower family."""
 
     size_names: Annotated[list[str], Field(description="The size variables that are solved for.")]
+    size_charts: Annotated[
+        list[list[str]],
+        Field(
+            description="Every set of size variables that is in use: the first of them, or "
+            "another where other dimensions are given (an arm's pivot fixed, or free)."
+        ),
+    ]
 
 
 class FormatEntry(BaseModel):
@@ -114,7 +121,11 @@ def list_motion_laws() -> list[MotionLawEntry]:
 async def list_followers() -> list[FollowerEntry]:
     """Every follower family that a spec may name."""
     return [
-        FollowerEntry(**_entry(family, family.title), size_names=list(family.size_names))
+        FollowerEntry(
+            **_entry(family, family.title),
+            size_names=list(family.size_charts[0]),
+            size_charts=[list(names) for names in family.size_charts],
+        )
         for family in FOLLOWERS
     ]
 

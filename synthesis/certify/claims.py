@@ -6,8 +6,8 @@ import math
 from collections.abc import Sequence
 
 from synthesis.certify.course import Course, Jump
-from synthesis.certify.dimensions import stands
-from synthesis.certify.joints import NAMES, UNITS, joins
+from synthesis.certify.dimensions import standing, stands
+from synthesis.certify.joints import NAMES, joins
 from synthesis.certify.overshoot import overshoot
 from synthesis.certify.quantities import QUANTITIES, Size, corner, enclose_all, infinite
 from synthesis.certify.states import states
@@ -44,16 +44,21 @@ def certify(
     size = tuple(float(value) for value in size)
     course = Course(motion)
     asked = [claim for limit in limits for claim in limit.claims(motion.stretches, machine)]
+    asked += standing(motion, machine, size)
     claims = [claim for claim in asked if len(course.pieces(claim.stretches))]
     if not (course.finite and all(math.isfinite(value) for value in size)):
-        return [_not_a_number(), *(_unknown(claim, 0.0, NOT_A_NUMBER) for claim in claims)]
+        return [_not_a_number(machine), *(_unknown(claim, 0.0, NOT_A_NUMBER) for claim in claims)]
     found: dict[int, Extreme] = {}
     for kind in dict.fromkeys((claim.quantity, claim.exact) for claim in claims):
         mine = [i for i, claim in enumerate(claims) if (claim.quantity, claim.exact) == kind]
         extremes = _judge(*kind, course, machine, size, [claims[i] for i in mine])
         found.update(zip(mine, extremes, strict=True))
-    promised = [*joins(course, machine, continuity), *states(course, machine), *tables(course)]
-    always = [*stands(machine, size), *promised, *overshoot(course)]
+    promised = [
+        *joins(course, machine, continuity),
+        *states(course, machine),
+        *tables(course, machine),
+    ]
+    always = [*stands(machine, size), *promised, *overshoot(course, machine)]
     return [*(found[i] for i in range(len(claims))), *always]
 
 
@@ -115,8 +120,8 @@ def _extreme(claim: Claim, answer: Answer) -> Extreme:
 
 def _infinite(claim: Claim, jump: Jump, machine: Machine) -> Extreme:
     """A claim that a jump breaks."""
-    what, unit = NAMES[jump.order], UNITS[jump.order]
-    size = abs(jump.size) * machine.omega**jump.order
+    what, unit = NAMES[jump.order], machine.told(jump.order)
+    size = abs(jump.size) * machine.rate(jump.order)
     evidence = f"{what} jumps by {size:.6g} {unit} at {_degrees(jump.angle):.6g}°"
     return _unknown(claim, jump.angle, evidence)
 
@@ -131,10 +136,10 @@ def _unknown(claim: Claim, angle: float, evidence: str) -> Extreme:
     )  # fmt: skip
 
 
-def _not_a_number() -> Extreme:
+def _not_a_number(machine: Machine) -> Extreme:
     return Extreme(
-        limit="motion", value=None, unit="mm", angle_deg=0.0, bound=None, margin=None, width=0.0,
-        holds=False, evidence=NOT_A_NUMBER, field="program",
+        limit="motion", value=None, unit=machine.told(0), angle_deg=0.0, bound=None,
+        margin=None, width=0.0, holds=False, evidence=NOT_A_NUMBER, field="program",
     )  # fmt: skip
 
 

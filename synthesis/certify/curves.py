@@ -11,7 +11,7 @@ from typing import get_args
 import numpy as np
 
 from synthesis.certify.course import Course, Indices
-from synthesis.certify.joints import NAMES, UNITS
+from synthesis.certify.joints import NAMES
 from synthesis.certify.quantities import QUANTITIES, Quantity, Size, enclose_all, tangent
 from synthesis.findings import CurveJump, CurveSummary, Over, Peak, Side, Undercut
 from synthesis.limits.base import Machine, times, where
@@ -20,7 +20,6 @@ from synthesis.numerics.enclosure import Enclosed, Question
 from synthesis.units import DEGREE
 
 Map = Callable[[float], float]
-DISPLACEMENT = Quantity(lambda follower, size, s: s[0], 0)
 CURVATURE = QUANTITIES["pitch_curvature"]
 CURVATURE_UNIT = "1/mm"
 AT_JOINT = 1e-9  # rad: an extreme this near to a joint is at it
@@ -42,11 +41,10 @@ class Curves:
 
     def summaries(self) -> list[CurveSummary]:
         """The extremes of every curve."""
-        omega, degrees = self.machine.omega, times(1.0 / DEGREE)
-        found = [self._summary("displacement", "turn", DISPLACEMENT, "mm", times(1.0))]
-        for order, name in enumerate(NAMES[1:4], start=1):
-            to_wire = times(omega**order)
-            found.append(self._summary(name, "turn", QUANTITIES[name], UNITS[order], to_wire))
+        found, degrees = list[CurveSummary](), times(1.0 / DEGREE)
+        for order, name in enumerate(NAMES[:4]):
+            unit, to_wire = self.machine.told(order), times(self.machine.rate(order))
+            found.append(self._summary(name, "turn", QUANTITIES[name], unit, to_wire))
         for over in get_args(Over):
             if over == "turn" or where(self.motion.stretches, over):
                 quantity = QUANTITIES["pressure_angle"]
@@ -59,10 +57,10 @@ class Curves:
         """Every jump of s, s', s'' and of the curvature, in the order of the cam angle."""
         found, bent = [], set()
         for order in range(3):
-            to_wire = self.machine.omega**order
+            unit, to_wire = self.machine.told(order), self.machine.rate(order)
             for joint in self._breaches(order):
                 before, after = (side[order] * to_wire for side in self.course.sides(int(joint)))
-                found.append(self._jump(NAMES[order], UNITS[order], int(joint), before, after))
+                found.append(self._jump(NAMES[order], unit, int(joint), before, after))
                 bent.add(int(joint))
         for joint in bent:
             name, quantity, unit = self._bend
@@ -96,7 +94,7 @@ class Curves:
         """Where the radius under a flat face is not positive."""
         _, quantity, _ = self._bend
         least = self._extreme(quantity, self._everywhere, -1)
-        cusp = CUSP * self.machine.follower.prime_radius().value(self.size)
+        cusp = CUSP * self.machine.follower.radius(self.size)
         if least.value > cusp:
             return None
         return Undercut(

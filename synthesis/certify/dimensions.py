@@ -6,19 +6,21 @@ import math
 
 from synthesis.certify.quantities import Size, pressure_angle
 from synthesis.design import Extreme
-from synthesis.limits.base import Machine
+from synthesis.limits.base import Claim, Machine, where
+from synthesis.motion import Motion
 from synthesis.ranges import ends
 from synthesis.spec import DesignSpec
 from synthesis.units import DEGREE
 
-ALLOWANCE = 1e-12  # relative to the prime radius: roundings on the way from the size
+ALLOWANCE = 1e-12  # of the prime radius, or of 180°: roundings on the way from the size
 
 
 def stands(machine: Machine, size: Size) -> list[Extreme]:
     """A positive base radius, and a follower that the prime circle drives outwards.
 
     A translating follower does so where its offset lies inside the prime radius, with the roller
-    above the axis; then the pressure angle at rest on the prime circle is below 90°.
+    above the axis; one on an arm, where the arm is not stretched along the line of centres. Then
+    the pressure angle at rest on the prime circle is below 90°.
     """
     base = machine.follower.dimensions(size)["base_radius_mm"]
     alpha = abs(float(pressure_angle(machine.follower, size, (0.0, 0.0, 0.0, 0.0)))) / DEGREE
@@ -31,9 +33,22 @@ def stands(machine: Machine, size: Size) -> list[Extreme]:
         Extreme(
             limit="prime_circle_angle", value=alpha, unit="deg", angle_deg=0.0, bound=90.0,
             margin=90.0 - alpha, width=0.0, holds=alpha < 90.0,
-            evidence="pressure angle at rest on the prime circle: below 90° the offset lies "
-            "inside the prime radius", field="follower",
+            evidence="pressure angle at rest on the prime circle: below 90° the cam drives the "
+            "follower outwards", field="follower",
         ),
+    ]  # fmt: skip
+
+
+def standing(motion: Motion, machine: Machine, size: Size) -> list[Claim]:
+    """That the follower can stand at every displacement, where that is not so by itself."""
+    found = machine.follower.displacement_measure(size)
+    if found is None:
+        return []
+    return [
+        Claim(
+            "reach", found.quantity, where(motion.stretches), found.lower, found.upper,
+            found.unit, found.to_wire, "follower",
+        )
     ]  # fmt: skip
 
 
@@ -45,13 +60,14 @@ def certify_size(spec: DesignSpec, size: tuple[float, ...]) -> list[Extreme]:
         size: the follower's size variables [mm].
     """
     dimensions = spec.follower.dimensions(size)
-    prime = spec.follower.prime_radius().value(size)
+    sizes = {"mm": spec.follower.radius(size), "deg": 180.0}
     found = []
     for name, value in dimensions.items():
         for owner, prefix in ((spec, ""), (spec.follower, "follower/")):
             if name in type(owner).model_fields:
                 asked = ends(getattr(owner, name))
-                found += _within(name, value, asked, ALLOWANCE * prime, prefix + name)
+                allowance = ALLOWANCE * sizes[name.rpartition("_")[2]]
+                found += _within(name, value, asked, allowance, prefix + name)
     return found
 
 
@@ -60,13 +76,14 @@ def _within(
 ) -> list[Extreme]:
     """A dimension against the nearer end of its range; nothing where both are open."""
     low, high = asked
+    named, _, unit = name.rpartition("_")
     margin, bound = min((value - low, low), (high - value, high))
     if math.isinf(bound):
         return []
     return [
         Extreme(
-            limit=name.removesuffix("_mm"), value=value, unit="mm", angle_deg=0.0, bound=bound,
+            limit=named, value=value, unit=unit, angle_deg=0.0, bound=bound,
             margin=margin, width=0.0, holds=margin >= -allowance,
-            evidence=f"from the size; rounding allowance {allowance:.3g} mm", field=field,
+            evidence=f"from the size; rounding allowance {allowance:.3g} {unit}", field=field,
         )
     ]  # fmt: skip

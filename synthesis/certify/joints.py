@@ -13,7 +13,6 @@ from synthesis.numerics.piecewise import Array
 from synthesis.units import DEGREE
 
 NAMES = ("displacement", "velocity", "acceleration", "jerk", "snap")
-UNITS = ("mm", "mm/s", "mm/s²", "mm/s³", "mm/s⁴")
 REPORTED = 2  # jumps up to s'' are reported where they are allowed
 BACKWARD = 1e-9  # of the lift: travel against the sense of a stretch that counts as none
 BOXES = 8
@@ -61,12 +60,12 @@ def _smoothness(course: Course) -> Array:
 
 def _join(machine: Machine, jump: Jump, count: int, *, asked: bool) -> Extreme:
     """The worst of the joints where continuity is promised or asked for."""
-    to_wire = machine.omega**jump.order
+    to_wire = machine.rate(jump.order)
     value, bound = abs(jump.size) * to_wire, jump.allowed * to_wire
     finite = bool(np.isfinite(value))
     return Extreme(
         limit=f"{NAMES[jump.order]}_join", value=value if finite else None,
-        unit=UNITS[jump.order], angle_deg=jump.angle / DEGREE, bound=bound,
+        unit=machine.told(jump.order), angle_deg=jump.angle / DEGREE, bound=bound,
         margin=bound - value if finite else None, width=0.0, holds=value <= bound,
         evidence=f"both sides of {count} joints; bound: 1e-9 of lift/β^{jump.order} and roundings",
         field="continuity" if asked else "program",
@@ -76,8 +75,8 @@ def _join(machine: Machine, jump: Jump, count: int, *, asked: bool) -> Extreme:
 def _jump(machine: Machine, jump: Jump) -> Extreme:
     """A jump that the chosen law brings with it: reported, not judged."""
     return Extreme(
-        limit=f"{NAMES[jump.order]}_jump", value=abs(jump.size) * machine.omega**jump.order,
-        unit=UNITS[jump.order], angle_deg=jump.angle / DEGREE, bound=None, margin=None,
+        limit=f"{NAMES[jump.order]}_jump", value=abs(jump.size) * machine.rate(jump.order),
+        unit=machine.told(jump.order), angle_deg=jump.angle / DEGREE, bound=None, margin=None,
         width=0.0, holds=True, evidence="both sides of the joint; no law promises to join here",
         field="program",
     )  # fmt: skip

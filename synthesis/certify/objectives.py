@@ -5,8 +5,6 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Sequence
 
-import numpy as np
-
 from synthesis.certify.course import Course
 from synthesis.certify.energy import rms
 from synthesis.certify.quantities import QUANTITIES, Size, enclose_all, infinite
@@ -29,9 +27,7 @@ def measure(quantity: str, motion: Motion, machine: Machine, size: Size) -> Encl
 
 
 def _prime_radius(course: Course, machine: Machine, size: Size) -> Enclosed:
-    norm = machine.follower.prime_radius()
-    rows = np.array(norm.matrix) @ np.array(size) + np.array(norm.shift)
-    value = math.hypot(*rows)
+    value = machine.follower.radius(size)
     return Enclosed(value, value * (1.0 - 1e-15), value * (1.0 + 1e-15), 0.0)
 
 

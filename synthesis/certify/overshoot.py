@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 
 from synthesis.certify.course import Course, Indices
 from synthesis.design import Extreme
+from synthesis.limits.base import Machine
 from synthesis.numerics.piecewise import Array
 from synthesis.units import DEGREE
 
@@ -37,7 +38,7 @@ class _Boxes:
         return _Boxes(self.piece[keep], self.lo[keep], self.hi[keep])
 
 
-def overshoot(course: Course) -> list[Extreme]:
+def overshoot(course: Course, machine: Machine) -> list[Extreme]:
     """Travel backwards on stretches that may not overshoot: the worst of them, if there is one."""
     kept = [
         s.index
@@ -49,11 +50,14 @@ def overshoot(course: Course) -> list[Extreme]:
     least, most, count = _travel(course, course.pieces(kept))
     bounds = [BACKWARD * abs(s.lift) for s in course.motion.stretches]
     worst = max(kept, key=lambda i: most[i] / bounds[i])
-    value, bound, width = float(least[worst]), bounds[worst], float(most[worst] - least[worst])
+    value, bound, width = (
+        float(length) * machine.rate(0)
+        for length in (least[worst], bounds[worst], most[worst] - least[worst])
+    )
     margin = bound - value
     return [
         Extreme(
-            limit="overshoot", value=value, unit="mm",
+            limit="overshoot", value=value, unit=machine.told(0),
             angle_deg=course.motion.stretches[worst].start / DEGREE, bound=bound, margin=margin,
             width=width, holds=margin >= width, field=f"program/{worst}/law/overshoot",
             evidence=f"velocity enclosed on {count} boxes; bound: 1e-9 of the lift",

@@ -97,6 +97,7 @@ class Quantity:
 
 QUANTITIES = {
     "travel": Quantity(_derivative(0), 0, share=1e-14),
+    "displacement": Quantity(_derivative(0), 0),
     "velocity": Quantity(_derivative(1), 1, smooth=1),
     "acceleration": Quantity(_derivative(2), 2, smooth=2),
     "jerk": Quantity(_derivative(3), 3, smooth=3),
@@ -129,7 +130,7 @@ def enclose_all(
     breaks, counts = course.curve.breaks, course.counts
     enough = quantity.absolute
     if quantity.share > 0.0:
-        enough += quantity.share * machine.follower.prime_radius().value(size)
+        enough += quantity.share * machine.follower.radius(size)
     return enclose(model, breaks, counts, questions, relative, absolute=enough)
 
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 from synthesis.certify.course import JOIN_TOLERANCE, Course
-from synthesis.certify.joints import NAMES, UNITS
+from synthesis.certify.joints import NAMES
 from synthesis.design import Extreme
 from synthesis.limits.base import Machine
 from synthesis.motion import Stretch
@@ -57,11 +57,12 @@ def _extreme(
     *,
     count: int,
 ) -> Extreme:
-    to_wire = machine.omega**order
+    to_wire = machine.rate(order)
     value, bound = miss * to_wire, allowed * to_wire
     return Extreme(
-        limit=f"{NAMES[order]}_asked", value=value, unit=UNITS[order], angle_deg=angle / DEGREE,
-        bound=bound, margin=bound - value, width=0.0, holds=value <= bound,
+        limit=f"{NAMES[order]}_asked", value=value, unit=machine.told(order),
+        angle_deg=angle / DEGREE, bound=bound, margin=bound - value, width=0.0,
+        holds=value <= bound,
         evidence=f"one-sided values at {count} ends of segments; bound: 1e-9 of lift/β^{order}",
         field=field,
     )  # fmt: skip

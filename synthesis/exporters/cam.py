@@ -14,7 +14,7 @@ from synthesis.followers import Follower
 from synthesis.motion import Motion
 from synthesis.numerics.piecewise import Array, Side
 from synthesis.profile import CamProfile, Rotation, cam_profile
-from synthesis.units import FULL_TURN, rad_per_s
+from synthesis.units import FULL_TURN, Travel, rad_per_s
 
 Mask = NDArray[np.bool_]
 
@@ -73,6 +73,15 @@ class Cam:
             design.curve, design.spec.follower, tuple(design.size), design.rotation,
             rad_per_s(design.speed_rpm),
         )  # fmt: skip
+
+    @property
+    def travel(self) -> Travel:
+        """How its displacement is told."""
+        return self.follower.travel
+
+    def rate(self, order: int) -> float:
+        """Factor from s^(order) per radian to the time derivative in the unit of travel."""
+        return self.travel.rate(order, self.omega)
 
     def at(self, theta: Array, left: Mask | None = None) -> CamProfile:
         """The cam at θ (n,) [rad]; where ``left`` (n,) holds, the limits from the left."""

@@ -14,6 +14,8 @@ from synthesis.exporters.sampling import Rows, table_rows
 from synthesis.numerics.piecewise import Array
 from synthesis.units import DEGREE
 
+POWERS = str.maketrans("²³", "23")
+
 
 @dataclass(frozen=True, eq=False)
 class Column:
@@ -33,7 +35,7 @@ def profile_columns(cam: Cam, options: ProfileOptions) -> list[Column]:
     which = "pitch curve" if options.curve == "pitch" else "profile"
     return [
         _angle(rows),
-        *_physical(at.s, cam.omega),
+        *_physical(at.s, cam),
         Column("x_mm", "mm", f"{which}, in the cam's frame", x),
         Column("y_mm", "mm", f"{which}, in the cam's frame", y),
         Column(
@@ -56,14 +58,7 @@ def motion_columns(cam: Cam, options: MotionOptions) -> list[Column]:
     """The follower's motion at the given speed, and per radian of cam angle."""
     rows = table_rows(cam, options)
     s = cam.derivatives(rows.theta, rows.left)
-    return [
-        _angle(rows),
-        *_physical(s, cam.omega),
-        Column("ds_mm_per_rad", "mm/rad", "first derivative of s by the cam angle", s[1]),
-        Column("d2s_mm_per_rad2", "mm/rad²", "second derivative of s by the cam angle", s[2]),
-        Column("d3s_mm_per_rad3", "mm/rad³", "third derivative of s by the cam angle", s[3]),
-        _side(rows),
-    ]
+    return [_angle(rows), *_physical(s, cam), *_per_radian(s, cam), _side(rows)]
 
 
 def _angle(rows: Rows) -> Column:
@@ -75,10 +70,27 @@ def _side(rows: Rows) -> Column:
     return Column("side", "1", meaning, rows.side)
 
 
-def _physical(s: Array, omega: float) -> list[Column]:
+def _physical(s: Array, cam: Cam) -> list[Column]:
+    told = ("displacement from the lowest position", "velocity", "acceleration", "jerk")
     return [
-        Column("s_mm", "mm", "displacement from the lowest position", s[0]),
-        Column("v_mm_per_s", "mm/s", "velocity", s[1] * omega),
-        Column("a_mm_per_s2", "mm/s²", "acceleration", s[2] * omega**2),
-        Column("j_mm_per_s3", "mm/s³", "jerk", s[3] * omega**3),
+        Column(_named(letter, unit), unit, told[order], s[order] * cam.rate(order))
+        for order, letter in enumerate("svaj")
+        for unit in [cam.travel.told(order)]
     ]
+
+
+def _per_radian(s: Array, cam: Cam) -> list[Column]:
+    told = ("first", "second", "third")
+    return [
+        Column(
+            _named(letter, unit), unit, f"{told[order - 1]} derivative of s by the cam angle",
+            s[order] / cam.travel.per_unit,
+        )
+        for order, letter in enumerate(("ds", "d2s", "d3s"), start=1)
+        for unit in [cam.travel.told(order).replace("/s", "/rad")]
+    ]  # fmt: skip
+
+
+def _named(letter: str, unit: str) -> str:
+    """A column's name: ``a_mm_per_s2`` for a in mm/s²."""
+    return f"{letter}_{unit}".replace("/", "_per_").translate(POWERS)

@@ -27,14 +27,13 @@ class Quantity:
     name: str
     title: str
     symbol: str
-    unit: str
 
 
 QUANTITIES = (
-    Quantity(0, "displacement", "Displacement", "s", "mm"),
-    Quantity(1, "velocity", "Velocity", "v", "mm/s"),
-    Quantity(2, "acceleration", "Acceleration", "a", "mm/s²"),
-    Quantity(3, "jerk", "Jerk", "j", "mm/s³"),
+    Quantity(0, "displacement", "Displacement", "s"),
+    Quantity(1, "velocity", "Velocity", "v"),
+    Quantity(2, "acceleration", "Acceleration", "a"),
+    Quantity(3, "jerk", "Jerk", "j"),
 )
 
 
@@ -73,7 +72,7 @@ def trace(cam: Cam, quantity: Quantity, options: MotionOptions) -> Trace:
     """The quantity as a table samples it."""
     rows = table_rows(cam, options)
     values = cam.derivatives(rows.theta, rows.left)[quantity.order]
-    return Trace(rows.degrees, rows.side, values * cam.omega**quantity.order)
+    return Trace(rows.degrees, rows.side, values * cam.rate(quantity.order))
 
 
 def impulses(cam: Cam, quantity: Quantity) -> Trace:

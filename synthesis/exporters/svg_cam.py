@@ -18,6 +18,8 @@ from synthesis.profile import CamProfile
 STEM, BELOW, HUB, TICK, ARC_SPAN = 15.0, 13.5, 1.1, 2.0, math.radians(105.0)
 UNITS_ACROSS = 160.0
 
+PIVOT = 0.25  # radius of a pivot's eye, of the stem's length
+
 Box = tuple[float, float, float, float]
 
 
@@ -28,11 +30,12 @@ class Scene:
     Attributes:
         ring: the closed curve. start: the cam at cam angle 0.
         borders, middles: the cam at the borders of segments and half-way between them.
-        drive: unit vector along which the follower moves.
+        drive: unit vector along the follower's stem, in which a slide moves; along an arm.
         rotation: +1 where the cam turns counter-clockwise, −1 clockwise.
         centre: where the follower's stem begins: the roller's centre [mm].
         roller, base, prime: radii [mm].
         face: how far a flat face reaches against and along the x axis [mm].
+        pivot: of the follower's arm, None where it slides [mm].
         extent: left, bottom, right and top of all that is drawn, texts excepted [mm].
         u: the sheet's unit [mm]. decimals: of coordinates.
     """
@@ -48,6 +51,7 @@ class Scene:
     face: tuple[float, float]
     base: float
     prime: float
+    pivot: tuple[float, float] | None
     extent: Box
     u: float
     decimals: int
@@ -56,14 +60,14 @@ class Scene:
     def of(cls, design: Design, cam: Cam, options: ProfileOptions) -> Scene:
         """The scene of a design."""
         curve, start = ring(cam, options), cam.at(np.zeros(1))
-        (gx, gy), _ = cam.follower.direction(start.s, cam.size)
         sign = -1.0 if cam.rotation == "cw" else 1.0
-        drive = (sign * float(gx[0]), float(gy[0]))
         moving = [s for s in cam.motion.stretches if s.angle > 0.0]
         shape = cam.follower.shape(cam.motion, cam.size)
-        roller, prime = shape.roller, cam.follower.prime_radius().value(cam.size)
+        roller, prime = shape.roller, cam.follower.radius(cam.size)
         centre = sign * shape.centre[0], shape.centre[1]
         face = (shape.left, shape.right) if sign > 0.0 else (shape.right, shape.left)
+        pivot = None if shape.pivot is None else (sign * shape.pivot[0], shape.pivot[1])
+        drive = _stem(cam, start, sign, centre, pivot)
         across = max(float(np.ptp(curve.pitch_x)), float(np.ptp(curve.pitch_y)), 2.0 * prime)
         u = across / UNITS_ACROSS
         return cls(
@@ -78,14 +82,17 @@ class Scene:
             face=face,
             base=design.dimensions["base_radius_mm"],
             prime=prime,
-            extent=_extent(curve, centre, drive, prime, roller, face, STEM * u),
+            pivot=pivot,
+            extent=_extent(curve, centre, drive, prime, roller, face, STEM * u, pivot),
             u=u,
             decimals=max(4, 7 - math.floor(math.log10(across))),
         )
 
     @property
     def offset(self) -> float:
-        """Signed distance of the follower's line from the cam's axis, to the right [mm]."""
+        """Signed distance of a slide's line from the cam's axis, to the right [mm]."""
+        if self.pivot is not None:
+            return 0.0
         (x, y), (gx, gy) = self.centre, self.drive
         return x * gy - y * gx
 
@@ -97,6 +104,21 @@ class Scene:
         return max(0.45 * self.base, 7.0 * self.u), middle - half, middle + half
 
 
+def _stem(
+    cam: Cam,
+    start: CamProfile,
+    sign: float,
+    centre: tuple[float, float],
+    pivot: tuple[float, float] | None,
+) -> tuple[float, float]:
+    """Direction of the follower's stem: that of its motion, or from the roller to the pivot."""
+    if pivot is not None:
+        length = math.hypot(pivot[0] - centre[0], pivot[1] - centre[1])
+        return (pivot[0] - centre[0]) / length, (pivot[1] - centre[1]) / length
+    (gx, gy), _ = cam.follower.direction(start.s, cam.size)
+    return sign * float(gx[0]), float(gy[0])
+
+
 def _extent(
     curve: CamProfile,
     centre: tuple[float, float],
@@ -105,6 +127,7 @@ def _extent(
     roller: float,
     face: tuple[float, float],
     stem: float,
+    pivot: tuple[float, float] | None,
 ) -> Box:
     x, y = centre
     end_x, end_y = x + (roller + stem) * drive[0], y + (roller + stem) * drive[1]
@@ -112,6 +135,9 @@ def _extent(
     ys = [-prime, prime, float(curve.pitch_y.min()), float(curve.pitch_y.max())]
     xs += [x - max(roller, face[0]), x + max(roller, face[1]), end_x]
     ys += [y - roller, y + roller, end_y]
+    if pivot is not None:
+        xs += [pivot[0] - PIVOT * stem, pivot[0] + PIVOT * stem]
+        ys += [pivot[1] - PIVOT * stem, pivot[1] + PIVOT * stem]
     return min(xs), min(ys), max(xs), max(ys)
 
 
@@ -137,6 +163,8 @@ def _centre_lines(scene: Scene) -> list[str]:
         svg.line("line centre", left - 2.0 * u, 0.0, right + 2.0 * u, 0.0),
         svg.line("line centre", 0.0, low, 0.0, max(scene.prime, top - STEM * u) + 2.0 * u),
     ]
+    if scene.pivot is not None:
+        return [*body, svg.line("line centre", *scene.pivot, x, y)]
     if abs(scene.offset) < 0.2 * u:
         return body
     down, up = math.hypot(x, y - low), scene.roller + (STEM + 2.0) * u
@@ -192,6 +220,26 @@ def _flat_face(scene: Scene, at: Callable[[float, float], str]) -> list[str]:
     return [svg.path("outline metal", steps)]
 
 
+def _arm(scene: Scene, at: Callable[[float, float], str], half: float) -> list[str]:
+    """Roller, arm and the eye at its pivot."""
+    u, (x, y), pivot = scene.u, scene.centre, scene.pivot
+    assert pivot is not None
+    length, eye = math.hypot(pivot[0] - x, pivot[1] - y), PIVOT * STEM * u
+    foot = math.sqrt(max(scene.roller**2 - half**2, 0.0))
+    end = length - math.sqrt(max(eye**2 - half**2, 0.0))
+    body = [
+        svg.path("line outline", f"M{at(end, side)}L{at(foot, side)}") for side in (-half, half)
+    ]
+    if scene.roller > 0.0:
+        body.append(svg.circle("line outline", x, y, scene.roller))
+        body.append(svg.circle("line axis", x, y, min(0.25 * scene.roller, HUB * u)))
+    return [
+        *body,
+        svg.circle("line outline", *pivot, eye),
+        svg.circle("outline metal", *pivot, HUB * u),
+    ]
+
+
 def _follower(scene: Scene) -> list[str]:
     """Roller and stem, a flat face or a knife edge, at cam angle 0."""
     u, (x, y), (gx, gy) = scene.u, scene.centre, scene.drive
@@ -203,6 +251,8 @@ def _follower(scene: Scene) -> list[str]:
 
     if any(scene.face):
         return _flat_face(scene, at)
+    if scene.pivot is not None:
+        return _arm(scene, at, half)
     if scene.roller == 0.0:
         corners = [(end, -half), (3.0 * u, -half), (0.0, 0.0), (3.0 * u, half), (end, half)]
         return [svg.path("outline metal", "M" + "L".join(at(*corner) for corner in corners))]

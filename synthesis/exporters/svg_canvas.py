@@ -107,6 +107,16 @@ def figure(value: float, digits: int = 4) -> str:
     return text.replace(",", "\u202f").replace("inf", "∞").replace("e+", "e").replace("-", "−")
 
 
+def unit(name: str) -> str:
+    """A unit as a drawing writes it."""
+    return name.replace("deg", "°")
+
+
+def measured(value: float, name: str, digits: int = 6) -> str:
+    """A value with its unit: 30 mm, 45°."""
+    return f"{figure(value, digits)}{'' if name == 'deg' else ' '}{unit(name)}"
+
+
 def width_of(text: str, size: float) -> float:
     """Width that a text needs at most; of the usual fonts DejaVu Sans is the widest."""
     return size * sum(_width(char) for char in text)

@@ -55,7 +55,7 @@ def diagram(
     """The elements of one diagram, its title line above the frame."""
     curve, infinite = trace(cam, quantity, options), impulses(cam, quantity)
     fine = trace(cam, quantity, MotionOptions(MEASURED_PER_DEGREE))
-    limits = bounds(design, quantity)
+    limits, unit = bounds(design, quantity), svg.unit(cam.travel.told(quantity.order))
     frame = _ranged(frame, fine.values, limits)
     return [
         *_axes(frame, _exponent(frame)),
@@ -63,7 +63,7 @@ def diagram(
         *_curve(frame, curve),
         *_arrows(frame, infinite, bool(limits)),
         *_broken(frame, fine, limits),
-        *_title(frame, quantity, fine.followed_by(infinite), limits),
+        *_title(frame, quantity, unit, fine.followed_by(infinite), limits),
     ]
 
 
@@ -142,7 +142,9 @@ def _broken(frame: Frame, curve: Trace, limits: list[Bound]) -> list[str]:
     return body
 
 
-def _title(frame: Frame, quantity: Quantity, curve: Trace, limits: list[Bound]) -> list[str]:
+def _title(
+    frame: Frame, quantity: Quantity, unit: str, curve: Trace, limits: list[Bound]
+) -> list[str]:
     """Name and unit on the left; extremes and limits on the right, in alarm if broken."""
     exponent = _exponent(frame)
     factor = f"10{str(exponent).translate(SUPERSCRIPTS)} " if exponent else ""
@@ -155,7 +157,7 @@ def _title(frame: Frame, quantity: Quantity, curve: Trace, limits: list[Bound]) 
         told.append(f"{word} {svg.figure(value / 10.0**exponent)} at {angle}°")
     told += sorted({_limit_text(bound, exponent) for bound in limits})
     broken = any(exceeds(curve, bound).any() for bound in limits)
-    title = f"{quantity.title} {quantity.symbol}, {factor}{quantity.unit}"
+    title = f"{quantity.title} {quantity.symbol}, {factor}{unit}"
     right, y = frame.left + frame.width, frame.top - 2.2
     return [
         svg.text("label", frame.left, y, title),

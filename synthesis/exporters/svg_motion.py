@@ -61,14 +61,16 @@ def _grounds(design: Design, top: float, height: float) -> list[str]:
 def _band(design: Design) -> list[str]:
     """The strip of segments: what each does and how, as far as there is room."""
     body = [svg.line("border", LEFT, y, WIDTH - RIGHT, y) for y in (HEADER, HEADER + BAND)]
+    unit = design.spec.follower.travel.unit
     for segment in _segments(design):
         width = _x(segment.angle_deg) - LEFT
         middle = _x(segment.start_deg) + 0.5 * width
-        told = svg.fitting(_names(segment), width - 1.0, svg.LABEL)
+        told = svg.fitting(_names(segment, unit), width - 1.0, svg.LABEL)
         if told:
             body.append(svg.text("label", middle, HEADER + 4.0, told, "middle"))
-        told = svg.shortened(_manner(segment), width - 1.0, svg.TICK)
-        if len(told) > SHORT or told == _manner(segment):
+        manner = _manner(segment, unit)
+        told = svg.shortened(manner, width - 1.0, svg.TICK)
+        if len(told) > SHORT or told == manner:
             body.append(svg.text("tick", middle, HEADER + 7.8, told, "middle"))
     return body + _border_angles([s.start_deg for s in _segments(design)] + [360.0])
 
@@ -87,19 +89,20 @@ def _border_angles(borders: list[float]) -> list[str]:
     return body
 
 
-def _names(segment: SegmentMotion) -> list[str]:
+def _names(segment: SegmentMotion, unit: str) -> list[str]:
     """What a segment does, the longest text first."""
     angle = f"{svg.figure(segment.angle_deg, 6)}°"
     if segment.kind == "dwell":
         return [f"dwell {angle}", "dwell"]
-    lift = f"{svg.figure(abs(segment.s_end_mm - segment.s_start_mm), 6)} mm"
+    start, end = segment.levels
+    lift = svg.measured(abs(end - start), unit)
     return [f"{segment.kind} {lift} in {angle}", f"{segment.kind} {lift}", segment.kind]
 
 
-def _manner(segment: SegmentMotion) -> str:
+def _manner(segment: SegmentMotion, unit: str) -> str:
     """How it does it."""
     if segment.kind == "dwell":
-        return f"at {svg.figure(segment.s_start_mm, 6)} mm"
+        return f"at {svg.measured(segment.levels[0], unit)}"
     return segment.law.replace("_", " ")
 
 

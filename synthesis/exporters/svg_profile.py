@@ -60,6 +60,9 @@ def _legend(design: Design, scene: Scene) -> list[tuple[str, str]]:
         rows.append(("line prime", f"prime circle, radius {size['prime_radius_mm']} mm"))
     if "offset_mm" in size:
         rows.append(("line centre", f"line of the follower, offset {size['offset_mm']} mm"))
+    if scene.pivot is not None:
+        distance = f"pivot {size['centre_distance_mm']} mm from the cam's axis"
+        rows.append(("line centre", f"arm of {size['arm_mm']} mm, {distance}"))
     return rows
 
 
@@ -73,10 +76,11 @@ def _legend_lines(rows: list[tuple[str, str]], x: float, top: float, u: float) -
 
 
 def _remarks(design: Design, scene: Scene, x: float, top: float, u: float) -> list[str]:
-    levels = [end for segment in design.motion for end in (segment.s_start_mm, segment.s_end_mm)]
+    levels = [end for segment in design.motion for end in segment.levels]
+    stroke = svg.measured(max(levels) - min(levels), design.spec.follower.travel.unit)
     told = [
         _tip(scene),
-        f"stroke {svg.figure(max(levels) - min(levels), 6)} mm",
+        f"{'stroke' if scene.pivot is None else 'swing'} {stroke}",
         "follower shown at cam angle 0°",
         f"cam angles run {TURNS[OPPOSITE[design.rotation]]}",
     ]

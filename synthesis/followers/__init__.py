@@ -7,11 +7,21 @@ from typing import Annotated
 from pydantic import Field
 
 from synthesis.followers.base import Follower
+from synthesis.followers.oscillating_roller import OscillatingRoller
 from synthesis.followers.translating_flat_face import TranslatingFlatFace
 from synthesis.followers.translating_roller import TranslatingRoller
 
-AnyFollower = Annotated[TranslatingRoller | TranslatingFlatFace, Field(discriminator="kind")]
+AnyFollower = Annotated[
+    TranslatingRoller | TranslatingFlatFace | OscillatingRoller, Field(discriminator="kind")
+]
 
-FOLLOWERS: tuple[type[Follower], ...] = (TranslatingRoller, TranslatingFlatFace)
+FOLLOWERS: tuple[type[Follower], ...] = (TranslatingRoller, TranslatingFlatFace, OscillatingRoller)
 
-__all__ = ["FOLLOWERS", "AnyFollower", "Follower", "TranslatingFlatFace", "TranslatingRoller"]
+__all__ = [
+    "FOLLOWERS",
+    "AnyFollower",
+    "Follower",
+    "OscillatingRoller",
+    "TranslatingFlatFace",
+    "TranslatingRoller",
+]

@@ -9,9 +9,10 @@ from typing import Any, ClassVar
 
 from pydantic import BaseModel, ConfigDict
 
-from synthesis.motion import Motion
+from synthesis.motion import Motion, Stretch
 from synthesis.ranges import Range
 from synthesis.terms import Cone, Norm, Row
+from synthesis.units import Travel
 
 Vector2 = tuple[Any, Any]
 
@@ -35,13 +36,14 @@ class Sizing:
 class Measure:
     """What the certificate has to measure for a bound: lower ≤ quantity ≤ upper [core units].
 
-    ``to_wire``: monotone map to the wire's unit; None where the wire has no value.
+    ``to_wire``: monotone map to the wire's ``unit``; None where the wire has no value.
     """
 
     quantity: str
     lower: float | None
     upper: float | None
     to_wire: Callable[[float], float | None]
+    unit: str = "mm"
 
 
 @dataclass(frozen=True)
@@ -51,12 +53,14 @@ class Shape:
     Attributes:
         centre: where its stem begins. roller: radius about it, 0 where there is no roller.
         left, right: how far a face reaches to either side, both 0 where there is no face.
+        pivot: of an arm, None where the follower slides.
     """
 
     centre: tuple[float, float]
     roller: float
     left: float = 0.0
     right: float = 0.0
+    pivot: tuple[float, float] | None = None
 
 
 class Follower(BaseModel, ABC):
@@ -71,8 +75,18 @@ class Follower(BaseModel, ABC):
 
     kind: str
     title: ClassVar[str]
-    size_names: ClassVar[tuple[str, ...]]
+    size_charts: ClassVar[tuple[tuple[str, ...], ...]]  # names of z, by what is given
     always_convex: ClassVar[bool] = False  # a profile that is not undercut has no hollows
+
+    @property
+    def size_names(self) -> tuple[str, ...]:
+        """Names of the size variables for the dimensions that are given here."""
+        return self.size_charts[0]
+
+    @property
+    def travel(self) -> Travel:
+        """How its displacement is told on the wire."""
+        return Travel()
 
     @property
     @abstractmethod
@@ -85,7 +99,11 @@ class Follower(BaseModel, ABC):
 
     @abstractmethod
     def prime_radius(self) -> Norm:
-        """Rp as a norm of z."""
+        """The norm of z that is pushed down for a small cam: Rp, or what grows with it."""
+
+    def radius(self, z: tuple[float, ...]) -> float:
+        """The prime radius itself [mm]."""
+        return self.prime_radius().value(z)
 
     @abstractmethod
     def raised(self, z: tuple[float, ...], amount: float) -> tuple[float, ...]:
@@ -143,8 +161,23 @@ class Follower(BaseModel, ABC):
         """Its dimensions that may also be left free: field and value."""
         return {}
 
-    def check_reach(self, largest: float) -> None:
-        """Refuse dimensions that no base radius up to ``largest`` [mm] can serve."""
+    def unsized(self) -> Follower:
+        """The same without a dimension that would fix the base radius in other words."""
+        return self
+
+    def check_reach(self, base_radius: tuple[float, float], stretches: Sequence[Stretch]) -> None:
+        """Refuse dimensions that no base radius between two ends [mm] can serve.
+
+        ``stretches``: the program on the cam, displacements from the lowest position.
+        """
+        return None
+
+    def reachable(self, base_radius: tuple[float, float], stroke: float) -> tuple[float, float]:
+        """The part of a range of base radii at which it can move through a stroke [mm]."""
+        return base_radius
+
+    def displacement_measure(self, z: tuple[float, ...]) -> Measure | None:
+        """Between which displacements the follower can stand; None where all of them do."""
         return None
 
     def profile_radius_rows(self, least: float) -> tuple[Row, ...]:
@@ -182,8 +215,8 @@ class Follower(BaseModel, ABC):
 
     @abstractmethod
     def dimensions(self, z: tuple[float, ...]) -> Mapping[str, float]:
-        """The cam's dimensions as named on the wire [mm]."""
+        """The cam's dimensions as named on the wire [mm, deg]."""
 
-    def motion_dimensions(self, motion: Motion) -> Mapping[str, float]:
+    def motion_dimensions(self, motion: Motion, z: tuple[float, ...]) -> Mapping[str, float]:
         """Dimensions that follow from the finished motion [mm]."""
         return {}

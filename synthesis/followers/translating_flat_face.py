@@ -25,7 +25,7 @@ class TranslatingFlatFace(Follower):
 
     kind: Literal["translating_flat_face"] = "translating_flat_face"
     title: ClassVar[str] = "Translating flat face, perpendicular to its slide"
-    size_names: ClassVar[tuple[str, ...]] = ("base_radius",)
+    size_charts: ClassVar[tuple[tuple[str, ...], ...]] = (("base_radius",),)
     always_convex: ClassVar[bool] = True
 
     @property
@@ -86,14 +86,14 @@ class TranslatingFlatFace(Follower):
         return radius * abs(radius), radius * radius
 
     def shape(self, motion: Motion, z: tuple[float, ...]) -> Shape:
-        wide = self.motion_dimensions(motion)
+        wide = self.motion_dimensions(motion, z)
         foot = z[0] + float(motion.derivatives([0.0], 0)[0, 0])
         return Shape((0.0, foot), 0.0, wide["face_left_mm"], wide["face_right_mm"])
 
     def dimensions(self, z: tuple[float, ...]) -> Mapping[str, float]:
         return {"base_radius_mm": z[0]}
 
-    def motion_dimensions(self, motion: Motion) -> Mapping[str, float]:
+    def motion_dimensions(self, motion: Motion, z: tuple[float, ...]) -> Mapping[str, float]:
         """The face that contact needs: to the left and right of the slide's line on a ccw cam."""
         left, _ = peak(motion.curve, (0.0, -1.0, 0.0, 0.0))
         right, _ = peak(motion.curve, (0.0, 1.0, 0.0, 0.0))

@@ -16,6 +16,7 @@ from pydantic import Field
 from pydantic_core import PydanticCustomError
 
 from synthesis.followers.base import Follower, Sizing, Vector2
+from synthesis.motion import Stretch
 from synthesis.ranges import Dimension, Range, ends
 from synthesis.terms import Cone, Norm, Row
 
@@ -25,7 +26,7 @@ class TranslatingRoller(Follower):
 
     kind: Literal["translating_roller"] = "translating_roller"
     title: ClassVar[str] = "Translating roller (radius 0: knife edge)"
-    size_names: ClassVar[tuple[str, ...]] = ("offset", "s0")
+    size_charts: ClassVar[tuple[tuple[str, ...], ...]] = (("offset", "s0"),)
 
     roller_radius_mm: Annotated[
         float, Field(ge=0.0, le=1e6, description="Radius of the roller; 0 is a knife edge.")
@@ -36,10 +37,10 @@ class TranslatingRoller(Follower):
     def roller_radius(self) -> float:
         return self.roller_radius_mm
 
-    def check_reach(self, largest: float) -> None:
+    def check_reach(self, base_radius: tuple[float, float], stretches: Sequence[Stretch]) -> None:
         e_min, e_max = ends(self.offset_mm)
         nearest = 0.0 if e_min <= 0.0 <= e_max else min(abs(e_min), abs(e_max))
-        prime = largest + self.roller_radius
+        prime = base_radius[1] + self.roller_radius
         if nearest >= prime:
             raise PydanticCustomError(
                 "offset_beyond_prime_radius",

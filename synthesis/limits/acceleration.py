@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-from typing import Annotated, ClassVar, Literal
+from typing import ClassVar, Literal
 
 from pydantic import Field
 
-from synthesis.limits.derivative import DerivativeLimit
+from synthesis.limits.derivative import DerivativeLimit, Largest
 
 
 class Acceleration(DerivativeLimit):
@@ -15,10 +15,6 @@ class Acceleration(DerivativeLimit):
     kind: Literal["acceleration"] = "acceleration"
     title: ClassVar[str] = "Acceleration"
     order: ClassVar[int] = 2
-    field: ClassVar[str] = "max_mm_per_s2"
-    unit: ClassVar[str] = "mm/s²"
-    max_mm_per_s2: Annotated[float, Field(gt=0.0, le=1e30, description="Largest |acceleration|.")]
-
-    @property
-    def largest(self) -> float:
-        return self.max_mm_per_s2
+    fields: ClassVar[dict[str, str]] = {"mm": "max_mm_per_s2", "deg": "max_deg_per_s2"}
+    max_mm_per_s2: Largest = Field(None, description="Largest |acceleration| of a slide.")
+    max_deg_per_s2: Largest = Field(None, description="Largest |acceleration| of an arm.")

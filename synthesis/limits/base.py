@@ -26,6 +26,14 @@ class Machine:
     follower: Follower
     omega: float
 
+    def rate(self, order: int) -> float:
+        """Factor from s^(order) per radian to the time derivative in the wire's unit."""
+        return self.follower.travel.rate(order, self.omega)
+
+    def told(self, order: int) -> str:
+        """That unit."""
+        return self.follower.travel.told(order)
+
 
 @dataclass(frozen=True)
 class Claim:
@@ -66,6 +74,11 @@ class Limit(BaseModel, ABC):
     def suits(self, follower: Follower) -> bool:
         """Whether the limit says anything about such a follower."""
         return True
+
+    @property
+    def travel_unit(self) -> str | None:
+        """Unit of displacement that it is given in; None where it is not about displacement."""
+        return None
 
     def rows(self, stretch: Stretch, machine: Machine) -> tuple[Row, ...]:
         """Linear rows on one stretch; for a limit that is not convex, those it implies."""

@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-from typing import Annotated, ClassVar, Literal
+from typing import ClassVar, Literal
 
 from pydantic import Field
 
-from synthesis.limits.derivative import DerivativeLimit
+from synthesis.limits.derivative import DerivativeLimit, Largest
 
 
 class Jerk(DerivativeLimit):
@@ -15,10 +15,6 @@ class Jerk(DerivativeLimit):
     kind: Literal["jerk"] = "jerk"
     title: ClassVar[str] = "Jerk"
     order: ClassVar[int] = 3
-    field: ClassVar[str] = "max_mm_per_s3"
-    unit: ClassVar[str] = "mm/s³"
-    max_mm_per_s3: Annotated[float, Field(gt=0.0, le=1e30, description="Largest |jerk|.")]
-
-    @property
-    def largest(self) -> float:
-        return self.max_mm_per_s3
+    fields: ClassVar[dict[str, str]] = {"mm": "max_mm_per_s3", "deg": "max_deg_per_s3"}
+    max_mm_per_s3: Largest = Field(None, description="Largest |jerk| of a slide.")
+    max_deg_per_s3: Largest = Field(None, description="Largest |jerk| of an arm.")

@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-from typing import Annotated, ClassVar, Literal
+from typing import ClassVar, Literal
 
 from pydantic import Field
 
-from synthesis.limits.derivative import DerivativeLimit
+from synthesis.limits.derivative import DerivativeLimit, Largest
 
 
 class Velocity(DerivativeLimit):
@@ -15,10 +15,6 @@ class Velocity(DerivativeLimit):
     kind: Literal["velocity"] = "velocity"
     title: ClassVar[str] = "Velocity"
     order: ClassVar[int] = 1
-    field: ClassVar[str] = "max_mm_per_s"
-    unit: ClassVar[str] = "mm/s"
-    max_mm_per_s: Annotated[float, Field(gt=0.0, le=1e30, description="Largest |velocity|.")]
-
-    @property
-    def largest(self) -> float:
-        return self.max_mm_per_s
+    fields: ClassVar[dict[str, str]] = {"mm": "max_mm_per_s", "deg": "max_deg_per_s"}
+    max_mm_per_s: Largest = Field(None, description="Largest |velocity| of a slide.")
+    max_deg_per_s: Largest = Field(None, description="Largest |velocity| of an arm.")

@@ -18,7 +18,7 @@ class Objective(BaseModel, ABC):
     Attributes:
         title: for people.
         quantity: what ``certify`` measures, in core units (mm, per radian, tan α).
-        wire_name: name of its value on the wire, with the unit.
+        wire_name: name of its value on the wire, with the unit; asked for by ``name_on_wire``.
         fractional: its rows hold for one trial ``level`` at a time (quasi-convex).
     """
 
@@ -47,6 +47,10 @@ class Objective(BaseModel, ABC):
                 much the trial level is exceeded.
         """
         return ()
+
+    def name_on_wire(self, machine: Machine) -> str:
+        """Name of its value on the wire, with the unit that such a follower has."""
+        return self.wire_name
 
     @abstractmethod
     def to_wire(self, value: float, machine: Machine) -> float:

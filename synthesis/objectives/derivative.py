@@ -15,11 +15,14 @@ class DerivativeObjective(Objective, ABC):
 
     order: ClassVar[int]
 
+    def name_on_wire(self, machine: Machine) -> str:
+        return f"{self.kind}_{machine.told(0)}_per_s{self.order}"
+
     def to_wire(self, value: float, machine: Machine) -> float:
-        return value * machine.omega**self.order
+        return value * machine.rate(self.order)
 
     def from_wire(self, value: float, machine: Machine) -> float:
-        return value / machine.omega**self.order
+        return value / machine.rate(self.order)
 
 
 def peak_rows(order: int, source: str) -> tuple[Row, ...]:

@@ -16,7 +16,6 @@ class PeakAcceleration(DerivativeObjective):
     kind: Literal["peak_acceleration"] = "peak_acceleration"
     title: ClassVar[str] = "Peak acceleration"
     quantity: ClassVar[str] = "acceleration"
-    wire_name: ClassVar[str] = "peak_acceleration_mm_per_s2"
     order: ClassVar[int] = 2
 
     def rows(self, stretch: Stretch, machine: Machine, level: float) -> tuple[Row, ...]:

@@ -16,7 +16,6 @@ class PeakJerk(DerivativeObjective):
     kind: Literal["peak_jerk"] = "peak_jerk"
     title: ClassVar[str] = "Peak jerk"
     quantity: ClassVar[str] = "jerk"
-    wire_name: ClassVar[str] = "peak_jerk_mm_per_s3"
     order: ClassVar[int] = 3
 
     def rows(self, stretch: Stretch, machine: Machine, level: float) -> tuple[Row, ...]:

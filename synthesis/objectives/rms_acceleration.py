@@ -13,7 +13,6 @@ class RmsAcceleration(DerivativeObjective):
     kind: Literal["rms_acceleration"] = "rms_acceleration"
     title: ClassVar[str] = "Rms acceleration"
     quantity: ClassVar[str] = "rms_acceleration"
-    wire_name: ClassVar[str] = "rms_acceleration_mm_per_s2"
     order: ClassVar[int] = 2
 
     def energy_order(self) -> int:

@@ -13,7 +13,6 @@ class RmsJerk(DerivativeObjective):
     kind: Literal["rms_jerk"] = "rms_jerk"
     title: ClassVar[str] = "Rms jerk"
     quantity: ClassVar[str] = "rms_jerk"
-    wire_name: ClassVar[str] = "rms_jerk_mm_per_s3"
     order: ClassVar[int] = 3
 
     def energy_order(self) -> int:

@@ -14,6 +14,9 @@ import numpy as np
 from synthesis.numerics.piecewise import Array
 from synthesis.solvers.statuses import Stopped
 
+# so that one formula with np.cos serves numbers and symbols: results keep CasADi's types and shapes
+casadi.GlobalOptions.setNumpyMode(1)
+
 STATUSES = {
     "Solve_Succeeded": Stopped.SOLVED,
     "Solved_To_Acceptable_Level": Stopped.INACCURATE,

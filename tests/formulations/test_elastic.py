@@ -191,7 +191,7 @@ def test_limits_that_cannot_help_alone_are_said_so(
 
 def without(spec: DesignSpec, fields: set[str]) -> DesignSpec:
     """The spec without some of its limits, named by their fields."""
-    body = copy.deepcopy(spec.model_dump())
+    body = copy.deepcopy(spec.model_dump(exclude_none=True))
     kept = []
     for position, limit in enumerate(body["limits"]):
         for name in list(limit):

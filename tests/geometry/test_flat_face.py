@@ -180,7 +180,7 @@ def test_what_the_follower_tells_is_what_is_measured(cam: FlatCam):
     np.testing.assert_allclose(told, p.radius, rtol=1e-12, atol=1e-13 * cam.length)
     # the face that contact needs, from where the profile touches the line
     along = p.x * np.cos(theta) - cam.sense * p.y * np.sin(theta)  # in the machine's frame
-    wide = FACE.motion_dimensions(cam.motion)
+    wide = FACE.motion_dimensions(cam.motion, (cam.Rb,))
     largest, least = np.max(cam.sense * along), np.min(cam.sense * along)
     np.testing.assert_allclose(wide["face_right_mm"], largest, rtol=2e-3)
     np.testing.assert_allclose(wide["face_left_mm"], -least, rtol=2e-3)

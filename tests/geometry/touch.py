@@ -1,8 +1,9 @@
 """The finished cam run by touch: polygons, circles and rotation matrices, and nothing of a cam.
 
 The cam is a closed polygon of profile points. It is turned as a rigid body, and the roller, a
-circle whose centre slides on a vertical line, is let down until it touches. No law, no offset
-formula, no normal and no curvature occurs here, so nothing here can share an error with them.
+circle whose centre slides on a vertical line or hangs on an arm, is let down until it touches. No
+law, no offset formula, no normal and no curvature occurs here, so nothing here can share an error
+with them.
 """
 
 from dataclasses import dataclass
@@ -16,6 +17,26 @@ class Roller:
 
     line: float
     radius: float
+
+
+@dataclass(frozen=True)
+class Swing:
+    """A circle at the end of an arm, let down from where the arm points away from the origin.
+
+    Attributes:
+        pivot: where it turns. arm: its length. radius: of the circle (0: a point).
+        down: +1 where it comes down counter-clockwise, −1 where clockwise.
+    """
+
+    pivot: tuple[float, float]
+    arm: float
+    radius: float
+    down: float
+
+    def centre(self, angle: float) -> tuple[float, float]:
+        """Where the circle is when its arm has ``angle`` left to the line of the pivots [rad]."""
+        back = np.arctan2(self.pivot[1], self.pivot[0]) + np.pi - self.down * angle
+        return self.pivot[0] + self.arm * np.cos(back), self.pivot[1] + self.arm * np.sin(back)
 
 
 def turned(cam: np.ndarray, angle: float) -> np.ndarray:
@@ -46,6 +67,37 @@ def rest_height(cam: np.ndarray, roller: Roller) -> float:
     return float(max(np.max(h, initial=-np.inf) for h in heights))
 
 
+def rest_angle(cam: np.ndarray, swing: Swing) -> float:
+    """Angle between arm and line of the pivots when the circle comes down on the polygon [rad].
+
+    Its centre runs on a circle about the pivot. It is stopped where that meets the circle of the
+    same size round a vertex, or a line parallel to a side at the roller's radius.
+    """
+    to = cam - np.array(swing.pivot)
+    far = np.hypot(to[:, 0], to[:, 1])
+    cosine = (swing.arm**2 + far**2 - swing.radius**2) / (2.0 * swing.arm * far)
+    near = abs(cosine) <= 1.0
+    heading, spread = np.arctan2(to[near, 1], to[near, 0]), np.arccos(cosine[near])
+    found = [heading + spread, heading - spread]
+    side = np.roll(to, -1, axis=0) - to
+    length = np.hypot(side[:, 0], side[:, 1])
+    real = length > 0.0
+    start, along = to[real], side[real] / length[real, None]
+    across = np.stack([-along[:, 1], along[:, 0]], axis=1)
+    for offset in (swing.radius, -swing.radius):
+        begin = start + offset * across
+        middle, off = np.sum(begin * along, axis=1), np.sum(begin * across, axis=1)
+        root = np.sqrt(np.maximum(swing.arm**2 - off**2, 0.0))
+        for part in (root - middle, -root - middle):
+            met = (abs(off) <= swing.arm) & (part >= 0.0) & (part <= length[real])
+            at = begin[met] + part[met, None] * along[met]
+            found.append(np.arctan2(at[:, 1], at[:, 0]))
+    back = np.arctan2(-swing.pivot[1], -swing.pivot[0])
+    angle = swing.down * (back - np.concatenate(found))
+    angle = angle - 2.0 * np.pi * np.floor(angle / (2.0 * np.pi))
+    return float(np.max(angle[angle <= np.pi], initial=-np.inf))
+
+
 def clearance(cam: np.ndarray, centre: tuple[float, float]) -> float:
     """Distance from a point to the polygon's outline."""
     a, side = cam, np.roll(cam, -1, axis=0) - cam
@@ -59,6 +111,11 @@ def clearance(cam: np.ndarray, centre: tuple[float, float]) -> float:
 def lifts(cam: np.ndarray, angles: np.ndarray, roller: Roller) -> np.ndarray:
     """Height of the roller's centre at each angle by which the cam has turned."""
     return np.array([rest_height(turned(cam, angle), roller) for angle in angles])
+
+
+def swings(cam: np.ndarray, angles: np.ndarray, swing: Swing) -> np.ndarray:
+    """Angle of the arm at each angle by which the cam has turned [rad]."""
+    return np.array([rest_angle(turned(cam, angle), swing) for angle in angles])
 
 
 def clearances(cam: np.ndarray, angles: np.ndarray, line: float, heights: np.ndarray) -> np.ndarray:

@@ -222,8 +222,8 @@ def row(at: int, *values: float) -> dict[str, Any]:
         ({"angles_deg": [0.0, 1.0]}, "table_columns", "Give one of the two"),
         ({"points": None, "angles_deg": [0.0, 1.0]}, "table_columns", "Give one of the two"),
         ({"points": None, "angles_deg": [0.0, 1.0], "displacements_mm": [0.0]}, "table_columns",
-         "2 angles_deg stand beside 1 displacements_mm"),
-        ({"lift_mm": 21.0}, "table_lift", "Correct lift_mm"),
+         "2 angles_deg stand beside 1 displacements"),
+        ({"lift_mm": 21.0}, "table_lift", "Correct the lift"),
         ({"tolerance_mm": 15.0}, "table_still", "Use a dwell"),
     ],
 )  # fmt: skip

@@ -40,6 +40,22 @@ def without(*path: str | int) -> Change:
     return change
 
 
+def on_an_arm(swing: float = 45.0, base: float = 80.0, **fields: Any) -> Change:
+    """The same program with an arm of 85 mm, its pivot 100 mm away, a roller of 30 mm."""
+
+    def change(body: Any) -> None:
+        for part in body["program"]:
+            if part.pop("lift_mm", None) is not None:
+                part["lift_deg"] = swing
+        body["follower"] = {
+            "kind": "oscillating_roller", "arm_mm": 85, "centre_distance_mm": 100,
+            "roller_radius_mm": 30, **fields,
+        }  # fmt: skip
+        body.update(base_radius_mm=base, limits=[])
+
+    return change
+
+
 # what is changed, where the caller is pointed to, what is said there
 TABLE: dict[str, tuple[Change, str, Any, str]] = {
     "angles do not sum": (segment(3, angle_deg=200), "/program", 350.0, "Add 10.0°"),
@@ -56,7 +72,32 @@ TABLE: dict[str, tuple[Change, str, Any, str]] = {
     "negative lift": (segment(0, lift_mm=-30), "/program/0/lift_mm", -30, "at least"),
     "lift is text": (segment(0, lift_mm="30"), "/program/0/lift_mm", "30", "valid number"),
     "lift is true": (segment(0, lift_mm=True), "/program/0/lift_mm", True, "valid number"),
-    "lift missing": (without("program", 0, "lift_mm"), "/program/0/lift_mm", None, "required"),
+    "lift missing": (without("program", 0, "lift_mm"), "/program/0", None, "no lift"),
+    "two lifts": (segment(0, lift_deg=20), "/program/0", None, "two lifts"),
+    "an angle for a slide": (
+        segment(0, lift_mm=None, lift_deg=20), "/program", ..., "Give lift_mm instead",
+    ),
+    "a length for an arm": (
+        follower(kind="oscillating_roller", arm_mm=85, centre_distance_mm=100), "/program", ...,
+        "Give lift_deg instead",
+    ),
+    "an arm that is too short": (
+        on_an_arm(arm_mm=10, base=90), "/follower", 10, "reaches radii from 90 to 110",
+    ),
+    "an arm that is too long": (on_an_arm(arm_mm=250), "/follower", 250, "from 150 to 350"),
+    "a swing past the line of centres": (
+        on_an_arm(swing=120), "/program", pytest.approx(107.545951),
+        "at cam angle 44.2529° (program/0)",
+    ),
+    "an angle that contradicts the radius": (
+        on_an_arm(initial_angle_deg=60), "/follower/initial_angle_deg", 60, "Leave out one",
+    ),
+    "an angle that is none": (
+        on_an_arm(initial_angle_deg=190), "/follower/initial_angle_deg", 190, "0° and 180°",
+    ),
+    "a pivot on the axis": (
+        on_an_arm(centre_distance_mm=0), "/follower/centre_distance_mm", 0, "positive",
+    ),
     "absurd number": (segment(0, lift_mm=1e300), "/program/0/lift_mm", 1e300, "at most"),
     "huge integer": (segment(0, lift_mm=10**400), "/program/0/lift_mm", ..., "must be"),
     "face of a roller": (
@@ -126,8 +167,17 @@ TABLE: dict[str, tuple[Change, str, Any, str]] = {
         "/program/0", 2, "as many of one",
     ),
     "a table of no tolerance": (
-        segment(0, kind="table", points=[[0, 0], [60, 30]]), "/program/0/tolerance_mm", None,
-        "required",
+        lambda body: table([0, 0], [20, 3], [40, 9], [60, 30])(body) or segment(
+            0, tolerance_mm=None
+        )(body), "/program/0", None, "Give tolerance_mm",
+    ),
+    "a state in the wrong unit": (
+        segment(0, end={"velocity_deg_per_s": 3.0}), "/program/0", None, "all in deg",
+    ),
+    "a straight line in the wrong unit": (
+        lambda body: body["program"].__setitem__(
+            0, {"kind": "constant_velocity", "angle_deg": 60, "lift_deg": 30}
+        ), "/program", ..., "lift_mm",
     ),
     "continuity of a fifth derivative": (changed(continuity=5), "/continuity", 5, "3, 4"),
     "unknown follower": (follower(kind="flat"), "/follower/kind", "flat", "translating_roller"),
@@ -155,7 +205,14 @@ TABLE: dict[str, tuple[Change, str, Any, str]] = {
         changed(limits=[{"kind": "jrk"}]), "/limits/0/kind", "jrk", "Did you mean 'jerk'",
     ),
     "limit without its bound": (
-        changed(limits=[{"kind": "jerk"}]), "/limits/0/max_mm_per_s3", None, "required",
+        changed(limits=[{"kind": "jerk"}]), "/limits/0", None, "no limit",
+    ),
+    "limit with two bounds": (
+        changed(limits=[{"kind": "jerk", "max_mm_per_s3": 1e6, "max_deg_per_s3": 1e5}]),
+        "/limits/0", None, "two limits",
+    ),
+    "limit in the unit of an arm": (
+        changed(limits=[{"kind": "velocity", "max_deg_per_s": 100}]), "/limits", ..., "deg",
     ),
     "pressure angle of 90°": (
         changed(limits=[{"kind": "pressure_angle", "rise_deg": 90}]), "/limits/0/rise_deg", 90,

@@ -1,0 +1,289 @@
+"""Oscillating roller follower: a roller on an arm that swings about a fixed pivot.
+
+Symbols: l arm; d distance of the pivot from the cam's axis; ψ angle at the pivot between the line
+to the axis and the arm, ψ0 at the lowest position; φ = ψ − ψ0 swing; σ = +1 where the lifting arm
+turns against a ccw cam, −1 where it turns with it. The displacement is the arc s = lφ of the
+roller's centre. With A = l + σs' − d cosψ and B = d sinψ
+
+    R² = d² + l² − 2dl cosψ,  tan α = σA / B,  κ = [A² + B² + σ (s'/l) A (l + σs') − B s''] / W³,
+
+W² = A² + B². All follow from the tangent T = σ (A g − B u) of the pitch curve in the basis u along
+the arm and g, in which the centre is driven; see Norton ch. 7 for the pressure angle.
+
+The size is what fixes d and ψ0. Where d is a number z = (lψ0,); where it is not,
+z = (p, q) = d (cosψ0, sinψ0), in which d cosψ, d sinψ are linear at every φ.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+from typing import Annotated, Any, ClassVar, Literal, Self
+
+import numpy as np
+from pydantic import Field
+
+from synthesis.followers.base import Follower, Measure, Shape, Sizing, Vector2
+from synthesis.followers.reach import Arm
+from synthesis.geometry.triangle import enclosed_angle, third_side
+from synthesis.motion import Motion, Stretch
+from synthesis.numerics.peaks import peak
+from synthesis.ranges import Dimension, Range, ends
+from synthesis.terms import Cone, Norm, Row
+from synthesis.units import DEGREE, Travel
+
+SENSES = {"opposite": 1.0, "same": -1.0}
+
+
+class OscillatingRoller(Follower):
+    """A roller on an arm that swings about a pivot; the lift is the angle of its swing."""
+
+    kind: Literal["oscillating_roller"] = "oscillating_roller"
+    title: ClassVar[str] = "Oscillating roller, on an arm (radius 0: knife edge)"
+    size_charts: ClassVar[tuple[tuple[str, ...], ...]] = (("arc",), ("p", "q"))
+
+    arm_mm: Annotated[
+        float, Field(gt=0.0, le=1e6, description="Length of the arm, pivot to roller centre.")
+    ]
+    centre_distance_mm: Dimension = None
+    roller_radius_mm: Annotated[
+        float, Field(ge=0.0, le=1e6, description="Radius of the roller; 0 is a knife edge.")
+    ]
+    initial_angle_deg: Annotated[
+        float | Range | None,
+        Field(
+            description="Angle at the pivot between the line to the cam's axis and the arm, at "
+            "the lowest position. Usually left out: it follows from the base radius."
+        ),
+    ] = None
+    sense: Annotated[
+        Literal["opposite", "same"],
+        Field(description="Whether the lifting arm turns against the cam or with it."),
+    ] = "opposite"
+    pivot_direction_deg: Annotated[
+        float,
+        Field(
+            ge=-360.0,
+            le=360.0,
+            description="Direction of the pivot as seen from the cam's axis, 0 to the right, "
+            "counter-clockwise (on a cw cam mirrored, as everything is).",
+        ),
+    ] = 0.0
+
+    # -- what is given -----------------------------------------------------------------------
+
+    @property
+    def roller_radius(self) -> float:
+        return self.roller_radius_mm
+
+    @property
+    def travel(self) -> Travel:
+        return Travel("deg", self.arm_mm * DEGREE)
+
+    @property
+    def sigma(self) -> float:
+        """+1 where the lifting arm turns against a ccw cam, −1 where it turns with it."""
+        return SENSES[self.sense]
+
+    @property
+    def _distance(self) -> float | None:
+        """d where it is a number."""
+        low, high = ends(self.centre_distance_mm)
+        return low if low == high else None
+
+    @property
+    def size_names(self) -> tuple[str, ...]:
+        return self.size_charts[0 if self._distance is not None else 1]
+
+    def adjustable(self) -> Mapping[str, float | Range | None]:
+        return {"centre_distance_mm": self.centre_distance_mm}
+
+    def unsized(self) -> Self:
+        return self.model_copy(update={"initial_angle_deg": None})
+
+    def check_reach(self, base_radius: tuple[float, float], stretches: Sequence[Stretch]) -> None:
+        self._arm.check(self._prime(base_radius), stretches)
+
+    def reachable(self, base_radius: tuple[float, float], stroke: float) -> tuple[float, float]:
+        prime = self._prime(base_radius)
+        kept = zip(base_radius, prime, self._arm.swung(prime, stroke), strict=True)
+        low, high = (base if now == was else now - self.roller_radius_mm for base, was, now in kept)
+        return low, high
+
+    def _prime(self, base_radius: tuple[float, float]) -> tuple[float, float]:
+        return base_radius[0] + self.roller_radius_mm, base_radius[1] + self.roller_radius_mm
+
+    @property
+    def _arm(self) -> Arm:
+        low, high = ends(self.initial_angle_deg)
+        angle = low * DEGREE, high * DEGREE
+        return Arm(self.arm_mm, ends(self.centre_distance_mm), angle, self.roller_radius_mm)
+
+    # -- the size ----------------------------------------------------------------------------
+
+    def sizing(self, base_radius: tuple[float, float]) -> Sizing:
+        prime, arm, l = self._prime(base_radius), self._arm, self.arm_mm
+        if arm.pivot is not None:
+            low, high = arm.angles(prime)
+            return Sizing(((l * low, l * high),), (), 0.0)  # the bounds say it all
+        farthest = min(arm.distance[1], l + prime[1])
+        cones = [Cone(self.prime_radius(), prime[1], "base_radius")]
+        if arm.distance[1] < math.inf:
+            centred = Norm(((1.0, 0.0), (0.0, 1.0)), (0.0, 0.0))
+            cones.append(Cone(centred, arm.distance[1], "centre_distance"))
+        across = max(l - prime[1], -farthest), min(l + prime[1], farthest)
+        return Sizing((across, (0.0, min(prime[1], farthest))), tuple(cones), prime[0])
+
+    def prime_radius(self) -> Norm:
+        if self._distance is not None:
+            return Norm(((1.0,),), (0.0,))  # lψ0, with which Rp grows
+        return Norm(((-1.0, 0.0), (0.0, 1.0)), (self.arm_mm, 0.0))
+
+    def radius(self, z: tuple[float, ...]) -> float:
+        return self._radius(z, 0.0)
+
+    def _radius(self, z: tuple[float, ...], s: float) -> float:
+        """Distance of the roller's centre from the axis at a displacement [mm]."""
+        if self._distance is not None:
+            return third_side(self.arm_mm, self._distance, (z[0] + s) / self.arm_mm)
+        return self.outermost(s).value(z)
+
+    def raised(self, z: tuple[float, ...], amount: float) -> tuple[float, ...]:
+        return (*z[:-1], z[-1] + amount)
+
+    def room(
+        self, z: tuple[float, ...], bounds: Sequence[tuple[float, float]], cones: Sequence[Cone]
+    ) -> float:
+        steps = [bounds[-1][1] - z[-1], *(_step(cone, z) for cone in cones)]
+        return max(min(steps), 0.0)
+
+    def reaching(self, z: tuple[float, ...], radius: float) -> tuple[float, ...]:
+        if self._distance is not None:
+            angle = enclosed_angle(self.arm_mm, self._distance, radius)
+            return (max(z[0], self.arm_mm * angle),)
+        p, q = z
+        return p, max(q, math.sqrt(max(radius**2 - (self.arm_mm - p) ** 2, 0.0)))
+
+    def outermost(self, s_max: float) -> Norm:
+        # R grows with ψ: at the highest lift, (l − d cosψ, d sinψ)
+        if self._distance is not None:
+            return Norm(((1.0,),), (s_max,))
+        cos, sin = math.cos(s_max / self.arm_mm), math.sin(s_max / self.arm_mm)
+        return Norm(((-cos, sin), (sin, cos)), (self.arm_mm, 0.0))
+
+    def pressure_angle_rows(self, slope: float) -> tuple[Row, ...]:
+        return ()  # not linear in s
+
+    def displacement_measure(self, z: tuple[float, ...]) -> Measure:
+        l, start = self.arm_mm, self._initial_angle(z)
+        return Measure(
+            "displacement", -l * start, l * (math.pi - start), lambda s: (start + s / l) / DEGREE,
+            "deg",
+        )  # fmt: skip
+
+    # -- geometry ----------------------------------------------------------------------------
+
+    def _pivot(self, z: Any) -> Vector2:
+        """p = d cosψ0 and q = d sinψ0 [mm]."""
+        if self._distance is None:
+            p, q = z
+            return p, q
+        angle = z[0] / self.arm_mm
+        return self._distance * np.cos(angle), self._distance * np.sin(angle)
+
+    def _initial_angle(self, z: tuple[float, ...]) -> float:
+        """ψ0 [rad]."""
+        return z[0] / self.arm_mm if self._distance is not None else math.atan2(z[1], z[0])
+
+    def _towards_axis(self, s: Any, z: Any) -> Vector2:
+        """d cosψ, d sinψ: the axis as seen from the pivot, along and across the arm."""
+        p, q = self._pivot(z)
+        swing = s[0] / self.arm_mm
+        cos, sin = np.cos(swing), np.sin(swing)
+        return p * cos - q * sin, q * cos + p * sin
+
+    def _bearing(self, z: Any) -> tuple[Any, float, float]:
+        """d, and the direction of the pivot as seen from the axis."""
+        p, q = self._pivot(z)
+        d = (p * p + q * q) ** 0.5 if self._distance is None else self._distance
+        gamma = self.pivot_direction_deg * DEGREE
+        return d, math.cos(gamma), math.sin(gamma)
+
+    def _axes(self, s: Any, z: Any) -> tuple[Vector2, Vector2]:
+        """u along the arm, and g in which its end is driven: u turned by −90° σ.
+
+        u is the direction from the pivot to the axis, turned by −σψ.
+        """
+        along, across = self._towards_axis(s, z)
+        d, x, y = self._bearing(z)
+        cos, sin = along / d, self.sigma * across / d
+        u = -x * cos - y * sin, x * sin - y * cos
+        return u, (self.sigma * u[1], -self.sigma * u[0])
+
+    def traced_point(self, s: Any, z: Any) -> tuple[Vector2, ...]:
+        l, (u, g), (d, x, y) = self.arm_mm, self._axes(s, z), self._bearing(z)
+        turn = s[1] / l
+        along, driven = -s[1] * turn, s[2]  # u' = (s'/l) g, g' = −(s'/l) u
+        further, jerked = -3.0 * s[2] * turn, s[3] - s[1] * turn * turn
+        return (
+            (d * x + l * u[0], d * y + l * u[1]),
+            (s[1] * g[0], s[1] * g[1]),
+            (driven * g[0] + along * u[0], driven * g[1] + along * u[1]),
+            (jerked * g[0] + further * u[0], jerked * g[1] + further * u[1]),
+        )
+
+    def direction(self, s: Any, z: Any) -> tuple[Vector2, Vector2]:
+        u, g = self._axes(s, z)
+        turn = s[1] / self.arm_mm
+        return g, (-turn * u[0], -turn * u[1])
+
+    def curvature_terms(self, s: Any, z: Any) -> tuple[Any, Any]:
+        l, sigma = self.arm_mm, self.sigma
+        along, across = self._towards_axis(s, z)
+        ahead = l + sigma * s[1]
+        lever = ahead - along
+        speed_squared = lever * lever + across * across
+        bend = sigma * (s[1] / l) * lever * ahead - across * s[2]
+        return speed_squared + bend, speed_squared
+
+    # -- what is told ------------------------------------------------------------------------
+
+    def shape(self, motion: Motion, z: tuple[float, ...]) -> Shape:
+        (x, y), *_ = self.traced_point(motion.derivatives([0.0]), z)
+        d, cos, sin = self._bearing(z)
+        return Shape((float(x[0]), float(y[0])), self.roller_radius_mm, pivot=(d * cos, d * sin))
+
+    def dimensions(self, z: tuple[float, ...]) -> Mapping[str, float]:
+        prime = self.radius(z)
+        return {
+            "base_radius_mm": prime - self.roller_radius_mm,
+            "prime_radius_mm": prime,
+            "roller_radius_mm": self.roller_radius_mm,
+            "arm_mm": self.arm_mm,
+            "centre_distance_mm": float(self._bearing(z)[0]),
+            "initial_angle_deg": self._initial_angle(z) / DEGREE,
+        }
+
+    def motion_dimensions(self, motion: Motion, z: tuple[float, ...]) -> Mapping[str, float]:
+        """Farthest point of the profile, and what is left from there to the pivot [mm].
+
+        A negative clearance: the cam sweeps past the pivot, so that arm and bearing have to stand
+        beside the cam's plane.
+        """
+        highest, _ = peak(motion.curve, (1.0, 0.0, 0.0, 0.0))
+        outer = self._radius(z, highest) - self.roller_radius_mm
+        return {
+            "outer_radius_mm": outer,
+            "pivot_clearance_mm": float(self._bearing(z)[0]) - outer,
+        }
+
+
+def _step(cone: Cone, z: tuple[float, ...]) -> float:
+    """How far the last size variable can grow within a cone [mm]; 0 outside of it."""
+    rows = list(zip(cone.norm.matrix, cone.norm.shift, strict=True))
+    here = [sum(a * v for a, v in zip(row, z, strict=True)) + m for row, m in rows]
+    step = [row[-1] for row, _ in rows]
+    square = sum(a * a for a in step)
+    half = sum(a * b for a, b in zip(here, step, strict=True))
+    left = half * half + square * (cone.radius**2 - sum(a * a for a in here))
+    return (math.sqrt(left) - half) / square if left >= 0.0 else 0.0
