@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from functools import lru_cache
 
 import numpy as np
 from pydantic_core import PydanticCustomError
@@ -13,6 +14,32 @@ from synthesis.numerics.piecewise import Array
 FEWEST, MOST = 4, 20_000
 SAME_ANGLE = 1e-9  # deg: where a table begins and ends
 WHOLE_TURN = 360.0
+
+
+@lru_cache(maxsize=64)
+def read(
+    points: tuple[tuple[float, float], ...] | None,
+    angles: tuple[float, ...] | None,
+    displacements: tuple[float, ...] | None,
+    angle: float,
+    lift: float | None,
+) -> tuple[Array, Array, float]:
+    """Where the rows are, as fractions of the segment, what they say, and the lift: (m,), (m,).
+
+    Displacement counts from the segment's start, so that the first and the last row miss its two
+    ends by the same amount.
+
+    Args:
+        points, angles, displacements: as for ``columns``.
+        angle: of the segment [deg].
+        lift: what it is meant to gain; None: last row less first row, on a whole turn 0.
+    """
+    degrees, s = columns(points, angles, displacements)
+    check(degrees, angle)
+    degrees, s = closed(degrees, s, angle)
+    own = 0.0 if angle >= WHOLE_TURN else float(s[-1] - s[0])
+    gained = own if lift is None else lift
+    return degrees / degrees[-1], s - (s[0] + s[-1] - gained) / 2.0, gained
 
 
 def columns(

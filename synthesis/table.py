@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from functools import cached_property
 from typing import Annotated, Literal
 
 import numpy as np
@@ -15,7 +14,7 @@ from synthesis.segment import Part, State, Unit, end_states, one_unit, signed, u
 from synthesis.units import AS_IS, Pace
 
 JOINS = 2  # derivatives that a smoothed table shares with its neighbours
-Column = list[float] | None
+Column = tuple[float, ...] | None
 
 
 class Table(Part):
@@ -23,13 +22,13 @@ class Table(Part):
 
     The motion is the spline of least mean square jerk that passes no row by more than the
     tolerance and joins its neighbours with their velocity and acceleration. Only differences of
-    the displacements count. Where the table rises it is held to the pressure-angle limit of rises,
-    where it returns to that of returns.
+    the displacements count. A table that moves both ways is held to the pressure-angle limits of
+    rises and of returns all along; for either alone, split it where it turns.
     """
 
     kind: Literal["table"] = "table"
     points: Annotated[
-        list[tuple[float, float]] | None,
+        tuple[tuple[float, float], ...] | None,
         Field(
             max_length=readings.MOST,
             description="Rows: cam angle from the segment's start [deg], displacement [mm, or "
@@ -94,26 +93,19 @@ class Table(Part):
         assert given is not None  # one is, or the segment had been refused
         return given
 
-    @cached_property
-    def _table(self) -> tuple[Array, Array]:
-        """Fractions of the segment, and displacement from the segment's start, in its unit."""
-        second = self.displacements_mm or self.displacements_deg
-        degrees, s = readings.columns(self.points, self.angles_deg, second)
-        readings.check(degrees, self.angle_deg)
-        degrees, s = readings.closed(degrees, s, self.angle_deg)
-        return degrees / degrees[-1], s - (s[0] + s[-1] - self._gain(s)) / 2.0
-
-    def _gain(self, s: Array) -> float:
-        asked = self.lift_deg if self.lift_mm is None else self.lift_mm
-        own = 0.0 if self.angle_deg >= readings.WHOLE_TURN else float(s[-1] - s[0])
-        return own if asked is None else asked
+    @property
+    def _table(self) -> tuple[Array, Array, float]:
+        """Fractions of the segment, displacement from its start and the lift, in its unit."""
+        second = self.displacements_deg if self.displacements_mm is None else self.displacements_mm
+        lift = self.lift_deg if self.lift_mm is None else self.lift_mm
+        return readings.read(self.points, self.angles_deg, second, self.angle_deg, lift)
 
     @model_validator(mode="after")
     def _makes_sense(self) -> Table:
         one_unit(self.units, "table")
         readings.check_tolerance(self.tolerance_mm, self.tolerance_deg)
         s = self._table[1]
-        readings.check_lift(float(s[-1] - s[0]), self._gain(s), self._tolerance)
+        readings.check_lift(float(s[-1] - s[0]), self.signed_lift, self._tolerance)
         readings.check_range(float(np.ptp(s)), self._tolerance)
         return self
 
@@ -123,7 +115,7 @@ class Table(Part):
 
     @property
     def signed_lift(self) -> float:
-        return self._gain(self._table[1])
+        return self._table[2]
 
     def span(self, pace: Pace) -> tuple[float, float]:
         s = self._table[1]
@@ -133,7 +125,7 @@ class Table(Part):
     def stretch(
         self, index: int, start: float, angle: float, s_start: float, pace: Pace = AS_IS
     ) -> Stretch:
-        x, s = self._table
+        x, s, _ = self._table
         unit = pace.core(1.0)
         given = Readings(x, s_start + unit * s, unit * self._tolerance, self.tolerance_field)
         return Stretch(

@@ -296,6 +296,18 @@ def test_what_cannot_be_met_is_refused(
     assert words in error["msg"]
 
 
+def test_a_rise_cannot_begin_with_a_neighbours_fall() -> None:
+    program = [
+        {"kind": "constant_velocity", "angle_deg": 40.0, "lift_mm": -12.0},
+        {"kind": "rise", "angle_deg": 140.0, "lift_mm": 30.0, "law": SPLINE},
+        {"kind": "return", "angle_deg": 180.0, "lift_mm": 18.0, "law": SPLINE},
+    ]
+    with pytest.raises(ValidationError, match=r"-104\.4 mm/s at the start of program/1 makes the"):
+        spec(program)
+    program[1]["law"] = SPLINE | {"overshoot": True}
+    assert spec(program).stretches()[1].free is not None
+
+
 def test_two_splines_do_not_share_a_velocity_that_is_not_asked_for_with_an_acceleration() -> None:
     program = [
         {"kind": "rise", "angle_deg": 70.0, "lift_mm": 20.0, "law": SPLINE,

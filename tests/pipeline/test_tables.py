@@ -174,6 +174,17 @@ def test_a_table_that_moves_one_way_is_a_rise_or_a_return(lift: float, kind: str
     assert list(asked.left_free()) == [("/base_radius_mm", None)]
 
 
+def test_a_table_is_a_value_like_any_other() -> None:
+    """Equal if it says the same, read again if it is changed."""
+    fall = {"kind": "return", "angle_deg": 260.0, "lift_mm": 20.0, "law": {"kind": "cycloidal"}}
+    asked, again = spec([wrong(), fall]), spec([wrong(), fall])
+    assert asked == again
+    assert asked.lifts() == [20.0, -20.0]
+    longer = asked.program[0].model_copy(update={"lift_mm": 20.0005})
+    assert longer.signed_lift == 20.0005
+    assert longer != asked.program[0]
+
+
 def test_displacement_counts_from_the_lowest_row() -> None:
     degrees = np.arange(0.0, 360.0, 2.0)
     s = 5.0 * np.sin(np.radians(degrees))
