@@ -15,6 +15,7 @@ from synthesis.laws import AnyLaw, SplineLaw
 from synthesis.limits.demand import Demand
 from synthesis.motion import ANY_STATE, EndState, FreeLaw, Readings, Stretch, StretchKind
 from synthesis.numerics.piecewise import Array, Piecewise
+from synthesis.ranges import Angle, AngleRange, DwellAngle, Lift, LiftRange, ends
 from synthesis.units import DEGREE
 from synthesis.windows import MOST, Point, Window, check_bounds, check_places, check_stroke
 from synthesis.windows import demands as demanded
@@ -23,10 +24,6 @@ from synthesis.windows import knots as wanted_knots
 LINE = Piecewise.of([0.0, 1.0], [[0.0, 1.0]])
 TABLE_JOINS = 2  # derivatives that a smoothed table shares with its neighbours
 STILL = Piecewise.of([0.0, 1.0], [[0.0]])
-Angle = Annotated[float, Field(gt=0.0, le=360.0, description="Cam angle of the segment [deg].")]
-Lift = Annotated[
-    float, Field(ge=1e-6, le=1e6, description="Distance that the follower moves [mm], positive.")
-]
 
 
 class State(BaseModel):
@@ -64,9 +61,20 @@ def _states(start: State | None, end: State | None, omega: float) -> tuple[EndSt
 class _Segment(BaseModel):
     model_config = ConfigDict(frozen=True, extra="forbid", allow_inf_nan=False)
 
+    angle_deg: float | AngleRange
+
+    @property
+    def degrees(self) -> float:
+        """Its cam angle [deg]; the smallest one while it is left free."""
+        return ends(self.angle_deg)[0]
+
+    def left_open(self) -> dict[str, float | AngleRange | LiftRange]:
+        """Fields that may be left free, with what is asked of them."""
+        return {"angle_deg": self.angle_deg}
+
     @property
     def signed_lift(self) -> float:
-        """Displacement gained over the segment [mm]."""
+        """Displacement gained over the segment [mm]; the smallest one while it is left free."""
         return 0.0
 
     @property
@@ -112,9 +120,7 @@ class Dwell(_Segment):
     """The follower stands still."""
 
     kind: Literal["dwell"] = "dwell"
-    angle_deg: Annotated[
-        float, Field(ge=0.0, le=360.0, description="Cam angle of the dwell [deg].")
-    ]
+    angle_deg: DwellAngle
 
     def stretch(
         self, index: int, start: float, angle: float, s_start: float, omega: float = 1.0
@@ -143,13 +149,16 @@ class _Move(_Segment):
 
     @model_validator(mode="after")
     def _windows_fit(self) -> _Move:
-        check_places(self.angle_deg, self.windows, self.points)
+        check_places(self.degrees, self.windows, self.points)
         check_bounds(self.windows)
         free = self.law.free()
         if free is not None and not free.overshoot:
             sense = 1.0 if self.signed_lift > 0.0 else -1.0
-            check_stroke(self.lift_mm, sense, self.windows, self.points)
+            check_stroke(ends(self.lift_mm)[1], sense, self.windows, self.points)
         return self
+
+    def left_open(self) -> dict[str, float | AngleRange | LiftRange]:
+        return {"angle_deg": self.angle_deg, "lift_mm": self.lift_mm}
 
     @property
     def law_name(self) -> str:
@@ -164,7 +173,7 @@ class _Move(_Segment):
         return self.law.overshoots
 
     def demands(self, index: int) -> tuple[Demand, ...]:
-        return demanded(index, self.angle_deg, self.windows, self.points)
+        return demanded(index, self.degrees, self.windows, self.points)
 
     def _placed(
         self,
@@ -179,7 +188,7 @@ class _Move(_Segment):
         first, last = _states(self.start, self.end, omega)
         free = self.law.free()
         if free is not None:
-            free = replace(free, knots=wanted_knots(self.angle_deg, self.windows, self.points))
+            free = replace(free, knots=wanted_knots(self.degrees, self.windows, self.points))
         placed = Stretch(index, kind, start, angle, s_start, s_end, None, free, first, last)
         return self.between(placed, first, last)
 
@@ -195,7 +204,7 @@ class Rise(_Move):
 
     @property
     def signed_lift(self) -> float:
-        return self.lift_mm
+        return ends(self.lift_mm)[0]
 
     def stretch(
         self, index: int, start: float, angle: float, s_start: float, omega: float = 1.0
@@ -210,7 +219,7 @@ class Return(_Move):
 
     @property
     def signed_lift(self) -> float:
-        return -self.lift_mm
+        return -ends(self.lift_mm)[0]
 
     def stretch(
         self, index: int, start: float, angle: float, s_start: float, omega: float = 1.0
@@ -264,7 +273,7 @@ class ConstantSpeed(_Segment):
         if self.lift_mm is not None:
             return self.lift_mm
         assert self.velocity_mm_per_s is not None
-        return self.velocity_mm_per_s / omega * self.angle_deg * DEGREE
+        return self.velocity_mm_per_s / omega * self.degrees * DEGREE
 
     def stretch(
         self, index: int, start: float, angle: float, s_start: float, omega: float = 1.0
@@ -284,7 +293,9 @@ class Table(_Segment):
     """
 
     kind: Literal["table"] = "table"
-    angle_deg: Angle
+    angle_deg: Annotated[
+        float, Field(gt=0.0, le=360.0, description="Cam angle of the segment [deg].")
+    ]
     points: Annotated[
         list[tuple[float, float]] | None,
         Field(
@@ -324,8 +335,8 @@ class Table(_Segment):
     def _table(self) -> tuple[Array, Array]:
         """Fractions of the segment, and displacement from the segment's start [mm]."""
         degrees, s = table.columns(self.points, self.angles_deg, self.displacements_mm)
-        table.check(degrees, self.angle_deg)
-        degrees, s = table.closed(degrees, s, self.angle_deg)
+        table.check(degrees, self.degrees)
+        degrees, s = table.closed(degrees, s, self.degrees)
         return degrees / degrees[-1], s - (s[0] + s[-1] - self._gain(s)) / 2.0
 
     def _gain(self, s: Array) -> float:

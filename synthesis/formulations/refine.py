@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from synthesis.formulations.bound import Bound, bound
-from synthesis.formulations.candidate import Candidate, at_size, needs_size, settle, smallest
+from synthesis.formulations.candidate import Candidate, at_size, grow, needs_size, settle, smallest
 from synthesis.formulations.convex import Plan, formulate, natural_scales
 from synthesis.formulations.grid import CLOSEST_KNOTS, Grid, merged, over, ramps, uniform
 from synthesis.formulations.problem import Problem
@@ -50,6 +50,21 @@ def search(
     if state.limited_by_shape and state.left() > 0.0:
         _nonlinear(state)
     return state
+
+
+def estimate(problem: Problem, intervals: int, deadline: float = inf) -> float | None:
+    """About what a problem's optimum is [core units], from one cone program; None: nothing fits.
+
+    On equal intervals it is a smooth function of the problem's numbers, but for kinks.
+    """
+    state = Search(problem, 1e-2, deadline, 1e-7)
+    if _closed_form(state):
+        return None if state.best is None else state.best.value
+    state.grids = tuple(uniform(stretch, intervals) for stretch in problem.free)
+    solve_once = _fraction if problem.objective.fractional else _round
+    plan, solution, lower = solve_once(state)
+    found = None if lower is None else grow(_read(plan, solution))
+    return None if found is None else found.value
 
 
 def _closed_form(state: Search) -> bool:
