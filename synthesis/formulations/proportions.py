@@ -7,30 +7,67 @@ best point found is solved in full. It is a search: that no other numbers are be
 from __future__ import annotations
 
 import time
-from dataclasses import dataclass, field
-from math import inf, isfinite
+from collections.abc import Iterable, Iterator, Sequence
+from dataclasses import dataclass
+from functools import cache
+from math import inf
 
 import numpy as np
 from pydantic_core import PydanticCustomError
 
-from synthesis.formulations.problem import pose
-from synthesis.formulations.refine import estimate
+from synthesis.formulations.grid import Grid, over, uniform
+from synthesis.formulations.problem import Problem, pose
+from synthesis.formulations.refine import estimate, search
 from synthesis.formulations.search import Stage
 from synthesis.formulations.tables import smooth_tables
-from synthesis.numerics.descent import Found, least
+from synthesis.numerics.descent import Found, Function, least
 from synthesis.numerics.piecewise import Array
 from synthesis.openings import Openings
 from synthesis.spec import DesignSpec
 
-SAMPLED, COARSE, FINE = 12, 24, 64  # spline intervals: to look around, to descend, to finish
+SAMPLED, COARSE = 12, 24  # spline intervals: to look around, to descend
 CORNERS = 4  # per free direction, towards which samples are taken
 SHARES = (0.5, 0.95)  # of the way from the middle to a corner
 MORE = (0.25, 0.75, 0.999)  # where those found nothing
 STARTS = 3
 APART = 0.1  # of the box: starts that are nearer than this lead to the same place
 RADIUS, ROUNDS = 0.15, 25
-LAST_RADIUS, LAST_ROUNDS = 0.02, 12
+LAST_RADIUS, LAST_ROUNDS = 0.03, 10  # on the knots that the full search came to
+POLISHED = 2  # times
 SHARE_OF_TIME = 0.6  # of what is left
+
+
+@dataclass(frozen=True, eq=False)
+class _Mesh:
+    """Knots of every free law, that follow the windows while angles change.
+
+    Attributes:
+        breaks: per free law. needed: per free law, those among them that windows and points ask
+            for.
+    """
+
+    breaks: tuple[Array, ...]
+    needed: tuple[Array, ...]
+
+    @classmethod
+    def of(cls, problem: Problem, grids: Sequence[Grid]) -> _Mesh:
+        """The mesh of these grids."""
+        return cls(tuple(grid.space.breaks for grid in grids), tuple(_needed(problem)))
+
+    def grids(self, problem: Problem) -> list[Grid]:
+        """On another problem: between the knots needed, all others keep their shares."""
+        return [
+            over(stretch, np.interp(breaks, before, after))
+            for stretch, breaks, before, after in zip(
+                problem.free, self.breaks, self.needed, _needed(problem), strict=True
+            )
+        ]
+
+
+def _needed(problem: Problem) -> Iterator[Array]:
+    for stretch in problem.free:
+        assert stretch.free is not None
+        yield np.array([0.0, *stretch.free.knots, 1.0])
 
 
 @dataclass(eq=False)
@@ -41,32 +78,45 @@ class _Worth:
     openings: Openings
     deadline: float
     calls: int = 0
-    known: dict[tuple[int, bytes], float | None] = field(default_factory=dict)
+    level: float = 1.0
 
-    def at(self, u: Array, intervals: int) -> float | None:
-        """The value at a point of the unit box; None where nothing fits, or time is up."""
-        key = (intervals, u.tobytes())
-        if key not in self.known:
-            if time.monotonic() >= self.deadline:
-                return None
-            self.calls += 1
-            self.known[key] = self._measured(u, intervals)
-        return self.known[key]
-
-    def _measured(self, u: Array, intervals: int) -> float | None:
+    def problem(self, u: Array) -> Problem | None:
+        """The question at a point of the unit box; None where a given law cannot be run there."""
         spec = self.spec.with_numbers(self.openings.numbers(u))
         try:
             stretches = smooth_tables(spec.stretches(), self.deadline).stretches
-        except PydanticCustomError:  # with these numbers a given law cannot meet its neighbours
+        except PydanticCustomError:
             return None
-        problem = pose(spec, spec.objectives()[0], (), stretches)
-        return estimate(problem, intervals, self.deadline)
+        return pose(spec, spec.objectives()[0], (), stretches)
 
-    def best_of(self, points: list[Array], intervals: int) -> list[Found]:
-        """Those of the points that are worth something, the best first."""
-        values = [(u, self.at(u, intervals)) for u in points]
-        found = [Found(u, value) for u, value in values if value is not None and isfinite(value)]
-        return sorted(found, key=lambda one: one.value)
+    def uniform(self, u: Array, intervals: int) -> _Mesh:
+        """Equal intervals, by the windows as they are at u."""
+        problem = self.problem(u)
+        if problem is None:
+            return _Mesh((), ())
+        return _Mesh.of(problem, [uniform(s, intervals) for s in problem.free])
+
+    def refined(self, u: Array) -> _Mesh:
+        """The knots that the full search comes to at u."""
+        problem = self.problem(u)
+        assert problem is not None
+        grids = search(problem, self.spec.tolerance, self.deadline).grids
+        return _Mesh.of(problem, grids)
+
+    def on(self, mesh: _Mesh) -> Function:
+        """The value on a mesh; None where nothing fits, or time is up."""
+
+        @cache
+        def value(key: bytes) -> float | None:
+            problem = self.problem(np.frombuffer(key))
+            self.calls += 1
+            if problem is None:
+                return None
+            found = estimate(problem, mesh.grids(problem), self.level, self.deadline)
+            self.level = found or self.level
+            return found
+
+        return lambda u: None if time.monotonic() >= self.deadline else value(u.tobytes())
 
 
 def chosen(spec: DesignSpec, deadline: float = inf) -> tuple[DesignSpec, list[float], Stage]:
@@ -98,22 +148,30 @@ def chosen(spec: DesignSpec, deadline: float = inf) -> tuple[DesignSpec, list[fl
 
 
 def _search(worth: _Worth, middle: Array) -> Found | None:
-    """The best point found: samples, descents from the best of them, a finer descent."""
+    """The best point found: samples, descents from the best of them, and a polish."""
     polytope = worth.openings.polytope
     corners = polytope.corners(CORNERS * polytope.directions.shape[1])
-    around: list[Found] = []
+    sampled, around = worth.on(worth.uniform(middle, SAMPLED)), list[Found]()
     for shares in (SHARES, MORE):
         points = [middle, *(middle + k * (c - middle) for c in corners for k in shares)]
-        around = around or worth.best_of(points, SAMPLED)
-    starts = worth.best_of([found.u for found in _apart(around)], COARSE)
-    ends = [
-        least(lambda u: worth.at(u, COARSE), polytope, start, RADIUS, ROUNDS) for start in starts
-    ]
-    ends.sort(key=lambda one: one.value)
-    for end in ends:
-        for fine in worth.best_of([end.u], FINE):
-            return least(lambda u: worth.at(u, FINE), polytope, fine, LAST_RADIUS, LAST_ROUNDS)
-    return next(iter([*ends, *around]), None)
+        around = around or _best_of(sampled, points)
+    coarse = worth.on(worth.uniform(middle, COARSE))
+    starts = _best_of(coarse, [found.u for found in _apart(around)])
+    ends = [least(coarse, polytope, start, RADIUS, ROUNDS) for start in starts]
+    if not ends:
+        return next(iter(around), None)
+    best = min(ends, key=lambda one: one.value)
+    for _ in range(POLISHED):
+        fine = worth.on(worth.refined(best.u))
+        for start in _best_of(fine, [best.u]):
+            best = least(fine, polytope, start, LAST_RADIUS, LAST_ROUNDS)
+    return best
+
+
+def _best_of(function: Function, points: Iterable[Array]) -> list[Found]:
+    """Those of the points where the function has a value, the best first."""
+    found = [Found(u, value) for u in points if (value := function(u)) is not None]
+    return sorted(found, key=lambda one: one.value)
 
 
 def _apart(found: list[Found]) -> list[Found]:
