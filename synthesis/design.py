@@ -166,13 +166,23 @@ class Design(Part):
     conflict: Conflict | None = Field(None, description="Why nothing fits, where nothing does.")
     report: Report = told("What was modelled and what it cost.")
     spec: DesignSpec = told("The question.")
+    chosen: dict[str, float] = Field(
+        {}, description="Angles and lifts that the spec's program leaves free: path and number."
+    )
     links: dict[str, str] = Field({}, description="Where to find its files.")
+
+    @cached_property
+    def numbered(self) -> DesignSpec:
+        """The question with the numbers in place that its program leaves free."""
+        openings = self.spec.openings.free if self.chosen else ()
+        numbers = [self.chosen[opening.field] for opening in openings]
+        return self.spec.with_numbers(numbers) if numbers else self.spec
 
     @cached_property
     def curve(self) -> Motion:
         """The motion, rebuilt to the last bit from the spec and the spline coefficients."""
         settled: list[Stretch] = []
-        for stretch, segment in zip(self.spec.stretches(), self.motion, strict=True):
+        for stretch, segment in zip(self.numbered.stretches(), self.motion, strict=True):
             if segment.spline is None:
                 settled.append(stretch)
                 continue

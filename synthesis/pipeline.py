@@ -12,7 +12,7 @@ import time
 from dataclasses import asdict, dataclass, field
 from math import inf
 
-from synthesis.answer import Bounded, Cam, design, judged, proofs
+from synthesis.answer import Bounded, Cam, design, judged, proofs, with_chosen
 from synthesis.design import Conflict, Design, Extreme, StageReport
 from synthesis.errors import TimeBudgetExceeded
 from synthesis.formulations.candidate import Candidate, given_size
@@ -68,8 +68,10 @@ def synthesise(spec: DesignSpec, *, deadline: float | None = None) -> Design:
         inf if spec.time_budget_s is None else spec.time_budget_s,
         inf if deadline is None else deadline - now,
     )
+    question, stages = spec, list[StageReport]()
+    spec, numbers = _numbered(question, now + budget, stages)
     tables = smooth_tables(spec.stretches(), now + budget)
-    stages = [StageReport(**asdict(stage)) for stage in tables.stages]
+    stages += [StageReport(**asdict(stage)) for stage in tables.stages]
     for tighten in DRAWN_IN:
         attempt = _attempt(spec, tables, now + budget, tighten)
         for tried in attempt.searches:
@@ -84,9 +86,23 @@ def synthesise(spec: DesignSpec, *, deadline: float | None = None) -> Design:
     found = design(
         spec, attempt.cam, attempt.extremes, proven, stages, time.perf_counter() - clock, conflict
     )
+    found = with_chosen(found, question, numbers)
     if late and found.status == "feasible":
         raise TimeBudgetExceeded(budget, found)
     return found
+
+
+def _numbered(
+    spec: DesignSpec, stop: float, stages: list[StageReport]
+) -> tuple[DesignSpec, list[float]]:
+    """The spec with numbers in place of what its program leaves free, and these numbers."""
+    if not spec.openings.free:
+        return spec, []
+    from synthesis.formulations.proportions import chosen
+
+    numbered, numbers, stage = chosen(spec, stop)
+    stages.append(StageReport(**asdict(stage)))
+    return numbered, numbers
 
 
 def _attempt(spec: DesignSpec, tables: Tables, stop: float, tighten: float) -> _Attempt:

@@ -12,6 +12,7 @@ from synthesis.laws import AnyLaw, SplineLaw
 from synthesis.limits.demand import Demand
 from synthesis.motion import EndState, Stretch, StretchKind
 from synthesis.numerics.piecewise import Piecewise
+from synthesis.ranges import Angle, AngleRange, DwellAngle, Lift, LiftRange, ends
 from synthesis.segment import Part, State, Unit, end_states, one_unit, units_of
 from synthesis.straight import ConstantSpeed
 from synthesis.table import Table
@@ -21,9 +22,6 @@ from synthesis.windows import demands as demanded
 from synthesis.windows import knots as wanted_knots
 
 STILL = Piecewise.of([0.0, 1.0], [[0.0]])
-Lift = Annotated[
-    float, Field(ge=1e-6, le=1e6, description="Distance that the follower moves [mm], positive.")
-]
 Swing = Annotated[
     float,
     Field(ge=1e-6, lt=180.0, description="Angle that the follower's arm swings [deg], positive."),
@@ -34,9 +32,7 @@ class Dwell(Part):
     """The follower stands still."""
 
     kind: Literal["dwell"] = "dwell"
-    angle_deg: Annotated[
-        float, Field(ge=0.0, le=360.0, description="Cam angle of the dwell [deg].")
-    ]
+    angle_deg: DwellAngle
 
     @property
     def law_name(self) -> str:
@@ -49,6 +45,7 @@ class Dwell(Part):
 
 
 class _Move(Part):
+    angle_deg: Angle
     lift_mm: Lift | None = None
     lift_deg: Swing | None = None
     law: AnyLaw = Field(
@@ -89,13 +86,17 @@ class _Move(Part):
 
     @model_validator(mode="after")
     def _windows_fit(self) -> _Move:
-        check_places(self.angle_deg, self.windows, self.points)
+        check_places(self.degrees, self.windows, self.points)
         check_bounds(self.windows)
         free = self.law.free()
         if free is not None and not free.overshoot and self.lift_mm is not None:
             sense = 1.0 if self.signed_lift > 0.0 else -1.0
-            check_stroke(self.lift_mm, sense, self.windows, self.points)
+            check_stroke(ends(self.lift_mm)[1], sense, self.windows, self.points)
         return self
+
+    def left_open(self) -> dict[str, float | AngleRange | LiftRange]:
+        lift = {} if self.lift_mm is None else {"lift_mm": self.lift_mm}
+        return {"angle_deg": self.angle_deg, **lift}
 
     @property
     def units(self) -> frozenset[Unit]:
@@ -105,10 +106,10 @@ class _Move(Part):
 
     @property
     def _lift(self) -> float:
-        """Lift in its own unit."""
+        """Lift in its own unit; the smallest one while it is left free."""
         given = self.lift_deg if self.lift_mm is None else self.lift_mm
         assert given is not None  # exactly one is, or the segment had been refused
-        return given
+        return ends(given)[0]
 
     @property
     def law_name(self) -> str:
@@ -123,7 +124,7 @@ class _Move(Part):
         return self.law.overshoots
 
     def demands(self, index: int) -> tuple[Demand, ...]:
-        return demanded(index, self.angle_deg, self.windows, self.points)
+        return demanded(index, self.degrees, self.windows, self.points)
 
     def _placed(
         self,
@@ -138,7 +139,7 @@ class _Move(Part):
         first, last = end_states(self.start, self.end, pace)
         free = self.law.free()
         if free is not None:
-            free = replace(free, knots=wanted_knots(self.angle_deg, self.windows, self.points))
+            free = replace(free, knots=wanted_knots(self.degrees, self.windows, self.points))
         placed = Stretch(index, kind, start, angle, s_start, s_end, None, free, first, last)
         return self.between(placed, first, last)
 

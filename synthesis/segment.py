@@ -9,10 +9,10 @@ from pydantic_core import PydanticCustomError
 
 from synthesis.limits.demand import Demand
 from synthesis.motion import ANY_STATE, EndState, Stretch
+from synthesis.ranges import AngleRange, LiftRange, ends
 from synthesis.units import AS_IS, Pace
 
 Unit = Literal["mm", "deg"]
-Angle = Annotated[float, Field(gt=0.0, le=360.0, description="Cam angle of the segment [deg].")]
 
 
 def signed(description: str, largest: float) -> object:
@@ -96,11 +96,20 @@ class Part(BaseModel):
 
     model_config = ConfigDict(frozen=True, extra="forbid", allow_inf_nan=False)
 
-    angle_deg: Angle
+    angle_deg: float | AngleRange
+
+    @property
+    def degrees(self) -> float:
+        """Its cam angle [deg]; the smallest one while it is left free."""
+        return ends(self.angle_deg)[0]
+
+    def left_open(self) -> dict[str, float | AngleRange | LiftRange]:
+        """Fields that may be left free, with what is asked of them."""
+        return {"angle_deg": self.angle_deg}
 
     @property
     def signed_lift(self) -> float:
-        """Displacement gained over the segment, in its own unit."""
+        """Displacement gained over the segment, in its own unit; the smallest while it is free."""
         return 0.0
 
     @property

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from itertools import accumulate
 from typing import Annotated, Any, Literal
 
@@ -16,6 +16,7 @@ from synthesis.limits.profile_radius import ProfileRadius
 from synthesis.motion import Stretch
 from synthesis.objectives import AnyObjective
 from synthesis.objectives.base_radius import BaseRadius
+from synthesis.openings import Openings
 from synthesis.placing import placed
 from synthesis.program import Segment
 from synthesis.ranges import Dimension, Range, ends
@@ -104,7 +105,8 @@ class DesignSpec(BaseModel):
 
     @model_validator(mode="after")
     def _closes(self) -> DesignSpec:
-        turn = math.fsum(segment.angle_deg for segment in self.program)
+        self._numbers_fit()
+        turn = math.fsum(segment.degrees for segment in self._numbered)
         if abs(turn - 360.0) > ANGLE_SUM_TOLERANCE_DEG:
             raise PydanticCustomError(
                 "program_angles",
@@ -186,6 +188,45 @@ class DesignSpec(BaseModel):
             )
         return self
 
+    # -- numbers left free -------------------------------------------------------------------
+
+    @property
+    def openings(self) -> Openings:
+        """The angles and lifts that are left free."""
+        return Openings.of(self.program, self._pace())
+
+    def with_numbers(self, values: Sequence[float]) -> DesignSpec:
+        """The same spec with numbers in place of everything in ``openings``."""
+        return self.model_copy(update={"program": self.openings.filled(values)})
+
+    @property
+    def _numbered(self) -> list[Segment]:
+        """The program; while numbers are left free, with some that fit together."""
+        openings = self.openings
+        middle = openings.polytope.centre() if openings.free else None
+        return self.program if middle is None else openings.at(middle)
+
+    def _numbers_fit(self) -> None:
+        """Refuse numbers that are free in name only, or that cannot fit together."""
+        openings = self.openings
+        free = openings.free
+        for name, what in (("angle_deg", "angles"), ("lift_mm", "lifts")):
+            alone = [opening for opening in free if opening.name == name]
+            if len(alone) == 1 and not openings.tied_otherwise(name):
+                raise PydanticCustomError(
+                    "one_number_free",
+                    "{field} is the only one of the {what} that is free: it follows from the "
+                    "others. Give the number, or leave another one free too.",
+                    {"field": alone[0].field, "what": what},
+                )
+        if free and openings.polytope.centre() is None:
+            raise PydanticCustomError(
+                "numbers_do_not_fit",
+                "However the free angles and lifts of program are chosen within their ranges, "
+                "the angles do not sum to 360° or the lifts not to zero. Widen a range.",
+                {},
+            )
+
     # -- what the core asks ------------------------------------------------------------------
 
     def machine(self) -> Machine:
@@ -199,7 +240,7 @@ class DesignSpec(BaseModel):
     def lifts(self) -> list[float]:
         """Displacement gained over every segment [mm]."""
         pace = self._pace()
-        return [segment.gain(pace) for segment in self.program]
+        return [segment.gain(pace) for segment in self._numbered]
 
     def _levels(self) -> list[float]:
         """Displacement at the ends of the segments, from where the program starts [mm]."""
@@ -208,7 +249,7 @@ class DesignSpec(BaseModel):
     def _reach(self) -> tuple[float, float]:
         """Lowest and highest displacement, from where the program starts [mm]."""
         pace = self._pace()
-        spans = [segment.span(pace) for segment in self.program]
+        spans = [segment.span(pace) for segment in self._numbered]
         both = [
             (at + low, at + high) for at, (low, high) in zip(self._levels(), spans, strict=False)
         ]
@@ -216,14 +257,14 @@ class DesignSpec(BaseModel):
 
     def stretches(self) -> tuple[Stretch, ...]:
         """The program placed on the cam, displacements measured from the lowest position."""
-        turn = math.fsum(segment.angle_deg for segment in self.program)
-        ends_deg = list(accumulate((segment.angle_deg for segment in self.program), initial=0.0))
+        turn = math.fsum(segment.degrees for segment in self._numbered)
+        ends_deg = list(accumulate((segment.degrees for segment in self._numbered), initial=0.0))
         angles = [FULL_TURN * value / turn for value in ends_deg]
         angles[-1] = FULL_TURN
         levels = self._levels()
         lowest, _ = self._reach()
         starts = [level - lowest for level in levels[:-1]]
-        return placed(self.program, angles, starts, self._pace(), self.continuity or 0)
+        return placed(self._numbered, angles, starts, self._pace(), self.continuity or 0)
 
     def stroke(self) -> float:
         """Highest less lowest displacement [mm]: the unit of length inside the formulations."""
@@ -245,13 +286,15 @@ class DesignSpec(BaseModel):
 
     def all_limits(self) -> tuple[Limit, ...]:
         """The limits asked for, that a roller must not be undercut, windows and points."""
-        demands = [d for i, segment in enumerate(self.program) for d in segment.demands(i)]
+        demands = [d for i, segment in enumerate(self._numbered) for d in segment.demands(i)]
         if any(limit.kind == "profile_radius" for limit in self.limits):
             return (*self.limits, *demands)
         return (*self.limits, ProfileRadius(), *demands)
 
     def left_free(self) -> Iterator[tuple[str, Any]]:
         """JSON pointer and value of everything that the answer would have to choose."""
+        for opening in self.openings.free:
+            yield f"/{opening.field}", {"min": opening.low, "max": opening.high}
         for stretch in self.stretches():
             if stretch.law is None and stretch.readings is None and stretch.angle > 0.0:
                 yield f"/program/{stretch.index}/law", self.program[stretch.index].law_name

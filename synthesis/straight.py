@@ -9,6 +9,7 @@ from pydantic_core import PydanticCustomError
 
 from synthesis.motion import Stretch, StretchKind
 from synthesis.numerics.piecewise import Piecewise
+from synthesis.ranges import Angle
 from synthesis.segment import Part, Unit, signed
 from synthesis.units import AS_IS, DEGREE, Pace
 
@@ -19,6 +20,7 @@ class ConstantSpeed(Part):
     """The follower runs at constant velocity; neighbouring splines and polynomials pick it up."""
 
     kind: Literal["constant_velocity"] = "constant_velocity"
+    angle_deg: Angle
     velocity_mm_per_s: Annotated[
         float | None, signed("The velocity, with its sign [mm/s]; or give a lift.", 1e12)
     ] = None
@@ -72,7 +74,7 @@ class ConstantSpeed(Part):
 
     def gain(self, pace: Pace) -> float:
         ((order, _, value),) = self._given()
-        return pace.core(value, order) * (self.angle_deg * DEGREE) ** order
+        return pace.core(value, order) * (self.degrees * DEGREE) ** order
 
     def stretch(
         self, index: int, start: float, angle: float, s_start: float, pace: Pace = AS_IS

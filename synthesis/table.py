@@ -27,6 +27,9 @@ class Table(Part):
     """
 
     kind: Literal["table"] = "table"
+    angle_deg: Annotated[
+        float, Field(gt=0.0, le=360.0, description="Cam angle of the segment [deg].")
+    ]
     points: Annotated[
         tuple[tuple[float, float], ...] | None,
         Field(

@@ -87,8 +87,8 @@ def impulses(cam: Cam, quantity: Quantity) -> Trace:
 
 def bounds(design: Design, quantity: Quantity) -> list[Bound]:
     """What the spec's limits claim of this quantity; neighbours with one bound are joined."""
-    stretches, machine = design.spec.stretches(), design.spec.machine()
-    claims = [c for limit in design.spec.all_limits() for c in limit.claims(stretches, machine)]
+    stretches, machine = design.numbered.stretches(), design.spec.machine()
+    claims = [c for limit in design.numbered.all_limits() for c in limit.claims(stretches, machine)]
     found: list[Bound] = []
     for claim in claims:
         if claim.quantity == quantity.name:

@@ -80,7 +80,7 @@ def bound(plan: Plan, solution: ConeSolution) -> Bound:
     """The bound that these multipliers give: over all laws, else over the splines' family."""
     steering = controls(plan)
     if steering is None:
-        return Bound(_in_core_units(plan, _over_family(plan, solution)), _family(plan))
+        return Bound(in_core_units(plan, _over_family(plan, solution)), _family(plan))
     order = steering[0].order if steering else 3
     ledger = _add_up(plan, solution, steering, order)
     psi = _psi(ledger, order)
@@ -88,7 +88,7 @@ def bound(plan: Plan, solution: ConeSolution) -> Bound:
     over = f"all motion laws with a bounded {NAMES[order]}" if steering else _family(plan)
     level = 0.0 if plan.extra is None else abs(float(solution.x[plan.extra]))
     found = tuple(replace(c, cap=c.rate * level) if c.rate else c for c in steering)
-    return Bound(_in_core_units(plan, total), over, psi, found)
+    return Bound(in_core_units(plan, total), over, psi, found)
 
 
 def _family(plan: Plan) -> str:
@@ -96,7 +96,7 @@ def _family(plan: Plan) -> str:
     return "splines of " + " and ".join(sorted(parts)) if parts else "the given laws"
 
 
-def _in_core_units(plan: Plan, value: float) -> float:
+def in_core_units(plan: Plan, value: float) -> float:
     """The program's objective as a value of the asked quantity."""
     if plan.energy is not None:
         return sqrt(max(value * plan.energy.unit + plan.energy.constant, 0.0))

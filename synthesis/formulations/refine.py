@@ -9,8 +9,8 @@ from math import inf, sqrt
 import numpy as np
 from numpy.typing import NDArray
 
-from synthesis.formulations.bound import Bound, bound
-from synthesis.formulations.candidate import Candidate, at_size, needs_size, settle, smallest
+from synthesis.formulations.bound import Bound, bound, in_core_units
+from synthesis.formulations.candidate import Candidate, at_size, grow, needs_size, settle, smallest
 from synthesis.formulations.convex import Plan, formulate, natural_scales
 from synthesis.formulations.grid import CLOSEST_KNOTS, Grid, merged, over, ramps, uniform
 from synthesis.formulations.problem import Problem
@@ -25,6 +25,7 @@ ROUNDS = 8
 COARSE, FINE = 12, 96  # intervals of the first grid, by tolerance
 MOST_INTERVALS = 240
 ALLOWED = 1e-9  # relative excess of a row that is solver noise: the certificate decides
+STAYS = 1e-7  # of the level: an estimate's slope is taken over steps a thousand times longer
 USABLE = (Stopped.SOLVED, Stopped.INACCURATE)
 
 
@@ -50,6 +51,33 @@ def search(
     if state.limited_by_shape and state.left() > 0.0:
         _nonlinear(state)
     return state
+
+
+def estimate(
+    problem: Problem, grids: Sequence[Grid], guess: float = 1.0, deadline: float = inf
+) -> float | None:
+    """What a problem's optimum on given grids is [core units]; None where nothing fits.
+
+    A smooth function of the problem's numbers, but for kinks. Limits that are not convex count
+    where a larger cam would mend them. ``guess``: first trial level of a fractional objective.
+    """
+    state = Search(problem, 1e-2, deadline, 1e-7)
+    if _closed_form(state):
+        return None if state.best is None else state.best.value
+    while True:
+        plan = formulate(problem, grids, guess, Drawn(state.tighten))
+        solution = solve(plan.program, state.left())
+        if solution.stopped not in USABLE:
+            return None
+        fractional = problem.objective.fractional
+        if problem.objective.norm(problem.machine) is None and not fractional:
+            return in_core_units(plan, plan.program.value(solution.x))
+        found = _read(plan, solution)
+        if not fractional or abs(found.value - guess) <= STAYS * found.value:
+            break
+        guess = found.value
+    grown = grow(found)
+    return None if grown is None else grown.value
 
 
 def _closed_form(state: Search) -> bool:
