@@ -73,7 +73,8 @@ TABLE: dict[str, tuple[Change, str, Any, str]] = {
         "split the window",
     ),
     "one free angle": (
-        segment(0, angle_deg={"min": 50, "max": 70}), "/program/0/angle_deg", ..., "another one free",
+        segment(0, angle_deg={"min": 50, "max": 70}), "/program/0/angle_deg", ...,
+        "another one free",
     ),
     "free angles that cannot fit": (
         lambda body: segment(0, angle_deg={"min": 50, "max": 59})(body)
