@@ -20,6 +20,8 @@ PLACES = {
     "program_angles": ("program",),
     "program_lift": ("program",),
     "program_still": ("program",),
+    "one_number_free": ("program", "{segment}", "{name}"),
+    "numbers_do_not_fit": ("program",),
     "states_differ": ("program", "{segment}", "{end}"),
     "state_not_neighbours": ("program", "{segment}"),
     "state_backwards": ("program", "{segment}"),
@@ -137,7 +139,7 @@ def _at(error: Any, path: tuple[str | int, ...]) -> tuple[str | int, ...]:
 
 def _is_member(name: str) -> bool:
     """Whether a name in a location is that of a union's member rather than a tag."""
-    return "[" in name or name in ("float", "int", "str")
+    return "[" in name or name.removeprefix("constrained-") in ("float", "int", "str")
 
 
 def _settled(

@@ -217,7 +217,12 @@ class DesignSpec(BaseModel):
                     "one_number_free",
                     "{field} is the only one of the {what} that is free: it follows from the "
                     "others. Give the number, or leave another one free too.",
-                    {"field": alone[0].field, "what": what},
+                    {
+                        "field": alone[0].field,
+                        "what": what,
+                        "segment": alone[0].segment,
+                        "name": name,
+                    },
                 )
         if free and openings.polytope.centre() is None:
             raise PydanticCustomError(

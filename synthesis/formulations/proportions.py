@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import time
 from collections.abc import Iterable, Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cache
 from math import inf
 
@@ -18,6 +18,7 @@ from pydantic_core import PydanticCustomError
 from synthesis.formulations.grid import Grid, over, uniform
 from synthesis.formulations.problem import Problem, pose
 from synthesis.formulations.refine import estimate, search
+from synthesis.formulations.scene import Scene, yielded
 from synthesis.formulations.search import Stage
 from synthesis.formulations.tables import smooth_tables
 from synthesis.numerics.descent import Found, Function, least
@@ -28,7 +29,7 @@ from synthesis.spec import DesignSpec
 SAMPLED, COARSE = 12, 24  # spline intervals: to look around, to descend
 CORNERS = 4  # per free direction, towards which samples are taken
 SHARES = (0.5, 0.95)  # of the way from the middle to a corner
-MORE = (0.25, 0.75, 0.999)  # where those found nothing
+INSIDE = 0.01  # relative amount by which limits are drawn in while anything possible is sought
 STARTS = 3
 APART = 0.1  # of the box: starts that are nearer than this lead to the same place
 RADIUS, ROUNDS = 0.15, 25
@@ -118,6 +119,21 @@ class _Worth:
 
         return lambda u: None if time.monotonic() >= self.deadline else value(u.tobytes())
 
+    def excess(self, mesh: _Mesh) -> Function:
+        """By how much limits must be exceeded at least, in all; 0 where everything fits."""
+
+        def value(u: Array) -> float | None:
+            problem = self.problem(u)
+            if problem is None or time.monotonic() >= self.deadline:
+                return None
+            self.calls += 1
+            spec = self.spec.with_numbers(self.openings.numbers(u))
+            scene = replace(Scene.of(spec, problem, mesh.grids(problem)), drawn=INSIDE)
+            found = yielded(scene, scene.plan(), range(len(scene.parts)), exact=False)
+            return None if found is None else max(found.total, 0.0)
+
+        return value
+
 
 def chosen(spec: DesignSpec, deadline: float = inf) -> tuple[DesignSpec, list[float], Stage]:
     """The spec with numbers in place of all that its program leaves free.
@@ -141,7 +157,7 @@ def chosen(spec: DesignSpec, deadline: float = inf) -> tuple[DesignSpec, list[fl
     stage = Stage(
         "proportions", f"search over {freedom} of {len(numbers)} free numbers", "Clarabel",
         len(numbers), 0, worth.calls, time.perf_counter() - started,
-        "nothing found" if best is None else "searched",
+        "nothing found" if best is None or best.value == inf else "searched",
         "angles and lifts of the program, by cutting planes from several starts",
     )  # fmt: skip
     return spec.with_numbers(numbers), numbers, stage
@@ -151,10 +167,9 @@ def _search(worth: _Worth, middle: Array) -> Found | None:
     """The best point found: samples, descents from the best of them, and a polish."""
     polytope = worth.openings.polytope
     corners = polytope.corners(CORNERS * polytope.directions.shape[1])
-    sampled, around = worth.on(worth.uniform(middle, SAMPLED)), list[Found]()
-    for shares in (SHARES, MORE):
-        points = [middle, *(middle + k * (c - middle) for c in corners for k in shares)]
-        around = around or _best_of(sampled, points)
+    points = [middle, *(middle + k * (c - middle) for c in corners for k in SHARES)]
+    rough = worth.uniform(middle, SAMPLED)
+    around = _best_of(worth.on(rough), points) or _possible(worth, points)
     coarse = worth.on(worth.uniform(middle, COARSE))
     starts = _best_of(coarse, [found.u for found in _apart(around)])
     ends = [least(coarse, polytope, start, RADIUS, ROUNDS) for start in starts]
@@ -166,6 +181,19 @@ def _search(worth: _Worth, middle: Array) -> Found | None:
         for start in _best_of(fine, [best.u]):
             best = least(fine, polytope, start, LAST_RADIUS, LAST_ROUNDS)
     return best
+
+
+def _possible(worth: _Worth, points: Iterable[Array]) -> list[Found]:
+    """Where everything fits, if at none of these: downhill from the nearest to it.
+
+    Where nothing fits at all, the point that comes nearest to it, worth ∞.
+    """
+    mesh = worth.uniform(next(iter(points)), COARSE)
+    excess = worth.excess(mesh)
+    for start in _best_of(excess, points)[:1]:
+        end = least(excess, worth.openings.polytope, start, RADIUS, ROUNDS)
+        return _best_of(worth.on(mesh), [end.u]) or [Found(end.u, inf)]
+    return []
 
 
 def _best_of(function: Function, points: Iterable[Array]) -> list[Found]:

@@ -25,6 +25,7 @@ ROUNDS = 8
 COARSE, FINE = 12, 96  # intervals of the first grid, by tolerance
 MOST_INTERVALS = 240
 ALLOWED = 1e-9  # relative excess of a row that is solver noise: the certificate decides
+LEVELS = 20
 STAYS = 1e-7  # of the level: an estimate's slope is taken over steps a thousand times longer
 USABLE = (Stopped.SOLVED, Stopped.INACCURATE)
 
@@ -64,7 +65,7 @@ def estimate(
     state = Search(problem, 1e-2, deadline, 1e-7)
     if _closed_form(state):
         return None if state.best is None else state.best.value
-    while True:
+    for _ in range(LEVELS):
         plan = formulate(problem, grids, guess, Drawn(state.tighten))
         solution = solve(plan.program, state.left())
         if solution.stopped not in USABLE:

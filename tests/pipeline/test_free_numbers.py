@@ -115,10 +115,10 @@ def test_no_other_angle_is_better(objective: str) -> None:
 
 
 def test_a_narrow_range_of_possible_angles_is_found() -> None:
-    """The jerk leaves the rise 118.3° to 121.7° of 25° to 215°."""
+    """The jerk leaves the rise 118.3° to 121.7° of 108° to 215°: no sample hits that."""
     limit = 32.0 * 22.1 / np.radians(118.3) ** 3 * OMEGA**3
     design = synthesise(
-        cam(rise(FREE, 22.1), dwell(33.0), fall(FREE, 22.1), dwell(87.0),
+        cam(rise(FREE, 22.1), dwell(33.0), fall({"min": 25.0, "max": 132.0}, 22.1), dwell(87.0),
             limits=[{"kind": "jerk", "max_mm_per_s3": limit}], objective={"kind": "rms_jerk"})
     )  # fmt: skip
     assert design.status == "feasible"

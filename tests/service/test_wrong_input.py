@@ -118,6 +118,18 @@ TABLE: dict[str, tuple[Change, str, Any, str]] = {
         segment(0, windows=[{"from_deg": 1, "to_deg": 99, "travel_mm": 3}]), "/program/0", 99.0,
         "split the window",
     ),
+    "one free angle": (
+        segment(0, angle_deg={"min": 50, "max": 70}), "/program/0/angle_deg", ...,
+        "another one free",
+    ),
+    "free angles that cannot fit": (
+        lambda body: segment(0, angle_deg={"min": 50, "max": 59})(body)
+        or segment(2, angle_deg={"min": 50, "max": 60})(body),
+        "/program", ..., "Widen a range",
+    ),
+    "free angle without an end": (
+        segment(0, angle_deg={"min": 50}), "/program/0/angle_deg/max", None, "required",
+    ),
     "window of nothing": (
         segment(0, windows=[{"from_deg": 1, "to_deg": 9}]), "/program/0/windows/0", ...,
         "travel_mm",
