@@ -99,7 +99,7 @@ class Demand(Limit):
         return (
             Claim(
                 self.name, QUANTITIES[self.order], (self.segment,), low, high, UNITS[self.order],
-                _moved(factor, start), self.field, self.part, self.exact,
+                _moved(factor, start), self.field, part=self.part, exact=self.exact,
             ),
         )  # fmt: skip
 
