@@ -227,7 +227,8 @@ SIZES: dict[str, Case] = {
         program=moves(0.0000531, law=CYCLOIDAL), limits=[ANGLES])),
     "lift ten times the base radius": Case("optimal", "",
         scene(program=moves(173.0, 100.0, 30.0, 110.0, CYCLOIDAL), base_radius_mm=17.3,
-              follower=EDGE, limits=[{"kind": "pressure_angle", "rise_deg": 75, "return_deg": 75}])),
+              follower=EDGE,
+              limits=[{"kind": "pressure_angle", "rise_deg": 75.0, "return_deg": 75.0}])),
     "lift ten times the base radius, steeper": Case("optimal", "",
         scene(program=moves(173.0, 60.0, 30.0, 60.0, CYCLOIDAL), base_radius_mm=17.3,
               follower=CENTRAL)),
@@ -402,8 +403,8 @@ NONSENSE: dict[str, Case] = {
                  for segment in moves()])),
     "face width for a roller": Case("error: limit_does_not_suit", "", wrong(
         limits=[{"kind": "face_width", "width_mm": 40.0}])),
-    "offset for a face": Case("error: extra_forbidden", "", wrong(
-        follower=FACE | {"offset_mm": 3.0}, limits=[])),
+    "roller for a face": Case("error: extra_forbidden", "", wrong(
+        follower=FACE | {"roller_radius_mm": 3.0}, limits=[])),
     "angle of 0° for a rise": Case("error: greater_than", "", wrong(
         program=[moves()[0] | {"angle_deg": 0.0}, *moves()[1:]])),
     "infinite lift": Case("error: finite_number", "", wrong(

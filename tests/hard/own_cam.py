@@ -18,6 +18,7 @@ import numpy as np
 from tests.hard.own_laws import Piece, named, spline
 
 STILL: list[Piece] = [(0.0, 1.0, lambda x, n: 0.0 * x)]
+LINE: list[Piece] = [(0.0, 1.0, lambda x, n: [x, 1.0 + 0.0 * x, 0.0 * x][min(n, 2)])]
 RAD = pi / 180.0
 
 
@@ -50,6 +51,7 @@ class Path:
     w1: np.ndarray
     w2: np.ndarray
     g: np.ndarray
+    face: np.ndarray | None = None  # outward normal of a flat face
 
     @property
     def p1(self) -> np.ndarray:
@@ -63,7 +65,7 @@ class Path:
 
     @property
     def normal(self) -> np.ndarray:
-        return 1j * self.p1 / np.abs(self.p1)
+        return 1j * self.p1 / np.abs(self.p1) if self.face is None else self.face
 
     @property
     def pressure_angle(self) -> np.ndarray:
@@ -71,12 +73,20 @@ class Path:
         return np.angle(self.normal / self.g) / RAD
 
 
-def lowest(program: Sequence[dict[str, Any]], unit: str) -> list[float]:
+def gain(segment: dict[str, Any], unit: str, speed_rpm: float) -> float:
+    """Displacement gained over a segment, in the wire's unit."""
+    sign = {"rise": 1.0, "return": -1.0, "dwell": 0.0, "constant_velocity": 1.0}
+    velocity = segment.get(f"velocity_{unit}_per_s")
+    if velocity is not None:  # over the time that the segment takes
+        return float(velocity * segment["angle_deg"] / (6.0 * speed_rpm))
+    return sign[segment["kind"]] * (segment.get(f"lift_{unit}") or 0.0)
+
+
+def lowest(program: Sequence[dict[str, Any]], unit: str, speed_rpm: float) -> list[float]:
     """Levels at the ends of the segments, from the lowest one."""
-    sign = {"rise": 1.0, "return": -1.0, "dwell": 0.0}
     levels = [0.0]
     for segment in program:
-        levels.append(levels[-1] + sign[segment["kind"]] * (segment.get(f"lift_{unit}") or 0.0))
+        levels.append(levels[-1] + gain(segment, unit, speed_rpm))
     return [level - min(levels) for level in levels]
 
 
@@ -92,13 +102,16 @@ def stretches(spec: dict[str, Any], splines: dict[int, Any]) -> list[Stretch]:
     """
     program, unit = spec["program"], unit_of(spec)
     turn = sum(segment["angle_deg"] for segment in program)
-    levels, angle, found = lowest(program, unit), 0.0, []
+    levels, angle, found = lowest(program, unit, spec.get("speed_rpm", 60.0)), 0.0, []
     for i, segment in enumerate(program):
         beta = segment["angle_deg"] / turn * 2.0 * pi
         law, free = segment.get("law") or {"kind": "spline"}, None
         noise = tuple(1e-13 * 60.0**n for n in range(5))
-        if segment["kind"] == "dwell":
+        lift, kind = levels[i + 1] - levels[i], segment["kind"]
+        if kind == "dwell":
             pieces = STILL
+        elif kind == "constant_velocity":
+            pieces, kind = LINE, "rise" if lift > 0.0 else "return"
         elif law["kind"] == "spline":
             free, given = law, splines[i]
             pieces = given
@@ -112,10 +125,7 @@ def stretches(spec: dict[str, Any], splines: dict[int, Any]) -> list[Stretch]:
             narrow = min(b - a for a, b, _ in pieces)
             noise = tuple(1e-13 * max(60.0, 8.0 / narrow) ** n for n in range(5))
         if beta > 0.0:
-            lift = levels[i + 1] - levels[i]
-            found.append(
-                Stretch(i, segment["kind"], angle, beta, levels[i], lift, pieces, free, noise)
-            )
+            found.append(Stretch(i, kind, angle, beta, levels[i], lift, pieces, free, noise))
         angle += beta
     return found
 
@@ -163,10 +173,58 @@ def paths(spec: dict[str, Any], size: dict[str, float], s: Sequence[np.ndarray])
             k = 1j * sense
             found.append(Path(name, pivot + a, k * f1 * a, (k * f2 - f1**2) * a, drive))
         return found
-    if follower["kind"] == "translating_flat_face":
-        base = size["base_radius_mm"]
-        return [Path("", s[1] + 1j * (base + s[0]), s[2] + 1j * s[1], 0.0 * one, 1j * one)]
+    if follower["kind"].endswith("flat_face"):
+        face = Face(spec, size, s)
+        return [Path("", face.contact, 0.0 * one, 0.0 * one, face.drive, face.normal)]
     raise NotImplementedError(follower["kind"])
+
+
+class Face:
+    """A flat face at s, s', s'': where it touches, along which normal, how sharp the profile is.
+
+    The profile is the envelope of the face: its support function h over the angle of the normal as
+    seen from the cam, which turns by −turn per radian.
+    """
+
+    def __init__(
+        self, spec: dict[str, Any], size: dict[str, float], s: Sequence[np.ndarray]
+    ) -> None:
+        follower, one = spec["follower"], np.ones_like(s[0], dtype=complex)
+        if follower["kind"] == "translating_flat_face":
+            tilt, c = follower.get("tilt_deg", 0.0) * RAD, follower.get("offset_mm", 0.0)
+            cos, sin = np.cos(tilt), np.sin(tilt)
+            h, h1, h2 = size["base_radius_mm"] + s[0] * cos, s[1] * cos, s[2] * cos
+            self.normal, self.drive = 1j * np.exp(1j * tilt) * one, 1j * one
+            along = np.exp(1j * tilt)
+            self.radius = h + h2
+            self.contact = h * self.normal + h1 * along
+            # the slide's line x = c meets the face c sin τ + h above c cos τ's foot
+            slide = c + 1j * (h + c * sin) / cos
+            self.place = np.real((self.contact - slide) * np.conj(along))
+            return
+        sigma = {"opposite": 1.0, "same": -1.0}[follower.get("sense", "opposite")]
+        gamma = follower.get("pivot_direction_deg", 0.0) * RAD
+        f, d = follower.get("face_offset_mm", 0.0), size["centre_distance_mm"]
+        f0, f1, f2 = (RAD * value for value in s[:3])
+        psi = np.arcsin(np.clip((size["base_radius_mm"] + f) / d, -1.0, 1.0)) + f0
+        u = np.exp(1j * (gamma + pi - sigma * psi))
+        self.normal, pivot = -1j * sigma * u, d * np.exp(1j * gamma)
+        foot = pivot - f * self.normal
+
+        # at the contact point the face slides along itself over the cam
+        def across(x: np.ndarray) -> np.ndarray:
+            relative = -1j * sigma * f1 * (x - pivot) - 1j * x
+            return np.real(relative * np.conj(self.normal))
+
+        start = across(foot)
+        self.place = -start / (across(foot + u) - start)
+        self.contact = foot + self.place * u
+        lever = self.contact - pivot
+        self.drive = -1j * sigma * lever / np.abs(lever)
+        turn, turn1 = 1.0 + sigma * f1, sigma * f2
+        h = d * np.sin(psi) - f
+        h1, h2 = d * np.cos(psi) * f1, d * (np.cos(psi) * f2 - np.sin(psi) * f1**2)
+        self.radius = h + (h2 * turn - h1 * turn1) / turn**3
 
 
 @dataclass(frozen=True)

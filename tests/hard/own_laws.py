@@ -113,6 +113,7 @@ def half(kind: str, law: dict[str, Any]) -> list[Piece]:
             (0.25, 0.5, lambda x, n: (last.deriv(n)(x) if n else last(x)) + 0.0 * x),
         ]
     if kind in HARMONICS:
+
         def series(x, n, parts=HARMONICS[kind]):
             line = [x, 1.0 + 0.0 * x, 0.0 * x][min(n, 2)]
             return line - sum(
@@ -146,6 +147,7 @@ def named(law: dict[str, Any], kind: str) -> list[Piece]:
     name = law["kind"]
     if name in DWELL_TURN or name == "double_harmonic":
         if name == "double_harmonic":
+
             def g(x, n):
                 constant = 0.375 + 0.0 * x if n == 0 else 0.0 * x
                 quarter = pi / 2.0

@@ -86,10 +86,7 @@ def shapes(r: Random) -> list[str]:
 
 def program(r: Random, lift: float, unit: str, free: float) -> list[Spec]:
     kinds = shapes(r)
-    if chance(r, 0.1) and "dwell" in kinds:
-        still = kinds.index("dwell")
-    else:
-        still = -1
+    still = kinds.index("dwell") if chance(r, 0.1) and "dwell" in kinds else -1
     weights = spread(r, 0.2, 3.0) * r.dirichlet([2.0] * len(kinds)) + 0.02
     if still >= 0:
         weights[still] = 0.0
@@ -110,6 +107,10 @@ def program(r: Random, lift: float, unit: str, free: float) -> list[Spec]:
         if kind != "dwell":
             segment[f"lift_{unit}"] = max(lift * shares[i], 1e-6)
             segment["law"] = every if same else a_law(r, free)
+            if chance(r, 0.03):
+                gained = segment[f"lift_{unit}"] * (1.0 if kind == "rise" else -1.0)
+                segment = {"kind": "constant_velocity", "angle_deg": segment["angle_deg"],
+                           f"lift_{unit}": gained}  # fmt: skip
         found.append(segment)
     return found
 
@@ -146,7 +147,30 @@ def translating_roller(r: Random, stroke: float) -> Spec:
 
 
 def translating_flat_face(r: Random, stroke: float) -> Spec:
-    return {"kind": "translating_flat_face"}
+    found: Spec = {"kind": "translating_flat_face"}
+    if chance(r, 0.3):
+        found["tilt_deg"] = between(r, -30.0, 30.0)
+    if chance(r, 0.3):
+        found["offset_mm"] = stroke * between(r, -1.0, 1.0)
+    return found
+
+
+def oscillating_flat_face(r: Random, stroke: float) -> Spec:
+    d = spread(r, 20.0, 300.0)
+    return {
+        "kind": "oscillating_flat_face",
+        "face_offset_mm": pick(r, [0.0, d * between(r, -0.2, 0.2)]),
+        "centre_distance_mm": pick(r, [d, d, d, {"min": 0.9 * d, "max": 1.3 * d}]),
+        "sense": pick(r, ["opposite", "same"]), "pivot_direction_deg": between(r, -180.0, 180.0),
+    }  # fmt: skip
+
+
+def length_of(follower: Spec, lift: float) -> float:
+    """A length that such a machine is known by [mm]."""
+    distance = follower.get("centre_distance_mm")
+    if isinstance(distance, dict):
+        distance = distance["max"]
+    return float(follower.get("arm_mm") or distance or lift)
 
 
 def oscillating_roller(r: Random, stroke: float) -> Spec:
@@ -169,8 +193,9 @@ def oscillating_roller(r: Random, stroke: float) -> Spec:
 
 FOLLOWERS = [
     (translating_roller, "mm", 0.55),
-    (translating_flat_face, "mm", 0.25),
-    (oscillating_roller, "deg", 0.20),
+    (translating_flat_face, "mm", 0.20),
+    (oscillating_roller, "deg", 0.17),
+    (oscillating_flat_face, "deg", 0.08),
 ]
 
 
@@ -181,7 +206,7 @@ def rate(r: Random, segments: list[Spec], unit: str, order: int, speed: float, l
     """A cap of ``law``-ish times the largest lift/β^n: below the least possible now and then."""
     omega = speed * pi / 30.0
     sharpest = max(
-        (seg[f"lift_{unit}"] / (seg["angle_deg"] / 360.0 * tau) ** order)
+        (abs(seg[f"lift_{unit}"]) / (seg["angle_deg"] / 360.0 * tau) ** order)
         for seg in segments if seg["kind"] != "dwell"
     )  # fmt: skip
     return float(sharpest * omega**order * law * spread(r, 1.0, 8.0))
@@ -203,13 +228,21 @@ def limits(r: Random, kind: str, segments: list[Spec], unit: str, speed: float,
             cap = rate(r, segments, unit, order, speed, least)
             found.append({"kind": name, f"max_{unit}_per_s{order if order > 1 else ''}": cap})
     if chance(r, 0.3):
-        found.append({"kind": "profile_radius", "min_mm": pick(r, [0.0, length * spread(r, 0.01, 1.0)])})
-    if kind != "translating_flat_face" and chance(r, 0.2):
-        found.append({"kind": "cutter_radius", "radius_mm": (roller or length) * spread(r, 0.5, 30.0)})
+        found.append(
+            {"kind": "profile_radius", "min_mm": pick(r, [0.0, length * spread(r, 0.01, 1.0)])}
+        )
+    if "roller" in kind and chance(r, 0.2):
+        found.append(
+            {"kind": "cutter_radius", "radius_mm": (roller or length) * spread(r, 0.5, 30.0)}
+        )
     if chance(r, 0.15):
         found.append({"kind": "outer_radius", "max_mm": length * spread(r, 1.2, 12.0)})
     if kind == "translating_flat_face" and chance(r, 0.4):
-        found.append({"kind": "face_width", "width_mm": length * spread(r, 0.8, 8.0)})
+        width = {"width_mm": length * spread(r, 0.8, 8.0)}
+        one_side = {"right_mm": length * spread(r, 0.8, 8.0)}
+        found.append({"kind": "face_width", **pick(r, [width, width, one_side])})
+    if kind == "oscillating_flat_face" and chance(r, 0.4):
+        found.append({"kind": "face_width", "far_mm": length * between(r, 0.9, 2.0)})
     if found and chance(r, 0.03):
         found.append(dict(found[0]))
     return found
@@ -244,7 +277,7 @@ def random_spec(number: int) -> Spec:
         free = 0.0
     segments = program(r, lift, unit, free)
     speed = spread(r, 5.0, 3000.0) if not mad else spread(r, 1e-3, 1e6)
-    length = lift if unit == "mm" else follower["arm_mm"]
+    length = lift if unit == "mm" else length_of(follower, lift)
     spec: Spec = {
         "name": f"random {number}",
         "speed_rpm": speed,
@@ -264,8 +297,13 @@ def random_spec(number: int) -> Spec:
         # between the radii that the arm reaches, most of the time
         d = follower["centre_distance_mm"]
         d = d if isinstance(d, float) else 1.2 * length
-        low = abs(d - length) - follower["roller_radius_mm"]
-        spec["base_radius_mm"] = a_range(r, max(1.1 * low, 0.2 * length), max(1.6 * low, length))
+        low = abs(d - length) - follower.get("roller_radius_mm", 0.0)
+        low, high = max(1.1 * low, 0.2 * length), max(1.6 * low, length)
+        if "arm_mm" not in follower:
+            low, high = 0.1 * length, 0.7 * length
+        spec["base_radius_mm"] = a_range(r, low, high)
+    if chance(r, 0.08):
+        spec["continuity"] = int(r.integers(0, 4))
     if mad and chance(r, 0.5):
         spec["base_radius_mm"] = length * spread(r, 1e-3, 1e6)
     if spec["base_radius_mm"] is None:

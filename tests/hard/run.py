@@ -1,4 +1,4 @@
-"""One random spec after another, judged; ``python -m tests.hard.run`` runs all of them.
+"""One random spec after another, judged; ``make hard`` runs all of them.
 
 What may come out: a certified design that the verifier confirms, a refusal with its reason that
 no cam of the verifier's own contradicts, a spec error, or the end of the time budget with the best
@@ -102,10 +102,8 @@ def report(found: list[Outcome]) -> str:
 
 
 def main() -> int:
-    first, last, step = [*map(int, sys.argv[1:4]), 0, COUNT, 1][-3:] if len(sys.argv) > 3 else (
-        0, COUNT, 1)  # fmt: skip
-    if len(sys.argv) > 3:
-        first, last, step = map(int, sys.argv[1:4])
+    given = [int(value) for value in sys.argv[1:4]]
+    first, last, step = [*given, *(0, COUNT, 1)[len(given) :]]
     found = []
     with ProcessPoolExecutor(2) as pool:
         for done in pool.map(outcome, range(first, last, step), chunksize=4):

@@ -10,13 +10,13 @@ from __future__ import annotations
 from collections.abc import Iterator
 from dataclasses import dataclass
 from itertools import product
-from math import acos, degrees, inf, sqrt
+from math import acos, asin, degrees, inf, sqrt
 from typing import Any
 
 import numpy as np
 
-from tests.hard.own_cam import Stretch, base_gap, stretches, unit_of
-from tests.hard.own_laws import Piece, hermite, integrated, backwards, named
+from tests.hard.own_cam import LINE, RAD, Stretch, base_gap, lowest, stretches, unit_of
+from tests.hard.own_laws import Piece, backwards, hermite, named
 from tests.hard.verifier import Cam, objective, objectives, readings
 
 SIZES, OFFSETS = 14, 5
@@ -27,6 +27,7 @@ REST = {2: ["polynomial_3_4_5", "cycloidal", "constant jerk"], 3: ["polynomial_4
 def constant_jerk() -> list[Piece]:
     """Jerk ±32, switched at 1/4, 1/2 and 3/4: the least peak jerk between two rests."""
     up = lambda x, n: [16 / 3 * x**3, 16 * x**2, 32 * x, 32 + 0 * x, 0 * x][n]  # noqa: E731
+
     def down(x: np.ndarray, n: int) -> np.ndarray:
         t = x - 0.25
         s = 1 / 12 + t + 4 * t**2 - 16 / 3 * t**3
@@ -43,13 +44,16 @@ def law(name: str, kind: str) -> list[Piece]:
 def motions(spec: dict[str, Any]) -> Iterator[list[Stretch]]:
     """The program with laws of our own in place of the free ones."""
     program = spec["program"]
-    free = [i for i, seg in enumerate(program)
-            if seg["kind"] != "dwell" and (seg.get("law") or {"kind": "spline"})["kind"] == "spline"]  # fmt: skip
+    free = [
+        i
+        for i, segment in enumerate(program)
+        if segment["kind"] in ("rise", "return")
+        and (segment.get("law") or {"kind": "spline"})["kind"] == "spline"
+    ]
     if not free:
         yield stretches(spec, {})
         return
-    line: list[Piece] = [(0.0, 1.0, lambda x, n: [x, 1.0 + 0 * x, 0 * x][min(n, 2)])]
-    placed = stretches(spec, dict.fromkeys(free, line))
+    placed = stretches(spec, dict.fromkeys(free, LINE))
     position = {move.index: k for k, move in enumerate(placed)}
     choices = []
     for i in free:
@@ -69,9 +73,7 @@ def motions(spec: dict[str, Any]) -> Iterator[list[Stretch]]:
             choices.append([law(name, program[i]["kind"]) for name in REST[smooth]])
         elif smooth == 2:
             scale = [here.beta ** (n + 1) / here.lift for n in range(2)]
-            left, right = (
-                [float(v) * f for v, f in zip(end, scale, strict=False)] for end in ends
-            )
+            left, right = ([float(v) * f for v, f in zip(end, scale, strict=False)] for end in ends)
             quintic = hermite((0.0, *left), (1.0, *right))
             if not program[i].get("law", {}).get("overshoot", False):
                 slope = quintic[0][2](np.linspace(0.0, 1.0, 401), 1)
@@ -104,7 +106,15 @@ def sizes(spec: dict[str, Any]) -> Iterator[dict[str, float]]:
     closure = follower.get("closure") or {}
     if closure.get("kind") == "conjugate":
         return
-    stroke = sum(seg.get(f"lift_{unit}") or 0.0 for seg in spec["program"])
+    levels = lowest(spec["program"], unit, spec.get("speed_rpm", 60.0))
+    stroke = max(levels)
+    if follower["kind"] == "oscillating_flat_face":
+        f = follower.get("face_offset_mm", 0.0)
+        for d in grid(follower["centre_distance_mm"], 10.0, 300.0, OFFSETS, False):
+            for base in grid(spec.get("base_radius_mm"), 0.05 * d, 0.95 * d, SIZES, True):
+                if abs(base + f) < d:
+                    yield {"base_radius_mm": base, "centre_distance_mm": d}
+        return
     if unit == "deg":
         stroke *= follower["arm_mm"] * np.pi / 180.0
     gap = base_gap(spec)
@@ -136,8 +146,17 @@ class Witness:
     value: float  # of the first objective
 
 
+def sign(cam: Cam) -> float:
+    return {"opposite": 1.0, "same": -1.0}[cam.spec["follower"].get("sense", "opposite")]
+
+
 def stands(cam: Cam) -> bool:
     """Whether an arm stays between the two ends of its swing."""
+    if cam.spec["follower"]["kind"] == "oscillating_flat_face":
+        f, size = cam.spec["follower"].get("face_offset_mm", 0.0), cam.size
+        first = degrees(asin((size["base_radius_mm"] + f) / size["centre_distance_mm"]))
+        forward = min(float(1.0 + sign(cam) * np.min(sign(cam) * cam.sampled[0][1]) * RAD), 1.0)
+        return forward > 1e-3 and first + max(m.level + max(m.lift, 0) for m in cam.moves) < 89.0
     if "initial_angle_deg" not in cam.size:
         return True
     return cam.size["initial_angle_deg"] + max(m.level + max(m.lift, 0) for m in cam.moves) < 179.9
@@ -166,6 +185,10 @@ def keeps(cam: Cam, room: float) -> bool:
 
 def contradictions(spec: dict[str, Any], design: dict[str, Any]) -> list[str]:
     """Refusals and bounds that a cam of our own shows to be wrong."""
+    if any(isinstance(s.get(k), dict) for s in spec["program"] for k in ("angle_deg", "lift_mm")):
+        return []
+    if spec.get("continuity"):
+        return []
     refused = design["status"] == "infeasible"
     bound = design["certificate"]["lower_bound"]
     if not refused and (bound is None or "family" in design["certificate"]["bound_over"]):
