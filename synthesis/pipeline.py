@@ -218,6 +218,8 @@ def _solved(spec: DesignSpec, tables: Tables, stop: float, tighten: float) -> _A
                 for one in posed
             ]
     if best is not None:
+        unreached = objectives[len(attempt.bounds) :]
+        attempt.bounds += [Bounded(objective, -inf, "") for objective in unreached]
         splines = {
             stretch.index: (law.space, law.coefficients)
             for stretch, law in zip(attempt.searches[0].problem.free, best.laws, strict=True)

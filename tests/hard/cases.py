@@ -212,8 +212,7 @@ LAWS: dict[str, Case] = {
 }  # fmt: skip
 
 
-# e and s0 of the smallest cam of a given law are the apex of two half-planes: by bisection here
-def dwell_base(deg: float, slope: float, e: float, roller: float) -> float:
+def dwell_base(deg: float, e: float, roller: float) -> float:
     """Base radius whose dwell just keeps a pressure angle: |e| = tan α s0."""
     s0 = abs(e) / tan(radians(deg))
     return sqrt(e * e + s0 * s0) - roller
@@ -266,11 +265,11 @@ SIZES: dict[str, Case] = {
     "base radius as small as it gets": Case("certified", "nothing binds but undercut", scene(
         program=moves(law=CYCLOIDAL))),
     "dwell limit touches": Case("certified", "|e|/s0 = tan 20° exactly, 1e-9 more is asked",
-        fixed(dwell_base(20.0 * (1 - 1e-9), 1.0, 15.0, 9.0),
+        fixed(dwell_base(20.0 * (1 - 1e-9), 15.0, 9.0),
               follower=ROLLER | {"offset_mm": 15.0},
               limits=[{"kind": "pressure_angle", "dwell_deg": 20.0}])),
     "dwell limit touches from the wrong side": Case("refused: pressure angle dwell", "by 1e-8",
-        fixed(dwell_base(20.0 * (1 + 1e-8), 1.0, 15.0, 9.0),
+        fixed(dwell_base(20.0 * (1 + 1e-8), 15.0, 9.0),
               follower=ROLLER | {"offset_mm": 15.0},
               limits=[{"kind": "pressure_angle", "dwell_deg": 20.0}])),
     "outer radius just touching": Case("certified", "Rb + h to 1e-9",

@@ -1,8 +1,9 @@
 """One random spec after another, judged; ``make hard`` runs all of them.
 
 What may come out: a certified design that the verifier confirms, a refusal with its reason that
-no cam of the verifier's own contradicts, a spec error, or the end of the time budget with the best
-so far. Everything else is a fault.
+no cam of the verifier's own contradicts (where one does, and the refusal says that it is not
+proven, the cam was missed: counted, and no false claim), a spec error, or the end of the time
+budget with the best so far. Everything else is a fault.
 """
 
 from __future__ import annotations
@@ -62,7 +63,11 @@ def outcome(number: int, body: dict[str, Any] | None = None) -> Outcome:
             asked = json.loads(json.dumps(design["spec"]))
             gap = design["certificate"]["gap"]
             complaints += verify(asked, design)
-            complaints += contradictions(asked, design)
+            refuted = contradictions(asked, design)
+            if refuted and _only_not_found(design):
+                status = "missed: no cam was found, though there is one"
+            else:
+                complaints += refuted
             if status == "feasible" and design["certificate"]["lower_bound"] is None:
                 status = "feasible, without a bound"
     except ValidationError as wrong:
@@ -74,6 +79,12 @@ def outcome(number: int, body: dict[str, Any] | None = None) -> Outcome:
     if seconds > BUDGET_S + HANG_S:
         complaints.append(f"hangs: {seconds:.1f} s with a budget of {BUDGET_S} s")
     return Outcome(number, body["follower"]["kind"], status, seconds, gap, tuple(complaints))
+
+
+def _only_not_found(design: dict[str, Any]) -> bool:
+    """Whether a refusal says itself that it is no proof: then it is a miss, no false claim."""
+    conflict = design["conflict"]
+    return conflict is not None and "not proven" in conflict["evidence"]
 
 
 def _unreasoned(wrong: ValidationError) -> Iterable[str]:
@@ -95,6 +106,8 @@ def report(found: list[Outcome]) -> str:
     lines.append("slowest: " + ", ".join(f"#{o.number} {o.seconds:.1f} s {o.status}" for o in slow))
     lines.append(f"mean {sum(o.seconds for o in found) / len(found):.3f} s")
     faults = [one for one in found if one.complaints]
+    missed = [one.number for one in found if one.status.startswith("missed")]
+    lines.append(f"missed: {', '.join(f'#{number}' for number in missed) or 'none'}")
     lines.append(f"{len(found)} specs, {len(faults)} with a complaint")
     for one in faults:
         lines += [f"  #{one.number} {one.kind} {one.status}: {text}" for text in one.complaints]

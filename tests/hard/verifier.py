@@ -394,6 +394,8 @@ def _claims(cam: Cam, design: dict[str, Any], certified: bool) -> Iterable[str]:
         yield "certified, though a limit is said not to hold"
     undercut = any(own.broken for own in measured if own.name.startswith("profile_radius"))
     for own in measured:
+        if own.name.startswith("outer_radius") and undercut and not certified:
+            continue  # the profile has loops, which have no outermost point of use
         wire = own.wire(own.bound)
         mine = [
             e for e in left
@@ -409,9 +411,7 @@ def _claims(cam: Cam, design: dict[str, Any], certified: bool) -> Iterable[str]:
             yield f"{own.name}: {own.value} breaks {own.bound}, certified as {said['value']}"
         if not said["holds"] and own.kept_clearly:
             yield f"{own.name}: refused at {said['value']}, but {own.value} keeps {own.bound}"
-        # the profile of a cam that is undercut has loops, which have no outermost point of use
-        looped = own.name.startswith("outer_radius") and undercut
-        if said["value"] is not None and isfinite(own.value) and not looped:
+        if said["value"] is not None and isfinite(own.value):
             value = own.wire(own.value)
             yield from _same_value(own, said["value"], value)
     if any(own.broken for own in measured) and certified:
@@ -519,6 +519,9 @@ def _size(cam: Cam, spec: dict[str, Any], design: dict[str, Any]) -> Iterable[st
 def _proofs(cam: Cam, spec: dict[str, Any], design: dict[str, Any]) -> Iterable[str]:
     """Objective values as reported; bounds below them; "optimal" only within the tolerance."""
     proofs = [design["certificate"], *design["certificate"]["also"]]
+    if len(proofs) != len(objectives(spec)):
+        yield f"{len(objectives(spec))} objectives, {len(proofs)} proofs"
+        return
     for kind, proof in zip(objectives(spec), proofs, strict=True):
         value, told, lower = objective(cam, kind), proof["value"], proof["lower_bound"]
         if not isfinite(value):
