@@ -103,7 +103,8 @@ def assert_same(found: Design, wanted: Design, factor: float, haste: float = 1.0
                 for design, m in ((found, a), (wanted, b))
             )
             lift = abs(b.levels[1] - b.levels[0])
-            np.testing.assert_allclose(ours / factor, theirs, rtol=0, atol=1e-9 * lift)
+            # a law that nothing presses on is one of many, found to the solver's tolerance
+            np.testing.assert_allclose(ours / factor, theirs, rtol=0, atol=1e-7 * lift)
     if wanted.certificate.gap is not None:
         assert found.certificate.gap == pytest.approx(wanted.certificate.gap, abs=1e-9)
     verdicts = [[(e.limit, e.holds) for e in design.extremes] for design in (found, wanted)]
