@@ -27,7 +27,7 @@ from tests.hard.verifier import verify
 from tests.hard.witnesses import contradictions
 
 BUDGET_S = 5.0
-HANG_S = 12.0  # beyond the budget: 5 s of diagnosis, and what a busy machine adds
+HANG_S = 55.0  # beyond the budget: 5 s of diagnosis, and what a machine with other work adds
 
 
 @dataclass(frozen=True)
