@@ -213,6 +213,18 @@ def test_contact_that_leaves_the_face_is_found_with_its_angle(sense: str) -> Non
     assert size.status == "optimal"
 
 
+def test_a_pivot_that_may_not_come_nearer_stays_away() -> None:
+    _, free = free_distance("opposite")
+    least = free.dimensions["centre_distance_mm"] + 4.0
+    kept = synthesise(asked({"min": least, "max": 150.0}, RADIUS, PRESSURE, FACE))
+    at = synthesise(asked(least, RADIUS, PRESSURE, FACE))
+    assert kept.certificate.certified
+    assert kept.dimensions["centre_distance_mm"] == pytest.approx(least, rel=1e-3)
+    assert kept.dimensions["base_radius_mm"] == pytest.approx(
+        at.dimensions["base_radius_mm"], rel=2e-3
+    )
+
+
 def test_what_cannot_be_says_what_is_in_the_way() -> None:
     design = synthesise(asked(39.0, RADIUS, PRESSURE, FACE))
     assert design.status == "infeasible"
