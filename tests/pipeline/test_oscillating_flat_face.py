@@ -172,6 +172,7 @@ def test_a_free_law_is_smaller_than_every_given_one_and_honest_about_its_bound()
     assert free.status == "feasible"  # a local optimum: the bound is that of a relaxation
     proof = free.certificate
     assert proof.lower_bound is not None
+    assert "local optimum" in proof.bound_over
     assert proof.lower_bound <= free.dimensions["base_radius_mm"]
     assert free.dimensions["base_radius_mm"] < 0.97 * named.dimensions["base_radius_mm"]
     s = free.curve.derivatives(np.linspace(0.0, 2.0 * math.pi, 20001)) / 60.0
