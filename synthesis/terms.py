@@ -21,12 +21,18 @@ Vector = tuple[float, ...]
 class Row:
     """coefficients · (s, s', s'', s''') + size · z + level · P ≤ upper, at every cam angle.
 
+    Of one stretch, that is: of all of it, or of a part.
+
     Attributes:
         coefficients: four numbers, for s to s'''.
         size: one number per size variable; empty stands for zeros.
         upper: right-hand side.
         level: coefficient of P (only objectives use it).
         source: the objective, or the claim of a limit, that asks for it.
+        part: first and last x, in [0, 1], of the stretch where it holds, equal for a point;
+            None where it holds all along.
+        exact: = upper in place of ≤ upper.
+        room: how far below ``upper`` another row allows to go.
     """
 
     coefficients: tuple[float, float, float, float]
@@ -34,6 +40,9 @@ class Row:
     upper: float
     level: float = 0.0
     source: str = ""
+    part: tuple[float, float] | None = None
+    exact: bool = False
+    room: float = math.inf
 
     @property
     def constant(self) -> bool:

@@ -8,8 +8,10 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any, ClassVar
 
+import numpy as np
 from pydantic import BaseModel, ConfigDict
 
+from synthesis.errors import InputError
 from synthesis.followers.flank import Flank, Places, Trace, Vector2
 from synthesis.motion import Motion, Stretch
 from synthesis.ranges import Range
@@ -317,6 +319,40 @@ class Follower(BaseModel, ABC):
     def value_of(self, radius: float) -> float:
         """The norm ``prime_radius`` at a prime radius [mm]: the inverse of ``radius_of``."""
         return radius
+
+    # -- read back from a profile ----------------------------------------------------------------
+
+    def posture(self, point: Any, normal: Any) -> tuple[Any, Any]:
+        """The posture in which the follower has its traced point at a point of the cam.
+
+        Args:
+            point: of the cam [mm]. normal: outward unit normal there. Both (2, n), in the frame
+                of a ccw cam.
+
+        Returns:
+            cam angle θ [rad], any turn, and position [mm], (n,) each: the displacement from a
+            place that is the family's own. Not a number where the follower does not reach.
+
+        Raises:
+            InputError: such a follower is not read back from a profile.
+        """
+        raise InputError(
+            "/follower/kind", self.kind, "Profiles are not read back for this follower yet.",
+            "Take a translating follower, or a roller on an arm.",
+        )  # fmt: skip
+
+    def lowest(self, position: float) -> tuple[float, ...]:
+        """The size z of a cam whose lowest position is this one [mm]; see ``posture``."""
+        raise NotImplementedError(f"{self.kind} has no posture")
+
+    def clearance(self, away: Any, up: Any) -> Any:
+        """How far points lie outside the follower's body [mm].
+
+        Args:
+            away: (2, n) from the traced point [mm]. up: (2,) the drive's direction, both in the
+                cam's frame.
+        """
+        return np.hypot(away[0], away[1]) - self.roller_radius
 
     @abstractmethod
     def outermost(self, s_max: float) -> Norm | None:

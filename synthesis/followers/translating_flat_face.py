@@ -23,6 +23,7 @@ import math
 from collections.abc import Mapping, Sequence
 from typing import Annotated, Any, ClassVar, Literal
 
+import numpy as np
 from pydantic import Field, field_validator
 from pydantic_core import PydanticCustomError
 
@@ -137,6 +138,16 @@ class TranslatingFlatFace(Follower):
         cos, sin = self._tilt
         h = (z[0] + s[0] * cos, s[1] * cos, s[2] * cos, s[3] * cos)
         return tuple((h[k + 1] * cos - h[k] * sin, h[k] * cos + h[k + 1] * sin) for k in range(3))
+
+    def posture(self, point: Any, normal: Any) -> tuple[Any, Any]:
+        (x, y), (nx, ny) = point, normal
+        return np.arctan2(nx, ny), x * nx + y * ny  # the support function over its angle
+
+    def lowest(self, position: float) -> tuple[float, ...]:
+        return (position,)
+
+    def clearance(self, away: Any, up: Any) -> Any:
+        return -(away[0] * up[0] + away[1] * up[1])
 
     def direction(self, s: Any, z: Any) -> tuple[Vector2, Vector2]:
         zero = 0.0 * s[0]

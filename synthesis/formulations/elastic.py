@@ -138,7 +138,13 @@ def _relaxations(
         needed = part.eased(needed, 2.0 * SPARE)
     tight = [m for m in part.members if needed is None or _tighter(part, m.asked, needed)]
     note = (
-        block.note if block is not None else "" if needed is not None else LATE if late else ALONE
+        block.note
+        if block is not None
+        else part.hint
+        if needed is not None
+        else LATE
+        if late
+        else ALONE
     )
     if needed is not None and len(tight) > 1:
         note = "all limits of this name together"

@@ -124,10 +124,16 @@ class Problem:
         return replace(self, stretches=tuple(by_index.get(s.index, s) for s in self.stretches))
 
 
-def pose(spec: DesignSpec, objective: Objective, held: tuple[Held, ...] = ()) -> Problem:
-    """The spec as a problem with one objective."""
+def pose(
+    spec: DesignSpec,
+    objective: Objective,
+    held: tuple[Held, ...] = (),
+    stretches: Sequence[Stretch] | None = None,
+) -> Problem:
+    """The spec as a problem with one objective; ``stretches``: its own with tables smoothed."""
+    placed = spec.stretches() if stretches is None else stretches
     return Problem(
-        tuple(s for s in spec.stretches() if s.angle > 0.0),
+        tuple(s for s in placed if s.angle > 0.0),
         spec.machine(),
         spec.all_limits(),
         spec.follower.sizing(spec.base_radius_range()),
