@@ -96,6 +96,8 @@ class Search:
             value = max(value, self.problem.sizing.least)
         if value > self.lower or not lower.switching:
             self.lower, self.over = value, lower.over
+            if self.problem.rigid:
+                self.over += "; limits of the face on free laws left out: the cam a local optimum"
 
     @property
     def limited_by_shape(self) -> bool:
