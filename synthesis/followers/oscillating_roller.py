@@ -23,7 +23,8 @@ from typing import Annotated, Any, ClassVar, Literal, Self
 import numpy as np
 from pydantic import Field
 
-from synthesis.followers.base import Measure, Shape, Sizing
+from synthesis.followers.arm_pressure import FixedPivot, FreePivot
+from synthesis.followers.base import Follower, Measure, Pinning, Shape, Sizing
 from synthesis.followers.closures import LEAST, ArmClosure, Force
 from synthesis.followers.closures.counter_arm import CounterArm
 from synthesis.followers.flank import Trace, Vector2, outer_gap
@@ -33,7 +34,7 @@ from synthesis.geometry.triangle import enclosed_angle, third_side
 from synthesis.motion import Motion, Stretch
 from synthesis.numerics.peaks import peak
 from synthesis.ranges import Dimension, Range, ends
-from synthesis.terms import Cone, Norm, Row
+from synthesis.terms import Cone, Curved, Norm, Row
 from synthesis.units import DEGREE, Travel
 
 SENSES = {"opposite": 1.0, "same": -1.0}
@@ -165,8 +166,7 @@ class OscillatingRoller(RollerFollower):
 
     def reaching(self, z: tuple[float, ...], radius: float) -> tuple[float, ...]:
         if self._distance is not None:
-            angle = enclosed_angle(self.arm_mm, self._distance, radius)
-            return (max(z[0], self.arm_mm * angle),)
+            return (max(z[0], radius),)
         p, q = z
         return p, max(q, math.sqrt(max(radius**2 - (self.arm_mm - p) ** 2, 0.0)))
 
@@ -181,6 +181,20 @@ class OscillatingRoller(RollerFollower):
             return radius
         return self.arm_mm * enclosed_angle(self.arm_mm, self._distance, radius)
 
+    def pinning(self) -> Pinning | None:
+        if self._distance is not None:
+            return None
+        low, high = ends(self.centre_distance_mm)
+
+        def at(distance: float) -> Follower:
+            return self.model_copy(update={"centre_distance_mm": distance})
+
+        def whole(distance: float, z: tuple[float, ...]) -> tuple[float, ...]:
+            angle = z[0] / self.arm_mm
+            return distance * math.cos(angle), distance * math.sin(angle)
+
+        return Pinning("centre distance", max(low, 0.0), high, self.arm_mm, _hypot, at, whole)
+
     def outermost(self, s_max: float) -> Norm:
         # R grows with ψ: at the highest lift, (l − d cosψ, d sinψ)
         if self._distance is not None:
@@ -190,6 +204,12 @@ class OscillatingRoller(RollerFollower):
 
     def pressure_angle_rows(self, slope: float) -> tuple[Row, ...]:
         return ()  # not linear in s
+
+    def pressure_angle_curves(self, slope: float) -> tuple[Curved, ...]:
+        arm, sigma = self.arm_mm, self.sigma
+        if self._distance is None:
+            return (FreePivot("pressure_angle", arm, sigma, slope),)
+        return (FixedPivot("pressure_angle", arm, self._distance, sigma, slope),)
 
     def displacement_measure(self, z: tuple[float, ...]) -> Measure:
         # 0 < ψ < 180°
@@ -321,6 +341,10 @@ class OscillatingRoller(RollerFollower):
             "pivot_clearance_mm": float(self._bearing(z)[0]) - outer,
             **self.closure.motion_dimensions(self, motion, z),
         }
+
+
+def _hypot(z: tuple[float, ...]) -> float:
+    return math.hypot(*z)
 
 
 def _step(cone: Cone, z: tuple[float, ...]) -> float:

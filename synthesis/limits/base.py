@@ -11,7 +11,7 @@ from pydantic import BaseModel, ConfigDict
 
 from synthesis.followers.base import Follower
 from synthesis.motion import Stretch
-from synthesis.terms import Cone, Row
+from synthesis.terms import Cone, Curved, Row
 
 
 @dataclass(frozen=True)
@@ -48,6 +48,8 @@ class Claim:
         to_wire: monotone map from the core's unit to the wire's; None where the wire has no value.
         field: the field of the spec that sets it, as in ``limits/pressure_angle/rise_deg``.
         path: name of the traced curve that is measured, among the follower's ``paths``.
+        part: first and last x, in [0, 1], of these stretches where it must hold; None: all along.
+        exact: the quantity has one value there; the bounds leave no more than rounding.
     """
 
     limit: str
@@ -59,6 +61,8 @@ class Claim:
     to_wire: Callable[[float], float | None]
     field: str
     path: str = ""
+    part: tuple[float, float] | None = None
+    exact: bool = False
 
 
 class Limit(BaseModel, ABC):
@@ -86,6 +90,10 @@ class Limit(BaseModel, ABC):
         """Linear rows on one stretch; for a limit that is not convex, those it implies."""
         return ()
 
+    def curved(self, stretch: Stretch, machine: Machine) -> tuple[Curved, ...]:
+        """What it says on one stretch of motion and size together, where no fixed row does."""
+        return ()
+
     def cones(self, stretches: Sequence[Stretch], machine: Machine) -> tuple[Cone, ...]:
         """Cones on the size variables."""
         return ()
@@ -100,6 +108,10 @@ class Limit(BaseModel, ABC):
         """
         return ()
 
+    def widened(self, amount: float) -> Limit:
+        """The limit giving way by an amount [wire]; where its claims are of a part of a stretch."""
+        return self
+
     @abstractmethod
     def claims(self, stretches: Sequence[Stretch], machine: Machine) -> tuple[Claim, ...]:
         """What the certificate has to show on the finished cam."""
@@ -111,5 +123,9 @@ def times(factor: float) -> Callable[[float], float]:
 
 
 def where(stretches: Sequence[Stretch], *kinds: str) -> tuple[int, ...]:
-    """Indices of the stretches of these kinds that have an extent (all kinds if none is named)."""
-    return tuple(s.index for s in stretches if s.angle > 0.0 and (not kinds or s.kind in kinds))
+    """Indices of the stretches that move so and have an extent (of all if nothing is named)."""
+    return tuple(
+        s.index
+        for s in stretches
+        if s.angle > 0.0 and (not kinds or any(sense in kinds for sense in s.senses))
+    )
