@@ -51,7 +51,7 @@ def test_the_estimate_is_smooth_in_the_angles(objective: str) -> None:
     """Differences over a step of 1e-4° agree with those over one ten times as long."""
     more: dict[str, Any] = {}
     if objective == "peak_pressure_angle":
-        more["limits"] = [{"kind": "jerk", "max_mm_per_s3": 5.0e5}]
+        more["limits"] = [{"kind": "jerk", "max_mm_per_s3": 2.0e6}]
     here = asked(97.1, objective, **more)
     mesh = Mesh.of(here, [uniform(stretch, 17) for stretch in here.free])
 
