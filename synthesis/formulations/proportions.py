@@ -157,10 +157,17 @@ def chosen(spec: DesignSpec, deadline: float = inf) -> tuple[DesignSpec, list[fl
     stage = Stage(
         "proportions", f"search over {freedom} of {len(numbers)} free numbers", "Clarabel",
         len(numbers), 0, worth.calls, time.perf_counter() - started,
-        "nothing found" if best is None or best.value == inf else "searched",
+        _ended(best, late=time.monotonic() >= stop),
         "angles and lifts of the program, by cutting planes from several starts",
     )  # fmt: skip
     return spec.with_numbers(numbers), numbers, stage
+
+
+def _ended(best: Found | None, *, late: bool) -> str:
+    """Why the search stopped."""
+    if best is None or best.value == inf:
+        return "out of time" if late else "nothing found"
+    return "out of time, with the best so far" if late else "searched"
 
 
 def _search(worth: _Worth, middle: Array) -> Found | None:
