@@ -34,8 +34,9 @@ def undercut(found: Analysis) -> str:
     worst = found.undercut
     if worst is None:
         return "No undercut."
+    flank = f" of the {worst.flank} flank" if worst.flank else ""
     return (
-        f"{worst.kind.capitalize()} at {worst.angle_deg:.4f}°: the pitch curve's radius is "
+        f"{worst.kind.capitalize()}{flank} at {worst.angle_deg:.4f}°: the pitch curve's radius is "
         f"{worst.pitch_radius_mm:.4f} mm, the roller's {worst.roller_radius_mm:.4f} mm."
     )
 

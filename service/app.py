@@ -18,7 +18,8 @@ from service.etag import TagEncodings
 from service.jobs import Jobs
 from service.metrics import Metrics
 from service.observe import Observe
-from service.routes import analyses, catalogue, designs, files, operation
+from service.resource import CAM_SETS, DESIGNS
+from service.routes import analyses, cam_sets, catalogue, designs, files, operation
 from service.settings import Settings
 from service.state import State
 from service.store import Store
@@ -35,12 +36,14 @@ def create_app(settings: Settings, engine_of: EngineOf = running_engine) -> Fast
     async def lifespan(app: FastAPI) -> AsyncIterator[None]:
         store = Store(settings)
         async with engine_of(settings) as engine:
-            jobs = Jobs(engine, store, metrics, settings)
-            app.state.parts = State(settings, metrics, engine, store, jobs)
-            await jobs.resume()
+            kinds = [Jobs(each, engine, store, metrics, settings) for each in (DESIGNS, CAM_SETS)]
+            app.state.parts = State(settings, metrics, engine, store, *kinds)
+            for jobs in kinds:
+                await jobs.resume()
             yield
             engine.closing = True
-            await jobs.close()
+            for jobs in kinds:
+                await jobs.close()
         store.dispose()
 
     app = FastAPI(
@@ -53,7 +56,7 @@ def create_app(settings: Settings, engine_of: EngineOf = running_engine) -> Fast
         generate_unique_id_function=client_name,
         redirect_slashes=False,
     )
-    for routes in (designs, analyses, files, catalogue, operation):
+    for routes in (designs, files, cam_sets, analyses, catalogue, operation):
         app.include_router(routes.router)
     pages.install(app)
     problem.install(app)

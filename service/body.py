@@ -26,7 +26,7 @@ def validated(body: bytes, model: type[Model]) -> Model:
     try:
         return model.model_validate_json(body, strict=True)
     except ValidationError as error:
-        found = of_body(error.errors(include_url=False), document)
+        found = of_body(error.errors(include_url=False), document, model)
         raise InvalidBody(_in_words(found), found) from None
 
 

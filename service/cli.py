@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import time
+from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import Annotated, Any, NoReturn
 
@@ -11,9 +12,11 @@ import typer
 from rich.console import Console
 
 from service import analysis_table
-from service.body import parsed, validated
+from service.body import Model, parsed, validated
 from service.errors import InvalidBody, ServiceError
 from service.settings import settings_from
+from synthesis.camset import CamSet
+from synthesis.camset_spec import CamSetSpec
 from synthesis.design import Design, engine_version
 from synthesis.errors import CamwrightError, TimeBudgetExceeded
 from synthesis.findings import Analysis
@@ -63,9 +66,9 @@ def design(
     out_dir: Annotated[Path, typer.Option("--out", help="Folder for the results.")] = Path(),
 ) -> None:
     """Synthesise one cam here, without a service; write design.json, profile.* and motion.*."""
-    asked = _read(spec)
+    asked = _read(spec, DesignSpec)
     started = time.perf_counter()
-    done = _synthesised(asked)
+    done: Design = _synthesised(asked, _synthesise)
     took = time.perf_counter() - started
     names = _write(done, out_dir)
     gap = "" if done.certificate.gap is None else f", gap {100.0 * done.certificate.gap:.2f} %"
@@ -78,12 +81,38 @@ def design(
 
 
 @app.command()
+def cam_set(
+    spec: Annotated[Path, typer.Argument(help="File with a CamSetSpec, or a worked example.")],
+    out_dir: Annotated[Path, typer.Option("--out", help="Folder for the results.")] = Path(),
+) -> None:
+    """Synthesise the cams of one shaft; write the set, its timing and a folder for each cam."""
+    from synthesis.exporters.bundle import BundleOptions, bundle_files
+    from synthesis.set_synthesis import synthesise_set
+
+    found: CamSet = _synthesised(_read(spec, CamSetSpec), synthesise_set)
+    out.print(f"{found.status}, {1e3 * found.seconds:.0f} ms: {len(found.cams)} cams on one shaft")
+    for cam in found.cams:
+        sizes = ", ".join(f"{name} {value:.4f}" for name, value in cam.design.dimensions.items())
+        out.print(
+            f"  {cam.name}: {cam.design.status}, phase {cam.phase_deg:g}°, keyway at "
+            f"{cam.keyway_deg:g}°{': ' if sizes else ''}{sizes}"
+        )
+    files = {"cam-set.json": found.model_dump_json(indent=1).encode()}
+    if found.has_cams:
+        files = dict(bundle_files(found, BundleOptions()))
+    _save(files, out_dir)
+    out.print(f"Written to {out_dir}: {len(files)} files")
+    if found.status == "infeasible":
+        raise typer.Exit(3)
+
+
+@app.command()
 def analyse(
     spec: Annotated[Path, typer.Argument(help="File with a DesignSpec, or a worked example.")],
     as_json: Annotated[bool, typer.Option("--json", help="Print the whole as JSON.")] = False,
 ) -> None:
     """Analyse a cam that is given in full: what it does, what it breaks, and what mends it."""
-    found = _analysed(_read(spec))
+    found = _analysed(_read(spec, DesignSpec))
     if as_json:
         print(found.model_dump_json(indent=1))
     else:
@@ -105,14 +134,14 @@ def _analysed(spec: DesignSpec) -> Analysis:
         _stop(str(error))
 
 
-def _read(path: Path) -> DesignSpec:
+def _read(path: Path, model: type[Model]) -> Model:
     """The spec in a file; one readable line for each thing that is wrong with it."""
     try:
         body = path.read_bytes()
         document = parsed(body)
-        if isinstance(document, dict) and "value" in document and "program" not in document:
+        if isinstance(document, dict) and "value" in document:
             body = json.dumps(document["value"]).encode()
-        return validated(body, DesignSpec)
+        return validated(body, model)
     except OSError as error:
         _stop(f"{path} cannot be read: {error.strerror}.")
     except InvalidBody as error:
@@ -124,9 +153,14 @@ def _read(path: Path) -> DesignSpec:
         _stop(f"{path}: {error}")
 
 
-def _synthesised(spec: DesignSpec) -> Design:
+def _synthesise(spec: DesignSpec, *, deadline: float) -> Design:
     from synthesis.pipeline import synthesise
 
+    return synthesise(spec, deadline=deadline)
+
+
+def _synthesised(spec: Any, synthesise: Callable[..., Any]) -> Any:
+    """The core's answer; where time ends, the best so far."""
     budget = settings_from().budget_s(spec.time_budget_s)
     try:
         return synthesise(spec, deadline=time.monotonic() + budget)
@@ -134,28 +168,39 @@ def _synthesised(spec: DesignSpec) -> Design:
         if error.best is None:
             _stop(str(error))
         err.print(str(error))
-        best: Design = error.best
-        return best
+        return error.best
     except CamwrightError as error:
         _stop(str(error))
 
 
 def _write(design: Design, folder: Path) -> list[str]:
-    from synthesis.exporters import MOTION_FORMATS, PROFILE_FORMATS, MotionOptions, ProfileOptions
+    from synthesis.exporters import (
+        MOTION_FORMATS,
+        PROFILE_FORMATS,
+        MotionOptions,
+        ProfileOptions,
+        profiles,
+    )
 
     files = {"design.json": design.model_dump_json(indent=1).encode()}
     if design.motion:
         for name, profile in PROFILE_FORMATS.items():
-            files[f"profile.{name}"] = profile.write(design, ProfileOptions())
+            for stem, curve in profiles(design).items():
+                if profile.placeable or stem == "profile":  # a drawing shows every flank
+                    files[f"{stem}.{name}"] = profile.write(design, ProfileOptions(curve=curve))
         for name, motion in MOTION_FORMATS.items():
             files[f"motion.{name}"] = motion.write(design, MotionOptions())
+    _save(files, folder)
+    return list(files)
+
+
+def _save(files: Mapping[str, bytes], folder: Path) -> None:
     try:
-        folder.mkdir(parents=True, exist_ok=True)
         for name, content in files.items():
+            (folder / name).parent.mkdir(parents=True, exist_ok=True)
             (folder / name).write_bytes(content)
     except OSError as error:
         _stop(f"{folder} cannot be written to: {error.strerror}.")
-    return list(files)
 
 
 def _stop(sentence: str) -> NoReturn:

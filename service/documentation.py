@@ -28,10 +28,14 @@ the profile.
 A cam that exists already goes to `POST /v1/analyses`: what it does, which limits it breaks, by how
 much and where, and what would mend it.
 
+Several cams on one shaft go to `POST /v1/cam-sets`, each with its phase: one timing diagram, and
+one archive with all files, in the cams' own frames and in the shaft's.
+
 **Units** are in the field names: mm, degrees of cam angle, rpm; velocity to jerk in mm/s to mm/s³
-at the given speed. **Angles** count from the start of the program in the sense that the program
-runs. **A number** fixes a dimension, `{"min", "max"}` leaves it free in between, leaving it out
-leaves it free. **A law** is named, or `spline`: then it is part of the answer.
+at the given speed, or in deg/s to deg/s³ where the follower swings on an arm (`lift_deg`).
+**Angles** count from the start of the program in the sense that the program runs. **A number**
+fixes a dimension, `{"min", "max"}` leaves it free in between, leaving it out leaves it free. **A
+law** is named, or `spline`: then it is part of the answer.
 
 Infeasible is a result, not an error: `status` is `infeasible` and `conflict` names the limits that
 cannot hold together and the least change of each that would help. Everything that does go wrong is
@@ -42,6 +46,7 @@ The same spec gives the same id and the same bytes; results carry a strong `ETag
 TAGS = [
     {"name": "designs", "description": "Ask for a cam; look at it, list them, forget it."},
     {"name": "analyses", "description": "What a cam does that is given in full."},
+    {"name": "cam sets", "description": "Several cams on one shaft, with their phases."},
     {"name": "files", "description": "Points and curves of a finished design."},
     {"name": "catalogue", "description": "What a spec may name, and what this server allows."},
     {"name": "operation", "description": "For those who run the service."},
@@ -76,10 +81,10 @@ UNDER_WAY_HEADERS = {
 }
 
 
-def spec_body(part: str = "") -> dict[str, Any]:
-    """A DesignSpec as request body, with the worked examples of a part of the service."""
+def spec_body(part: str = "", schema: str = "DesignSpec") -> dict[str, Any]:
+    """A spec as request body, with the worked examples of a part of the service."""
     content = {
-        "schema": {"$ref": "#/components/schemas/DesignSpec"},
+        "schema": {"$ref": f"#/components/schemas/{schema}"},
         "examples": examples(part),
     }
     return {"requestBody": {"required": True, "content": {"application/json": content}}}

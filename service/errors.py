@@ -47,6 +47,10 @@ class UnknownDesign(ServiceError):
     """No design has this id."""
 
 
+class UnknownCamSet(ServiceError):
+    """No cam set has this id."""
+
+
 class BadQuery(ServiceError):
     """A query parameter or a header makes no sense."""
 
@@ -95,6 +99,7 @@ PROBLEMS: dict[type[Exception], Kind] = {
     KeyReused: Kind(422, "idempotency-key-reused", "The key belongs to another request"),
     NotJson: Kind(400, "not-json", "The body is not JSON"),
     UnknownDesign: Kind(404, "unknown-design", "No such design"),
+    UnknownCamSet: Kind(404, "unknown-cam-set", "No such cam set"),
     NotDone: Kind(409, "not-done", "The design is not finished"),
     NothingFits: Kind(409, "nothing-fits", "The design is infeasible and has no files"),
     Dismissed: Kind(409, "dismissed", "The design was dismissed"),

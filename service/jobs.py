@@ -1,52 +1,54 @@
-"""Designs under way: the same question asked twice is worked on once, and the answer is kept."""
+"""Work under way: the same question asked twice is worked on once, and the answer is kept."""
 
 from __future__ import annotations
 
 import asyncio
 import hashlib
 from datetime import UTC, datetime
+from typing import Any
 
 from service.engine import Engine
 from service.errors import Dismissed
 from service.metrics import Metrics
 from service.problem import described
+from service.resource import Resource
 from service.settings import Settings
-from service.store import DesignRow, Store
-from synthesis.design import design_id
-from synthesis.spec import DesignSpec
+from service.store import Row, Store
 
 
 class Jobs:
-    """What is being worked on in this process, by design id."""
+    """What is being worked on in this process of one kind, by id; and the kind's answers."""
 
-    def __init__(self, engine: Engine, store: Store, metrics: Metrics, settings: Settings) -> None:
-        self.engine, self.store = engine, store
+    def __init__(
+        self, kind: Resource, engine: Engine, store: Store, metrics: Metrics, settings: Settings
+    ) -> None:
+        self.kind, self.engine, self.answers = kind, engine, store.table(kind.row)
         self._metrics, self._settings = metrics, settings
-        self._tasks: dict[str, asyncio.Task[DesignRow]] = {}
+        self._tasks: dict[str, asyncio.Task[Row]] = {}
 
-    def start(self, spec: DesignSpec) -> asyncio.Task[DesignRow]:
-        """Work on a design, or join the work on it; the task ends when the answer is kept."""
-        name = design_id(spec)
+    def start(self, spec: Any) -> asyncio.Task[Row]:
+        """Work on a question, or join the work on it; the task ends when the answer is kept."""
+        name = self.kind.name_of(spec)
         if name not in self._tasks:
             self.engine.admit()
         return self._begun(name, spec)
 
-    async def accept(self, spec: DesignSpec) -> DesignRow:
-        """Note a design as accepted, so that it outlives this process, and start it."""
-        name = design_id(spec)
+    async def accept(self, spec: Any) -> Row:
+        """Note a question as accepted, so that it outlives this process, and start it."""
+        name = self.kind.name_of(spec)
         if name not in self._tasks:
             self.engine.admit()
-        row = await self.store.put(self._row(name, spec, "accepted"))
+        row = await self.answers.put(self._row(name, spec, "accepted"))
         if row.state != "done":
             self._begun(name, spec)
         return row
 
     async def resume(self) -> None:
         """Start again what a process before this one had accepted and not finished."""
-        for row in await self.store.unfinished():
-            self._begun(row.id, DesignSpec.model_validate_json(row.spec))
+        for row in await self.answers.unfinished():
+            self._begun(row.id, self.kind.spec.model_validate_json(row.spec))
 
-    def _begun(self, name: str, spec: DesignSpec) -> asyncio.Task[DesignRow]:
+    def _begun(self, name: str, spec: Any) -> asyncio.Task[Row]:
         task = self._tasks.get(name)
         if task is None:
             task = self._tasks[name] = asyncio.create_task(self._run(name, spec))
@@ -54,11 +56,11 @@ class Jobs:
         return task
 
     async def dismiss(self, name: str) -> bool:
-        """Stop and forget a design; whether there was one."""
+        """Stop and forget one; whether there was one."""
         task = self._tasks.get(name)
         if task is not None:
             task.cancel()
-        return await self.store.remove(name) or task is not None
+        return await self.answers.remove(name) or task is not None
 
     async def close(self) -> None:
         """Stop everything; what was accepted is resumed at the next start."""
@@ -67,32 +69,31 @@ class Jobs:
             task.cancel()
         await asyncio.gather(*tasks, return_exceptions=True)
 
-    async def _run(self, name: str, spec: DesignSpec) -> DesignRow:
+    async def _run(self, name: str, spec: Any) -> Row:
         row = self._row(name, spec, "done")
         try:
             budget = self._settings.budget_s(spec.time_budget_s)
-            answer = await self.engine.solve(row.spec, budget)
+            answer = await self.engine.solve(row.spec, budget, self.kind.task)
         except Exception as error:
             await self._failed(name, error)
             raise
         self._metrics.solved(answer.status, answer.seconds)
         row.status, row.summary, row.design = answer.status, answer.summary, answer.design
         row.etag = hashlib.sha256(answer.design).hexdigest()[:32]
-        return await self.store.put(row)
+        return await self.answers.put(row)
 
     async def _failed(self, name: str, error: Exception) -> None:
         problem = described(error)
         self._metrics.failed(problem["type"].rpartition("/")[2])
-        await self.store.fail(name, problem)
+        await self.answers.fail(name, problem)
 
-    def _over(self, name: str, task: asyncio.Task[DesignRow]) -> None:
+    def _over(self, name: str, task: asyncio.Task[Row]) -> None:
         del self._tasks[name]
         if not task.cancelled():
             task.exception()  # seen: whoever waits gets it, and nobody has to
 
-    @staticmethod
-    def _row(name: str, spec: DesignSpec, state: str) -> DesignRow:
-        return DesignRow(
+    def _row(self, name: str, spec: Any, state: str) -> Row:
+        return self.kind.row(
             id=name,
             name=spec.name,
             created=datetime.now(UTC),
@@ -102,11 +103,11 @@ class Jobs:
         )
 
 
-async def finished(task: asyncio.Task[DesignRow]) -> DesignRow:
+async def finished(task: asyncio.Task[Row]) -> Row:
     """The task's row; the work goes on when the caller who waits goes away."""
     try:
         return await asyncio.shield(task)
     except asyncio.CancelledError:
         if task.cancelled():
-            raise Dismissed("The design was deleted while it was being worked on.") from None
+            raise Dismissed("It was deleted while it was being worked on.") from None
         raise

@@ -1,11 +1,11 @@
-"""Addresses of what belongs to a design."""
+"""Addresses of what belongs to a design, and to a set of cams."""
 
 from __future__ import annotations
 
 from synthesis.exporters import MOTION_FORMATS, PROFILE_FORMATS
 
 
-def links_of(design_id: str, *, has_cam: bool) -> dict[str, str]:
+def design_links(design_id: str, *, has_cam: bool) -> dict[str, str]:
     """Where the design and its files are; where nothing fits there is no cam to draw."""
     self = f"/v1/designs/{design_id}"
     links = {"self": self}
@@ -13,3 +13,10 @@ def links_of(design_id: str, *, has_cam: bool) -> dict[str, str]:
         links |= {f"profile.{name}": f"{self}/profile.{name}" for name in PROFILE_FORMATS}
         links |= {f"motion.{name}": f"{self}/motion.{name}" for name in MOTION_FORMATS}
     return links
+
+
+def set_links(set_id: str, *, has_cams: bool) -> dict[str, str]:
+    """Where the set and its files are; where no cam fits there is nothing to draw."""
+    self = f"/v1/cam-sets/{set_id}"
+    files = ("timing.svg", "bundle.zip") if has_cams else ()
+    return {"self": self, **{name: f"{self}/{name}" for name in files}}

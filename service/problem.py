@@ -15,6 +15,7 @@ from starlette.routing import Match
 
 from service.errors import BY_STATUS, PROBLEMS, BadQuery, InvalidBody, Kind, ServiceError, kind_of
 from service.violations import Violation, of_parameters, shown
+from synthesis.camset import CamSet
 from synthesis.design import Design
 from synthesis.errors import CamwrightError, InputError, TimeBudgetExceeded
 
@@ -34,8 +35,11 @@ class Problem(BaseModel):
         list[Violation], Field(description="Each wrong field: where, value, rule, way out.")
     ] = []
     best: Annotated[
-        Design | None,
-        Field(description="With status 504: the best certified design found in time, if any."),
+        Design | CamSet | None,
+        Field(
+            description="With status 504: the best certified design found in time, if any; of "
+            "a set all cams, each as good as it became."
+        ),
     ] = None
 
 
@@ -43,7 +47,7 @@ def document(
     kind: Kind,
     detail: str,
     errors: list[dict[str, Any]] | None = None,
-    best: Design | None = None,
+    best: Design | CamSet | None = None,
 ) -> dict[str, Any]:
     """What is known of a problem before it has a request to answer."""
     body: dict[str, Any] = {

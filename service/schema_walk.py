@@ -1,4 +1,4 @@
-"""Which fields the schema of a design knows at a place of a document: for hints only."""
+"""Which fields the schema of a body knows at a place of a document: for hints only."""
 
 from __future__ import annotations
 
@@ -6,25 +6,34 @@ from collections.abc import Iterator, Sequence
 from functools import cache
 from typing import Any
 
-from synthesis.spec import DesignSpec
+from pydantic import BaseModel
 
 Schema = dict[str, Any]
 
 
 @cache
-def _whole() -> Schema:
-    return DesignSpec.model_json_schema()
+def _whole(model: type[BaseModel]) -> Schema:
+    return model.model_json_schema()
 
 
-def properties_at(body: Any, path: Sequence[str | int]) -> dict[str, str]:
-    """Names and descriptions of the fields of the object at ``path``; empty where unknown."""
-    schemas, at = [_whole()], body
+def properties_at(
+    body: Any, path: Sequence[str | int], model: type[BaseModel] | None
+) -> dict[str, str]:
+    """Names and descriptions of the fields of the object at ``path``; empty where unknown.
+
+    Args:
+        body: the document. path: a place in it. model: what it ought to be, if that is known.
+    """
+    if model is None:
+        return {}
+    whole = _whole(model)
+    schemas, at = [whole], body
     for part in path:
-        schemas = [below for schema in schemas for below in _below(schema, at, part)]
+        schemas = [below for schema in schemas for below in _below(schema, at, part, whole)]
         at = _child(at, part)
     found: dict[str, str] = {}
     for schema in schemas:
-        for member in _members(schema, at):
+        for member in _members(schema, at, whole):
             for name, inner in member.get("properties", {}).items():
                 found.setdefault(name, inner.get("description", ""))
     return found
@@ -38,34 +47,34 @@ def _child(at: Any, part: str | int) -> Any:
     return None
 
 
-def _below(schema: Schema, at: Any, part: str | int) -> Iterator[Schema]:
-    for member in _members(schema, at):
+def _below(schema: Schema, at: Any, part: str | int, whole: Schema) -> Iterator[Schema]:
+    for member in _members(schema, at, whole):
         if isinstance(part, int) and "items" in member:
             yield member["items"]
         elif part in member.get("properties", {}):
             yield member["properties"][part]
 
 
-def _members(schema: Schema, at: Any) -> Iterator[Schema]:
+def _members(schema: Schema, at: Any, whole: Schema) -> Iterator[Schema]:
     """The schema itself, or the members of a union that the value may be meant as."""
-    schema = _resolved(schema)
+    schema = _resolved(schema, whole)
     tag = schema.get("discriminator", {})
     if tag:
         kind = at.get(tag["propertyName"]) if isinstance(at, dict) else None
         if isinstance(kind, str) and kind in tag["mapping"]:
-            yield _resolved({"$ref": tag["mapping"][kind]})
+            yield _resolved({"$ref": tag["mapping"][kind]}, whole)
         return
     options = schema.get("anyOf") or schema.get("oneOf")
     if not options:
         yield schema
         return
     for option in options:
-        yield from _members(option, at)
+        yield from _members(option, at, whole)
 
 
-def _resolved(schema: Schema) -> Schema:
+def _resolved(schema: Schema, whole: Schema) -> Schema:
     reference = schema.get("$ref")
     if reference is None:
         return schema
-    found: Schema = _whole()["$defs"][reference.rpartition("/")[2]]
+    found: Schema = whole["$defs"][reference.rpartition("/")[2]]
     return found

@@ -7,13 +7,14 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any
 
-from service.links import links_of
+from service.links import design_links, set_links
+from synthesis.camset_spec import CamSetSpec
 from synthesis.spec import DesignSpec
 
 
 @dataclass(frozen=True)
 class Answer:
-    """A finished design and what lists show of it, or an analysis, which is in no list.
+    """A finished design or set and what lists show of it, or an analysis, which is in no list.
 
     Attributes:
         design: the response body.
@@ -43,7 +44,8 @@ def answered(synthesise: Callable[..., Any], spec: bytes, budget_s: float) -> An
     started = time.monotonic()
     asked = DesignSpec.model_validate_json(spec)
     design = synthesise(asked, deadline=started + budget_s)
-    design = design.model_copy(update={"links": links_of(design.id, has_cam=bool(design.motion))})
+    links = design_links(design.id, has_cam=bool(design.motion))
+    design = design.model_copy(update={"links": links})
     proven = design.certificate
     summary = {
         "dimensions": design.dimensions,
@@ -54,6 +56,19 @@ def answered(synthesise: Callable[..., Any], spec: bytes, budget_s: float) -> An
     }
     body = design.model_dump_json().encode()
     return Answer(body, design.status, summary, time.monotonic() - started)
+
+
+def solve_set(spec: bytes, budget_s: float) -> Answer:
+    """Synthesise the cams of a set one after the other; runs in a worker process."""
+    from synthesis.set_synthesis import synthesise_set
+
+    started = time.monotonic()
+    asked = CamSetSpec.model_validate_json(spec)
+    found = synthesise_set(asked, deadline=started + budget_s)
+    found = found.model_copy(update={"links": set_links(found.id, has_cams=found.has_cams)})
+    summary = {"cams": len(found.cams), "fitting": sum(cam.has_cam for cam in found.cams)}
+    body = found.model_dump_json().encode()
+    return Answer(body, found.status, summary, time.monotonic() - started)
 
 
 def analyse(spec: bytes, budget_s: float) -> Answer:

@@ -22,7 +22,8 @@ class State:
     metrics: Metrics
     engine: Engine
     store: Store
-    jobs: Jobs
+    designs: Jobs
+    cam_sets: Jobs
 
 
 def _state(request: Request) -> State:

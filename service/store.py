@@ -1,4 +1,4 @@
-"""Designs by id: SQLite by default, PostgreSQL by URL, the same code for both."""
+"""Answers by id, a table a kind: SQLite by default, PostgreSQL by URL, the same code for both."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ from collections.abc import Callable, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from datetime import UTC, datetime, timedelta
 from pathlib import Path
-from typing import Any, TypeVar
+from typing import Any, Protocol, TypeVar
 
 from sqlalchemy import (
     JSON,
@@ -33,14 +33,20 @@ from service.settings import Settings
 T = TypeVar("T")
 
 
+class Do(Protocol):
+    """Runs some work as one transaction."""
+
+    async def __call__(self, work: Callable[[Session], T]) -> T: ...
+
+
 class Base(DeclarativeBase):
     """The tables."""
 
 
-class DesignRow(Base):
-    """One design: accepted, done or failed."""
+class Row(Base):
+    """One question with its answer: accepted, done or failed."""
 
-    __tablename__ = "designs"
+    __abstract__ = True
 
     sequence: Mapped[int] = mapped_column(
         BigInteger().with_variant(Integer, "sqlite"), primary_key=True
@@ -57,8 +63,20 @@ class DesignRow(Base):
     problem: Mapped[dict[str, Any] | None] = mapped_column(JSON)
 
 
+class DesignRow(Row):
+    """One design."""
+
+    __tablename__ = "designs"
+
+
+class CamSetRow(Row):
+    """One set of cams; ``design`` holds the whole set."""
+
+    __tablename__ = "cam_sets"
+
+
 class KeyRow(Base):
-    """An Idempotency-Key: which body it came with, and which design it led to."""
+    """An Idempotency-Key: which body it came with, and which answer it led to."""
 
     __tablename__ = "idempotency_keys"
 
@@ -90,59 +108,9 @@ class Store:
         """Whether the database answers."""
         return await self._do(lambda session: session.execute(text("select 1")).scalar()) == 1
 
-    async def find(self, design_id: str) -> DesignRow | None:
-        """The design with this id."""
-        return await self._do(lambda s: s.scalar(select(DesignRow).filter_by(id=design_id)))
-
-    async def put(self, row: DesignRow) -> DesignRow:
-        """Keep a design in place of what there was; one that is done already stays as it is."""
-
-        def work(session: Session) -> DesignRow:
-            there = session.scalar(select(DesignRow).filter_by(id=row.id).with_for_update())
-            if there is None:
-                session.add(row)
-                session.flush()
-                return row
-            if there.state != "done":
-                for field in ("created", "state", "status", "design", "etag", "summary", "problem"):
-                    setattr(there, field, getattr(row, field))
-            return there
-
-        try:
-            return await self._do(work)
-        except IntegrityError:  # another process was first
-            return await self._do(work)
-
-    async def fail(self, design_id: str, problem: dict[str, Any]) -> None:
-        """Note why an accepted design failed; nothing where it was never accepted."""
-        change = update(DesignRow).filter_by(id=design_id, state="accepted")
-        await self._do(lambda s: s.execute(change.values(state="failed", problem=problem)))
-
-    async def remove(self, design_id: str) -> bool:
-        """Forget a design; whether there was one."""
-        gone = delete(DesignRow).filter_by(id=design_id).returning(DesignRow.sequence)
-        return await self._do(lambda s: s.scalar(gone)) is not None
-
-    async def page(self, before: int | None, size: int, status: str | None) -> Sequence[DesignRow]:
-        """Designs from the newest on, those with a smaller sequence than ``before``."""
-        listed = defer(DesignRow.design), defer(DesignRow.spec)
-        asked = select(DesignRow).options(*listed).order_by(DesignRow.sequence.desc()).limit(size)
-        if before is not None:
-            asked = asked.where(DesignRow.sequence < before)
-        if status is not None:
-            asked = asked.filter_by(status=status)
-        return await self._do(lambda session: session.scalars(asked).all())
-
-    async def unfinished(self) -> Sequence[DesignRow]:
-        """What was accepted and is neither done nor failed."""
-        asked = select(DesignRow).filter_by(state="accepted").order_by(DesignRow.sequence)
-        return await self._do(lambda session: session.scalars(asked).all())
-
-    async def counts(self) -> dict[str, int]:
-        """How many designs there are by status, or by state where they have none."""
-        named = func.coalesce(DesignRow.status, DesignRow.state)
-        asked = select(named, func.count()).group_by(named)
-        return await self._do(lambda session: dict(session.execute(asked).all()))
+    def table(self, row: type[Row]) -> Table:
+        """The answers of one kind."""
+        return Table(row, self._do)
 
     async def key(self, key: str, body_hash: str, design_id: str) -> KeyRow:
         """What the key stands for: what it was first used for, or this from now on."""
@@ -165,6 +133,68 @@ class Store:
         """Let go of the database."""
         self._threads.shutdown()
         self._engine.dispose()
+
+
+class Table:
+    """The answers of one kind; every method is one transaction of the store's."""
+
+    def __init__(self, row: type[Row], do: Do) -> None:
+        self._row, self._do = row, do
+
+    async def find(self, name: str) -> Row | None:
+        """The answer with this id."""
+        return await self._do(lambda s: s.scalar(select(self._row).filter_by(id=name)))
+
+    async def put(self, row: Row) -> Row:
+        """Keep an answer in place of what there was; one that is done already stays as it is."""
+
+        def work(session: Session) -> Row:
+            there = session.scalar(select(self._row).filter_by(id=row.id).with_for_update())
+            if there is None:
+                session.add(row)
+                session.flush()
+                return row
+            if there.state != "done":
+                for field in ("created", "state", "status", "design", "etag", "summary", "problem"):
+                    setattr(there, field, getattr(row, field))
+            return there
+
+        try:
+            return await self._do(work)
+        except IntegrityError:  # another process was first
+            return await self._do(work)
+
+    async def fail(self, name: str, problem: dict[str, Any]) -> None:
+        """Note why an accepted one failed; nothing where it was never accepted."""
+        change = update(self._row).filter_by(id=name, state="accepted")
+        await self._do(lambda s: s.execute(change.values(state="failed", problem=problem)))
+
+    async def remove(self, name: str) -> bool:
+        """Forget an answer; whether there was one."""
+        gone = delete(self._row).filter_by(id=name).returning(self._row.sequence)
+        return await self._do(lambda s: s.scalar(gone)) is not None
+
+    async def page(self, before: int | None, size: int, status: str | None) -> Sequence[Row]:
+        """Answers from the newest on, those with a smaller sequence than ``before``."""
+        row = self._row
+        listed = defer(row.design), defer(row.spec)
+        asked = select(row).options(*listed).order_by(row.sequence.desc()).limit(size)
+        if before is not None:
+            asked = asked.where(row.sequence < before)
+        if status is not None:
+            asked = asked.filter_by(status=status)
+        return await self._do(lambda session: session.scalars(asked).all())
+
+    async def unfinished(self) -> Sequence[Row]:
+        """What was accepted and is neither done nor failed."""
+        asked = select(self._row).filter_by(state="accepted").order_by(self._row.sequence)
+        return await self._do(lambda session: session.scalars(asked).all())
+
+    async def counts(self) -> dict[str, int]:
+        """How many there are by status, or by state where they have none."""
+        named = func.coalesce(self._row.status, self._row.state)
+        asked = select(named, func.count()).group_by(named)
+        return await self._do(lambda session: dict(session.execute(asked).all()))
 
 
 def _connected(settings: Settings) -> Engine:

@@ -1,4 +1,4 @@
-"""How stored designs look on the wire."""
+"""How what is stored looks on the wire."""
 
 from __future__ import annotations
 
@@ -6,22 +6,22 @@ import base64
 import binascii
 from collections.abc import Sequence
 from datetime import UTC, datetime
-from typing import Annotated, Literal
+from typing import Annotated, Literal, TypeVar
 
 from pydantic import BaseModel, Field
 
 from service.errors import BadQuery
-from service.links import links_of
-from service.store import DesignRow
+from service.resource import Resource
+from service.store import Row
 from synthesis.design import Status
 
 State = Literal["accepted", "done", "failed"]
 
 
 class Accepted(BaseModel):
-    """A design that is waiting or being worked on."""
+    """A design or a set that is waiting or being worked on."""
 
-    id: Annotated[str, Field(description="The id that the design will have.")]
+    id: Annotated[str, Field(description="The id that the answer will have.")]
     name: Annotated[str, Field(description="As in the spec.")]
     state: Annotated[State, Field(description="`accepted` until it is done or failed.")]
     created: Annotated[datetime, Field(description="When it was accepted, UTC.")]
@@ -32,7 +32,9 @@ class DesignSummary(Accepted):
     """One line of the list."""
 
     status: Annotated[Status | None, Field(description="What came out; null until it is done.")]
-    dimensions: Annotated[dict[str, float], Field(description="Base radius, offset, … in mm.")] = {}
+    dimensions: Annotated[
+        dict[str, float], Field(description="Base radius, offset, …: name and unit.")
+    ] = {}
     objective: Annotated[str | None, Field(description="What was made small.")] = None
     value: Annotated[float | None, Field(description="How small it became.")] = None
     gap: Annotated[float | None, Field(description="Relative distance to the bound.")] = None
@@ -46,26 +48,45 @@ class DesignPage(BaseModel):
     next: Annotated[str | None, Field(description="`cursor` of the next page; null at the end.")]
 
 
-def accepted(row: DesignRow) -> Accepted:
-    """A design under way."""
-    summary = row.summary or {}
-    links = links_of(row.id, has_cam=bool(summary.get("dimensions")))
+class CamSetSummary(Accepted):
+    """One line of the list of cam sets."""
+
+    status: Annotated[Status | None, Field(description="The worst of its cams'.")]
+    cams: Annotated[int | None, Field(description="How many cams; null until it is done.")] = None
+    fitting: Annotated[int | None, Field(description="For how many a cam was found.")] = None
+
+
+class CamSetPage(BaseModel):
+    """Cam sets, the newest first."""
+
+    items: Annotated[list[CamSetSummary], Field(description="The newest first.")]
+    next: Annotated[str | None, Field(description="`cursor` of the next page; null at the end.")]
+
+
+Summary = TypeVar("Summary", bound=Accepted)
+
+
+def accepted(kind: Resource, row: Row) -> Accepted:
+    """One that is under way."""
+    links = kind.links(row.id, row.summary or {})
     state: State = row.state  # type: ignore[assignment]
     return Accepted(id=row.id, name=row.name, state=state, created=_utc(row), links=links)
 
 
-def page_of(rows: Sequence[DesignRow], following: str | None) -> DesignPage:
-    """One page of the list."""
-    items = [
-        DesignSummary.model_validate(
-            {**accepted(row).model_dump(), "status": row.status, **row.summary}
+def page_of(
+    kind: Resource, rows: Sequence[Row], limit: int, line: type[Summary]
+) -> tuple[list[Summary], str | None]:
+    """The lines of one page of the list, and where the next one begins, if there is one."""
+    lines = [
+        line.model_validate(
+            {**accepted(kind, row).model_dump(), "status": row.status, **row.summary}
         )
-        for row in rows
+        for row in rows[:limit]
     ]
-    return DesignPage(items=items, next=following)
+    return lines, cursor_of(rows[limit - 1]) if len(rows) > limit else None
 
 
-def cursor_of(row: DesignRow) -> str:
+def cursor_of(row: Row) -> str:
     """A cursor that continues after this row."""
     return base64.urlsafe_b64encode(str(row.sequence).encode()).decode().rstrip("=")
 
@@ -81,5 +102,5 @@ def position_of(cursor: str) -> int:
     raise BadQuery("cursor: not one that this service gave. Take `next` of the page before.")
 
 
-def _utc(row: DesignRow) -> datetime:
+def _utc(row: Row) -> datetime:
     return row.created if row.created.tzinfo else row.created.replace(tzinfo=UTC)

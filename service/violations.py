@@ -15,7 +15,8 @@ from service.schema_walk import properties_at
 
 MOST_SHOWN = 50
 LONGEST_VALUE = 200
-# Rules over several fields: where the caller has to look; what stands in braces is in the context.
+# Rules over several fields: where the caller has to look in the spec, which may be part of a set.
+# What stands in braces is among the error's numbers and names.
 PLACES = {
     "program_angles": ("program",),
     "program_lift": ("program",),
@@ -40,6 +41,11 @@ PLACES = {
     "no_best_pressure_angle": ("objective",),
     "pressure_angle_given": ("objective",),
     "limit_does_not_suit": ("limits",),
+    "cam_off_the_shaft": ("cams", "{position}", "spec", "{field}"),
+    "groove_needs_roller": ("follower", "roller_radius_mm"),
+    "roller_fills_ring": ("base_radius_mm",),
+    "rim_without_ring": ("follower", "closure", "rim_mm"),
+    "outer_radius_too_small": ("limits",),
 }
 SHAPES = ("model_type", "model_attributes_type", "list_type", "dict_type", "float_type")
 # What is not among these was raised by the core: "rule. Way out." with its numbers.
@@ -52,6 +58,7 @@ COMPARISONS = {
 }
 
 Loc = tuple[str | int, ...]
+Body = type[BaseModel] | None  # what a document ought to be; None: it is not one
 
 
 class Violation(BaseModel):
@@ -112,17 +119,17 @@ def place(body: Any, loc: Loc, kind: str) -> tuple[tuple[str | int, ...], tuple[
     return tuple(path), tuple(inserted)
 
 
-def of_body(errors: Sequence[Any], body: Any) -> list[dict[str, Any]]:
-    """What is wrong with a body, one entry for each field."""
+def of_body(errors: Sequence[Any], body: Any, model: Body) -> list[dict[str, Any]]:
+    """What is wrong with a body that ought to be a ``model``, one entry for each field."""
     by_place: dict[str, list[tuple[dict[str, Any], bool]]] = {}
     members: dict[str, set[bool]] = {}
     for error in errors:
         path, inserted = place(body, error["loc"], error["type"])
-        path = _at(error, path)
+        path = _looked_up(error, path)
         if error["type"] in ("union_tag_invalid", "union_tag_not_found"):
             path = (*path, error["ctx"]["discriminator"].strip("'"))
         wrong_shape = error["type"] in SHAPES and any(_is_member(name) for name in inserted)
-        entry = {"pointer": pointer_to(path), **_told(error, path, body)}
+        entry = {"pointer": pointer_to(path), **_told(error, path, body, model)}
         by_place.setdefault(entry["pointer"], []).append((entry, wrong_shape))
         for name in inserted:
             if _is_member(name):
@@ -131,10 +138,13 @@ def of_body(errors: Sequence[Any], body: Any) -> list[dict[str, Any]]:
     return _settled(by_place, members)[:MOST_SHOWN]
 
 
-def _at(error: Any, path: tuple[str | int, ...]) -> tuple[str | int, ...]:
-    """Where the rule over several fields says to look; names in braces are in its context."""
-    ctx = error.get("ctx") or {}
-    return tuple(part.format(**ctx) for part in PLACES.get(error["type"], ())) or path
+def _looked_up(error: Any, path: Loc) -> Loc:
+    """The path where to look for a rule over several fields, in the spec that it was broken in."""
+    if error["type"] not in PLACES:
+        return path
+    place = [part.format(**error.get("ctx") or {}) for part in PLACES[error["type"]]]
+    within = path.index(place[0]) if place[0] in path else len(path)
+    return (*path[:within], *place)
 
 
 def _is_member(name: str) -> bool:
@@ -156,16 +166,16 @@ def _settled(
     return told
 
 
-def _told(error: Any, path: Sequence[str | int], body: Any) -> dict[str, Any]:
+def _told(error: Any, path: Sequence[str | int], body: Any, model: Body) -> dict[str, Any]:
     kind, ctx, value = error["type"], error.get("ctx") or {}, error.get("input")
     if kind in COMPARISONS:
         key, words = COMPARISONS[kind]
         return _entry(value, f"{words} {ctx[key]:g}", "Give a value within that.")
     if kind == "missing":
-        meaning = properties_at(body, path[:-1]).get(str(path[-1]) if path else "", "")
+        meaning = properties_at(body, path[:-1], model).get(str(path[-1]) if path else "", "")
         return _entry(None, "is required", f"Add it. {meaning}".strip())
     if kind == "extra_forbidden":
-        return _entry(value, "is not a field here", _instead(path, body))
+        return _entry(value, "is not a field here", _instead(path, body, model))
     if kind in ("union_tag_invalid", "literal_error"):
         allowed = [word.strip(" '") for word in _listed(ctx)]
         tag = ctx.get("tag", value)
@@ -177,7 +187,7 @@ def _told(error: Any, path: Sequence[str | int], body: Any) -> dict[str, Any]:
     if kind not in PYDANTICS_OWN:
         rule, _, way_out = error["msg"].partition(". ")
         numbers = (each for each in ctx.values() if isinstance(each, int | float))
-        return _entry(next(numbers, None), rule + ".", way_out)
+        return _entry(ctx.get("value", next(numbers, None)), rule + ".", way_out)
     rule = error["msg"].replace("Input should be", "must be").replace(" or instance of", ":")
     return _entry(value, rule, "Correct it; /docs shows the form and worked examples.")
 
@@ -196,8 +206,8 @@ def _nearest(given: Any, allowed: Sequence[str]) -> str:
     return f"{hint}Allowed: {', '.join(allowed)}."
 
 
-def _instead(path: Sequence[str | int], body: Any) -> str:
-    allowed = list(properties_at(body, path[:-1]))
+def _instead(path: Sequence[str | int], body: Any, model: Body) -> str:
+    allowed = list(properties_at(body, path[:-1], model))
     return _nearest(path[-1], allowed) if allowed else "Remove it."
 
 
@@ -206,6 +216,6 @@ def of_parameters(errors: Sequence[Any]) -> list[dict[str, Any]]:
     told = []
     for error in errors[:MOST_SHOWN]:
         name = str(error["loc"][-1])
-        entry = _told({**error, "loc": ()}, (name,), {})
+        entry = _told({**error, "loc": ()}, (name,), {}, None)
         told.append({"parameter": name, **entry})
     return told

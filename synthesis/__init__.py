@@ -3,7 +3,8 @@
     from synthesis import DesignSpec, synthesise
     design = synthesise(DesignSpec.model_validate(body))
 
-and ``analyse(spec)`` for a cam that is given in full.
+``analyse(spec)`` for a cam that is given in full, and ``synthesise_set(CamSetSpec…)`` for several
+cams on one shaft.
 
 Notation, used throughout (lengths in mm, angles in rad, derivatives per radian of cam angle):
 
@@ -23,19 +24,34 @@ from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
     from synthesis.analysis import analyse
+    from synthesis.camset import CamSet
+    from synthesis.camset_spec import CamSetSpec
     from synthesis.design import Design
     from synthesis.findings import Analysis
     from synthesis.pipeline import synthesise
+    from synthesis.set_synthesis import synthesise_set
     from synthesis.spec import DesignSpec
 
-__all__ = ["Analysis", "Design", "DesignSpec", "analyse", "synthesise"]
+__all__ = [
+    "Analysis",
+    "CamSet",
+    "CamSetSpec",
+    "Design",
+    "DesignSpec",
+    "analyse",
+    "synthesise",
+    "synthesise_set",
+]
 
 _HOMES = {
     "Analysis": "synthesis.findings",
+    "CamSet": "synthesis.camset",
+    "CamSetSpec": "synthesis.camset_spec",
     "Design": "synthesis.design",
     "DesignSpec": "synthesis.spec",
     "analyse": "synthesis.analysis",
     "synthesise": "synthesis.pipeline",
+    "synthesise_set": "synthesis.set_synthesis",
 }
 
 

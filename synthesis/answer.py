@@ -55,12 +55,15 @@ class Bounded:
     over: str
 
 
-def judged(spec: DesignSpec, cam: Cam) -> list[Extreme]:
-    """Every limit, every dimension and every promise of the motion, measured on the cam."""
-    motion = cam.motion
+def judged(spec: DesignSpec, cam: Cam, built: DesignSpec | None = None) -> list[Extreme]:
+    """Every limit, every dimension and every promise of the motion, measured on the cam.
+
+    ``built`` is the spec with what was settled after the size; None: nothing was.
+    """
+    motion, built = cam.motion, built or spec
     return [
-        *certify(motion, spec.machine(), cam.size, spec.all_limits(), spec.continuity),
-        *certify_size(spec, cam.size),
+        *certify(motion, built.machine(), cam.size, built.all_limits(), built.continuity),
+        *certify_size(spec, cam.size, built.follower),
     ]
 
 

@@ -171,6 +171,17 @@ class Design(Part):
     )
     links: dict[str, str] = Field({}, description="Where to find its files.")
 
+    def asked_as(self, spec: DesignSpec) -> Design:
+        """The same design as the answer to a spec that left more open."""
+        if spec == self.spec:
+            return self
+        return self.model_copy(update={"spec": spec, "id": design_id(spec)})
+
+    @cached_property
+    def built(self) -> DesignSpec:
+        """The question with what was settled after the size, such as a counter roller's place."""
+        return self.numbered.built(self.dimensions)
+
     @cached_property
     def numbered(self) -> DesignSpec:
         """The question with the numbers in place that its program leaves free."""

@@ -65,6 +65,7 @@ class Undercut(Part):
     )
     roller_radius_mm: float = told("Radius of the roller; 0 under a flat face.")
     too_large_mm: float = told("Roller radius less that radius of curvature.")
+    flank: str = Field("", description="Which flank, where the cam has several.")
 
 
 class SizeChange(Part):

@@ -13,15 +13,17 @@ from dataclasses import asdict, dataclass, field
 from math import inf
 
 from synthesis.answer import Bounded, Cam, design, judged, proofs, with_chosen
-from synthesis.design import Conflict, Design, Extreme, StageReport
+from synthesis.design import Conflict, Design, Extreme, Relaxation, StageReport
 from synthesis.errors import TimeBudgetExceeded
 from synthesis.formulations.candidate import Candidate, given_size
+from synthesis.formulations.companion import Settled, settled
 from synthesis.formulations.problem import Held, pose
 from synthesis.formulations.refine import search
 from synthesis.formulations.search import Search
 from synthesis.formulations.smooth import reached
 from synthesis.formulations.tables import Tables, smooth_tables
 from synthesis.limits import Claim
+from synthesis.ranges import ends
 from synthesis.spec import DesignSpec
 
 DIAGNOSIS_S = 5.0  # for finding out why nothing fits; what is not known by then is said to be so
@@ -30,10 +32,17 @@ DRAWN_IN = (1e-7, 1e-6, 1e-5, 1e-4)  # relative amounts by which limits are tigh
 
 @dataclass(eq=False)
 class _Attempt:
-    """What one pass over the objectives came to."""
+    """What one pass over the objectives came to.
 
+    ``posed`` is the question that was solved, ``built`` the spec of the cam that came out: they
+    differ from what was asked where something is settled after the size.
+    """
+
+    posed: DesignSpec
+    built: DesignSpec
     searches: list[Search] = field(default_factory=list)
     cam: Cam | None = None
+    best: Candidate | None = None
     bounds: list[Bounded] = field(default_factory=list)
     extremes: list[Extreme] = field(default_factory=list)
 
@@ -82,10 +91,11 @@ def synthesise(spec: DesignSpec, *, deadline: float | None = None) -> Design:
     if not attempt.certified and late:
         raise TimeBudgetExceeded(budget)
     conflict = None if attempt.certified else _conflict(spec, attempt)
-    proven = [] if attempt.cam is None else proofs(spec, attempt.cam, attempt.bounds)
+    proven = [] if attempt.cam is None else proofs(attempt.built, attempt.cam, attempt.bounds)
+    seconds = time.perf_counter() - clock
     found = design(
-        spec, attempt.cam, attempt.extremes, proven, stages, time.perf_counter() - clock, conflict
-    )
+        attempt.built, attempt.cam, attempt.extremes, proven, stages, seconds, conflict
+    ).asked_as(spec)
     found = with_chosen(found, question, numbers)
     if late and found.status == "feasible":
         raise TimeBudgetExceeded(budget, found)
@@ -106,8 +116,30 @@ def _numbered(
 
 
 def _attempt(spec: DesignSpec, tables: Tables, stop: float, tighten: float) -> _Attempt:
+    """Solve the spec without what is settled after the size, then settle it.
+
+    Where no place of a counter roller suits the cam so found, the cam is sought again with the
+    farthest place given: the counter cam then has its say in the laws and the size.
+    """
+    attempt = _solved(spec.alone(), tables, stop, tighten)
+    if attempt.best is None:
+        return attempt
+    place = settled(spec, attempt.best)
+    if not place.holds:
+        first, attempt = attempt, _solved(place.spec, tables, stop, tighten)
+        attempt.searches = [*first.searches, *attempt.searches]
+        if any(limit.cones(tables.stretches, spec.alone().machine()) for limit in spec.limits):
+            attempt.bounds = first.bounds  # a nearer place might suit an outer radius better
+        place = Settled(place.spec, True)
+    attempt.built = place.spec
+    if attempt.cam is not None:
+        attempt.extremes = judged(spec, attempt.cam, place.spec)
+    return attempt
+
+
+def _solved(spec: DesignSpec, tables: Tables, stop: float, tighten: float) -> _Attempt:
     """Work through the objectives in order; each keeps what the ones before have reached."""
-    attempt = _Attempt()
+    attempt = _Attempt(spec, spec)
     held: tuple[Held, ...] = ()
     objectives = spec.objectives()
     best: Candidate | None = None
@@ -127,10 +159,9 @@ def _attempt(spec: DesignSpec, tables: Tables, stop: float, tighten: float) -> _
             stretch.index: (law.space, law.coefficients)
             for stretch, law in zip(attempt.searches[0].problem.free, best.laws, strict=True)
         }
-        settled = {stretch.index: stretch for stretch in best.problem.stretches}
-        whole = tuple(settled.get(stretch.index, stretch) for stretch in tables.stretches)
-        attempt.cam = Cam(whole, {**tables.splines, **splines}, best.size)
-        attempt.extremes = judged(spec, attempt.cam)
+        known = {stretch.index: stretch for stretch in best.problem.stretches}
+        whole = tuple(known.get(stretch.index, stretch) for stretch in tables.stretches)
+        attempt.cam, attempt.best = Cam(whole, {**tables.splines, **splines}, best.size), best
     return attempt
 
 
@@ -141,13 +172,18 @@ def _conflict(spec: DesignSpec, attempt: _Attempt) -> Conflict:
     last = attempt.searches[-1]
 
     def largest(claim: Claim) -> float | None:
+        follower = last.problem.machine.follower
         if last.relaxed is None or claim.quantity != "pitch_curvature":
             return None
-        low, high = reached(last.relaxed.problem, last.relaxed.size)
+        if claim.path in follower.companions:  # a larger main cam leaves it no more room
+            return None
+        low, high = reached(last.relaxed.problem, last.relaxed.size, claim.path)
         return high if claim.upper is not None else low
 
     until = min(last.deadline, time.monotonic() + DIAGNOSIS_S)
-    found = diagnose(spec, last.problem, last.grids, largest, until)
+    found = diagnose(attempt.posed, last.problem, last.grids, largest, until)
+    farther = _farther(spec, until)
+    found = found.model_copy(update={"relaxations": [*found.relaxations, *farther]})
     refused = [e for e in attempt.extremes if not e.holds]
     if not refused:
         return found
@@ -156,3 +192,26 @@ def _conflict(spec: DesignSpec, attempt: _Attempt) -> Conflict:
     named = (e.limit.replace("_", " ") for e in refused)
     new = [name for name in named if not any(known.startswith(name) for known in found.limits)]
     return found.model_copy(update={"evidence": evidence, "limits": [*found.limits, *new]})
+
+
+def _farther(spec: DesignSpec, until: float) -> list[Relaxation]:
+    """Where a counter roller would have to stand for the cam that is best without it."""
+    opened = spec.opened()
+    if opened == spec:
+        return []
+    attempt = _attempt(opened, smooth_tables(opened.stretches(), until), until, DRAWN_IN[0])
+    if not attempt.certified or attempt.cam is None:
+        return []
+    told, found = attempt.built.follower.dimensions(attempt.cam.size), []
+    for place, (name, asked) in spec.follower.companion_ranges().items():
+        low, high = ends(asked)
+        if high < told[name]:
+            found.append(
+                Relaxation(
+                    limit=name.rpartition("_")[0],
+                    field=f"follower/{place}" + ("" if low == high else "/max"),
+                    unit=name.rpartition("_")[2], asked=high, needed=told[name],
+                    note="enough for the cam that is best without the counter cam",
+                )
+            )  # fmt: skip
+    return found

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from itertools import accumulate
 from typing import Annotated, Any, Literal
 
@@ -12,6 +12,7 @@ from pydantic_core import PydanticCustomError
 
 from synthesis.followers import AnyFollower
 from synthesis.limits import AnyLimit, Limit, Machine
+from synthesis.limits.counter_base_radius import CounterBaseRadius
 from synthesis.limits.profile_radius import ProfileRadius
 from synthesis.motion import Stretch
 from synthesis.objectives import AnyObjective
@@ -159,6 +160,7 @@ class DesignSpec(BaseModel):
                     "Remove it, or choose another follower.",
                     {"position": position, "limit": limit.kind, "kind": self.follower.kind},
                 )
+            limit.check(self.follower)
         return self
 
     @model_validator(mode="after")
@@ -290,11 +292,32 @@ class DesignSpec(BaseModel):
         )
 
     def all_limits(self) -> tuple[Limit, ...]:
-        """The limits asked for, that a roller must not be undercut, windows and points."""
+        """The limits asked for, and what every cam must keep: no undercut, a counter cam's base.
+
+        Windows and points of the program come last.
+        """
         demands = [d for i, segment in enumerate(self._numbered) for d in segment.demands(i)]
-        if any(limit.kind == "profile_radius" for limit in self.limits):
-            return (*self.limits, *demands)
-        return (*self.limits, ProfileRadius(), *demands)
+        named = {limit.kind for limit in self.limits}
+        always = (ProfileRadius(), CounterBaseRadius())
+        rest = (a for a in always if a.kind not in named and a.suits(self.follower))
+        return (*self.limits, *rest, *demands)
+
+    def alone(self) -> DesignSpec:
+        """The same without what is settled after the size and is still free."""
+        follower = self.follower.alone()
+        return self if follower == self.follower else self.model_copy(update={"follower": follower})
+
+    def opened(self) -> DesignSpec:
+        """The same with everything left free that is settled after the size."""
+        follower = self.follower.opened()
+        if follower == self.follower:
+            return self
+        return self.model_copy(update={"follower": follower})
+
+    def built(self, dimensions: Mapping[str, float]) -> DesignSpec:
+        """The same with what was settled after the size, by the names of the dimensions."""
+        follower = self.follower.completed(dimensions)
+        return self if follower == self.follower else self.model_copy(update={"follower": follower})
 
     def left_free(self) -> Iterator[tuple[str, Any]]:
         """JSON pointer and value of everything that the answer would have to choose."""
@@ -303,14 +326,14 @@ class DesignSpec(BaseModel):
         for stretch in self.stretches():
             if stretch.law is None and stretch.readings is None and stretch.angle > 0.0:
                 yield f"/program/{stretch.index}/law", self.program[stretch.index].law_name
+        asked: dict[str, Any] = {}
         bounds = self.follower.sizing(self.base_radius_range()).bounds
-        if all(low == high for low, high in bounds):
-            return
-        sizes = {
-            "/base_radius_mm": self.base_radius_mm,
-            **{f"/follower/{name}": value for name, value in self.follower.adjustable().items()},
-        }
-        for field, value in sizes.items():
+        if any(low != high for low, high in bounds):
+            asked = {"/base_radius_mm": self.base_radius_mm}
+            asked |= {f"/follower/{k}": value for k, value in self.follower.adjustable().items()}
+        places = self.follower.companion_ranges()
+        asked |= {f"/follower/{k}": value for k, (_, value) in places.items()}
+        for field, value in asked.items():
             low, high = ends(value)
             if low != high:
                 yield field, value.model_dump() if isinstance(value, Range) else value

@@ -9,6 +9,7 @@ from pydantic import BaseModel, Field
 
 from service.routes.files import MAX_POINTS_PER_DEGREE, MIN_TOLERANCE_UM
 from service.state import Parts
+from synthesis.camset_spec import MAX_CAMS
 from synthesis.exporters import MOTION_FORMATS, PROFILE_FORMATS, Exporter
 from synthesis.followers import FOLLOWERS
 from synthesis.laws import LAWS, TASKS, Characteristics, Ends, SplineLaw, characteristics
@@ -84,6 +85,7 @@ class ServerLimits(BaseModel):
     max_body_bytes: Annotated[int, Field(description="Largest request body [bytes].")]
     time_budget_s: Annotated[float, Field(description="Time for a design that asks for none [s].")]
     max_time_budget_s: Annotated[float, Field(description="Most that a design may have [s].")]
+    max_cams: Annotated[int, Field(description="Cams on one shaft.")]
     max_segments: Annotated[int, Field(description="Segments in a program.")]
     max_points_per_degree: Annotated[float, Field(description="Density of exported points.")]
     min_tolerance_um: Annotated[float, Field(description="Finest chord tolerance [µm].")]
@@ -148,6 +150,7 @@ async def list_limits(parts: Parts) -> Limits:
             max_body_bytes=settings.max_body_bytes,
             time_budget_s=settings.time_budget_s,
             max_time_budget_s=settings.max_time_budget_s,
+            max_cams=MAX_CAMS,
             max_segments=MAX_SEGMENTS,
             max_points_per_degree=MAX_POINTS_PER_DEGREE,
             min_tolerance_um=MIN_TOLERANCE_UM,

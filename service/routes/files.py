@@ -6,21 +6,22 @@ import asyncio
 import re
 from collections.abc import Awaitable, Callable
 from dataclasses import asdict
-from typing import Annotated, Any, Literal
+from typing import Annotated, Any
 
 from fastapi import APIRouter, Query, Request, Response
 from pydantic import BaseModel, ConfigDict, Field
 
 from service.documentation import problems, tagged
-from service.errors import NotDone, NothingFits
+from service.errors import NothingFits
 from service.etag import tag_of, unchanged
-from service.routes.designs import known
+from service.routes.kept import done
 from service.state import Parts, State
-from service.store import DesignRow
+from service.store import Row
 from synthesis.design import Design
 from synthesis.exporters import (
     MOTION_FORMATS,
     PROFILE_FORMATS,
+    CurveName,
     Exporter,
     MotionOptions,
     ProfileOptions,
@@ -52,9 +53,31 @@ class ProfileQuery(BaseModel):
         ),
     ] = None
     curve: Annotated[
-        Literal["profile", "pitch"],
-        Field(description="The cam's profile, or the path of the roller's centre."),
+        CurveName,
+        Field(
+            description="The cam's profile, or the path of the roller's centre. A groove has an "
+            "inner and an outer profile, conjugate cams a main and a counter profile and a "
+            "counter pitch curve; `profile` is the first of them."
+        ),
     ] = "profile"
+    turn_deg: Annotated[
+        float,
+        Field(
+            ge=-360.0,
+            le=360.0,
+            description="Turn the points about the cam's axis by this angle, counter-clockwise "
+            "positive: the cam as it sits on a shaft. The drawing (svg) stays as it is.",
+        ),
+    ] = 0.0
+    z_mm: Annotated[
+        float | None,
+        Field(
+            ge=-1e6,
+            le=1e6,
+            description="Position along the axis: the third column of point files (0 where it is "
+            "left out), and a column z_mm of tables.",
+        ),
+    ] = None
 
 
 class MotionQuery(BaseModel):
@@ -69,12 +92,10 @@ async def _file(
     request: Request, parts: State, name: str, part: str, exporter: Exporter[Any], options: Any
 ) -> Response:
     """The file of a finished design, made in a thread, or 304."""
-    row = await known(parts, name)
-    if row.state != "done" or row.design is None:
-        raise NotDone(f"Design {name} is {row.state}: GET /v1/designs/{name} says how it stands.")
+    row, design = await done(parts.designs, name)
     tag = tag_of(row.etag or "", part, exporter.name, repr(asdict(options)))
     return unchanged(request, tag) or Response(
-        await asyncio.to_thread(_written, row.design, exporter, options),
+        await asyncio.to_thread(_written, design, exporter, options),
         headers={"ETag": f'"{tag}"', **_shown_or_saved(row.name, _part(part, row), exporter)},
         media_type=exporter.media_type,
     )
@@ -87,19 +108,23 @@ def _written(design: bytes, exporter: Exporter[Any], options: Any) -> bytes:
     return exporter.write(finished, options)
 
 
-def _part(part: str, row: DesignRow) -> str:
+def _part(part: str, row: Row) -> str:
     """A cam that is given and breaks its limits may be looked at, but its files say so."""
     return f"not-certified-{part}" if row.status == "infeasible" else part
 
 
 def _shown_or_saved(name: str, part: str, exporter: Exporter[Any]) -> dict[str, str]:
     """File names that every system takes; pictures are shown (and run nothing), else saved."""
-    stem = re.sub(r"[^A-Za-z0-9._-]+", "-", name).strip("-.")[:60] or "cam"
-    file_name = f'filename="{stem}-{part}{exporter.extension}"'
+    file_name = f'filename="{stem_of(name)}-{part}{exporter.extension}"'
     if exporter.media_type != "image/svg+xml":
         return {"Content-Disposition": f"attachment; {file_name}"}
     policy = "default-src 'none'; style-src 'unsafe-inline'"
     return {"Content-Disposition": f"inline; {file_name}", "Content-Security-Policy": policy}
+
+
+def stem_of(name: str) -> str:
+    """What a file name begins with, in letters that every system takes."""
+    return re.sub(r"[^A-Za-z0-9._-]+", "-", name).strip("-.")[:60] or "cam"
 
 
 def _profile(exporter: Exporter[ProfileOptions]) -> Callable[..., Awaitable[Response]]:

@@ -80,7 +80,7 @@ async def get_readyz(parts: Parts, response: Response) -> Ready:
 )
 async def get_metrics(parts: Parts) -> Response:
     """Requests by route, solve times, designs by status, the queue."""
-    engine, counts = parts.engine, await parts.store.counts()
+    engine, counts = parts.engine, await parts.designs.answers.counts()
     page = parts.metrics.page(counts, engine.waiting, engine.running, await engine.workers())
     return Response(page, media_type="text/plain; version=0.0.4")
 

@@ -49,23 +49,29 @@ def certify(
     if not (course.finite and all(math.isfinite(value) for value in size)):
         return [_not_a_number(machine), *(_unknown(claim, 0.0, NOT_A_NUMBER) for claim in claims)]
     found: dict[int, Extreme] = {}
-    for kind in dict.fromkeys((claim.quantity, claim.exact) for claim in claims):
-        mine = [i for i, claim in enumerate(claims) if (claim.quantity, claim.exact) == kind]
-        extremes = _judge(*kind, course, machine, size, [claims[i] for i in mine])
+    for subject in dict.fromkeys((c.quantity, c.path, c.exact) for c in claims):
+        mine = [i for i, c in enumerate(claims) if (c.quantity, c.path, c.exact) == subject]
+        extremes = _judge(*subject, course, machine, size, [claims[i] for i in mine])
         found.update(zip(mine, extremes, strict=True))
     promised = [
         *joins(course, machine, continuity),
         *states(course, machine),
         *tables(course, machine),
     ]
-    always = [*stands(machine, size), *promised, *overshoot(course, machine)]
+    always = [*stands(course, machine, size), *promised, *overshoot(course, machine)]
     return [*(found[i] for i in range(len(claims))), *always]
 
 
 def _judge(
-    name: str, exact: bool, course: Course, machine: Machine, size: Size, claims: Sequence[Claim]
+    name: str,
+    path: str,
+    exact: bool,
+    course: Course,
+    machine: Machine,
+    size: Size,
+    claims: Sequence[Claim],
 ) -> list[Extreme]:
-    """The extremes of all claims about one quantity, all of them exact or none."""
+    """The extremes of all claims about one quantity on one path, all of them exact or none."""
     quantity = QUANTITIES[name]
     jumps = [
         infinite(quantity, course, claim.stretches, claim.part)
@@ -77,7 +83,7 @@ def _judge(
     ]
     width = FINE if exact else ENOUGH
     answers = iter(
-        enclose_all(quantity, course, machine, size, questions, width) if questions else ()
+        enclose_all(quantity, course, machine, size, questions, path, width) if questions else ()
     )
     return [
         _extreme(claim, next(answers)) if jump is None else _infinite(claim, jump, machine)

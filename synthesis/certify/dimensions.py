@@ -4,8 +4,11 @@ from __future__ import annotations
 
 import math
 
+from synthesis.certify.course import Course
 from synthesis.certify.quantities import Size, pressure_angle
 from synthesis.design import Extreme
+from synthesis.followers import Follower
+from synthesis.followers.flank import Trace, labelled
 from synthesis.limits.base import Claim, Machine, where
 from synthesis.motion import Motion
 from synthesis.ranges import ends
@@ -15,7 +18,7 @@ from synthesis.units import DEGREE
 ALLOWANCE = 1e-12  # of the prime radius, or of 180°: roundings on the way from the size
 
 
-def stands(machine: Machine, size: Size) -> list[Extreme]:
+def stands(course: Course, machine: Machine, size: Size) -> list[Extreme]:
     """A positive base radius, and a follower that the prime circle drives outwards.
 
     A translating follower does so where its offset lies inside the prime radius, with the roller
@@ -23,20 +26,29 @@ def stands(machine: Machine, size: Size) -> list[Extreme]:
     the pressure angle at rest on the prime circle is below 90°.
     """
     base = machine.follower.dimensions(size)["base_radius_mm"]
-    alpha = abs(float(pressure_angle(machine.follower, size, (0.0, 0.0, 0.0, 0.0)))) / DEGREE
     return [
         Extreme(
             limit="base_radius_positive", value=base, unit="mm", angle_deg=0.0, bound=0.0,
             margin=base, width=0.0, holds=base > 0.0, evidence="from the size",
             field="base_radius_mm",
         ),
-        Extreme(
-            limit="prime_circle_angle", value=alpha, unit="deg", angle_deg=0.0, bound=90.0,
-            margin=90.0 - alpha, width=0.0, holds=alpha < 90.0,
-            evidence="pressure angle at rest on the prime circle: below 90° the cam drives the "
-            "follower outwards", field="follower",
+        *(
+            _at_rest(labelled("prime_circle_angle", path), trace, size, course.stroke)
+            for path, trace in machine.follower.paths.items()
         ),
     ]  # fmt: skip
+
+
+def _at_rest(limit: str, trace: Trace, size: Size, stroke: float) -> Extreme:
+    """The pressure angle at rest where the traced curve is nearest to the axis."""
+    still = (trace.nearest(stroke), 0.0, 0.0, 0.0)
+    alpha = abs(float(pressure_angle(trace, size, still))) / DEGREE
+    return Extreme(
+        limit=limit, value=alpha, unit="deg", angle_deg=0.0, bound=90.0,
+        margin=90.0 - alpha, width=0.0, holds=alpha < 90.0,
+        evidence="pressure angle at rest on the prime circle: below 90° the cam drives the "
+        "follower outwards", field="follower",
+    )  # fmt: skip
 
 
 def standing(motion: Motion, machine: Machine, size: Size) -> list[Claim]:
@@ -52,14 +64,17 @@ def standing(motion: Motion, machine: Machine, size: Size) -> list[Claim]:
     ]  # fmt: skip
 
 
-def certify_size(spec: DesignSpec, size: tuple[float, ...]) -> list[Extreme]:
+def certify_size(
+    spec: DesignSpec, size: tuple[float, ...], built: Follower | None = None
+) -> list[Extreme]:
     """Every dimension that the spec names, against its range.
 
     Args:
         spec: what was asked; its ``base_radius_mm`` and the follower's dimensions.
         size: the follower's size variables [mm].
+        built: the follower with what was settled after the size; None: the spec's own.
     """
-    dimensions = spec.follower.dimensions(size)
+    dimensions = (built or spec.follower).dimensions(size)
     sizes = {"mm": spec.follower.radius(size), "deg": 180.0}
     found = []
     for name, value in dimensions.items():
@@ -68,6 +83,9 @@ def certify_size(spec: DesignSpec, size: tuple[float, ...]) -> list[Extreme]:
                 asked = ends(getattr(owner, name))
                 allowance = ALLOWANCE * sizes[name.rpartition("_")[2]]
                 found += _within(name, value, asked, allowance, prefix + name)
+    for field, (name, wanted) in spec.follower.companion_ranges().items():
+        allowance = ALLOWANCE * dimensions[name]
+        found += _within(name, dimensions[name], ends(wanted), allowance, f"follower/{field}")
     return found
 
 

@@ -43,11 +43,16 @@ def _peak(name: str) -> Callable[[Course, Machine, Size], Enclosed]:
 
 
 def _largest(
-    name: str, course: Course, machine: Machine, size: Size, stretches: Sequence[int]
+    name: str,
+    course: Course,
+    machine: Machine,
+    size: Size,
+    stretches: Sequence[int],
+    path: str = "",
 ) -> Enclosed:
     """Largest |quantity| on these stretches."""
     question = Question(course.pieces(stretches), 0.0, 0.0)
-    (answer,) = enclose_all(QUANTITIES[name], course, machine, size, [question])
+    (answer,) = enclose_all(QUANTITIES[name], course, machine, size, [question], path)
     found = answer.extreme
     if answer.side > 0:
         return found
@@ -58,7 +63,11 @@ def _pressure_slope(course: Course, machine: Machine, size: Size) -> Enclosed:
     moving = [s.index for s in course.motion.stretches if s.angle > 0.0 and s.kind != "dwell"]
     if not moving:
         return Enclosed(0.0, 0.0, 0.0, 0.0)
-    found = _largest("pressure_angle", course, machine, size, moving)
+    each = [
+        _largest("pressure_angle", course, machine, size, moving, path)
+        for path in machine.follower.paths
+    ]
+    found = max(each, key=lambda one: one.upper)
     ends = (found.value, found.lower, found.upper)
     value, lower, upper = (
         math.tan(end) if abs(end) < 0.5 * math.pi else math.copysign(math.inf, end) for end in ends

@@ -14,30 +14,30 @@ from typing import Any
 import numpy as np
 
 from synthesis.certify.course import Course, Indices, Jump
-from synthesis.followers.base import Follower, Vector2
+from synthesis.followers.flank import Trace, Vector2
 from synthesis.limits.base import Claim, Machine
 from synthesis.numerics.enclosure import Answer, Question, enclose
 from synthesis.numerics.piecewise import Array
 from synthesis.numerics.taylor import Taylor
 
 Size = tuple[float, ...]
-Formula = Callable[[Follower, Size, tuple[Any, ...]], Any]
+Formula = Callable[[Trace, Size, tuple[Any, ...]], Any]
 
 
-def tangent(follower: Follower, size: Size, s: tuple[Any, ...]) -> Vector2:
+def tangent(follower: Trace, size: Size, s: tuple[Any, ...]) -> Vector2:
     """T = D p."""
     (px, py), (dx, dy), *_ = follower.traced_point(s, size)
     return dx + py, dy - px
 
 
-def pressure_angle(follower: Follower, size: Size, s: tuple[Any, ...]) -> Any:
+def pressure_angle(follower: Trace, size: Size, s: tuple[Any, ...]) -> Any:
     """α from the outward normal, the curve's own or a face's, to the direction of drive g [rad]."""
     nx, ny = follower.normal(tangent(follower, size, s), s, size)
     (gx, gy), _ = follower.direction(s, size)
     return np.arctan2(gx * ny - gy * nx, gx * nx + gy * ny)
 
 
-def pitch_curvature(follower: Follower, size: Size, s: tuple[Any, ...]) -> Any:
+def pitch_curvature(follower: Trace, size: Size, s: tuple[Any, ...]) -> Any:
     """κ = T × S / |T|³ of the curve, run clockwise round the cam: convex positive [1/mm]."""
     (px, py), (dx, dy), (ax, ay), *_ = follower.traced_point(s, size)
     tx, ty = dx + py, dy - px
@@ -46,13 +46,13 @@ def pitch_curvature(follower: Follower, size: Size, s: tuple[Any, ...]) -> Any:
     return (ty * sx - tx * sy) / (square * np.sqrt(square))
 
 
-def pitch_radius(follower: Follower, size: Size, s: tuple[Any, ...]) -> Any:
+def pitch_radius(follower: Trace, size: Size, s: tuple[Any, ...]) -> Any:
     """|p|: how far the curve is from the cam's axis [mm]."""
     (px, py), *_ = follower.traced_point(s, size)
     return np.sqrt(px * px + py * py)
 
 
-def face_radius(follower: Follower, size: Size, s: tuple[Any, ...]) -> Any:
+def face_radius(follower: Trace, size: Size, s: tuple[Any, ...]) -> Any:
     """ρ = T·m / m·m with m = n' + J n, n the face's unit normal, at the contact point [mm].
 
     The support function's way: where T runs against the turning face the profile is undercut, and
@@ -63,7 +63,7 @@ def face_radius(follower: Follower, size: Size, s: tuple[Any, ...]) -> Any:
     return (tx * mx + ty * my) / (mx * mx + my * my)
 
 
-def contact(follower: Follower, size: Size, s: tuple[Any, ...]) -> Any:
+def contact(follower: Trace, size: Size, s: tuple[Any, ...]) -> Any:
     """How far the contact point is along the face from its middle, positive to the right [mm]."""
     (px, py), *_ = follower.traced_point(s, size)
     nx, ny = follower.normal(tangent(follower, size, s), s, size)
@@ -111,19 +111,27 @@ QUANTITIES = {
 }
 
 
+def traced(machine: Machine, path: str = "") -> Trace:
+    """The traced curve of this name, the first one for none."""
+    paths = machine.follower.paths
+    return paths[path] if path else next(iter(paths.values()))
+
+
 def enclose_all(
     quantity: Quantity,
     course: Course,
     machine: Machine,
     size: Size,
     questions: Sequence[Question],
+    path: str = "",
     relative: float = 1e-10,
 ) -> list[Answer]:
-    """Answers about one quantity, one-sided at joints, to a relative width."""
+    """Answers about one quantity on one path, one-sided at joints, to a relative width."""
+    trace = traced(machine, path)
 
     def model(piece: Indices, lo: Array, hi: Array) -> Taylor:
         s = course.jets.models(piece, lo, hi, quantity.order)
-        found = quantity.formula(machine.follower, size, s + (0.0,) * (3 - quantity.order))
+        found = quantity.formula(trace, size, s + (0.0,) * (3 - quantity.order))
         assert isinstance(found, Taylor)
         return found
 
@@ -155,8 +163,9 @@ def corner(
     """A jump of the velocity that turns the pitch curve's tangent the way the claim forbids."""
     if not quantity.turns:
         return None
+    trace = traced(machine, claim.path)
     for joint in course.breaches(1, course.joints(claim.stretches, claim.part)):
-        before, after = (tangent(machine.follower, size, s) for s in course.sides(int(joint)))
+        before, after = (tangent(trace, size, s) for s in course.sides(int(joint)))
         turn = before[1] * after[0] - before[0] * after[1]
         if (turn > 0.0 and claim.upper is not None) or (turn < 0.0 and claim.lower is not None):
             return course.worst(1, np.array([joint]))

@@ -16,8 +16,9 @@ from synthesis.exporters import (
     txt_points,
     txt_table,
 )
+from synthesis.exporters.cam import profiles
 from synthesis.exporters.exporter import Exporter
-from synthesis.exporters.options import MotionOptions, ProfileOptions
+from synthesis.exporters.options import CurveName, MotionOptions, ProfileOptions
 
 PROFILE_FORMATS: Mapping[str, Exporter[ProfileOptions]] = MappingProxyType(
     {
@@ -32,4 +33,12 @@ MOTION_FORMATS: Mapping[str, Exporter[MotionOptions]] = MappingProxyType(
     }
 )
 
-__all__ = ["MOTION_FORMATS", "PROFILE_FORMATS", "Exporter", "MotionOptions", "ProfileOptions"]
+__all__ = [
+    "MOTION_FORMATS",
+    "PROFILE_FORMATS",
+    "CurveName",
+    "Exporter",
+    "MotionOptions",
+    "ProfileOptions",
+    "profiles",
+]

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, fields
+from collections.abc import Iterator
+from dataclasses import dataclass, fields, replace
 from functools import cached_property
 
 import numpy as np
@@ -10,7 +11,9 @@ from numpy.typing import NDArray
 
 from synthesis.design import Design
 from synthesis.errors import InputError
+from synthesis.exporters.options import CURVES, CurveName
 from synthesis.followers import Follower
+from synthesis.followers.flank import Flank, labelled
 from synthesis.motion import Motion
 from synthesis.numerics.piecewise import Array, Side
 from synthesis.profile import CamProfile, Rotation, cam_profile
@@ -55,10 +58,11 @@ class Cam:
     size: tuple[float, ...]
     rotation: Rotation
     omega: float
+    flank: Flank
 
     @classmethod
-    def of(cls, design: Design) -> Cam:
-        """The cam of a design; InputError where it holds none.
+    def of(cls, design: Design, curve: CurveName = "profile") -> Cam:
+        """The cam of a design, as far as a curve of it goes; InputError where it holds none.
 
         A given cam that breaks its limits is infeasible, and yet can be drawn.
         """
@@ -69,10 +73,16 @@ class Cam:
                 "A design that found no cam has no profile and no motion.",
                 "Make the least change that its field `conflict` names, and ask again.",
             )
+        follower = design.built.follower
         return cls(
-            design.curve, design.spec.follower, tuple(design.size), design.rotation,
-            rad_per_s(design.speed_rpm),
+            design.curve, follower, tuple(design.size), design.rotation,
+            rad_per_s(design.speed_rpm), _flank(follower, curve),
         )  # fmt: skip
+
+    def flanks(self) -> Iterator[Cam]:
+        """The same cam once for each of its flanks."""
+        for flank in self.follower.flanks:
+            yield replace(self, flank=flank)
 
     @property
     def travel(self) -> Travel:
@@ -100,7 +110,9 @@ class Cam:
         return found
 
     def _one_sided(self, theta: Array, side: Side) -> CamProfile:
-        return cam_profile(self.motion, self.follower, self.size, self.rotation, theta, side)
+        return cam_profile(
+            self.motion, self.follower, self.size, self.rotation, theta, side, self.flank
+        )
 
     @cached_property
     def joints(self) -> Joints:
@@ -129,3 +141,28 @@ class Cam:
         still = [(start - end, end) for end, start in zip(ends, starts, strict=True)]
         length, begin = max(still, key=lambda rest: (round(rest[0], 9), -rest[1]))
         return (begin + 0.5 * length) % FULL_TURN if length > 1e-9 else 0.0
+
+
+def profiles(design: Design) -> dict[str, CurveName]:
+    """Every flank of a design's cam as a curve, by the stem of its file: profile, profile-outer."""
+    further = {flank.name for flank in design.built.follower.flanks[1:]}
+    curves: dict[str, CurveName] = {"profile": "profile"}
+    return curves | {f"profile-{each}": each for each in CURVES if each in further}
+
+
+def _flank(follower: Follower, curve: CurveName) -> Flank:
+    """The flank that a curve is of; InputError where the cam has none of this name."""
+    flanks = follower.flanks
+    if curve in ("profile", "pitch"):
+        return flanks[0]
+    for flank in flanks:
+        if curve in (flank.name, labelled(flank.path, "pitch")) and flank.name:
+            return flank
+    known = [flank.name for flank in flanks if flank.name]
+    known += [labelled(path, "pitch") for path in follower.companions]
+    raise InputError(
+        "/curve",
+        curve,
+        f"This cam has no such curve. Its curves are {', '.join(['profile', 'pitch', *known])}.",
+        "Choose one of these.",
+    )

@@ -23,7 +23,12 @@ MARGIN = 0.93  # measured at the probes, a lobe's top is missed by at most (1/8)
 
 def position(curve: CurveName, cam: CamProfile) -> tuple[Array, Array]:
     """x and y of the chosen curve [mm]."""
-    return (cam.pitch_x, cam.pitch_y) if curve == "pitch" else (cam.x, cam.y)
+    return (cam.pitch_x, cam.pitch_y) if is_pitch(curve) else (cam.x, cam.y)
+
+
+def is_pitch(curve: CurveName) -> bool:
+    """Whether a curve is the path of a roller's centre."""
+    return curve.endswith("pitch")
 
 
 def chord_angles(cam: Cam, ends: Array, curve: CurveName, tolerance: float) -> Array:
@@ -67,10 +72,10 @@ def _density(
     angle = np.linspace(start, end, max(8, int(np.ceil((end - start) / FINEST))) + 1)
     middle = 0.5 * (angle[1:] + angle[:-1])
     at = cam.at(middle)
-    speed_squared = cam.follower.curvature_terms(at.s, cam.size)[1]
+    speed_squared = cam.flank.trace.curvature_terms(at.s, cam.size)[1]
     bend = np.abs(at.curvature)
-    if curve == "profile":  # v shrinks by 1 − κ Rr, κ grows by its inverse
-        bend = bend * np.abs(1.0 - at.curvature * cam.follower.roller_radius)
+    if not is_pitch(curve):  # v shrinks by 1 − σκ D, κ grows by its inverse
+        bend = bend * np.abs(1.0 - at.curvature * (cam.flank.side * cam.flank.distance))
     needed = np.sqrt(bend * speed_squared / (8.0 * MARGIN * tolerance))
     needed = np.maximum(needed, max(0.1 * float(np.mean(needed)), 1.0 / COARSEST))
     return angle, np.concatenate([[0.0], np.cumsum(needed * np.diff(angle))])

@@ -8,8 +8,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from synthesis.exporters.cam import Cam
-from synthesis.exporters.chords import position
+from synthesis.exporters.chords import is_pitch
 from synthesis.exporters.options import MotionOptions, ProfileOptions
+from synthesis.exporters.placement import placed
 from synthesis.exporters.sampling import Rows, table_rows
 from synthesis.numerics.piecewise import Array
 from synthesis.units import DEGREE
@@ -31,13 +32,18 @@ def profile_columns(cam: Cam, options: ProfileOptions) -> list[Column]:
     """The curve's points with the motion and the geometry there."""
     rows = table_rows(cam, options)
     at = cam.at(rows.theta, rows.left)
-    x, y = position(options.curve, at)
-    which = "pitch curve" if options.curve == "pitch" else "profile"
+    x, y = placed(options, at)
+    which = "pitch curve" if is_pitch(options.curve) else "profile"
+    if options.turn_deg == 0.0:
+        frame = f"{which}, in the cam's frame"
+    else:
+        frame = f"{which}, turned by {options.turn_deg:.12g}° from the cam's frame"
     return [
         _angle(rows),
         *_physical(at.s, cam),
-        Column("x_mm", "mm", f"{which}, in the cam's frame", x),
-        Column("y_mm", "mm", f"{which}, in the cam's frame", y),
+        Column("x_mm", "mm", frame, x),
+        Column("y_mm", "mm", frame, y),
+        *_axial(rows, options.z_mm),
         Column(
             "pressure_angle_deg", "deg",
             "signed; positive where the cam pushes against a rise", at.pressure_angle / DEGREE,
@@ -59,6 +65,13 @@ def motion_columns(cam: Cam, options: MotionOptions) -> list[Column]:
     rows = table_rows(cam, options)
     s = cam.derivatives(rows.theta, rows.left)
     return [_angle(rows), *_physical(s, cam), *_per_radian(s, cam), _side(rows)]
+
+
+def _axial(rows: Rows, z_mm: float | None) -> list[Column]:
+    """z, where it is asked for."""
+    if z_mm is None:
+        return []
+    return [Column("z_mm", "mm", "position along the axis", np.full(len(rows.theta), z_mm))]
 
 
 def _angle(rows: Rows) -> Column:

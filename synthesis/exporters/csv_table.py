@@ -45,7 +45,7 @@ def _lines(values: Sequence[Array | Whole]) -> bytes:
 
 
 def _profile(design: Design, options: ProfileOptions) -> bytes:
-    return _written(profile_columns(Cam.of(design), options))
+    return _written(profile_columns(Cam.of(design, options.curve), options))
 
 
 def _motion(design: Design, options: MotionOptions) -> bytes:

@@ -19,6 +19,7 @@ class Exporter(Generic[Options]):
         name: as in ``profile.{name}``. title: for people.
         media_type: for HTTP. extension: of the file, with its dot.
         write: design and options to the file's bytes; InputError where there is no cam to write.
+        placeable: whether a profile's points follow ``turn_deg`` and ``z_mm``.
     """
 
     name: str
@@ -26,3 +27,4 @@ class Exporter(Generic[Options]):
     media_type: str
     extension: str
     write: Callable[[Design, Options], bytes]
+    placeable: bool = True

@@ -20,21 +20,26 @@ from synthesis.exporters.shortest import WIDTH, joined, written
 FRAME = (
     "Cam-fixed, right-handed, lengths in mm: origin on the cam's axis, which is z; at cam angle 0 "
     "the machine's frame, y along the follower of an upward slide. Seen with z towards the viewer "
-    "the cam turns {turns}; the rows run round it {runs}."
+    "the cam turns {turns}; the rows run round it {runs}.{placed}"
 )
+TURNED = " The points are turned from there by {turn:.12g}° about z, counter-clockwise positive."
 
 
 def _profile(design: Design, options: ProfileOptions) -> bytes:
-    cam = Cam.of(design)
+    cam = Cam.of(design, options.curve)
     turns = ("counter-clockwise", "clockwise")
     turns = turns if design.rotation == "ccw" else turns[::-1]
     head = {
         "kind": "profile",
         "curve": options.curve,
-        "frame": FRAME.format(turns=turns[0], runs=turns[1]),
+        "frame": FRAME.format(turns=turns[0], runs=turns[1], placed=_placed(options)),
         "seam_deg": float(in_degrees(np.array(cam.seam))),
     }
     return _written(design, head, asdict(options), profile_columns(cam, options))
+
+
+def _placed(options: ProfileOptions) -> str:
+    return TURNED.format(turn=options.turn_deg) if options.turn_deg else ""
 
 
 def _motion(design: Design, options: MotionOptions) -> bytes:

@@ -4,14 +4,14 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from typing import Literal
+from typing import Literal, get_args
 
 from synthesis.errors import InputError
 
-CurveName = Literal["profile", "pitch"]
+CurveName = Literal["profile", "pitch", "inner", "outer", "main", "counter", "counter_pitch"]
 
 MAX_POINTS_PER_DEGREE = 1000.0
-CURVES: tuple[CurveName, ...] = ("profile", "pitch")
+CURVES: tuple[CurveName, ...] = get_args(CurveName)
 
 
 def _check_density(points_per_degree: float) -> None:
@@ -32,12 +32,19 @@ class ProfileOptions:
         points_per_degree: density, uniform in cam angle; not below one point in 10°.
         tolerance_um: if given, it decides instead of the density: no chord between neighbouring
             points departs further than this from the true curve [µm].
-        curve: the profile, or the pitch curve (path of the roller's centre).
+        curve: the profile, or the pitch curve (path of the roller's centre). A groove has an inner
+            and an outer profile, conjugate cams a main and a counter one; of these `profile` is
+            the first.
+        turn_deg: angle by which points are turned about the cam's axis, counter-clockwise
+            positive: the cam as it sits on a shaft with others.
+        z_mm: position along that axis; None leaves tables without z, and is 0 in point files.
     """
 
     points_per_degree: float = 4.0
     tolerance_um: float | None = None
     curve: CurveName = "profile"
+    turn_deg: float = 0.0
+    z_mm: float | None = None
 
     def __post_init__(self) -> None:
         _check_density(self.points_per_degree)
@@ -55,6 +62,9 @@ class ProfileOptions:
                 f"The curve must be one of {', '.join(CURVES)}.",
                 "Leave it out for the profile.",
             )
+        for field, value in (("/turn_deg", self.turn_deg), ("/z_mm", self.z_mm or 0.0)):
+            if not math.isfinite(value):
+                raise InputError(field, value, "This must be a finite number.", "Leave it out.")
 
 
 @dataclass(frozen=True)

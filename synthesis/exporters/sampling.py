@@ -15,8 +15,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from synthesis.exporters.cam import Cam, Mask
-from synthesis.exporters.chords import COARSEST, chord_angles, position
+from synthesis.exporters.chords import COARSEST, chord_angles
 from synthesis.exporters.options import MotionOptions, ProfileOptions
+from synthesis.exporters.placement import placed
 from synthesis.numerics.piecewise import Array
 from synthesis.profile import CamProfile
 from synthesis.units import DEGREE, FULL_TURN
@@ -73,8 +74,11 @@ def ring(cam: Cam, options: ProfileOptions) -> CamProfile:
 
 
 def ring_points(cam: Cam, options: ProfileOptions) -> Array:
-    """Points (n, 2) of the closed curve [mm] from its seam; none is repeated, the first neither."""
-    points = np.column_stack(position(options.curve, ring(cam, options)))
+    """Points (n, 2) of the closed curve [mm] from its seam; none is repeated, the first neither.
+
+    They are turned as the options ask.
+    """
+    points = np.column_stack(placed(options, ring(cam, options)))
     rounded = np.round(points, RING_DECIMALS)
     new = np.any(rounded != np.roll(rounded, 1, axis=0), axis=1)
     new[0] = True

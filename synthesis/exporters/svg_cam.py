@@ -13,14 +13,17 @@ from synthesis.exporters import svg_canvas as svg
 from synthesis.exporters.cam import Cam
 from synthesis.exporters.options import ProfileOptions
 from synthesis.exporters.sampling import ring
+from synthesis.followers.flank import Flank
 from synthesis.profile import CamProfile
 
 STEM, BELOW, HUB, TICK, ARC_SPAN = 15.0, 13.5, 1.1, 2.0, math.radians(105.0)
 UNITS_ACROSS = 160.0
+RIM = 0.6  # of the roller: wall that is drawn where none was asked for
 
 PIVOT = 0.25  # radius of a pivot's eye, of the stem's length
 
 Box = tuple[float, float, float, float]
+Flanks = tuple[tuple[Flank, CamProfile], ...]
 
 
 @dataclass(frozen=True, eq=False)
@@ -28,7 +31,9 @@ class Scene:
     """What is drawn, in the cam's frame (y up) at cam angle 0.
 
     Attributes:
-        ring: the closed curve. start: the cam at cam angle 0.
+        ring: the closed curve.
+        flanks: every flank with its curve, the first is the ring. starts: they at cam angle 0.
+        rim: radius of the material around flanks that are touched from inside, 0 without [mm].
         borders, middles: the cam at the borders of segments and half-way between them.
         drive: unit vector along the follower's stem, in which a slide moves; along an arm.
         rotation: +1 where the cam turns counter-clockwise, −1 clockwise.
@@ -41,7 +46,9 @@ class Scene:
     """
 
     ring: CamProfile
-    start: CamProfile
+    flanks: Flanks
+    rim: float
+    starts: tuple[CamProfile, ...]
     borders: CamProfile
     middles: CamProfile
     drive: tuple[float, float]
@@ -66,13 +73,17 @@ class Scene:
         roller, prime = shape.roller, cam.follower.radius(cam.size)
         centre = sign * shape.centre[0], shape.centre[1]
         face = (shape.left, shape.right) if sign > 0.0 else (shape.right, shape.left)
+        flanks = tuple((one.flank, ring(one, options)) for one in cam.flanks())
+        rim = _rim(flanks)
         pivot = None if shape.pivot is None else (sign * shape.pivot[0], shape.pivot[1])
         drive = _stem(cam, start, sign, centre, pivot)
-        across = max(float(np.ptp(curve.pitch_x)), float(np.ptp(curve.pitch_y)), 2.0 * prime)
+        across = max(2.0 * prime, 2.0 * rim, *(_across(one) for _, one in flanks))
         u = across / UNITS_ACROSS
         return cls(
             ring=curve,
-            start=start,
+            flanks=flanks,
+            rim=rim,
+            starts=tuple(one.at(np.zeros(1)) for one in cam.flanks()),
             borders=cam.at(np.array([s.start for s in moving if s.start > 0.0])),
             middles=cam.at(np.array([s.start + 0.5 * s.angle for s in moving])),
             drive=drive,
@@ -83,7 +94,7 @@ class Scene:
             base=design.dimensions["base_radius_mm"],
             prime=prime,
             pivot=pivot,
-            extent=_extent(curve, centre, drive, prime, roller, face, STEM * u, pivot),
+            extent=_extent(flanks, rim, centre, drive, prime, roller, face, STEM * u, pivot),
             u=u,
             decimals=max(4, 7 - math.floor(math.log10(across))),
         )
@@ -104,6 +115,21 @@ class Scene:
         return max(0.45 * self.base, 7.0 * self.u), middle - half, middle + half
 
 
+def _across(curve: CamProfile) -> float:
+    """Extent of a pitch curve [mm]."""
+    return max(float(np.ptp(curve.pitch_x)), float(np.ptp(curve.pitch_y)))
+
+
+def _rim(flanks: Flanks) -> float:
+    """Radius of the material around flanks that are touched from inside [mm]; 0 without any."""
+    around = [
+        float(np.hypot(curve.x, curve.y).max()) + (flank.rim or RIM * flank.distance)
+        for flank, curve in flanks
+        if flank.side < 0
+    ]
+    return max(around, default=0.0)
+
+
 def _stem(
     cam: Cam,
     start: CamProfile,
@@ -120,7 +146,8 @@ def _stem(
 
 
 def _extent(
-    curve: CamProfile,
+    flanks: Flanks,
+    rim: float,
     centre: tuple[float, float],
     drive: tuple[float, float],
     prime: float,
@@ -131,8 +158,11 @@ def _extent(
 ) -> Box:
     x, y = centre
     end_x, end_y = x + (roller + stem) * drive[0], y + (roller + stem) * drive[1]
-    xs = [-prime, prime, float(curve.pitch_x.min()), float(curve.pitch_x.max())]
-    ys = [-prime, prime, float(curve.pitch_y.min()), float(curve.pitch_y.max())]
+    reach = max(prime, rim)
+    xs, ys = [-reach, reach], [-reach, reach]
+    for _, curve in flanks:
+        xs += [float(curve.pitch_x.min()), float(curve.pitch_x.max())]
+        ys += [float(curve.pitch_y.min()), float(curve.pitch_y.max())]
     xs += [x - max(roller, face[0]), x + max(roller, face[1]), end_x]
     ys += [y - roller, y + roller, end_y]
     if pivot is not None:
@@ -149,9 +179,36 @@ def shapes(scene: Scene) -> list[str]:
         body.append(svg.circle("line prime", 0.0, 0.0, scene.prime))
         steps = svg.steps(ring.pitch_x, ring.pitch_y, decimals, closed=True)
         body.append(svg.path("line pitch", steps))
-    body.append(svg.path("outline body", svg.steps(ring.x, ring.y, decimals, closed=True)))
+    body += [_outline(scene), *_counters(scene)]
     body.append(svg.circle("outline metal", 0.0, 0.0, HUB * scene.u))
     return [*body, *_border_ticks(scene), *_rotation(scene), *_follower(scene)]
+
+
+def _outline(scene: Scene) -> str:
+    """The cam as an area: its profile, or a rim, less what an outer flank leaves open."""
+    first = scene.flanks[0][0]
+    mine = [(flank, curve) for flank, curve in scene.flanks if flank.path == first.path]
+    steps = ""
+    for flank, curve in mine:
+        x, y = curve.x[:: flank.side], curve.y[:: flank.side]  # holes run the other way round
+        steps += svg.steps(x, y, scene.decimals, closed=True)
+    if scene.rim > 0.0:
+        r, sweep = svg.num(scene.rim), int(scene.rotation < 0.0)
+        steps += f"M{r} 0A{r} {r} 0 0 {sweep} -{r} 0A{r} {r} 0 0 {sweep} {r} 0Z"
+    return svg.path("outline body", steps)
+
+
+def _counters(scene: Scene) -> list[str]:
+    """Profile, pitch curve and roller of a second cam on the shaft."""
+    body: list[str] = []
+    for (flank, curve), start in zip(scene.flanks, scene.starts, strict=True):
+        if flank.path == scene.flanks[0][0].path:
+            continue
+        for kind, x, y in (("pitch", curve.pitch_x, curve.pitch_y), ("curve", curve.x, curve.y)):
+            body.append(svg.path(f"line {kind}", svg.steps(x, y, scene.decimals, closed=True)))
+        centre = float(start.pitch_x[0]), float(start.pitch_y[0])
+        body.append(svg.circle("line outline", *centre, flank.distance))
+    return body
 
 
 def _centre_lines(scene: Scene) -> list[str]:

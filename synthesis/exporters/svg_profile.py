@@ -1,6 +1,7 @@
 """Drawing of the cam as SVG, at true scale in mm: the cam, its circles, and the follower.
 
-The shapes stand in a group with y upwards, so their numbers are those of the cam's frame.
+The shapes stand in a group with y upwards, so their numbers are those of the cam's frame; a place
+on a shaft, ``turn_deg`` and ``z_mm``, is not drawn.
 """
 
 from __future__ import annotations
@@ -17,6 +18,8 @@ from synthesis.exporters.options import ProfileOptions
 from synthesis.exporters.svg_cam import BELOW, Scene, shapes
 from synthesis.exporters.svg_heading import TURNS, heading
 from synthesis.exporters.svg_labels import labels
+from synthesis.followers.flank import Flank
+from synthesis.profile import CamProfile
 
 HEADER, MARGIN, ROW = 22.0, 14.0, 5.2  # in units of the sheet
 OPPOSITE = {"ccw": "cw", "cw": "ccw"}
@@ -48,22 +51,29 @@ def _profile(design: Design, options: ProfileOptions) -> bytes:
 
 def _legend(design: Design, scene: Scene) -> list[tuple[str, str]]:
     """Kinds of lines and what they stand for."""
-    radius = np.hypot(scene.ring.x, scene.ring.y)
-    least, largest = svg.figure(float(radius.min()), 5), svg.figure(float(radius.max()), 5)
     size = {name: svg.figure(value, 6) for name, value in design.dimensions.items()}
+    first = scene.flanks[0][0]
     rows = [
-        ("line outline", f"profile, radius {least} to {largest} mm"),
-        ("line circle", f"base circle, radius {size['base_radius_mm']} mm"),
+        ("line outline" if flank.path == first.path else "line curve", _radii(flank, curve))
+        for flank, curve in scene.flanks
     ]
+    rows.append(("line circle", f"base circle, radius {size['base_radius_mm']} mm"))
     if scene.roller > 0.0:
-        rows.insert(1, ("line pitch", "pitch curve, path of the roller's centre"))
+        rows.insert(len(scene.flanks), ("line pitch", "pitch curve, path of the roller's centre"))
         rows.append(("line prime", f"prime circle, radius {size['prime_radius_mm']} mm"))
     if "offset_mm" in size:
         rows.append(("line centre", f"line of the follower, offset {size['offset_mm']} mm"))
     if scene.pivot is not None:
-        distance = f"pivot {size['centre_distance_mm']} mm from the cam's axis"
-        rows.append(("line centre", f"arm of {size['arm_mm']} mm, {distance}"))
+        distance = size["centre_distance_mm"]
+        rows.append(("line centre", f"arm {size['arm_mm']} mm, pivot at {distance} mm"))
     return rows
+
+
+def _radii(flank: Flank, curve: CamProfile) -> str:
+    """Between which radii a flank lies."""
+    radius = np.hypot(curve.x, curve.y)
+    least, largest = svg.figure(float(radius.min()), 5), svg.figure(float(radius.max()), 5)
+    return f"{flank.name} profile, radius {least} to {largest} mm".strip()
 
 
 def _legend_lines(rows: list[tuple[str, str]], x: float, top: float, u: float) -> list[str]:
@@ -107,4 +117,4 @@ def _scale_bar(x: float, y: float, u: float) -> list[str]:
     return body
 
 
-PROFILE = Exporter("svg", "Drawing of the cam", "image/svg+xml", ".svg", _profile)
+PROFILE = Exporter("svg", "Drawing of the cam", "image/svg+xml", ".svg", _profile, placeable=False)

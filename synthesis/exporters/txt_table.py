@@ -1,7 +1,7 @@
 """Plain table of the motion: the CSV's columns in its order, separated by spaces, no header.
 
 For programs that read bare numbers (`numpy.loadtxt`, a spreadsheet's text import): cam angle [deg],
-s, v, a, j at the given speed [mm, s], s', s'', s''' [mm, rad], side of a jump.
+s, v, a, j at the given speed [mm or deg, s], s', s'', s''' [mm or deg, rad], side of a jump.
 """
 
 from __future__ import annotations

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
@@ -9,12 +10,11 @@ from typing import Any, ClassVar
 
 from pydantic import BaseModel, ConfigDict
 
+from synthesis.followers.flank import Flank, Trace, Vector2
 from synthesis.motion import Motion, Stretch
 from synthesis.ranges import Range
 from synthesis.terms import Cone, Norm, Row
 from synthesis.units import Travel
-
-Vector2 = tuple[Any, Any]
 
 
 @dataclass(frozen=True)
@@ -93,6 +93,22 @@ class Follower(BaseModel, ABC):
     def roller_radius(self) -> float:
         """Distance of the profile from the curve of the traced point [mm]; 0 at a knife edge."""
 
+    @property
+    def flanks(self) -> tuple[Flank, ...]:
+        """The curves that the cam is made of; the base radius is that of the first."""
+        return (Flank("", 1, self.roller_radius, "", self),)
+
+    @property
+    def paths(self) -> Mapping[str, Trace]:
+        """The traced curves behind the flanks, by name; its own is the first."""
+        return {flank.path: flank.trace for flank in self.flanks}
+
+    @property
+    def base_gap(self) -> float:
+        """Prime radius less base radius [mm]: negative where the cam is touched from inside."""
+        first = self.alone().flanks[0]
+        return first.side * first.distance
+
     @abstractmethod
     def sizing(self, base_radius: tuple[float, float]) -> Sizing:
         """Where z may lie for a base radius between two ends [mm]."""
@@ -161,6 +177,35 @@ class Follower(BaseModel, ABC):
         """Its dimensions that may also be left free: field and value."""
         return {}
 
+    @property
+    def companions(self) -> tuple[str, ...]:
+        """Paths of further rollers that its motion moves along."""
+        return ()
+
+    def companion_ranges(self) -> Mapping[str, tuple[str, float | Range | None]]:
+        """Dimensions settled after the size: field, its name among the dimensions, value."""
+        return {}
+
+    def places(self, z: tuple[float, ...], s_max: float) -> tuple[float, float]:
+        """Between which values such a dimension makes sense, in the unit of the wire."""
+        return -math.inf, math.inf
+
+    def opened(self) -> Follower:
+        """The same with everything left free that is settled after the size."""
+        return self
+
+    def alone(self) -> Follower:
+        """The same without what is settled after the size and is still free."""
+        return self
+
+    def companion(self, values: Mapping[str, float]) -> Follower:
+        """The same with the flanks of its further rollers alone."""
+        return self
+
+    def completed(self, values: Mapping[str, float]) -> Follower:
+        """The same with what was settled after the size, by the names of the dimensions."""
+        return self
+
     def unsized(self) -> Follower:
         """The same without a dimension that would fix the base radius in other words."""
         return self
@@ -184,20 +229,27 @@ class Follower(BaseModel, ABC):
         """Profile radius ≥ least as rows linear in s to s'' and z; () where it is not linear."""
         return ()
 
-    def profile_radius_measure(self, least: float) -> Measure | None:
-        """Profile radius ≥ least on the finished cam; None where it cannot fail.
+    def profile_radius_measure(self, flank: Flank, least: float) -> Measure | None:
+        """Convex radius of a flank ≥ least on the finished cam; None where it cannot fail.
 
-        Of a traced curve at the distance Rr: κ ≤ 1/(Rr + least), free of division by what may
-        vanish on the way from convex to hollow.
+        Of a curve at the distance D: σκ ≤ 1/(D + least), free of division by what may vanish on
+        the way from convex to hollow.
         """
-        roller, smallest = self.roller_radius, self.roller_radius + least
+        side, distance, smallest = flank.side, flank.distance, flank.distance + least
         if smallest <= 0.0:
             return None
 
         def to_wire(curvature: float) -> float | None:
-            return 1.0 / curvature - roller if curvature > 0.0 else None
+            bend = side * curvature
+            return 1.0 / bend - distance if bend > 0.0 else None
 
-        return Measure("pitch_curvature", None, 1.0 / smallest, to_wire)
+        sharpest = side / smallest
+        low, high = (None, sharpest) if side > 0 else (sharpest, None)
+        return Measure("pitch_curvature", low, high, to_wire)
+
+    def radius_rows(self, least: float) -> tuple[Row, ...]:
+        """Traced curve at least so far from the axis as rows; () where the size sees to it."""
+        return ()
 
     def contact_rows(self, left: float, right: float) -> tuple[Row, ...]:
         """Contact within left and right [mm] of a face's middle, in this order; () without one."""
@@ -209,9 +261,32 @@ class Follower(BaseModel, ABC):
         (x, y), *_ = self.traced_point(s, z)
         return Shape((float(x[0]), float(y[0])), self.roller_radius)
 
+    def radius_of(self, value: float) -> float:
+        """Rp at a value of the norm ``prime_radius`` [mm]: a monotone map."""
+        return value
+
+    def value_of(self, radius: float) -> float:
+        """The norm ``prime_radius`` at a prime radius [mm]: the inverse of ``radius_of``."""
+        return radius
+
     @abstractmethod
     def outermost(self, s_max: float) -> Norm:
-        """Largest radius of the traced curve, at displacement ``s_max``, as a norm of z."""
+        """Largest radius of the traced curve, at displacement ``s_max``, as a norm of z.
+
+        Or what grows with that radius, as for ``prime_radius``.
+        """
+
+    def nearest(self, s_max: float) -> float:
+        """Displacement between 0 and ``s_max`` at which the traced curve is nearest to the axis."""
+        return 0.0
+
+    def second_arm(self, length: float, angle: float) -> Trace:
+        """The roller of a second arm [mm] at its pivot, at an angle [rad]; only with an arm."""
+        raise NotImplementedError(f"{self.kind} has no arm")
+
+    def arm_angle(self, s: float, z: tuple[float, ...]) -> float:
+        """Angle at its pivot from the line to the axis to the arm [rad]; only with an arm."""
+        raise NotImplementedError(f"{self.kind} has no arm")
 
     @abstractmethod
     def dimensions(self, z: tuple[float, ...]) -> Mapping[str, float]:

@@ -23,8 +23,12 @@ from typing import Annotated, Any, ClassVar, Literal, Self
 import numpy as np
 from pydantic import Field
 
-from synthesis.followers.base import Follower, Measure, Shape, Sizing, Vector2
+from synthesis.followers.base import Measure, Shape, Sizing
+from synthesis.followers.closures import LEAST, ArmClosure, Force
+from synthesis.followers.closures.counter_arm import CounterArm
+from synthesis.followers.flank import Trace, Vector2, outer_gap
 from synthesis.followers.reach import Arm
+from synthesis.followers.roller import RollerFollower
 from synthesis.geometry.triangle import enclosed_angle, third_side
 from synthesis.motion import Motion, Stretch
 from synthesis.numerics.peaks import peak
@@ -35,7 +39,7 @@ from synthesis.units import DEGREE, Travel
 SENSES = {"opposite": 1.0, "same": -1.0}
 
 
-class OscillatingRoller(Follower):
+class OscillatingRoller(RollerFollower):
     """A roller on an arm that swings about a pivot; the lift is the angle of its swing."""
 
     kind: Literal["oscillating_roller"] = "oscillating_roller"
@@ -70,11 +74,9 @@ class OscillatingRoller(Follower):
         ),
     ] = 0.0
 
-    # -- what is given -----------------------------------------------------------------------
+    closure: ArmClosure = Force()
 
-    @property
-    def roller_radius(self) -> float:
-        return self.roller_radius_mm
+    # -- what is given -----------------------------------------------------------------------
 
     @property
     def travel(self) -> Travel:
@@ -102,22 +104,26 @@ class OscillatingRoller(Follower):
         return self.model_copy(update={"initial_angle_deg": None})
 
     def check_reach(self, base_radius: tuple[float, float], stretches: Sequence[Stretch]) -> None:
+        self.closure.check(self.roller_radius_mm, base_radius[1], self.base_gap)
         self._arm.check(self._prime(base_radius), stretches)
 
     def reachable(self, base_radius: tuple[float, float], stroke: float) -> tuple[float, float]:
         prime = self._prime(base_radius)
         kept = zip(base_radius, prime, self._arm.swung(prime, stroke), strict=True)
-        low, high = (base if now == was else now - self.roller_radius_mm for base, was, now in kept)
+        low, high = (base if now == was else now - self.base_gap for base, was, now in kept)
         return low, high
 
     def _prime(self, base_radius: tuple[float, float]) -> tuple[float, float]:
-        return base_radius[0] + self.roller_radius_mm, base_radius[1] + self.roller_radius_mm
+        low, high = base_radius
+        # inside a ring any positive prime radius is a cam
+        gap = self.base_gap
+        return max(low + gap, LEAST * low), max(high + gap, LEAST * high)
 
     @property
     def _arm(self) -> Arm:
         low, high = ends(self.initial_angle_deg)
         angle = low * DEGREE, high * DEGREE
-        return Arm(self.arm_mm, ends(self.centre_distance_mm), angle, self.roller_radius_mm)
+        return Arm(self.arm_mm, ends(self.centre_distance_mm), angle, self.base_gap)
 
     # -- the size ----------------------------------------------------------------------------
 
@@ -164,6 +170,17 @@ class OscillatingRoller(Follower):
         p, q = z
         return p, max(q, math.sqrt(max(radius**2 - (self.arm_mm - p) ** 2, 0.0)))
 
+    def radius_of(self, value: float) -> float:
+        if self._distance is None:
+            return value
+        angle = min(max(value / self.arm_mm, 0.0), math.pi)
+        return third_side(self.arm_mm, self._distance, angle)
+
+    def value_of(self, radius: float) -> float:
+        if self._distance is None:
+            return radius
+        return self.arm_mm * enclosed_angle(self.arm_mm, self._distance, radius)
+
     def outermost(self, s_max: float) -> Norm:
         # R grows with ψ: at the highest lift, (l − d cosψ, d sinψ)
         if self._distance is not None:
@@ -175,11 +192,10 @@ class OscillatingRoller(Follower):
         return ()  # not linear in s
 
     def displacement_measure(self, z: tuple[float, ...]) -> Measure:
-        l, start = self.arm_mm, self._initial_angle(z)
-        return Measure(
-            "displacement", -l * start, l * (math.pi - start), lambda s: (start + s / l) / DEGREE,
-            "deg",
-        )  # fmt: skip
+        # 0 < ψ < 180°
+        l, lowest = self.arm_mm, -self.arm_mm * self._initial_angle(z)
+        highest = lowest + l * math.pi
+        return Measure("displacement", lowest, highest, lambda s: (s - lowest) / l / DEGREE, "deg")
 
     # -- geometry ----------------------------------------------------------------------------
 
@@ -246,6 +262,19 @@ class OscillatingRoller(Follower):
         bend = sigma * (s[1] / l) * lever * ahead - across * s[2]
         return speed_squared + bend, speed_squared
 
+    def arm_angle(self, s: float, z: tuple[float, ...]) -> float:
+        return self._initial_angle(z) + s / self.arm_mm
+
+    def second_arm(self, length: float, angle: float) -> Trace:
+        ratio = length / self.arm_mm
+        sense = {"opposite": "same", "same": "opposite"}[self.sense]
+        other = self.model_copy(update={"arm_mm": length, "sense": sense, "closure": Force()})
+        if self._distance is not None:
+            return CounterArm(other, ratio, ((-ratio,),), (length * angle,))
+        # d cos(γ − ψ0), d sin(γ − ψ0)
+        cos, sin = math.cos(angle), math.sin(angle)
+        return CounterArm(other, ratio, ((cos, sin), (sin, -cos)), (0.0, 0.0))
+
     # -- what is told ------------------------------------------------------------------------
 
     def shape(self, motion: Motion, z: tuple[float, ...]) -> Shape:
@@ -256,12 +285,13 @@ class OscillatingRoller(Follower):
     def dimensions(self, z: tuple[float, ...]) -> Mapping[str, float]:
         prime = self.radius(z)
         return {
-            "base_radius_mm": prime - self.roller_radius_mm,
+            "base_radius_mm": prime - self.base_gap,
             "prime_radius_mm": prime,
             "roller_radius_mm": self.roller_radius_mm,
             "arm_mm": self.arm_mm,
             "centre_distance_mm": float(self._bearing(z)[0]),
             "initial_angle_deg": self._initial_angle(z) / DEGREE,
+            **self.closure.dimensions(self.roller_radius_mm),
         }
 
     def motion_dimensions(self, motion: Motion, z: tuple[float, ...]) -> Mapping[str, float]:
@@ -270,11 +300,13 @@ class OscillatingRoller(Follower):
         A negative clearance: the cam sweeps past the pivot, so that arm and bearing have to stand
         beside the cam's plane.
         """
+        flanks = self.alone().flanks
         highest, _ = peak(motion.curve, (1.0, 0.0, 0.0, 0.0))
-        outer = self._radius(z, highest) - self.roller_radius_mm
+        outer = self._radius(z, highest) - outer_gap(flanks, flanks[0].path)
         return {
             "outer_radius_mm": outer,
             "pivot_clearance_mm": float(self._bearing(z)[0]) - outer,
+            **self.closure.motion_dimensions(self, motion, z),
         }
 
 

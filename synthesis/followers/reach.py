@@ -29,13 +29,13 @@ class Arm:
 
     Attributes:
         length: l [mm]. distance: ends of d [mm], open ones infinite.
-        angle: ends of ψ0 [rad], open ones infinite. roller: its radius [mm].
+        angle: ends of ψ0 [rad], open ones infinite. gap: prime radius less base radius [mm].
     """
 
     length: float
     distance: tuple[float, float]
     angle: tuple[float, float]
-    roller: float
+    gap: float
 
     @property
     def pivot(self) -> float | None:
@@ -134,7 +134,7 @@ class Arm:
             "further. Make the lift smaller{way}.",
             {"swing": round(180.0 - start / DEGREE, 6), "index": stretch.index,
              "at": round(_crossing(stretch, room) / DEGREE, 4), "start": round(start / DEGREE, 6),
-             "where": "" if base is None else f" (base radius {base - self.roller:.6g} mm)",
+             "where": "" if base is None else f" (base radius {base - self.gap:.6g} mm)",
              "way": "" if base is None else ", the base radius smaller, or the pivot farther"},
         )  # fmt: skip
 

@@ -14,7 +14,8 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from typing import Any, ClassVar, Literal
 
-from synthesis.followers.base import Follower, Measure, Shape, Sizing, Vector2
+from synthesis.followers.base import Follower, Measure, Shape, Sizing
+from synthesis.followers.flank import Flank, Vector2
 from synthesis.motion import Motion
 from synthesis.numerics.peaks import peak
 from synthesis.terms import Cone, Norm, Row
@@ -61,7 +62,7 @@ class TranslatingFlatFace(Follower):
         # Rb + s + s'' ≥ least
         return (Row((-1.0, 0.0, -1.0, 0.0), (-1.0,), -least),)
 
-    def profile_radius_measure(self, least: float) -> Measure:
+    def profile_radius_measure(self, flank: Flank, least: float) -> Measure:
         return Measure("face_radius", least, None, float)
 
     def contact_rows(self, left: float, right: float) -> tuple[Row, ...]:

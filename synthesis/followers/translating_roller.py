@@ -15,13 +15,16 @@ import numpy as np
 from pydantic import Field
 from pydantic_core import PydanticCustomError
 
-from synthesis.followers.base import Follower, Sizing, Vector2
-from synthesis.motion import Stretch
+from synthesis.followers.base import Sizing
+from synthesis.followers.closures import LEAST, Force, SlideClosure
+from synthesis.followers.flank import Vector2
+from synthesis.followers.roller import RollerFollower
+from synthesis.motion import Motion, Stretch
 from synthesis.ranges import Dimension, Range, ends
 from synthesis.terms import Cone, Norm, Row
 
 
-class TranslatingRoller(Follower):
+class TranslatingRoller(RollerFollower):
     """A roller on a slide that moves in a straight line past the cam's axis."""
 
     kind: Literal["translating_roller"] = "translating_roller"
@@ -32,29 +35,30 @@ class TranslatingRoller(Follower):
         float, Field(ge=0.0, le=1e6, description="Radius of the roller; 0 is a knife edge.")
     ]
     offset_mm: Dimension = None
-
-    @property
-    def roller_radius(self) -> float:
-        return self.roller_radius_mm
+    closure: SlideClosure = Force()
 
     def check_reach(self, base_radius: tuple[float, float], stretches: Sequence[Stretch]) -> None:
+        largest, gap = base_radius[1], self.base_gap
+        self.closure.check(self.roller_radius_mm, largest, gap)
         e_min, e_max = ends(self.offset_mm)
         nearest = 0.0 if e_min <= 0.0 <= e_max else min(abs(e_min), abs(e_max))
-        prime = base_radius[1] + self.roller_radius
+        prime = largest + gap
         if nearest >= prime:
             raise PydanticCustomError(
                 "offset_beyond_prime_radius",
                 "offset_mm = {offset} is not inside the prime radius {prime} mm "
-                "(base radius plus roller radius): the follower would miss the pitch circle. "
+                "(base radius {word} roller radius): the follower would miss the pitch circle. "
                 "Take a smaller offset or a larger base radius.",
-                {"offset": nearest, "prime": prime},
+                {"offset": nearest, "prime": prime, "word": "plus" if gap >= 0.0 else "less"},
             )
 
     def adjustable(self) -> Mapping[str, float | Range | None]:
         return {"offset_mm": self.offset_mm}
 
     def sizing(self, base_radius: tuple[float, float]) -> Sizing:
-        least, largest = (radius + self.roller_radius_mm for radius in base_radius)
+        gap = self.base_gap
+        # inside a ring any positive prime radius is a cam
+        least, largest = (max(radius + gap, LEAST * radius) for radius in base_radius)
         e_min, e_max = ends(self.offset_mm)
         e_min, e_max = max(e_min, -largest), min(e_max, largest)
         nearest = 0.0 if e_min <= 0.0 <= e_max else min(abs(e_min), abs(e_max))
@@ -78,9 +82,13 @@ class TranslatingRoller(Follower):
         e, s0 = z
         largest = bounds[1][1]
         for cone in cones:
-            across, along = cone.norm.shift
-            reach = math.sqrt(max(cone.radius**2 - (e + across) ** 2, 0.0))
-            largest = min(largest, reach - along)
+            # ‖q + s0 w‖ ≤ radius, w the image of the unit of s0: the larger root
+            (ax, bx), (ay, by) = cone.norm.matrix
+            qx, qy = ax * e + cone.norm.shift[0], ay * e + cone.norm.shift[1]
+            length = math.hypot(bx, by)
+            across, along = (qx * by - qy * bx) / length, (qx * bx + qy * by) / length
+            reach = math.sqrt(max(cone.radius**2 - across**2, 0.0))
+            largest = min(largest, (reach - along) / length)
         return max(largest - s0, 0.0)
 
     def reaching(self, z: tuple[float, ...], radius: float) -> tuple[float, ...]:
@@ -115,9 +123,13 @@ class TranslatingRoller(Follower):
         e, s0 = z
         prime = float(np.hypot(e, s0))
         return {
-            "base_radius_mm": prime - self.roller_radius_mm,
+            "base_radius_mm": prime - self.base_gap,
             "prime_radius_mm": prime,
             "roller_radius_mm": self.roller_radius_mm,
             "offset_mm": e,
             "s0_mm": s0,
+            **self.closure.dimensions(self.roller_radius_mm),
         }
+
+    def motion_dimensions(self, motion: Motion, z: tuple[float, ...]) -> Mapping[str, float]:
+        return self.closure.motion_dimensions(self, motion, z)

@@ -14,6 +14,7 @@ from synthesis.formulations.rows import exceeded
 from synthesis.formulations.smooth import grown
 
 Vector = tuple[float, ...]
+ALLOWED = 1e-9  # relative excess of a row that is solver noise
 CLEARANCE = 1e-8  # relative: sizes and smooth limits stay this far off what binds them
 
 
@@ -73,10 +74,20 @@ def given_size(problem: Problem) -> Candidate | None:
 def grow(found: Candidate) -> Candidate | None:
     """The cam raised until the limits that are not convex hold; None where none allowed does."""
     size = grown(found.problem, found.size, CLEARANCE)
-    if size is None:
+    if size is None or (found.problem.machine.follower.companions and breaks(found.problem, size)):
         return None
     return (
         found if size == found.size else replace(found, size=size, value=value(found.problem, size))
+    )
+
+
+def breaks(settled: Problem, size: Vector) -> bool:
+    """Whether a row is broken at this size: a counter roller comes nearer as the main cam grows."""
+    return any(
+        exceeded(row, stretch, size) > ALLOWED * max(map(abs, row.size)) * settled.length
+        for stretch in settled.stretches
+        for row in settled.limit_rows(stretch)
+        if row.size
     )
 
 

@@ -327,7 +327,7 @@ def open_size(problem: Problem) -> Problem:
 def range_parts(spec: DesignSpec, problem: Problem) -> list[Part]:
     """Ranges of the follower's own dimensions and of the base radius, as far as they are asked."""
     found: list[Part] = []
-    follower, roller = spec.follower, problem.machine.follower.roller_radius
+    follower, roller = spec.follower, problem.machine.follower.base_gap
     for axis, size_name in enumerate(follower.size_names):
         name = f"{size_name}_mm"
         if name in type(follower).model_fields:

@@ -22,6 +22,7 @@ from synthesis.solvers.clarabel import ConeSolution, solve
 from synthesis.solvers.statuses import Stopped
 
 ROUNDS = 8
+EXCHANGES = 3  # of the nonlinear rung
 COARSE, FINE = 12, 96  # intervals of the first grid, by tolerance
 MOST_INTERVALS = 240
 ALLOWED = 1e-9  # relative excess of a row that is solver noise: the certificate decides
@@ -316,20 +317,35 @@ def _report(state: Search, number: int, plan: Plan, solution: ConeSolution, seco
 
 def _nonlinear(state: Search) -> None:
     """Third rung: limits that are not convex, from the relaxation's cam grown out of them."""
-    from synthesis.formulations.nonlinear import improve  # CasADi only where it is needed
-
-    started = time.perf_counter()
     _smooth_start(state)
     start = state.best or state.relaxed
     assert start is not None
+    for _ in range(EXCHANGES):
+        missed, excess = _improved(state, start)
+        if excess <= ALLOWED or state.left() <= 0.0:
+            break
+        # rows that the size cannot mend, a counter cam's, were missed between their points
+        state.margin = 1.1 * (state.margin + excess)
+        both = zip(state.grids, missed, strict=True)
+        state.grids = tuple(grid.with_points(more) for grid, more in both)
+
+
+def _improved(state: Search, start: Candidate) -> tuple[list[Array], float]:
+    """One run of IPOPT; where its rows were missed between their points, and how far."""
+    from synthesis.formulations.nonlinear import improve  # CasADi only where it is needed
+
+    started = time.perf_counter()
     plan = formulate(state.problem, state.grids, 0.0, Drawn(state.tighten, state.margin))
     # rows drawn in by a little of what the caller allows save rounds: peaks may lie between them
     drawn = float(np.clip(0.04 * state.tolerance, 1e-7, 1e-3))
     solution = improve(plan, plan.point(start.laws, start.size), state.deadline, drawn)
     laws, size = plan.recover(solution.x)
+    least: tuple[list[Array], float] = [], inf
     for keep_hint in (True, False):
         found = settle(state.problem, laws, size, keep_hint=keep_hint)
-        if _missed(state, found)[1] <= ALLOWED:
+        missed = _missed(state, found)
+        least = min(least, missed, key=lambda each: each[1])
+        if missed[1] <= ALLOWED:
             state.finish(found)
     state.stages.append(
         Stage(
@@ -337,6 +353,7 @@ def _nonlinear(state: Search) -> None:
             time.perf_counter() - started, solution.stopped.value,
         )
     )  # fmt: skip
+    return least
 
 
 def _smooth_start(state: Search) -> None:

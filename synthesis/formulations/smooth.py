@@ -157,13 +157,13 @@ def _crossing(excess: Callable[[float], float], low: float, high: float) -> floa
     return high
 
 
-def reached(problem: Problem, size: Vector) -> tuple[float, float]:
-    """Least and largest curvature of the pitch curve on the largest cam with these laws [1/mm]."""
+def reached(problem: Problem, size: Vector, path: str) -> tuple[float, float]:
+    """Least and largest curvature of a pitch curve on the largest cam with these laws [1/mm]."""
     follower = problem.machine.follower
     largest = follower.raised(size, problem.room(size))
     values = []
     for part in sample(problem):
-        numerator, speed_squared = follower.curvature_terms(part.s, largest)
+        numerator, speed_squared = follower.paths[path].curvature_terms(part.s, largest)
         values.append(numerator / speed_squared**1.5)
     curvature = np.concatenate(values)
     return float(np.min(curvature)), float(np.max(curvature))

@@ -8,6 +8,7 @@ from pydantic import Field
 
 from synthesis.limits.acceleration import Acceleration
 from synthesis.limits.base import Claim, Limit, Machine
+from synthesis.limits.counter_base_radius import CounterBaseRadius
 from synthesis.limits.cutter_radius import CutterRadius
 from synthesis.limits.face_width import FaceWidth
 from synthesis.limits.jerk import Jerk
@@ -24,13 +25,14 @@ AnyLimit = Annotated[
     | Acceleration
     | Jerk
     | OuterRadius
-    | FaceWidth,
+    | FaceWidth
+    | CounterBaseRadius,
     Field(discriminator="kind"),
 ]
 
 LIMITS: tuple[type[Limit], ...] = (
     PressureAngle, ProfileRadius, CutterRadius, Velocity, Acceleration, Jerk, OuterRadius,
-    FaceWidth,
+    FaceWidth, CounterBaseRadius,
 )  # fmt: skip
 
 __all__ = ["LIMITS", "AnyLimit", "Claim", "Limit", "Machine"]

@@ -47,6 +47,7 @@ class Claim:
         unit: unit on the wire.
         to_wire: monotone map from the core's unit to the wire's; None where the wire has no value.
         field: the field of the spec that sets it, as in ``limits/pressure_angle/rise_deg``.
+        path: name of the traced curve that is measured, among the follower's ``paths``.
         part: first and last x, in [0, 1], of these stretches where it must hold; None: all along.
         exact: the quantity has one value there; the bounds leave no more than rounding.
     """
@@ -59,6 +60,7 @@ class Claim:
     unit: str
     to_wire: Callable[[float], float | None]
     field: str
+    path: str = ""
     part: tuple[float, float] | None = None
     exact: bool = False
 
@@ -78,6 +80,10 @@ class Limit(BaseModel, ABC):
     @property
     def travel_unit(self) -> str | None:
         """Unit of displacement that it is given in; None where it is not about displacement."""
+        return None
+
+    def check(self, follower: Follower) -> None:
+        """Refuse a value that no cam of such a follower can keep."""
         return None
 
     def rows(self, stretch: Stretch, machine: Machine) -> tuple[Row, ...]:

@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from typing import Annotated, Any, ClassVar, Literal
 
 from pydantic import Field
 
+from synthesis.followers.flank import Flank, labelled
 from synthesis.limits.base import Claim, Limit, Machine, where
 from synthesis.motion import Stretch
 
@@ -14,44 +15,47 @@ from synthesis.motion import Stretch
 class CutterRadius(Limit):
     """Hollow flanks must let in a cutter of radius ``radius_mm``: |ρ_profile| ≥ Rg there.
 
-    With ρ_profile = |ρ_pitch| + Rr on a hollow flank this is κ_pitch ≥ −1/(Rg − Rr); a cutter
-    not larger than the roller fits everywhere.
+    With ρ_profile = |ρ_pitch| + D on a hollow at the distance D this is σκ_pitch ≥ −1/(Rg − D),
+    σ = 1 where the cam is touched from outside, −1 from inside; a cutter not larger than the
+    roller fits everywhere.
     """
 
     kind: Literal["cutter_radius"] = "cutter_radius"
     title: ClassVar[str] = "Cutter or grinding wheel that must fit every hollow"
     radius_mm: Annotated[float, Field(gt=0.0, le=1e9, description="Radius of the cutter.")]
 
-    def _pitch_radius(self, machine: Machine) -> float | None:
-        """Smallest hollow radius of the pitch curve [mm]; None where the cutter always fits."""
-        if machine.follower.always_convex:
-            return None
-        radius = self.radius_mm - machine.follower.roller_radius
-        return radius if radius > 0.0 else None
+    def _hollows(self, machine: Machine) -> Iterator[tuple[Flank, float]]:
+        """Flanks that the cutter may not fit, and their smallest hollow pitch radius [mm]."""
+        for flank in () if machine.follower.always_convex else machine.follower.flanks:
+            if self.radius_mm > flank.distance:
+                yield flank, self.radius_mm - flank.distance
 
     def smooth(self, stretch: Stretch, machine: Machine, s: Any, z: Any) -> tuple[Any, ...]:
-        radius = self._pitch_radius(machine)
-        if radius is None:
-            return ()
-        numerator, speed_squared = machine.follower.curvature_terms(s, z)
-        speed = speed_squared**0.5
-        # κ ≥ −1/R times W/(W + R): even numbers for a cutter of any size, the same zero
-        return (-(radius * numerator / speed_squared + speed) / (speed + radius),)
+        found = []
+        for flank, radius in self._hollows(machine):
+            numerator, speed_squared = flank.trace.curvature_terms(s, z)
+            speed = speed_squared**0.5
+            # σκ ≥ −1/R times W/(W + R): even numbers for a cutter of any size, the same zero
+            bend = flank.side * radius * numerator
+            found.append(-(bend / speed_squared + speed) / (speed + radius))
+        return tuple(found)
 
     def claims(self, stretches: Sequence[Stretch], machine: Machine) -> tuple[Claim, ...]:
-        radius = self._pitch_radius(machine)
-        if radius is None:
-            return ()
-        roller = machine.follower.roller_radius
-        return (
-            Claim(
-                "cutter_radius",
-                "pitch_curvature",
-                where(stretches),
-                -1.0 / radius,
-                None,
-                "mm",
-                lambda curvature: roller - 1.0 / curvature if curvature < 0.0 else None,
-                "cutter_radius/radius_mm",
-            ),
+        return tuple(
+            _claim(flank, radius, where(stretches)) for flank, radius in self._hollows(machine)
         )
+
+
+def _claim(flank: Flank, radius: float, everywhere: tuple[int, ...]) -> Claim:
+    """The flank's sharpest hollow lets the cutter in."""
+    side, distance, sharpest = flank.side, flank.distance, -flank.side / radius
+
+    def to_wire(curvature: float) -> float | None:
+        bend = side * curvature
+        return distance - 1.0 / bend if bend < 0.0 else None
+
+    low, high = (sharpest, None) if side > 0 else (None, sharpest)
+    return Claim(
+        labelled("cutter_radius", flank.name), "pitch_curvature", everywhere, low, high, "mm",
+        to_wire, "cutter_radius/radius_mm", flank.path,
+    )  # fmt: skip

@@ -100,7 +100,8 @@ class Demand(Limit):
         return (
             Claim(
                 self.name, QUANTITIES[self.order], (self.segment,), low, high,
-                machine.told(self.order), _moved(factor, start), self.field, self.part, self.exact,
+                machine.told(self.order), _moved(factor, start), self.field,
+                part=self.part, exact=self.exact,
             ),
         )  # fmt: skip
 

@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Iterator, Sequence
 from typing import Annotated, ClassVar, Literal
 
 from pydantic import Field
+from pydantic_core import PydanticCustomError
 
+from synthesis.followers.base import Follower
+from synthesis.followers.flank import Trace, labelled, outer_gap
 from synthesis.limits.base import Claim, Limit, Machine, where
 from synthesis.motion import Stretch
 from synthesis.terms import Cone
@@ -16,30 +19,61 @@ class OuterRadius(Limit):
     """No point of the profile lies farther from the cam's axis than ``max_mm``.
 
     Where the profile is outermost its normal is radial, so the pitch curve is outermost there
-    too, Rr farther out: the profile's largest radius is the pitch curve's less Rr.
+    too: the profile's largest radius is the pitch curve's less Rr, or plus Rr where the cam lies
+    around the roller; there the rim that was asked for comes on top.
     """
 
     kind: Literal["outer_radius"] = "outer_radius"
     title: ClassVar[str] = "Largest radius of the profile"
     max_mm: Annotated[float, Field(gt=0.0, le=1e9, description="Largest radius of the profile.")]
 
+    def check(self, follower: Follower) -> None:
+        alone = follower.alone()
+        for path in alone.paths:
+            gap = outer_gap(alone.flanks, path)
+            if self.max_mm + gap <= 0.0:
+                raise PydanticCustomError(
+                    "outer_radius_too_small",
+                    "max_mm = {value} of outer_radius is not above {gap} mm: roller, clearance "
+                    "and rim take that much around the pitch curve. Allow a larger radius, or "
+                    "make them smaller.",
+                    {"value": self.max_mm, "gap": -gap},
+                )
+
     def cones(self, stretches: Sequence[Stretch], machine: Machine) -> tuple[Cone, ...]:
         highest = max(max(s.s_start, s.s_end) for s in stretches)
-        radius = self.max_mm + machine.follower.roller_radius
-        return (Cone(machine.follower.outermost(highest), radius, "outer_radius"),)
+        return tuple(
+            Cone(
+                trace.outermost(highest),
+                trace.value_of(self.max_mm + gap),
+                labelled("outer_radius", path),
+            )
+            for path, trace, gap in _edges(machine)
+        )
 
     def claims(self, stretches: Sequence[Stretch], machine: Machine) -> tuple[Claim, ...]:
-        radius = self.max_mm + machine.follower.roller_radius
-        roller = machine.follower.roller_radius
-        return (
+        return tuple(
             Claim(
-                "outer_radius",
+                labelled("outer_radius", path),
                 "pitch_radius",
                 where(stretches),
                 None,
-                radius,
+                self.max_mm + gap,
                 "mm",
-                lambda pitch: pitch - roller,
+                _less(gap),
                 "outer_radius/max_mm",
-            ),
+                path,
+            )
+            for path, trace, gap in _edges(machine)
         )
+
+
+def _edges(machine: Machine) -> Iterator[tuple[str, Trace, float]]:
+    """Every path by name, and what the edge of its cam lacks to it [mm]."""
+    for path, trace in machine.follower.paths.items():
+        yield path, trace, outer_gap(machine.follower.flanks, path)
+
+
+def _less(gap: float) -> Callable[[float], float]:
+    """The map that takes away ``gap``."""
+    return lambda pitch: pitch - gap

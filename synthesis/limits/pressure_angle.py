@@ -5,10 +5,11 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import replace
 from math import tan
-from typing import Annotated, ClassVar, Literal
+from typing import Annotated, Any, ClassVar, Literal
 
 from pydantic import Field
 
+from synthesis.followers.flank import labelled
 from synthesis.limits.base import Claim, Limit, Machine, times, where
 from synthesis.motion import Sense, Stretch
 from synthesis.terms import Row
@@ -20,7 +21,8 @@ Degrees = Annotated[float, Field(gt=0.0, lt=90.0)]
 class PressureAngle(Limit):
     """|α| ≤ the rise's limit on every rise, ≤ the return's on every return; dwells are free.
 
-    Linear in the motion and the size together: |s' − e| ≤ tan α_max (s0 + s).
+    Linear in the motion and the size together: |s' − e| ≤ tan α_max (s0 + s). Rises and returns
+    are the program's, for a counter cam too, which falls where the main cam rises.
     """
 
     kind: Literal["pressure_angle"] = "pressure_angle"
@@ -38,17 +40,35 @@ class PressureAngle(Limit):
 
     def rows(self, stretch: Stretch, machine: Machine) -> tuple[Row, ...]:
         return tuple(
-            replace(row, source=f"pressure_angle_{kind}")
+            replace(row, source=labelled(f"pressure_angle_{kind}", label))
             for kind in stretch.senses
             if (largest := self._largest(kind)) is not None
-            for row in machine.follower.pressure_angle_rows(tan(largest))
+            for label, path in machine.follower.paths.items()
+            for row in path.pressure_angle_rows(tan(largest))
         )
+
+    def smooth(self, stretch: Stretch, machine: Machine, s: Any, z: Any) -> tuple[Any, ...]:
+        """Of counter rollers that say nothing in rows: |n × g| ≤ tan α_max n · g."""
+        limits = [self._largest(kind) for kind in stretch.senses]
+        slopes = [tan(largest) for largest in limits if largest is not None]
+        found: list[Any] = []
+        for label in machine.follower.companions if slopes else ():
+            path, slope = machine.follower.paths[label], min(slopes)
+            if path.pressure_angle_rows(slope):
+                continue
+            (px, py), (dx, dy), *_ = path.traced_point(s, z)
+            nx, ny = path.normal((dx + py, dy - px), s, z)
+            (gx, gy), _ = path.direction(s, z)
+            length = (nx * nx + ny * ny) ** 0.5
+            across, along = gx * ny - gy * nx, slope * (gx * nx + gy * ny)
+            found += [(across - along) / length, (-across - along) / length]
+        return tuple(found)
 
     def claims(self, stretches: Sequence[Stretch], machine: Machine) -> tuple[Claim, ...]:
         kinds: tuple[Sense, ...] = ("rise", "return", "dwell")
         return tuple(
             Claim(
-                f"pressure_angle_{kind}",
+                labelled(f"pressure_angle_{kind}", path),
                 "pressure_angle",
                 where(stretches, kind),
                 -largest,
@@ -56,7 +76,9 @@ class PressureAngle(Limit):
                 "deg",
                 times(1.0 / DEGREE),
                 f"pressure_angle/{kind}_deg",
+                path,
             )
+            for path in machine.follower.paths
             for kind in kinds
             if (largest := self._largest(kind)) is not None and where(stretches, kind)
         )

@@ -8,6 +8,7 @@ from typing import Annotated, Any, ClassVar, Literal
 
 from pydantic import Field
 
+from synthesis.followers.flank import labelled
 from synthesis.limits.base import Claim, Limit, Machine, where
 from synthesis.motion import Stretch
 from synthesis.terms import Row
@@ -17,7 +18,8 @@ class ProfileRadius(Limit):
     """Radius of the convex profile ≥ ``min_mm``: ρ_pitch ≥ Rr + min wherever ρ_pitch is positive.
 
     The follower says it in linear rows where it can (a flat face: ρ = Rb + s + s''). For a roller
-    it is written as κ_pitch ≤ 1/(Rr + min), which is free of division by what may vanish. Signed:
+    it is written as κ_pitch ≤ 1/(Rr + min), which is free of division by what may vanish; of a
+    flank touched from inside with −κ_pitch, because there a hollow pitch curve is convex. Signed:
     a hollow flank (negative curvature) is the business of the limit ``cutter_radius``.
     """
 
@@ -33,20 +35,25 @@ class ProfileRadius(Limit):
         return tuple(replace(row, source="profile_radius") for row in rows)
 
     def smooth(self, stretch: Stretch, machine: Machine, s: Any, z: Any) -> tuple[Any, ...]:
-        smallest = machine.follower.roller_radius + self.min_mm
-        if smallest <= 0.0 or self.rows(stretch, machine):
+        if self.rows(stretch, machine):
             return ()
-        numerator, speed_squared = machine.follower.curvature_terms(s, z)
-        # κ ≤ 1/ρ_min with κ = N/W³, divided by W² to keep the size of the numbers even
-        return (smallest * numerator / speed_squared**1.5 - 1.0,)
+        found = []
+        for flank in machine.follower.flanks:
+            smallest = flank.distance + self.min_mm
+            if smallest > 0.0:
+                numerator, speed_squared = flank.trace.curvature_terms(s, z)
+                # σκ ≤ 1/ρ_min with κ = N/W³, divided by W² to keep the size of the numbers even
+                found.append(flank.side * smallest * numerator / speed_squared**1.5 - 1.0)
+        return tuple(found)
 
     def claims(self, stretches: Sequence[Stretch], machine: Machine) -> tuple[Claim, ...]:
-        found = machine.follower.profile_radius_measure(self.min_mm)
-        if found is None:
-            return ()
-        return (
+        measures = (
+            (flank, machine.follower.profile_radius_measure(flank, self.min_mm))
+            for flank in machine.follower.flanks
+        )
+        return tuple(
             Claim(
-                "profile_radius",
+                labelled("profile_radius", flank.name),
                 found.quantity,
                 where(stretches),
                 found.lower,
@@ -54,5 +61,8 @@ class ProfileRadius(Limit):
                 "mm",
                 found.to_wire,
                 "profile_radius/min_mm",
-            ),
+                flank.path,
+            )
+            for flank, found in measures
+            if found is not None
         )

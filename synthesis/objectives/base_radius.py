@@ -10,7 +10,7 @@ from synthesis.terms import Norm
 
 
 class BaseRadius(Objective):
-    """Minimise Rb = Rp − Rr."""
+    """Minimise Rb: the prime radius less Rr, plus Rr where the roller runs in a ring."""
 
     kind: Literal["base_radius"] = "base_radius"
     title: ClassVar[str] = "Base radius"
@@ -21,7 +21,7 @@ class BaseRadius(Objective):
         return machine.follower.prime_radius()
 
     def to_wire(self, value: float, machine: Machine) -> float:
-        return value - machine.follower.roller_radius
+        return value - machine.follower.base_gap
 
     def from_wire(self, value: float, machine: Machine) -> float:
-        return value + machine.follower.roller_radius
+        return value + machine.follower.base_gap

@@ -31,7 +31,8 @@ class PeakPressureAngle(Objective):
             return ()
         return tuple(
             replace(row, level=-1.0, source=self.kind)
-            for row in machine.follower.pressure_angle_rows(level)
+            for path in machine.follower.paths.values()
+            for row in path.pressure_angle_rows(level)
         )
 
     def to_wire(self, value: float, machine: Machine) -> float:

@@ -340,7 +340,7 @@ def test_what_the_follower_tells_is_what_is_measured(cam: ArmCam):
 @given(arm_cams(), unspecial(0.1, 2.0))
 def test_a_size_is_raised_to_a_radius_and_within_its_cones(cam: ArmCam, factor: float):
     follower, wanted = cam.follower, factor * cam.follower.radius(cam.size)
-    if abs(cam.d - cam.arm) < wanted < cam.d + cam.arm:
+    if not cam.fixed:
         raised = follower.reaching(cam.size, wanted)
         reached = max(wanted, follower.radius(cam.size))
         assert follower.radius(raised) == pytest.approx(reached, rel=1e-9)
@@ -353,6 +353,15 @@ def test_a_size_is_raised_to_a_radius_and_within_its_cones(cam: ArmCam, factor: 
     assert all(excess <= 1e-9 * cam.length for excess in inside)
     out = [c.norm.value(beyond) > c.radius for c in sizing.cones]
     assert any(out) or beyond[-1] > sizing.bounds[-1][1]
+
+
+@given(arm_cams(), unspecial(0.5, 1.5))
+def test_an_outer_radius_is_kept_just_where_its_norm_says_so(cam: ArmCam, share: float):
+    highest = np.max(cam.motion.curve(cam.motion.curve.breaks[:-1]))
+    outer = float(cam.radius(highest))
+    norm, most = cam.follower.outermost(highest), cam.follower.value_of(share * outer)
+    if abs(share - 1.0) > 1e-6:
+        assert (norm.value(cam.size) <= most) == (share > 1.0)
 
 
 @given(arm_cams())

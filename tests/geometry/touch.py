@@ -147,3 +147,27 @@ def coarseness(cam: np.ndarray) -> float:
         np.diff(heading, append=heading[0] + 2.0 * np.pi * np.sign(heading[-1] - heading[0]))
     )
     return float(2.0 * np.max(length * np.maximum(turn, np.roll(turn, 1))) / 8.0)
+
+
+def ceiling(ring: np.ndarray, roller: Roller, start: float) -> float:
+    """Height of the roller's centre when it rises from ``start`` in a polygon and touches it."""
+    a, b = ring, np.roll(ring, -1, axis=0)
+    beside = abs(a[:, 0] - roller.line)
+    over = beside <= roller.radius
+    heights = [a[over, 1] - np.sqrt(roller.radius**2 - beside[over] ** 2)]
+    side = b - a
+    side = side * np.where(side[:, :1] < 0.0, -1.0, 1.0)  # from left to right
+    length = np.hypot(side[:, 0], side[:, 1])
+    leans = side[:, 0] > 1e-12 * length
+    side, length, first = side[leans], length[leans], np.where(a[:, :1] < b[:, :1], a, b)[leans]
+    down = np.stack([side[:, 1], -side[:, 0]], axis=1) / length[:, None]
+    part = (roller.line - first[:, 0] - roller.radius * down[:, 0]) / side[:, 0]
+    met = (part >= 0.0) & (part <= 1.0)
+    heights.append((first[:, 1] + roller.radius * down[:, 1] + part * side[:, 1])[met])
+    found = np.concatenate(heights)
+    return float(np.min(found[found > start], initial=np.inf))
+
+
+def ceilings(ring: np.ndarray, angles: np.ndarray, roller: Roller, start: float) -> np.ndarray:
+    """The same at each angle by which the ring has turned."""
+    return np.array([ceiling(turned(ring, angle), roller, start) for angle in angles])

@@ -100,6 +100,32 @@ TABLE: dict[str, tuple[Change, str, Any, str]] = {
     ),
     "absurd number": (segment(0, lift_mm=1e300), "/program/0/lift_mm", 1e300, "at most"),
     "huge integer": (segment(0, lift_mm=10**400), "/program/0/lift_mm", ..., "must be"),
+    "a groove for a knife edge": (
+        follower(roller_radius_mm=0, closure={"kind": "groove"}), "/follower/roller_radius_mm", 0,
+        "Give the roller a radius",
+    ),
+    "a ring that the roller fills": (
+        lambda body: (
+            body.update(base_radius_mm=9),
+            body["follower"].update(closure={"kind": "force", "contact": "inside"}),
+        ), "/base_radius_mm", 9, "fill the ring",
+    ),
+    "a rim without a ring": (
+        follower(closure={"kind": "force", "rim_mm": 4}), "/follower/closure/rim_mm", 4,
+        "choose contact inside",
+    ),
+    "an unknown closure": (
+        follower(closure={"kind": "grove"}), "/follower/closure/kind", "grove",
+        "Did you mean 'groove'?",
+    ),
+    "a clearance below nothing": (
+        follower(closure={"kind": "groove", "clearance_mm": -1}),
+        "/follower/closure/clearance_mm", -1, "at least 0",
+    ),
+    "a counter cam that there is not": (
+        changed(limits=[{"kind": "counter_base_radius", "min_mm": 40}]), "/limits", ...,
+        "Remove it",
+    ),
     "face of a roller": (
         changed(limits=[{"kind": "face_width", "width_mm": 40}]), "/limits", ..., "Remove it",
     ),

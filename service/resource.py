@@ -1,0 +1,64 @@
+"""What is kept by id: designs and cam sets. One row of a table each, and one code for both."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Any
+
+from service.errors import ServiceError, UnknownCamSet, UnknownDesign
+from service.links import design_links, set_links
+from service.solve import Task, solve_set
+from service.store import CamSetRow, DesignRow, Row
+from synthesis.camset import set_id
+from synthesis.camset_spec import CamSetSpec
+from synthesis.design import design_id
+from synthesis.spec import DesignSpec
+
+
+@dataclass(frozen=True)
+class Resource:
+    """A kind of question whose answers are kept.
+
+    Attributes:
+        path: of the collection. noun: for people.
+        row: its table. spec: its request body. name_of: spec to id.
+        task: what a worker does; None: what the engine does anyway.
+        links: id, and what lists show of the answer, to addresses.
+        unknown: the error for an id that leads nowhere.
+    """
+
+    path: str
+    noun: str
+    row: type[Row]
+    spec: type[Any]
+    name_of: Callable[[Any], str]
+    task: Task | None
+    links: Callable[[str, dict[str, Any]], dict[str, str]]
+    unknown: type[ServiceError]
+
+    def at(self, name: str) -> str:
+        """Address of one of them."""
+        return f"{self.path}/{name}"
+
+
+DESIGNS = Resource(
+    path="/v1/designs",
+    noun="design",
+    row=DesignRow,
+    spec=DesignSpec,
+    name_of=design_id,
+    task=None,
+    links=lambda name, summary: design_links(name, has_cam=bool(summary.get("dimensions"))),
+    unknown=UnknownDesign,
+)
+CAM_SETS = Resource(
+    path="/v1/cam-sets",
+    noun="cam set",
+    row=CamSetRow,
+    spec=CamSetSpec,
+    name_of=set_id,
+    task=solve_set,
+    links=lambda name, summary: set_links(name, has_cams=bool(summary.get("fitting"))),
+    unknown=UnknownCamSet,
+)

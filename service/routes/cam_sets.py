@@ -1,0 +1,238 @@
+"""/v1/cam-sets: several cams on one shaft, their timing, and all files in one archive."""
+
+from __future__ import annotations
+
+import asyncio
+import zlib
+from collections.abc import Callable, Collection
+from dataclasses import asdict
+from typing import Annotated
+
+from fastapi import APIRouter, Query, Request, Response
+from pydantic import AfterValidator, BaseModel, ConfigDict, Field
+from pydantic.config import JsonDict
+from pydantic.fields import FieldInfo
+from pydantic_core import PydanticCustomError
+
+from service.documentation import problems, spec_body, tagged
+from service.errors import NothingFits
+from service.etag import tag_of, unchanged
+from service.examples import CAM_SETS
+from service.routes.files import stem_of
+from service.routes.kept import UNDER_WAY, Key, KnownTag, Prefer, created, done, forgotten, shown
+from service.state import Parts, State
+from service.views import CamSetPage, CamSetSummary, page_of, position_of
+from synthesis.camset import CamSet
+from synthesis.design import Status
+from synthesis.exporters import MOTION_FORMATS, PROFILE_FORMATS, MotionOptions, ProfileOptions
+from synthesis.exporters.bundle import MEDIA_TYPE, BundleOptions, bundle
+from synthesis.exporters.options import CurveName
+from synthesis.exporters.svg_timing import timing_diagram
+
+router = APIRouter(prefix="/v1/cam-sets", tags=["cam sets"])
+MAX_POINTS_PER_DEGREE = 10.0  # in an archive, of which one may hold fifty cams
+MIN_TOLERANCE_UM = 0.1
+SVG = "image/svg+xml"
+PICTURE = "default-src 'none'; style-src 'unsafe-inline'"
+
+Density = Annotated[float, Field(gt=0.0, le=MAX_POINTS_PER_DEGREE)]
+
+
+def _among(known: Collection[str]) -> tuple[AfterValidator, FieldInfo]:
+    """Checks and describes a list of formats."""
+
+    def checked(names: list[str]) -> list[str]:
+        for name in names:
+            if name not in known:
+                raise PydanticCustomError(
+                    "unknown_format",
+                    "{value} is not one of {known}. Name some of these; repeat it for several.",
+                    {"value": name, "known": ", ".join(known)},
+                )
+        return names
+
+    told: JsonDict = {"items": {"type": "string", "enum": list(known)}}
+    return AfterValidator(checked), Field(max_length=20, json_schema_extra=told)
+
+
+class BundleQuery(BaseModel):
+    """What goes into the archive."""
+
+    model_config = ConfigDict(extra="forbid", allow_inf_nan=False)
+
+    profile: Annotated[
+        list[str],
+        *_among(PROFILE_FORMATS),
+        Field(description="Formats of the profiles; may be repeated."),
+    ] = list(BundleOptions().profile_formats)
+    motion: Annotated[
+        list[str],
+        *_among(MOTION_FORMATS),
+        Field(description="Formats of the motions; may be repeated."),
+    ] = list(BundleOptions().motion_formats)
+    curve: Annotated[
+        CurveName, Field(description="The cams' profiles, or the paths of the rollers' centres.")
+    ] = "profile"
+    points_per_degree: Annotated[
+        Density, Field(description="Points of profiles per degree of cam angle.")
+    ] = ProfileOptions().points_per_degree
+    tolerance_um: Annotated[
+        float | None,
+        Field(
+            ge=MIN_TOLERANCE_UM,
+            le=1e6,
+            description="Largest distance of a chord from the curve [µm]; decides instead of "
+            "points_per_degree.",
+        ),
+    ] = None
+    motion_points_per_degree: Annotated[
+        Density, Field(description="Rows of motions per degree of cam angle.")
+    ] = MotionOptions().points_per_degree
+
+    def options(self) -> BundleOptions:
+        """The same, as the core takes it."""
+        return BundleOptions(
+            tuple(self.profile),
+            tuple(self.motion),
+            ProfileOptions(self.points_per_degree, self.tolerance_um, self.curve),
+            MotionOptions(self.motion_points_per_degree),
+        )
+
+
+@router.post(
+    "",
+    response_model=CamSet,
+    responses={
+        200: tagged()[200],
+        **UNDER_WAY,
+        **problems(400, 409, 413, 415, 422, 429, 500, 503, 504),
+    },
+    openapi_extra=spec_body(CAM_SETS, "CamSetSpec"),
+    summary="Synthesise the cams of a shaft",
+)
+async def create_cam_set(
+    request: Request, parts: Parts, prefer: Prefer = "", idempotency_key: Key = None
+) -> Response:
+    """Designs every cam as `POST /v1/designs` does, and puts them on the shaft by their phases.
+
+    `turn_deg` says how a cam is turned on the shaft, `keyway_deg` where its keyway is; `timing`
+    says what happens when and which followers move together. The cams share the time budget. The
+    set's status is the worst of its cams'. The same spec gives the same id and the same bytes.
+    """
+    return await created(request, parts, parts.cam_sets, prefer, idempotency_key)
+
+
+@router.get("", response_model=CamSetPage, responses=problems(422), summary="List cam sets")
+async def list_cam_sets(
+    parts: Parts,
+    limit: Annotated[int, Query(ge=1, le=200, description="Cam sets on a page.")] = 50,
+    cursor: Annotated[str | None, Query(description="`next` of the page before.")] = None,
+    status: Annotated[Status | None, Query(description="Only those with this status.")] = None,
+) -> CamSetPage:
+    """The newest first."""
+    before = None if cursor is None else position_of(cursor)
+    rows = await parts.cam_sets.answers.page(before, limit + 1, status)
+    items, following = page_of(parts.cam_sets.kind, rows, limit, CamSetSummary)
+    return CamSetPage(items=items, next=following)
+
+
+@router.get(
+    "/{set_id}",
+    response_model=CamSet,
+    responses={**tagged(), **UNDER_WAY, **problems(404, 500, 503, 504)},
+    summary="A cam set",
+)
+async def get_cam_set(
+    request: Request, set_id: str, parts: Parts, if_none_match: KnownTag = None
+) -> Response:
+    """Every cam with its design and its place on the shaft, the timing, and links.
+
+    202 while it is being worked on; where it failed, the problem that the work ended with.
+    """
+    return await shown(request, parts.cam_sets, set_id)
+
+
+@router.delete("/{set_id}", status_code=204, responses=problems(404), summary="Forget a cam set")
+async def delete_cam_set(set_id: str, parts: Parts) -> None:
+    """A set being worked on is stopped; a finished one is discarded."""
+    await forgotten(parts.cam_sets, set_id)
+
+
+@router.get(
+    "/{set_id}/timing.svg",
+    response_class=Response,
+    responses={
+        **tagged(description="The diagram.", content={SVG: {"schema": {"type": "string"}}}),
+        **problems(404, 409),
+    },
+    summary="Timing diagram",
+)
+async def get_timing_svg(
+    request: Request, set_id: str, parts: Parts, if_none_match: KnownTag = None
+) -> Response:
+    """The displacement of every follower over shaft angle, and how many move together."""
+    headers = {"Content-Security-Policy": PICTURE}
+    return await _file(request, parts, set_id, ("timing.svg", SVG, "inline"), timing_diagram,
+                       headers)  # fmt: skip
+
+
+@router.get(
+    "/{set_id}/bundle.zip",
+    response_class=Response,
+    responses={
+        **tagged(
+            description="The archive.",
+            content={MEDIA_TYPE: {"schema": {"type": "string", "format": "binary"}}},
+        ),
+        **problems(404, 409, 422),
+    },
+    summary="All files in one archive",
+)
+async def get_bundle_zip(
+    request: Request,
+    set_id: str,
+    parts: Parts,
+    wanted: Annotated[BundleQuery, Query()],
+    if_none_match: KnownTag = None,
+) -> Response:
+    """Profiles in the cams' own frames and in the shaft's, motions, timing, and a manifest.
+
+    A ZIP archive with a folder for each cam; `manifest.json` lists every file with its SHA-256 and
+    says how the cams sit on the shaft. The same set and options give the same bytes.
+    """
+    options = wanted.options()
+    made_by = (repr(asdict(options)), zlib.ZLIB_RUNTIME_VERSION)  # both decide on the bytes
+
+    def packed(cams: CamSet) -> bytes:
+        return bundle(cams, options)
+
+    return await _file(request, parts, set_id, ("bundle.zip", MEDIA_TYPE, "attachment"), packed,
+                       {}, *made_by)  # fmt: skip
+
+
+async def _file(
+    request: Request,
+    parts: State,
+    name: str,
+    kind: tuple[str, str, str],
+    write: Callable[[CamSet], bytes],
+    headers: dict[str, str],
+    *made_by: str,
+) -> Response:
+    """A file of a finished set, made in a thread, or 304."""
+    row, body = await done(parts.cam_sets, name)
+    file_name, media_type, how = kind
+    tag = tag_of(row.etag or "", file_name, *made_by)
+    shown_as = f'{how}; filename="{stem_of(row.name)}-{file_name}"'
+    return unchanged(request, tag) or Response(
+        await asyncio.to_thread(_written, body, write),
+        headers={"ETag": f'"{tag}"', "Content-Disposition": shown_as, **headers},
+        media_type=media_type,
+    )
+
+
+def _written(body: bytes, write: Callable[[CamSet], bytes]) -> bytes:
+    cams = CamSet.model_validate_json(body)
+    if not cams.has_cams:
+        raise NothingFits("No cam of this set fits its limits: see conflict in the designs.")
+    return write(cams)

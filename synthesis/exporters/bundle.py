@@ -1,0 +1,181 @@
+"""All files of a set in one ZIP archive. The same set and options give the same bytes.
+
+    manifest.json               what is in it, with SHA-256, and how the cams sit on the shaft
+    cam-set.json                the set as delivered
+    timing.svg, timing.csv      what happens when
+    01-inlet/design.json        the first cam as designed
+    01-inlet/profile.*          its profile in its own frame; further flanks as profile-outer.*
+    01-inlet/shaft-profile.*    its profile in the shaft's frame: turned, and at its place along it
+    01-inlet/motion.*           its motion over its own cam angle
+
+Drawings show a cam in its own frame only. A cam for which nothing fits has its design.json alone.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import io
+import json
+import re
+import unicodedata
+from collections.abc import Iterator
+from dataclasses import dataclass, field, replace
+from typing import Any
+from zipfile import ZIP_DEFLATED, ZipFile, ZipInfo
+
+from synthesis.camset import CamSet, MountedCam
+from synthesis.errors import InputError
+from synthesis.exporters import MOTION_FORMATS, PROFILE_FORMATS
+from synthesis.exporters.cam import profiles
+from synthesis.exporters.exporter import Exporter
+from synthesis.exporters.options import MotionOptions, ProfileOptions
+from synthesis.exporters.svg_timing import timing_diagram
+
+LONG_AGO = (1980, 1, 1, 0, 0, 0)  # the earliest time that ZIP can hold; no clock in the bytes
+LEVEL = 2
+PLAIN_FILE = 0o100644 << 16
+UNIX = 3
+MEDIA_TYPE = "application/zip"
+CONVENTIONS = (
+    "Right-handed frames, z along the shaft; lengths in mm, angles in degrees, counter-clockwise "
+    "positive seen with z towards the viewer. The shaft's frame turns with the shaft and is the "
+    "machine's at shaft angle 0. In it a cam is its own design turned by turn_deg = "
+    "follower_direction_deg - 90 - phase_deg (ccw shaft) or + phase_deg (cw shaft). At shaft angle "
+    "T its follower stands where the design alone has it at cam angle T - phase_deg."
+)
+
+
+@dataclass(frozen=True)
+class BundleOptions:
+    """What goes into an archive.
+
+    Attributes:
+        profile_formats, motion_formats: names from the registries, in any order.
+        profile: how curves are sampled; their place on the shaft is the set's own business.
+        motion: how motions are sampled.
+    """
+
+    profile_formats: tuple[str, ...] = ("csv", "txt")
+    motion_formats: tuple[str, ...] = ("csv",)
+    profile: ProfileOptions = field(default_factory=ProfileOptions)
+    motion: MotionOptions = field(default_factory=MotionOptions)
+
+    def __post_init__(self) -> None:
+        wanted = (
+            ("/profile", self.profile_formats, PROFILE_FORMATS),
+            ("/motion", self.motion_formats, MOTION_FORMATS),
+        )
+        for pointer, names, known in wanted:
+            for name in names:
+                if name not in known:
+                    rule = f"The formats here are {', '.join(known)}."
+                    raise InputError(pointer, name, rule, "Name some of them.")
+
+
+def bundle(cams: CamSet, options: BundleOptions) -> bytes:
+    """The archive."""
+    packed = io.BytesIO()
+    with ZipFile(packed, "w") as archive:
+        for name, content in bundle_files(cams, options):
+            entry = ZipInfo(name, LONG_AGO)
+            entry.compress_type, entry.create_system = ZIP_DEFLATED, UNIX
+            entry.external_attr = PLAIN_FILE
+            archive.writestr(entry, content, compresslevel=LEVEL)
+    return packed.getvalue()
+
+
+def bundle_files(cams: CamSet, options: BundleOptions) -> Iterator[tuple[str, bytes]]:
+    """Names and contents one by one, the manifest last; InputError where no cam fits."""
+    if not cams.has_cams:
+        raise InputError(
+            "/status",
+            cams.status,
+            "No cam of this set fits its limits, so there is nothing to write.",
+            "Make the least change that the field `conflict` of a design names, and ask again.",
+        )
+    listed = []
+    for name, content in _contents(cams, options):
+        digest = hashlib.sha256(content).hexdigest()
+        listed.append({"name": name, "bytes": len(content), "sha256": digest})
+        yield name, content
+    yield "manifest.json", _manifest(cams, options, listed)
+
+
+def folders(cams: CamSet) -> list[str]:
+    """A folder for each cam: its number and its name, in letters that every system takes."""
+    digits = max(2, len(str(len(cams.cams))))
+    return [f"{i:0{digits}d}-{_plain(cam.name)}" for i, cam in enumerate(cams.cams, start=1)]
+
+
+def _plain(name: str) -> str:
+    ascii_only = unicodedata.normalize("NFKD", name).encode("ascii", "ignore").decode()
+    return re.sub(r"[^A-Za-z0-9]+", "-", ascii_only).strip("-")[:40].rstrip("-") or "cam"
+
+
+def _contents(cams: CamSet, options: BundleOptions) -> Iterator[tuple[str, bytes]]:
+    yield "cam-set.json", cams.model_dump_json(indent=1).encode()
+    yield "timing.svg", timing_diagram(cams)
+    yield "timing.csv", timing_table(cams)
+    for folder, cam in zip(folders(cams), cams.cams, strict=True):
+        for name, content in _files_of(cam, options):
+            yield f"{folder}/{name}", content
+
+
+def _files_of(cam: MountedCam, options: BundleOptions) -> Iterator[tuple[str, bytes]]:
+    yield "design.json", cam.design.model_dump_json(indent=1).encode()
+    if not cam.has_cam:
+        return
+    whole = options.profile.curve == "profile"
+    curves = profiles(cam.design) if whole else {"profile": options.profile.curve}
+    for profile in _chosen(PROFILE_FORMATS, options.profile_formats):
+        for stem, curve in curves.items():
+            name, wanted = f"{stem}{profile.extension}", replace(options.profile, curve=curve)
+            if profile.placeable or stem == "profile":  # a drawing shows every flank
+                yield name, profile.write(cam.design, wanted)
+            if profile.placeable:
+                on_shaft = replace(wanted, turn_deg=cam.turn_deg, z_mm=cam.axial_mm)
+                yield f"shaft-{name}", profile.write(cam.design, on_shaft)
+    for motion in _chosen(MOTION_FORMATS, options.motion_formats):
+        yield f"motion{motion.extension}", motion.write(cam.design, options.motion)
+
+
+def _chosen(formats: Any, names: tuple[str, ...]) -> list[Exporter[Any]]:
+    """In the registry's order, whatever the order asked."""
+    return [exporter for name, exporter in formats.items() if name in names]
+
+
+def timing_table(cams: CamSet) -> bytes:
+    """The events as CSV, in the order of shaft angle."""
+    lines = ["shaft_deg,cam,folder,ends,starts"]
+    named = folders(cams)
+    lines += [
+        f"{event.shaft_deg!r},{event.cam + 1},{named[event.cam]},{event.ends},{event.starts}"
+        for event in cams.timing.events
+    ]
+    return ("\n".join(lines) + "\n").encode()
+
+
+def _manifest(cams: CamSet, options: BundleOptions, listed: list[dict[str, Any]]) -> bytes:
+    placed = [
+        {"folder": folder, "design": cam.design.id, "status": cam.design.status}
+        | cam.model_dump(mode="json", exclude={"design"})
+        for folder, cam in zip(folders(cams), cams.cams, strict=True)
+    ]
+    body = {
+        "id": cams.id,
+        "name": cams.name,
+        "engine_version": cams.engine_version,
+        "status": cams.status,
+        "rotation": cams.rotation,
+        "speed_rpm": cams.speed_rpm,
+        "conventions": CONVENTIONS,
+        "sampling": {
+            "curve": options.profile.curve,
+            "points_per_degree": options.profile.points_per_degree,
+            "tolerance_um": options.profile.tolerance_um,
+            "motion_points_per_degree": options.motion.points_per_degree,
+        },
+        "cams": placed,
+        "files": listed,
+    }
+    return json.dumps(body, ensure_ascii=False, indent=1).encode() + b"\n"

@@ -1,0 +1,28 @@
+"""Where points stand: in the cam's own frame, or turned and shifted to its place on a shaft."""
+
+from __future__ import annotations
+
+import math
+
+from synthesis.exporters.chords import position
+from synthesis.exporters.options import ProfileOptions
+from synthesis.numerics.piecewise import Array
+from synthesis.profile import CamProfile
+
+
+def placed(options: ProfileOptions, cam: CamProfile) -> tuple[Array, Array]:
+    """x and y of the chosen curve [mm], turned by the options' angle."""
+    x, y = position(options.curve, cam)
+    if options.turn_deg == 0.0:
+        return x, y
+    cos, sin = _cos_sin(options.turn_deg)
+    return cos * x - sin * y, sin * x + cos * y
+
+
+def _cos_sin(degrees: float) -> tuple[float, float]:
+    """Exact at whole quarters of a turn."""
+    quarters, rest = divmod(degrees, 90.0)
+    cos, sin = math.cos(math.radians(rest)), math.sin(math.radians(rest))
+    for _ in range(int(quarters) % 4):
+        cos, sin = -sin, cos
+    return cos, sin

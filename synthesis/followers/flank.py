@@ -1,0 +1,93 @@
+"""The working curves of a cam: which of them a roller touches, on which side, how far away.
+
+Notation: p(θ) a traced point, a roller's centre; its curve on the cam has the curvature κ, convex
+positive, ρ = 1/κ, and the outward normal n. A flank at the distance D is the curve p − σ D n:
+
+    σ = +1  the cam lies within the traced curve and is touched from outside
+    σ = −1  the cam lies around it, as a ring does, and is touched from inside
+
+The centre of curvature of p is p − ρ n for either sign of κ. It is the flank's too, so the
+flank's signed radius along n is ρ − σ D. As the cam's material sees it (convex where a chord runs
+in the material, which lies to the side −σ n) that is σ (ρ − σ D) = σ ρ − D: with κ_m = σ κ every
+rule of a cam touched from outside holds for both.
+
+    convex       κ_m > 0, of radius 1/κ_m − D; undercut where 1/κ_m < D
+    hollow       κ_m < 0, of radius 1/|κ_m| + D, which a cutter of radius Rg must fit
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from dataclasses import dataclass
+from typing import Any, Literal, Protocol
+
+from synthesis.terms import Norm, Row
+
+Vector2 = tuple[Any, Any]
+
+
+class Trace(Protocol):
+    """A point of the machine that draws a curve on the turning cam; every follower is one.
+
+    The methods are those of ``Follower``, where they are described.
+    """
+
+    def traced_point(self, s: Any, z: Any) -> tuple[Vector2, ...]: ...
+
+    def direction(self, s: Any, z: Any) -> tuple[Vector2, Vector2]: ...
+
+    def normal(self, tangent: Vector2, s: Any, z: Any) -> Vector2: ...
+
+    def face_turn(self, s: Any, z: Any) -> Vector2: ...
+
+    def curvature_terms(self, s: Any, z: Any) -> tuple[Any, Any]: ...
+
+    def pressure_angle_rows(self, slope: float) -> tuple[Row, ...]: ...
+
+    def radius_rows(self, least: float) -> tuple[Row, ...]: ...
+
+    def outermost(self, s_max: float) -> Norm: ...
+
+    def value_of(self, radius: float) -> float: ...
+
+    def nearest(self, s_max: float) -> float: ...
+
+
+class Host(Trace, Protocol):
+    """The main roller's follower, as a closure sees it: what further rollers can be fixed to."""
+
+    def second_arm(self, length: float, angle: float) -> Trace: ...
+
+    def arm_angle(self, s: float, z: tuple[float, ...]) -> float: ...
+
+
+@dataclass(frozen=True)
+class Flank:
+    """One curve that the cam is made of.
+
+    Attributes:
+        name: inner, outer, main, counter; "" where the cam has one flank only.
+        side: σ, which side of the traced curve the cam lies on.
+        distance: D [mm], of the flank from the traced curve.
+        path: name of the traced curve; "" where there is only one.
+        trace: the point that draws it.
+        rim: material behind a flank that is touched from inside [mm].
+    """
+
+    name: str
+    side: Literal[1, -1]
+    distance: float
+    path: str
+    trace: Trace
+    rim: float = 0.0
+
+
+def outer_gap(flanks: Iterable[Flank], path: str) -> float:
+    """What the cam's edge lacks to a traced curve [mm]: negative where the edge is outside."""
+    mine = (flank for flank in flanks if flank.path == path)
+    return min(flank.side * flank.distance - flank.rim for flank in mine)
+
+
+def labelled(claim: str, label: str) -> str:
+    """Name of a claim about one of several flanks or paths."""
+    return f"{claim}_{label}" if label else claim

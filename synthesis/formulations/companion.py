@@ -1,0 +1,148 @@
+"""The place of a counter roller that is left free: the nearest at which its cam keeps every limit.
+
+The counter cam follows from the laws, the size and the place: the distance between two rollers on
+a slide, the angle between two arms. It does not weigh on the main cam: the cam sought without the
+counter cam stays the best one as long as some place in the range will do, and its lower bound
+holds for every place.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass, replace
+from math import inf, isnan
+
+import numpy as np
+from scipy.optimize import brentq
+
+from synthesis.formulations.candidate import Candidate
+from synthesis.formulations.problem import Problem
+from synthesis.formulations.rows import exceeded
+from synthesis.formulations.smooth import Samples, peaks, sample, violation
+from synthesis.ranges import ends
+from synthesis.spec import DesignSpec
+from synthesis.terms import Cone
+
+CLEARANCE = 1e-8  # relative: how far the distance stays off what binds it
+STEP = 0.01  # of the range: first step away from the nearest place
+ROUNDS = 4
+
+
+@dataclass(frozen=True)
+class Settled:
+    """The spec with the counter roller's place, and whether the counter cam keeps its limits."""
+
+    spec: DesignSpec
+    holds: bool
+
+
+def settled(spec: DesignSpec, found: Candidate) -> Settled:
+    """Settle what the size leaves open, for a finished main cam.
+
+    Args:
+        spec: what was asked.
+        found: the main cam: laws settled, size known.
+
+    Returns:
+        the spec itself where nothing is open; where no distance will do, the largest in the
+        range and not larger than an outer radius allows.
+    """
+    free = [
+        (name, ends(value))
+        for name, value in spec.follower.companion_ranges().values()
+        if ends(value)[0] != ends(value)[1]
+    ]
+    if not free:
+        return Settled(spec, True)
+    ((name, (low, high)),) = free
+    scene = _Scene(spec, found, name)
+    stretches = found.problem.stretches
+    highest = max(max(s.s_start, s.s_end) for s in stretches)
+    touching, farthest = spec.follower.places(found.size, highest)
+    nearest, farthest = max(low, touching), min(high, farthest)
+    least = scene.least(nearest, farthest)
+    value = farthest if least is None else least
+    if scene.outgrown(value) > 0.0 >= scene.outgrown(nearest):
+        value = float(brentq(scene.outgrown, nearest, value, xtol=1e-300, rtol=1e-13))
+        least = None  # with these laws it is either too small or too large
+    return Settled(spec.built({name: value}), least is not None)
+
+
+@dataclass(frozen=True, eq=False)
+class _Scene:
+    """The counter cam beside a finished main cam.
+
+    Attributes:
+        spec: what was asked. found: the main cam. name: of the distance among the dimensions.
+    """
+
+    spec: DesignSpec
+    found: Candidate
+    name: str
+
+    def at(self, distance: float) -> Problem:
+        """The question put to the counter cam alone."""
+        machine = self.found.problem.machine
+        follower = self.spec.follower.companion({self.name: distance})
+        return replace(
+            self.found.problem,
+            machine=replace(machine, follower=follower),
+            limits=self.spec.all_limits(),
+        )
+
+    def least(self, low: float, high: float) -> float | None:
+        """The least distance between two ends that keeps every limit, None where none does."""
+        samples = sample(self.found.problem)
+        for _ in range(ROUNDS):
+            found = self._least(samples, low, high)
+            if found is None:
+                return None
+            missed = peaks(self.at(found), samples, self.found.size)
+            if violation(self.at(found), missed, self.found.size) <= 0.0:
+                return found
+            samples = [*samples, *missed]
+        return found
+
+    def _least(self, samples: list[Samples], low: float, high: float) -> float | None:
+        if self.excess(low, samples) <= 0.0:
+            return low
+        step, near = min(STEP * (high - low), max(0.05 * low, 1e-9 * high)), low
+        while self.excess(min(near + step, high), samples) > 0.0:
+            if near + step >= high:
+                return None
+            near, step = near + step, 2.0 * step
+        far = min(near + step, high)
+        root = float(brentq(self.excess, near, far, args=(samples,), xtol=1e-300, rtol=1e-13))
+        return min(root * (1.0 + CLEARANCE), high)
+
+    def excess(self, distance: float, samples: list[Samples]) -> float:
+        """By how much the worst limit is exceeded, relative; falls with the distance."""
+        problem = self.at(distance)
+        worst = max(self._rows(problem), default=-1.0)
+        with np.errstate(divide="ignore", invalid="ignore"):  # with the roller on the axis
+            shape = violation(problem, samples, self.found.size)
+        value = max(worst, shape + CLEARANCE)
+        return 1.0 if isnan(value) or value == inf else value
+
+    def outgrown(self, distance: float) -> float:
+        """By how much the counter cam is too large, relative; rises with the distance."""
+        return max(
+            (
+                cone.norm.value(self.found.size) / cone.radius - 1.0
+                for cone in self._cones(distance)
+            ),
+            default=-1.0,
+        )
+
+    def _cones(self, distance: float) -> Iterator[Cone]:
+        problem = self.at(distance)
+        for limit in problem.limits:
+            yield from limit.cones(problem.stretches, problem.machine)
+
+    def _rows(self, problem: Problem) -> Iterator[float]:
+        """Excess of every row that speaks of the size, over the stroke."""
+        for stretch in problem.stretches:
+            for row in problem.rows_on(stretch, self.found.value):
+                if row.size:
+                    scale = max(map(abs, row.size)) * problem.length
+                    yield exceeded(row, stretch, self.found.size) / scale

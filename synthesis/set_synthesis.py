@@ -1,0 +1,58 @@
+"""synthesise_set(spec) -> CamSet: every cam by the ordinary pipeline, then put on the shaft."""
+
+from __future__ import annotations
+
+import time
+from math import inf
+
+from synthesis.camset import CamSet, assembled, mounted
+from synthesis.camset_spec import CamSetSpec
+from synthesis.design import Design
+from synthesis.errors import SolverFailed, TimeBudgetExceeded
+from synthesis.pipeline import synthesise
+from synthesis.timing import timing_of
+
+
+def synthesise_set(spec: CamSetSpec, *, deadline: float | None = None) -> CamSet:
+    """Design every cam of a set.
+
+    The cams do not depend on each other: a phase only turns a cam on the shaft.
+
+    Args:
+        spec: what is asked.
+        deadline: ``time.monotonic()`` at which to stop; the spec's own budget counts as well.
+
+    Returns:
+        the set; its status is the worst of its cams'.
+
+    Raises:
+        TimeBudgetExceeded: time ran out; carries the set with the best of every cam, where each
+            has one.
+        SolverFailed: as for a single cam.
+    """
+    clock, now = time.perf_counter(), time.monotonic()
+    budget = min(
+        inf if spec.time_budget_s is None else spec.time_budget_s,
+        inf if deadline is None else deadline - now,
+    )
+    designs: list[Design] = []
+    late = False
+    for position, cam in enumerate(spec.cams):
+        left = now + budget - time.monotonic()
+        try:
+            share = time.monotonic() + left / (len(spec.cams) - position)
+            designs.append(synthesise(cam.spec, deadline=share))
+        except TimeBudgetExceeded as error:
+            if error.best is None:
+                raise TimeBudgetExceeded(error.budget_s) from None
+            late = True
+            designs.append(error.best)
+        except SolverFailed as error:
+            advice = f"That was the cam at /cams/{position}. {error.advice}"
+            raise SolverFailed(error.solver, error.status, advice) from None
+    pairs = zip(spec.cams, designs, strict=True)
+    cams = [mounted(i, cam, design) for i, (cam, design) in enumerate(pairs)]
+    found = assembled(spec, cams, timing_of(cams), time.perf_counter() - clock)
+    if late:
+        raise TimeBudgetExceeded(budget, found)
+    return found

@@ -1,0 +1,102 @@
+"""Rollers on an arm in grooves, in rings and with a counter arm: measured against dense points."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+import pytest
+
+from synthesis import Analysis, Design, DesignSpec, analyse, synthesise
+from synthesis.profile import cam_profile
+
+THETA = 2.0 * np.pi * (np.arange(20_000) + 0.5) / 20_000
+PAIR = {"kind": "conjugate", "roller_radius_mm": 11.3, "arm_mm": 71.9}
+CLOSURES: dict[str, dict[str, Any]] = {
+    "ring": {"kind": "force", "contact": "inside"},
+    "groove": {"kind": "groove", "clearance_mm": 0.12},
+    "pair": PAIR | {"angle_deg": 97.3},
+}
+LIMITS = [
+    {"kind": "pressure_angle", "rise_deg": 70.0, "return_deg": 71.0},
+    {"kind": "profile_radius", "min_mm": 1.0},
+    {"kind": "cutter_radius", "radius_mm": 35.0},
+    {"kind": "outer_radius", "max_mm": 140.0},
+]
+
+
+def spec(closure: dict, sense: str = "opposite", limits: list = LIMITS) -> DesignSpec:
+    return DesignSpec.model_validate(
+        {
+            "program": [
+                {"kind": "rise", "angle_deg": 83.0, "lift_deg": 18.7, "law": {"kind": "cycloidal"}},
+                {"kind": "dwell", "angle_deg": 37.0},
+                {"kind": "return", "angle_deg": 121.0, "lift_deg": 18.7,
+                 "law": {"kind": "modified_sine"}},
+                {"kind": "dwell", "angle_deg": 119.0},
+            ],
+            "follower": {
+                "kind": "oscillating_roller", "roller_radius_mm": 9.7, "arm_mm": 83.1,
+                "centre_distance_mm": 107.9, "sense": sense, "pivot_direction_deg": 21.0,
+                "closure": closure,
+            },
+            "base_radius_mm": 61.7,
+            "limits": limits,
+        }
+    )  # fmt: skip
+
+
+def extreme(found: Design | Analysis, limit: str):
+    return next(e for e in found.extremes if e.limit == limit)
+
+
+@pytest.mark.parametrize("sense", ["opposite", "same"])
+@pytest.mark.parametrize("closure", CLOSURES)
+def test_every_claim_is_what_dense_points_show(closure: str, sense: str) -> None:
+    asked = spec(CLOSURES[closure], sense)
+    found, design = analyse(asked), synthesise(asked)
+    assert design.dimensions["base_radius_mm"] == pytest.approx(61.7)
+    follower = asked.follower
+    for flank in follower.flanks:
+        p = cam_profile(design.curve, follower, tuple(design.size), "ccw", THETA, "right", flank)
+        label = f"_{flank.name}" if flank.name else ""
+        convex = np.min(p.radius[p.radius > 0.0], initial=np.inf)
+        told = extreme(found, f"profile_radius{label}").value
+        if told is not None and told > 0.0 and np.isfinite(convex):
+            assert told == pytest.approx(convex, rel=1e-4)
+        if np.any(p.radius < -flank.distance):
+            hollow = -np.max(p.radius[p.radius < -flank.distance])
+            assert extreme(found, f"cutter_radius{label}").value == pytest.approx(hollow, rel=1e-4)
+        path = f"_{flank.path}" if flank.path else ""
+        rising = np.radians(83.0) > THETA
+        steepest = np.degrees(np.max(abs(p.pressure_angle[rising])))
+        told = abs(extreme(found, f"pressure_angle_rise{path}").value)
+        assert told == pytest.approx(steepest, abs=1e-5)
+    edge = cam_profile(
+        design.curve, follower, tuple(design.size), "ccw", THETA, "right", follower.flanks[-1]
+    )
+    path = f"_{follower.flanks[-1].path}" if follower.flanks[-1].path else ""
+    largest = np.max(np.hypot(edge.x, edge.y))
+    assert extreme(found, f"outer_radius{path}").value == pytest.approx(largest, rel=1e-7)
+
+
+@pytest.mark.parametrize("sense", ["opposite", "same"])
+@pytest.mark.parametrize(
+    ("limit", "name"),
+    [
+        ({"kind": "pressure_angle", "rise_deg": 37.0, "return_deg": 60.0},
+         "pressure_angle_rise_counter"),
+        ({"kind": "counter_base_radius", "min_mm": 47.7}, "counter_base_radius"),
+        ({"kind": "profile_radius", "min_mm": 22.7}, "profile_radius_counter"),
+    ],
+)  # fmt: skip
+def test_the_angle_between_the_arms_is_no_larger_than_a_limit_asks(limit, name, sense) -> None:
+    rest = [{"kind": "pressure_angle", "rise_deg": 70.0, "return_deg": 71.0}]
+    limits = [limit] if limit["kind"] == "pressure_angle" else [limit, *rest]
+    design = synthesise(spec(PAIR, sense, limits))
+    mine = {e.limit: e for e in design.extremes if "counter" in e.limit}
+    assert all(e.holds for e in mine.values()), [e for e in mine.values() if not e.holds]
+    assert abs(mine[name].margin) <= 1e-4 * abs(mine[name].bound)
+    angle = design.dimensions["counter_angle_deg"]
+    nearer = analyse(spec(PAIR | {"angle_deg": angle * (1.0 - 1e-4)}, sense, limits))
+    assert name in nearer.broken
