@@ -46,6 +46,7 @@ def analyse(spec: DesignSpec, *, deadline: float | None = None) -> Analysis:
         curves=curves.summaries(),
         jumps=curves.jumps(),
         undercut=curves.undercut(),
+        self_crossing=curves.self_crossing(),
         mend=mend(spec, cam, _stop(spec, deadline)) if broken else None,
         spec=spec,
     )

@@ -98,3 +98,10 @@ def ends(dimension: float | Range | None) -> tuple[float, float]:
     if dimension is None:
         return -math.inf, math.inf
     return dimension, dimension
+
+
+def without_end(dimension: float | Range | None, end: str) -> Range | None:
+    """A dimension with its ``min`` or ``max`` left open; a number, or another word, with both."""
+    if isinstance(dimension, Range) and end in Range.model_fields:
+        return dimension.model_copy(update={end: None})
+    return None

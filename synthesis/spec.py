@@ -168,7 +168,14 @@ class DesignSpec(BaseModel):
         kinds = [objective.kind for objective in self.objectives()]
         if "peak_pressure_angle" not in kinds:
             return self
-        if not self.follower.pressure_angle_rows(1.0):
+        if self.follower.pressure_angle_curves(1.0):
+            raise PydanticCustomError(
+                "pressure_angle_not_weighed",
+                "objective peak_pressure_angle is not offered for a {kind} follower. Limit "
+                "pressure_angle instead, and lower its value while base_radius stays small enough.",
+                {"kind": self.follower.kind},
+            )
+        if all(row.constant for row in self.follower.pressure_angle_rows(1.0)):
             raise PydanticCustomError(
                 "pressure_angle_given",
                 "objective peak_pressure_angle is not on offer for a {kind} follower: a flat face "

@@ -8,7 +8,11 @@ P                 the objective's own variable: the level that it pushes down
 from __future__ import annotations
 
 import math
+from abc import ABC, abstractmethod
 from dataclasses import dataclass
+from typing import Any, ClassVar
+
+from synthesis.numerics.piecewise import Array
 
 Vector = tuple[float, ...]
 
@@ -40,6 +44,11 @@ class Row:
     exact: bool = False
     room: float = math.inf
 
+    @property
+    def constant(self) -> bool:
+        """Whether neither the motion nor the size has a say in it: it holds, or nothing helps."""
+        return not (any(self.coefficients) or any(self.size) or self.level)
+
 
 def derivative(order: int, factor: float) -> tuple[float, float, float, float]:
     """Coefficients of a row that holds ``factor`` times the ``order``-th derivative alone."""
@@ -70,3 +79,76 @@ class Cone:
     norm: Norm
     radius: float
     source: str
+
+
+@dataclass(frozen=True, eq=False)
+class Cuts:
+    """Rows that hold at n points: coefficients · (s, s', s'', s''') + size · z ≤ upper.
+
+    Attributes:
+        coefficients: (4, n). size: (n_size, n). upper: (n,).
+    """
+
+    coefficients: Array
+    size: Array
+    upper: Array
+
+
+@dataclass(frozen=True, eq=False)
+class Within:
+    """What is known beforehand of n points: low ≤ s ≤ high, slow ≤ s' ≤ fast, (n,) each, and of z.
+
+    ``sizes``: lower and upper bound of every size variable [mm].
+    """
+
+    low: Array
+    high: Array
+    slow: Array
+    fast: Array
+    sizes: tuple[tuple[float, float], ...]
+
+
+@dataclass(frozen=True)
+class Curved(ABC):
+    """A limit on motion and size together that no fixed row says.
+
+    For a settled motion it is linear in the size, exactly; where it is nearly convex, rows follow
+    from it point by point. ``source``: as of a row. ``order``: highest derivative in it.
+    ``turns``: whether ``cuts`` says anything.
+    """
+
+    source: str
+    order: ClassVar[int] = 3
+    turns: ClassVar[bool] = True
+
+    @abstractmethod
+    def excess(self, s: Any, z: Any) -> tuple[Any, ...]:
+        """Left less right sides over a natural length: ≤ 0 where the limit holds.
+
+        Args:
+            s: s to s''' as arrays or CasADi columns of one length [mm, per rad].
+            z: the size variables, scalars [mm].
+        """
+
+    @abstractmethod
+    def half_planes(self, s: Array) -> tuple[Cuts, ...]:
+        """The sizes that a settled motion allows, exactly: all of these together.
+
+        Args:
+            s: (4, n) s to s''' at n cam angles [mm, per rad].
+
+        Returns:
+            rows without motion; where no size is allowed, rows that exclude each other.
+        """
+
+    @abstractmethod
+    def cuts(self, within: Within, about: tuple[Array, Vector] | None) -> tuple[Cuts, ...]:
+        """Rows implied wherever motion and size are ``within``, tight about a point.
+
+        Args:
+            within: what is known of s and z at n points.
+            about: s (n,) and z where the rows shall be tight; None: rows all over the range.
+
+        Returns:
+            () where no such rows are known.
+        """

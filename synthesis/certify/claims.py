@@ -10,6 +10,7 @@ from synthesis.certify.dimensions import standing, stands
 from synthesis.certify.joints import NAMES, joins
 from synthesis.certify.overshoot import overshoot
 from synthesis.certify.quantities import QUANTITIES, Size, corner, enclose_all, infinite
+from synthesis.certify.simple import crosses
 from synthesis.certify.states import states
 from synthesis.certify.tables import tables
 from synthesis.design import Extreme
@@ -38,8 +39,9 @@ def certify(
 
     Returns:
         one extreme per claim of the limits, in their order, then what every cam must satisfy:
-        a base radius, a follower that stands beside the cam, a motion that is continuous and
-        has the states asked of it, follows its tables and keeps the promises of its spline laws.
+        a base radius, a follower that stands beside the cam, a profile that does not cross
+        itself, a motion that is continuous and has the states asked of it, follows its tables
+        and keeps the promises of its spline laws.
     """
     size = tuple(float(value) for value in size)
     course = Course(motion)
@@ -57,9 +59,10 @@ def certify(
         *joins(course, machine, continuity),
         *states(course, machine),
         *tables(course, machine),
+        *overshoot(course, machine),
     ]
-    always = [*stands(course, machine, size), *promised, *overshoot(course, machine)]
-    return [*(found[i] for i in range(len(claims))), *always]
+    cam = [*stands(course, machine, size), *crosses(course, machine, size)]
+    return [*(found[i] for i in range(len(claims))), *cam, *promised]
 
 
 def _judge(

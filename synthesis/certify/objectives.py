@@ -27,7 +27,8 @@ def measure(quantity: str, motion: Motion, machine: Machine, size: Size) -> Encl
 
 
 def _prime_radius(course: Course, machine: Machine, size: Size) -> Enclosed:
-    value = machine.follower.radius(size)
+    # in the unit of the norm that stands for it, as bounds are: the objective maps it back
+    value = machine.follower.value_of(machine.follower.radius(size))
     return Enclosed(value, value * (1.0 - 1e-15), value * (1.0 + 1e-15), 0.0)
 
 

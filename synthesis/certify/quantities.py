@@ -64,10 +64,10 @@ def face_radius(follower: Trace, size: Size, s: tuple[Any, ...]) -> Any:
 
 
 def contact(follower: Trace, size: Size, s: tuple[Any, ...]) -> Any:
-    """How far the contact point is along the face from its middle, positive to the right [mm]."""
+    """How far the contact point is along the face from where its reach is measured [mm]."""
     (px, py), *_ = follower.traced_point(s, size)
-    nx, ny = follower.normal(tangent(follower, size, s), s, size)
-    return px * ny - py * nx
+    (mx, my), (ax, ay) = follower.face_axis(s, size)
+    return (px - mx) * ax + (py - my) * ay
 
 
 def _derivative(order: int) -> Formula:

@@ -23,7 +23,8 @@ from typing import Annotated, Any, ClassVar, Literal, Self
 import numpy as np
 from pydantic import Field
 
-from synthesis.followers.base import Measure, Shape, Sizing
+from synthesis.followers.arm_pressure import FixedPivot, FreePivot
+from synthesis.followers.base import Follower, Measure, Pinning, Shape, Sizing
 from synthesis.followers.closures import LEAST, ArmClosure, Force
 from synthesis.followers.closures.counter_arm import CounterArm
 from synthesis.followers.flank import Trace, Vector2, outer_gap
@@ -33,7 +34,7 @@ from synthesis.geometry.triangle import enclosed_angle, third_side
 from synthesis.motion import Motion, Stretch
 from synthesis.numerics.peaks import peak
 from synthesis.ranges import Dimension, Range, ends
-from synthesis.terms import Cone, Norm, Row
+from synthesis.terms import Cone, Curved, Norm, Row
 from synthesis.units import DEGREE, Travel
 
 SENSES = {"opposite": 1.0, "same": -1.0}
@@ -165,8 +166,7 @@ class OscillatingRoller(RollerFollower):
 
     def reaching(self, z: tuple[float, ...], radius: float) -> tuple[float, ...]:
         if self._distance is not None:
-            angle = enclosed_angle(self.arm_mm, self._distance, radius)
-            return (max(z[0], self.arm_mm * angle),)
+            return (max(z[0], radius),)
         p, q = z
         return p, max(q, math.sqrt(max(radius**2 - (self.arm_mm - p) ** 2, 0.0)))
 
@@ -181,6 +181,20 @@ class OscillatingRoller(RollerFollower):
             return radius
         return self.arm_mm * enclosed_angle(self.arm_mm, self._distance, radius)
 
+    def pinning(self) -> Pinning | None:
+        if self._distance is not None:
+            return None
+        low, high = ends(self.centre_distance_mm)
+
+        def at(distance: float) -> Follower:
+            return self.model_copy(update={"centre_distance_mm": distance})
+
+        def whole(distance: float, z: tuple[float, ...]) -> tuple[float, ...]:
+            angle = z[0] / self.arm_mm
+            return distance * math.cos(angle), distance * math.sin(angle)
+
+        return Pinning("centre distance", max(low, 0.0), high, self.arm_mm, _hypot, at, whole)
+
     def outermost(self, s_max: float) -> Norm:
         # R grows with ψ: at the highest lift, (l − d cosψ, d sinψ)
         if self._distance is not None:
@@ -190,6 +204,12 @@ class OscillatingRoller(RollerFollower):
 
     def pressure_angle_rows(self, slope: float) -> tuple[Row, ...]:
         return ()  # not linear in s
+
+    def pressure_angle_curves(self, slope: float) -> tuple[Curved, ...]:
+        arm, sigma = self.arm_mm, self.sigma
+        if self._distance is None:
+            return (FreePivot("pressure_angle", arm, sigma, slope),)
+        return (FixedPivot("pressure_angle", arm, self._distance, sigma, slope),)
 
     def displacement_measure(self, z: tuple[float, ...]) -> Measure:
         # 0 < ψ < 180°
@@ -247,6 +267,18 @@ class OscillatingRoller(RollerFollower):
             (driven * g[0] + along * u[0], driven * g[1] + along * u[1]),
             (jerked * g[0] + further * u[0], jerked * g[1] + further * u[1]),
         )
+
+    def posture(self, point: Any, normal: Any) -> tuple[Any, Any]:
+        # the triangle of axis, pivot and centre gives ψ; the position is the arc lψ
+        (x, y), l, (d, _) = point, self.arm_mm, ends(self.centre_distance_mm)
+        cos = d * d + l * l - x * x - y * y  # 2dl cosψ
+        with np.errstate(invalid="ignore"):
+            arc = l * np.arctan2(np.sqrt(4.0 * d * d * l * l - cos * cos), cos)
+        (px, py), *_ = self.traced_point((0.0, 0.0, 0.0, 0.0), (arc,))
+        return np.arctan2(py, px) - np.arctan2(y, x), arc
+
+    def lowest(self, position: float) -> tuple[float, ...]:
+        return (position,)
 
     def direction(self, s: Any, z: Any) -> tuple[Vector2, Vector2]:
         u, g = self._axes(s, z)
@@ -308,6 +340,10 @@ class OscillatingRoller(RollerFollower):
             "pivot_clearance_mm": float(self._bearing(z)[0]) - outer,
             **self.closure.motion_dimensions(self, motion, z),
         }
+
+
+def _hypot(z: tuple[float, ...]) -> float:
+    return math.hypot(*z)
 
 
 def _step(cone: Cone, z: tuple[float, ...]) -> float:

@@ -200,12 +200,12 @@ def _book_blocks(plan: Plan, solution: ConeSolution, ledger: _Ledger, order: int
         ledger.add(-float(z @ block.rhs))
         ledger.level += block.level * float(np.sum(z))
         if len(block.size):
-            ledger.size += block.size * float(np.sum(z))
+            ledger.size += block.priced(z)
         if block.stretch is not None:
             x, mass = block.x, z
-            if block.alpha[order - 1] != 0.0:
+            if block.alpha.ndim == 1 and block.alpha[order - 1] != 0.0:
                 x, mass = spread(block.x, z)
-            weights = mass[:, None] * block.alpha[:order]
+            weights = mass[:, None] * block.alpha[:order].T
             _book_point(plan, ledger, block.stretch, x, weights, order)
 
 
@@ -341,12 +341,18 @@ def _minimum(
     paid = ledger.constant + capped - ROUNDING * (ledger.magnitude + abs(capped))
     paid -= _unknown_states(plan, solution, ledger, steering)
     norm = plan.problem.objective.norm(plan.problem.machine)
+    bounds = np.array(plan.problem.sizing.bounds) / plan.scales.size
     if norm is not None:
         # ‖Mζ + m‖ ≥ y·(Mζ + m) for ‖y‖ ≤ 1: y takes up what the rows leave of ζ
-        y = np.linalg.solve(np.array(norm.matrix).T, -ledger.size)
+        matrix = np.array(norm.matrix)
+        if len(matrix) == matrix.shape[1]:
+            y = np.linalg.solve(matrix.T, -ledger.size)
+        else:  # all but what the norm does not speak of: that is least at one end of its range
+            y = np.linalg.lstsq(matrix.T, -ledger.size, rcond=None)[0]
+            rest = ledger.size + matrix.T @ y
+            paid += float(np.sum(np.min(rest[:, None] * bounds, axis=1)))
         shrink = 1.0 / max(1.0, float(np.linalg.norm(y)))
         return shrink * (paid + float(y @ np.array(norm.shift)) / plan.scales.size)
-    bounds = np.array(plan.problem.sizing.bounds) / plan.scales.size
     paid += float(np.sum(np.min(ledger.size[:, None] * bounds, axis=1)))
     if plan.energy is not None:
         return paid

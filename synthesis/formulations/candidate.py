@@ -103,10 +103,16 @@ def needs_size(problem: Problem) -> bool:
 
 def smallest(settled: Problem) -> Vector | None:
     """The closed form's size; None where there is none, or a cone cuts it off."""
-    size = nearest(settled)
+    # a curved limit's half-planes hold at one angle each: raising the size may break others
+    size = nearest(settled, 3.0 * CLEARANCE if settled.curved else 0.0)
     if size is None or any(cone.norm.value(size) > cone.radius for cone in settled.cones):
         return None
-    return size
+    follower = settled.machine.follower
+    pinning = follower.pinning()
+    if pinning is None or not settled.curved:
+        return size
+    small = follower.prime_radius().value(size) < settled.sizing.least
+    return None if small or not pinning.low <= pinning.of(size) <= pinning.high else size
 
 
 def value(settled: Problem, size: Vector) -> float:

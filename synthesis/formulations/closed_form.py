@@ -2,7 +2,8 @@
 
 With the laws given, every row is a half-plane of the size variables, one or two; its worst cam
 angle is known. For pressure angle alone this is the apex of mathematics' two half-planes, with the
-cases where another side binds included.
+cases where another side binds included. A curved limit has a half-plane at every cam angle: those
+that the answer breaks are added until there is none.
 """
 
 from __future__ import annotations
@@ -10,11 +11,14 @@ from __future__ import annotations
 import numpy as np
 
 from synthesis.formulations import rows
+from synthesis.formulations.exchange import tightest
 from synthesis.formulations.problem import Problem
 from synthesis.formulations.rows import Scales
 from synthesis.numerics.piecewise import Array
 
 Vector = tuple[float, ...]
+EXCHANGES = 40
+SETTLED = 1e-12  # of the norm: what a size may stick out of a half-plane
 
 
 def half_planes(problem: Problem) -> tuple[Array, Array]:
@@ -34,14 +38,38 @@ def half_planes(problem: Problem) -> tuple[Array, Array]:
     return np.array(normals), np.array(offsets)
 
 
-def nearest(problem: Problem) -> Vector | None:
+def nearest(problem: Problem, clear: float = 0.0) -> Vector | None:
     """The size of least prime radius on all half-planes; None where they have no common point.
 
     Cones and limits that are not convex are not looked at.
+
+    Args:
+        problem: the question, laws settled.
+        clear: share of the norm by which the half-planes of curved limits are drawn in.
     """
     normals, offsets = half_planes(problem)
+    size = _least(problem, normals, offsets)
+    for _ in range(EXCHANGES if problem.curved else 0):
+        if size is None:
+            return None
+        broken = tightest(problem, size)
+        prime = problem.machine.follower.prime_radius().value(size)
+        scale = max(prime, *(abs(value) for value in size), 1e-6 * problem.length)
+        more = broken.excess > (SETTLED - clear) * scale
+        if not np.any(more):
+            break
+        normals = np.vstack([normals, broken.normals[more]])
+        offsets = np.concatenate([offsets, broken.offsets[more] - clear * scale])
+        size = _least(problem, normals, offsets)
+    return size
+
+
+def _least(problem: Problem, normals: Array, offsets: Array) -> Vector | None:
+    """The same for given half-planes."""
     norm = problem.machine.follower.prime_radius()
     matrix, shift = np.array(norm.matrix), np.array(norm.shift)
+    if len(matrix) < matrix.shape[1]:
+        return _lowest(normals, offsets, matrix[0], problem.length)
     # in y = M z + m the wanted point is the one nearest to the origin
     a = np.linalg.solve(matrix.T, normals.T).T
     b = offsets + a @ shift
@@ -52,6 +80,23 @@ def nearest(problem: Problem) -> Vector | None:
     if found is None:
         return None
     return tuple(float(v) for v in np.linalg.solve(matrix, found - shift))
+
+
+def _lowest(normals: Array, offsets: Array, level: Array, length: float) -> Vector | None:
+    """The corner where a linear level of the size is least; of several, that of least p.
+
+    Of a size that has a variable of which the prime radius does not speak.
+    """
+    size = np.linalg.norm(normals, axis=1)
+    a, b = normals / size[:, None], offsets / size
+    corners = _corners(a, b)
+    reach = 1e-12 * (length + np.max(np.abs(corners), axis=1))
+    allowed = corners[np.all(corners @ a.T <= b + reach[:, None], axis=1)]
+    if not len(allowed):
+        return None
+    height = allowed @ level
+    lowest = allowed[height <= np.min(height) + 1e-12 * length]
+    return tuple(float(v) for v in lowest[np.argmin(lowest[:, 0])])
 
 
 def _nearest_to_origin(a: Array, b: Array, tolerance: float) -> Array | None:

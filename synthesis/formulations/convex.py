@@ -19,7 +19,8 @@ from itertools import pairwise
 import numpy as np
 from scipy import sparse
 
-from synthesis.formulations import rows
+from synthesis.formulations import cuts, rows
+from synthesis.formulations.cuts import Region
 from synthesis.formulations.ends import Ends, Joint, meet
 from synthesis.formulations.energy import Energy, energy
 from synthesis.formulations.grid import TYPICAL, Grid, SettledLaw
@@ -114,6 +115,7 @@ def formulate(
     grids: Sequence[Grid],
     level: float = 0.0,
     drawn: Drawn = EXACT,
+    region: Region | None = None,
     *,
     paired: bool = False,
 ) -> Plan:
@@ -123,8 +125,10 @@ def formulate(
         problem: the question. grids: one per free stretch.
         level: trial level of a fractional objective [core units], otherwise without effect.
         drawn: how far the rows are drawn in for the solver's sake.
+        region: where curved limits are written as rows; None: all over what is allowed.
         paired: state rows that are equalities as two inequalities each, which may give way.
     """
+    region = region or Region.whole(problem)
     free = problem.free
     scales = natural_scales(problem)
     settled, joints = meet(problem.stretches, grids)
@@ -135,7 +139,8 @@ def formulate(
     size = slice(at, at + len(problem.machine.follower.size_names))
     order = problem.objective.energy_order()
     extra = size.stop if order is None else None
-    exact, blocks = _sorted(_blocks(problem, grids, settled, scales, level, drawn), paired)
+    asked = _blocks(problem, grids, settled, scales, level, drawn, region)
+    exact, blocks = _sorted(asked, paired)
     energetic = None if order is None else energy(problem.stretches, grids, order)
     at = size.stop + (extra is not None)
     squares = slice(at, at + (0 if energetic is None else energetic.rows))
@@ -196,6 +201,7 @@ def _blocks(
     scales: Scales,
     level: float,
     drawn: Drawn,
+    region: Region,
 ) -> Iterator[Block]:
     yield from _size_bounds(problem, scales)
     position = 0
@@ -207,6 +213,12 @@ def _blocks(
                     yield block
             else:
                 yield rows.on_law(row, position, stretch, grids[position], scales, drawn)
+        for curve in problem.curves_on(stretch):
+            if stretch.law is not None:
+                yield from cuts.on_given(curve, stretch, scales, drawn.tighten)
+            else:
+                grid = grids[position]
+                yield from cuts.on_law(curve, position, stretch, grid, scales, drawn, region)
         if stretch.law is None:
             assert stretch.free is not None
             if not stretch.free.overshoot:

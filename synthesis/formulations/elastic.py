@@ -19,6 +19,7 @@ from synthesis.errors import SolverFailed
 from synthesis.formulations.convex import formulate
 from synthesis.formulations.given import Blocked, blocked
 from synthesis.formulations.grid import Grid
+from synthesis.formulations.impasse import stalemate
 from synthesis.formulations.parts import Part
 from synthesis.formulations.problem import Problem
 from synthesis.formulations.relaxation import least_value
@@ -51,6 +52,8 @@ def diagnose(
             [core units]; None where there is no such cam.
         deadline: ``time.monotonic()`` after which no further relaxation is looked for.
     """
+    if problem.curved:
+        return stalemate(spec, deadline)
     scene = Scene.of(spec, problem, grids)
     given = blocked(scene.parts, problem)
     members, evidence = _conflict(scene, given, problem)
@@ -74,6 +77,8 @@ def _conflict(scene: Scene, given: dict[int, Blocked], problem: Problem) -> tupl
     members = set(given)
     evidence = [f"{scene.parts[k].words}: {why.note}" for k, why in given.items()]
     found = yielded(scene, scene.plan(), range(len(scene.parts)), exact=False)
+    if found is None and problem.curved:
+        return members, "; ".join([*evidence, "no elastic program has a point"])
     if found is None:
         raise SolverFailed("Clarabel", "failed", "The elastic program gave no usable point.")
     if found.total > NOTHING:
@@ -160,7 +165,9 @@ def _not_convex(spec: DesignSpec, problem: Problem, reached: Reached | None) -> 
     relaxations: list[Relaxation] = []
     stretches, machine = problem.stretches, problem.machine
     for position, limit in enumerate(problem.limits):
-        if any(limit.rows(s, machine) for s in stretches) or limit.cones(stretches, machine):
+        curved = any(limit.curved(s, machine) for s in stretches)
+        linear = any(limit.rows(s, machine) for s in stretches) or limit.cones(stretches, machine)
+        if linear and not curved:
             continue
         asked_for = position < len(spec.limits)
         for claim in limit.claims(stretches, machine):

@@ -37,6 +37,8 @@ def blocked(parts: Sequence[Part], problem: Problem) -> dict[int, Blocked]:
             value = part.least(replace(problem, stretches=(stretch,)), None)
             if value is None or part.tighter(part.asked, value):
                 note = f"program/{stretch.index} has a given law that needs this much by itself"
+                if part.fixed(problem):
+                    note = "the follower needs this much by itself, whatever law and size"
                 worst = found[position].value if position in found else part.asked
                 if value is None or worst is None or part.tighter(worst, value):
                     found[position] = Blocked(value, note)

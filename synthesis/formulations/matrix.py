@@ -89,7 +89,8 @@ class Writer:
             self._put(inner, self.columns[block.stretch].start)
             rhs = rhs - fixed
         if len(block.size):
-            self._put(np.tile(block.size, (len(rhs), 1)), self.size.start)
+            share = np.broadcast_to(block.size, (len(rhs), block.size.shape[-1]))
+            self._put(share, self.size.start)
         if block.level and self.extra is not None:
             self._put(np.full((len(rhs), 1), block.level), self.extra)
         self._close(rhs)

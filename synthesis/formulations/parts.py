@@ -10,18 +10,21 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from math import hypot, inf
 
+import numpy as np
 from scipy.optimize import brentq
 
 from synthesis.formulations.problem import Problem
 from synthesis.formulations.rows import exceeded
 from synthesis.limits import Claim, Limit
+from synthesis.motion import Stretch
 from synthesis.ranges import ends
 from synthesis.spec import DesignSpec
-from synthesis.terms import Cone, Row
+from synthesis.terms import Cone, Curved, Row
 
 Vector = tuple[float, ...]
 CEILING = {"deg": 89.9}  # the largest value that makes sense, where there is one
 ROUNDING = 1e-9  # of the natural size: what a value held may differ by
+SAMPLES = 360  # of a given law, about, where a curved limit is measured
 OPEN = 1e4  # strokes: what the base radius may grow to while it is not limited
 
 
@@ -74,6 +77,10 @@ class Part(ABC):
         """Highest derivative in the part's rows: given laws whose lower ones jump break it."""
         return 0
 
+    def fixed(self, problem: Problem) -> bool:
+        """Whether neither law nor size has a say in it."""
+        return False
+
     @abstractmethod
     def eased(self, value: float, share: float) -> float:
         """A value looser by a share of itself."""
@@ -124,22 +131,42 @@ class LimitPart(Part):
         for position, _ in self.where:
             limit = settled.limits[position]
             for stretch in settled.stretches:
-                if stretch.law is None:
-                    continue
                 for row in self.own(limit.rows(stretch, settled.machine)):
-                    if size is not None or not row.size:
+                    if row.constant:
+                        yield -row.upper
+                    elif stretch.law is not None and (size is not None or not row.size):
                         yield exceeded(row, stretch, size or ())
+                if stretch.law is not None and size is not None:
+                    yield from self._curved(limit, stretch, settled, size)
             if size is not None:
                 for cone in limit.cones(settled.stretches, settled.machine):
                     yield cone.norm.value(size) - cone.radius
 
     def order(self, problem: Problem) -> int:
-        highest = 0
-        for position, _ in self.where:
-            rows = problem.limits[position].rows(problem.stretches[0], problem.machine)
-            for row in self.own(rows):
-                highest = max(highest, *(k for k, a in enumerate(row.coefficients) if a != 0.0))
-        return highest
+        orders = (k for row in self._rows(problem) for k, a in enumerate(row.coefficients) if a)
+        return max(orders, default=0)
+
+    def fixed(self, problem: Problem) -> bool:
+        return all(row.constant for row in self._rows(problem))
+
+    def _rows(self, problem: Problem) -> Iterator[Row]:
+        """The part's rows wherever it has any."""
+        for stretch in problem.stretches:
+            for position, _ in self.where:
+                yield from self.own(problem.limits[position].rows(stretch, problem.machine))
+
+    def _curved(
+        self, limit: Limit, stretch: Stretch, settled: Problem, size: Vector
+    ) -> Iterator[float]:
+        """Excess of curved limits at sampled angles of a settled stretch."""
+        placed = stretch.placed()
+        step = np.linspace(0.0, 1.0, max(SAMPLES // placed.count, 3))
+        theta = (placed.breaks[:-1, None] + np.diff(placed.breaks)[:, None] * step).ravel()
+        piece = np.repeat(np.arange(placed.count), len(step))
+        s = np.stack([placed.at(theta, piece, order) for order in range(4)])
+        for curve in limit.curved(stretch, settled.machine):
+            if curve.source == self.name:
+                yield from (float(np.max(value)) for value in curve.excess(s, size))
 
     def own(self, rows: Sequence[Row]) -> list[Row]:
         """Those of a limit's rows that this part asks for."""
@@ -308,9 +335,11 @@ def _window_part(problem: Problem, position: int, claim: Claim) -> WindowPart:
 
 
 def _sources(limit: Limit, problem: Problem) -> set[str]:
-    machine, terms = problem.machine, list[Row | Cone]()
+    machine, terms = problem.machine, list[Row | Cone | Curved]()
     for stretch in problem.stretches:
         terms += limit.rows(stretch, machine)
+        if stretch.law is not None:
+            terms += limit.curved(stretch, machine)
     return {term.source for term in (*terms, *limit.cones(problem.stretches, machine))}
 
 
@@ -334,10 +363,22 @@ def range_parts(spec: DesignSpec, problem: Problem) -> list[Part]:
             found += _sides(size_name, f"follower/{name}", ends(getattr(follower, name)), axis, 0.0)
     low, high = ends(spec.base_radius_mm)
     radii = list(_sides("base_radius", "base_radius_mm", (low, high), None, roller))
-    if any(limit.cones(problem.stretches, problem.machine) for limit in problem.limits):
+    if _harmed_by_size(problem):
         return found + radii
-    # a larger size eases all else, so that only the largest can be in the way
+    # a larger size eases everything, so that only the largest can be in the way
     return found + [replace(part, low=-inf) for part in radii if part.high < inf]
+
+
+def _harmed_by_size(problem: Problem) -> bool:
+    """Whether a larger size may break a limit: its outer radius, or contact on a tilted face."""
+    follower, low = problem.machine.follower, tuple(low for low, _ in problem.sizing.bounds)
+    raised = follower.raised(low, 1.0)
+    rows = (row for s in problem.stretches for limit in problem.limits
+            for row in limit.rows(s, problem.machine))  # fmt: skip
+    return any(limit.cones(problem.stretches, problem.machine) for limit in problem.limits) or any(
+        sum(a * (new - old) for a, new, old in zip(row.size, raised, low, strict=False)) > 0.0
+        for row in rows
+    )
 
 
 def _sides(

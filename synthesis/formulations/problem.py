@@ -4,13 +4,28 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
+from functools import cached_property
+from math import inf
+from typing import Literal
 
 from synthesis.followers.base import Sizing
 from synthesis.limits import Limit, Machine
 from synthesis.motion import Stretch
 from synthesis.objectives import Objective
 from synthesis.spec import DesignSpec
-from synthesis.terms import Cone, Row
+from synthesis.terms import Cone, Curved, Row
+
+
+class Nothing(Objective):
+    """No objective: only whether the limits can hold."""
+
+    kind: Literal["nothing"] = "nothing"
+
+    def to_wire(self, value: float, machine: Machine) -> float:
+        return value
+
+    def from_wire(self, value: float, machine: Machine) -> float:
+        return value
 
 
 @dataclass(frozen=True)
@@ -33,6 +48,7 @@ class Problem:
         objective: what to make small.
         length: unit of length inside the formulations: the stroke [mm].
         held: earlier objectives.
+        radii: smallest and largest base radius [mm], which the sizing comes from.
     """
 
     stretches: tuple[Stretch, ...]
@@ -42,6 +58,7 @@ class Problem:
     objective: Objective
     length: float
     held: tuple[Held, ...] = ()
+    radii: tuple[float, float] = (0.0, inf)
 
     @property
     def free(self) -> tuple[Stretch, ...]:
@@ -59,13 +76,26 @@ class Problem:
         yield from self.objective.rows(stretch, self.machine, level)
 
     def limit_rows(self, stretch: Stretch) -> Iterator[Row]:
-        """The rows on one stretch that do not speak of the objective at hand."""
+        """The rows on one stretch that do not speak of the objective at hand.
+
+        Constant ones leave nothing to choose: whether they hold is the certificate's business.
+        """
         for limit in self.limits:
-            yield from limit.rows(stretch, self.machine)
+            yield from (row for row in limit.rows(stretch, self.machine) if not row.constant)
         for earlier in self.held:
             for row in earlier.objective.rows(stretch, self.machine, earlier.value):
                 value = 0.0 if earlier.objective.fractional else earlier.value
                 yield replace(row, upper=row.upper - row.level * value, level=0.0)
+
+    def curves_on(self, stretch: Stretch) -> Iterator[Curved]:
+        """What limits say on one stretch that no fixed row does."""
+        for limit in self.limits:
+            yield from limit.curved(stretch, self.machine)
+
+    @cached_property
+    def curved(self) -> bool:
+        """Whether any limit says such a thing."""
+        return any(True for stretch in self.stretches for _ in self.curves_on(stretch))
 
     @property
     def cones(self) -> tuple[Cone, ...]:
@@ -105,4 +135,5 @@ def pose(
         objective,
         spec.stroke(),
         held,
+        spec.base_radius_range(),
     )

@@ -11,21 +11,24 @@ from numpy.typing import NDArray
 
 from synthesis.formulations.bound import Bound, bound, in_core_units
 from synthesis.formulations.candidate import Candidate, at_size, grow, needs_size, settle, smallest
-from synthesis.formulations.convex import Plan, formulate, natural_scales
+from synthesis.formulations.closed_form import nearest
+from synthesis.formulations.convex import Plan, formulate
 from synthesis.formulations.grid import CLOSEST_KNOTS, Grid, merged, over, ramps, uniform
+from synthesis.formulations.local import nonlinear
+from synthesis.formulations.missed import ALLOWED, misses
+from synthesis.formulations.pinned import pinned
 from synthesis.formulations.problem import Problem
-from synthesis.formulations.rows import Drawn, inside, row_scale, sampled
+from synthesis.formulations.rows import Drawn
 from synthesis.formulations.search import Search, Stage
+from synthesis.formulations.tangency import turned
 from synthesis.numerics.piecewise import Array, Piecewise
-from synthesis.objectives.rms_jerk import RmsJerk
 from synthesis.solvers.clarabel import ConeSolution, solve
 from synthesis.solvers.statuses import Stopped
 
 ROUNDS = 8
-EXCHANGES = 3  # of the nonlinear rung
 COARSE, FINE = 12, 96  # intervals of the first grid, by tolerance
+CURVED = 16  # the most of them while rows still have to turn
 MOST_INTERVALS = 240
-ALLOWED = 1e-9  # relative excess of a row that is solver noise: the certificate decides
 LEVELS = 20
 STAYS = 1e-7  # of the level: an estimate's slope is taken over steps a thousand times longer
 USABLE = (Stopped.SOLVED, Stopped.INACCURATE)
@@ -46,12 +49,17 @@ def search(
         the search as it ended; without a best cam where no rung gave a usable point.
     """
     state = Search(problem, tolerance, deadline, tighten)
-    if not _closed_form(state):
-        first = int(np.clip(3.7 / sqrt(tolerance), COARSE, FINE))
+    if _closed_form(state):
+        pass
+    elif problem.curved and problem.machine.follower.pinning() is not None:
+        pinned(state, search)
+        return state
+    else:
+        first = int(np.clip(3.7 / sqrt(tolerance), COARSE, CURVED if problem.curved else FINE))
         state.grids = tuple(uniform(stretch, first) for stretch in problem.free)
         _climb(state)
-    if state.limited_by_shape and state.left() > 0.0:
-        _nonlinear(state)
+    if (state.limited_by_shape or state.short) and state.left() > 0.0:
+        nonlinear(state)
     return state
 
 
@@ -93,6 +101,8 @@ def _closed_form(state: Search) -> bool:
         return False
     found = at_size(problem, (), size)
     norm = problem.objective.norm(problem.machine)
+    if problem.curved:
+        size = nearest(problem) or size  # that one was drawn in
     exact = found.value if norm is None else norm.value(size)
     state.learn(Bound(exact * (1.0 - 1e-12), "every size of the given laws"))
     state.offer(found)
@@ -108,8 +118,8 @@ def _climb(state: Search) -> None:
     usable: tuple[Grid, ...] = ()  # on which there was a law: not on other knots that are no finer
     for number in range(1, ROUNDS + 1):
         started = time.perf_counter()
-        plan, solution, lower = solve_once(state)
         before = state.gap
+        plan, solution, lower = solve_once(state)
         found, missed = _weigh(state, plan, solution, lower)
         _report(state, number, plan, solution, time.perf_counter() - started)
         if solution.stopped is Stopped.INFEASIBLE and usable:
@@ -137,19 +147,25 @@ def _weigh(
     """Offer the cam and the bound of one round; where its rows were missed between points."""
     if lower is None:
         return None, [np.zeros(0)] * len(state.grids)
-    found = _read(plan, solution)
-    missed, excess = _missed(state, found)
+    # where rows are turned to the answer, it has been read already
+    found = state.last if state.problem.curved and state.last else _read(plan, solution)
+    missed, excess = misses(state, found)
     if excess <= ALLOWED:
         state.offer(found)
-    else:
+    elif state.tangent:
         state.margin = 1.1 * (state.margin + excess)
     state.learn(lower)
     return found, missed
 
 
 def _round(state: Search, trial: float = 0.0) -> tuple[Plan, ConeSolution, Bound | None]:
-    """One cone program on the present grids, with its bound."""
-    plan = formulate(state.problem, state.grids, trial, Drawn(state.tighten, state.margin))
+    """One cone program on the present grids, with its bound; curved limits are met in it."""
+    return turned(state, trial, _solved) if state.problem.curved else _solved(state, trial)
+
+
+def _solved(state: Search, trial: float) -> tuple[Plan, ConeSolution, Bound | None]:
+    drawn = Drawn(state.tighten, state.margin)
+    plan = formulate(state.problem, state.grids, trial, drawn, state.region)
     solution = solve(plan.program, state.left())
     return plan, solution, bound(plan, solution) if solution.stopped in USABLE else None
 
@@ -177,48 +193,6 @@ def _fraction(state: Search) -> tuple[Plan, ConeSolution, Bound | None]:
 def _read(plan: Plan, solution: ConeSolution) -> Candidate:
     laws, size = plan.recover(solution.x)
     return settle(plan.problem, laws, size)
-
-
-def _missed(state: Search, found: Candidate) -> tuple[list[Array], float]:
-    """Where rows written at points are exceeded between them on the free laws, and how far.
-
-    Returns:
-        points x of every free law, and the largest excess relative to its row.
-    """
-    scales, worst = natural_scales(state.problem), -inf
-    points = []
-    settled = {stretch.index: stretch for stretch in found.problem.stretches}
-    for free, grid in zip(state.problem.free, state.grids, strict=True):
-        x = _between(grid.points)
-        s = settled[free.index].placed().derivatives(free.start + free.angle * x)
-        exceeding = [np.zeros(0)]
-        for row in state.problem.limit_rows(free):
-            if sampled(row, grid.space):
-                size = sum(a * v for a, v in zip(row.size, found.size, strict=False))
-                excess = np.array(row.coefficients) @ s + (size - row.upper)
-                excess /= row_scale(row, free, scales)
-                excess = np.where(inside(row, x), excess, -inf)
-                worst = max(worst, float(np.max(excess)))
-                exceeding.append(x[excess > ALLOWED])
-        points.append(np.unique(np.concatenate(exceeding)))
-    return points, max(worst, _outgrown(state, found))
-
-
-def _outgrown(state: Search, found: Candidate) -> float:
-    """How far the cam has outgrown an earlier objective's radius, closed up between points."""
-    worst = -inf
-    for earlier in state.problem.held:
-        norm = earlier.objective.norm(state.problem.machine)
-        if norm is not None:
-            ratio = norm.value(found.size) / earlier.value
-            worst = max(worst, ratio - 1.0 - 0.01 * state.tolerance)
-    return worst
-
-
-def _between(points: Array) -> Array:
-    """Three points inside every interval."""
-    gaps = np.diff(points)[:, None] * np.array([0.25, 0.5, 0.75])
-    return np.asarray((points[:-1, None] + gaps).ravel())
 
 
 def _denser(grids: tuple[Grid, ...]) -> tuple[Grid, ...]:
@@ -313,62 +287,3 @@ def _report(state: Search, number: int, plan: Plan, solution: ConeSolution, seco
             solution.iterations, seconds, solution.stopped.value,
         )
     )  # fmt: skip
-
-
-def _nonlinear(state: Search) -> None:
-    """Third rung: limits that are not convex, from the relaxation's cam grown out of them."""
-    _smooth_start(state)
-    start = state.best or state.relaxed
-    assert start is not None
-    for _ in range(EXCHANGES):
-        missed, excess = _improved(state, start)
-        if excess <= ALLOWED or state.left() <= 0.0:
-            break
-        # rows that the size cannot mend, a counter cam's, were missed between their points
-        state.margin = 1.1 * (state.margin + excess)
-        both = zip(state.grids, missed, strict=True)
-        state.grids = tuple(grid.with_points(more) for grid, more in both)
-
-
-def _improved(state: Search, start: Candidate) -> tuple[list[Array], float]:
-    """One run of IPOPT; where its rows were missed between their points, and how far."""
-    from synthesis.formulations.nonlinear import improve  # CasADi only where it is needed
-
-    started = time.perf_counter()
-    plan = formulate(state.problem, state.grids, 0.0, Drawn(state.tighten, state.margin))
-    # rows drawn in by a little of what the caller allows save rounds: peaks may lie between them
-    drawn = float(np.clip(0.04 * state.tolerance, 1e-7, 1e-3))
-    solution = improve(plan, plan.point(start.laws, start.size), state.deadline, drawn)
-    laws, size = plan.recover(solution.x)
-    least: tuple[list[Array], float] = [], inf
-    for keep_hint in (True, False):
-        found = settle(state.problem, laws, size, keep_hint=keep_hint)
-        missed = _missed(state, found)
-        least = min(least, missed, key=lambda each: each[1])
-        if missed[1] <= ALLOWED:
-            state.finish(found)
-    state.stages.append(
-        Stage(
-            "nonlinear", "NLP", "IPOPT", len(solution.x), solution.rows, solution.iterations,
-            time.perf_counter() - started, solution.stopped.value,
-        )
-    )  # fmt: skip
-    return least
-
-
-def _smooth_start(state: Search) -> None:
-    """Another cam to start from: the law of least mean square jerk, grown until limits hold.
-
-    The relaxation's own law uses its freedom to the full, and may be bent so sharply that only
-    a huge cam could carry it.
-    """
-    if not state.problem.free:
-        return
-    gentle = state.problem.with_objective(RmsJerk())
-    plan = formulate(gentle, state.grids, 0.0, Drawn(state.tighten, state.margin))
-    solution = solve(plan.program, state.left())
-    if solution.stopped in USABLE:
-        laws, size = plan.recover(solution.x)
-        found = settle(state.problem, laws, size)
-        if _missed(state, found)[1] <= ALLOWED:
-            state.finish(found)

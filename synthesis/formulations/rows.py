@@ -40,7 +40,8 @@ class Block:
             monotone: coefficients in order; size: no motion in it.
         stretch: position among the free stretches, None for kind size.
         laws: (r, n) over all coefficients of that stretch, None for kind size.
-        alpha: (4,), x: (r,), size: (n_size,), level, rhs: (r,) the limit itself.
+        alpha: (4,), or (4, r) where the rows differ. x: (r,). size: (n_size,), or (r, n_size).
+        level, rhs: (r,) the limit itself.
         tighten: by how much the solver is asked to stay below rhs.
         source: the limit or objective behind it.
         spans: (r, 2) where on the law each row's multiplier may be spread, as its limit holds all
@@ -65,6 +66,10 @@ class Block:
         """The rows ≥ rhs of an equality, written as ≤."""
         assert self.laws is not None
         return replace(self, laws=-self.laws, alpha=-self.alpha, rhs=-self.rhs, exact=False)
+
+    def priced(self, z: Array) -> Array:
+        """What multipliers (r,) make of the size's share: (n_size,)."""
+        return self.size * float(np.sum(z)) if self.size.ndim == 1 else z @ self.size
 
 
 @dataclass(frozen=True)

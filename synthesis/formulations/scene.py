@@ -10,7 +10,6 @@ from __future__ import annotations
 from collections.abc import Callable, Collection, Iterator, Sequence
 from dataclasses import dataclass, replace
 from math import inf, sqrt
-from typing import Literal
 
 import numpy as np
 from scipy.optimize import minimize_scalar
@@ -18,12 +17,10 @@ from scipy.optimize import minimize_scalar
 from synthesis.formulations.convex import Plan, formulate
 from synthesis.formulations.grid import Grid
 from synthesis.formulations.parts import Part, RangePart, limit_parts, open_size, range_parts
-from synthesis.formulations.problem import Problem
+from synthesis.formulations.problem import Nothing, Problem
 from synthesis.formulations.rows import Drawn
 from synthesis.formulations.yielding import Yielded, least_yield, state
-from synthesis.limits import Machine
 from synthesis.numerics.piecewise import Array
-from synthesis.objectives import Objective
 from synthesis.spec import DesignSpec
 
 DRAWN = 1e-7  # limits are drawn in by as much as where cams are sought
@@ -31,18 +28,6 @@ NOTHING = 1e-8  # a relative violation that is solver noise
 FAN = np.radians([0.0, 25.0, -25.0, 50.0, -50.0, 70.0, -70.0, 85.0, -85.0])
 TURNS = 30
 Towards = Callable[[Array | None], Yielded | None]
-
-
-class Nothing(Objective):
-    """No objective: only whether the limits can hold."""
-
-    kind: Literal["nothing"] = "nothing"
-
-    def to_wire(self, value: float, machine: Machine) -> float:
-        return value
-
-    def from_wire(self, value: float, machine: Machine) -> float:
-        return value
 
 
 @dataclass(frozen=True, eq=False)

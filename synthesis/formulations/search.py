@@ -8,6 +8,7 @@ from math import inf, isfinite
 
 from synthesis.formulations.bound import Bound
 from synthesis.formulations.candidate import Candidate, grow
+from synthesis.formulations.cuts import Region
 from synthesis.formulations.grid import Grid
 from synthesis.formulations.problem import Problem
 
@@ -40,6 +41,9 @@ class Search:
         lower, over: best lower bound and the family that it covers.
         infeasible: the cone program has no point.
         grids: the present knots and points of every free law.
+        region: where curved limits are written; tangent: whether they are met there.
+        improved: whether a local optimum was sought on the way.
+        last: the last cam read from a cone program, whatever it is worth.
     """
 
     problem: Problem
@@ -54,6 +58,10 @@ class Search:
     infeasible: bool = False
     stages: list[Stage] = field(default_factory=list)
     grids: tuple[Grid, ...] = ()
+    region: Region | None = None
+    tangent: bool = True
+    improved: bool = False
+    last: Candidate | None = None
 
     def left(self) -> float:
         """Seconds left."""
@@ -64,6 +72,13 @@ class Search:
         if self.relaxed is None or found.value < self.relaxed.value:
             self.relaxed = found
         self.finish(found)
+
+    def accept(self, found: Candidate) -> None:
+        """A cam under all limits; with curved ones the relaxation's may be no better than it."""
+        if self.problem.curved:
+            self.offer(found)
+        else:
+            self.finish(found)
 
     def finish(self, found: Candidate) -> None:
         """Grow a cam until every limit holds, and keep it if it is the best so far."""
@@ -90,6 +105,11 @@ class Search:
         if self.best is None:
             return True
         return self.best.value > self.relaxed.value and not self.close(self.best)
+
+    @property
+    def short(self) -> bool:
+        """Whether curved limits leave more to gain than the tolerance."""
+        return self.problem.curved and not self.close(self.best)
 
     def gap_of(self, found: Candidate | None) -> float:
         """Relative gap of a cam to the bound in the wire's unit, infinite while unknown."""

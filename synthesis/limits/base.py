@@ -11,7 +11,7 @@ from pydantic import BaseModel, ConfigDict
 
 from synthesis.followers.base import Follower
 from synthesis.motion import Stretch
-from synthesis.terms import Cone, Row
+from synthesis.terms import Cone, Curved, Row
 
 
 @dataclass(frozen=True)
@@ -88,6 +88,10 @@ class Limit(BaseModel, ABC):
 
     def rows(self, stretch: Stretch, machine: Machine) -> tuple[Row, ...]:
         """Linear rows on one stretch; for a limit that is not convex, those it implies."""
+        return ()
+
+    def curved(self, stretch: Stretch, machine: Machine) -> tuple[Curved, ...]:
+        """What it says on one stretch of motion and size together, where no fixed row does."""
         return ()
 
     def cones(self, stretches: Sequence[Stretch], machine: Machine) -> tuple[Cone, ...]:

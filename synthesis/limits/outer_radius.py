@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Sequence
-from typing import Annotated, ClassVar, Literal
+from dataclasses import replace
+from typing import Annotated, Any, ClassVar, Literal
 
 from pydantic import Field
 from pydantic_core import PydanticCustomError
@@ -12,7 +13,7 @@ from synthesis.followers.base import Follower
 from synthesis.followers.flank import Trace, labelled, outer_gap
 from synthesis.limits.base import Claim, Limit, Machine, where
 from synthesis.motion import Stretch
-from synthesis.terms import Cone
+from synthesis.terms import Cone, Curved
 
 
 class OuterRadius(Limit):
@@ -43,13 +44,17 @@ class OuterRadius(Limit):
     def cones(self, stretches: Sequence[Stretch], machine: Machine) -> tuple[Cone, ...]:
         highest = max(max(s.s_start, s.s_end) for s in stretches)
         return tuple(
-            Cone(
-                trace.outermost(highest),
-                trace.value_of(self.max_mm + gap),
-                labelled("outer_radius", path),
-            )
+            Cone(norm, trace.value_of(self.max_mm + gap), labelled("outer_radius", path))
             for path, trace, gap in _edges(machine)
+            if (norm := trace.outermost(highest)) is not None
         )
+
+    def curved(self, stretch: Stretch, machine: Machine) -> tuple[Curved, ...]:
+        curves = machine.follower.outer_radius_curves(self.max_mm)
+        return tuple(replace(curve, source="outer_radius") for curve in curves)
+
+    def smooth(self, stretch: Stretch, machine: Machine, s: Any, z: Any) -> tuple[Any, ...]:
+        return tuple(v for curve in self.curved(stretch, machine) for v in curve.excess(s, z))
 
     def claims(self, stretches: Sequence[Stretch], machine: Machine) -> tuple[Claim, ...]:
         return tuple(

@@ -12,7 +12,7 @@ from pydantic import Field
 from synthesis.followers.flank import labelled
 from synthesis.limits.base import Claim, Limit, Machine, times, where
 from synthesis.motion import Sense, Stretch
-from synthesis.terms import Row
+from synthesis.terms import Curved, Row
 from synthesis.units import DEGREE
 
 Degrees = Annotated[float, Field(gt=0.0, lt=90.0)]
@@ -21,7 +21,8 @@ Degrees = Annotated[float, Field(gt=0.0, lt=90.0)]
 class PressureAngle(Limit):
     """|α| ≤ the rise's limit on every rise, ≤ the return's on every return; dwells are free.
 
-    Linear in the motion and the size together: |s' − e| ≤ tan α_max (s0 + s). Rises and returns
+    Linear in the motion and the size together for a translating roller: |s' − e| ≤
+    tan α_max (s0 + s). On an arm it is not: the follower then says it as curved. Rises and returns
     are the program's, for a counter cam too, which falls where the main cam rises.
     """
 
@@ -48,10 +49,11 @@ class PressureAngle(Limit):
         )
 
     def smooth(self, stretch: Stretch, machine: Machine, s: Any, z: Any) -> tuple[Any, ...]:
-        """Of counter rollers that say nothing in rows: |n × g| ≤ tan α_max n · g."""
+        """What is curved, and of counter rollers that say nothing in rows |n × g| ≤ t n · g."""
         limits = [self._largest(kind) for kind in stretch.senses]
         slopes = [tan(largest) for largest in limits if largest is not None]
-        found: list[Any] = []
+        curves = self.curved(stretch, machine)
+        found: list[Any] = [value for curve in curves for value in curve.excess(s, z)]
         for label in machine.follower.companions if slopes else ():
             path, slope = machine.follower.paths[label], min(slopes)
             if path.pressure_angle_rows(slope):
@@ -63,6 +65,14 @@ class PressureAngle(Limit):
             across, along = gx * ny - gy * nx, slope * (gx * nx + gy * ny)
             found += [(across - along) / length, (-across - along) / length]
         return tuple(found)
+
+    def curved(self, stretch: Stretch, machine: Machine) -> tuple[Curved, ...]:
+        return tuple(
+            replace(curve, source=f"pressure_angle_{kind}")
+            for kind in stretch.senses
+            if (largest := self._largest(kind)) is not None
+            for curve in machine.follower.pressure_angle_curves(tan(largest))
+        )
 
     def claims(self, stretches: Sequence[Stretch], machine: Machine) -> tuple[Claim, ...]:
         kinds: tuple[Sense, ...] = ("rise", "return", "dwell")

@@ -21,7 +21,7 @@ class BaseRadius(Objective):
         return machine.follower.prime_radius()
 
     def to_wire(self, value: float, machine: Machine) -> float:
-        return value - machine.follower.base_gap
+        return machine.follower.radius_of(value) - machine.follower.base_gap
 
     def from_wire(self, value: float, machine: Machine) -> float:
-        return value + machine.follower.base_gap
+        return machine.follower.value_of(value + machine.follower.base_gap)

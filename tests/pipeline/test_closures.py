@@ -189,6 +189,13 @@ def test_a_conflict_says_how_far_the_counter_roller_would_have_to_be() -> None:
         assert told[0].asked == pytest.approx(0.8 * enough)
 
 
+def test_a_range_on_the_wrong_side_of_the_axis_fits_nothing() -> None:
+    refused = synthesise(spec(PAIR | {"distance_mm": {"max": 21.0}}, base_radius_mm=64.0))
+    assert refused.status == "infeasible"
+    assert refused.dimensions.get("counter_distance_mm", 21.0) == 21.0
+    assert any(r.limit == "counter_distance" for r in refused.conflict.relaxations)
+
+
 def test_the_peak_pressure_angle_is_that_of_both_cams() -> None:
     objective = {"kind": "peak_pressure_angle"}
     design = synthesise(spec(PAIR, base_radius_mm=64.0, objective=objective))

@@ -1,0 +1,139 @@
+"""Curved limits as rows: point by point on free laws, exact half-planes on given ones."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+import numpy as np
+
+from synthesis.formulations.exchange import peaks
+from synthesis.formulations.grid import TYPICAL, Grid
+from synthesis.formulations.problem import Problem
+from synthesis.formulations.rows import Block, Drawn, Scales
+from synthesis.formulations.tubing import Tube
+from synthesis.motion import Stretch
+from synthesis.numerics.piecewise import Array, Piecewise
+from synthesis.terms import Curved, Cuts, Vector, Within
+
+SAMPLES = 64  # on a given stretch, about
+
+
+@dataclass(frozen=True, eq=False)
+class About:
+    """Normalised laws, one per free stretch, and a size [mm]: where rows shall be tight."""
+
+    laws: tuple[Piecewise, ...]
+    size: Vector
+
+
+@dataclass(frozen=True, eq=False)
+class Region:
+    """Where curved limits are written as rows.
+
+    Attributes:
+        sizes: bounds of every size variable that any better cam keeps [mm]; none: no rows.
+        abouts: where the rows are tight; none: all over the region.
+        tubes: what every free law of a better cam keeps to; none: its ends alone are known.
+    """
+
+    sizes: tuple[tuple[float, float], ...] = ()
+    abouts: tuple[About, ...] = ()
+    tubes: tuple[Tube, ...] = ()
+
+    @classmethod
+    def whole(cls, problem: Problem) -> Region:
+        """All that the problem allows."""
+        return cls(problem.sizing.bounds)
+
+
+def on_law(
+    curve: Curved,
+    position: int,
+    stretch: Stretch,
+    grid: Grid,
+    scales: Scales,
+    drawn: Drawn,
+    region: Region,
+) -> Iterator[Block]:
+    """Rows at the points of a free law, valid for every law and every size of the region."""
+    if not region.sizes:
+        return
+    within = _within(position, stretch, grid.points, region)
+    if not region.abouts:
+        for cuts in curve.cuts(within, None):
+            yield _block(cuts, curve.source, position, stretch, grid, scales, drawn)
+    for about in region.abouts:
+        s = stretch.s_start + stretch.lift * about.laws[position](grid.points)
+        for cuts in curve.cuts(within, (s, about.size)):
+            yield _block(cuts, curve.source, position, stretch, grid, scales, drawn)
+
+
+def _within(position: int, stretch: Stretch, x: Array, region: Region) -> Within:
+    """What is known of s and s' at points of a free law."""
+    assert stretch.free is not None
+    if region.tubes:
+        low, high = region.tubes[position].positions(x)
+        slow, fast = region.tubes[position].speeds(x)
+    else:
+        low, high = np.zeros_like(x), np.ones_like(x)
+        slow, fast = np.zeros_like(x), np.full_like(x, np.inf)
+        if stretch.free.overshoot:
+            low, high, slow = -fast, fast, -fast
+    places = np.sort(stretch.s_start + stretch.lift * np.stack([low, high]), axis=0)
+    speeds = np.sort(stretch.lift / stretch.angle * np.stack([slow, fast]), axis=0)
+    return Within(places[0], places[1], speeds[0], speeds[1], region.sizes)
+
+
+def _block(
+    cuts: Cuts,
+    source: str,
+    position: int,
+    stretch: Stretch,
+    grid: Grid,
+    scales: Scales,
+    drawn: Drawn,
+) -> Block:
+    """Rows at the grid's points, each divided by its natural size."""
+    alpha = cuts.coefficients * (stretch.lift / stretch.angle ** np.arange(4))[:, None]
+    size = cuts.size * scales.size
+    scale = np.maximum(
+        np.max(np.abs(alpha) * TYPICAL[:, None], axis=0), np.max(np.abs(size), axis=0)
+    )
+    alpha, rhs = alpha / scale, (cuts.upper - cuts.coefficients[0] * stretch.s_start) / scale
+    orders = np.flatnonzero(np.any(alpha != 0.0, axis=1))
+    laws = sum(alpha[k][:, None] * grid.space.basis(grid.points, int(k)) for k in orders)
+    return Block(
+        "point", position, np.asarray(laws), grid.points, alpha, (size / scale).T, 0.0, rhs,
+        source, drawn.tighten + drawn.margin,
+    )  # fmt: skip
+
+
+def on_given(curve: Curved, stretch: Stretch, scales: Scales, tighten: float) -> Iterator[Block]:
+    """Half-planes of the size from a given law.
+
+    With one size variable the tightest to either side say all; with more, those at sampled angles
+    do nearly.
+    """
+    placed = stretch.placed()
+    each = max(2, SAMPLES // placed.count) + 1
+    step = np.linspace(0.0, 1.0, each)
+    theta = (placed.breaks[:-1, None] + np.diff(placed.breaks)[:, None] * step).ravel()
+    piece = np.repeat(np.arange(placed.count), each)
+    s = np.stack([placed.at(theta, piece, order) for order in range(4)])
+    families = curve.half_planes(s)
+    normals = np.concatenate([cuts.size.T for cuts in families])
+    offsets = np.concatenate([cuts.upper for cuts in families])
+    if normals.shape[1] == 1:
+        found = peaks(curve, placed, np.zeros(1))
+        sides = [found.normals[:, 0] > 0.0, found.normals[:, 0] < 0.0]
+        worst = [
+            np.flatnonzero(side)[np.argmin(found.offsets[side])] for side in sides if any(side)
+        ]
+        normals, offsets = found.normals[worst], found.offsets[worst]
+    rows = normals * scales.size
+    scale = np.max(np.abs(rows), axis=1)
+    yield Block(
+        "size", None, None, np.zeros(len(rows)), np.zeros(4), rows / scale[:, None], 0.0,
+        offsets / scale, curve.source, tighten,
+    )  # fmt: skip

@@ -1,0 +1,87 @@
+"""The third rung as a stage of a search: local optima under limits that are not convex."""
+
+from __future__ import annotations
+
+import time
+from math import inf
+
+import numpy as np
+
+from synthesis.formulations.candidate import Candidate, settle
+from synthesis.formulations.convex import formulate
+from synthesis.formulations.cuts import Region
+from synthesis.formulations.missed import ALLOWED, misses
+from synthesis.formulations.rows import Drawn
+from synthesis.formulations.search import Search, Stage
+from synthesis.numerics.piecewise import Array
+from synthesis.objectives.rms_jerk import RmsJerk
+from synthesis.solvers.clarabel import solve
+from synthesis.solvers.statuses import Stopped
+
+EXCHANGES = 3  # of rows between whose points something was missed
+USABLE = (Stopped.SOLVED, Stopped.INACCURATE)
+
+
+def nonlinear(state: Search) -> None:
+    """From the relaxation's cam grown out of the limits, or from a gentler one."""
+    gentle(state)
+    start = state.best or state.relaxed or state.last
+    if start is not None:
+        improve_from(state, start)
+
+
+def improve_from(state: Search, start: Candidate) -> None:
+    """IPOPT on the present knots, its rows written at more points where they were missed."""
+    for _ in range(EXCHANGES):
+        missed, excess = _improved(state, start)
+        if excess <= ALLOWED or state.problem.curved or state.left() <= 0.0:
+            break
+        # rows that the size cannot mend, a counter cam's, were missed between their points
+        state.margin = 1.1 * (state.margin + excess)
+        both = zip(state.grids, missed, strict=True)
+        state.grids = tuple(grid.with_points(more) for grid, more in both)
+
+
+def _improved(state: Search, start: Candidate) -> tuple[list[Array], float]:
+    """One run of IPOPT; where its rows were missed between their points, and how far."""
+    from synthesis.formulations.nonlinear import improve  # CasADi only where it is needed
+
+    started = time.perf_counter()
+    drawn = Drawn(state.tighten, state.margin)
+    plan = formulate(state.problem, state.grids, 0.0, drawn, Region())  # smooth forms say more
+    # rows drawn in by a little of what the caller allows save rounds: peaks may lie between them
+    spare = float(np.clip(0.04 * state.tolerance, 1e-7, 1e-3))
+    solution = improve(plan, plan.point(start.laws, start.size), state.deadline, spare)
+    laws, size = plan.recover(solution.x)
+    least: tuple[list[Array], float] = [], inf
+    for keep_hint in (True, False):
+        found = settle(state.problem, laws, size, keep_hint=keep_hint)
+        missed = misses(state, found)
+        least = min(least, missed, key=lambda each: each[1])
+        if missed[1] <= ALLOWED:
+            state.accept(found)
+    state.stages.append(
+        Stage(
+            "nonlinear", "NLP", "IPOPT", len(solution.x), solution.rows, solution.iterations,
+            time.perf_counter() - started, solution.stopped.value,
+        )
+    )  # fmt: skip
+    return least
+
+
+def gentle(state: Search) -> None:
+    """Another cam to start from: the law of least mean square jerk, grown until limits hold.
+
+    The relaxation's own law uses its freedom to the full, and may be bent so sharply that only
+    a huge cam could carry it.
+    """
+    if not state.problem.free:
+        return
+    quiet = state.problem.with_objective(RmsJerk())
+    plan = formulate(quiet, state.grids, 0.0, Drawn(state.tighten, state.margin))
+    solution = solve(plan.program, state.left())
+    if solution.stopped in USABLE:
+        laws, size = plan.recover(solution.x)
+        found = settle(state.problem, laws, size)
+        if misses(state, found)[1] <= ALLOWED:
+            state.accept(found)

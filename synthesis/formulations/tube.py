@@ -1,0 +1,109 @@
+"""How narrow a tube every better cam's laws keep to.
+
+Rows of a curved limit that is not convex are as tight as the range is narrow over which they have
+to hold. Each bound is a cone program's optimum under all rows known, taken from its multipliers as
+any bound over all laws is; a better cam keeps it, because it keeps the rows.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Sequence
+from dataclasses import replace
+from math import inf
+
+import numpy as np
+from scipy import sparse
+
+from synthesis.formulations.bound import bound
+from synthesis.formulations.control import Control
+from synthesis.formulations.convex import Plan
+from synthesis.formulations.rows import Block
+from synthesis.formulations.tubing import Tube
+from synthesis.solvers.clarabel import ConeProgram, solve
+from synthesis.solvers.statuses import Stopped
+
+USABLE = (Stopped.SOLVED, Stopped.INACCURATE)
+SPARE = 1e-9
+NODES = 12  # intervals of a law between the knots at which its tube is known
+
+
+def tubes(
+    plan: Plan, steering: Sequence[Control], former: Sequence[Tube], wanted: Collection[int]
+) -> tuple[Tube, ...]:
+    """The tube of every free law, at knots of the plan.
+
+    Args:
+        plan: rows that every better cam keeps, with a level that nothing asks for yet.
+        steering: what caps the laws.
+        former: tubes known so far, () at first.
+        wanted: positions of the laws whose tube shall be narrowed.
+    """
+    found = []
+    for position, control in enumerate(steering):
+        known = former[position] if former else _widest(plan, position, control)
+        found.append(_narrowed(plan, position, known) if position in wanted else known)
+    return tuple(found)
+
+
+def _widest(plan: Plan, position: int, control: Control) -> Tube:
+    """What follows from the ends and the cap alone, at some of the plan's knots."""
+    breaks = plan.grids[position].space.breaks
+    nodes = breaks[np.unique(np.linspace(0, len(breaks) - 1, NODES + 1).round().astype(int))]
+    free = plan.problem.free[position].free
+    zero = np.zeros_like(nodes)
+    # with g from 0 to 1 and its steering derivative capped: far more than any speed that occurs
+    fast = zero + 20.0 * (1.0 + control.cap)
+    if free is None or free.overshoot:
+        return Tube(nodes, zero - fast, zero + fast, -fast, fast, control.order, control.cap)
+    return Tube(nodes, zero, zero + 1.0, zero, fast, control.order, control.cap)
+
+
+def _narrowed(plan: Plan, position: int, known: Tube) -> Tube:
+    low, high, slow, fast = (a.copy() for a in (known.low, known.high, known.slow, known.fast))
+    last = len(known.nodes) - 1
+    for at, x in enumerate(known.nodes):
+        slow[at] = max(slow[at], _least(plan, position, float(x), 1, 1.0))
+        fast[at] = min(fast[at], -_least(plan, position, float(x), 1, -1.0))
+        if at in (0, last):
+            low[at] = high[at] = float(at == last)
+        else:
+            low[at] = max(low[at], _least(plan, position, float(x), 0, 1.0))
+            high[at] = min(high[at], -_least(plan, position, float(x), 0, -1.0))
+    return replace(known, low=low, high=high, slow=slow, fast=fast)
+
+
+def _least(plan: Plan, position: int, x: float, order: int, sign: float) -> float:
+    """A lower bound of sign · g^(order)(x) over all laws that keep the plan's rows."""
+    basis = plan.grids[position].space.basis(np.array([x]), order)
+    alpha = np.zeros(4)
+    alpha[order] = sign
+    block = Block(
+        "point", position, sign * basis, np.array([x]), alpha, np.zeros(0), -1.0, np.zeros(1),
+        "tube",
+    )  # fmt: skip
+    asked = _with(plan, block)
+    solution = solve(asked.program)
+    if solution.stopped not in USABLE:
+        return -inf
+    found = bound(asked, solution)
+    return found.value - SPARE if found.switching else -inf
+
+
+def _with(plan: Plan, block: Block) -> Plan:
+    """The plan with one more row."""
+    assert block.laws is not None
+    assert plan.extra is not None
+    program, position = plan.program, block.stretch
+    assert position is not None
+    inner, fixed = plan.settled[position].split(block.laws)
+    row = sparse.lil_matrix((1, program.matrix.shape[1]))
+    row[0, plan.columns[position]] = inner
+    row[0, plan.extra] = block.level
+    at = program.equalities + program.inequalities
+    matrix = sparse.vstack([program.matrix[:at], row, program.matrix[at:]])
+    rhs = np.concatenate([program.rhs[:at], block.rhs - fixed, program.rhs[at:]])
+    more = ConeProgram(
+        program.quadratic, program.linear, sparse.csc_matrix(matrix), rhs, program.equalities,
+        program.inequalities + 1, program.cones,
+    )  # fmt: skip
+    return replace(plan, blocks=(*plan.blocks, block), program=more)
