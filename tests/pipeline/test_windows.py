@@ -348,3 +348,23 @@ def test_units_of_windows_are_the_follower_s() -> None:
         with pytest.raises(ValidationError) as caught:
             swung(points=[point])
         assert caught.value.errors()[0]["type"] == "point_unclear"
+
+
+def test_a_law_on_an_arm_keeps_its_window_and_passes_its_point() -> None:
+    window = {"from_deg": 30.3, "to_deg": 49.7, "velocity_deg_per_s": 100.0}
+    point = {"angle_deg": 41.0, "travel_deg": 4.1}
+    program = [
+        {"kind": "rise", "angle_deg": 100.0, "lift_deg": 17.3, "windows": [window]},
+        {"kind": "dwell", "angle_deg": 50.0},
+        {"kind": "return", "angle_deg": 120.0, "lift_deg": 17.3, "points": [point]},
+        {"kind": "dwell", "angle_deg": 90.0},
+    ]
+    limits = [LIMITS[0] | {"rise_deg": 40.0}, {"kind": "jerk", "max_deg_per_s3": 6e5}]
+    design = synthesise(cam(program=program, follower=ARM, limits=limits, tolerance=0.03))
+    assert design.status == "optimal"
+    assert "all motion laws" in design.certificate.bound_over
+    arc = np.degrees(1.0 / ARM["arm_mm"])  # degrees of the arm in a millimetre of the roller's way
+    inside = motion_at(design, np.linspace(30.3 + 1e-9, 49.7 - 1e-9, 77), 1) * arc
+    assert inside == pytest.approx(100.0, rel=1e-9)
+    there = motion_at(design, 191.0, 0) * arc
+    assert there == pytest.approx(17.3 - 4.1, abs=1e-9 * 17.3)
