@@ -40,8 +40,8 @@ def certify(
     Returns:
         one extreme per claim of the limits, in their order, then what every cam must satisfy:
         a base radius, a follower that stands beside the cam, a profile that does not cross
-        itself, a motion that is continuous and has the states asked of it, follows its tables
-        and keeps the promises of its spline laws.
+        itself, a motion that is continuous, has the states asked of it, follows its tables and
+        keeps the promises of its spline laws.
     """
     size = tuple(float(value) for value in size)
     course = Course(motion)
@@ -55,14 +55,18 @@ def certify(
         mine = [i for i, c in enumerate(claims) if (c.quantity, c.path, c.exact) == subject]
         extremes = _judge(*subject, course, machine, size, [claims[i] for i in mine])
         found.update(zip(mine, extremes, strict=True))
+    cam = [*stands(course, machine, size), *crosses(course, machine, size)]
     promised = [
         *joins(course, machine, continuity),
         *states(course, machine),
         *tables(course, machine),
+    ]
+    return [
+        *(found[i] for i in range(len(claims))),
+        *cam,
+        *promised,
         *overshoot(course, machine),
     ]
-    cam = [*stands(course, machine, size), *crosses(course, machine, size)]
-    return [*(found[i] for i in range(len(claims))), *cam, *promised]
 
 
 def _judge(

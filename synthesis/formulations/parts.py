@@ -23,8 +23,8 @@ from synthesis.terms import Cone, Curved, Row
 
 Vector = tuple[float, ...]
 CEILING = {"deg": 89.9}  # the largest value that makes sense, where there is one
-ROUNDING = 1e-9  # of the natural size: what a value held may differ by
 SAMPLES = 360  # of a given law, about, where a curved limit is measured
+ROUNDING = 1e-9  # of the natural size: what a value held may differ by
 OPEN = 1e4  # strokes: what the base radius may grow to while it is not limited
 
 
@@ -78,7 +78,7 @@ class Part(ABC):
         return 0
 
     def fixed(self, problem: Problem) -> bool:
-        """Whether neither law nor size has a say in it."""
+        """Whether neither law nor size has a say in the part."""
         return False
 
     @abstractmethod
@@ -142,19 +142,6 @@ class LimitPart(Part):
                 for cone in limit.cones(settled.stretches, settled.machine):
                     yield cone.norm.value(size) - cone.radius
 
-    def order(self, problem: Problem) -> int:
-        orders = (k for row in self._rows(problem) for k, a in enumerate(row.coefficients) if a)
-        return max(orders, default=0)
-
-    def fixed(self, problem: Problem) -> bool:
-        return all(row.constant for row in self._rows(problem))
-
-    def _rows(self, problem: Problem) -> Iterator[Row]:
-        """The part's rows wherever it has any."""
-        for stretch in problem.stretches:
-            for position, _ in self.where:
-                yield from self.own(problem.limits[position].rows(stretch, problem.machine))
-
     def _curved(
         self, limit: Limit, stretch: Stretch, settled: Problem, size: Vector
     ) -> Iterator[float]:
@@ -167,6 +154,19 @@ class LimitPart(Part):
         for curve in limit.curved(stretch, settled.machine):
             if curve.source == self.name:
                 yield from (float(np.max(value)) for value in curve.excess(s, size))
+
+    def order(self, problem: Problem) -> int:
+        orders = (k for row in self._rows(problem) for k, a in enumerate(row.coefficients) if a)
+        return max(orders, default=0)
+
+    def fixed(self, problem: Problem) -> bool:
+        return all(row.constant for row in self._rows(problem))
+
+    def _rows(self, problem: Problem) -> Iterator[Row]:
+        """Its rows wherever it has any."""
+        for stretch in problem.stretches:
+            for position, _ in self.where:
+                yield from self.own(problem.limits[position].rows(stretch, problem.machine))
 
     def own(self, rows: Sequence[Row]) -> list[Row]:
         """Those of a limit's rows that this part asks for."""
