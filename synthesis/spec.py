@@ -219,7 +219,7 @@ class DesignSpec(BaseModel):
         """Refuse numbers that are free in name only, or that cannot fit together."""
         openings = self.openings
         free = openings.free
-        for name, what in (("angle_deg", "angles"), ("lift_mm", "lifts")):
+        for name, what in (("angle_deg", "angles"), ("lift_mm", "lifts"), ("lift_deg", "lifts")):
             alone = [opening for opening in free if opening.name == name]
             if len(alone) == 1 and not openings.tied_otherwise(name):
                 raise PydanticCustomError(
