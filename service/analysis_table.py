@@ -41,6 +41,18 @@ def undercut(found: Analysis) -> str:
     )
 
 
+def self_crossing(found: Analysis) -> str:
+    """Far parts of the profile that cross, in one line."""
+    worst = found.self_crossing
+    if worst is None:
+        return "The profile does not cross itself."
+    which = worst.flank or "profile"
+    return (
+        f"The {which} crosses itself: at {worst.roller_deg:.4f}° the roller cuts "
+        f"{worst.depth_mm:.4f} mm deep into the profile of {worst.profile_deg:.4f}°."
+    )
+
+
 def _table(title: str, *columns: str) -> Table:
     table = Table(title=title, title_justify="left", box=SIMPLE_HEAD)
     for i, column in enumerate(columns):

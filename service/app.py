@@ -19,7 +19,15 @@ from service.jobs import Jobs
 from service.metrics import Metrics
 from service.observe import Observe
 from service.resource import CAM_SETS, DESIGNS
-from service.routes import analyses, cam_sets, catalogue, designs, files, operation
+from service.routes import (
+    analyses,
+    cam_sets,
+    catalogue,
+    designs,
+    files,
+    operation,
+    profile_analyses,
+)
 from service.settings import Settings
 from service.state import State
 from service.store import Store
@@ -56,7 +64,7 @@ def create_app(settings: Settings, engine_of: EngineOf = running_engine) -> Fast
         generate_unique_id_function=client_name,
         redirect_slashes=False,
     )
-    for routes in (designs, files, cam_sets, analyses, catalogue, operation):
+    for routes in (designs, files, cam_sets, analyses, profile_analyses, catalogue, operation):
         app.include_router(routes.router)
     pages.install(app)
     problem.install(app)

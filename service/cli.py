@@ -11,9 +11,10 @@ from typing import Annotated, Any, NoReturn
 import typer
 from rich.console import Console
 
-from service import analysis_table
+from service import analysis_table, reading_table
 from service.body import Model, parsed, validated
 from service.errors import InvalidBody, ServiceError
+from service.points_file import points_in
 from service.settings import settings_from
 from synthesis.camset import CamSet
 from synthesis.camset_spec import CamSetSpec
@@ -116,12 +117,43 @@ def analyse(
     if as_json:
         print(found.model_dump_json(indent=1))
     else:
-        out.print(analysis_table.headline(found), analysis_table.undercut(found), sep="\n")
+        out.print(analysis_table.headline(found))
+        out.print(analysis_table.undercut(found), analysis_table.self_crossing(found), sep="\n")
         wide = Console(highlight=False, width=max(out.width, analysis_table.WIDTH))
         for table in analysis_table.tables(found):
             wide.print(table)
     if not found.holds:
         raise typer.Exit(3)
+
+
+@app.command()
+def read_back(
+    spec: Annotated[Path, typer.Argument(help="File with a MeasuredCam, points_mm or not.")],
+    points: Annotated[
+        Path | None, typer.Option(help="File of measured points: csv or columns x y, in mm.")
+    ] = None,
+    as_json: Annotated[bool, typer.Option("--json", help="Print the whole as JSON.")] = False,
+) -> None:
+    """Read the motion back from measured points of a profile."""
+    from synthesis.measured import MeasuredCam
+    from synthesis.measured import read_back as read
+
+    try:
+        given = None if points is None else {"points_mm": points_in(points)}
+        found = read(_read(spec, MeasuredCam, given))
+    except OSError as error:
+        _stop(f"{points} cannot be read: {error.strerror}.")
+    except UnicodeDecodeError:
+        _stop(f"{points} is no text in UTF-8.")
+    except CamwrightError as error:
+        _stop(str(error))
+    if as_json:
+        print(found.model_dump_json(indent=1))
+        return
+    out.print(reading_table.headline(found))
+    wide = Console(highlight=False, width=max(out.width, analysis_table.WIDTH))
+    for table in reading_table.tables(found):
+        wide.print(table)
 
 
 def _analysed(spec: DesignSpec) -> Analysis:
@@ -134,13 +166,16 @@ def _analysed(spec: DesignSpec) -> Analysis:
         _stop(str(error))
 
 
-def _read(path: Path, model: type[Model]) -> Model:
-    """The spec in a file; one readable line for each thing that is wrong with it."""
+def _read(path: Path, model: type[Model], more: Mapping[str, Any] | None = None) -> Model:
+    """The spec in a file, with ``more`` fields; a readable line for each thing that is wrong."""
     try:
         body = path.read_bytes()
         document = parsed(body)
         if isinstance(document, dict) and "value" in document:
-            body = json.dumps(document["value"]).encode()
+            document = document["value"]
+            body = json.dumps(document).encode()
+        if more and isinstance(document, dict):
+            body = json.dumps({**document, **more}).encode()
         return validated(body, model)
     except OSError as error:
         _stop(f"{path} cannot be read: {error.strerror}.")
@@ -174,12 +209,20 @@ def _synthesised(spec: Any, synthesise: Callable[..., Any]) -> Any:
 
 
 def _write(design: Design, folder: Path) -> list[str]:
-    from synthesis.exporters import MOTION_FORMATS, PROFILE_FORMATS, MotionOptions, ProfileOptions
+    from synthesis.exporters import (
+        MOTION_FORMATS,
+        PROFILE_FORMATS,
+        MotionOptions,
+        ProfileOptions,
+        profiles,
+    )
 
     files = {"design.json": design.model_dump_json(indent=1).encode()}
     if design.motion:
         for name, profile in PROFILE_FORMATS.items():
-            files[f"profile.{name}"] = profile.write(design, ProfileOptions())
+            for stem, curve in profiles(design).items():
+                if profile.placeable or stem == "profile":  # a drawing shows every flank
+                    files[f"{stem}.{name}"] = profile.write(design, ProfileOptions(curve=curve))
         for name, motion in MOTION_FORMATS.items():
             files[f"motion.{name}"] = motion.write(design, MotionOptions())
     _save(files, folder)

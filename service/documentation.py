@@ -12,6 +12,7 @@ from service.errors import BY_STATUS, PROBLEMS
 from service.examples import examples
 from service.problem import MEDIA_TYPE, Problem
 from synthesis.design import engine_version
+from synthesis.measured import MeasuredCam
 
 TITLE = "Camwright"
 DESCRIPTION = """\
@@ -26,7 +27,8 @@ the profile.
 3. Take the points: `/v1/designs/{id}/profile.csv`, `.txt`, `.json`, `.svg`, and `/motion.*`.
 
 A cam that exists already goes to `POST /v1/analyses`: what it does, which limits it breaks, by how
-much and where, and what would mend it.
+much and where, and what would mend it. Of a cam that exists as metal only, send measured points of
+its profile to `POST /v1/profile-analyses`: the motion that it gives its follower.
 
 Several cams on one shaft go to `POST /v1/cam-sets`, each with its phase: one timing diagram, and
 one archive with all files, in the cams' own frames and in the shaft's.
@@ -110,10 +112,11 @@ def describe(app: FastAPI) -> dict[str, Any]:
         )
         schemas = document["components"]["schemas"]
         reference = "#/components/schemas/{model}"
-        own = Problem.model_json_schema(ref_template=reference)
-        for name, schema in own.pop("$defs").items():
-            schemas.setdefault(name, schema)
-        schemas["Problem"] = own
+        for model in (Problem, MeasuredCam):  # no handler's signature names them
+            own = model.model_json_schema(ref_template=reference)
+            for name, schema in own.pop("$defs").items():
+                schemas.setdefault(name, schema)
+            schemas[model.__name__] = own
         _without_default_errors(document)
         document["components"]["schemas"] = dict(sorted(schemas.items()))
         app.openapi_schema = document

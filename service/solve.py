@@ -82,6 +82,16 @@ def analyse(spec: bytes, budget_s: float) -> Answer:
     return Answer(found.model_dump_json().encode(), status, {}, time.monotonic() - started)
 
 
+def read_back(cam: bytes, budget_s: float) -> Answer:
+    """Read the motion back from a measured profile; runs in a worker process."""
+    from synthesis.measured import MeasuredCam
+    from synthesis.measured import read_back as read
+
+    started = time.monotonic()
+    found = read(MeasuredCam.model_validate_json(cam))
+    return Answer(found.model_dump_json().encode(), "read", {}, time.monotonic() - started)
+
+
 def warm_up() -> None:
     """Import the solvers and run them once, so that the first design does not wait for that."""
     from synthesis.pipeline import synthesise

@@ -21,6 +21,14 @@ PLACES = {
     "program_angles": ("program",),
     "program_lift": ("program",),
     "program_still": ("program",),
+    "one_number_free": ("program", "{segment}", "{name}"),
+    "numbers_do_not_fit": ("program",),
+    "states_differ": ("program", "{segment}", "{end}"),
+    "state_not_neighbours": ("program", "{segment}"),
+    "state_backwards": ("program", "{segment}"),
+    "acceleration_alone": ("program", "{segment}"),
+    "state_not_met": ("program", "{segment}", "{end}"),
+    "law_backwards": ("program", "{segment}"),
     "base_radius_positive": ("base_radius_mm",),
     "offset_beyond_prime_radius": ("follower", "offset_mm"),
     "lift_does_not_suit": ("program",),
@@ -34,10 +42,13 @@ PLACES = {
     "pressure_angle_given": ("objective",),
     "pressure_angle_not_weighed": ("objective",),
     "limit_does_not_suit": ("limits",),
+    "face_turns_with_cam": ("program",),
+    "face_swings_too_far": ("follower", "centre_distance_mm"),
     "cam_off_the_shaft": ("cams", "{position}", "spec", "{field}"),
     "groove_needs_roller": ("follower", "roller_radius_mm"),
     "roller_fills_ring": ("base_radius_mm",),
     "rim_without_ring": ("follower", "closure", "rim_mm"),
+    "outer_radius_too_small": ("limits",),
 }
 SHAPES = ("model_type", "model_attributes_type", "list_type", "dict_type", "float_type")
 # What is not among these was raised by the core: "rule. Way out." with its numbers.
@@ -141,7 +152,7 @@ def _looked_up(error: Any, path: Loc) -> Loc:
 
 def _is_member(name: str) -> bool:
     """Whether a name in a location is that of a union's member rather than a tag."""
-    return "[" in name or name in ("float", "int", "str")
+    return "[" in name or name.removeprefix("constrained-") in ("float", "int", "str")
 
 
 def _settled(

@@ -15,6 +15,7 @@ from synthesis.certify.curves import Curves
 from synthesis.design import Design, engine_version
 from synthesis.errors import InputError, SolverFailed, TimeBudgetExceeded
 from synthesis.findings import Analysis, Mend, SizeChange
+from synthesis.formulations.tables import smooth_tables
 from synthesis.objectives.base_radius import BaseRadius
 from synthesis.pipeline import synthesise
 from synthesis.spec import DesignSpec
@@ -45,6 +46,7 @@ def analyse(spec: DesignSpec, *, deadline: float | None = None) -> Analysis:
         curves=curves.summaries(),
         jumps=curves.jumps(),
         undercut=curves.undercut(),
+        self_crossing=curves.self_crossing(),
         mend=mend(spec, cam, _stop(spec, deadline)) if broken else None,
         spec=spec,
     )
@@ -66,7 +68,8 @@ def given(spec: DesignSpec) -> Cam:
             "Name the law or give the number, or have it chosen: POST /v1/designs, synthesise().",
         )
     bounds = spec.follower.sizing(spec.base_radius_range()).bounds
-    return Cam(spec.stretches(), {}, tuple(low for low, _ in bounds))
+    tables = smooth_tables(spec.stretches())
+    return Cam(tables.stretches, tables.splines, tuple(low for low, _ in bounds))
 
 
 def mend(spec: DesignSpec, cam: Cam, stop: float) -> Mend:

@@ -62,7 +62,7 @@ def judged(spec: DesignSpec, cam: Cam, built: DesignSpec | None = None) -> list[
     """
     motion, built = cam.motion, built or spec
     return [
-        *certify(motion, built.machine(), cam.size, built.all_limits()),
+        *certify(motion, built.machine(), cam.size, built.all_limits(), built.continuity),
         *certify_size(spec, cam.size, built.follower),
     ]
 
@@ -103,7 +103,7 @@ def relative_gap(value: float, lower: float) -> float:
 
 def _segments(spec: DesignSpec, cam: Cam) -> list[SegmentMotion]:
     travel = spec.follower.travel
-    starts = accumulate((segment.angle_deg for segment in spec.program), initial=0.0)
+    starts = accumulate((segment.degrees for segment in spec.program), initial=0.0)
     found = []
     for stretch, segment, start_deg in zip(cam.stretches, spec.program, starts, strict=False):
         spline = None
@@ -113,12 +113,15 @@ def _segments(spec: DesignSpec, cam: Cam) -> list[SegmentMotion]:
                 degree=space.degree,
                 knots=space.breaks.tolist(),
                 coefficients=coefficients.tolist(),
+                **{f"unit_{travel.unit}": stretch.unit / travel.per_unit}
+                if stretch.readings is not None
+                else {},
             )
         found.append(
             SegmentMotion(
                 kind=stretch.kind,
                 start_deg=start_deg,
-                angle_deg=segment.angle_deg,
+                angle_deg=segment.degrees,
                 law=segment.law_name,
                 spline=spline,
                 **{
@@ -162,6 +165,39 @@ def design(
         report=Report(stages=list(stages), seconds=seconds),
         spec=spec,
     )
+
+
+def with_chosen(found: Design, question: DesignSpec, numbers: Sequence[float]) -> Design:
+    """The answer to a question whose program leaves numbers free, from that with them in place.
+
+    Its bounds say nothing of other numbers, so that it is feasible and no more.
+    """
+    if not numbers:
+        return found
+    openings = question.openings.free
+    chosen = {opening.field: value for opening, value in zip(openings, numbers, strict=True)}
+    proof, conflict = found.certificate, found.conflict
+    if conflict is not None:
+        words = ", ".join(f"{field} = {value:.6g}" for field, value in chosen.items())
+        evidence = f"{conflict.evidence}; all this at {words}, where nothing better was found"
+        conflict = conflict.model_copy(update={"evidence": evidence})
+    also = [each.model_copy(update={"bound_over": _at_chosen(each)}) for each in proof.also]
+    certificate = proof.model_copy(update={"bound_over": _at_chosen(proof), "also": also})
+    return found.model_copy(
+        update={
+            "id": design_id(question),
+            "spec": question,
+            "chosen": chosen,
+            "status": "feasible" if found.status == "optimal" else found.status,
+            "certificate": certificate,
+            "conflict": conflict,
+        }
+    )
+
+
+def _at_chosen(proof: Proof) -> str:
+    """What a bound covers that was found with numbers chosen."""
+    return f"{proof.bound_over}, at the chosen angles and lifts alone" if proof.bound_over else ""
 
 
 def dimensions(spec: DesignSpec, cam: Cam) -> dict[str, float]:

@@ -11,7 +11,7 @@ from typing import Any, Literal
 import numpy as np
 from pydantic import BaseModel, ConfigDict, Field
 
-from synthesis.motion import Motion, Stretch
+from synthesis.motion import Motion, Stretch, StretchKind
 from synthesis.numerics.bspline import SplineSpace
 from synthesis.spec import DesignSpec
 
@@ -32,18 +32,21 @@ def told(description: str) -> Any:
 class SplineCurve(Part):
     """A B-spline in normalised form: x = (θ − start)/angle in [0, 1], g(x) from 0 to 1.
 
-    s = s_start + (s_end − s_start) g(x). Knots are without repetition; both ends are clamped.
+    s = s_start + unit · g(x), where the unit is s_end − s_start unless it is told: a table has its
+    own, and g ends at (s_end − s_start)/unit. Knots are without repetition; both ends are clamped.
     """
 
     degree: int = told("Polynomial degree p; p + 1 equal knots stand at either end.")
     knots: list[float] = told("Knots in x from 0 to 1, each once.")
     coefficients: list[float] = told("B-spline coefficients of g: knots − 1 + degree of them.")
+    unit_mm: float | None = Field(None, description="Length of g = 1 in a table; null: the lift.")
+    unit_deg: float | None = Field(None, description="The same of a follower on an arm.")
 
 
 class SegmentMotion(Part):
     """One segment of the motion as it came out."""
 
-    kind: Literal["rise", "dwell", "return"] = told("What the follower does.")
+    kind: StretchKind = told("What the follower does; `table` where it moves both ways.")
     start_deg: float = told("Cam angle where the segment starts.")
     angle_deg: float = told("Cam angle of the segment.")
     s_start_mm: float | None = Field(
@@ -54,7 +57,7 @@ class SegmentMotion(Part):
         None, description="The same of a follower on an arm: the angle that it has swung."
     )
     s_end_deg: float | None = Field(None, description="Angle that it has swung at its end.")
-    law: str = told("Name of the law; `spline` where it was chosen here.")
+    law: str = told("Name of the law; `spline` where it was chosen here, `table` if smoothed.")
     spline: SplineCurve | None = Field(None, description="The law where it was chosen here.")
 
     @property
@@ -163,6 +166,9 @@ class Design(Part):
     conflict: Conflict | None = Field(None, description="Why nothing fits, where nothing does.")
     report: Report = told("What was modelled and what it cost.")
     spec: DesignSpec = told("The question.")
+    chosen: dict[str, float] = Field(
+        {}, description="Angles and lifts that the spec's program leaves free: path and number."
+    )
     links: dict[str, str] = Field({}, description="Where to find its files.")
 
     def asked_as(self, spec: DesignSpec) -> Design:
@@ -174,13 +180,20 @@ class Design(Part):
     @cached_property
     def built(self) -> DesignSpec:
         """The question with what was settled after the size, such as a counter roller's place."""
-        return self.spec.built(self.dimensions)
+        return self.numbered.built(self.dimensions)
+
+    @cached_property
+    def numbered(self) -> DesignSpec:
+        """The question with the numbers in place that its program leaves free."""
+        openings = self.spec.openings.free if self.chosen else ()
+        numbers = [self.chosen[opening.field] for opening in openings]
+        return self.spec.with_numbers(numbers) if numbers else self.spec
 
     @cached_property
     def curve(self) -> Motion:
         """The motion, rebuilt to the last bit from the spec and the spline coefficients."""
         settled: list[Stretch] = []
-        for stretch, segment in zip(self.spec.stretches(), self.motion, strict=True):
+        for stretch, segment in zip(self.numbered.stretches(), self.motion, strict=True):
             if segment.spline is None:
                 settled.append(stretch)
                 continue

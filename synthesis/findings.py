@@ -68,6 +68,15 @@ class Undercut(Part):
     flank: str = Field("", description="Which flank, where the cam has several.")
 
 
+class SelfCrossing(Part):
+    """Far parts of the profile cross: the roller that cuts one of them cuts into the other."""
+
+    profile_deg: float = told("Cam angle of the profile point that is cut deepest.")
+    roller_deg: float = told("Cam angle at which the roller cuts into it.")
+    depth_mm: float = told("How deep it cuts: roller radius less the distance of its centre.")
+    flank: str = Field("", description="Which flank, where the cam has several.")
+
+
 class SizeChange(Part):
     """The smallest cam that keeps every limit, with the laws as they are."""
 
@@ -109,5 +118,6 @@ class Analysis(Part):
     curves: list[CurveSummary] = told("The extremes of every curve.")
     jumps: list[CurveJump] = told("Where displacement, velocity, acceleration, curvature jump.")
     undercut: Undercut | None = told("Undercut or cusp; null where there is none.")
+    self_crossing: SelfCrossing | None = told("Crossing far parts; null where there are none.")
     mend: Mend | None = told("What would mend it; null where every limit holds.")
     spec: DesignSpec = told("The question.")

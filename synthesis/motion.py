@@ -12,15 +12,77 @@ from numpy.typing import ArrayLike
 from synthesis.numerics.piecewise import Array, Piecewise, Side, join
 from synthesis.units import FULL_TURN
 
-StretchKind = Literal["rise", "dwell", "return"]
+Sense = Literal["rise", "dwell", "return"]
+StretchKind = Literal["rise", "dwell", "return", "table"]
+
+
+@dataclass(frozen=True)
+class EndState:
+    """What is asked of the motion at one end of a segment; None is left to the neighbour.
+
+    Attributes:
+        velocity, acceleration: s' [mm/rad] and s'' [mm/rad²] just inside the segment.
+    """
+
+    velocity: float | None = None
+    acceleration: float | None = None
+
+    @property
+    def known(self) -> tuple[float | None, float | None]:
+        """s' and s'' in this order."""
+        return self.velocity, self.acceleration
+
+    def normalised(self, angle: float, scale: float) -> tuple[float | None, float | None]:
+        """g' and g'' for s = s_start + scale · g((θ − start)/angle)."""
+        v, a = self.known
+        return (
+            None if v is None else v * angle / scale,
+            None if a is None else a * angle**2 / scale,
+        )
+
+    def or_else(self, other: EndState) -> EndState:
+        """What is not asked here is taken from ``other``."""
+        v, a = self.known
+        return EndState(other.velocity if v is None else v, other.acceleration if a is None else a)
+
+
+ANY_STATE = EndState()
 
 
 @dataclass(frozen=True)
 class FreeLaw:
-    """A law that is part of the answer: a spline of class C^smoothness."""
+    """A law that is part of the answer: a spline of class C^smoothness.
+
+    Attributes:
+        smoothness: number of continuous derivatives inside. overshoot: may it move backwards.
+        joins: how many derivatives it shares with its neighbours at its start and at its end;
+            fewer than the smoothness where a state is asked for that the neighbour has not.
+        knots: x in (0, 1) where it must be free to bend: ends of windows, points on the way.
+    """
 
     smoothness: int
     overshoot: bool
+    joins: tuple[int, int] = (4, 4)
+    knots: tuple[float, ...] = ()
+
+    def promised(self, *, at_start: bool) -> int:
+        """Derivatives that do not jump at one of its ends."""
+        return min(self.smoothness, self.joins[0 if at_start else 1])
+
+
+@dataclass(frozen=True, eq=False)
+class Readings:
+    """A table that a stretch has to follow.
+
+    Attributes:
+        x: (m,) where, as fractions of the stretch. s: (m,) displacement there [mm].
+        tolerance: how far the motion may pass them [mm]. field: of the segment, that sets it.
+    """
+
+    x: Array
+    s: Array
+    tolerance: float
+    field: str = "tolerance_mm"
 
 
 @dataclass(frozen=True, eq=False)
@@ -29,12 +91,14 @@ class Stretch:
 
     Attributes:
         index: position in the program, from 0.
-        kind: rise, dwell or return.
+        kind: rise, dwell or return; a table that moves both ways is neither.
         start, angle: cam angle where it starts, and its length β [rad].
         s_start, s_end: displacement at its ends [mm], measured from the lowest position.
-        law: the normalised law g(x), 0 to 1 over x in [0, 1], so that
-            s = s_start + (s_end − s_start) g((θ − start)/β); None while it is free.
+        law: the normalised law g(x), 0 to 1 over x in [0, 1] (of a table: to lift/unit), so that
+            s = s_start + unit · g((θ − start)/β); None while it is free.
         free: what a free law must satisfy; None where the law is given.
+        at_start, at_end: states asked for at its two ends.
+        readings: the table that it has to follow, None where it follows none.
     """
 
     index: int
@@ -45,6 +109,9 @@ class Stretch:
     s_end: float
     law: Piecewise | None
     free: FreeLaw | None = None
+    at_start: EndState = ANY_STATE
+    at_end: EndState = ANY_STATE
+    readings: Readings | None = None
 
     @property
     def end(self) -> float:
@@ -56,6 +123,16 @@ class Stretch:
         """s_end − s_start [mm]: negative on a return."""
         return self.s_end - self.s_start
 
+    @property
+    def senses(self) -> tuple[Sense, ...]:
+        """The ways in which it moves: a table that turns back, both."""
+        return ("rise", "return") if self.kind == "table" else (self.kind,)
+
+    @property
+    def unit(self) -> float:
+        """What g is multiplied by [mm]: the lift, of a table the range it runs through."""
+        return self.lift if self.readings is None else float(np.ptp(self.readings.s))
+
     def with_law(self, law: Piecewise) -> Stretch:
         """The same stretch with its law settled."""
         return replace(self, law=law)
@@ -64,7 +141,7 @@ class Stretch:
         """s(θ) on this stretch [mm over rad]; the law must be settled."""
         if self.law is None:
             raise ValueError(f"the law of stretch {self.index} is still free")
-        return self.law.placed(self.start, self.angle, self.s_start, self.lift)
+        return self.law.placed(self.start, self.angle, self.s_start, self.unit)
 
 
 @dataclass(frozen=True, eq=False)

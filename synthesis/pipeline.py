@@ -3,16 +3,18 @@
     DesignSpec -> Problem -> laws and size -> Motion -> certificate -> Design
 
 The formulations propose, the certificate disposes: a cam that it does not certify is tried again
-with limits drawn in a little more, and is never called feasible.
+with limits drawn in a little more, and is never called feasible. One that only crosses itself is
+made larger until it does not.
 """
 
 from __future__ import annotations
 
 import time
-from dataclasses import asdict, dataclass, field
+from dataclasses import asdict, dataclass, field, replace
 from math import inf
 
-from synthesis.answer import Bounded, Cam, design, judged, proofs
+from synthesis.answer import Bounded, Cam, design, judged, proofs, with_chosen
+from synthesis.certify import CROSSING
 from synthesis.design import Conflict, Design, Extreme, Relaxation, StageReport
 from synthesis.errors import TimeBudgetExceeded
 from synthesis.formulations.candidate import Candidate, given_size
@@ -21,11 +23,14 @@ from synthesis.formulations.problem import Held, pose
 from synthesis.formulations.refine import search
 from synthesis.formulations.search import Search
 from synthesis.formulations.smooth import reached
+from synthesis.formulations.tables import Tables, smooth_tables
 from synthesis.limits import Claim
-from synthesis.ranges import ends
+from synthesis.ranges import Range, ends
 from synthesis.spec import DesignSpec
 
 DIAGNOSIS_S = 5.0  # for finding out why nothing fits; what is not known by then is said to be so
+FIRST_GROWTH = 0.02  # of the base radius; doubled while the cam crosses itself, then halved
+GROWTHS = 16
 DRAWN_IN = (1e-7, 1e-6, 1e-5, 1e-4)  # relative amounts by which limits are tightened, in turn
 
 
@@ -49,6 +54,12 @@ class _Attempt:
     def certified(self) -> bool:
         """Whether there is a cam and every limit holds on it."""
         return self.cam is not None and all(extreme.holds for extreme in self.extremes)
+
+    @property
+    def crosses(self) -> bool:
+        """Whether nothing is wrong with the cam but that its profile crosses itself."""
+        broken = [extreme.limit for extreme in self.extremes if not extreme.holds]
+        return bool(broken) and all(limit.startswith(CROSSING) for limit in broken)
 
     @property
     def hopeless(self) -> bool:
@@ -76,13 +87,13 @@ def synthesise(spec: DesignSpec, *, deadline: float | None = None) -> Design:
         inf if spec.time_budget_s is None else spec.time_budget_s,
         inf if deadline is None else deadline - now,
     )
-    stages: list[StageReport] = []
-    for tighten in DRAWN_IN:
-        attempt = _attempt(spec, now + budget, tighten)
-        for tried in attempt.searches:
-            stages += [StageReport(**asdict(stage)) for stage in tried.stages]
-        if attempt.certified or attempt.hopeless or time.monotonic() >= now + budget:
-            break
+    question, stages = spec, list[StageReport]()
+    spec, numbers = _numbered(question, now + budget, stages)
+    tables = smooth_tables(spec.stretches(), now + budget)
+    stages += [StageReport(**asdict(stage)) for stage in tables.stages]
+    attempt = _drawn_in(spec, tables, now + budget, stages)
+    if attempt.crosses:
+        attempt = _grown(spec, tables, attempt, now + budget, stages)
     late = time.monotonic() >= now + budget
     if not attempt.certified and late:
         raise TimeBudgetExceeded(budget)
@@ -92,26 +103,90 @@ def synthesise(spec: DesignSpec, *, deadline: float | None = None) -> Design:
     found = design(
         attempt.built, attempt.cam, attempt.extremes, proven, stages, seconds, conflict
     ).asked_as(spec)
+    found = with_chosen(found, question, numbers)
     if late and found.status == "feasible":
         raise TimeBudgetExceeded(budget, found)
     return found
 
 
-def _attempt(spec: DesignSpec, stop: float, tighten: float) -> _Attempt:
+def _numbered(
+    spec: DesignSpec, stop: float, stages: list[StageReport]
+) -> tuple[DesignSpec, list[float]]:
+    """The spec with numbers in place of what its program leaves free, and these numbers."""
+    if not spec.openings.free:
+        return spec, []
+    from synthesis.formulations.proportions import chosen
+
+    numbered, numbers, stage = chosen(spec, stop)
+    stages.append(StageReport(**asdict(stage)))
+    return numbered, numbers
+
+
+def _drawn_in(spec: DesignSpec, tables: Tables, stop: float, stages: list[StageReport]) -> _Attempt:
+    """Attempts with limits drawn in more and more, until the certificate is content with one."""
+    for tighten in DRAWN_IN:
+        attempt = _attempt(spec, tables, stop, tighten)
+        for tried in attempt.searches:
+            stages += [StageReport(**asdict(stage)) for stage in tried.stages]
+        settled = attempt.certified or attempt.crosses or attempt.hopeless
+        if settled or time.monotonic() >= stop:
+            break
+    return attempt
+
+
+def _grown(
+    spec: DesignSpec, tables: Tables, crossing: _Attempt, stop: float, stages: list[StageReport]
+) -> _Attempt:
+    """The smallest base radius, by trial, whose cam does not cross itself; else what there was.
+
+    No formulation knows of crossing. The lower bound remains that of the spec as asked, so the
+    gap says honestly what the growth has cost; later objectives, which hold what earlier ones
+    had reached, keep no bound.
+    """
+    least, largest = _base_radius(crossing), spec.base_radius_range()[1]
+    most, best, step = largest, crossing, FIRST_GROWTH * least
+    for _ in range(GROWTHS):
+        trial_radius = min(least + step, largest) if best is crossing else 0.5 * (least + most)
+        if time.monotonic() >= stop or trial_radius <= least * (1.0 + 0.1 * spec.tolerance):
+            break
+        raised = Range(min=trial_radius, max=largest)
+        larger = spec.model_copy(update={"base_radius_mm": raised})
+        tried = _drawn_in(larger, tables, stop, stages)
+        if tried.cam is not None and tried.certified:
+            built = tried.built.model_copy(update={"base_radius_mm": spec.base_radius_mm})
+            extremes = judged(spec, tried.cam, built)
+            most, best = _base_radius(tried), replace(tried, built=built, extremes=extremes)
+        elif tried.crosses:
+            least, step = trial_radius, 2.0 * step
+        else:
+            break
+    if best is crossing:
+        return crossing
+    first, *later = crossing.bounds
+    unknown = [replace(bounded, lower=-inf) for bounded in later]
+    return replace(best, bounds=[first, *unknown])
+
+
+def _base_radius(attempt: _Attempt) -> float:
+    assert attempt.cam is not None
+    return attempt.built.follower.dimensions(attempt.cam.size)["base_radius_mm"]
+
+
+def _attempt(spec: DesignSpec, tables: Tables, stop: float, tighten: float) -> _Attempt:
     """Solve the spec without what is settled after the size, then settle it.
 
     Where no place of a counter roller suits the cam so found, the cam is sought again with the
     farthest place given: the counter cam then has its say in the laws and the size.
     """
-    attempt = _solved(spec.alone(), stop, tighten)
+    attempt = _solved(spec.alone(), tables, stop, tighten)
     if attempt.best is None:
         return attempt
     place = settled(spec, attempt.best)
     if not place.holds:
-        first, attempt = attempt, _solved(place.spec, stop, tighten)
+        first, attempt = attempt, _solved(place.spec, tables, stop, tighten)
         attempt.searches = [*first.searches, *attempt.searches]
-        if any(limit.cones(spec.stretches(), spec.alone().machine()) for limit in spec.limits):
-            attempt.bounds = first.bounds  # a nearer place might suit an outer radius better
+        if not place.farthest:
+            attempt.bounds = first.bounds  # another place might suit better: those hold for all
         place = Settled(place.spec, True)
     attempt.built = place.spec
     if attempt.cam is not None:
@@ -119,7 +194,7 @@ def _attempt(spec: DesignSpec, stop: float, tighten: float) -> _Attempt:
     return attempt
 
 
-def _solved(spec: DesignSpec, stop: float, tighten: float) -> _Attempt:
+def _solved(spec: DesignSpec, tables: Tables, stop: float, tighten: float) -> _Attempt:
     """Work through the objectives in order; each keeps what the ones before have reached."""
     attempt = _Attempt(spec, spec)
     held: tuple[Held, ...] = ()
@@ -127,7 +202,7 @@ def _solved(spec: DesignSpec, stop: float, tighten: float) -> _Attempt:
     best: Candidate | None = None
     for rank, objective in enumerate(objectives, start=1):
         share = spec.tolerance if rank == len(objectives) else 0.5 * spec.tolerance
-        tried = search(pose(spec, objective, held), share, stop, tighten)
+        tried = search(pose(spec, objective, held, tables.stretches), share, stop, tighten)
         attempt.searches.append(tried)
         if tried.best is None:
             break
@@ -142,8 +217,8 @@ def _solved(spec: DesignSpec, stop: float, tighten: float) -> _Attempt:
             for stretch, law in zip(attempt.searches[0].problem.free, best.laws, strict=True)
         }
         known = {stretch.index: stretch for stretch in best.problem.stretches}
-        whole = tuple(known.get(stretch.index, stretch) for stretch in spec.stretches())
-        attempt.cam, attempt.best = Cam(whole, splines, best.size), best
+        whole = tuple(known.get(stretch.index, stretch) for stretch in tables.stretches)
+        attempt.cam, attempt.best = Cam(whole, {**tables.splines, **splines}, best.size), best
     return attempt
 
 
@@ -181,7 +256,7 @@ def _farther(spec: DesignSpec, until: float) -> list[Relaxation]:
     opened = spec.opened()
     if opened == spec:
         return []
-    attempt = _attempt(opened, until, DRAWN_IN[0])
+    attempt = _attempt(opened, smooth_tables(opened.stretches(), until), until, DRAWN_IN[0])
     if not attempt.certified or attempt.cam is None:
         return []
     told, found = attempt.built.follower.dimensions(attempt.cam.size), []

@@ -2,69 +2,49 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import Annotated, Literal
 
-from pydantic import BaseModel, ConfigDict, Field, model_validator
+from pydantic import Field, model_validator
 from pydantic_core import PydanticCustomError
 
 from synthesis.laws import AnyLaw, SplineLaw
-from synthesis.motion import Stretch, StretchKind
+from synthesis.limits.demand import Demand
+from synthesis.motion import EndState, Stretch, StretchKind
 from synthesis.numerics.piecewise import Piecewise
+from synthesis.ranges import Angle, AngleRange, DwellAngle, Lift, LiftRange, ends
+from synthesis.segment import Part, State, Unit, end_states, one_unit, units_of
+from synthesis.straight import ConstantSpeed
+from synthesis.table import Table
+from synthesis.units import AS_IS, Pace
+from synthesis.windows import MOST, Point, Window, check_bounds, check_places, check_stroke
+from synthesis.windows import demands as demanded
+from synthesis.windows import knots as wanted_knots
 
 STILL = Piecewise.of([0.0, 1.0], [[0.0]])
-Angle = Annotated[float, Field(gt=0.0, le=360.0, description="Cam angle of the segment [deg].")]
-Lift = Annotated[
-    float, Field(ge=1e-6, le=1e6, description="Distance that the follower moves [mm], positive.")
-]
 Swing = Annotated[
     float,
     Field(ge=1e-6, lt=180.0, description="Angle that the follower's arm swings [deg], positive."),
 ]
 
 
-class _Segment(BaseModel):
-    model_config = ConfigDict(frozen=True, extra="forbid", allow_inf_nan=False)
-
-    @property
-    def signed_lift(self) -> float:
-        """Displacement gained over the segment, in its own unit."""
-        return 0.0
-
-    @property
-    def lift_unit(self) -> str | None:
-        """Unit of the lift, as in the field's name; None where there is none."""
-        return None
-
-    @property
-    def law_name(self) -> str:
-        """Name of the law on the wire."""
-        return "dwell"
-
-    def stretch(
-        self, index: int, start: float, angle: float, s_start: float, per_unit: float = 1.0
-    ) -> Stretch:
-        """The segment placed on the cam (angles in rad, displacement in mm).
-
-        ``per_unit``: the core's mm in one unit of its lift.
-        """
-        raise NotImplementedError
-
-
-class Dwell(_Segment):
+class Dwell(Part):
     """The follower stands still."""
 
     kind: Literal["dwell"] = "dwell"
-    angle_deg: Annotated[
-        float, Field(ge=0.0, le=360.0, description="Cam angle of the dwell [deg].")
-    ]
+    angle_deg: DwellAngle
+
+    @property
+    def law_name(self) -> str:
+        return "dwell"
 
     def stretch(
-        self, index: int, start: float, angle: float, s_start: float, per_unit: float = 1.0
+        self, index: int, start: float, angle: float, s_start: float, pace: Pace = AS_IS
     ) -> Stretch:
         return Stretch(index, "dwell", start, angle, s_start, s_start, STILL)
 
 
-class _Move(_Segment):
+class _Move(Part):
     angle_deg: Angle
     lift_mm: Lift | None = None
     lift_deg: Swing | None = None
@@ -73,9 +53,24 @@ class _Move(_Segment):
         description="A named motion law, or `spline`: then the law is part of the answer.",
     )
 
-    @property
-    def law_name(self) -> str:
-        return self.law.kind
+    start: State | None = Field(None, description="Velocity and acceleration at its start.")
+    end: State | None = Field(None, description="Velocity and acceleration at its end.")
+    windows: Annotated[
+        list[Window],
+        Field(
+            default_factory=list,
+            max_length=MOST,
+            description="Bounds that hold on a part of the segment.",
+        ),
+    ]
+    points: Annotated[
+        list[Point],
+        Field(
+            default_factory=list,
+            max_length=MOST,
+            description="Points that the follower passes through.",
+        ),
+    ]
 
     @model_validator(mode="after")
     def _lifts(self) -> _Move:
@@ -86,18 +81,50 @@ class _Move(_Segment):
                 "lift_deg for one on an arm.",
                 {"number": "no lift" if self.lift_mm is None else "two lifts"},
             )
+        one_unit(self.units, "segment")
         return self
 
+    @model_validator(mode="after")
+    def _windows_fit(self) -> _Move:
+        check_places(self.degrees, self.windows, self.points)
+        check_bounds(self.windows)
+        free = self.law.free()
+        if free is not None and not free.overshoot and self.lift_mm is not None:
+            sense = 1.0 if self.signed_lift > 0.0 else -1.0
+            check_stroke(ends(self.lift_mm)[1], sense, self.windows, self.points)
+        return self
+
+    def left_open(self) -> dict[str, float | AngleRange | LiftRange]:
+        lift = {} if self.lift_mm is None else {"lift_mm": self.lift_mm}
+        return {"angle_deg": self.angle_deg, **lift}
+
     @property
-    def lift_unit(self) -> str | None:
-        return "deg" if self.lift_mm is None else "mm"
+    def units(self) -> frozenset[Unit]:
+        mine: frozenset[Unit] = frozenset(["deg" if self.lift_mm is None else "mm"])
+        in_mm: frozenset[Unit] = frozenset(["mm"] if self.windows or self.points else [])
+        return mine | in_mm | units_of(self.start, self.end)
 
     @property
     def _lift(self) -> float:
-        """Lift in its own unit."""
+        """Lift in its own unit; the smallest one while it is left free."""
         given = self.lift_deg if self.lift_mm is None else self.lift_mm
         assert given is not None  # exactly one is, or the segment had been refused
-        return given
+        return ends(given)[0]
+
+    @property
+    def law_name(self) -> str:
+        return self.law.kind
+
+    @property
+    def takes(self) -> int:
+        return self.law.takes
+
+    @property
+    def overshoots(self) -> bool:
+        return self.law.overshoots
+
+    def demands(self, index: int) -> tuple[Demand, ...]:
+        return demanded(index, self.degrees, self.windows, self.points)
 
     def _placed(
         self,
@@ -106,11 +133,19 @@ class _Move(_Segment):
         start: float,
         angle: float,
         s_start: float,
-        per_unit: float,
+        pace: Pace,
     ) -> Stretch:
-        s_end = s_start + self.signed_lift * per_unit
-        curve, free = self.law.curve(kind), self.law.free()
-        return Stretch(index, kind, start, angle, s_start, s_end, curve, free)
+        s_end = s_start + self.gain(pace)
+        first, last = end_states(self.start, self.end, pace)
+        free = self.law.free()
+        if free is not None:
+            free = replace(free, knots=wanted_knots(self.degrees, self.windows, self.points))
+        placed = Stretch(index, kind, start, angle, s_start, s_end, None, free, first, last)
+        return self.between(placed, first, last)
+
+    def between(self, placed: Stretch, start: EndState, end: EndState) -> Stretch:
+        known = (state.normalised(placed.angle, placed.lift) for state in (start, end))
+        return replace(placed, law=self.law.between(placed.kind, *known))
 
 
 class Rise(_Move):
@@ -123,9 +158,9 @@ class Rise(_Move):
         return self._lift
 
     def stretch(
-        self, index: int, start: float, angle: float, s_start: float, per_unit: float = 1.0
+        self, index: int, start: float, angle: float, s_start: float, pace: Pace = AS_IS
     ) -> Stretch:
-        return self._placed("rise", index, start, angle, s_start, per_unit)
+        return self._placed("rise", index, start, angle, s_start, pace)
 
 
 class Return(_Move):
@@ -138,9 +173,9 @@ class Return(_Move):
         return -self._lift
 
     def stretch(
-        self, index: int, start: float, angle: float, s_start: float, per_unit: float = 1.0
+        self, index: int, start: float, angle: float, s_start: float, pace: Pace = AS_IS
     ) -> Stretch:
-        return self._placed("return", index, start, angle, s_start, per_unit)
+        return self._placed("return", index, start, angle, s_start, pace)
 
 
-Segment = Annotated[Rise | Dwell | Return, Field(discriminator="kind")]
+Segment = Annotated[Rise | Dwell | Return | ConstantSpeed | Table, Field(discriminator="kind")]

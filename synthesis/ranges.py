@@ -29,11 +29,48 @@ class Range(BaseModel):
         return self
 
 
+class AngleRange(Range):
+    """A cam angle left free between two ends."""
+
+    min: Annotated[float, Field(gt=0.0, le=360.0, description="Smallest angle allowed [deg].")]
+    max: Annotated[float, Field(gt=0.0, le=360.0, description="Largest angle allowed [deg].")]
+
+
+class LiftRange(Range):
+    """A lift left free between two ends."""
+
+    min: Annotated[float, Field(ge=1e-6, le=1e6, description="Smallest lift allowed [mm].")]
+    max: Annotated[float, Field(ge=1e-6, le=1e6, description="Largest lift allowed [mm].")]
+
+
 Dimension = Annotated[
     float | Range | None,
     Field(
         description="A number fixes it; {min, max} leaves it free in between; "
         "left out, it is free within what is physical."
+    ),
+]
+
+
+Angle = Annotated[
+    Annotated[float, Field(gt=0.0, le=360.0)] | AngleRange,
+    Field(
+        description="Cam angle of the segment [deg]; {min, max} leaves it free in between, and "
+        "then that of another segment too."
+    ),
+]
+Lift = Annotated[
+    Annotated[float, Field(ge=1e-6, le=1e6)] | LiftRange,
+    Field(
+        description="Distance that the follower moves [mm], positive; {min, max} leaves it free "
+        "in between, and then that of another segment too."
+    ),
+]
+DwellAngle = Annotated[
+    Annotated[float, Field(ge=0.0, le=360.0)] | AngleRange,
+    Field(
+        description="Cam angle of the dwell [deg]; {min, max} leaves it free in between, and "
+        "then that of another segment too."
     ),
 ]
 

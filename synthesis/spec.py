@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from itertools import accumulate
 from typing import Annotated, Any, Literal
 
@@ -17,9 +17,11 @@ from synthesis.limits.profile_radius import ProfileRadius
 from synthesis.motion import Stretch
 from synthesis.objectives import AnyObjective
 from synthesis.objectives.base_radius import BaseRadius
+from synthesis.openings import Openings
+from synthesis.placing import placed
 from synthesis.program import Segment
 from synthesis.ranges import Dimension, Range, ends
-from synthesis.units import FULL_TURN, rad_per_s
+from synthesis.units import FULL_TURN, Pace, rad_per_s
 
 MAX_SEGMENTS = 100
 ANGLE_SUM_TOLERANCE_DEG = 1e-6
@@ -50,6 +52,14 @@ class DesignSpec(BaseModel):
     limits: Annotated[
         list[AnyLimit], Field(max_length=50, description="What may not be exceeded.")
     ] = []
+    continuity: Annotated[
+        Literal[0, 1, 2, 3, 4] | None,
+        Field(
+            description="How many derivatives of the displacement may jump nowhere on the turn. "
+            "Splines are made that smooth; where named laws jump the design is infeasible and "
+            "the extreme says by how much and where. Left out: jumps of named laws are reported.",
+        ),
+    ] = None
     objective: Annotated[
         AnyObjective | Annotated[list[AnyObjective], Field(min_length=1, max_length=10)],
         Field(
@@ -75,12 +85,12 @@ class DesignSpec(BaseModel):
         unit, kind = self.follower.travel.unit, self.follower.kind
         move = {"mm": "slides", "deg": "swings"}[unit]
         for position, segment in enumerate(self.program):
-            if segment.lift_unit not in (None, unit):
+            for given in sorted(segment.units - {unit}):
                 raise PydanticCustomError(
                     "lift_does_not_suit",
                     "program/{position} gives its lift in {given}, but a {kind} follower {move}. "
                     "Give lift_{unit} instead of lift_{given}.",
-                    {"position": position, "given": segment.lift_unit, "kind": kind,
+                    {"position": position, "given": given, "kind": kind,
                      "move": move, "unit": unit},
                 )  # fmt: skip
         for position, limit in enumerate(self.limits):
@@ -96,7 +106,8 @@ class DesignSpec(BaseModel):
 
     @model_validator(mode="after")
     def _closes(self) -> DesignSpec:
-        turn = math.fsum(segment.angle_deg for segment in self.program)
+        self._numbers_fit()
+        turn = math.fsum(segment.degrees for segment in self._numbered)
         if abs(turn - 360.0) > ANGLE_SUM_TOLERANCE_DEG:
             raise PydanticCustomError(
                 "program_angles",
@@ -105,14 +116,14 @@ class DesignSpec(BaseModel):
                 {"turn": round(turn, 9), "verb": "Add" if turn < 360.0 else "Remove",
                  "difference": round(abs(360.0 - turn), 9)},
             )  # fmt: skip
-        rest = math.fsum(segment.signed_lift for segment in self.program)
-        largest = max(abs(segment.signed_lift) for segment in self.program)
+        lifts = self.lifts()
+        rest, largest = math.fsum(lifts), self.stroke()
         if abs(rest) > 1e-9 * largest:
             raise PydanticCustomError(
                 "program_lift",
                 "The follower ends {rest} {unit} away from where it began. "
                 "Make the lifts of rises and returns sum to zero.",
-                {"rest": rest, "unit": self.follower.travel.unit},
+                {"rest": self._pace().wire(rest), "unit": self.follower.travel.unit},
             )
         if largest == 0.0:
             raise PydanticCustomError(
@@ -120,6 +131,11 @@ class DesignSpec(BaseModel):
                 "The follower never moves: program holds no rise and no return. Add both.",
                 {},
             )
+        return self
+
+    @model_validator(mode="after")
+    def _states_fit(self) -> DesignSpec:
+        self.stretches()
         return self
 
     @model_validator(mode="after")
@@ -144,6 +160,7 @@ class DesignSpec(BaseModel):
                     "Remove it, or choose another follower.",
                     {"position": position, "limit": limit.kind, "kind": self.follower.kind},
                 )
+            limit.check(self.follower)
         return self
 
     @model_validator(mode="after")
@@ -158,7 +175,7 @@ class DesignSpec(BaseModel):
                 "pressure_angle instead, and lower its value while base_radius stays small enough.",
                 {"kind": self.follower.kind},
             )
-        if not self.follower.pressure_angle_rows(1.0):
+        if all(row.constant for row in self.follower.pressure_angle_rows(1.0)):
             raise PydanticCustomError(
                 "pressure_angle_given",
                 "objective peak_pressure_angle is not on offer for a {kind} follower: a flat face "
@@ -180,32 +197,93 @@ class DesignSpec(BaseModel):
             )
         return self
 
+    # -- numbers left free -------------------------------------------------------------------
+
+    @property
+    def openings(self) -> Openings:
+        """The angles and lifts that are left free."""
+        return Openings.of(self.program, self._pace())
+
+    def with_numbers(self, values: Sequence[float]) -> DesignSpec:
+        """The same spec with numbers in place of everything in ``openings``."""
+        return self.model_copy(update={"program": self.openings.filled(values)})
+
+    @property
+    def _numbered(self) -> list[Segment]:
+        """The program; while numbers are left free, with some that fit together."""
+        openings = self.openings
+        middle = openings.polytope.centre() if openings.free else None
+        return self.program if middle is None else openings.at(middle)
+
+    def _numbers_fit(self) -> None:
+        """Refuse numbers that are free in name only, or that cannot fit together."""
+        openings = self.openings
+        free = openings.free
+        for name, what in (("angle_deg", "angles"), ("lift_mm", "lifts")):
+            alone = [opening for opening in free if opening.name == name]
+            if len(alone) == 1 and not openings.tied_otherwise(name):
+                raise PydanticCustomError(
+                    "one_number_free",
+                    "{field} is the only one of the {what} that is free: it follows from the "
+                    "others. Give the number, or leave another one free too.",
+                    {
+                        "field": alone[0].field,
+                        "what": what,
+                        "segment": alone[0].segment,
+                        "name": name,
+                    },
+                )
+        if free and openings.polytope.centre() is None:
+            raise PydanticCustomError(
+                "numbers_do_not_fit",
+                "However the free angles and lifts of program are chosen within their ranges, "
+                "the angles do not sum to 360° or the lifts not to zero. Widen a range.",
+                {},
+            )
+
     # -- what the core asks ------------------------------------------------------------------
 
     def machine(self) -> Machine:
         """The follower and the cam's speed."""
         return Machine(self.follower, rad_per_s(self.speed_rpm))
 
+    def _pace(self) -> Pace:
+        """What turns the program's displacements and rates into the core's."""
+        return Pace(self.follower.travel, rad_per_s(self.speed_rpm))
+
+    def lifts(self) -> list[float]:
+        """Displacement gained over every segment [mm]."""
+        pace = self._pace()
+        return [segment.gain(pace) for segment in self._numbered]
+
+    def _levels(self) -> list[float]:
+        """Displacement at the ends of the segments, from where the program starts [mm]."""
+        return list(accumulate(self.lifts(), initial=0.0))
+
+    def _reach(self) -> tuple[float, float]:
+        """Lowest and highest displacement, from where the program starts [mm]."""
+        pace = self._pace()
+        spans = [segment.span(pace) for segment in self._numbered]
+        both = [
+            (at + low, at + high) for at, (low, high) in zip(self._levels(), spans, strict=False)
+        ]
+        return min(low for low, _ in both), max(high for _, high in both)
+
     def stretches(self) -> tuple[Stretch, ...]:
         """The program placed on the cam, displacements measured from the lowest position."""
-        turn = math.fsum(segment.angle_deg for segment in self.program)
-        per_unit = self.follower.travel.per_unit
-        ends_deg = list(accumulate((segment.angle_deg for segment in self.program), initial=0.0))
+        turn = math.fsum(segment.degrees for segment in self._numbered)
+        ends_deg = list(accumulate((segment.degrees for segment in self._numbered), initial=0.0))
         angles = [FULL_TURN * value / turn for value in ends_deg]
         angles[-1] = FULL_TURN
-        levels = list(accumulate((seg.signed_lift for seg in self.program), initial=0.0))
-        lowest = min(levels)
-        placed = []
-        for i, segment in enumerate(self.program):
-            level = (levels[i] - lowest) * per_unit
-            span = angles[i + 1] - angles[i]
-            placed.append(segment.stretch(i, angles[i], span, level, per_unit))
-        return tuple(placed)
+        levels = self._levels()
+        lowest, _ = self._reach()
+        starts = [level - lowest for level in levels[:-1]]
+        return placed(self._numbered, angles, starts, self._pace(), self.continuity or 0)
 
     def stroke(self) -> float:
         """Highest less lowest displacement [mm]: the unit of length inside the formulations."""
-        levels = list(accumulate((seg.signed_lift for seg in self.program), initial=0.0))
-        return (max(levels) - min(levels)) * self.follower.travel.per_unit
+        lowest, highest = self._reach()
+        return highest - lowest
 
     def base_radius_range(self) -> tuple[float, float]:
         """Smallest and largest base radius that the follower can reach [mm]."""
@@ -221,11 +299,15 @@ class DesignSpec(BaseModel):
         )
 
     def all_limits(self) -> tuple[Limit, ...]:
-        """The limits asked for, and what every cam must keep: no undercut, a counter cam's base."""
+        """The limits asked for, and what every cam must keep: no undercut, a counter cam's base.
+
+        Windows and points of the program come last.
+        """
+        demands = [d for i, segment in enumerate(self._numbered) for d in segment.demands(i)]
         named = {limit.kind for limit in self.limits}
         always = (ProfileRadius(), CounterBaseRadius())
         rest = (a for a in always if a.kind not in named and a.suits(self.follower))
-        return (*self.limits, *rest)
+        return (*self.limits, *rest, *demands)
 
     def alone(self) -> DesignSpec:
         """The same without what is settled after the size and is still free."""
@@ -246,21 +328,19 @@ class DesignSpec(BaseModel):
 
     def left_free(self) -> Iterator[tuple[str, Any]]:
         """JSON pointer and value of everything that the answer would have to choose."""
+        for opening in self.openings.free:
+            yield f"/{opening.field}", {"min": opening.low, "max": opening.high}
         for stretch in self.stretches():
-            if stretch.law is None and stretch.angle > 0.0:
+            if stretch.law is None and stretch.readings is None and stretch.angle > 0.0:
                 yield f"/program/{stretch.index}/law", self.program[stretch.index].law_name
+        asked: dict[str, Any] = {}
         bounds = self.follower.sizing(self.base_radius_range()).bounds
-        if all(low == high for low, high in bounds):
-            return
-        sizes = {
-            "/base_radius_mm": self.base_radius_mm,
-            **{f"/follower/{name}": value for name, value in self.follower.adjustable().items()},
-            **{
-                f"/follower/{name}": value
-                for name, (_, value) in self.follower.companion_ranges().items()
-            },
-        }
-        for field, value in sizes.items():
+        if any(low != high for low, high in bounds):
+            asked = {"/base_radius_mm": self.base_radius_mm}
+            asked |= {f"/follower/{k}": value for k, value in self.follower.adjustable().items()}
+        places = self.follower.companion_ranges()
+        asked |= {f"/follower/{k}": value for k, (_, value) in places.items()}
+        for field, value in asked.items():
             low, high = ends(value)
             if low != high:
                 yield field, value.model_dump() if isinstance(value, Range) else value

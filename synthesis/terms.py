@@ -21,12 +21,18 @@ Vector = tuple[float, ...]
 class Row:
     """coefficients · (s, s', s'', s''') + size · z + level · P ≤ upper, at every cam angle.
 
+    Of one stretch, that is: of all of it, or of a part.
+
     Attributes:
         coefficients: four numbers, for s to s'''.
         size: one number per size variable; empty stands for zeros.
         upper: right-hand side.
         level: coefficient of P (only objectives use it).
         source: the objective, or the claim of a limit, that asks for it.
+        part: first and last x, in [0, 1], of the stretch where it holds, equal for a point;
+            None where it holds all along.
+        exact: = upper in place of ≤ upper.
+        room: how far below ``upper`` another row allows to go.
     """
 
     coefficients: tuple[float, float, float, float]
@@ -34,6 +40,14 @@ class Row:
     upper: float
     level: float = 0.0
     source: str = ""
+    part: tuple[float, float] | None = None
+    exact: bool = False
+    room: float = math.inf
+
+    @property
+    def constant(self) -> bool:
+        """Whether neither the motion nor the size has a say in it: it holds, or nothing helps."""
+        return not (any(self.coefficients) or any(self.size) or self.level)
 
 
 def derivative(order: int, factor: float) -> tuple[float, float, float, float]:
@@ -100,10 +114,12 @@ class Curved(ABC):
 
     For a settled motion it is linear in the size, exactly; where it is nearly convex, rows follow
     from it point by point. ``source``: as of a row. ``order``: highest derivative in it.
+    ``turns``: whether ``cuts`` says anything.
     """
 
     source: str
     order: ClassVar[int] = 3
+    turns: ClassVar[bool] = True
 
     @abstractmethod
     def excess(self, s: Any, z: Any) -> tuple[Any, ...]:

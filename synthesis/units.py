@@ -35,3 +35,27 @@ class Travel:
     def rate(self, order: int, omega: float) -> float:
         """Factor from s^(order) per radian to the time derivative on the wire, at ω [rad/s]."""
         return float(omega**order / self.per_unit)
+
+
+@dataclass(frozen=True)
+class Pace:
+    """What turns displacements and rates of the wire into the core's mm and mm per radian.
+
+    Attributes:
+        travel: how the follower's displacement is told. omega: cam speed ω [rad/s].
+    """
+
+    travel: Travel = Travel()
+    omega: float = 1.0
+
+    def core(self, value: float, order: int = 0) -> float:
+        """s^(order) per radian [mm/rad^order] of a time derivative on the wire."""
+        return value / self.travel.rate(order, self.omega)
+
+    def wire(self, value: float, order: int = 0) -> float:
+        """The time derivative on the wire of s^(order) per radian."""
+        return value * self.travel.rate(order, self.omega)
+
+
+AS_IS = Pace()
+"""Displacements in mm, rates per radian."""

@@ -6,7 +6,7 @@ import asyncio
 import zlib
 from collections.abc import Callable, Collection
 from dataclasses import asdict
-from typing import Annotated
+from typing import Annotated, Literal
 
 from fastapi import APIRouter, Query, Request, Response
 from pydantic import AfterValidator, BaseModel, ConfigDict, Field
@@ -26,7 +26,6 @@ from synthesis.camset import CamSet
 from synthesis.design import Status
 from synthesis.exporters import MOTION_FORMATS, PROFILE_FORMATS, MotionOptions, ProfileOptions
 from synthesis.exporters.bundle import MEDIA_TYPE, BundleOptions, bundle
-from synthesis.exporters.options import CurveName
 from synthesis.exporters.svg_timing import timing_diagram
 
 router = APIRouter(prefix="/v1/cam-sets", tags=["cam sets"])
@@ -71,7 +70,8 @@ class BundleQuery(BaseModel):
         Field(description="Formats of the motions; may be repeated."),
     ] = list(BundleOptions().motion_formats)
     curve: Annotated[
-        CurveName, Field(description="The cams' profiles, or the paths of the rollers' centres.")
+        Literal["profile", "pitch"],
+        Field(description="The cams' profiles, all flanks of each, or the rollers' paths."),
     ] = "profile"
     points_per_degree: Annotated[
         Density, Field(description="Points of profiles per degree of cam angle.")

@@ -12,7 +12,7 @@ from service.state import Parts
 from synthesis.camset_spec import MAX_CAMS
 from synthesis.exporters import MOTION_FORMATS, PROFILE_FORMATS, Exporter
 from synthesis.followers import FOLLOWERS
-from synthesis.laws import LAWS, Characteristics, Ends, SplineLaw, characteristics
+from synthesis.laws import LAWS, TASKS, Characteristics, Ends, SplineLaw, characteristics
 from synthesis.limits import LIMITS
 from synthesis.objectives import OBJECTIVES
 from synthesis.spec import MAX_SEGMENTS
@@ -36,6 +36,14 @@ class MotionLawEntry(Entry):
     ends: Annotated[
         Ends | None,
         Field(description="VDI 2143: R rests, U turns back without resting; null: as the spec is."),
+    ]
+    tasks: Annotated[
+        list[str],
+        Field(
+            description="Tasks of VDI 2143 that it can serve on a rise, start and end: R rests, "
+            "G runs at constant velocity (G-G: equal ones), U turns back, B moves; none where "
+            "velocity or acceleration jump at its ends."
+        ),
     ]
     characteristics: Annotated[
         Characteristics | None, Field(description="Peaks for unit lift and angle; null: chosen.")
@@ -101,12 +109,14 @@ def list_motion_laws() -> list[MotionLawEntry]:
             **_entry(type(law), law.title, kind),
             source=law.source,
             ends=law.ends,
+            tasks=list(law.tasks),
             characteristics=characteristics(law),
         )
         for kind, law in LAWS.items()
     ]
     spline = _entry(SplineLaw, "Spline, chosen by the service")
-    return [*named, MotionLawEntry(**spline, source="", ends=None, characteristics=None)]
+    whole = MotionLawEntry(**spline, source="", ends=None, tasks=list(TASKS), characteristics=None)
+    return [*named, whole]
 
 
 @router.get("/followers", summary="Follower families")

@@ -10,27 +10,37 @@ from synthesis.certify.dimensions import standing, stands
 from synthesis.certify.joints import NAMES, joins
 from synthesis.certify.overshoot import overshoot
 from synthesis.certify.quantities import QUANTITIES, Size, corner, enclose_all, infinite
+from synthesis.certify.simple import crosses
+from synthesis.certify.states import states
+from synthesis.certify.tables import tables
 from synthesis.design import Extreme
 from synthesis.limits.base import Claim, Limit, Machine
 from synthesis.motion import Motion
 from synthesis.numerics.enclosure import Answer, Question
 from synthesis.units import DEGREE
 
+ENOUGH, FINE = 1e-10, 1e-14  # relative widths of enclosures, the second of a single value
 NOT_A_NUMBER = "the motion or the size holds something that is not a finite number"
 
 
 def certify(
-    motion: Motion, machine: Machine, size: tuple[float, ...], limits: Sequence[Limit]
+    motion: Motion,
+    machine: Machine,
+    size: tuple[float, ...],
+    limits: Sequence[Limit],
+    continuity: int | None = None,
 ) -> list[Extreme]:
     """How far every limit is used on the finished cam, proven for every cam angle.
 
     Args:
         motion: the settled motion. machine: the machine around it.
         size: the follower's size variables [mm]. limits: what was asked.
+        continuity: how many derivatives of s may jump nowhere; None where nothing is asked.
 
     Returns:
         one extreme per claim of the limits, in their order, then what every cam must satisfy:
-        a base radius, a follower that stands beside the cam, a motion that is continuous and
+        a base radius, a follower that stands beside the cam, a profile that does not cross
+        itself, a motion that is continuous, has the states asked of it, follows its tables and
         keeps the promises of its spline laws.
     """
     size = tuple(float(value) for value in size)
@@ -41,44 +51,62 @@ def certify(
     if not (course.finite and all(math.isfinite(value) for value in size)):
         return [_not_a_number(machine), *(_unknown(claim, 0.0, NOT_A_NUMBER) for claim in claims)]
     found: dict[int, Extreme] = {}
-    for subject in dict.fromkeys((claim.quantity, claim.path) for claim in claims):
-        mine = [i for i, claim in enumerate(claims) if (claim.quantity, claim.path) == subject]
+    for subject in dict.fromkeys((c.quantity, c.path, c.exact) for c in claims):
+        mine = [i for i, c in enumerate(claims) if (c.quantity, c.path, c.exact) == subject]
         extremes = _judge(*subject, course, machine, size, [claims[i] for i in mine])
         found.update(zip(mine, extremes, strict=True))
-    always = [
-        *stands(course, machine, size),
-        *joins(course, machine),
+    cam = [*stands(course, machine, size), *crosses(course, machine, size)]
+    promised = [
+        *joins(course, machine, continuity),
+        *states(course, machine),
+        *tables(course, machine),
+    ]
+    return [
+        *(found[i] for i in range(len(claims))),
+        *cam,
+        *promised,
         *overshoot(course, machine),
     ]
-    return [*(found[i] for i in range(len(claims))), *always]
 
 
 def _judge(
-    name: str, path: str, course: Course, machine: Machine, size: Size, claims: Sequence[Claim]
+    name: str,
+    path: str,
+    exact: bool,
+    course: Course,
+    machine: Machine,
+    size: Size,
+    claims: Sequence[Claim],
 ) -> list[Extreme]:
-    """The extremes of all claims about one quantity on one path."""
+    """The extremes of all claims about one quantity on one path, all of them exact or none."""
     quantity = QUANTITIES[name]
     jumps = [
-        infinite(quantity, course, claim.stretches)
+        infinite(quantity, course, claim.stretches, claim.part)
         or corner(quantity, course, machine, size, claim)
         for claim in claims
     ]
     questions = [
-        Question(
-            course.pieces(claim.stretches),
-            -math.inf if claim.lower is None else claim.lower,
-            math.inf if claim.upper is None else claim.upper,
-        )
-        for claim, jump in zip(claims, jumps, strict=True)
-        if jump is None
+        _question(course, claim) for claim, jump in zip(claims, jumps, strict=True) if jump is None
     ]
+    width = FINE if exact else ENOUGH
     answers = iter(
-        enclose_all(quantity, course, machine, size, questions, path) if questions else ()
+        enclose_all(quantity, course, machine, size, questions, path, width) if questions else ()
     )
     return [
         _extreme(claim, next(answers)) if jump is None else _infinite(claim, jump, machine)
         for claim, jump in zip(claims, jumps, strict=True)
     ]
+
+
+def _question(course: Course, claim: Claim) -> Question:
+    """What a claim asks of its part of the turn."""
+    pieces, spans = course.spans(claim.stretches, claim.part)
+    return Question(
+        pieces,
+        -math.inf if claim.lower is None else claim.lower,
+        math.inf if claim.upper is None else claim.upper,
+        spans,
+    )
 
 
 def _extreme(claim: Claim, answer: Answer) -> Extreme:

@@ -59,10 +59,10 @@ class Course:
         placed = [s for s in motion.stretches if s.angle > 0.0]
         pieces = [s.law.count if s.law is not None else 0 for s in placed]
         self.stretch: Indices = np.repeat([s.index for s in placed], pieces)
-        self._lift = np.repeat([abs(s.lift) for s in placed], pieces)
+        self._lift = np.repeat([abs(s.unit) for s in placed], pieces)
         self._beta = np.repeat([s.angle for s in placed], pieces)
         levels = [level for s in placed for level in (s.s_start, s.s_end)]
-        self.stroke = max(levels) - min(levels)
+        self.stroke = max(max(levels) - min(levels), *(abs(s.unit) for s in placed))
 
     @cached_property
     def jets(self) -> Jets:
@@ -84,6 +84,28 @@ class Course:
     def pieces(self, stretches: Sequence[int]) -> Indices:
         """Indices of the pieces of these stretches."""
         return np.flatnonzero(self._touched(stretches))
+
+    def spans(
+        self, stretches: Sequence[int], part: tuple[float, float] | None
+    ) -> tuple[Indices, Array]:
+        """Pieces of a part x of these stretches, and what of each belongs to it: (k,), (k, 2).
+
+        At a point both neighbours count; of a part, no piece that it shares rounding only with.
+        """
+        pieces = self.pieces(stretches)
+        if part is None:
+            return pieces, np.stack([self.curve.breaks[:-1], self.curve.breaks[1:]], 1)[pieces]
+        first, last = self._ends(part)[:, self.stretch[pieces]]
+        low = np.maximum(first, self.curve.breaks[pieces])
+        high = np.minimum(last, self.curve.breaks[pieces + 1])
+        kept = high - low >= (0.0 if part[0] == part[1] else ANGLE_ROUNDING)
+        return pieces[kept], np.stack([low, high], axis=1)[kept]
+
+    def _ends(self, part: tuple[float, float]) -> Array:
+        """Cam angles where a part x of every stretch begins and ends: (2, n)."""
+        start = np.array([s.start for s in self.motion.stretches])
+        angle = np.array([s.angle for s in self.motion.stretches])
+        return np.stack([start + angle * x for x in part])
 
     @cached_property
     def counts(self) -> Indices:
@@ -160,7 +182,10 @@ class Course:
         left, right, _ = self._sides
         return tuple(left[:4, joint].tolist()), tuple(right[:4, joint].tolist())
 
-    def joints(self, stretches: Sequence[int]) -> Indices:
-        """Joints that touch these stretches."""
-        touched = self._touched(stretches)
-        return np.flatnonzero(touched | touched[self.after])
+    def joints(self, stretches: Sequence[int], part: tuple[float, float] | None = None) -> Indices:
+        """Joints that touch these stretches, or a part x of them."""
+        before, after = np.zeros((2, self.curve.count), dtype=bool)
+        pieces, spans = self.spans(stretches, part)
+        before[pieces] = spans[:, 1] >= self.curve.breaks[pieces + 1] - ANGLE_ROUNDING
+        after[pieces] = spans[:, 0] <= self.curve.breaks[pieces] + ANGLE_ROUNDING
+        return np.flatnonzero(before | after[self.after])

@@ -20,7 +20,8 @@ from synthesis.certify.quantities import (
     tangent,
     traced,
 )
-from synthesis.findings import CurveJump, CurveSummary, Over, Peak, Side, Undercut
+from synthesis.certify.simple import deepest
+from synthesis.findings import CurveJump, CurveSummary, Over, Peak, SelfCrossing, Side, Undercut
 from synthesis.followers.flank import Flank, Trace, labelled
 from synthesis.limits.base import Machine, times, where
 from synthesis.motion import Motion
@@ -113,6 +114,17 @@ class Curves:
             kind="undercut" if excess > CUSP * roller else "cusp",
             angle_deg=_degrees(sharpest.angle), pitch_radius_mm=1.0 / bend,
             roller_radius_mm=roller, too_large_mm=excess, flank=flank.name,
+        )  # fmt: skip
+
+    def self_crossing(self) -> SelfCrossing | None:
+        """Where far parts of a flank cross deepest; only under a roller do they."""
+        found = deepest(self.course, self.machine, self.size)
+        if found is None:
+            return None
+        flank, near = found
+        return SelfCrossing(
+            profile_deg=_degrees(near.profile), roller_deg=_degrees(near.roller),
+            depth_mm=flank.distance - near.least, flank=flank.name,
         )  # fmt: skip
 
     def _undercut_face(self) -> Undercut | None:

@@ -18,15 +18,21 @@ BACKWARD = 1e-9  # of the lift: travel against the sense of a stretch that count
 BOXES = 8
 
 
-def joins(course: Course, machine: Machine) -> list[Extreme]:
-    """Continuity: of s everywhere, of the derivatives where a spline law promises it."""
+def joins(course: Course, machine: Machine, continuity: int | None = None) -> list[Extreme]:
+    """Continuity: of s everywhere, of the derivatives where it is asked for or promised by splines.
+
+    Args:
+        course: the motion. machine: gives the speed.
+        continuity: how many derivatives may jump nowhere; None where nothing is asked.
+    """
     everywhere = np.arange(course.curve.count)
-    smooth = _smoothness(course)
+    smooth = np.maximum(_smoothness(course), continuity or 0)
     found = []
     for order in range(HIGHEST_JOIN + 1):
         promised = everywhere[smooth >= order]
         if len(promised):
-            found.append(_join(machine, course.worst(order, promised), len(promised)))
+            asked = continuity is not None and order <= continuity
+            found.append(_join(machine, course.worst(order, promised), len(promised), asked=asked))
         if order <= REPORTED:
             others = course.breaches(order, everywhere[smooth < order])
             if len(others):
@@ -37,16 +43,23 @@ def joins(course: Course, machine: Machine) -> list[Extreme]:
 def _smoothness(course: Course) -> Array:
     """(n,) how many derivatives promise not to jump at each joint.
 
-    A spline law joins its neighbours as smoothly as it is itself; two of them, as the rougher.
+    A spline law joins its neighbours as smoothly as it is itself, but for what was asked of it
+    there; two of them, as the rougher.
     """
-    promise = [math.inf if s.free is None else s.free.smoothness for s in course.motion.stretches]
-    sides = np.array(promise, dtype=float)[course.stretch]
-    rougher = np.minimum(sides, sides[course.after])
-    return np.where(np.isinf(rougher), 0.0, rougher)
+    free = [stretch.free for stretch in course.motion.stretches]
+    inner = np.array([math.inf if law is None else law.smoothness for law in free])
+    start, end = (
+        np.array([math.inf if law is None else law.promised(at_start=first) for law in free])
+        for first in (True, False)
+    )
+    here, there = course.stretch, course.stretch[course.after]
+    inside = (here == there) & (course.after > 0)  # a stretch of a whole turn meets itself
+    found = np.where(inside, inner[here], np.minimum(end[here], start[there]))
+    return np.where(np.isinf(found), 0.0, found)
 
 
-def _join(machine: Machine, jump: Jump, count: int) -> Extreme:
-    """The worst of the promised joints."""
+def _join(machine: Machine, jump: Jump, count: int, *, asked: bool) -> Extreme:
+    """The worst of the joints where continuity is promised or asked for."""
     to_wire = machine.rate(jump.order)
     value, bound = abs(jump.size) * to_wire, jump.allowed * to_wire
     finite = bool(np.isfinite(value))
@@ -55,7 +68,7 @@ def _join(machine: Machine, jump: Jump, count: int) -> Extreme:
         unit=machine.told(jump.order), angle_deg=jump.angle / DEGREE, bound=bound,
         margin=bound - value if finite else None, width=0.0, holds=value <= bound,
         evidence=f"both sides of {count} joints; bound: 1e-9 of lift/β^{jump.order} and roundings",
-        field="program",
+        field="continuity" if asked else "program",
     )  # fmt: skip
 
 

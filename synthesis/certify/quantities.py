@@ -64,10 +64,10 @@ def face_radius(follower: Trace, size: Size, s: tuple[Any, ...]) -> Any:
 
 
 def contact(follower: Trace, size: Size, s: tuple[Any, ...]) -> Any:
-    """How far the contact point is along the face from its middle, positive to the right [mm]."""
+    """How far the contact point is along the face from where its reach is measured [mm]."""
     (px, py), *_ = follower.traced_point(s, size)
-    nx, ny = follower.normal(tangent(follower, size, s), s, size)
-    return px * ny - py * nx
+    (mx, my), (ax, ay) = follower.face_axis(s, size)
+    return (px - mx) * ax + (py - my) * ay
 
 
 def _derivative(order: int) -> Formula:
@@ -96,6 +96,7 @@ class Quantity:
 
 
 QUANTITIES = {
+    "travel": Quantity(_derivative(0), 0, share=1e-14),
     "displacement": Quantity(_derivative(0), 0),
     "velocity": Quantity(_derivative(1), 1, smooth=1),
     "acceleration": Quantity(_derivative(2), 2, smooth=2),
@@ -123,8 +124,9 @@ def enclose_all(
     size: Size,
     questions: Sequence[Question],
     path: str = "",
+    relative: float = 1e-10,
 ) -> list[Answer]:
-    """Answers about one quantity on one path, one-sided at joints."""
+    """Answers about one quantity on one path, one-sided at joints, to a relative width."""
     trace = traced(machine, path)
 
     def model(piece: Indices, lo: Array, hi: Array) -> Taylor:
@@ -137,12 +139,17 @@ def enclose_all(
     enough = quantity.absolute
     if quantity.share > 0.0:
         enough += quantity.share * machine.follower.radius(size)
-    return enclose(model, breaks, counts, questions, absolute=enough)
+    return enclose(model, breaks, counts, questions, relative, absolute=enough)
 
 
-def infinite(quantity: Quantity, course: Course, stretches: Sequence[int]) -> Jump | None:
+def infinite(
+    quantity: Quantity,
+    course: Course,
+    stretches: Sequence[int],
+    part: tuple[float, float] | None = None,
+) -> Jump | None:
     """The jump that makes a derivative infinite on these stretches, lowest order first."""
-    joints = course.joints(stretches)
+    joints = course.joints(stretches, part)
     for order in range(quantity.smooth):
         apart = course.breaches(order, joints)
         if len(apart):
@@ -157,7 +164,7 @@ def corner(
     if not quantity.turns:
         return None
     trace = traced(machine, claim.path)
-    for joint in course.breaches(1, course.joints(claim.stretches)):
+    for joint in course.breaches(1, course.joints(claim.stretches, claim.part)):
         before, after = (tangent(trace, size, s) for s in course.sides(int(joint)))
         turn = before[1] * after[0] - before[0] * after[1]
         if (turn > 0.0 and claim.upper is not None) or (turn < 0.0 and claim.lower is not None):

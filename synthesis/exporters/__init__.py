@@ -16,6 +16,7 @@ from synthesis.exporters import (
     txt_points,
     txt_table,
 )
+from synthesis.exporters.cam import profiles
 from synthesis.exporters.exporter import Exporter
 from synthesis.exporters.options import CurveName, MotionOptions, ProfileOptions
 
@@ -39,4 +40,5 @@ __all__ = [
     "Exporter",
     "MotionOptions",
     "ProfileOptions",
+    "profiles",
 ]

@@ -8,7 +8,9 @@
     01-inlet/shaft-profile.*    its profile in the shaft's frame: turned, and at its place along it
     01-inlet/motion.*           its motion over its own cam angle
 
-Drawings show a cam in its own frame only. A cam for which nothing fits has its design.json alone.
+A cam of several flanks has a file for each: profile.* is the first, then profile-outer.* or
+profile-counter.*; rollers' paths are called pitch.*. Drawings show a cam in its own frame only,
+and all of it. A cam for which nothing fits has its design.json alone.
 """
 
 from __future__ import annotations
@@ -20,20 +22,23 @@ import re
 import unicodedata
 from collections.abc import Iterator
 from dataclasses import dataclass, field, replace
-from typing import Any
+from typing import Any, cast
 from zipfile import ZIP_DEFLATED, ZipFile, ZipInfo
 
 from synthesis.camset import CamSet, MountedCam
 from synthesis.errors import InputError
 from synthesis.exporters import MOTION_FORMATS, PROFILE_FORMATS
+from synthesis.exporters.cam import profiles
 from synthesis.exporters.exporter import Exporter
-from synthesis.exporters.options import MotionOptions, ProfileOptions
+from synthesis.exporters.options import CurveName, MotionOptions, ProfileOptions
 from synthesis.exporters.svg_timing import timing_diagram
+from synthesis.followers.flank import labelled
 
 LONG_AGO = (1980, 1, 1, 0, 0, 0)  # the earliest time that ZIP can hold; no clock in the bytes
 LEVEL = 2
 PLAIN_FILE = 0o100644 << 16
 UNIX = 3
+WHICH: tuple[CurveName, ...] = ("profile", "pitch")
 MEDIA_TYPE = "application/zip"
 CONVENTIONS = (
     "Right-handed frames, z along the shaft; lengths in mm, angles in degrees, counter-clockwise "
@@ -50,7 +55,8 @@ class BundleOptions:
 
     Attributes:
         profile_formats, motion_formats: names from the registries, in any order.
-        profile: how curves are sampled; their place on the shaft is the set's own business.
+        profile: how curves are sampled, and whether they are profiles or pitch curves; which ones
+            a cam has, and their place on the shaft, is the set's own business.
         motion: how motions are sampled.
     """
 
@@ -60,6 +66,10 @@ class BundleOptions:
     motion: MotionOptions = field(default_factory=MotionOptions)
 
     def __post_init__(self) -> None:
+        if self.profile.curve not in WHICH:
+            rule = f"Of a set these can be had: {', '.join(WHICH)}."
+            way_out = "Name one of them: every cam gives all that it has of it."
+            raise InputError("/curve", self.profile.curve, rule, way_out)
         wanted = (
             ("/profile", self.profile_formats, PROFILE_FORMATS),
             ("/motion", self.motion_formats, MOTION_FORMATS),
@@ -124,14 +134,28 @@ def _files_of(cam: MountedCam, options: BundleOptions) -> Iterator[tuple[str, by
     yield "design.json", cam.design.model_dump_json(indent=1).encode()
     if not cam.has_cam:
         return
-    on_shaft = replace(options.profile, turn_deg=cam.turn_deg, z_mm=cam.axial_mm)
+    curves = _curves(cam, options.profile.curve)
     for profile in _chosen(PROFILE_FORMATS, options.profile_formats):
-        name = f"profile{profile.extension}"
-        yield name, profile.write(cam.design, options.profile)
-        if profile.placeable:
+        if not profile.placeable:
+            yield f"profile{profile.extension}", profile.write(cam.design, options.profile)
+            continue
+        for stem, curve in curves.items():
+            own = replace(options.profile, curve=curve)
+            on_shaft = replace(own, turn_deg=cam.turn_deg, z_mm=cam.axial_mm)
+            name = f"{stem}{profile.extension}"
+            yield name, profile.write(cam.design, own)
             yield f"shaft-{name}", profile.write(cam.design, on_shaft)
     for motion in _chosen(MOTION_FORMATS, options.motion_formats):
         yield f"motion{motion.extension}", motion.write(cam.design, options.motion)
+
+
+def _curves(cam: MountedCam, wanted: CurveName) -> dict[str, CurveName]:
+    """The curves that a cam consists of, by what their files are called."""
+    if wanted == "profile":
+        return profiles(cam.design)
+    companions = cam.design.built.follower.companions
+    others = [cast(CurveName, labelled(path, "pitch")) for path in companions]
+    return {name.replace("_", "-"): name for name in (wanted, *others)}
 
 
 def _chosen(formats: Any, names: tuple[str, ...]) -> list[Exporter[Any]]:

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from synthesis.design import Design
 from synthesis.errors import InputError
-from synthesis.exporters.options import CurveName
+from synthesis.exporters.options import CURVES, CurveName
 from synthesis.followers import Follower
 from synthesis.followers.flank import Flank, labelled
 from synthesis.motion import Motion
@@ -141,6 +141,13 @@ class Cam:
         still = [(start - end, end) for end, start in zip(ends, starts, strict=True)]
         length, begin = max(still, key=lambda rest: (round(rest[0], 9), -rest[1]))
         return (begin + 0.5 * length) % FULL_TURN if length > 1e-9 else 0.0
+
+
+def profiles(design: Design) -> dict[str, CurveName]:
+    """Every flank of a design's cam as a curve, by the stem of its file: profile, profile-outer."""
+    further = {flank.name for flank in design.built.follower.flanks[1:]}
+    curves: dict[str, CurveName] = {"profile": "profile"}
+    return curves | {f"profile-{each}": each for each in CURVES if each in further}
 
 
 def _flank(follower: Follower, curve: CurveName) -> Flank:

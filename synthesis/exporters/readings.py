@@ -87,7 +87,7 @@ def impulses(cam: Cam, quantity: Quantity) -> Trace:
 
 def bounds(design: Design, quantity: Quantity) -> list[Bound]:
     """What the spec's limits claim of this quantity; neighbours with one bound are joined."""
-    stretches, machine = design.spec.stretches(), design.built.machine()
+    stretches, machine = design.numbered.stretches(), design.built.machine()
     claims = [c for limit in design.built.all_limits() for c in limit.claims(stretches, machine)]
     found: list[Bound] = []
     for claim in claims:
@@ -100,7 +100,8 @@ def bounds(design: Design, quantity: Quantity) -> list[Bound]:
 def _bound(claim: Claim, stretch: Stretch) -> Bound:
     lower = None if claim.lower is None else claim.to_wire(claim.lower)
     upper = None if claim.upper is None else claim.to_wire(claim.upper)
-    start, end = in_degrees(np.array([stretch.start, stretch.end])).tolist()
+    ends = stretch.start + stretch.angle * np.array(claim.part or (0.0, 1.0))
+    start, end = in_degrees(ends).tolist()
     return Bound(
         start, end, -math.inf if lower is None else lower, math.inf if upper is None else upper
     )

@@ -39,7 +39,8 @@ class Scene:
         rotation: +1 where the cam turns counter-clockwise, −1 clockwise.
         centre: where the follower's stem begins: the roller's centre [mm].
         roller, base, prime: radii [mm].
-        face: how far a flat face reaches against and along the x axis [mm].
+        face: how far a flat face reaches to the left and to the right [mm].
+        along: unit vector along the face, to the right.
         pivot: of the follower's arm, None where it slides [mm].
         extent: left, bottom, right and top of all that is drawn, texts excepted [mm].
         u: the sheet's unit [mm]. decimals: of coordinates.
@@ -56,6 +57,7 @@ class Scene:
     centre: tuple[float, float]
     roller: float
     face: tuple[float, float]
+    along: tuple[float, float]
     base: float
     prime: float
     pivot: tuple[float, float] | None
@@ -73,6 +75,7 @@ class Scene:
         roller, prime = shape.roller, cam.follower.radius(cam.size)
         centre = sign * shape.centre[0], shape.centre[1]
         face = (shape.left, shape.right) if sign > 0.0 else (shape.right, shape.left)
+        along = shape.along[0], sign * shape.along[1]
         flanks = tuple((one.flank, ring(one, options)) for one in cam.flanks())
         rim = _rim(flanks)
         pivot = None if shape.pivot is None else (sign * shape.pivot[0], shape.pivot[1])
@@ -91,10 +94,13 @@ class Scene:
             centre=centre,
             roller=roller,
             face=face,
+            along=along,
             base=design.dimensions["base_radius_mm"],
             prime=prime,
             pivot=pivot,
-            extent=_extent(flanks, rim, centre, drive, prime, roller, face, STEM * u, pivot),
+            extent=_extent(
+                flanks, rim, centre, drive, prime, roller, (face, along), STEM * u, pivot
+            ),
             u=u,
             decimals=max(4, 7 - math.floor(math.log10(across))),
         )
@@ -140,6 +146,8 @@ def _stem(
     """Direction of the follower's stem: that of its motion, or from the roller to the pivot."""
     if pivot is not None:
         length = math.hypot(pivot[0] - centre[0], pivot[1] - centre[1])
+        if length == 0.0:  # a face that points at its pivot
+            return 0.0, 1.0
         return (pivot[0] - centre[0]) / length, (pivot[1] - centre[1]) / length
     (gx, gy), _ = cam.follower.direction(start.s, cam.size)
     return sign * float(gx[0]), float(gy[0])
@@ -152,19 +160,19 @@ def _extent(
     drive: tuple[float, float],
     prime: float,
     roller: float,
-    face: tuple[float, float],
+    face: tuple[tuple[float, float], tuple[float, float]],
     stem: float,
     pivot: tuple[float, float] | None,
 ) -> Box:
-    x, y = centre
+    (x, y), ((left, right), (tx, ty)) = centre, face
     end_x, end_y = x + (roller + stem) * drive[0], y + (roller + stem) * drive[1]
     reach = max(prime, rim)
     xs, ys = [-reach, reach], [-reach, reach]
     for _, curve in flanks:
         xs += [float(curve.pitch_x.min()), float(curve.pitch_x.max())]
         ys += [float(curve.pitch_y.min()), float(curve.pitch_y.max())]
-    xs += [x - max(roller, face[0]), x + max(roller, face[1]), end_x]
-    ys += [y - roller, y + roller, end_y]
+    xs += [x - roller, x + roller, end_x, x - left * tx, x + right * tx]
+    ys += [y - roller, y + roller, end_y, y - left * ty, y + right * ty]
     if pivot is not None:
         xs += [pivot[0] - PIVOT * stem, pivot[0] + PIVOT * stem]
         ys += [pivot[1] - PIVOT * stem, pivot[1] + PIVOT * stem]
@@ -267,14 +275,41 @@ def _rotation(scene: Scene) -> list[str]:
     return [svg.path("line outline", steps), svg.arrow_head("solid", x3, y3, along, size)]
 
 
-def _flat_face(scene: Scene, at: Callable[[float, float], str]) -> list[str]:
-    """A plate as wide as contact needs, and its stem."""
+def _flat_face(scene: Scene) -> list[str]:
+    """A plate as wide as contact needs, and its stem, which it covers where they meet."""
     u, (left, right) = scene.u, scene.face
-    corners = [(0.0, -left), (0.0, right), (2.0 * u, right), (2.0 * u, 1.5 * u),
-               (STEM * u, 1.5 * u), (STEM * u, -1.5 * u), (2.0 * u, -1.5 * u),
-               (2.0 * u, -left)]  # fmt: skip
-    steps = "M" + "L".join(at(*corner) for corner in corners) + "Z"
-    return [svg.path("outline metal", steps)]
+    (tx, ty), (gx, gy) = scene.along, scene.drive
+    half, left, right = 1.5 * u, max(left, 1.5 * u), max(right, 1.5 * u)
+    foot = half * abs(gx * tx + gy * ty) / (gy * tx - gx * ty)  # the stem's corner on the face
+    stem = scene.drive, [(foot, -half), (foot, half), (STEM * u, half), (STEM * u, -half)]
+    plate = (-ty, tx), [(0.0, -left), (0.0, right), (2.0 * u, right), (2.0 * u, -left)]
+    return [
+        svg.path(
+            "outline metal", "M" + "L".join(_from(scene.centre, up, *c) for c in corners) + "Z"
+        )
+        for up, corners in (stem, plate)
+    ]
+
+
+def _swinging_face(scene: Scene) -> list[str]:
+    """A plate from the foot of the pivot to where contact ends, the link to the pivot, its eye."""
+    u, (left, right), (tx, ty), pivot = scene.u, scene.face, scene.along, scene.pivot
+    assert pivot is not None
+    eye, left, right = PIVOT * STEM * u, max(left, 0.0), max(right, 0.0)
+    plate = [(0.0, -left), (0.0, right), (2.0 * u, right), (2.0 * u, -left)]
+    steps = "M" + "L".join(_from(scene.centre, (-ty, tx), *corner) for corner in plate) + "Z"
+    return [
+        svg.line("line outline", *scene.centre, *pivot),
+        svg.path("outline metal", steps),
+        svg.circle("outline metal", *pivot, eye),
+        svg.circle("outline metal", *pivot, HUB * u),
+    ]
+
+
+def _from(centre: tuple[float, float], up: tuple[float, float], along: float, across: float) -> str:
+    """A point so far along a direction, and across it to the right."""
+    (x, y), (gx, gy) = centre, up
+    return f"{svg.num(x + along * gx + across * gy)} {svg.num(y + along * gy - across * gx)}"
 
 
 def _arm(scene: Scene, at: Callable[[float, float], str], half: float) -> list[str]:
@@ -299,15 +334,15 @@ def _arm(scene: Scene, at: Callable[[float, float], str], half: float) -> list[s
 
 def _follower(scene: Scene) -> list[str]:
     """Roller and stem, a flat face or a knife edge, at cam angle 0."""
-    u, (x, y), (gx, gy) = scene.u, scene.centre, scene.drive
+    u, (x, y) = scene.u, scene.centre
     half = min(max(0.3 * scene.roller, 1.2 * u), 2.5 * u, 0.8 * scene.roller or math.inf)
     end, foot = scene.roller + STEM * u, math.sqrt(max(scene.roller**2 - half**2, 0.0))
 
     def at(along: float, across: float) -> str:
-        return f"{svg.num(x + along * gx + across * gy)} {svg.num(y + along * gy - across * gx)}"
+        return _from(scene.centre, scene.drive, along, across)
 
     if any(scene.face):
-        return _flat_face(scene, at)
+        return _flat_face(scene) if scene.pivot is None else _swinging_face(scene)
     if scene.pivot is not None:
         return _arm(scene, at, half)
     if scene.roller == 0.0:

@@ -64,8 +64,8 @@ def _legend(design: Design, scene: Scene) -> list[tuple[str, str]]:
     if "offset_mm" in size:
         rows.append(("line centre", f"line of the follower, offset {size['offset_mm']} mm"))
     if scene.pivot is not None:
-        distance = size["centre_distance_mm"]
-        rows.append(("line centre", f"arm {size['arm_mm']} mm, pivot at {distance} mm"))
+        arm = f"arm {size['arm_mm']} mm, " if "arm_mm" in size else ""
+        rows.append(("line centre", f"{arm}pivot at {size['centre_distance_mm']} mm"))
     return rows
 
 

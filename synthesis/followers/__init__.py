@@ -7,20 +7,28 @@ from typing import Annotated
 from pydantic import Field
 
 from synthesis.followers.base import Follower
+from synthesis.followers.oscillating_flat_face import OscillatingFlatFace
 from synthesis.followers.oscillating_roller import OscillatingRoller
 from synthesis.followers.translating_flat_face import TranslatingFlatFace
 from synthesis.followers.translating_roller import TranslatingRoller
 
 AnyFollower = Annotated[
-    TranslatingRoller | TranslatingFlatFace | OscillatingRoller, Field(discriminator="kind")
+    TranslatingRoller | TranslatingFlatFace | OscillatingRoller | OscillatingFlatFace,
+    Field(discriminator="kind"),
 ]
 
-FOLLOWERS: tuple[type[Follower], ...] = (TranslatingRoller, TranslatingFlatFace, OscillatingRoller)
+FOLLOWERS: tuple[type[Follower], ...] = (
+    TranslatingRoller,
+    TranslatingFlatFace,
+    OscillatingRoller,
+    OscillatingFlatFace,
+)
 
 __all__ = [
     "FOLLOWERS",
     "AnyFollower",
     "Follower",
+    "OscillatingFlatFace",
     "OscillatingRoller",
     "TranslatingFlatFace",
     "TranslatingRoller",

@@ -8,9 +8,11 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any, ClassVar
 
+import numpy as np
 from pydantic import BaseModel, ConfigDict
 
-from synthesis.followers.flank import Flank, Trace, Vector2
+from synthesis.errors import InputError
+from synthesis.followers.flank import Flank, Places, Trace, Vector2
 from synthesis.motion import Motion, Stretch
 from synthesis.ranges import Range
 from synthesis.terms import Cone, Curved, Norm, Row
@@ -74,7 +76,8 @@ class Shape:
 
     Attributes:
         centre: where its stem begins. roller: radius about it, 0 where there is no roller.
-        left, right: how far a face reaches to either side, both 0 where there is no face.
+        left, right: how far a face reaches from there to either side, both 0 where there is none.
+        along: unit vector along the face, to the right.
         pivot: of an arm, None where the follower slides.
     """
 
@@ -82,6 +85,7 @@ class Shape:
     roller: float
     left: float = 0.0
     right: float = 0.0
+    along: tuple[float, float] = (1.0, 0.0)
     pivot: tuple[float, float] | None = None
 
 
@@ -99,6 +103,7 @@ class Follower(BaseModel, ABC):
     title: ClassVar[str]
     size_charts: ClassVar[tuple[tuple[str, ...], ...]]  # names of z, by what is given
     always_convex: ClassVar[bool] = False  # a profile that is not undercut has no hollows
+    face_ends: ClassVar[tuple[str, ...]] = ()  # of a flat face, as in the limit on its width
 
     @property
     def size_names(self) -> tuple[str, ...]:
@@ -165,6 +170,18 @@ class Follower(BaseModel, ABC):
         """|tan α| ≤ slope where it is not linear in s, s' and z together; otherwise ()."""
         return ()
 
+    def profile_radius_curves(self, least: float) -> tuple[Curved, ...]:
+        """Profile radius ≥ least [mm] where every half-plane of the size is known; otherwise ()."""
+        return ()
+
+    def contact_curves(self, end: str, reach: float) -> tuple[Curved, ...]:
+        """Contact on this side of an end of the face, ``reach`` [mm] from its middle, likewise."""
+        return ()
+
+    def outer_radius_curves(self, largest: float) -> tuple[Curved, ...]:
+        """Largest radius of the traced curve ≤ largest [mm] where it is not a norm of z."""
+        return ()
+
     def pinning(self) -> Pinning | None:
         """A free dimension that, once it is fixed, leaves curved limits with rows; None: none."""
         return None
@@ -203,6 +220,10 @@ class Follower(BaseModel, ABC):
         """How the face's unit normal n turns as seen from the cam: n' + J n; only with a face."""
         raise NotImplementedError(f"{self.kind} has no face")
 
+    def face_axis(self, s: Any, z: Any) -> tuple[Vector2, Vector2]:
+        """Where a face's reach is measured from, and the unit vector along it; only with one."""
+        raise NotImplementedError(f"{self.kind} has no face")
+
     def adjustable(self) -> Mapping[str, float | Range | None]:
         """Its dimensions that may also be left free: field and value."""
         return {}
@@ -216,9 +237,9 @@ class Follower(BaseModel, ABC):
         """Dimensions settled after the size: field, its name among the dimensions, value."""
         return {}
 
-    def places(self, z: tuple[float, ...], s_max: float) -> tuple[float, float]:
-        """Between which values such a dimension makes sense, in the unit of the wire."""
-        return -math.inf, math.inf
+    def places(self, z: tuple[float, ...], s_max: float) -> Places:
+        """Where such a dimension makes sense, with displacements up to ``s_max``."""
+        return Places(-math.inf, math.inf, True)
 
     def opened(self) -> Follower:
         """The same with everything left free that is settled after the size."""
@@ -299,11 +320,46 @@ class Follower(BaseModel, ABC):
         """The norm ``prime_radius`` at a prime radius [mm]: the inverse of ``radius_of``."""
         return radius
 
+    # -- read back from a profile ----------------------------------------------------------------
+
+    def posture(self, point: Any, normal: Any) -> tuple[Any, Any]:
+        """The posture in which the follower has its traced point at a point of the cam.
+
+        Args:
+            point: of the cam [mm]. normal: outward unit normal there. Both (2, n), in the frame
+                of a ccw cam.
+
+        Returns:
+            cam angle θ [rad], any turn, and position [mm], (n,) each: the displacement from a
+            place that is the family's own. Not a number where the follower does not reach.
+
+        Raises:
+            InputError: such a follower is not read back from a profile.
+        """
+        raise InputError(
+            "/follower/kind", self.kind, "Profiles are not read back for this follower yet.",
+            "Take a translating follower, or a roller on an arm.",
+        )  # fmt: skip
+
+    def lowest(self, position: float) -> tuple[float, ...]:
+        """The size z of a cam whose lowest position is this one [mm]; see ``posture``."""
+        raise NotImplementedError(f"{self.kind} has no posture")
+
+    def clearance(self, away: Any, up: Any) -> Any:
+        """How far points lie outside the follower's body [mm].
+
+        Args:
+            away: (2, n) from the traced point [mm]. up: (2,) the drive's direction, both in the
+                cam's frame.
+        """
+        return np.hypot(away[0], away[1]) - self.roller_radius
+
     @abstractmethod
-    def outermost(self, s_max: float) -> Norm:
+    def outermost(self, s_max: float) -> Norm | None:
         """Largest radius of the traced curve, at displacement ``s_max``, as a norm of z.
 
-        Or what grows with that radius, as for ``prime_radius``.
+        Or what grows with that radius, as for ``prime_radius``; None where it is no norm: then
+        ``outer_radius_curves`` say it.
         """
 
     def nearest(self, s_max: float) -> float:

@@ -40,13 +40,15 @@ class Trace(Protocol):
 
     def face_turn(self, s: Any, z: Any) -> Vector2: ...
 
+    def face_axis(self, s: Any, z: Any) -> tuple[Vector2, Vector2]: ...
+
     def curvature_terms(self, s: Any, z: Any) -> tuple[Any, Any]: ...
 
     def pressure_angle_rows(self, slope: float) -> tuple[Row, ...]: ...
 
     def radius_rows(self, least: float) -> tuple[Row, ...]: ...
 
-    def outermost(self, s_max: float) -> Norm: ...
+    def outermost(self, s_max: float) -> Norm | None: ...
 
     def value_of(self, radius: float) -> float: ...
 
@@ -80,6 +82,20 @@ class Flank:
     path: str
     trace: Trace
     rim: float = 0.0
+
+
+@dataclass(frozen=True)
+class Places:
+    """Where a second roller can be, in the unit of the wire.
+
+    Attributes:
+        nearest, farthest: between which places its cam has the axis inside.
+        easier_farther: whether every limit of its cam but the outer radius is eased by distance.
+    """
+
+    nearest: float
+    farthest: float
+    easier_farther: bool
 
 
 def outer_gap(flanks: Iterable[Flank], path: str) -> float:

@@ -268,6 +268,18 @@ class OscillatingRoller(RollerFollower):
             (jerked * g[0] + further * u[0], jerked * g[1] + further * u[1]),
         )
 
+    def posture(self, point: Any, normal: Any) -> tuple[Any, Any]:
+        # the triangle of axis, pivot and centre gives ψ; the position is the arc lψ
+        (x, y), l, (d, _) = point, self.arm_mm, ends(self.centre_distance_mm)
+        cos = d * d + l * l - x * x - y * y  # 2dl cosψ
+        with np.errstate(invalid="ignore"):
+            arc = l * np.arctan2(np.sqrt(4.0 * d * d * l * l - cos * cos), cos)
+        (px, py), *_ = self.traced_point((0.0, 0.0, 0.0, 0.0), (arc,))
+        return np.arctan2(py, px) - np.arctan2(y, x), arc
+
+    def lowest(self, position: float) -> tuple[float, ...]:
+        return (position,)
+
     def direction(self, s: Any, z: Any) -> tuple[Vector2, Vector2]:
         u, g = self._axes(s, z)
         turn = s[1] / self.arm_mm

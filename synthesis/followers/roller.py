@@ -8,7 +8,7 @@ from typing import Self
 
 from synthesis.followers.base import Follower
 from synthesis.followers.closures.base import Closure
-from synthesis.followers.flank import Flank
+from synthesis.followers.flank import Flank, Places
 from synthesis.ranges import Range
 
 
@@ -33,7 +33,7 @@ class RollerFollower(Follower, ABC):
     def companion_ranges(self) -> Mapping[str, tuple[str, float | Range | None]]:
         return self.closure.companion_ranges()
 
-    def places(self, z: tuple[float, ...], s_max: float) -> tuple[float, float]:
+    def places(self, z: tuple[float, ...], s_max: float) -> Places:
         return self.closure.places(self, z, s_max)
 
     def opened(self) -> Self:

@@ -1,37 +1,90 @@
-"""Translating flat-face follower, its face perpendicular to the slide.
+"""Translating flat-face follower; its face may be tilted against its slide.
 
-Symbols: Rb base radius; ρ signed radius of the profile, negative where it is undercut.
-The face is the line y = Rb + s of the machine frame, so Rb + s is the profile's support function:
-ρ = Rb + s + s'', and contact is at the distance s' from the slide's line (Norton ch. 8).
+Symbols: Rb base radius; τ tilt; c offset of the slide's line; n = (−sin τ, cos τ) the face's
+outward normal and t = (cos τ, sin τ) the direction along it, fixed in the machine frame;
+ρ signed radius of the profile, negative where it is undercut.
 
-The traced point is the contact point (s', Rb + s) itself. Its tangent on the cam is (ρ, 0): along
-the face, whatever the motion. The curvature of such a curve is 1/|ρ|, which hides undercut; so
-radius and normal are those of the face, which knows which side is out.
+The face is a line that keeps its direction, and moving it by s along the slide moves it by s cos τ
+along its normal. So its distance from the axis, the profile's support function, is
+h = Rb + s cos τ, and ρ = h + h'' = Rb + (s + s'') cos τ: the tilt shortens the motion that the cam
+sees, nothing else. Contact is at h n + h' t (Norton ch. 8 for τ = 0). The slide's line crosses the
+face at (c, (Rb + c sin τ)/cos τ + s); seen from there contact is at
+s' cos τ − s sin τ − Rb tan τ − c/cos τ along the face, so the offset only says where on the face.
+The pressure angle is τ throughout.
+
+The traced point is the contact point itself. Its tangent on the cam is ρ t: along the face,
+whatever the motion. The curvature of such a curve is 1/|ρ|, which hides undercut; so radius and
+normal are those of the face, which knows which side is out.
 """
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping, Sequence
-from typing import Any, ClassVar, Literal
+from typing import Annotated, Any, ClassVar, Literal
+
+import numpy as np
+from pydantic import Field, field_validator
+from pydantic_core import PydanticCustomError
 
 from synthesis.followers.base import Follower, Measure, Shape, Sizing
 from synthesis.followers.flank import Flank, Vector2
 from synthesis.motion import Motion
 from synthesis.numerics.peaks import peak
 from synthesis.terms import Cone, Norm, Row
+from synthesis.units import DEGREE
+
+LEAST_TILT = 1e-3  # degrees
 
 
 class TranslatingFlatFace(Follower):
-    """A flat face on a slide whose line passes through the cam's axis."""
+    """A flat face on a slide that moves in a straight line past the cam's axis."""
 
     kind: Literal["translating_flat_face"] = "translating_flat_face"
-    title: ClassVar[str] = "Translating flat face, perpendicular to its slide"
+    title: ClassVar[str] = "Translating flat face, perpendicular to its slide or tilted"
     size_charts: ClassVar[tuple[tuple[str, ...], ...]] = (("base_radius",),)
     always_convex: ClassVar[bool] = True
+    face_ends: ClassVar[tuple[str, ...]] = ("left", "right")
+
+    tilt_deg: Annotated[
+        float,
+        Field(
+            gt=-90.0,
+            lt=90.0,
+            description="How far the face is turned from perpendicular to its slide: positive in "
+            "the sense in which the cam turns. It is the pressure angle.",
+        ),
+    ] = 0.0
+    offset_mm: Annotated[
+        float,
+        Field(
+            ge=-1e6,
+            le=1e6,
+            description="Distance of the slide's line from the cam's axis, positive to the right "
+            "of an upward follower on a ccw cam. It only says where on the face contact is.",
+        ),
+    ] = 0.0
+
+    @field_validator("tilt_deg")
+    @classmethod
+    def _tilted_or_not(cls, tilt: float) -> float:
+        if 0.0 < abs(tilt) < LEAST_TILT:
+            raise PydanticCustomError(
+                "tilt_too_small",
+                "tilt_deg = {tilt} is less than {least}°, which no face can be told from "
+                "perpendicular by. Give 0, or a tilt.",
+                {"tilt": tilt, "least": LEAST_TILT},
+            )
+        return tilt
 
     @property
     def roller_radius(self) -> float:
         return 0.0
+
+    @property
+    def _tilt(self) -> tuple[float, float]:
+        """cos τ and sin τ."""
+        return math.cos(self.tilt_deg * DEGREE), math.sin(self.tilt_deg * DEGREE)
 
     def sizing(self, base_radius: tuple[float, float]) -> Sizing:
         return Sizing((base_radius,), (), base_radius[0])
@@ -52,50 +105,84 @@ class TranslatingFlatFace(Follower):
         return (max(z[0], radius),)
 
     def outermost(self, s_max: float) -> Norm:
-        # |p|² = s'² + (Rb + s)² is stationary where s' ρ = 0: on the axis, at the highest lift
-        return Norm(((1.0,),), (s_max,))
+        # |p|² = h² + h'² is stationary where h' ρ = 0: on the normal, at the highest lift
+        return Norm(((1.0,),), (s_max * self._tilt[0],))
 
     def pressure_angle_rows(self, slope: float) -> tuple[Row, ...]:
-        return ()  # the face's own tilt, 0
+        # |tan τ| ≤ slope: true or not, whatever the motion and the size
+        steepness = abs(math.tan(self.tilt_deg * DEGREE))
+        return (Row((0.0, 0.0, 0.0, 0.0), (), slope - steepness),) if steepness else ()
 
     def profile_radius_rows(self, least: float) -> tuple[Row, ...]:
-        # Rb + s + s'' ≥ least
-        return (Row((-1.0, 0.0, -1.0, 0.0), (-1.0,), -least),)
+        # Rb + (s + s'') cos τ ≥ least
+        cos, _ = self._tilt
+        return (Row((-cos, 0.0, -cos, 0.0), (-1.0,), -least),)
 
     def profile_radius_measure(self, flank: Flank, least: float) -> Measure:
         return Measure("face_radius", least, None, float)
 
+    @property
+    def _contact(self) -> tuple[float, float, float, float]:
+        """Contact along the face from the slide's line: factors of s, s' and Rb, and the rest."""
+        cos, sin = self._tilt
+        return -sin, cos, -sin / cos, -self.offset_mm / cos
+
     def contact_rows(self, left: float, right: float) -> tuple[Row, ...]:
-        return (Row((0.0, -1.0, 0.0, 0.0), (), left), Row((0.0, 1.0, 0.0, 0.0), (), right))
+        s, v, base, rest = self._contact
+        return (
+            Row((-s, -v, 0.0, 0.0), (-base,) if base else (), left + rest),
+            Row((s, v, 0.0, 0.0), (base,) if base else (), right - rest),
+        )
 
     def traced_point(self, s: Any, z: Any) -> tuple[Vector2, ...]:
-        return (s[1], s[0] + z[0]), (s[2], s[1]), (s[3], s[2])
+        cos, sin = self._tilt
+        h = (z[0] + s[0] * cos, s[1] * cos, s[2] * cos, s[3] * cos)
+        return tuple((h[k + 1] * cos - h[k] * sin, h[k] * cos + h[k + 1] * sin) for k in range(3))
+
+    def posture(self, point: Any, normal: Any) -> tuple[Any, Any]:
+        (x, y), (nx, ny) = point, normal
+        return np.arctan2(nx, ny), x * nx + y * ny  # the support function over its angle
+
+    def lowest(self, position: float) -> tuple[float, ...]:
+        return (position,)
+
+    def clearance(self, away: Any, up: Any) -> Any:
+        return -(away[0] * up[0] + away[1] * up[1])
 
     def direction(self, s: Any, z: Any) -> tuple[Vector2, Vector2]:
         zero = 0.0 * s[0]
         return (zero, zero + 1.0), (zero, zero)
 
     def normal(self, tangent: Vector2, s: Any, z: Any) -> Vector2:
-        return self.direction(s, z)[0]
+        (cos, sin), zero = self._tilt, 0.0 * s[0]
+        return zero - sin, zero + cos
 
     def face_turn(self, s: Any, z: Any) -> Vector2:
-        zero = 0.0 * s[0]
-        return zero + 1.0, zero  # J (0, 1): the cam turns, the face does not
+        (cos, sin), zero = self._tilt, 0.0 * s[0]
+        return zero + cos, zero + sin  # J n: the cam turns, the face does not
+
+    def face_axis(self, s: Any, z: Any) -> tuple[Vector2, Vector2]:
+        (cos, sin), zero = self._tilt, 0.0 * s[0]
+        crossed = s[0] + (z[0] + self.offset_mm * sin) / cos  # by the slide's line
+        return (zero + self.offset_mm, crossed), (zero + cos, zero + sin)
 
     def curvature_terms(self, s: Any, z: Any) -> tuple[Any, Any]:
-        radius = s[0] + s[2] + z[0]
+        radius = (s[0] + s[2]) * self._tilt[0] + z[0]
         return radius * abs(radius), radius * radius
 
     def shape(self, motion: Motion, z: tuple[float, ...]) -> Shape:
         wide = self.motion_dimensions(motion, z)
-        foot = z[0] + float(motion.derivatives([0.0], 0)[0, 0])
-        return Shape((0.0, foot), 0.0, wide["face_left_mm"], wide["face_right_mm"])
+        (x, y), _ = self.face_axis(motion.derivatives([0.0], 0)[:, 0].tolist(), z)
+        return Shape((x, y), 0.0, wide["face_left_mm"], wide["face_right_mm"], self._tilt)
 
     def dimensions(self, z: tuple[float, ...]) -> Mapping[str, float]:
-        return {"base_radius_mm": z[0]}
+        beside = {"offset_mm": self.offset_mm} if self.offset_mm else {}
+        return {"base_radius_mm": z[0], **beside}
 
     def motion_dimensions(self, motion: Motion, z: tuple[float, ...]) -> Mapping[str, float]:
         """The face that contact needs: to the left and right of the slide's line on a ccw cam."""
-        left, _ = peak(motion.curve, (0.0, -1.0, 0.0, 0.0))
-        right, _ = peak(motion.curve, (0.0, 1.0, 0.0, 0.0))
+        s, v, base, rest = self._contact
+        shift = base * z[0] + rest
+        left = peak(motion.curve, (-s, -v, 0.0, 0.0))[0] - shift
+        right = peak(motion.curve, (s, v, 0.0, 0.0))[0] + shift
         return {"face_left_mm": left, "face_right_mm": right, "face_width_mm": left + right}

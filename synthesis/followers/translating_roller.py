@@ -110,6 +110,16 @@ class TranslatingRoller(RollerFollower):
         zero = 0.0 * s[0]
         return ((zero + e, s[0] + s0), (zero, s[1]), (zero, s[2]), (zero, s[3]))
 
+    def posture(self, point: Any, normal: Any) -> tuple[Any, Any]:
+        # the cam turns the centre (e, X) to (e + iX) exp(−iθ)
+        (x, y), (e, _) = point, ends(self.offset_mm)
+        with np.errstate(invalid="ignore"):
+            height = np.sqrt(x * x + y * y - e * e)
+        return np.arctan2(height, e) - np.arctan2(y, x), height
+
+    def lowest(self, position: float) -> tuple[float, ...]:
+        return ends(self.offset_mm)[0], position
+
     def direction(self, s: Any, z: Any) -> tuple[Vector2, Vector2]:
         zero = 0.0 * s[0]
         return (zero, zero + 1.0), (zero, zero)

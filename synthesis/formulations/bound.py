@@ -17,13 +17,13 @@ import numpy as np
 from synthesis.formulations.control import Control, controls
 from synthesis.formulations.convex import Plan
 from synthesis.formulations.ends import joint_rows
+from synthesis.formulations.held import quietening
 from synthesis.formulations.prices import end_prices
-from synthesis.formulations.switching import Switching, switching
+from synthesis.formulations.switching import Switching, spread, switching
 from synthesis.numerics.piecewise import Array
 from synthesis.solvers.clarabel import ConeSolution
 
 ROUNDING = 1e-12  # relative allowance for the floating-point sums below
-SPREAD = 8  # parts of an interval over which a point multiplier is spread
 NAMES = {2: "acceleration", 3: "jerk"}
 
 
@@ -55,6 +55,7 @@ class _Ledger:
     Attributes:
         constant: terms free of unknowns. size: (n_size,) factor of ζ. level: factor of π.
         points, weights: per free law, abscissae and (r, m) factors of g, g', … there.
+        spans, heights: per free law, (r, 2) intervals and (r,) factors of g^(m) all along each.
         state: per free law, (m,) factors of unknown initial values g^(j)(0).
         magnitude: sum of the absolute values of what went into ``constant``.
     """
@@ -65,6 +66,8 @@ class _Ledger:
     points: list[list[Array]]
     weights: list[list[Array]]
     state: list[Array]
+    spans: list[list[Array]]
+    heights: list[list[Array]]
     magnitude: float = field(default=0.0)
 
     def add(self, amount: float) -> None:
@@ -77,18 +80,15 @@ def bound(plan: Plan, solution: ConeSolution) -> Bound:
     """The bound that these multipliers give: over all laws, else over the splines' family."""
     steering = controls(plan)
     if steering is None:
-        return Bound(_in_core_units(plan, _over_family(plan, solution)), _family(plan))
+        return Bound(in_core_units(plan, _over_family(plan, solution)), _family(plan))
     order = steering[0].order if steering else 3
     ledger = _add_up(plan, solution, steering, order)
-    psi = tuple(
-        _psi(points, weights, order)
-        for points, weights in zip(ledger.points, ledger.weights, strict=True)
-    )
+    psi = _psi(ledger, order)
     total = _minimum(plan, solution, ledger, steering, psi)
     over = f"all motion laws with a bounded {NAMES[order]}" if steering else _family(plan)
     level = 0.0 if plan.extra is None else abs(float(solution.x[plan.extra]))
     found = tuple(replace(c, cap=c.rate * level) if c.rate else c for c in steering)
-    return Bound(_in_core_units(plan, total), over, psi, found)
+    return Bound(in_core_units(plan, total), over, psi, found)
 
 
 def _family(plan: Plan) -> str:
@@ -96,7 +96,7 @@ def _family(plan: Plan) -> str:
     return "splines of " + " and ".join(sorted(parts)) if parts else "the given laws"
 
 
-def _in_core_units(plan: Plan, value: float) -> float:
+def in_core_units(plan: Plan, value: float) -> float:
     """The program's objective as a value of the asked quantity."""
     if plan.energy is not None:
         return sqrt(max(value * plan.energy.unit + plan.energy.constant, 0.0))
@@ -146,14 +146,32 @@ def _add_up(plan: Plan, solution: ConeSolution, steering: Sequence[Control], ord
         points=[[] for _ in range(laws)],
         weights=[[] for _ in range(laws)],
         state=[np.zeros(order) for _ in range(laws)],
+        spans=[[] for _ in range(laws)],
+        heights=[[] for _ in range(laws)],
     )
     _book_blocks(plan, solution, ledger, order)
+    _book_parts(plan, solution, ledger, order)
     _book_balls(plan, solution, ledger)
     _book_fixed(plan, solution, ledger)
-    psi = [_psi(*both, order) for both in zip(ledger.points, ledger.weights, strict=True)]
+    psi = _psi(ledger, order)
     guess = [_end_price(plan, solution, position, order) for position in range(laws)]
     _book_prices(plan, ledger, end_prices(plan, steering, psi, ledger.state, guess))
+    _quieten(plan, ledger, order)
     return ledger
+
+
+def _quieten(plan: Plan, ledger: _Ledger, order: int) -> None:
+    """More multipliers of values that are held along windows: those that make ψ small there."""
+    for block in plan.exact:
+        k = int(np.flatnonzero(block.alpha)[0])
+        if block.spans is None or block.stretch is None or len(block.x) == 1 or k >= order:
+            continue
+        part = (float(block.spans[0, 0]), float(block.spans[-1, 1]))
+        psi = _psi(ledger, order)[block.stretch]
+        x, mass = quietening(psi, block.x, part, float(block.alpha[k]), order - 1 - k)
+        ledger.add(-float(np.sum(mass) * block.rhs[0]))
+        weights = mass[:, None] * block.alpha[:order]
+        _book_point(plan, ledger, block.stretch, x, weights, order)
 
 
 def _book_point(
@@ -176,7 +194,8 @@ def _book_blocks(plan: Plan, solution: ConeSolution, ledger: _Ledger, order: int
     for block, z in zip(plan.blocks, plan.multipliers(solution.multipliers), strict=True):
         if block.kind == "monotone" and block.stretch is not None:
             _book_monotone(plan, ledger, block.stretch, z, order)
-        if block.kind in ("control", "monotone") or np.any(block.alpha[order:]):
+        whole = block.spans is None
+        if block.kind in ("control", "monotone") or np.any(block.alpha[order:]) or not whole:
             continue  # says nothing more of arbitrary laws, or is the steering itself
         ledger.add(-float(z @ block.rhs))
         ledger.level += block.level * float(np.sum(z))
@@ -185,9 +204,35 @@ def _book_blocks(plan: Plan, solution: ConeSolution, ledger: _Ledger, order: int
         if block.stretch is not None:
             x, mass = block.x, z
             if block.alpha.ndim == 1 and block.alpha[order - 1] != 0.0:
-                x, mass = _spread(block.x, z)
+                x, mass = spread(block.x, z)
             weights = mass[:, None] * block.alpha[:order].T
             _book_point(plan, ledger, block.stretch, x, weights, order)
+
+
+def _book_parts(plan: Plan, solution: ConeSolution, ledger: _Ledger, order: int) -> None:
+    """Rows that hold on a part of a law, equalities among them.
+
+    One of the steering derivative itself adds to ψ all along its part.
+    """
+    prices = [
+        *zip(plan.exact, plan.exact_multipliers(solution.multipliers), strict=True),
+        *zip(plan.blocks, plan.multipliers(solution.multipliers), strict=True),
+    ]
+    for block, z in prices:
+        if block.spans is None or block.stretch is None or np.any(block.alpha[order + 1 :]):
+            continue
+        ledger.add(-float(z @ block.rhs))
+        if block.alpha[order : order + 1].any():
+            ledger.spans[block.stretch].append(block.spans)
+            ledger.heights[block.stretch].append(z * block.alpha[order] / np.ptp(block.spans, 1))
+            continue
+        x, mass = block.x, z
+        if block.alpha[order - 1] != 0.0 and len(x) > 3:
+            # where a window ends its bound may be met at that very point
+            x, mass = spread(x, np.concatenate([[0.0], z[1:-1], [0.0]]))
+            x, mass = np.append(x, block.x[[0, -1]]), np.append(mass, z[[0, -1]])
+        weights = mass[:, None] * block.alpha[:order]
+        _book_point(plan, ledger, block.stretch, x, weights, order)
 
 
 def _book_monotone(plan: Plan, ledger: _Ledger, position: int, z: Array, order: int) -> None:
@@ -200,25 +245,6 @@ def _book_monotone(plan: Plan, ledger: _Ledger, position: int, z: Array, order: 
     weights = np.zeros((len(z), order))
     weights[:, 1] = -mass
     _book_point(plan, ledger, position, x, weights, order)
-
-
-def _spread(x: Array, mass: Array) -> tuple[Array, Array]:
-    """Point multipliers of a bound that holds everywhere, spread as hats between their points.
-
-    A point multiplier on the derivative just below the steering one makes ψ jump; where that
-    bound is met along an arc the true multiplier is a density, and ψ vanishes there. Any
-    non-negative measure of any shape is valid, this one is closer to the truth.
-    """
-    sorting = np.argsort(x)
-    x, mass = x[sorting], mass[sorting]
-    gaps = np.diff(x)
-    reach = np.concatenate([gaps, [0.0]]) + np.concatenate([[0.0], gaps])
-    share = (np.arange(SPREAD) + 0.5) / SPREAD
-    left = mass[:-1] * gaps / reach[:-1]  # of each point to its right-hand interval
-    right = mass[1:] * gaps / reach[1:]  # of the next point to the same interval
-    falling, rising = 1.0 - share, share
-    spread = left[:, None] * falling / falling.sum() + right[:, None] * rising / rising.sum()
-    return (x[:-1, None] + gaps[:, None] * share).ravel(), spread.ravel()
 
 
 def _book_balls(plan: Plan, solution: ConeSolution, ledger: _Ledger) -> None:
@@ -250,7 +276,10 @@ def _end_price(plan: Plan, solution: ConeSolution, position: int, order: int) ->
     """
     end, space = plan.settled[position].end, plan.grids[position].space
     nu, gradient = np.zeros(max(order, len(end))), np.zeros(space.size)
-    for block, z in zip(plan.blocks, plan.multipliers(solution.multipliers), strict=True):
+    for block, z in (
+        *zip(plan.blocks, plan.multipliers(solution.multipliers), strict=True),
+        *zip(plan.exact, plan.exact_multipliers(solution.multipliers), strict=True),
+    ):
         if block.stretch == position and block.laws is not None:
             gradient += block.laws.T @ z
     at = 0
@@ -287,10 +316,17 @@ def _book_prices(plan: Plan, ledger: _Ledger, prices: Sequence[Array]) -> None:
             ledger.state[joint.after][k] += ratio * prices[joint.before][k]
 
 
-def _psi(points: Sequence[Array], weights: Sequence[Array], order: int) -> Switching:
-    """ψ of what was booked on one law."""
-    none, nothing = np.zeros(0), np.zeros((0, order))
-    return switching(np.concatenate([none, *points]), np.concatenate([nothing, *weights]), order)
+def _psi(ledger: _Ledger, order: int) -> tuple[Switching, ...]:
+    """ψ of what was booked on every law."""
+    none, nothing, nowhere = np.zeros(0), np.zeros((0, order)), np.zeros((0, 2))
+    return tuple(
+        switching(
+            np.concatenate([none, *points]), np.concatenate([nothing, *weights]), order
+        ).raised(np.concatenate([nowhere, *spans]), np.concatenate([none, *heights]))
+        for points, weights, spans, heights in zip(
+            ledger.points, ledger.weights, ledger.spans, ledger.heights, strict=True
+        )
+    )
 
 
 def _minimum(
@@ -305,12 +341,18 @@ def _minimum(
     paid = ledger.constant + capped - ROUNDING * (ledger.magnitude + abs(capped))
     paid -= _unknown_states(plan, solution, ledger, steering)
     norm = plan.problem.objective.norm(plan.problem.machine)
+    bounds = np.array(plan.problem.sizing.bounds) / plan.scales.size
     if norm is not None:
         # ‖Mζ + m‖ ≥ y·(Mζ + m) for ‖y‖ ≤ 1: y takes up what the rows leave of ζ
-        y = np.linalg.solve(np.array(norm.matrix).T, -ledger.size)
+        matrix = np.array(norm.matrix)
+        if len(matrix) == matrix.shape[1]:
+            y = np.linalg.solve(matrix.T, -ledger.size)
+        else:  # all but what the norm does not speak of: that is least at one end of its range
+            y = np.linalg.lstsq(matrix.T, -ledger.size, rcond=None)[0]
+            rest = ledger.size + matrix.T @ y
+            paid += float(np.sum(np.min(rest[:, None] * bounds, axis=1)))
         shrink = 1.0 / max(1.0, float(np.linalg.norm(y)))
         return shrink * (paid + float(y @ np.array(norm.shift)) / plan.scales.size)
-    bounds = np.array(plan.problem.sizing.bounds) / plan.scales.size
     paid += float(np.sum(np.min(ledger.size[:, None] * bounds, axis=1)))
     if plan.energy is not None:
         return paid

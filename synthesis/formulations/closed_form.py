@@ -53,7 +53,8 @@ def nearest(problem: Problem, clear: float = 0.0) -> Vector | None:
         if size is None:
             return None
         broken = tightest(problem, size)
-        scale = max(problem.machine.follower.prime_radius().value(size), 1e-6 * problem.length)
+        prime = problem.machine.follower.prime_radius().value(size)
+        scale = max(prime, *(abs(value) for value in size), 1e-6 * problem.length)
         more = broken.excess > (SETTLED - clear) * scale
         if not np.any(more):
             break
@@ -67,6 +68,8 @@ def _least(problem: Problem, normals: Array, offsets: Array) -> Vector | None:
     """The same for given half-planes."""
     norm = problem.machine.follower.prime_radius()
     matrix, shift = np.array(norm.matrix), np.array(norm.shift)
+    if len(matrix) < matrix.shape[1]:
+        return _lowest(normals, offsets, matrix[0], problem.length)
     # in y = M z + m the wanted point is the one nearest to the origin
     a = np.linalg.solve(matrix.T, normals.T).T
     b = offsets + a @ shift
@@ -77,6 +80,23 @@ def _least(problem: Problem, normals: Array, offsets: Array) -> Vector | None:
     if found is None:
         return None
     return tuple(float(v) for v in np.linalg.solve(matrix, found - shift))
+
+
+def _lowest(normals: Array, offsets: Array, level: Array, length: float) -> Vector | None:
+    """The corner where a linear level of the size is least; of several, that of least p.
+
+    Of a size that has a variable of which the prime radius does not speak.
+    """
+    size = np.linalg.norm(normals, axis=1)
+    a, b = normals / size[:, None], offsets / size
+    corners = _corners(a, b)
+    reach = 1e-12 * (length + np.max(np.abs(corners), axis=1))
+    allowed = corners[np.all(corners @ a.T <= b + reach[:, None], axis=1)]
+    if not len(allowed):
+        return None
+    height = allowed @ level
+    lowest = allowed[height <= np.min(height) + 1e-12 * length]
+    return tuple(float(v) for v in lowest[np.argmin(lowest[:, 0])])
 
 
 def _nearest_to_origin(a: Array, b: Array, tolerance: float) -> Array | None:

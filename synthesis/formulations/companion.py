@@ -24,16 +24,23 @@ from synthesis.spec import DesignSpec
 from synthesis.terms import Cone
 
 CLEARANCE = 1e-8  # relative: how far the distance stays off what binds it
-STEP = 0.01  # of the range: first step away from the nearest place
+DENSE, EVEN = 24, 36  # places tried, towards the nearest one and all over the range
 ROUNDS = 4
 
 
 @dataclass(frozen=True)
 class Settled:
-    """The spec with the counter roller's place, and whether the counter cam keeps its limits."""
+    """The spec with the counter roller's place.
+
+    Attributes:
+        spec: what was asked, the place being a number.
+        holds: whether the counter cam keeps its limits beside this main cam.
+        farthest: where it does not, whether no other place would leave the main cam more room.
+    """
 
     spec: DesignSpec
     holds: bool
+    farthest: bool = False
 
 
 def settled(spec: DesignSpec, found: Candidate) -> Settled:
@@ -44,8 +51,8 @@ def settled(spec: DesignSpec, found: Candidate) -> Settled:
         found: the main cam: laws settled, size known.
 
     Returns:
-        the spec itself where nothing is open; where no distance will do, the largest in the
-        range and not larger than an outer radius allows.
+        the nearest place that works; where none does, the one at which least is exceeded, but not
+        farther than an outer radius allows; the spec itself where nothing is open.
     """
     free = [
         (name, ends(value))
@@ -58,14 +65,18 @@ def settled(spec: DesignSpec, found: Candidate) -> Settled:
     scene = _Scene(spec, found, name)
     stretches = found.problem.stretches
     highest = max(max(s.s_start, s.s_end) for s in stretches)
-    touching, farthest = spec.follower.places(found.size, highest)
-    nearest, farthest = max(low, touching), min(high, farthest)
-    least = scene.least(nearest, farthest)
-    value = farthest if least is None else least
+    places = spec.follower.places(found.size, highest)
+    nearest, most = max(low, places.nearest), min(high, places.farthest)
+    if most <= nearest:
+        return Settled(spec.built({name: most}), False, farthest=places.easier_farther)
+    least = scene.least(nearest, most)
+    value = scene.mildest(nearest, most) if least is None else least
     if scene.outgrown(value) > 0.0 >= scene.outgrown(nearest):
         value = float(brentq(scene.outgrown, nearest, value, xtol=1e-300, rtol=1e-13))
-        least = None  # with these laws it is either too small or too large
-    return Settled(spec.built({name: value}), least is not None)
+        return Settled(spec.built({name: value}), False)  # too small or too large, with these laws
+    alone = not any(True for _ in scene.cones(value))
+    farthest = places.easier_farther and alone
+    return Settled(spec.built({name: value}), least is not None, farthest)
 
 
 @dataclass(frozen=True, eq=False)
@@ -104,19 +115,24 @@ class _Scene:
         return found
 
     def _least(self, samples: list[Samples], low: float, high: float) -> float | None:
-        if self.excess(low, samples) <= 0.0:
-            return low
-        step, near = min(STEP * (high - low), max(0.05 * low, 1e-9 * high)), low
-        while self.excess(min(near + step, high), samples) > 0.0:
-            if near + step >= high:
-                return None
-            near, step = near + step, 2.0 * step
-        far = min(near + step, high)
-        root = float(brentq(self.excess, near, far, args=(samples,), xtol=1e-300, rtol=1e-13))
-        return min(root * (1.0 + CLEARANCE), high)
+        before = low
+        for place in _spread(low, high):
+            if self.excess(place, samples) > 0.0:
+                before = place
+            elif place == low:
+                return low
+            else:
+                root = brentq(self.excess, before, place, args=(samples,), xtol=1e-300, rtol=1e-13)
+                return min(float(root) * (1.0 + CLEARANCE), high)
+        return None
+
+    def mildest(self, low: float, high: float) -> float:
+        """The place at which the worst limit is exceeded least; the nearest of several."""
+        samples = sample(self.found.problem)
+        return min(_spread(low, high), key=lambda place: self.excess(place, samples))
 
     def excess(self, distance: float, samples: list[Samples]) -> float:
-        """By how much the worst limit is exceeded, relative; falls with the distance."""
+        """By how much the worst limit is exceeded, relative."""
         problem = self.at(distance)
         worst = max(self._rows(problem), default=-1.0)
         with np.errstate(divide="ignore", invalid="ignore"):  # with the roller on the axis
@@ -127,14 +143,12 @@ class _Scene:
     def outgrown(self, distance: float) -> float:
         """By how much the counter cam is too large, relative; rises with the distance."""
         return max(
-            (
-                cone.norm.value(self.found.size) / cone.radius - 1.0
-                for cone in self._cones(distance)
-            ),
+            (cone.norm.value(self.found.size) / cone.radius - 1.0 for cone in self.cones(distance)),
             default=-1.0,
         )
 
-    def _cones(self, distance: float) -> Iterator[Cone]:
+    def cones(self, distance: float) -> Iterator[Cone]:
+        """What an outer radius says of the size, the counter roller being there."""
         problem = self.at(distance)
         for limit in problem.limits:
             yield from limit.cones(problem.stretches, problem.machine)
@@ -146,3 +160,11 @@ class _Scene:
                 if row.size:
                     scale = max(map(abs, row.size)) * problem.length
                     yield exceeded(row, stretch, self.found.size) / scale
+
+
+def _spread(low: float, high: float) -> list[float]:
+    """Places to try: dense beside the nearest, and all over the range."""
+    span = high - low
+    dense, even = low + span * np.geomspace(1e-5, 1.0, DENSE), np.linspace(low, high, EVEN)
+    found = np.unique(np.clip(np.concatenate([dense, even]), low, high))
+    return [float(place) for place in found]

@@ -41,8 +41,9 @@ def controls(plan: Plan) -> list[Control] | None:
 def _control(plan: Plan, position: int, order: int) -> Control | None:
     caps, rates = {1: inf, -1: inf}, {1: inf, -1: inf}
     for block in plan.blocks:
+        # one that holds on a part of the law caps nothing
         alone = block.alpha.ndim == 1 and np.flatnonzero(block.alpha).tolist() == [order]
-        if block.stretch != position or not alone:
+        if block.stretch != position or not alone or block.spans is not None:
             continue
         sign, scale = int(np.sign(block.alpha[order])), abs(float(block.alpha[order]))
         if block.level == 0.0:

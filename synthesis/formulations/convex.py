@@ -12,8 +12,9 @@ Unknowns, all dimensionless:
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+from collections.abc import Iterable, Iterator, Sequence
+from dataclasses import dataclass, replace
+from itertools import pairwise
 
 import numpy as np
 from scipy import sparse
@@ -41,6 +42,7 @@ class Plan:
         columns: unknown coefficients of every free law. size: size variables.
         extra: column of π or t, None where the objective is a mean square.
         squares: columns of y, empty otherwise.
+        exact: rows that are equalities, the last of the program's.
         equalities, blocks, balls: the rows, in the order of the program.
         energy: the objective where it is a mean square.
     """
@@ -54,6 +56,7 @@ class Plan:
     size: slice
     extra: int | None
     squares: slice
+    exact: tuple[Block, ...]
     blocks: tuple[Block, ...]
     balls: tuple[Ball, ...]
     energy: Energy | None
@@ -94,12 +97,17 @@ class Plan:
 
     def multipliers(self, z: Array) -> list[Array]:
         """The inequality multipliers, block by block, none negative."""
-        at = self.program.equalities
-        found = []
+        found, at = [], self.program.equalities
         for block in self.blocks:
             found.append(np.maximum(z[at : at + len(block.rhs)], 0.0))
             at += len(block.rhs)
         return found
+
+    def exact_multipliers(self, z: Array) -> list[Array]:
+        """Those of the rows that are equalities, block by block, of either sign."""
+        ends = np.cumsum([0, *(len(block.rhs) for block in self.exact)])
+        first = self.program.equalities - ends[-1]
+        return [z[first + a : first + b] for a, b in pairwise(ends)]
 
 
 def formulate(
@@ -108,6 +116,8 @@ def formulate(
     level: float = 0.0,
     drawn: Drawn = EXACT,
     region: Region | None = None,
+    *,
+    paired: bool = False,
 ) -> Plan:
     """State the problem on given grids.
 
@@ -116,6 +126,7 @@ def formulate(
         level: trial level of a fractional objective [core units], otherwise without effect.
         drawn: how far the rows are drawn in for the solver's sake.
         region: where curved limits are written as rows; None: all over what is allowed.
+        paired: state rows that are equalities as two inequalities each, which may give way.
     """
     region = region or Region.whole(problem)
     free = problem.free
@@ -128,7 +139,8 @@ def formulate(
     size = slice(at, at + len(problem.machine.follower.size_names))
     order = problem.objective.energy_order()
     extra = size.stop if order is None else None
-    blocks = tuple(_blocks(problem, grids, settled, scales, level, drawn, region))
+    asked = _blocks(problem, grids, settled, scales, level, drawn, region)
+    exact, blocks = _sorted(asked, paired)
     energetic = None if order is None else energy(problem.stretches, grids, order)
     at = size.stop + (extra is not None)
     squares = slice(at, at + (0 if energetic is None else energetic.rows))
@@ -139,6 +151,8 @@ def formulate(
     writer.fixed(problem.sizing.bounds, scales)
     if energetic is not None:
         writer.roots(energetic, squares.start)
+    for block in exact:
+        writer.block(block)
     equalities = writer.rows
     for block in blocks:
         writer.block(block)
@@ -153,7 +167,7 @@ def formulate(
     )  # fmt: skip
     return Plan(
         problem, tuple(grids), scales, tuple(settled), tuple(joints), tuple(columns), size, extra,
-        squares, blocks, balls, energetic, program,
+        squares, exact, blocks, balls, energetic, program,
     )  # fmt: skip
 
 
@@ -165,6 +179,19 @@ def natural_scales(problem: Problem) -> Scales:
             per_turn = abs(stretch.lift) / stretch.angle ** np.arange(4)
             level = max(level, float(np.max(np.abs(row.coefficients) * per_turn * TYPICAL)))
     return Scales(max(problem.length, problem.sizing.least), level or 1.0)
+
+
+def _sorted(blocks: Iterable[Block], paired: bool) -> tuple[tuple[Block, ...], tuple[Block, ...]]:
+    """Equalities, and inequalities: to these belong both sides of an equality that is paired."""
+    exact, others = list[Block](), list[Block]()
+    for block in blocks:
+        if not block.exact:
+            others.append(block)
+        elif paired:
+            others += [replace(block, exact=False), block.opposite()]
+        else:
+            exact.append(block)
+    return tuple(exact), tuple(others)
 
 
 def _blocks(

@@ -77,6 +77,8 @@ def _conflict(scene: Scene, given: dict[int, Blocked], problem: Problem) -> tupl
     members = set(given)
     evidence = [f"{scene.parts[k].words}: {why.note}" for k, why in given.items()]
     found = yielded(scene, scene.plan(), range(len(scene.parts)), exact=False)
+    if found is None and problem.curved:
+        return members, "; ".join([*evidence, "no elastic program has a point"])
     if found is None:
         raise SolverFailed("Clarabel", "failed", "The elastic program gave no usable point.")
     if found.total > NOTHING:
@@ -136,7 +138,13 @@ def _relaxations(
         needed = part.eased(needed, 2.0 * SPARE)
     tight = [m for m in part.members if needed is None or _tighter(part, m.asked, needed)]
     note = (
-        block.note if block is not None else "" if needed is not None else LATE if late else ALONE
+        block.note
+        if block is not None
+        else part.hint
+        if needed is not None
+        else LATE
+        if late
+        else ALONE
     )
     if needed is not None and len(tight) > 1:
         note = "all limits of this name together"
@@ -157,7 +165,9 @@ def _not_convex(spec: DesignSpec, problem: Problem, reached: Reached | None) -> 
     relaxations: list[Relaxation] = []
     stretches, machine = problem.stretches, problem.machine
     for position, limit in enumerate(problem.limits):
-        if any(limit.rows(s, machine) for s in stretches) or limit.cones(stretches, machine):
+        curved = any(limit.curved(s, machine) for s in stretches)
+        linear = any(limit.rows(s, machine) for s in stretches) or limit.cones(stretches, machine)
+        if linear and not curved:
             continue
         asked_for = position < len(spec.limits)
         for claim in limit.claims(stretches, machine):

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from synthesis.formulations.grid import Grid
-from synthesis.motion import Stretch
+from synthesis.motion import EndState, Stretch
 from synthesis.numerics.bspline import SplineSpace
 from synthesis.numerics.piecewise import Array
 
@@ -97,11 +97,10 @@ def meet(stretches: Sequence[Stretch], grids: Sequence[Grid]) -> tuple[list[Ends
     joints: list[Joint] = []
     for before, after in zip(stretches, (*stretches[1:], stretches[0]), strict=True):
         if before.law is None and after.law is None:
-            joint, turns = _free_joint(before, after, position)
+            joint, known = _free_joint(before, after, position)
             joints.append(joint)
-            if turns:
-                finishes[joint.before] = np.array([1.0, 0.0])
-                starts[joint.after] = np.array([0.0, 0.0])
+            finishes[joint.before] = _in_g(1.0, known[0], before)
+            starts[joint.after] = _in_g(0.0, known[1], after)
         elif before.law is None:
             finishes[position[before.index]] = _settled(before, after, at_start=False)
         elif after.law is None:
@@ -110,27 +109,44 @@ def meet(stretches: Sequence[Stretch], grids: Sequence[Grid]) -> tuple[list[Ends
     return found, joints
 
 
-def _free_joint(before: Stretch, after: Stretch, position: dict[int, int]) -> tuple[Joint, bool]:
-    """The joint of two free laws, and whether the follower turns there (then v = 0 is known)."""
+def _free_joint(
+    before: Stretch, after: Stretch, position: dict[int, int]
+) -> tuple[Joint, tuple[EndState, EndState]]:
+    """The joint of two free laws, and what is known of it on both sides.
+
+    Where the follower turns back without overshoot its velocity is known to be 0.
+    """
     assert before.free is not None
     assert after.free is not None
     monotone = not (before.free.overshoot and after.free.overshoot)
-    turns = monotone and before.lift * after.lift < 0.0
-    highest = min(before.free.smoothness, after.free.smoothness)
-    lowest = 2 if turns else 1
-    return Joint(position[before.index], position[after.index], lowest, highest), turns
+    turn = EndState(0.0 if monotone and before.lift * after.lift < 0.0 else None)
+    sides = before.at_end.or_else(turn), after.at_start.or_else(turn)
+    highest = min(before.free.promised(at_start=False), after.free.promised(at_start=True))
+    lowest = 1 + sum(value is not None for value in sides[0].known)
+    highest = max(highest, lowest - 1)
+    return Joint(position[before.index], position[after.index], lowest, highest), sides
+
+
+def _in_g(value: float, known: EndState, stretch: Stretch) -> Array:
+    """g and as many of its derivatives as are known at an end."""
+    derivatives = known.normalised(stretch.angle, stretch.lift)
+    return np.array([value, *(v for v in derivatives if v is not None)])
 
 
 def _settled(free: Stretch, given: Stretch, *, at_start: bool) -> Array:
-    """Derivatives of g where a free law meets a given one."""
+    """Derivatives of g where a free law meets a given one: those asked for, else the given's."""
     assert free.free is not None
-    placed = given.placed()
-    x, side = (placed.breaks[-1:], "left") if at_start else (placed.breaks[:1], "right")
-    values = placed.derivatives(x, free.free.smoothness, "left" if side == "left" else "right")
-    scale = free.angle ** np.arange(free.free.smoothness + 1) / free.lift
-    known = values[:, 0] * scale
+    placed, highest = given.placed(), free.free.promised(at_start=at_start)
+    x = placed.breaks[-1:] if at_start else placed.breaks[:1]
+    values = placed.derivatives(x, max(highest, 2), "left" if at_start else "right")
+    known = values[:, 0] * free.angle ** np.arange(len(values)) / free.lift
     known[0] = 0.0 if at_start else 1.0
-    return np.asarray(known)
+    asked = (free.at_start if at_start else free.at_end).normalised(free.angle, free.lift)
+    count = highest + 1
+    for order, value in enumerate(asked, start=1):
+        if value is not None:
+            known[order], count = value, max(count, order + 1)
+    return np.asarray(known[:count])
 
 
 def _ends(space: SplineSpace, start: Array, end: Array) -> Ends:

@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from synthesis.formulations.parts import LimitPart, Part
+from synthesis.formulations.parts import Part, RangePart
 from synthesis.formulations.problem import Problem
 from synthesis.motion import Stretch
 from synthesis.units import DEGREE
@@ -27,30 +27,22 @@ def blocked(parts: Sequence[Part], problem: Problem) -> dict[int, Blocked]:
     """The parts, by position, that a given law breaks."""
     found: dict[int, Blocked] = {}
     for position, part in enumerate(parts):
-        if not isinstance(part, LimitPart):
+        if isinstance(part, RangePart):
             continue
-        jump = next(_jumps(problem, _order(part, problem)), None)
+        jump = next(_jumps(problem, part.order(problem)), None)
         if jump is not None:
             found[position] = Blocked(None, jump)
             continue
         for stretch in problem.stretches:
             value = part.least(replace(problem, stretches=(stretch,)), None)
-            if value is None or value > part.asked:
+            if value is None or part.tighter(part.asked, value):
                 note = f"program/{stretch.index} has a given law that needs this much by itself"
-                previous = found.get(position)
-                if previous is None or value is None or value > (previous.value or value):
+                if part.fixed(problem):
+                    note = "the follower needs this much by itself, whatever law and size"
+                worst = found[position].value if position in found else part.asked
+                if value is None or worst is None or part.tighter(worst, value):
                     found[position] = Blocked(value, note)
     return found
-
-
-def _order(part: LimitPart, problem: Problem) -> int:
-    """Highest derivative in the part's rows, 0 if none: those below must not jump."""
-    highest = 0
-    for position, _ in part.where:
-        rows = problem.limits[position].rows(problem.stretches[0], problem.machine)
-        for row in part.own(rows):
-            highest = max(highest, *(k for k, a in enumerate(row.coefficients) if a != 0.0))
-    return highest
 
 
 def _jumps(problem: Problem, order: int) -> Iterator[str]:
@@ -61,14 +53,14 @@ def _jumps(problem: Problem, order: int) -> Iterator[str]:
             continue
         curve = before.placed()
         for k in range(1, order):
-            size = JUMP * max(abs(before.lift), 1e-300) / before.angle**k
+            size = JUMP * max(abs(before.unit), 1e-300) / before.angle**k
             inner = curve.breaks[1:-1]
             apart = np.abs(curve(inner, k, "left") - curve(inner, k, "right"))
             if np.any(apart > size):
                 yield _note(k, before, float(inner[np.argmax(apart)]))
             if after.law is None:
                 continue
-            size = max(size, JUMP * abs(after.lift) / after.angle**k)
+            size = max(size, JUMP * abs(after.unit) / after.angle**k)
             ends = curve(curve.breaks[-1:], k, "left") - after.placed()(
                 after.placed().breaks[:1], k, "right"
             )

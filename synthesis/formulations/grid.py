@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -47,8 +48,11 @@ class SettledLaw:
 
 
 def uniform(stretch: Stretch, intervals: int) -> Grid:
-    """Equal intervals, points at every knot and between."""
-    return over(stretch, np.linspace(0.0, 1.0, intervals + 1))
+    """Equal intervals, but for the knots that the law needs; points at every knot and between."""
+    assert stretch.free is not None
+    needed = stretch.free.knots
+    beside = ramps(np.array(needed), stretch.free.smoothness - 2) if needed else np.zeros(0)
+    return over(stretch, merged(np.linspace(0.0, 1.0, intervals + 1), beside, needed))
 
 
 def over(stretch: Stretch, breaks: Array) -> Grid:
@@ -72,13 +76,19 @@ def ramps(switches: Array, softer: int) -> Array:
     return found[(found > 0.0) & (found < 1.0)]
 
 
-def merged(coarse: Array, wanted: Array) -> Array:
-    """Breaks through every wanted point, and the coarse ones that keep their distance."""
-    kept = [0.0]
-    for x in np.sort(wanted):
-        if x - kept[-1] >= CLOSEST_KNOTS and 1.0 - x >= CLOSEST_KNOTS:
+def merged(coarse: Array, wanted: Array, needed: Sequence[float] = ()) -> Array:
+    """Breaks through every wanted point, and the coarse ones that keep their distance.
+
+    Args:
+        coarse: breaks from 0 to 1. wanted: further ones; of those too close the first is taken.
+        needed: still others, which come before the wanted ones.
+    """
+    kept = [0.0, 1.0]
+    for x in (*np.sort(needed), *np.sort(wanted)):
+        if min(abs(x - other) for other in kept) >= CLOSEST_KNOTS:
             kept.append(float(x))
-    pinned = np.array([*kept, 1.0])
+    pinned = np.array(sorted(kept))
     spacing = 0.25 / max(len(coarse) - 1, 1)
-    far = np.min(np.abs(coarse[:, None] - pinned[None, :]), axis=1) > spacing
+    pushing = np.setdiff1d(pinned, np.intersect1d(coarse, needed))  # not those that were there
+    far = np.min(np.abs(coarse[:, None] - pushing[None, :]), axis=1) > spacing
     return np.union1d(pinned, coarse[far])

@@ -8,7 +8,7 @@ import numpy as np
 
 from synthesis.formulations.candidate import Candidate
 from synthesis.formulations.convex import natural_scales
-from synthesis.formulations.rows import row_scale, sampled
+from synthesis.formulations.rows import inside, row_scale, sampled
 from synthesis.formulations.search import Search
 from synthesis.numerics.piecewise import Array
 
@@ -33,6 +33,7 @@ def misses(state: Search, found: Candidate) -> tuple[list[Array], float]:
                 size = sum(a * v for a, v in zip(row.size, found.size, strict=False))
                 excess = np.array(row.coefficients) @ s + (size - row.upper)
                 excess /= row_scale(row, free, scales)
+                excess = np.where(inside(row, x), excess, -inf)
                 worst = max(worst, float(np.max(excess)))
                 exceeding.append(x[excess > ALLOWED])
         for curve in state.problem.curves_on(free):

@@ -10,17 +10,21 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from math import hypot, inf
 
+import numpy as np
 from scipy.optimize import brentq
 
 from synthesis.formulations.problem import Problem
 from synthesis.formulations.rows import exceeded
-from synthesis.limits import Limit
+from synthesis.limits import Claim, Limit
+from synthesis.motion import Stretch
 from synthesis.ranges import ends
 from synthesis.spec import DesignSpec
-from synthesis.terms import Cone, Row
+from synthesis.terms import Cone, Curved, Row
 
 Vector = tuple[float, ...]
 CEILING = {"deg": 89.9}  # the largest value that makes sense, where there is one
+SAMPLES = 360  # of a given law, about, where a curved limit is measured
+ROUNDING = 1e-9  # of the natural size: what a value held may differ by
 OPEN = 1e4  # strokes: what the base radius may grow to while it is not limited
 
 
@@ -51,6 +55,11 @@ class Part(ABC):
         """The tightest value asked."""
         return min(member.asked for member in self.members)
 
+    @property
+    def hint(self) -> str:
+        """What is worth knowing of its values."""
+        return ""
+
     @abstractmethod
     def loosened(self, problem: Problem, value: float) -> Problem:
         """The problem with this part at ``value``; unchanged where the size alone is meant."""
@@ -63,6 +72,14 @@ class Part(ABC):
             settled: the problem; stretches that are still free are passed over.
             size: size variables [mm]; None: only what concerns the motion alone.
         """
+
+    def order(self, problem: Problem) -> int:
+        """Highest derivative in the part's rows: given laws whose lower ones jump break it."""
+        return 0
+
+    def fixed(self, problem: Problem) -> bool:
+        """Whether neither law nor size has a say in the part."""
+        return False
 
     @abstractmethod
     def eased(self, value: float, share: float) -> float:
@@ -114,14 +131,42 @@ class LimitPart(Part):
         for position, _ in self.where:
             limit = settled.limits[position]
             for stretch in settled.stretches:
-                if stretch.law is None:
-                    continue
                 for row in self.own(limit.rows(stretch, settled.machine)):
-                    if size is not None or not row.size:
+                    if row.constant:
+                        yield -row.upper
+                    elif stretch.law is not None and (size is not None or not row.size):
                         yield exceeded(row, stretch, size or ())
+                if stretch.law is not None and size is not None:
+                    yield from self._curved(limit, stretch, settled, size)
             if size is not None:
                 for cone in limit.cones(settled.stretches, settled.machine):
                     yield cone.norm.value(size) - cone.radius
+
+    def _curved(
+        self, limit: Limit, stretch: Stretch, settled: Problem, size: Vector
+    ) -> Iterator[float]:
+        """Excess of curved limits at sampled angles of a settled stretch."""
+        placed = stretch.placed()
+        step = np.linspace(0.0, 1.0, max(SAMPLES // placed.count, 3))
+        theta = (placed.breaks[:-1, None] + np.diff(placed.breaks)[:, None] * step).ravel()
+        piece = np.repeat(np.arange(placed.count), len(step))
+        s = np.stack([placed.at(theta, piece, order) for order in range(4)])
+        for curve in limit.curved(stretch, settled.machine):
+            if curve.source == self.name:
+                yield from (float(np.max(value)) for value in curve.excess(s, size))
+
+    def order(self, problem: Problem) -> int:
+        orders = (k for row in self._rows(problem) for k, a in enumerate(row.coefficients) if a)
+        return max(orders, default=0)
+
+    def fixed(self, problem: Problem) -> bool:
+        return all(row.constant for row in self._rows(problem))
+
+    def _rows(self, problem: Problem) -> Iterator[Row]:
+        """Its rows wherever it has any."""
+        for stretch in problem.stretches:
+            for position, _ in self.where:
+                yield from self.own(problem.limits[position].rows(stretch, problem.machine))
 
     def own(self, rows: Sequence[Row]) -> list[Row]:
         """Those of a limit's rows that this part asks for."""
@@ -155,6 +200,50 @@ class LeastPart(LimitPart):
 
     def tighter(self, asked: float, needed: float) -> bool:
         return asked > needed
+
+
+@dataclass(frozen=True)
+class WindowPart(Part):
+    """A bound on a part of one segment, or a value held there: it gives way by widening.
+
+    Attributes:
+        position: among the problem's limits. limit: as asked.
+        sense: 1 where its value grows as it gives way, −1 where it falls.
+        held: bounded on both sides, and the value says how far off it may be.
+        rate: the wire's unit per core unit. natural: size of its values in a good law [wire].
+    """
+
+    position: int
+    limit: Limit
+    sense: float
+    rate: float
+    natural: float
+    held: bool
+
+    @property
+    def hint(self) -> str:
+        return "deviation allowed either way" if self.held else ""
+
+    def loosened(self, problem: Problem, value: float) -> Problem:
+        limits = list(problem.limits)
+        limits[self.position] = self.limit.widened(abs(value - self.asked))
+        return replace(problem, limits=tuple(limits))
+
+    def least(self, settled: Problem, size: Vector | None) -> float | None:
+        excess = [
+            self.rate * exceeded(row, stretch, ())
+            for stretch in settled.stretches
+            if stretch.law is not None
+            for row in self.limit.rows(stretch, settled.machine)
+        ]
+        worst = max(excess, default=0.0)
+        return self.asked + self.sense * (worst if worst > ROUNDING * self.natural else 0.0)
+
+    def eased(self, value: float, share: float) -> float:
+        return value + self.sense * share * max(self.natural, abs(value))
+
+    def tighter(self, asked: float, needed: float) -> bool:
+        return self.sense * (needed - asked) > 0.0
 
 
 @dataclass(frozen=True)
@@ -195,9 +284,13 @@ def limit_parts(problem: Problem, asked_for: int) -> list[Part]:
         asked_for: how many of its limits the spec names; the others hold for every cam.
     """
     found: dict[str, LimitPart] = {}
+    windows: list[Part] = []
     for position, limit in enumerate(problem.limits):
         for claim in limit.claims(problem.stretches, problem.machine):
             if claim.limit not in _sources(limit, problem):
+                continue
+            if claim.part is not None:
+                windows.append(_window_part(problem, position, claim))
                 continue
             name = claim.field.rpartition("/")[2]
             asked = float(getattr(limit, name))
@@ -211,13 +304,42 @@ def limit_parts(problem: Problem, asked_for: int) -> list[Part]:
                 members=(*part.members, Member(field, asked)),
                 where=(*part.where, (position, name)),
             )
-    return list(found.values())
+    return [*found.values(), *windows]
+
+
+def _window_part(problem: Problem, position: int, claim: Claim) -> WindowPart:
+    """A claim about a part of one segment."""
+    limit = problem.limits[position]
+    (stretch,) = (s for s in problem.stretches if s.index in claim.stretches)
+    row = limit.rows(stretch, problem.machine)[0]
+    order = next(k for k, a in enumerate(row.coefficients) if a != 0.0)
+    one, zero = claim.to_wire(1.0), claim.to_wire(0.0)
+    assert one is not None
+    assert zero is not None
+    given = (end for end in (claim.lower, claim.upper) if end is not None)
+    low, *more = sorted(end for end in map(claim.to_wire, given) if end is not None)
+    from_below = (claim.upper is None) == (one > zero)
+    sense = 1.0 if more or not from_below else -1.0
+    half = 0.0 if claim.exact or not more else float(f"{0.5 * (more[0] - low):.12g}")
+    middle = 0.5 * (low + more[0]) if more else low
+    sign = "=" if more else "≤" if sense > 0.0 else "≥"
+    words = f"{claim.limit.replace('_', ' ')} {sign} {middle:.6g} {claim.unit}"
+    if half > 0.0:
+        words += f" ± {half:.6g} {claim.unit}"
+    return WindowPart(
+        name=claim.limit, words=words, unit=claim.unit,
+        members=(Member(claim.field, half if more else float(f"{low:.15g}")),),
+        position=position, limit=limit, held=bool(more), sense=sense, rate=abs(one - zero),
+        natural=abs(one - zero) * abs(stretch.lift) / stretch.angle**order,
+    )  # fmt: skip
 
 
 def _sources(limit: Limit, problem: Problem) -> set[str]:
-    machine, terms = problem.machine, list[Row | Cone]()
+    machine, terms = problem.machine, list[Row | Cone | Curved]()
     for stretch in problem.stretches:
         terms += limit.rows(stretch, machine)
+        if stretch.law is not None:
+            terms += limit.curved(stretch, machine)
     return {term.source for term in (*terms, *limit.cones(problem.stretches, machine))}
 
 
@@ -241,10 +363,22 @@ def range_parts(spec: DesignSpec, problem: Problem) -> list[Part]:
             found += _sides(size_name, f"follower/{name}", ends(getattr(follower, name)), axis, 0.0)
     low, high = ends(spec.base_radius_mm)
     radii = list(_sides("base_radius", "base_radius_mm", (low, high), None, roller))
-    if any(limit.cones(problem.stretches, problem.machine) for limit in problem.limits):
+    if _harmed_by_size(problem):
         return found + radii
-    # a larger size eases all else, so that only the largest can be in the way
+    # a larger size eases everything, so that only the largest can be in the way
     return found + [replace(part, low=-inf) for part in radii if part.high < inf]
+
+
+def _harmed_by_size(problem: Problem) -> bool:
+    """Whether a larger size may break a limit: its outer radius, or contact on a tilted face."""
+    follower, low = problem.machine.follower, tuple(low for low, _ in problem.sizing.bounds)
+    raised = follower.raised(low, 1.0)
+    rows = (row for s in problem.stretches for limit in problem.limits
+            for row in limit.rows(s, problem.machine))  # fmt: skip
+    return any(limit.cones(problem.stretches, problem.machine) for limit in problem.limits) or any(
+        sum(a * (new - old) for a, new, old in zip(row.size, raised, low, strict=False)) > 0.0
+        for row in rows
+    )
 
 
 def _sides(

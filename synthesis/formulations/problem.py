@@ -76,9 +76,12 @@ class Problem:
         yield from self.objective.rows(stretch, self.machine, level)
 
     def limit_rows(self, stretch: Stretch) -> Iterator[Row]:
-        """The rows on one stretch that do not speak of the objective at hand."""
+        """The rows on one stretch that do not speak of the objective at hand.
+
+        Constant ones leave nothing to choose: whether they hold is the certificate's business.
+        """
         for limit in self.limits:
-            yield from limit.rows(stretch, self.machine)
+            yield from (row for row in limit.rows(stretch, self.machine) if not row.constant)
         for earlier in self.held:
             for row in earlier.objective.rows(stretch, self.machine, earlier.value):
                 value = 0.0 if earlier.objective.fractional else earlier.value
@@ -116,10 +119,16 @@ class Problem:
         return replace(self, stretches=tuple(by_index.get(s.index, s) for s in self.stretches))
 
 
-def pose(spec: DesignSpec, objective: Objective, held: tuple[Held, ...] = ()) -> Problem:
-    """The spec as a problem with one objective."""
+def pose(
+    spec: DesignSpec,
+    objective: Objective,
+    held: tuple[Held, ...] = (),
+    stretches: Sequence[Stretch] | None = None,
+) -> Problem:
+    """The spec as a problem with one objective; ``stretches``: its own with tables smoothed."""
+    placed = spec.stretches() if stretches is None else stretches
     return Problem(
-        tuple(s for s in spec.stretches() if s.angle > 0.0),
+        tuple(s for s in placed if s.angle > 0.0),
         spec.machine(),
         spec.all_limits(),
         spec.follower.sizing(spec.base_radius_range()),

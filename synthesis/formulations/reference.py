@@ -20,11 +20,12 @@ from scipy.interpolate import BSpline
 from synthesis.formulations.grid import Grid
 from synthesis.formulations.problem import Problem
 from synthesis.motion import Stretch
-from synthesis.numerics.piecewise import Piecewise
+from synthesis.numerics.piecewise import Array, Piecewise
 from synthesis.terms import Norm, Row
 from synthesis.units import FULL_TURN
 
 cp: Any = cvxpy  # most of its functions carry no types
+IN_WINDOW = 4  # points on every interval of a window
 DENSE = 4001  # samples of a given law's piece when its worst angle is wanted
 
 
@@ -180,9 +181,10 @@ class _Statement:
         level = row.level * self.level_unit
         rest = size @ self.size + level * self.level - row.upper
         if stretch.index in self.laws:
-            motion, entries = self.laws[stretch.index].row(row.coefficients)
+            motion, entries = self.laws[stretch.index].row(row)
             scale = max(entries, np.abs(size).max(), abs(level))
-            yield (motion + rest) / scale <= 0.0
+            excess = (motion + rest) / scale
+            yield excess == 0.0 if row.exact else excess <= 0.0
         elif row.size or row.level:
             scale = max(np.abs(size).max(), abs(level))
             yield (_worst(stretch.placed(), row.coefficients) + rest) / scale <= 0.0
@@ -200,23 +202,39 @@ class _Law:
         table = self.basis(x, nu=order) * (self.unit / self.stretch.angle**order)
         return table @ self.c, float(np.abs(table).max())
 
-    def row(self, coefficients: Sequence[float]) -> tuple[Any, float]:
+    def row(self, row: Row) -> tuple[Any, float]:
         """Σ coefficients[k] s^(k) where it is limited, and its largest entry.
 
         At the grid's points; but a bound on s''' alone, and on a derivative that is linear
-        between knots, is one on the derivative's own spline coefficients.
+        between knots, is one on the derivative's own spline coefficients. On a part of the law
+        at many points of it.
         """
+        coefficients = row.coefficients
         orders = [k for k, a in enumerate(coefficients) if a]
         order = orders[0] if len(orders) == 1 else 0
-        if order == 3 or (order and self.grid.space.degree - order == 1):
+        if row.part is None and (order == 3 or (order and self.grid.space.degree - order == 1)):
             raised = self.basis.derivative(order)
             count = self.grid.space.size - order
             table = raised.c[:count] * (coefficients[order] / self.stretch.angle**order)
         else:
             scaled = [coefficients[k] / self.stretch.angle**k for k in orders]
-            values = [self.basis(self.grid.points, nu=k) for k in orders]
+            values = [self.basis(self.points(row), nu=k) for k in orders]
             table = np.tensordot(scaled, values, axes=1)
         return (table * self.unit) @ self.c, float(np.abs(table).max()) * self.unit
+
+    def points(self, row: Row) -> Array:
+        """Where a row is written."""
+        if row.part is None:
+            return self.grid.points
+        low, high = row.part
+        if low == high:
+            return np.array([low])
+        breaks, points = self.grid.space.breaks, self.grid.points
+        ends = np.union1d(breaks[(breaks > low) & (breaks < high)], [low, high])
+        if not row.exact and not row.coefficients[3]:
+            return np.union1d(ends, points[(points > low) & (points < high)])
+        inner = np.linspace(1e-9, 1.0 - 1e-9, IN_WINDOW)  # the jerk may jump at knots
+        return np.asarray((ends[:-1, None] + np.diff(ends)[:, None] * inner).ravel())
 
     def monotone(self) -> Iterator[Any]:
         assert self.stretch.free is not None

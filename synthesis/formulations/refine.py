@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 import time
+from collections.abc import Sequence
 from math import inf, sqrt
 
 import numpy as np
 from numpy.typing import NDArray
 
-from synthesis.formulations.bound import Bound, bound
-from synthesis.formulations.candidate import Candidate, at_size, needs_size, settle, smallest
+from synthesis.formulations.bound import Bound, bound, in_core_units
+from synthesis.formulations.candidate import Candidate, at_size, grow, needs_size, settle, smallest
 from synthesis.formulations.closed_form import nearest
 from synthesis.formulations.convex import Plan, formulate
 from synthesis.formulations.grid import CLOSEST_KNOTS, Grid, merged, over, ramps, uniform
@@ -28,6 +29,8 @@ ROUNDS = 8
 COARSE, FINE = 12, 96  # intervals of the first grid, by tolerance
 CURVED = 16  # the most of them while rows still have to turn
 MOST_INTERVALS = 240
+LEVELS = 20
+STAYS = 1e-7  # of the level: an estimate's slope is taken over steps a thousand times longer
 USABLE = (Stopped.SOLVED, Stopped.INACCURATE)
 
 
@@ -58,6 +61,33 @@ def search(
     if (state.limited_by_shape or state.short) and state.left() > 0.0:
         nonlinear(state)
     return state
+
+
+def estimate(
+    problem: Problem, grids: Sequence[Grid], guess: float = 1.0, deadline: float = inf
+) -> float | None:
+    """What a problem's optimum on given grids is [core units]; None where nothing fits.
+
+    A smooth function of the problem's numbers, but for kinks. Limits that are not convex count
+    where a larger cam would mend them. ``guess``: first trial level of a fractional objective.
+    """
+    state = Search(problem, 1e-2, deadline, 1e-7)
+    if _closed_form(state):
+        return None if state.best is None else state.best.value
+    for _ in range(LEVELS):
+        plan = formulate(problem, grids, guess, Drawn(state.tighten))
+        solution = solve(plan.program, state.left())
+        if solution.stopped not in USABLE:
+            return None
+        fractional = problem.objective.fractional
+        if problem.objective.norm(problem.machine) is None and not fractional:
+            return in_core_units(plan, plan.program.value(solution.x))
+        found = _read(plan, solution)
+        if not fractional or abs(found.value - guess) <= STAYS * found.value:
+            break
+        guess = found.value
+    grown = grow(found)
+    return None if grown is None else grown.value
 
 
 def _closed_form(state: Search) -> bool:
@@ -183,7 +213,8 @@ def _finer(
         else:
             softer = stretch.free.smoothness + 1 - lower.order
             curve = found.laws[position].curve()
-            breaks = _where_it_pays(breaks, curve, lower, position, softer)
+            needed = stretch.free.knots
+            breaks = _where_it_pays(breaks, curve, lower, position, softer, needed)
         if len(breaks) > MOST_INTERVALS:
             breaks = grid.space.breaks
         finer.append(over(stretch, breaks).with_points(missed[position]))
@@ -210,9 +241,17 @@ def _all_halved(state: Search, missed: list[Array]) -> tuple[Grid, ...]:
 
 
 def _where_it_pays(
-    breaks: Array, curve: Piecewise, lower: Bound, position: int, softer: int
+    breaks: Array,
+    curve: Piecewise,
+    lower: Bound,
+    position: int,
+    softer: int,
+    needed: Sequence[float],
 ) -> Array:
-    """Knots at the ideal law's switches inside the dear intervals; those without one are halved."""
+    """Knots at the ideal law's switches inside the dear intervals; those without one are halved.
+
+    Those that are ``needed`` stay.
+    """
     psi, control = lower.switching[position], lower.steering[position]
     losses = psi.losses(breaks, lambda x: curve(x, control.order), control.cap, control.weight)
     dear = losses > 0.05 * np.sum(losses) / len(losses)
@@ -221,7 +260,14 @@ def _where_it_pays(
     counts = np.bincount(inside, minlength=len(dear))
     single = dear & (counts == 1)
     halved = _halved(breaks, dear & ~single)
-    return merged(halved, ramps(switches[single[inside]], softer))
+    wanted = np.concatenate([_beside(needed), ramps(switches[single[inside]], softer)])
+    return merged(halved, wanted, needed)
+
+
+def _beside(needed: Sequence[float]) -> Array:
+    """As close as knots may lie: where a window ends, even an ideal law has much to settle."""
+    step = 1.01 * CLOSEST_KNOTS
+    return np.concatenate([np.array(needed) - step, np.array(needed) + step])
 
 
 def _halved(breaks: Array, chosen: NDArray[np.bool_]) -> Array:

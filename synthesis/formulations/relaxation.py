@@ -15,7 +15,7 @@ import numpy as np
 from synthesis.formulations.convex import Plan
 from synthesis.formulations.parts import CEILING, LimitPart
 from synthesis.formulations.problem import Problem
-from synthesis.formulations.rows import row_scale, sampled
+from synthesis.formulations.rows import inside, row_scale, sampled
 from synthesis.formulations.scene import NOTHING, Rate, Scene, yielded
 from synthesis.numerics.piecewise import Array
 
@@ -75,6 +75,7 @@ def _watched(
                 value = np.array(row.coefficients) @ s - row.upper
                 value += sum(a * v for a, v in zip(row.size, size, strict=False))
                 excess = value / row_scale(row, free, plan.scales)
+                excess = np.where(inside(row, x), excess, -inf)
                 at_points = float(np.max(excess[: len(grid.points)]))
                 worst = max(worst, float(np.max(excess)))
                 more.append(x[excess > max(at_points, -NEAR) + ALLOWED])

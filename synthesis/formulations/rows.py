@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Literal
 
 import numpy as np
+from numpy.typing import NDArray
 
 from synthesis.formulations.ends import Ends
 from synthesis.formulations.grid import TYPICAL, Grid
@@ -16,6 +17,8 @@ from synthesis.numerics.peaks import peak
 from synthesis.numerics.piecewise import Array
 from synthesis.terms import Row
 
+ROOM = 0.25  # share of what lies between two bounds that they may be drawn in
+CLOSE = 1e-12  # a knot is where a window ends
 MONOTONE = 0.02  # share of the tightening that coefficients in order get: there are many of them
 
 
@@ -41,6 +44,9 @@ class Block:
         level, rhs: (r,) the limit itself.
         tighten: by how much the solver is asked to stay below rhs.
         source: the limit or objective behind it.
+        spans: (r, 2) where on the law each row's multiplier may be spread, as its limit holds all
+            along there; None for rows of the whole law.
+        exact: = rhs in place of ≤ rhs.
     """
 
     kind: Literal["point", "control", "monotone", "size"]
@@ -53,6 +59,13 @@ class Block:
     rhs: Array
     source: str
     tighten: float = 0.0
+    spans: Array | None = None
+    exact: bool = False
+
+    def opposite(self) -> Block:
+        """The rows ≥ rhs of an equality, written as ≤."""
+        assert self.laws is not None
+        return replace(self, laws=-self.laws, alpha=-self.alpha, rhs=-self.rhs, exact=False)
 
     def priced(self, z: Array) -> Array:
         """What multipliers (r,) make of the size's share: (n_size,)."""
@@ -88,8 +101,12 @@ def row_scale(row: Row, stretch: Stretch, scales: Scales) -> float:
 
 def sampled(row: Row, space: SplineSpace) -> bool:
     """Whether the row is written at points, and may be missed between them."""
+    if row.exact or (row.part is not None and row.part[0] == row.part[1]):
+        return False
     orders = np.flatnonzero(row.coefficients)
     order = int(orders[0]) if len(orders) == 1 else 0
+    if row.part is not None:
+        return space.degree - order > 1
     return order == 0 or (space.degree - order > 1 and order != 3)
 
 
@@ -103,6 +120,8 @@ def on_law(
     level = row.level * scales.level
     scale = row_scale(row, stretch, scales)
     space = grid.space
+    if row.part is not None:
+        return _on_part(row, row.part, position, stretch, grid, scale, drawn)
     common = (size / scale, level / scale)
     tighten = drawn.tighten
     if not sampled(row, space):
@@ -115,6 +134,73 @@ def on_law(
         laws = sum((alpha[k] / scale) * space.basis(x, int(k)) for k in orders)
     bound = np.full(len(laws), rhs / scale)
     return Block(kind, position, laws, x, alpha / scale, *common, bound, row.source, tighten)
+
+
+def _on_part(
+    row: Row,
+    part: tuple[float, float],
+    position: int,
+    stretch: Stretch,
+    grid: Grid,
+    scale: float,
+    drawn: Drawn,
+) -> Block:
+    """A row of one derivative that holds on a part of the law alone, or at a point of it."""
+    alpha, rhs = in_g(row, stretch)
+    order, space = int(np.flatnonzero(alpha)[0]), grid.space
+    table, x, spans = on_window(space, order, part, grid.points, exact=row.exact)
+    laws, bound = table * (alpha[order] / scale), np.full(len(table), rhs / scale)
+    tighten = min(drawn.tighten + drawn.margin * sampled(row, space), ROOM * row.room / scale)
+    return Block(
+        "point", position, laws, np.clip(x, *part), alpha / scale, np.zeros(0), 0.0, bound,
+        row.source, tighten, spans, row.exact,
+    )  # fmt: skip
+
+
+def on_window(
+    space: SplineSpace, order: int, part: tuple[float, float], points: Array, *, exact: bool
+) -> tuple[Array, Array, Array]:
+    """Rows that hold one derivative of a spline on a part of it, or at a point.
+
+    Of an inequality at the points given, but where the derivative is at most linear between
+    knots; of an equality as many as determine the derivative on the knot intervals it touches.
+
+    Returns:
+        (r, n) rows over all coefficients, (r,) where they stand, (r, 2) what part of the law
+        each speaks for.
+    """
+    low, high = part
+    if low == high:
+        x = np.array([low])
+        return space.basis(x, order), x, np.array([part])
+    breaks, degree = space.breaks, space.degree - order
+    first = int(np.searchsorted(breaks, low + CLOSE, side="right")) - 1
+    last = int(np.searchsorted(breaks, high - CLOSE, side="left"))
+    inner = breaks[first + 1 : last]
+    ends = np.concatenate([[low], inner, [high]])
+    if degree == 0:
+        x = 0.5 * (ends[:-1] + ends[1:])
+        return space.basis(x, order), x, np.stack([ends[:-1], ends[1:]], axis=1)
+    if exact:
+        touched = np.concatenate([breaks[first : first + 1], inner, breaks[last : last + 1]])
+        x = (
+            touched[0]
+            + (touched[-1] - touched[0])
+            * SplineSpace(degree, (touched - touched[0]) / (touched[-1] - touched[0])).greville
+        )
+    elif degree == 1:
+        x = ends
+    else:
+        x = np.union1d(points[(points > low) & (points < high)], ends)
+    middle = np.clip(0.5 * (x[1:] + x[:-1]), low, high)
+    spans = np.stack([np.append(low, middle), np.append(middle, high)], axis=1)
+    return space.basis(x, order), x, spans
+
+
+def inside(row: Row, x: Array) -> NDArray[np.bool_]:
+    """Which x of its stretch a row, written at points, speaks of: (n,)."""
+    low, high = (0.0, 1.0) if row.part is None else row.part
+    return np.asarray((x >= low) & (x <= high))
 
 
 def on_given(row: Row, stretch: Stretch, scales: Scales, tighten: float) -> Block | None:
@@ -144,5 +230,21 @@ def monotone(position: int, grid: Grid, known: Ends, drawn: Drawn) -> Block:
 
 def exceeded(row: Row, stretch: Stretch, size: Sequence[float]) -> float:
     """How far a row is exceeded at its worst cam angle on a settled stretch (≤ 0: nowhere)."""
-    worst, _ = peak(stretch.placed(), row.coefficients)
+    worst = _worst(row, stretch)
     return worst + sum(a * v for a, v in zip(row.size, size, strict=False)) - row.upper
+
+
+def _worst(row: Row, stretch: Stretch) -> float:
+    """The largest value of a row's motion, of an exact one how far it is from its right side."""
+    curve = stretch.placed()
+    if row.part is not None:
+        first, last = (stretch.start + stretch.angle * x for x in row.part)
+        if first == last:
+            value = float(np.array(row.coefficients) @ curve.derivatives([first])[:, 0])
+            return row.upper + abs(value - row.upper) if row.exact else value
+        curve = curve.within(first, last)
+    worst, _ = peak(curve, row.coefficients)
+    if row.exact:
+        least, _ = peak(curve, [-a for a in row.coefficients])
+        worst = max(worst, 2.0 * row.upper + least)
+    return worst

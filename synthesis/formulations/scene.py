@@ -54,7 +54,7 @@ class Scene:
         problem = self.problem
         if part is not None:
             problem = self.parts[part].loosened(problem, value)
-        return formulate(problem, self.grids, 0.0, Drawn(self.drawn))
+        return formulate(problem, self.grids, 0.0, Drawn(self.drawn), paired=True)
 
     def ranges(self, dropped: Collection[int] = ()) -> list[RangePart]:
         """The ranges of its size."""

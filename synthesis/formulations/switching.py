@@ -15,6 +15,8 @@ import numpy as np
 
 from synthesis.numerics.piecewise import Array
 
+SPREAD = 8  # parts of an interval over which a point multiplier is spread
+
 
 @dataclass(frozen=True, eq=False)
 class Switching:
@@ -34,6 +36,17 @@ class Switching:
         middle = self(0.5 * (cuts[:-1] + cuts[1:])) - value
         changes = np.sign(middle[:-1]) != np.sign(middle[1:])
         return np.asarray(cuts[1:-1][changes], dtype=float)
+
+    def raised(self, spans: Array, heights: Array) -> Switching:
+        """ψ raised by a height all along each span: (r, 2) and (r,)."""
+        if not len(spans):
+            return self
+        breaks = np.unique(np.concatenate([self.breaks, spans.ravel()]))
+        middle = 0.5 * (breaks[:-1] + breaks[1:])
+        poly = self.poly[np.searchsorted(self.breaks, middle, "right") - 1]
+        over = (spans[:, :1] < middle) & (middle < spans[:, 1:])
+        poly[:, 0] += heights @ over
+        return Switching(breaks, poly)
 
     def least(self, cap: float, weight: float) -> float:
         """∫ min over |w| ≤ cap of (weight w² + ψ w), exact: never positive.
@@ -124,3 +137,22 @@ def switching(points: Array, weights: Array, order: int) -> Switching:
     at = np.searchsorted(x, breaks[1:], side="left")
     table = np.vstack([suffix, np.zeros((1, order))])[at]
     return Switching(breaks, table)
+
+
+def spread(x: Array, mass: Array) -> tuple[Array, Array]:
+    """Point multipliers of a bound that holds everywhere, spread as hats between their points.
+
+    A point multiplier on the derivative just below the steering one makes ψ jump; where that
+    bound is met along an arc the true multiplier is a density, and ψ vanishes there. Any
+    non-negative measure of any shape is valid, this one is closer to the truth.
+    """
+    sorting = np.argsort(x)
+    x, mass = x[sorting], mass[sorting]
+    gaps = np.diff(x)
+    reach = np.concatenate([gaps, [0.0]]) + np.concatenate([[0.0], gaps])
+    share = (np.arange(SPREAD) + 0.5) / SPREAD
+    left = mass[:-1] * gaps / reach[:-1]  # of each point to its right-hand interval
+    right = mass[1:] * gaps / reach[1:]  # of the next point to the same interval
+    falling, rising = 1.0 - share, share
+    spread = left[:, None] * falling / falling.sum() + right[:, None] * rising / rising.sum()
+    return (x[:-1, None] + gaps[:, None] * share).ravel(), spread.ravel()

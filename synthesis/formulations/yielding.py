@@ -144,7 +144,12 @@ def state(
 
 
 def _natural(block: Block) -> float:
-    """What a block gives for one unit: the limit itself, or a slope times the unit of size."""
+    """What a block gives for one unit: the limit itself, or a slope times the unit of size.
+
+    A window or a point gives in units of a good law.
+    """
+    if block.spans is not None:
+        return 1.0
     slopes = np.abs(block.size[block.size != 0.0])
     return float(slopes.min()) if len(slopes) else float(np.max(np.abs(block.rhs)))
 

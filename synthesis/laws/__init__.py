@@ -12,7 +12,8 @@ from typing import Annotated
 
 from pydantic import Field
 
-from synthesis.laws.base import Ends, MotionLaw
+from synthesis.laws.base import TASKS, Ends, MotionLaw
+from synthesis.laws.boundary_polynomial import BoundaryPolynomial
 from synthesis.laws.characteristics import Characteristics, characteristics
 from synthesis.laws.constant_velocity import ConstantVelocity
 from synthesis.laws.dwell_turn import DwellTurn
@@ -22,7 +23,14 @@ from synthesis.laws.scca import GeneralScca, Scca
 from synthesis.laws.spline import SplineLaw
 
 AnyLaw = Annotated[
-    ConstantVelocity | Scca | GeneralScca | HarmonicSeries | Polynomial | DwellTurn | SplineLaw,
+    ConstantVelocity
+    | Scca
+    | GeneralScca
+    | HarmonicSeries
+    | Polynomial
+    | BoundaryPolynomial
+    | DwellTurn
+    | SplineLaw,
     Field(discriminator="kind"),
 ]
 
@@ -32,6 +40,7 @@ FAMILIES: tuple[type[MotionLaw], ...] = (
     GeneralScca,
     HarmonicSeries,
     Polynomial,
+    BoundaryPolynomial,
     DwellTurn,
 )
 
@@ -42,6 +51,7 @@ LAWS: Mapping[str, MotionLaw] = MappingProxyType(
 
 __all__ = [
     "LAWS",
+    "TASKS",
     "AnyLaw",
     "Characteristics",
     "Ends",

@@ -4,17 +4,25 @@ from __future__ import annotations
 
 from abc import ABC, abstractmethod
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import lru_cache
 from typing import Annotated, ClassVar, Literal
 
+import numpy as np
 from pydantic import BaseModel, ConfigDict, Field
 
 from synthesis.motion import FreeLaw, StretchKind
 from synthesis.numerics.piecewise import Piecewise, join
 
-# VDI 2143: R rests (v = a = 0), U turns back (v = 0, the acceleration is the neighbour's too).
+# VDI 2143: R rests (v = a = 0), G has a constant velocity (a = 0), U turns back (v = 0, the
+# acceleration is the neighbour's too), B moves.
 Ends = Literal["R-R", "R-U", "U-R"]
+Known = tuple[float | None, float | None]  # g' and g'' at an end, None where not asked for
+REST: Known = (0.0, 0.0)
+ANY: Known = (None, None)
+TASKS = tuple(f"{start}-{end}" for start in "RGUB" for end in "RGUB")
+
+AT_REST = 1e-12  # g' and g'' of a law that begins at rest, but for rounding
 
 Inflection = Annotated[
     float,
@@ -56,6 +64,8 @@ class MotionLaw(BaseModel, ABC):
 
     kind: str
     rows: ClassVar[Mapping[str, Row]]
+    takes: ClassVar[int] = 0
+    """How many derivatives it takes over from its neighbours at each end; 0: it has its own."""
 
     @property
     def title(self) -> str:
@@ -80,6 +90,25 @@ class MotionLaw(BaseModel, ABC):
             stretch: "rise" or "return"; a law with a turn at its end puts it at the top.
         """
 
+    @abstractmethod
+    def between(self, stretch: StretchKind, start: Known, end: Known) -> Piecewise:
+        """The law with these g' and g'' at its ends, as nearly as it can: the caller checks.
+
+        Args:
+            stretch: as for ``curve``.
+            start, end: g' and g'' asked for at x = 0 and x = 1.
+        """
+
+    @property
+    @abstractmethod
+    def tasks(self) -> tuple[str, ...]:
+        """The tasks of VDI 2143 that the law can serve on a rise, as "R-G"."""
+
+    @property
+    def overshoots(self) -> bool:
+        """Whether it may move backwards for the sake of its end states."""
+        return False
+
     def free(self) -> FreeLaw | None:
         """None: a named law leaves nothing free."""
         return None
@@ -94,8 +123,27 @@ class RestToRest(MotionLaw):
     def ends(self) -> Ends:
         return "R-R"
 
+    @property
+    def tasks(self) -> tuple[str, ...]:
+        return tasks_between_rests(self.rows[self.kind].shape)
+
     def curve(self, stretch: StretchKind) -> Piecewise:
         return with_inflection(self.rows[self.kind].shape, self.inflection)
+
+    def between(self, stretch: StretchKind, start: Known, end: Known) -> Piecewise:
+        """Between equal velocities it is the law between rests and a straight line on top."""
+        return with_line(self.rows[self.kind].shape, self.inflection, common(start, end))
+
+
+def common(start: Known, end: Known) -> float:
+    """The velocity asked for at both ends, or at one of them; 0 where none is."""
+    return (end[0] if start[0] is None else start[0]) or 0.0
+
+
+def tasks_between_rests(half: Piecewise) -> tuple[str, ...]:
+    """R-R and, with a straight line on top, G-G; none where the law does not begin at rest."""
+    soft = abs(float(half(0.0, 1))) + abs(float(half(0.0, 2))) <= AT_REST
+    return ("R-R", "G-G") if soft else ()
 
 
 @lru_cache(maxsize=1024)
@@ -110,6 +158,21 @@ def with_inflection(half: Piecewise, inflection: float) -> Piecewise:
     first = half.placed(0.0, before, 0.0, before)
     last = half.placed(0.0, after, 0.0, after).reversed().placed(inflection, 1.0, 1.0, -1.0)
     return join([first, last])
+
+
+@lru_cache(maxsize=256)
+def with_line(half: Piecewise, inflection: float, velocity: float) -> Piecewise:
+    """g = (1 − c) f + c x, f the law between rests and c = g'(0) = g'(1) (VDI 2143, task G-G).
+
+    Every piece stays written about its own origin, so nothing cancels that did not before.
+    """
+    if velocity == 0.0:
+        return with_inflection(half, inflection)
+    scaled = with_inflection(half, inflection).placed(0.0, 1.0, 0.0, 1.0 - velocity)
+    poly = np.pad(scaled.poly, ((0, 0), (0, max(0, 2 - scaled.poly.shape[1]))))
+    poly[:, 0] += velocity * scaled.origins
+    poly[:, 1] += velocity
+    return replace(scaled, poly=poly)
 
 
 @lru_cache(maxsize=64)

@@ -6,7 +6,7 @@ from fractions import Fraction
 from math import pi
 from typing import ClassVar, Literal
 
-from synthesis.laws.base import Ends, MotionLaw, Row, Turn, mirrored
+from synthesis.laws.base import Ends, Known, MotionLaw, Row, Turn, mirrored
 from synthesis.laws.polynomial import about_both_ends
 from synthesis.motion import StretchKind
 from synthesis.numerics.piecewise import Piecewise
@@ -60,7 +60,15 @@ class DwellTurn(MotionLaw):
     def ends(self) -> Ends:
         return "R-U" if self.turn == "top" else "U-R"
 
+    @property
+    def tasks(self) -> tuple[str, ...]:
+        return (self.ends,)
+
     def curve(self, stretch: StretchKind) -> Piecewise:
         shape = self.rows[self.kind].shape
         towards_turn = (stretch == "rise") == (self.turn == "top")
         return shape if towards_turn else mirrored(shape)
+
+    def between(self, stretch: StretchKind, start: Known, end: Known) -> Piecewise:
+        """The law itself: its velocity is zero at both ends, its acceleration its own."""
+        return self.curve(stretch)

@@ -31,8 +31,16 @@ def about_both_ends(coefficients: list[Fraction], end: Fraction) -> Piecewise:
     return Piecewise.of(breaks, [about_zero, shifted], origins=[0.0, float(end)])
 
 
+# a = (16/3) 8x up to x = 1/8, then 16/3, then (16/3) 8(1/2 − x) from x = 3/8 on
+TRAPEZOID = Piecewise.of(
+    [0.0, 1 / 8, 3 / 8, 1 / 2],
+    [[0.0, 0.0, 0.0, 64 / 9], [1 / 72, 1 / 3, 8 / 3], [1 / 2, 2.0, 0.0, -64 / 9]],
+    origins=[0.0, 1 / 8, 1 / 2],
+)
+
+
 class Polynomial(RestToRest):
-    """One polynomial over the whole segment, named after its powers.
+    """One polynomial over the whole segment, named after its powers; or pieces of polynomials.
 
     | kind | from | coefficients |
     |---|---|---|
@@ -42,6 +50,7 @@ class Polynomial(RestToRest):
     | `polynomial_5_6_7_8_9` | x⁵ | 126, −420, 540, −315, 70 |
     | `polynomial_6_7_8_9_10_11` | x⁶ | 462, −1980, 3465, −3080, 1386, −252 |
     | `peisakh_11` | x⁵ | 336, −1890, 4740, −6615, 5320, −2310, 420 |
+    | `trapezoidal_acceleration` | pieces | a grows over 1/8, stays over 1/4, falls over 1/8 |
     """
 
     kind: Literal[
@@ -51,6 +60,7 @@ class Polynomial(RestToRest):
         "polynomial_5_6_7_8_9",
         "polynomial_6_7_8_9_10_11",
         "peisakh_11",
+        "trapezoidal_acceleration",
     ]
     rows: ClassVar = {
         "cubic_2_3": Row(
@@ -78,5 +88,10 @@ class Polynomial(RestToRest):
             "Peisakh, 11th degree",
             "Peisakh, Improving the polydyne cam design method, Russian Eng. J. 46 (1966)",
             powers(5, 336, -1890, 4740, -6615, 5320, -2310, 420),
+        ),
+        "trapezoidal_acceleration": Row(
+            "Trapezoidal acceleration (ramps of 1/8)",
+            "Neklutin, Mechanisms and Cams for Automatic Machines (1969); Rothbart, Cams (1956)",
+            TRAPEZOID,
         ),
     }

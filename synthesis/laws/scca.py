@@ -9,7 +9,18 @@ from typing import Annotated, ClassVar, Literal
 from pydantic import Field, model_validator
 from pydantic_core import PydanticCustomError
 
-from synthesis.laws.base import Ends, Inflection, MotionLaw, RestToRest, Row, with_inflection
+from synthesis.laws.base import (
+    Ends,
+    Inflection,
+    Known,
+    MotionLaw,
+    RestToRest,
+    Row,
+    common,
+    tasks_between_rests,
+    with_inflection,
+    with_line,
+)
 from synthesis.motion import StretchKind
 from synthesis.numerics.piecewise import Piecewise
 
@@ -178,5 +189,12 @@ class GeneralScca(MotionLaw):
     def ends(self) -> Ends:
         return "R-R"
 
+    @property
+    def tasks(self) -> tuple[str, ...]:
+        return tasks_between_rests(scca(self.b, self.c, self.d))
+
     def curve(self, stretch: StretchKind) -> Piecewise:
         return with_inflection(scca(self.b, self.c, self.d), self.inflection)
+
+    def between(self, stretch: StretchKind, start: Known, end: Known) -> Piecewise:
+        return with_line(scca(self.b, self.c, self.d), self.inflection, common(start, end))

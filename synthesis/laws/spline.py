@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
-from typing import Annotated, Literal
+from typing import Annotated, ClassVar, Literal
 
 from pydantic import BaseModel, ConfigDict, Field
 
+from synthesis.laws.base import Known
 from synthesis.motion import FreeLaw, StretchKind
 
 
@@ -32,8 +33,19 @@ class SplineLaw(BaseModel):
         Field(description="Allow the follower to move backwards within the segment."),
     ] = False
 
+    takes: ClassVar[int] = 0  # from its neighbours: that is settled where the spline is
+
+    @property
+    def overshoots(self) -> bool:
+        """Whether it may move backwards."""
+        return self.overshoot
+
     def curve(self, stretch: StretchKind) -> None:
         """Nothing yet: the curve is part of the answer."""
+        return None
+
+    def between(self, stretch: StretchKind, start: Known, end: Known) -> None:
+        """Nothing yet: the states asked for are rows of the formulation."""
         return None
 
     def free(self) -> FreeLaw:

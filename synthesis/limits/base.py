@@ -48,6 +48,8 @@ class Claim:
         to_wire: monotone map from the core's unit to the wire's; None where the wire has no value.
         field: the field of the spec that sets it, as in ``limits/pressure_angle/rise_deg``.
         path: name of the traced curve that is measured, among the follower's ``paths``.
+        part: first and last x, in [0, 1], of these stretches where it must hold; None: all along.
+        exact: the quantity has one value there; the bounds leave no more than rounding.
     """
 
     limit: str
@@ -59,6 +61,8 @@ class Claim:
     to_wire: Callable[[float], float | None]
     field: str
     path: str = ""
+    part: tuple[float, float] | None = None
+    exact: bool = False
 
 
 class Limit(BaseModel, ABC):
@@ -76,6 +80,10 @@ class Limit(BaseModel, ABC):
     @property
     def travel_unit(self) -> str | None:
         """Unit of displacement that it is given in; None where it is not about displacement."""
+        return None
+
+    def check(self, follower: Follower) -> None:
+        """Refuse a value that no cam of such a follower can keep."""
         return None
 
     def rows(self, stretch: Stretch, machine: Machine) -> tuple[Row, ...]:
@@ -100,6 +108,10 @@ class Limit(BaseModel, ABC):
         """
         return ()
 
+    def widened(self, amount: float) -> Limit:
+        """The limit giving way by an amount [wire]; where its claims are of a part of a stretch."""
+        return self
+
     @abstractmethod
     def claims(self, stretches: Sequence[Stretch], machine: Machine) -> tuple[Claim, ...]:
         """What the certificate has to show on the finished cam."""
@@ -111,5 +123,9 @@ def times(factor: float) -> Callable[[float], float]:
 
 
 def where(stretches: Sequence[Stretch], *kinds: str) -> tuple[int, ...]:
-    """Indices of the stretches of these kinds that have an extent (all kinds if none is named)."""
-    return tuple(s.index for s in stretches if s.angle > 0.0 and (not kinds or s.kind in kinds))
+    """Indices of the stretches that move so and have an extent (of all if nothing is named)."""
+    return tuple(
+        s.index
+        for s in stretches
+        if s.angle > 0.0 and (not kinds or any(sense in kinds for sense in s.senses))
+    )

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from dataclasses import replace
-from typing import Annotated, ClassVar, Literal
+from typing import Annotated, Any, ClassVar, Literal
 
 from pydantic import Field, model_validator
 from pydantic_core import PydanticCustomError
@@ -12,16 +12,17 @@ from pydantic_core import PydanticCustomError
 from synthesis.followers.base import Follower
 from synthesis.limits.base import Claim, Limit, Machine, times, where
 from synthesis.motion import Stretch
-from synthesis.terms import Row
+from synthesis.terms import Curved, Row
 
 Width = Annotated[float, Field(gt=0.0, le=1e9)]
 
 
 class FaceWidth(Limit):
-    """Contact stays on the face, which reaches so far to both sides of the slide's line.
+    """Contact stays on the face: on a slide, so far to both sides of the slide's line.
 
     Left and right are those of an upward follower on a ccw cam, on a cw cam they are exchanged:
-    contact is to the right on rises. Contact at s': linear in the motion, free of the size.
+    contact moves to the right on rises. It is linear in the motion and the size. A face that
+    swings begins and ends at so much from the foot of its pivot on it.
     """
 
     kind: Literal["face_width"] = "face_width"
@@ -29,19 +30,36 @@ class FaceWidth(Limit):
     width_mm: Width | None = Field(None, description="Width of a face centred on its slide.")
     left_mm: Width | None = Field(None, description="Reach to the left on a ccw cam.")
     right_mm: Width | None = Field(None, description="Reach to the right on a ccw cam.")
+    near_mm: Width | None = Field(None, description="Where a face on a pivot begins.")
+    far_mm: Width | None = Field(None, description="Where a face on a pivot ends.")
 
     @model_validator(mode="after")
     def _says_something(self) -> FaceWidth:
-        if self.width_mm is None and self.left_mm is None and self.right_mm is None:
+        if self.width_mm is None and not self._ends():
             raise PydanticCustomError(
                 "face_width_empty",
-                "face_width gives no width. Give width_mm, or left_mm and right_mm.",
+                "face_width gives no width. Give width_mm, or left_mm and right_mm; near_mm and "
+                "far_mm of a face on a pivot.",
                 {},
+            )
+        if self.near_mm is not None and self.far_mm is not None and self.near_mm >= self.far_mm:
+            raise PydanticCustomError(
+                "face_ends_crossed",
+                "near_mm = {near} is not below far_mm = {far}: the face has no extent. "
+                "Exchange the two.",
+                {"near": self.near_mm, "far": self.far_mm},
             )
         return self
 
     def suits(self, follower: Follower) -> bool:
-        return bool(follower.contact_rows(1.0, 1.0))
+        named = [end for end, _ in self._ends()]
+        centred = self.width_mm is None or "left" in follower.face_ends
+        return centred and set(named) <= set(follower.face_ends)
+
+    def _ends(self) -> list[tuple[str, float]]:
+        """The ends that are given, by name."""
+        given = [(end, getattr(self, f"{end}_mm")) for end in ("left", "right", "near", "far")]
+        return [(end, reach) for end, reach in given if reach is not None]
 
     def rows(self, stretch: Stretch, machine: Machine) -> tuple[Row, ...]:
         return tuple(self._rows(machine.follower))
@@ -50,13 +68,19 @@ class FaceWidth(Limit):
         if self.width_mm is not None:
             for row in follower.contact_rows(0.5 * self.width_mm, 0.5 * self.width_mm):
                 yield replace(row, source="face_width")
-        for position, (name, reach) in enumerate(self._sides()):
-            if reach is not None:
-                row = follower.contact_rows(reach, reach)[position]
-                yield replace(row, source=f"face_{name}")
+        for end, reach in self._ends():
+            rows = zip(follower.face_ends, follower.contact_rows(reach, reach), strict=False)
+            yield from (replace(row, source=f"face_{end}") for name, row in rows if name == end)
 
-    def _sides(self) -> tuple[tuple[str, float | None], ...]:
-        return ("left", self.left_mm), ("right", self.right_mm)
+    def curved(self, stretch: Stretch, machine: Machine) -> tuple[Curved, ...]:
+        return tuple(
+            replace(curve, source=f"face_{end}")
+            for end, reach in self._ends()
+            for curve in machine.follower.contact_curves(end, reach)
+        )
+
+    def smooth(self, stretch: Stretch, machine: Machine, s: Any, z: Any) -> tuple[Any, ...]:
+        return tuple(v for curve in self.curved(stretch, machine) for v in curve.excess(s, z))
 
     def claims(self, stretches: Sequence[Stretch], machine: Machine) -> tuple[Claim, ...]:
         everywhere, found = where(stretches), list[Claim]()
@@ -68,12 +92,14 @@ class FaceWidth(Limit):
                     "face_width/width_mm",
                 )
             )  # fmt: skip
-        for name, reach in self._sides():
-            if reach is not None:
-                found.append(
-                    Claim(
-                        f"face_{name}", f"contact_{name}", everywhere, None, reach, "mm",
-                        times(1.0), f"face_width/{name}_mm",
-                    )
-                )  # fmt: skip
+        for end, reach in self._ends():
+            # left counts the other way; near is where the face begins
+            quantity = "contact_left" if end == "left" else "contact"
+            low, high = (reach, None) if end == "near" else (None, reach)
+            found.append(
+                Claim(
+                    f"face_{end}", quantity, everywhere, low, high, "mm", times(1.0),
+                    f"face_width/{end}_mm",
+                )
+            )  # fmt: skip
         return tuple(found)

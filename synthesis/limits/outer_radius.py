@@ -3,14 +3,17 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Sequence
-from typing import Annotated, ClassVar, Literal
+from dataclasses import replace
+from typing import Annotated, Any, ClassVar, Literal
 
 from pydantic import Field
+from pydantic_core import PydanticCustomError
 
+from synthesis.followers.base import Follower
 from synthesis.followers.flank import Trace, labelled, outer_gap
 from synthesis.limits.base import Claim, Limit, Machine, where
 from synthesis.motion import Stretch
-from synthesis.terms import Cone
+from synthesis.terms import Cone, Curved
 
 
 class OuterRadius(Limit):
@@ -25,16 +28,33 @@ class OuterRadius(Limit):
     title: ClassVar[str] = "Largest radius of the profile"
     max_mm: Annotated[float, Field(gt=0.0, le=1e9, description="Largest radius of the profile.")]
 
+    def check(self, follower: Follower) -> None:
+        alone = follower.alone()
+        for path in alone.paths:
+            gap = outer_gap(alone.flanks, path)
+            if self.max_mm + gap <= 0.0:
+                raise PydanticCustomError(
+                    "outer_radius_too_small",
+                    "max_mm = {value} of outer_radius is not above {gap} mm: roller, clearance "
+                    "and rim take that much around the pitch curve. Allow a larger radius, or "
+                    "make them smaller.",
+                    {"value": self.max_mm, "gap": -gap},
+                )
+
     def cones(self, stretches: Sequence[Stretch], machine: Machine) -> tuple[Cone, ...]:
         highest = max(max(s.s_start, s.s_end) for s in stretches)
         return tuple(
-            Cone(
-                trace.outermost(highest),
-                trace.value_of(max(self.max_mm + gap, 0.0)),
-                labelled("outer_radius", path),
-            )
+            Cone(norm, trace.value_of(self.max_mm + gap), labelled("outer_radius", path))
             for path, trace, gap in _edges(machine)
+            if (norm := trace.outermost(highest)) is not None
         )
+
+    def curved(self, stretch: Stretch, machine: Machine) -> tuple[Curved, ...]:
+        curves = machine.follower.outer_radius_curves(self.max_mm)
+        return tuple(replace(curve, source="outer_radius") for curve in curves)
+
+    def smooth(self, stretch: Stretch, machine: Machine, s: Any, z: Any) -> tuple[Any, ...]:
+        return tuple(v for curve in self.curved(stretch, machine) for v in curve.excess(s, z))
 
     def claims(self, stretches: Sequence[Stretch], machine: Machine) -> tuple[Claim, ...]:
         return tuple(

@@ -11,7 +11,7 @@ from pydantic import Field
 
 from synthesis.followers.flank import labelled
 from synthesis.limits.base import Claim, Limit, Machine, times, where
-from synthesis.motion import Stretch, StretchKind
+from synthesis.motion import Sense, Stretch
 from synthesis.terms import Curved, Row
 from synthesis.units import DEGREE
 
@@ -34,29 +34,28 @@ class PressureAngle(Limit):
         None, description="Largest |pressure angle| on dwells; left out, dwells are free."
     )
 
-    def _largest(self, kind: StretchKind) -> float | None:
+    def _largest(self, kind: Sense) -> float | None:
         """Limit on a kind of stretch [rad], None where it is free."""
         degrees = {"rise": self.rise_deg, "return": self.return_deg, "dwell": self.dwell_deg}[kind]
         return None if degrees is None else degrees * DEGREE
 
     def rows(self, stretch: Stretch, machine: Machine) -> tuple[Row, ...]:
-        largest = self._largest(stretch.kind)
-        if largest is None:
-            return ()
-        name, slope = f"pressure_angle_{stretch.kind}", tan(largest)
         return tuple(
-            replace(row, source=labelled(name, label))
+            replace(row, source=labelled(f"pressure_angle_{kind}", label))
+            for kind in stretch.senses
+            if (largest := self._largest(kind)) is not None
             for label, path in machine.follower.paths.items()
-            for row in path.pressure_angle_rows(slope)
+            for row in path.pressure_angle_rows(tan(largest))
         )
 
     def smooth(self, stretch: Stretch, machine: Machine, s: Any, z: Any) -> tuple[Any, ...]:
         """What is curved, and of counter rollers that say nothing in rows |n × g| ≤ t n · g."""
-        largest = self._largest(stretch.kind)
+        limits = [self._largest(kind) for kind in stretch.senses]
+        slopes = [tan(largest) for largest in limits if largest is not None]
         curves = self.curved(stretch, machine)
         found: list[Any] = [value for curve in curves for value in curve.excess(s, z)]
-        for label in () if largest is None else machine.follower.companions:
-            path, slope = machine.follower.paths[label], tan(largest or 0.0)
+        for label in machine.follower.companions if slopes else ():
+            path, slope = machine.follower.paths[label], min(slopes)
             if path.pressure_angle_rows(slope):
                 continue
             (px, py), (dx, dy), *_ = path.traced_point(s, z)
@@ -68,14 +67,15 @@ class PressureAngle(Limit):
         return tuple(found)
 
     def curved(self, stretch: Stretch, machine: Machine) -> tuple[Curved, ...]:
-        largest = self._largest(stretch.kind)
-        if largest is None:
-            return ()
-        curves = machine.follower.pressure_angle_curves(tan(largest))
-        return tuple(replace(curve, source=f"pressure_angle_{stretch.kind}") for curve in curves)
+        return tuple(
+            replace(curve, source=f"pressure_angle_{kind}")
+            for kind in stretch.senses
+            if (largest := self._largest(kind)) is not None
+            for curve in machine.follower.pressure_angle_curves(tan(largest))
+        )
 
     def claims(self, stretches: Sequence[Stretch], machine: Machine) -> tuple[Claim, ...]:
-        kinds: tuple[StretchKind, ...] = ("rise", "return", "dwell")
+        kinds: tuple[Sense, ...] = ("rise", "return", "dwell")
         return tuple(
             Claim(
                 labelled(f"pressure_angle_{kind}", path),

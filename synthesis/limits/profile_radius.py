@@ -11,7 +11,7 @@ from pydantic import Field
 from synthesis.followers.flank import labelled
 from synthesis.limits.base import Claim, Limit, Machine, where
 from synthesis.motion import Stretch
-from synthesis.terms import Row
+from synthesis.terms import Curved, Row
 
 
 class ProfileRadius(Limit):
@@ -34,7 +34,14 @@ class ProfileRadius(Limit):
         rows = machine.follower.profile_radius_rows(self.min_mm)
         return tuple(replace(row, source="profile_radius") for row in rows)
 
+    def curved(self, stretch: Stretch, machine: Machine) -> tuple[Curved, ...]:
+        curves = machine.follower.profile_radius_curves(self.min_mm)
+        return tuple(replace(curve, source="profile_radius") for curve in curves)
+
     def smooth(self, stretch: Stretch, machine: Machine, s: Any, z: Any) -> tuple[Any, ...]:
+        curves = self.curved(stretch, machine)
+        if curves:
+            return tuple(value for curve in curves for value in curve.excess(s, z))
         if self.rows(stretch, machine):
             return ()
         found = []

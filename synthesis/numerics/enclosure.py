@@ -51,11 +51,13 @@ class Question:
         pieces: indices of pieces.
         lower, upper: bounds, −inf and inf where there is none. With both at 0 the question is
             for the largest |f|.
+        spans: (k, 2) the part of each piece that counts, None where all of them count whole.
     """
 
     pieces: Indices
     lower: float
     upper: float
+    spans: Array | None = None
 
 
 @dataclass(frozen=True)
@@ -252,9 +254,13 @@ def _first_boxes(breaks: Array, counts: Indices, questions: Sequence[Question]) 
     """Every piece of every question, cut into its number of boxes."""
     pieces = np.concatenate([q.pieces for q in questions])
     question = np.repeat(np.arange(len(questions)), [len(q.pieces) for q in questions])
-    parts = counts[pieces]
+    whole = np.stack([breaks[:-1], breaks[1:]], axis=1)
+    spans = [whole[q.pieces] if q.spans is None else q.spans for q in questions]
+    first, last = np.concatenate(spans).T
+    parts = np.where(last > first, counts[pieces], 1)
     piece, question = np.repeat(pieces, parts), np.repeat(question, parts)
     nth = np.arange(len(piece)) - np.repeat(np.cumsum(parts) - parts, parts)
-    start, step = breaks[piece], (breaks[piece + 1] - breaks[piece]) / counts[piece]
+    start, step = np.repeat(first, parts), np.repeat((last - first) / parts, parts)
     lo, hi = start + nth * step, start + (nth + 1) * step
-    return _Boxes(question, piece, lo, np.where(nth + 1 == counts[piece], breaks[piece + 1], hi))
+    end = nth + 1 == np.repeat(parts, parts)
+    return _Boxes(question, piece, lo, np.where(end, np.repeat(last, parts), hi))

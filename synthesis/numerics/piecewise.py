@@ -127,6 +127,15 @@ class Piecewise:
             value = value + np.sum(np.abs(amplitude * frequency**order), axis=1)
         return value
 
+    def within(self, low: float, high: float) -> Piecewise:
+        """The same function on [low, high] alone, a part of its interval that is no point."""
+        first = int(np.searchsorted(self.breaks, low, side="right")) - 1
+        last = int(np.searchsorted(self.breaks, high, side="left"))
+        kept = slice(max(first, 0), max(last, 1))
+        breaks = self.breaks[kept.start : kept.stop + 1].copy()
+        breaks[0], breaks[-1] = low, high
+        return Piecewise(breaks, self.origins[kept], self.poly[kept], self.waves[kept])
+
     def placed(self, start: float, width: float, shift: float, scale: float) -> Piecewise:
         """x ↦ shift + scale · f((x − start)/width), on [start, start + width · span]."""
         powers = scale / width ** np.arange(self.poly.shape[1])

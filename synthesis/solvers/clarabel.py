@@ -46,6 +46,11 @@ class ConeProgram:
     inequalities: int
     cones: tuple[int, ...]
 
+    def value(self, x: Array) -> float:
+        """The objective at a point."""
+        half = self.quadratic @ x - 0.5 * self.quadratic.diagonal() * x  # of both triangles
+        return float(x @ half + self.linear @ x)
+
 
 @dataclass(frozen=True, eq=False)
 class ConeSolution:

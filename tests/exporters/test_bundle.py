@@ -13,6 +13,7 @@ from typing import Any
 import numpy as np
 import pytest
 
+from service.examples import examples
 from synthesis import CamSet, synthesise_set
 from synthesis.errors import InputError
 from synthesis.exporters import PROFILE_FORMATS, MotionOptions, ProfileOptions
@@ -118,9 +119,9 @@ def test_options_reach_the_files(found: CamSet) -> None:
         motion=MotionOptions(5.0),
     )
     inside = [name.partition("/")[2] for name in files if name.startswith("01-")]
-    assert inside == ["design.json", "profile.txt", "shaft-profile.txt", "profile.svg"]
+    assert inside == ["design.json", "pitch.txt", "shaft-pitch.txt", "profile.svg"]
     pitch = PROFILE_FORMATS["txt"].write(found.cams[0].design, ProfileOptions(2.0, curve="pitch"))
-    assert files["01-inlet/profile.txt"] == pitch
+    assert files["01-inlet/pitch.txt"] == pitch
     sampling = json.loads(files["manifest.json"])["sampling"]
     assert sampling["curve"] == "pitch"
     assert sampling["points_per_degree"] == 2.0
@@ -168,6 +169,59 @@ def test_a_set_without_any_cam_has_no_files() -> None:
         list(bundle_files(cams, BundleOptions()))
 
 
+@pytest.fixture(scope="module")
+def flanked() -> CamSet:
+    """A groove, and a pair of conjugate cams: every flank is part of the set."""
+    cams = []
+    for name, phase in (("grooved", 71.3), ("conjugate", -38.9)):
+        spec = examples()[name]["value"]
+        alone = {key: spec[key] for key in spec if key not in ("speed_rpm", "rotation")}
+        cams.append({"name": name, "phase_deg": phase, "axial_mm": 7.5, "spec": alone})
+    return synthesise_set(asked(speed_rpm=97.3, rotation="cw", cams=cams))
+
+
+def test_every_flank_is_there(flanked: CamSet) -> None:
+    files = opened(flanked, profile_formats=("txt", "svg"), motion_formats=())
+    names = [name.partition("/")[2] for name in files if name.startswith(("01-", "02-"))]
+    assert names == [
+        "design.json", "profile.txt", "shaft-profile.txt",
+        "profile-outer.txt", "shaft-profile-outer.txt", "profile.svg",
+        "design.json", "profile.txt", "shaft-profile.txt",
+        "profile-counter.txt", "shaft-profile-counter.txt", "profile.svg",
+    ]  # fmt: skip
+    pitch = opened(
+        flanked, profile_formats=("txt",), motion_formats=(), profile=ProfileOptions(curve="pitch")
+    )
+    names = [name.partition("/")[2] for name in pitch if name.startswith(("01-", "02-"))]
+    assert names == [
+        "design.json", "pitch.txt", "shaft-pitch.txt",
+        "design.json", "pitch.txt", "shaft-pitch.txt", "counter-pitch.txt",
+        "shaft-counter-pitch.txt",
+    ]  # fmt: skip
+
+
+def test_every_flank_is_turned_alike(flanked: CamSet) -> None:
+    """By its polar angles; clockwise, so by + 71.3° and − 38.9°."""
+    files = opened(flanked, profile_formats=("txt",), motion_formats=())
+    for folder, turn, flanks in (
+        ("01-grooved", 71.3, ("", "-outer")),
+        ("02-conjugate", -38.9, ("", "-counter")),
+    ):
+        for flank in flanks:
+            own, shaft = (
+                points(files[f"{folder}/{which}{flank}.txt"]) @ [1.0, 1.0j, 0.0]
+                for which in ("profile", "shaft-profile")
+            )
+            np.testing.assert_allclose(
+                shaft, own * np.exp(1j * math.radians(turn)), rtol=0.0, atol=1e-9
+            )
+
+
+def test_one_flank_alone_cannot_be_had() -> None:
+    with pytest.raises(InputError, match="profile, pitch"):
+        BundleOptions(profile=ProfileOptions(curve="inner"))
+
+
 @pytest.mark.parametrize("options", [{"profile_formats": ("dwg",)}, {"motion_formats": ("xls",)}])
 def test_unknown_formats_are_named(options: dict[str, Any]) -> None:
     with pytest.raises(InputError, match=r"dwg|xls") as caught:
@@ -179,3 +233,20 @@ def test_files_are_made_one_after_the_other(found: CamSet) -> None:
     """So that an archive of fifty cams does not hold fifty cams' files at a time."""
     made: Callable[[], tuple[str, bytes]] = iter(bundle_files(found, BundleOptions())).__next__
     assert [made()[0] for _ in range(2)] == ["cam-set.json", "timing.svg"]
+
+
+def test_a_cam_of_several_flanks_brings_a_file_for_each() -> None:
+    groove = {"closure": {"kind": "groove", "clearance_mm": 0.4}}
+    grooved = INLET | {"follower": INLET["follower"] | groove}
+    files = opened(
+        synthesise_set(asked(cams=[{"name": "inlet", "phase_deg": 37.9, "spec": grooved}])),
+        profile_formats=("txt", "svg"),
+    )
+    inside = [name.removeprefix("01-inlet/") for name in files if name.startswith("01-inlet/p")]
+    assert inside == ["profile.txt", "profile-outer.txt", "profile.svg"]
+    for prefix in ("", "shaft-"):
+        inner, outer = (
+            points(files[f"01-inlet/{prefix}profile{name}.txt"]) for name in ("", "-outer")
+        )
+        apart = np.hypot(*(inner - outer)[:, :2].T)
+        np.testing.assert_allclose(apart, 2.0 * 9.1 + 0.4, rtol=1e-9)

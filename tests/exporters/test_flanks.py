@@ -12,7 +12,7 @@ import pytest
 
 from synthesis import Design, DesignSpec, synthesise
 from synthesis.errors import InputError
-from synthesis.exporters import PROFILE_FORMATS, ProfileOptions
+from synthesis.exporters import PROFILE_FORMATS, ProfileOptions, profiles
 from tests.exporters.test_points import away
 
 CLOSURES: dict[str, dict[str, Any]] = {
@@ -103,6 +103,15 @@ def test_a_curve_that_the_cam_has_not_is_refused_with_those_that_it_has(
         points(designs[name], curve)
     assert caught.value.field == "/curve"
     assert all(known in caught.value.rule for known in GAPS[name])
+
+
+def test_every_flank_has_a_file_of_its_own(designs) -> None:
+    told = {name: list(profiles(design).items()) for name, design in designs.items()}
+    assert told == {
+        "ring": [("profile", "profile")],
+        "groove": [("profile", "profile"), ("profile-outer", "outer")],
+        "pair": [("profile", "profile"), ("profile-counter", "counter")],
+    }
 
 
 def test_tables_tell_the_flank_s_own_radius(designs) -> None:

@@ -8,7 +8,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from hypothesis import assume, given, settings
+from hypothesis import HealthCheck, assume, given, settings
 
 from synthesis.followers import TranslatingRoller
 from synthesis.followers.closures import ConjugateSlide, Force, Groove
@@ -130,7 +130,8 @@ def test_a_roller_lifted_inside_a_ring_follows_the_law(cam: Cam, fraction: float
     agree("displacement", theta, law, measured, allowed)
 
 
-@settings(max_examples=20)
+# few cams are hollow enough
+@settings(max_examples=20, suppress_health_check=[HealthCheck.filter_too_much])
 @given(cams(only_gentle=True, knife_edge=False, lifts=(0.6, 1.4)), unspecial(0.2, 0.9))
 def test_a_roller_larger_than_the_pitch_curve_s_hollow_cuts_the_outer_flank(cam: Cam, share: float):
     hollow = -1.0 / np.min(bends(cam))

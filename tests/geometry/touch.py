@@ -20,6 +20,13 @@ class Roller:
 
 
 @dataclass(frozen=True)
+class Line:
+    """A straight edge on a vertical slide, turned counter-clockwise from horizontal [rad]."""
+
+    tilt: float
+
+
+@dataclass(frozen=True)
 class Swing:
     """A circle at the end of an arm, let down from where the arm points away from the origin.
 
@@ -65,6 +72,12 @@ def rest_height(cam: np.ndarray, roller: Roller) -> float:
     met = (part >= 0.0) & (part <= 1.0)
     heights.append((start[:, 1] + roller.radius * up[:, 1] + part * side[:, 1])[met])
     return float(max(np.max(h, initial=-np.inf) for h in heights))
+
+
+def rests(cam: np.ndarray, angles: np.ndarray, line: Line) -> np.ndarray:
+    """Where the edge crosses the y axis when it comes down from above onto the turning polygon."""
+    slope = np.tan(line.tilt)
+    return np.array([np.max(p[:, 1] - slope * p[:, 0]) for p in (turned(cam, a) for a in angles)])
 
 
 def rest_angle(cam: np.ndarray, swing: Swing) -> float:
@@ -147,6 +160,39 @@ def coarseness(cam: np.ndarray) -> float:
         np.diff(heading, append=heading[0] + 2.0 * np.pi * np.sign(heading[-1] - heading[0]))
     )
     return float(2.0 * np.max(length * np.maximum(turn, np.roll(turn, 1))) / 8.0)
+
+
+@dataclass(frozen=True)
+class Hinged:
+    """A straight edge that swings about a pivot.
+
+    Its line passes the pivot at ``gap``, measured towards the origin; ``sense`` is +1 where it
+    swings clockwise away from the origin, −1 counter-clockwise. Angles are counted from where it
+    would be parallel to the line from the pivot to the origin.
+    """
+
+    pivot: tuple[float, float]
+    gap: float
+    sense: float
+
+
+def rest_angles(cam: np.ndarray, angles: np.ndarray, edge: Hinged) -> np.ndarray:
+    """Where the edge comes to rest as it swings back onto the turning polygon [rad].
+
+    A vertex at the distance r from the pivot, seen β off the line to the origin, is touched where
+    the edge's angle exceeds β by that whose sine is gap/r.
+    """
+    pivot = np.array(edge.pivot)
+    inward = -pivot / np.hypot(*pivot)
+    found = []
+    for angle in angles:
+        to = turned(cam, angle) - pivot
+        ahead, beside = to @ inward, edge.sense * (inward[0] * -to[:, 1] + inward[1] * to[:, 0])
+        distance = np.hypot(ahead, beside)
+        near = distance > abs(edge.gap)  # else the edge passes beyond the pivot, clear of them
+        above = np.arcsin(edge.gap / distance[near])
+        found.append(np.max(np.arctan2(beside, ahead)[near] + above))
+    return np.array(found)
 
 
 def ceiling(ring: np.ndarray, roller: Roller, start: float) -> float:

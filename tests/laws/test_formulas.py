@@ -121,6 +121,8 @@ POLYNOMIALS: dict[str, dict[int, int | str]] = {
     "cubic_2_3": {2: 3, 3: -2},
     "polynomial_3_4_5": {3: 10, 4: -15, 5: 6},
     "polynomial_4_5_6_7": {4: 35, 5: -84, 6: 70, 7: -20},
+    "polynomial_5": {3: 10, 4: -15, 5: 6},  # between rests; other ends: test_boundary_values
+    "polynomial_7": {4: 35, 5: -84, 6: 70, 7: -20},
     "polynomial_5_6_7_8_9": {5: 126, 6: -420, 7: 540, 8: -315, 9: 70},
     "polynomial_6_7_8_9_10_11": {6: 462, 7: -1980, 8: 3465, 9: -3080, 10: 1386, 11: -252},
     "peisakh_11": {5: 336, 6: -1890, 7: 4740, 8: -6615, 9: 5320, 10: -2310, 11: 420},
@@ -178,6 +180,8 @@ PULSES: dict[str, tuple[list[float], Branch]] = {
         ("scca_cv20", [0.1, 0.3, 0.4],
          [lambda x: np.sin(5 * pi * x), lambda x: 1 + 0 * x,
           lambda x: np.cos(5 * pi * (x - 0.3))]),
+        ("trapezoidal_acceleration", [1 / 8, 3 / 8, 1 / 2],
+         [lambda x: 8 * x, lambda x: 1 + 0 * x, lambda x: 8 * (1 / 2 - x)]),
         ("modified_trapezoid", [1 / 8, 3 / 8, 1 / 2],
          [lambda x: np.sin(4 * pi * x), lambda x: 1 + 0 * x,
           lambda x: np.cos(4 * pi * (x - 3 / 8))]),

@@ -9,7 +9,7 @@ from synthesis.laws import LAWS, MotionLaw, characteristics
 from synthesis.motion import Motion
 from synthesis.program import Return
 
-REST = sorted(kind for kind, law in LAWS.items() if law.ends == "R-R")
+REST = sorted(kind for kind, law in LAWS.items() if "inflection" in type(law).model_fields)
 X = np.array([0.0123, 0.0987, 0.1234567, 0.2345, 0.3141593, 0.4567, 0.55, 0.6789, 0.8765, 0.9876])
 
 lambdas = pytest.mark.parametrize("inflection", [0.05, 0.3, 0.4321, 0.7, 0.95])

@@ -100,3 +100,43 @@ def test_the_angle_between_the_arms_is_no_larger_than_a_limit_asks(limit, name, 
     angle = design.dimensions["counter_angle_deg"]
     nearer = analyse(spec(PAIR | {"angle_deg": angle * (1.0 - 1e-4)}, sense, limits))
     assert name in nearer.broken
+
+
+def test_a_range_of_angles_that_ends_too_early_is_told_with_what_would_do() -> None:
+    limits = [{"kind": "pressure_angle", "rise_deg": 37.0, "return_deg": 60.0}]
+    enough = synthesise(spec(PAIR, "opposite", limits)).dimensions["counter_angle_deg"]
+    most = 0.9 * enough
+    refused = synthesise(spec(PAIR | {"angle_deg": {"max": most}}, "opposite", limits))
+    assert refused.status == "infeasible"
+    assert refused.dimensions["counter_angle_deg"] <= most
+    (told,) = [r for r in refused.conflict.relaxations if r.limit == "counter_angle"]
+    assert told.field == "follower/closure/angle_deg/max"
+    assert (told.asked, told.unit) == (most, "deg")
+    assert told.needed == pytest.approx(enough, rel=1e-9)
+
+
+@pytest.mark.parametrize("closure", ["ring", "groove", "pair"])
+def test_arms_are_sized_together_with_their_law_and_their_closure(closure: str) -> None:
+    body = spec(CLOSURES[closure] | ({"angle_deg": None} if closure == "pair" else {}))
+    moves = [
+        segment | ({"law": {"kind": "spline"}} if segment["kind"] != "dwell" else {})
+        for segment in body.model_dump(mode="json", exclude_none=True)["program"]
+    ]
+    asked = body.model_dump(mode="json", exclude_none=True) | {
+        "program": moves, "base_radius_mm": None, "speed_rpm": 120.0, "tolerance": 1e-2,
+        "limits": [
+            {"kind": "pressure_angle", "rise_deg": 36.0, "return_deg": 37.0},
+            {"kind": "jerk", "max_deg_per_s3": 2.1e6},
+            {"kind": "profile_radius", "min_mm": 2.0},
+        ],
+    }  # fmt: skip
+    design = synthesise(DesignSpec.model_validate(asked))
+    assert design.certificate.certified, [e for e in design.extremes if not e.holds]
+    assert design.certificate.lower_bound <= design.dimensions["base_radius_mm"]
+    follower, z = design.built.follower, tuple(design.size)
+    for flank in follower.flanks:
+        p = cam_profile(design.curve, follower, z, "ccw", THETA, "right", flank)
+        assert np.min(p.radius[p.radius > 0.0], initial=np.inf) >= 2.0 * (1.0 - 1e-6)
+        moving = abs(p.s[1]) > 0.0
+        assert np.degrees(np.max(abs(p.pressure_angle[moving]))) <= 37.0 * (1.0 + 1e-6)
+        assert not np.any((p.radius < 0.0) & (p.radius > -flank.distance))

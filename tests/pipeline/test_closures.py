@@ -13,6 +13,7 @@ import numpy as np
 import pytest
 
 from synthesis import Analysis, Design, DesignSpec, analyse, synthesise
+from synthesis.errors import InputError
 from synthesis.profile import cam_profile
 
 TURN = 2.0 * np.pi
@@ -188,6 +189,13 @@ def test_a_conflict_says_how_far_the_counter_roller_would_have_to_be() -> None:
         assert told[0].asked == pytest.approx(0.8 * enough)
 
 
+def test_a_range_on_the_wrong_side_of_the_axis_fits_nothing() -> None:
+    refused = synthesise(spec(PAIR | {"distance_mm": {"max": 21.0}}, base_radius_mm=64.0))
+    assert refused.status == "infeasible"
+    assert refused.dimensions.get("counter_distance_mm", 21.0) == 21.0
+    assert any(r.limit == "counter_distance" for r in refused.conflict.relaxations)
+
+
 def test_the_peak_pressure_angle_is_that_of_both_cams() -> None:
     objective = {"kind": "peak_pressure_angle"}
     design = synthesise(spec(PAIR, base_radius_mm=64.0, objective=objective))
@@ -248,6 +256,19 @@ def test_what_makes_no_sense_is_refused(closure, changes, error) -> None:
     body["follower"] |= {"closure": closure, **changes}
     with pytest.raises(ValueError, match=error):
         DesignSpec.model_validate(body)
+
+
+def test_an_analysis_asks_for_the_counter_roller_s_place() -> None:
+    with pytest.raises(InputError, match="/follower/closure/distance_mm"):
+        analyse(spec(PAIR, base_radius_mm=64.0))
+
+
+def test_a_ring_smaller_than_its_roller_fits_nowhere() -> None:
+    with pytest.raises(ValueError, match="outer_radius_too_small"):
+        spec(RING, {"kind": "outer_radius", "max_mm": 7.2})
+    refused = synthesise(spec(RING, {"kind": "outer_radius", "max_mm": 9.1}))
+    assert refused.status == "infeasible"
+    assert refused.conflict is not None
 
 
 def test_a_counter_base_radius_suits_conjugate_cams_only() -> None:

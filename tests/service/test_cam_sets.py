@@ -202,11 +202,11 @@ def test_options_of_the_archive(client: httpx2.Client) -> None:
         inside = [name for name in archive.namelist() if name.startswith("01-")]
         assert inside == [
             f"01-inlet/{name}"
-            for name in ("design.json", "profile.json", "shaft-profile.json", "profile.txt",
-                         "shaft-profile.txt", "motion.svg")
+            for name in ("design.json", "pitch.json", "shaft-pitch.json", "pitch.txt",
+                         "shaft-pitch.txt", "motion.svg")
         ]  # fmt: skip
-        assert json.loads(archive.read("01-inlet/profile.json"))["curve"] == "pitch"
-        assert archive.read("01-inlet/profile.txt").count(b"\n") < 400
+        assert json.loads(archive.read("01-inlet/pitch.json"))["curve"] == "pitch"
+        assert archive.read("01-inlet/pitch.txt").count(b"\n") < 400
 
 
 @pytest.mark.parametrize(
@@ -216,7 +216,7 @@ def test_options_of_the_archive(client: httpx2.Client) -> None:
         ("motion=csv&motion=xls", "motion", "xls is not one of"),
         ("points_per_degree=11", "points_per_degree", "at most 10"),
         ("tolerance_um=0.01", "tolerance_um", "at least 0.1"),
-        ("curve=cutter", "curve", "profile, pitch"),
+        ("curve=inner", "curve", "profile, pitch"),
         ("shape=round", "shape", "not a field"),
     ],
 )

@@ -95,6 +95,17 @@ def test_one_design_without_a_service(spec_file: Path, tmp_path: Path) -> None:
     assert "base_radius_mm" in done.output
 
 
+def test_a_groove_brings_a_file_for_each_flank(tmp_path: Path) -> None:
+    value = examples()["grooved"]["value"]
+    program = [s | ({"law": {"kind": "cycloidal"}} if "law" in s else {}) for s in value["program"]]
+    path, out = tmp_path / "spec.json", tmp_path / "out"
+    path.write_text(json.dumps(value | {"program": program, "limits": []}), encoding="utf-8")
+    done = runner.invoke(cli.app, ["design", str(path), "--out", str(out)])
+    assert done.exit_code == 0, done.output
+    assert (out / "profile-outer.csv").read_text() != (out / "profile.csv").read_text()
+    assert not (out / "profile-outer.svg").exists()  # one drawing shows both
+
+
 def test_a_worked_example_is_a_spec_too(tmp_path: Path) -> None:
     path = tmp_path / "example.json"
     path.write_text(json.dumps(examples()["fixed-laws"]), encoding="utf-8")

@@ -22,6 +22,11 @@ def segment(index: int, **fields: Any) -> Change:
     return lambda body: body["program"][index].update(fields)
 
 
+def table(*rows: list[Any]) -> Change:
+    fields = {"kind": "table", "angle_deg": 60, "tolerance_mm": 0.01, "points": list(rows)}
+    return lambda body: body["program"].__setitem__(0, fields)
+
+
 def follower(**fields: Any) -> Change:
     return lambda body: body["follower"].update(fields)
 
@@ -135,6 +140,32 @@ TABLE: dict[str, tuple[Change, str, Any, str]] = {
             objective={"kind": "peak_pressure_angle"},
         ), "/objective", ..., "another objective",
     ),
+    "window after the segment": (
+        segment(0, windows=[{"from_deg": 1, "to_deg": 99, "travel_mm": 3}]), "/program/0", 99.0,
+        "split the window",
+    ),
+    "one free angle": (
+        segment(0, angle_deg={"min": 50, "max": 70}), "/program/0/angle_deg", ...,
+        "another one free",
+    ),
+    "free angles that cannot fit": (
+        lambda body: segment(0, angle_deg={"min": 50, "max": 59})(body)
+        or segment(2, angle_deg={"min": 50, "max": 60})(body),
+        "/program", ..., "Widen a range",
+    ),
+    "free angle without an end": (
+        segment(0, angle_deg={"min": 50}), "/program/0/angle_deg/max", None, "required",
+    ),
+    "window of nothing": (
+        segment(0, windows=[{"from_deg": 1, "to_deg": 9}]), "/program/0/windows/0", ...,
+        "travel_mm",
+    ),
+    "point before the segment": (
+        segment(0, points=[{"angle_deg": 0, "travel_mm": 3}]), "/program/0", 0.0, "lift_mm",
+    ),
+    "window on a dwell": (
+        segment(1, windows=[]), "/program/1/windows", [], "not a field",
+    ),
     "unknown segment": (segment(0, kind="ris"), "/program/0/kind", "ris", "Did you mean 'rise'"),
     "segment of no kind": (without("program", 1, "kind"), "/program/1/kind", None, "required"),
     "segment is a number": (changed(program=[3]), "/program/0", 3, "object"),
@@ -148,6 +179,45 @@ TABLE: dict[str, tuple[Change, str, Any, str]] = {
     "part of a law too short": (
         segment(0, law={"kind": "scca", "b": 1e-6}), "/program/0/law", 1e-6, "at least 0.001",
     ),
+    "a state that the law has not": (
+        segment(2, start={"acceleration_mm_per_s2": 7}), "/program/2/start", 7.0, "polynomial_5",
+    ),
+    "a state of nothing known": (
+        segment(0, end={"speed": 3}), "/program/0/end/speed", 3, "velocity_mm_per_s",
+    ),
+    "a spline sent backwards": (
+        segment(0, law={"kind": "spline"}, end={"velocity_mm_per_s": -5}), "/program/0", -5.0,
+        "overshoot",
+    ),
+    "constant velocity of no size": (
+        segment(1, kind="constant_velocity"), "/program/1", 0, "exactly one",
+    ),
+    "a table out of order": (
+        table([0, 1], [20, 3], [20, 9], [40, 19], [60, 31]), "/program/0", 20.0, "Remove one",
+    ),
+    "a table with a hole": (
+        table([0, 1], [20, 3], [30, None], [60, 31]), "/program/0/points/2/1", None, "number",
+    ),
+    "a table of columns that differ": (
+        lambda body: table()(body) or segment(
+            0, points=None, angles_deg=[0, 60], displacements_mm=[0]
+        )(body),
+        "/program/0", 2, "as many of one",
+    ),
+    "a table of no tolerance": (
+        lambda body: table([0, 0], [20, 3], [40, 9], [60, 30])(body) or segment(
+            0, tolerance_mm=None
+        )(body), "/program/0", None, "Give tolerance_mm",
+    ),
+    "a state in the wrong unit": (
+        segment(0, end={"velocity_deg_per_s": 3.0}), "/program/0", None, "all in deg",
+    ),
+    "a straight line in the wrong unit": (
+        lambda body: body["program"].__setitem__(
+            0, {"kind": "constant_velocity", "angle_deg": 60, "lift_deg": 30}
+        ), "/program", ..., "lift_mm",
+    ),
+    "continuity of a fifth derivative": (changed(continuity=5), "/continuity", 5, "3, 4"),
     "unknown follower": (follower(kind="flat"), "/follower/kind", "flat", "translating_roller"),
     "negative roller": (
         follower(roller_radius_mm=-1), "/follower/roller_radius_mm", -1, "at least 0",

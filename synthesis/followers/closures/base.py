@@ -9,7 +9,7 @@ from typing import Annotated, ClassVar
 
 from pydantic import BaseModel, ConfigDict, Field
 
-from synthesis.followers.flank import Flank, Host
+from synthesis.followers.flank import Flank, Host, Places
 from synthesis.motion import Motion
 from synthesis.ranges import Range
 
@@ -53,9 +53,9 @@ class Closure(BaseModel, ABC):
         """Dimensions of a second roller that may be left free: field, dimension, value."""
         return {}
 
-    def places(self, trace: Host, z: tuple[float, ...], s_max: float) -> tuple[float, float]:
-        """Between which values a second roller's place makes sense, in the unit of the wire."""
-        return -math.inf, math.inf
+    def places(self, trace: Host, z: tuple[float, ...], s_max: float) -> Places:
+        """Where a second roller makes sense, beside a main roller that moves up to ``s_max``."""
+        return Places(-math.inf, math.inf, True)
 
     def opened(self) -> Closure:
         """The same with everything left free that is settled after the size."""

@@ -12,7 +12,7 @@ from pydantic import Field
 from synthesis.followers.closures.base import Closure
 from synthesis.followers.closures.counter_slide import CounterSlide
 from synthesis.followers.closures.force import Force
-from synthesis.followers.flank import Flank, Host, Trace
+from synthesis.followers.flank import Flank, Host, Places, Trace
 from synthesis.motion import Motion
 from synthesis.ranges import Dimension, Range, ends
 from synthesis.units import DEGREE
@@ -123,9 +123,9 @@ class ConjugateSlide(Conjugate):
     def counter(self, trace: Host) -> Trace:
         return CounterSlide(self.offset_mm, self.given)
 
-    def places(self, trace: Host, z: tuple[float, ...], s_max: float) -> tuple[float, float]:
+    def places(self, trace: Host, z: tuple[float, ...], s_max: float) -> Places:
         (_, height), *_ = trace.traced_point((s_max, 0.0, 0.0, 0.0), z)
-        return float(height), float(height) + FARTHEST * s_max
+        return Places(float(height), float(height) + FARTHEST * s_max, True)
 
     @property
     def own(self) -> Mapping[str, float]:
@@ -154,8 +154,8 @@ class ConjugateArm(Conjugate):
     def counter(self, trace: Host) -> Trace:
         return trace.second_arm(self.arm_mm, self.given * DEGREE)
 
-    def places(self, trace: Host, z: tuple[float, ...], s_max: float) -> tuple[float, float]:
-        return trace.arm_angle(s_max, z) / DEGREE, 180.0
+    def places(self, trace: Host, z: tuple[float, ...], s_max: float) -> Places:
+        return Places(trace.arm_angle(s_max, z) / DEGREE, 180.0, False)
 
     @property
     def own(self) -> Mapping[str, float]:

@@ -50,6 +50,9 @@ class CounterArm:
     def face_turn(self, s: Any, z: Any) -> Vector2:
         raise NotImplementedError("a roller has no face")
 
+    def face_axis(self, s: Any, z: Any) -> tuple[Vector2, Vector2]:
+        raise NotImplementedError("a roller has no face")
+
     def curvature_terms(self, s: Any, z: Any) -> tuple[Any, Any]:
         return self.arm.curvature_terms(*self._seen(s, z))
 
@@ -62,6 +65,7 @@ class CounterArm:
     def outermost(self, s_max: float) -> Norm:
         # the second arm stands farthest out where the main one is lowest
         own = self.arm.outermost(0.0)
+        assert own is not None  # an arm with a roller has one
         rows = [_through(row, self.matrix) for row in own.matrix]
         shift = [
             m + sum(a * b for a, b in zip(row, self.shift, strict=True))

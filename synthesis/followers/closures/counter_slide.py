@@ -47,6 +47,9 @@ class CounterSlide:
     def face_turn(self, s: Any, z: Any) -> Vector2:
         raise NotImplementedError("a roller has no face")
 
+    def face_axis(self, s: Any, z: Any) -> tuple[Vector2, Vector2]:
+        raise NotImplementedError("a roller has no face")
+
     def curvature_terms(self, s: Any, z: Any) -> tuple[Any, Any]:
         y, v = self.distance - z[1] - s[0], self.offset - s[1]
         return y * y + v * (self.offset - 2.0 * s[1]) + y * s[2], y * y + v * v

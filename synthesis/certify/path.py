@@ -1,0 +1,124 @@
+"""The traced curve and the profile beside it, on the cam, as Taylor models."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Any, Final
+
+import numpy as np
+
+from synthesis.certify.course import Course, Indices
+from synthesis.followers.flank import Vector2
+from synthesis.numerics.piecewise import Array
+from synthesis.numerics.taylor import Taylor
+
+Trace = Callable[[Any], tuple[Vector2, ...]]  # s to s''' -> the traced point and its derivatives
+ANGLE_ROUNDING: Final = 2.0**-48  # of the angle of a box's centre and of its half width
+
+
+@dataclass(frozen=True, eq=False)
+class Boxes:
+    """Boxes of cam angle, each inside its (closed) piece: piece, lo, hi are (n,)."""
+
+    piece: Indices
+    lo: Array
+    hi: Array
+
+    def __len__(self) -> int:
+        return len(self.lo)
+
+    def take(self, which: Any) -> Boxes:
+        """Some of them, by mask or index."""
+        return Boxes(self.piece[which], self.lo[which], self.hi[which])
+
+    def split(self, parts: int) -> Boxes:
+        """Each cut into equal parts, which follow one another."""
+        edges = self.lo[:, None] + (self.hi - self.lo)[:, None] * (np.arange(parts + 1) / parts)
+        edges[:, -1] = self.hi
+        lo, hi = edges[:, :-1].ravel(), edges[:, 1:].ravel()
+        return Boxes(np.repeat(self.piece, parts), lo, hi)
+
+    def joined(self, other: Boxes) -> Boxes:
+        """These and the others."""
+        pairs = zip(vars(self).values(), vars(other).values(), strict=True)
+        return Boxes(*(np.concatenate(pair) for pair in pairs))
+
+    @classmethod
+    def of(cls, course: Course, widest: float) -> Boxes:
+        """All pieces of a course, cut so that no box is wider than ``widest`` [rad]."""
+        breaks = course.curve.breaks
+        parts = np.maximum(np.ceil(np.diff(breaks) / widest - 1e-9), 1.0).astype(np.intp)
+        piece = np.repeat(np.arange(course.curve.count), parts)
+        nth = np.arange(len(piece)) - np.repeat(np.cumsum(parts) - parts, parts)
+        step = np.diff(breaks)[piece] / parts[piece]
+        lo, hi = breaks[piece] + nth * step, breaks[piece] + (nth + 1) * step
+        return cls(piece, lo, np.where(nth + 1 == parts[piece], breaks[piece + 1], hi))
+
+
+@dataclass(frozen=True, eq=False)
+class Strokes:
+    """A plane curve on boxes: within ``thick`` of the straight stroke mid ± half.
+
+    Attributes:
+        mid, half: (2, n) centre and half vector [mm]. thick: (n,) [mm].
+        at: (2, n) the curve's point at the box's centre, to within ``near`` (n,).
+    """
+
+    mid: Array
+    half: Array
+    thick: Array
+    at: Array
+    near: Array
+
+    @classmethod
+    def of(cls, x: Taylor, y: Taylor) -> Strokes:
+        """c0 + c1 t + c2 t² ± rem lies within |c2|/2 + |rem| of c0 + c2/2 + c1 t."""
+        bend, rem = np.stack([x.c2, y.c2]), np.stack([x.rem, y.rem])
+        at, near = np.stack([x.c0, y.c0]), np.hypot(*rem)
+        thick = 0.5 * np.hypot(*bend) + near
+        return cls(at + 0.5 * bend, np.stack([x.c1, y.c1]), thick, at, near)
+
+
+@dataclass(frozen=True, eq=False)
+class Path:
+    """The traced curve P on the cam, and the profile O = P − d n at a signed distance.
+
+    P runs clockwise, n is its normal to the left, outward. d is the roller's radius where the
+    profile lies inside the traced curve, its negative where it lies outside.
+    """
+
+    course: Course
+    trace: Trace
+    distance: float
+
+    def _models(self, boxes: Boxes) -> tuple[Any, Vector2, Vector2]:
+        """θ, p and T = D p in the machine frame."""
+        centre, half = 0.5 * (boxes.lo + boxes.hi), 0.5 * (boxes.hi - boxes.lo)
+        rounding = ANGLE_ROUNDING * (np.abs(centre) + half)
+        theta = Taylor.of(centre, half, np.zeros_like(half), rounding)
+        s = self.course.jets.models(boxes.piece, boxes.lo, boxes.hi, 1)
+        (px, py), (dx, dy), *_ = self.trace((*s, 0.0, 0.0))
+        return theta, (px, py), (dx + py, dy - px)
+
+    def heading(self, boxes: Boxes) -> tuple[Array, Array]:
+        """Lower and upper end of the tangent's angle on the cam, clockwise positive [rad].
+
+        Each box by itself, in the half turn to either side of its own centre: not yet continued
+        from box to box.
+        """
+        theta, _, (tx, ty) = self._models(boxes)
+        found = theta - ty.arctan2(tx)
+        reach = np.abs(found.c1) + np.abs(found.c2) + found.rem
+        return found.c0 - reach, found.c0 + reach
+
+    def strokes(self, boxes: Boxes) -> tuple[Strokes, Strokes]:
+        """The profile and the traced curve."""
+        theta, (px, py), (tx, ty) = self._models(boxes)
+        share = self.distance / np.sqrt(tx * tx + ty * ty)
+        cos, sin = np.cos(theta), np.sin(theta)
+        profile, traced = (
+            Strokes.of(x * cos + y * sin, y * cos - x * sin)  # as seen from the cam
+            for x, y in ((px + ty * share, py - tx * share), (px, py))  # n = (−ty, tx)/|T|
+        )
+        return profile, traced

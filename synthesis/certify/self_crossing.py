@@ -1,0 +1,191 @@
+"""Whether the cam cuts itself: a roller that does its work here and stands in the way there.
+
+O(θ) is the profile beside the traced curve P(θ), at the roller's radius R. A profile may be free
+of undercut and yet cross itself where far parts of it come together: a lobe thinner than the
+roller, a hollow with a narrow mouth. Then some position of the roller reaches into some other
+part of the profile. What has to hold is that it never does:
+
+    |O(θ) − P(φ)| ≥ R   for all cam angles θ, φ
+
+(P has the global radius of curvature R towards the cam: Gonzalez & Maddocks, PNAS 96 (1999) 4769).
+
+**Near pairs need no search.** If along one of the two arcs of P between θ and φ the tangent's
+angle keeps within less than π, and the curvature is nowhere above 1/R, the pair is in order:
+choose the axis m that makes a positive product with every tangent of the arc; over it the arc is
+the graph of a function whose slope angle σ satisfies d(sin σ)/dm ≥ −1/R, as for the circle of
+radius R that touches it at θ, which has equality. So the arc lies above that circle as far as
+the circle's own upper arc reaches, and beyond it lies beside the circle. The centre of that
+circle is O(θ). Corners that turn away from the circle only help. The curvature is the business
+of the limit ``profile_radius``, which every spec of a roller has.
+
+**Far pairs** are excluded by branch and bound over pairs of boxes: two strokes with midpoints
+apart by D lie apart by at least |D| − |a·D̂| − |b·D̂| less their thickness, a and b their half
+vectors. Where two curves come nearest they are square to D, so this converges quadratically.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import Final
+
+import numpy as np
+from numpy.lib.stride_tricks import sliding_window_view
+from numpy.typing import NDArray
+
+from synthesis.certify.course import Indices
+from synthesis.certify.path import Boxes, Path
+from synthesis.numerics.piecewise import Array
+from synthesis.units import FULL_TURN
+
+WIDEST: Final = FULL_TURN / 48.0
+TURNING: Final = 0.6  # a box whose tangent turns through more is split [rad]
+UNSTEADY: Final = 1.0  # turning of a box from which on its neighbours' angles are not told apart
+MOST_BOXES: Final = 2_000
+GROUPS: Final = 96
+MOST_PAIRS: Final = 400_000
+SPLIT: Final = 4
+ROUNDS: Final = 10
+TOUCHING: Final = 1e-9  # of the roller: so deep a crossing counts as none
+FINE: Final = 1e-9  # of the roller: width of an enclosure that is good enough
+ROUNDING: Final = 2.0**-46  # of the distances compared
+
+
+@dataclass(frozen=True)
+class Nearest:
+    """How near the roller comes to far parts of the profile.
+
+    Attributes:
+        least: smallest distance found from a roller's centre to the profile, of pairs that had to
+            be looked at [mm]; inf where there was none, or where the path has no steady tangent.
+        lower: proven: no far pair is nearer. At least (1 − 1e-9) R where nothing crosses.
+        profile, roller: cam angles of the pair found [rad].
+        pairs: how many pairs of boxes it took.
+    """
+
+    least: float
+    lower: float
+    profile: float
+    roller: float
+    pairs: int
+
+    def holds_off(self, radius: float) -> bool:
+        """Whether it is proven that a roller of this radius reaches into no far part."""
+        return self.lower >= radius * (1.0 - TOUCHING)
+
+
+def nearest(path: Path) -> Nearest:
+    """The nearest far pair, closely only where it is nearer than the roller's radius."""
+    with np.errstate(all="ignore"):
+        boxes, low, high = _boxes(path)
+        unsteady = ~(high - low < UNSTEADY)
+        if unsteady.any():
+            where = float(boxes.lo[np.argmax(unsteady)])
+            return Nearest(math.inf, 0.0, where, where, 0)
+        return _Search(path, boxes).run(*_far(low, high))
+
+
+def _boxes(path: Path) -> tuple[Boxes, Array, Array]:
+    """Boxes on which the tangent turns little, and the range of its angle there."""
+    boxes = Boxes.of(path.course, WIDEST)
+    low, high = path.heading(boxes)
+    while len(boxes) < MOST_BOXES:
+        wide = ~(high - low <= TURNING)
+        if not wide.any() or np.min((boxes.hi - boxes.lo)[wide]) < 1e-12:
+            break
+        finer = boxes.take(wide).split(SPLIT)
+        lows, highs = path.heading(finer)
+        kept = boxes.take(~wide)
+        order = np.lexsort((np.append(kept.lo, finer.lo), np.append(kept.piece, finer.piece)))
+        boxes = kept.joined(finer).take(order)
+        low = np.append(low[~wide], lows)[order]
+        high = np.append(high[~wide], highs)[order]
+    return boxes, low, high
+
+
+def _far(low: Array, high: Array) -> tuple[Indices, Indices]:
+    """Pairs of boxes that neither arc between them brings together: of profile, of roller.
+
+    Neighbouring boxes are looked at in groups: two boxes are near where their groups are.
+    """
+    # neighbours meet in a point: their angles differ by a corner's, less than half a turn
+    middle = 0.5 * (low + high)
+    steady = np.unwrap(np.append(middle, middle[0]))
+    shift, turn = steady[:-1] - middle, float(steady[-1] - steady[0])
+    first = np.arange(0, len(low), math.ceil(len(low) / GROUPS))
+    bottom = np.minimum.accumulate(_round(np.minimum.reduceat(low + shift, first), turn), axis=1)
+    top = np.maximum.accumulate(_round(np.maximum.reduceat(high + shift, first), turn), axis=1)
+    near = top - bottom < math.pi * (1.0 - ROUNDING)  # [i, k]: the arc from group i over k more
+    index = np.arange(len(first))
+    forward: NDArray[np.bool_] = near[index[:, None], (index - index[:, None]) % len(first)]
+    counts = np.diff(np.append(first, len(low)))
+    far = np.repeat(np.repeat(~(forward | forward.T), counts, axis=0), counts, axis=1)
+    profile, roller = np.nonzero(far)
+    return profile, roller
+
+
+def _round(angle: Array, turn: float) -> Array:
+    """(n, n): row i holds the angle from group i on, once round, through which it gains a turn."""
+    twice = np.concatenate([angle, angle + turn])
+    return sliding_window_view(twice, len(angle))[: len(angle)]
+
+
+class _Search:
+    """Branch and bound over pairs of boxes."""
+
+    def __init__(self, path: Path, boxes: Boxes) -> None:
+        self.path, self.boxes = path, boxes
+        self.radius = abs(path.distance)
+        self.least, self.profile, self.roller = math.inf, 0.0, 0.0
+        self.pairs = 0
+
+    def run(self, i: Indices, j: Indices) -> Nearest:
+        """The pairs that are left: box i of the profile, box j of the roller's path."""
+        open_end = math.inf
+        for round_ in range(ROUNDS):
+            if len(i) == 0:
+                break
+            lower = self._look(i, j)
+            keep = ~(lower >= self._wanted())
+            i, j, lower = i[keep], j[keep], lower[keep]
+            full = len(i) * SPLIT * SPLIT + self.pairs > MOST_PAIRS
+            if full or round_ == ROUNDS - 1:
+                known = np.where(np.isfinite(lower), lower, 0.0)
+                open_end = float(np.min(known, initial=math.inf))
+                break
+            i, j = self._split(i, j)
+        lower_end = max(min(self._wanted(), open_end), 0.0)
+        return Nearest(self.least, lower_end, self.profile, self.roller, self.pairs)
+
+    def _wanted(self) -> float:
+        """Distance from which on a pair is of no interest."""
+        harmless = self.radius * (1.0 - TOUCHING)
+        return min(harmless, self.least - FINE * self.radius)
+
+    def _look(self, i: Indices, j: Indices) -> Array:
+        """Lower bounds of the distances; takes in the nearest pair of centres."""
+        self.pairs += len(i)
+        profile, traced = self.path.strokes(self.boxes)
+        dx, dy = profile.mid[:, i] - traced.mid[:, j]
+        apart = np.hypot(dx, dy)
+        a, b = profile.half[:, i], traced.half[:, j]
+        slack = (np.abs(a[0] * dx + a[1] * dy) + np.abs(b[0] * dx + b[1] * dy)) / apart
+        size = np.hypot(*profile.mid)[i] + np.hypot(*traced.mid)[j]
+        lower: Array = apart - slack - profile.thick[i] - traced.thick[j] - ROUNDING * size
+        found = np.hypot(*(profile.at[:, i] - traced.at[:, j])) + profile.near[i] + traced.near[j]
+        found = np.where(np.isfinite(found), found, np.inf)
+        best = int(np.argmin(found))
+        if found[best] < self.least:
+            centre = 0.5 * (self.boxes.lo + self.boxes.hi)
+            self.least = float(found[best])
+            self.profile, self.roller = float(centre[i[best]]), float(centre[j[best]])
+        return lower
+
+    def _split(self, i: Indices, j: Indices) -> tuple[Indices, Indices]:
+        """The pairs of the parts of each pair's boxes, which take the boxes' place."""
+        used = np.union1d(i, j)
+        self.boxes = self.boxes.take(used).split(SPLIT)
+        parts = np.arange(SPLIT)
+        first = np.searchsorted(used, i)[:, None] * SPLIT + np.repeat(parts, SPLIT)
+        second = np.searchsorted(used, j)[:, None] * SPLIT + np.tile(parts, SPLIT)
+        return first.ravel(), second.ravel()

@@ -1,0 +1,129 @@
+"""Limits on a flat face that swings, as limits on motion and size together.
+
+Symbols as in ``oscillating_flat_face``: d centre distance, f offset of the face, ψ = ψ0 + φ its
+angle at the pivot, w = 1 + σφ', Rb = d sinψ0 − f, p = d cosψ0.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import Any, ClassVar
+
+import numpy as np
+
+from synthesis.numerics.piecewise import Array
+from synthesis.terms import Curved, Cuts, Vector, Within
+
+RIGHT_ANGLE = 0.5 * math.pi
+LEAST = 1e-6  # of a normal's square: it may vanish at single angles
+FAR = 1e6  # rad: a bound of the angle that is none
+
+
+@dataclass(frozen=True)
+class OnPivot(Curved):
+    """A d cosψ + B d sinψ ≤ C, one limit on a face that swings.
+
+    A = along + bend φ'', B = lean + bend (1 + 2σφ') w, C = known + first w + cubed w³.
+
+    Attributes:
+        reference: mm of displacement per radian. sigma: σ. offset: f [mm].
+        distance: d [mm] where it is a number: then z = (Rb,), else z = (p, Rb).
+    """
+
+    order: ClassVar[int] = 2
+    turns: ClassVar[bool] = False
+    reference: float
+    sigma: float
+    offset: float
+    distance: float | None
+    bend: float = 0.0
+    along: float = 0.0
+    lean: float = 0.0
+    known: float = 0.0
+    first: float = 0.0
+    cubed: float = 0.0
+
+    def _terms(self, s: Any) -> tuple[Any, Any, Any]:
+        """A, B and C."""
+        v, a = s[1] / self.reference, s[2] / self.reference
+        w = 1.0 + self.sigma * v
+        fast = (1.0 + 2.0 * self.sigma * v) * w
+        return (
+            self.along + self.bend * a,
+            self.lean + self.bend * fast,
+            self.known + self.first * w + self.cubed * w * w * w,
+        )
+
+    def excess(self, s: Any, z: Any) -> tuple[Any, ...]:
+        a, b, c = self._terms(s)
+        q, swing = z[-1] + self.offset, s[0] / self.reference
+        p = z[0] if self.distance is None else (self.distance**2 - q * q) ** 0.5
+        cos, sin = np.cos(swing), np.sin(swing)
+        # over d times the length of the half-plane's normal
+        unit = ((p * p + q * q) * (a * a + b * b + LEAST)) ** 0.5
+        return ((a * (p * cos - q * sin) + b * (p * sin + q * cos) - c) / unit,)
+
+    def half_planes(self, s: Array) -> tuple[Cuts, ...]:
+        a, b, c = self._terms(s)
+        swing, still = s[0] / self.reference, np.zeros_like(s)
+        cos, sin = np.cos(swing), np.sin(swing)
+        a, b = a * cos + b * sin, b * cos - a * sin
+        if self.distance is None:
+            return (Cuts(still, np.stack([a, b]), c - b * self.offset),)
+        least, most = self._interval(np.hypot(a, b) * self.distance, np.arctan2(b, a), c)
+        one = np.ones((1, s.shape[1]))
+        return Cuts(still, -one, -self._base(least)), Cuts(still, one, self._base(most))
+
+    def _interval(self, reach: Array, turn: Array, c: Array) -> tuple[Array, Array]:
+        """Least and largest ψ0 with reach · cos(ψ0 − turn) ≤ C, ψ0 within a right angle of 0.
+
+        Where angles on both sides of a forbidden arc remain, nothing is said.
+        """
+        share = c / reach
+        gap = np.arccos(np.clip(share, -1.0, 1.0))  # the arc turn ± gap is forbidden
+        lowest = math.asin(max(min(self.offset / float(self.distance or 1.0), 0.0), -1.0))
+        below, above = turn - gap > lowest, turn + gap < RIGHT_ANGLE
+        least = np.where(above & ~below, turn + gap, -FAR)
+        most = np.where(below & ~above, turn - gap, FAR)
+        # a forbidden arc of more than half a turn leaves one arc about the opposite angle
+        other = turn - math.pi * np.where(turn > 0.0, 1.0, -1.0)
+        wide = share <= 0.0
+        least = np.where(wide, other - (math.pi - gap), least)
+        most = np.where(wide, other + (math.pi - gap), most)
+        never = (share < -1.0) | ((share > 0.0) & (share < 1.0) & ~below & ~above)
+        least, most = np.where(never, FAR, least), np.where(never, -FAR, most)
+        free = share >= 1.0
+        return np.where(free, -FAR, least), np.where(free, FAR, most)
+
+    def _base(self, angle: Array) -> Array:
+        """Rb at ψ0, continued beyond the right angles by a line [mm]."""
+        inside = np.clip(angle, -RIGHT_ANGLE, RIGHT_ANGLE)
+        distance = float(self.distance or 0.0)
+        return np.asarray(distance * (np.sin(inside) + angle - inside) - self.offset)
+
+    def cuts(self, within: Within, about: tuple[Array, Vector] | None) -> tuple[Cuts, ...]:
+        return ()  # none are known that hold for every law
+
+
+@dataclass(frozen=True)
+class NotNearer(Curved):
+    """The pivot no nearer than ``least`` [mm], where z = (p, Rb); ``offset``: f [mm].
+
+    No half-planes say it, so it is asked of a finished size alone.
+    """
+
+    order: ClassVar[int] = 0
+    turns: ClassVar[bool] = False
+    least: float
+    offset: float
+
+    def excess(self, s: Any, z: Any) -> tuple[Any, ...]:
+        p, q = z[0], z[1] + self.offset
+        return (1.0 - (p * p + q * q) / self.least**2 + 0.0 * s[0],)
+
+    def half_planes(self, s: Array) -> tuple[Cuts, ...]:
+        return ()
+
+    def cuts(self, within: Within, about: tuple[Array, Vector] | None) -> tuple[Cuts, ...]:
+        return ()

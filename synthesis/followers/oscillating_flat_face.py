@@ -1,0 +1,360 @@
+"""Oscillating flat-face follower: a flat face that swings about a fixed pivot.
+
+Symbols: d distance of the pivot from the cam's axis; f distance of the face from the pivot,
+positive towards the axis; ψ angle at the pivot between the line to the axis and the face, ψ0 at
+the lowest position; φ = ψ − ψ0 swing; σ = +1 where the lifting face turns against a ccw cam, −1
+where it turns with it; w = 1 + σφ'. Derivatives are per radian of the cam. With the unit vectors
+u along the face, away from the pivot, and n the face's outward normal, du/dψ = n and dn/dψ = −u.
+
+The face is a line at the distance h = d sinψ − f from the axis: the profile's support function.
+Its normal turns by −w per radian as seen from the cam, for that w must not vanish, and so
+
+    contact  r = d cosψ / w                       along u, from the foot of the pivot on the face
+    radius   ρ = h + d²h/dχ² = d [sinψ (1 + 2σφ') / w² + cosψ φ'' / w³] − f
+    pressure angle  tan α = f / r                 the contact point moves along r n + f u
+
+The base radius is that of the profile on the lowest dwell, Rb = d sinψ0 − f, and |ψ| < 90°: there
+contact is on the face's own side of the pivot and a swing lifts.
+
+Multiplied by powers of w every limit reads A d cosψ + B d sinψ ≤ C with A, B and C from the motion
+alone, so that with p = d cosψ0, q = d sinψ0 = Rb + f it is linear in the size at every angle
+(``face_on_pivot``). Where d is free z = (p, Rb); where it is a number z = (Rb,).
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+from typing import Annotated, Any, ClassVar, Literal
+
+import numpy as np
+from pydantic import Field, field_validator
+from pydantic_core import PydanticCustomError
+
+from synthesis.followers.base import Follower, Measure, Shape, Sizing
+from synthesis.followers.face_on_pivot import RIGHT_ANGLE, NotNearer, OnPivot
+from synthesis.followers.flank import Flank, Vector2
+from synthesis.motion import Motion, Stretch
+from synthesis.numerics.peaks import peak, summit
+from synthesis.numerics.piecewise import Array
+from synthesis.ranges import Range, ends
+from synthesis.terms import Cone, Curved, Norm, Row
+from synthesis.units import DEGREE, Travel
+
+SLOWEST = 1e-3  # of the cam's speed: how fast the normal turns on the cam at least
+SENSES = {"opposite": 1.0, "same": -1.0}
+
+
+class OscillatingFlatFace(Follower):
+    """A flat face that swings about a pivot; the lift is the angle of its swing."""
+
+    kind: Literal["oscillating_flat_face"] = "oscillating_flat_face"
+    title: ClassVar[str] = "Oscillating flat face, on a pivot"
+    size_charts: ClassVar[tuple[tuple[str, ...], ...]] = (("base_radius",), ("p", "base_radius"))
+    always_convex: ClassVar[bool] = True
+    face_ends: ClassVar[tuple[str, ...]] = ("near", "far")
+
+    centre_distance_mm: Annotated[
+        float | Range,
+        Field(
+            description="Distance of the pivot from the cam's axis: a number, or a range with an "
+            "upper end within which it is free."
+        ),
+    ]
+    face_offset_mm: Annotated[
+        float,
+        Field(
+            ge=-1e6,
+            le=1e6,
+            description="Distance of the face from the pivot, positive towards the cam's axis. "
+            "At 0 the face points at the pivot, and the pressure angle is 0.",
+        ),
+    ] = 0.0
+    sense: Annotated[
+        Literal["opposite", "same"],
+        Field(description="Whether the lifting face turns against the cam or with it."),
+    ] = "opposite"
+    pivot_direction_deg: Annotated[
+        float,
+        Field(
+            ge=-360.0,
+            le=360.0,
+            description="Direction of the pivot as seen from the cam's axis, 0 to the right, "
+            "counter-clockwise (on a cw cam mirrored, as everything is).",
+        ),
+    ] = 0.0
+
+    @field_validator("centre_distance_mm")
+    @classmethod
+    def _ends(cls, distance: float | Range) -> float | Range:
+        low, high = ends(distance)
+        if not 0.0 < high < math.inf or (low == high and low <= 0.0):
+            raise PydanticCustomError(
+                "centre_distance_open",
+                "centre_distance_mm = {value} leaves the distance of the pivot open or not "
+                "positive. Give a positive number, or a range with a positive max.",
+                {"value": high if math.isfinite(high) else "∞"},
+            )
+        return distance
+
+    # -- what is given -----------------------------------------------------------------------
+
+    @property
+    def roller_radius(self) -> float:
+        return 0.0
+
+    @property
+    def reference(self) -> float:
+        """The core's mm per radian of swing: the largest centre distance."""
+        return ends(self.centre_distance_mm)[1]
+
+    @property
+    def travel(self) -> Travel:
+        return Travel("deg", self.reference * DEGREE)
+
+    @property
+    def sigma(self) -> float:
+        """+1 where the lifting face turns against a ccw cam, −1 where it turns with it."""
+        return SENSES[self.sense]
+
+    @property
+    def distance(self) -> float | None:
+        """d where it is a number."""
+        low, high = ends(self.centre_distance_mm)
+        return low if low == high else None
+
+    @property
+    def size_names(self) -> tuple[str, ...]:
+        return self.size_charts[0 if self.distance is not None else 1]
+
+    def adjustable(self) -> Mapping[str, float | Range | None]:
+        return {} if self.distance is not None else {"centre_distance_mm": self.centre_distance_mm}
+
+    def reachable(self, base_radius: tuple[float, float], stroke: float) -> tuple[float, float]:
+        # ψ0 + φ < 90° at the highest lift
+        swing = stroke / self.reference
+        farthest = ends(self.centre_distance_mm)[1] * math.cos(min(swing, RIGHT_ANGLE))
+        return base_radius[0], min(base_radius[1], farthest - self.face_offset_mm)
+
+    def check_reach(self, base_radius: tuple[float, float], stretches: Sequence[Stretch]) -> None:
+        self._check_turn(stretches)
+        highest = max(stretches, key=lambda s: max(s.s_start, s.s_end))
+        swing = max(highest.s_start, highest.s_end) / self.reference
+        least, most = self.reachable(base_radius, swing * self.reference)
+        if swing < RIGHT_ANGLE and least < most + 1e-9 * self.reference:
+            return
+        at = highest.end if highest.s_end >= highest.s_start else highest.start
+        raise PydanticCustomError(
+            "face_swings_too_far",
+            "at cam angle {at}° (program/{index}) the face has swung by {swing}° and is past the "
+            "right angle to the line of centres, from which on it lifts no more: with this pivot "
+            "the base radius can be at most {most} mm, and {least} mm is asked. Make the lift or "
+            "the base radius smaller, or the centre distance larger.",
+            {"swing": round(swing / DEGREE, 6), "at": round(at / DEGREE, 4),
+             "index": highest.index, "most": f"{most:.6g}", "least": f"{least:.6g}"},
+        )  # fmt: skip
+
+    def _check_turn(self, stretches: Sequence[Stretch]) -> None:
+        """Refuse given laws along which the face turns as fast as the cam."""
+        for stretch in stretches:
+            if stretch.law is None or stretch.kind == "dwell" or stretch.angle <= 0.0:
+                continue
+            speed, at = peak(stretch.placed(), (0.0, -self.sigma / self.reference, 0.0, 0.0))
+            if speed > 1.0 - SLOWEST:
+                raise PydanticCustomError(
+                    "face_turns_with_cam",
+                    "at cam angle {at}° (program/{index}) the face turns {speed} times as fast as "
+                    "the cam and in its sense: it has to stay slower, or it touches the cam "
+                    "nowhere. Make the lift smaller, the angle larger, or turn the sense.",
+                    {"speed": round(speed, 9), "at": round(at / DEGREE, 4),
+                     "index": stretch.index},
+                )  # fmt: skip
+
+    # -- the size ----------------------------------------------------------------------------
+
+    def sizing(self, base_radius: tuple[float, float]) -> Sizing:
+        farthest, f = ends(self.centre_distance_mm)[1], self.face_offset_mm
+        low, high = base_radius[0], max(min(base_radius[1], farthest - f), base_radius[0])
+        if self.distance is not None:
+            return Sizing(((low, high),), (), low)
+        centred = Norm(((1.0, 0.0), (0.0, 1.0)), (0.0, f))
+        cones = (Cone(centred, farthest, "centre_distance"),)
+        return Sizing(((0.0, farthest), (low, high)), cones, low)
+
+    def prime_radius(self) -> Norm:
+        return Norm(((1.0,),) if self.distance is not None else ((0.0, 1.0),), (0.0,))
+
+    def raised(self, z: tuple[float, ...], amount: float) -> tuple[float, ...]:
+        return (*z[:-1], z[-1] + amount)
+
+    def room(
+        self, z: tuple[float, ...], bounds: Sequence[tuple[float, float]], cones: Sequence[Cone]
+    ) -> float:
+        steps = [bounds[-1][1] - z[-1]]
+        for cone in cones:  # ‖(p, Rb + f)‖ ≤ d
+            beside, shift = z[0], cone.norm.shift[-1]
+            steps.append(math.sqrt(max(cone.radius**2 - beside**2, 0.0)) - shift - z[-1])
+        return max(min(steps), 0.0)
+
+    def reaching(self, z: tuple[float, ...], radius: float) -> tuple[float, ...]:
+        return (*z[:-1], max(z[-1], radius))
+
+    def outermost(self, s_max: float) -> Norm | None:
+        return None  # of no norm of Rb alone: curved
+
+    def pressure_angle_rows(self, slope: float) -> tuple[Row, ...]:
+        return ()
+
+    def profile_radius_measure(self, flank: Flank, least: float) -> Measure:
+        return Measure("face_radius", least, None, float)
+
+    def displacement_measure(self, z: tuple[float, ...]) -> Measure:
+        l, start = self.reference, self._initial_angle(z)
+        return Measure(
+            "displacement", -l * (RIGHT_ANGLE + start), l * (RIGHT_ANGLE - start),
+            lambda s: (start + s / l) / DEGREE, "deg",
+        )  # fmt: skip
+
+    def profile_radius_rows(self, least: float) -> tuple[Row, ...]:
+        # w ≥ SLOWEST: without it there is no radius; the radius itself is curved
+        return (Row((0.0, -self.sigma, 0.0, 0.0), (), self.reference * (1.0 - SLOWEST)),)
+
+    def _limit(self, **terms: float) -> Curved:
+        f = self.face_offset_mm
+        return OnPivot("", self.reference, self.sigma, f, self.distance, **terms)
+
+    def profile_radius_curves(self, least: float) -> tuple[Curved, ...]:
+        """ρ ≥ least, contact on the face's own side of the pivot, the pivot not too near."""
+        nearest, _ = ends(self.centre_distance_mm)
+        free = self.distance is None and nearest > 0.0
+        return (
+            self._limit(bend=-1.0, cubed=-(self.face_offset_mm + least)),
+            self._limit(along=-1.0),
+            *((NotNearer("", nearest, self.face_offset_mm),) if free else ()),
+        )
+
+    def pressure_angle_curves(self, slope: float) -> tuple[Curved, ...]:
+        # |f| ≤ t r
+        f = abs(self.face_offset_mm)
+        return (self._limit(along=-slope, first=-f),) if f else ()
+
+    def contact_curves(self, end: str, reach: float) -> tuple[Curved, ...]:
+        sign = {"near": -1.0, "far": 1.0}[end]
+        return (self._limit(along=sign, first=sign * reach),)
+
+    def outer_radius_curves(self, largest: float) -> tuple[Curved, ...]:
+        # |p| is stationary where φ' ρ = 0, at its largest on the highest lift: |p| = h there
+        return (self._limit(lean=1.0, known=largest + self.face_offset_mm),)
+
+    # -- geometry ----------------------------------------------------------------------------
+
+    def _pivot(self, z: Any) -> Vector2:
+        """p and q [mm]."""
+        q = z[-1] + self.face_offset_mm
+        return (z[0] if self.distance is None else (self.distance**2 - q * q) ** 0.5), q
+
+    def _initial_angle(self, z: tuple[float, ...]) -> float:
+        """ψ0 [rad]."""
+        p, q = self._pivot(z)
+        return math.atan2(q, p)
+
+    def _levers(self, s: Any, z: Any) -> Vector2:
+        """d cosψ and d sinψ [mm]."""
+        (p, q), swing = self._pivot(z), s[0] * (1.0 / self.reference)
+        cos, sin = np.cos(swing), np.sin(swing)
+        return cos * p - sin * q, sin * p + cos * q
+
+    def _frame(self, s: Any, z: Any) -> tuple[Vector2, Vector2]:
+        """u along the face and n outward."""
+        (c, e), (p, q) = self._levers(s, z), self._pivot(z)
+        scale, gamma = 1.0 / (p * p + q * q) ** 0.5, self.pivot_direction_deg * DEGREE
+        cos, sin, x, y = c * scale, e * (scale * self.sigma), math.cos(gamma), math.sin(gamma)
+        u = -cos * x - sin * y, sin * x - cos * y
+        return u, (u[1] * self.sigma, -u[0] * self.sigma)
+
+    def _rates(self, s: Any) -> tuple[Any, Any, Any]:
+        """φ', φ'', φ'''."""
+        unit = 1.0 / self.reference
+        return s[1] * unit, s[2] * unit, s[3] * unit
+
+    def _contact(self, s: Any, z: Any) -> tuple[Any, Any, Any]:
+        """r, r', r''."""
+        (c, e), (v, a, j) = self._levers(s, z), self._rates(s)
+        w, turn, jerk = v * self.sigma + 1.0, a * self.sigma, j * self.sigma
+        r = c / w
+        r1 = -(e * v + r * turn) / w
+        return r, r1, -(c * (v * v) + e * a + r1 * turn * 2.0 + r * jerk) / w
+
+    def traced_point(self, s: Any, z: Any) -> tuple[Vector2, ...]:
+        (ux, uy), (nx, ny) = self._frame(s, z)
+        f, (p, q), gamma = self.face_offset_mm, self._pivot(z), self.pivot_direction_deg * DEGREE
+        d = (p * p + q * q) ** 0.5
+        (r, r1, r2), (v, a, _) = self._contact(s, z), self._rates(s)
+        # the pivot + r u − f n; u' = φ' n, n' = −φ' u
+        along, across = r1 + v * f, r * v
+        along2, across2 = r2 + a * f - across * v, along * v + r1 * v + r * a
+        return (
+            (r * ux - nx * f + d * math.cos(gamma), r * uy - ny * f + d * math.sin(gamma)),
+            (along * ux + across * nx, along * uy + across * ny),
+            (along2 * ux + across2 * nx, along2 * uy + across2 * ny),
+        )
+
+    def direction(self, s: Any, z: Any) -> tuple[Vector2, Vector2]:
+        (ux, uy), (nx, ny) = self._frame(s, z)
+        f, (r, r1, _), (v, *_) = self.face_offset_mm, self._contact(s, z), self._rates(s)
+        square = r * r + f * f
+        length = np.sqrt(square)
+        turn = r1 * -f / square - v  # of the direction, from n towards u
+        return (
+            ((r * nx + f * ux) / length, (r * ny + f * uy) / length),
+            ((r * ux - f * nx) * turn / length, (r * uy - f * ny) * turn / length),
+        )
+
+    def normal(self, tangent: Vector2, s: Any, z: Any) -> Vector2:
+        return self._frame(s, z)[1]
+
+    def face_turn(self, s: Any, z: Any) -> Vector2:
+        (ux, uy), (nx, ny) = self._frame(s, z)
+        v, *_ = self._rates(s)
+        return ny - v * ux, -nx - v * uy
+
+    def face_axis(self, s: Any, z: Any) -> tuple[Vector2, Vector2]:
+        (p, q), gamma = self._pivot(z), self.pivot_direction_deg * DEGREE
+        d, still = (p * p + q * q) ** 0.5, 0.0 * s[0]
+        return (still + d * math.cos(gamma), still + d * math.sin(gamma)), self._frame(s, z)[0]
+
+    def curvature_terms(self, s: Any, z: Any) -> tuple[Any, Any]:
+        (c, e), (v, a, _) = self._levers(s, z), self._rates(s)
+        w = v * self.sigma + 1.0
+        radius = e * (v * (2.0 * self.sigma) + 1.0) / (w * w) + c * a / (w * w * w)
+        radius = radius - self.face_offset_mm
+        return radius * abs(radius), radius * radius
+
+    # -- what is told ------------------------------------------------------------------------
+
+    def shape(self, motion: Motion, z: tuple[float, ...]) -> Shape:
+        wide, s = self.motion_dimensions(motion, z), motion.derivatives([0.0])[:, 0].tolist()
+        (_, (nx, ny)), ((x, y), _) = self._frame(s, z), self.face_axis(s, z)
+        reach = -wide["face_near_mm"], wide["face_far_mm"]
+        left, right = reach if self.sigma < 0.0 else reach[::-1]
+        foot = float(x - self.face_offset_mm * nx), float(y - self.face_offset_mm * ny)
+        return Shape(foot, 0.0, left, right, (float(ny), float(-nx)), (float(x), float(y)))
+
+    def dimensions(self, z: tuple[float, ...]) -> Mapping[str, float]:
+        p, q = self._pivot(z)
+        return {
+            "base_radius_mm": z[-1],
+            "centre_distance_mm": math.hypot(p, q),
+            "face_offset_mm": self.face_offset_mm,
+            "initial_angle_deg": self._initial_angle(z) / DEGREE,
+        }
+
+    def motion_dimensions(self, motion: Motion, z: tuple[float, ...]) -> Mapping[str, float]:
+        """The face that contact needs, from the foot of the pivot on it outwards."""
+
+        def reach(s: Array) -> Array:
+            still = np.zeros_like(s[0])
+            return np.asarray(self._contact([*s, still, still], z)[0])
+
+        near, far = -summit(motion.curve, lambda s: -reach(s), 1), summit(motion.curve, reach, 1)
+        return {"face_near_mm": near, "face_far_mm": far, "face_width_mm": far - near}

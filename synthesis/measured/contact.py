@@ -1,0 +1,182 @@
+"""How a follower rides on an outline: the motion point by point, and where it cannot touch.
+
+Every outline point C with outward normal n asks for one posture of the follower, the one in which
+it touches the cam there: the traced point at C + Rr n. So the outline gives a curve (θ, position)
+of postures. Where the roller fits everywhere θ only grows along it. In a hollow too narrow for
+the roller it runs back and forth, and the follower, held off by whatever stands out farthest,
+takes the upper envelope: what lies below is never touched.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from synthesis.errors import InputError
+from synthesis.followers.base import Follower
+from synthesis.measured.outline import Outline
+from synthesis.numerics.piecewise import Array
+from synthesis.units import FULL_TURN
+
+LEVEL: Final = 1e-9  # of the position: so much below the envelope counts as on it
+CHUNK: Final = 256
+
+
+@dataclass(frozen=True)
+class Bridge:
+    """A hollow that the follower spans without touching its ground.
+
+    Attributes:
+        angle: cam angle at which it rests on both sides [rad].
+        hollow: smallest hollow radius of the profile in between [mm]; None where none is hollow.
+        gap: greatest distance left between follower and profile there [mm].
+        x, y: the profile point farthest from the follower [mm].
+    """
+
+    angle: float
+    hollow: float | None
+    gap: float
+    x: float
+    y: float
+
+
+@dataclass(frozen=True, eq=False)
+class Ride:
+    """The follower's positions on the outline, in order of the cam angle.
+
+    Attributes:
+        theta: (n,) increasing, over one turn [rad]. position: (n,) as ``Follower.posture`` [mm].
+        bridges: where it does not reach the ground.
+    """
+
+    theta: Array
+    position: Array
+    bridges: tuple[Bridge, ...]
+
+
+def ride(outline: Outline, follower: Follower, tolerance: float) -> Ride:
+    """Let the follower run over the outline.
+
+    Gaps up to the tolerance [mm] are none: they may be the measurement's.
+
+    Raises:
+        InputError: the follower does not reach the cam.
+    """
+    centre = outline.point + follower.roller_radius * outline.normal
+    theta, position = follower.posture(centre, outline.normal)
+    lost = ~np.isfinite(theta + position)
+    if lost.any():
+        x, y = outline.point[:, int(np.argmax(lost))]
+        raise InputError(
+            "/follower", follower.kind,
+            f"The follower does not reach the cam: it cannot touch x = {x:.6g}, y = {y:.6g} mm.",
+            "Check its dimensions, and that the points' origin is the cam's axis.",
+        )  # fmt: skip
+    theta = np.unwrap(theta)
+    gain = theta[0] + FULL_TURN * np.round((theta[-1] - theta[0]) / FULL_TURN) - theta[0]
+    if abs(gain - FULL_TURN) > 1e-6:
+        raise InputError(
+            "/follower", follower.kind,
+            "Along the profile the follower does not go round the cam once: an arm, or an offset, "
+            "of this size cannot follow it.",
+            "Check the follower's dimensions and the sense of rotation.",
+        )  # fmt: skip
+    below = _below(theta, position)
+    bridges = [_bridge(run, outline, theta, (position, centre), follower) for run in _runs(below)]
+    turned, height = np.mod(theta[~below], FULL_TURN), position[~below]
+    order = np.argsort(turned, kind="stable")
+    real = (bridge for bridge in bridges if bridge.gap > tolerance)
+    return Ride(turned[order], height[order], tuple(sorted(real, key=lambda each: each.angle)))
+
+
+def _below(theta: Array, position: Array) -> NDArray[np.bool_]:
+    """(n,) which postures something else on the cam forbids."""
+    n = len(theta)
+    after, higher = np.append(theta[1:], theta[0] + FULL_TURN), np.roll(position, -1)
+    below = np.zeros(n, dtype=bool)
+    backward = np.flatnonzero(after <= theta)
+    if len(backward) == 0:
+        return below
+    low, high = np.minimum(theta, after), np.maximum(theta, after)
+    # angles that occur more than once: from where it first turns back to where it has caught up
+    ahead = np.concatenate([theta - FULL_TURN, theta, theta + FULL_TURN])
+    before = np.maximum.accumulate(ahead)[n : 2 * n] > theta
+    behind = np.minimum.accumulate(ahead[::-1])[::-1][n : 2 * n] < theta
+    zone = np.flatnonzero(before | behind)
+    allowed = LEVEL * float(np.max(np.abs(position)))
+    spans = np.union1d(zone, (zone - 1) % n)
+    for part in np.array_split(zone, max(math.ceil(len(zone) / CHUNK), 1)):
+        at = theta[part][:, None]
+        turns = np.round((at - theta[spans]) / FULL_TURN) * FULL_TURN
+        share = at - turns - theta[spans]
+        length = after[spans] - theta[spans]
+        inside = (at - turns > low[spans]) & (at - turns < high[spans])
+        met = position[spans] + (higher - position)[spans] * share / np.where(
+            length == 0.0, 1.0, length
+        )
+        best = np.max(np.where(inside, met, -np.inf), axis=1)
+        below[part] = best > position[part] + allowed
+    return below
+
+
+def _runs(below: NDArray[np.bool_]) -> list[NDArray[np.intp]]:
+    """Round the ring: the indices of each run of skipped points."""
+    if not below.any():
+        return []
+    start = int(np.argmin(below))  # a point that is touched
+    order = (start + np.arange(len(below))) % len(below)
+    edges = np.flatnonzero(np.diff(below[order].astype(int)))
+    if len(edges) % 2:
+        edges = np.append(edges, len(below) - 1)
+    return [order[a + 1 : b + 1] for a, b in edges.reshape(-1, 2)]
+
+
+def _meeting(
+    run: NDArray[np.intp], theta: Array, position: Array, centre: Array
+) -> tuple[float, Array]:
+    """Where the follower passes from one side of a hollow to the other: θ [rad], its centre (2,).
+
+    The tangents of the two branches meet there, between the last points touched.
+    """
+    n = len(theta)
+    one, two = (run[0] - 1) % n, (run[-1] + 1) % n
+    before, after = (one - 1) % n, (two + 1) % n
+    gap = math.remainder(float(theta[two] - theta[one]), FULL_TURN)
+    back, on = _ahead(theta[one] - theta[before]), _ahead(theta[after] - theta[two])
+    rising = (position[one] - position[before]) / back
+    falling = (position[after] - position[two]) / on
+    share = 0.5 * gap
+    if rising != falling:
+        share = (position[two] - position[one] - falling * gap) / (rising - falling)
+    share = min(max(share, 0.0), gap)
+    along = (centre[:, one] - centre[:, before]) / back
+    return float(theta[one] + share), centre[:, one] + share * along
+
+
+def _ahead(angle: float) -> float:
+    """An angle between neighbours, once round at most."""
+    return math.remainder(angle, FULL_TURN) or 1e-300
+
+
+def _bridge(
+    run: NDArray[np.intp],
+    outline: Outline,
+    theta: Array,
+    postures: tuple[Array, Array],
+    follower: Follower,
+) -> Bridge:
+    """What is left out between two points of contact."""
+    angle, centre = _meeting(run, theta, *postures)
+    up = np.array([math.sin(angle), math.cos(angle)])
+    inward = follower.clearance(outline.point[:, run] - centre[:, None], up)
+    deepest = int(np.argmax(inward))
+    bend = float(np.min(outline.bend[run]))
+    x, y = outline.point[:, run[deepest]]
+    return Bridge(
+        angle % FULL_TURN, -1.0 / bend if bend < 0.0 else None, float(inward[deepest]),
+        float(x), float(y),
+    )  # fmt: skip

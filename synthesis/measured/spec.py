@@ -1,0 +1,60 @@
+"""MeasuredCam: points of a real profile, and the follower that runs on it. A request body."""
+
+from __future__ import annotations
+
+from typing import Annotated, Literal
+
+from pydantic import BaseModel, ConfigDict, Field
+
+from synthesis.followers import AnyFollower
+from synthesis.limits.face_width import FaceWidth
+
+MOST_POINTS = 20_000
+Coordinate = Annotated[float, Field(ge=-1e6, le=1e6)]
+
+
+class MeasuredCam(BaseModel):
+    """Points measured on a cam, and the follower whose motion is wanted."""
+
+    model_config = ConfigDict(frozen=True, extra="forbid", allow_inf_nan=False)
+
+    name: Annotated[str, Field(max_length=200, description="Shown in reports.")] = ""
+    speed_rpm: Annotated[
+        float, Field(gt=0.0, le=1e9, description="Cam speed, constant over the turn [rpm].")
+    ] = 60.0
+    rotation: Annotated[
+        Literal["ccw", "cw"], Field(description="Sense in which the cam turns.")
+    ] = "ccw"
+    points_mm: Annotated[
+        list[tuple[Coordinate, Coordinate]],
+        Field(
+            min_length=3,
+            max_length=MOST_POINTS,
+            description="Points [x, y] of the profile once round, in order, in either direction "
+            "and from anywhere, unevenly spaced if need be. The cam's axis is the origin; at cam "
+            "angle 0 the follower's drive points along y.",
+        ),
+    ]
+    follower: Annotated[
+        AnyFollower, Field(description="The follower, its dimensions given as numbers.")
+    ]
+    face_width: FaceWidth | None = Field(
+        None, description="Width of a flat face, to see where contact leaves it."
+    )
+    tolerance_mm: Annotated[
+        float,
+        Field(
+            gt=0.0,
+            le=1e3,
+            description="How far the smooth profile may pass from a point: what the measurement "
+            "is good for.",
+        ),
+    ] = 0.01
+    rows_per_degree: Annotated[
+        float, Field(ge=0.1, le=20.0, description="Rows of the motion's table.")
+    ] = 1.0
+
+    @property
+    def mirror(self) -> float:
+        """−1 where the cam turns clockwise: its mirror image in x turns counter-clockwise."""
+        return -1.0 if self.rotation == "cw" else 1.0

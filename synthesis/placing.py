@@ -1,0 +1,250 @@
+"""The program's segments placed side by side on the cam: what each takes from its neighbours.
+
+At a joint, what one side asks for holds for both. What neither asks for is the one-sided value of
+the neighbour whose law has its own; a law that takes over (a boundary polynomial) rests where the
+neighbour has none to give, and two splines share what is left, as part of the answer.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+from functools import lru_cache
+from itertools import pairwise
+from typing import Any
+
+from pydantic_core import PydanticCustomError
+
+from synthesis.laws.characteristics import extremes
+from synthesis.motion import EndState, Stretch
+from synthesis.numerics.piecewise import Piecewise
+from synthesis.program import Segment
+from synthesis.units import Pace
+
+SAME = 1e-9  # of lift/β^k: two values of s^(k) that agree
+BACKWARD = 1e-9  # of g': motion backwards that is rounding
+
+
+def placed(
+    program: Sequence[Segment],
+    angles: Sequence[float],
+    levels: Sequence[float],
+    pace: Pace,
+    least_smoothness: int = 0,
+) -> tuple[Stretch, ...]:
+    """The segments as stretches, laws run between the states that the joints settle.
+
+    Args:
+        program: the segments.
+        angles: (n+1,) where they start and where the last one ends [rad].
+        levels: (n,) displacement at their starts [mm].
+        pace: turns the wire's displacements and rates into the core's.
+        least_smoothness: splines are made at least so smooth.
+
+    Raises:
+        PydanticCustomError: a state that a law cannot meet, or two states that contradict.
+    """
+    found = [
+        segment.stretch(i, angles[i], angles[i + 1] - angles[i], levels[i], pace)
+        for i, segment in enumerate(program)
+    ]
+    turning = [i for i, stretch in enumerate(found) if stretch.angle > 0.0]
+    joints = [*pairwise(turning), (turning[-1], turning[0])]
+    for before, after in joints:
+        _share(found, before, after, pace)
+    _take_over(program, found, joints)
+    for i in turning:
+        _check(program, found[i], pace)
+    for before, after in joints:
+        _meet(program, found, before, after, pace)
+    return tuple(_smoothed(stretch, least_smoothness) for stretch in found)
+
+
+def _smoothed(stretch: Stretch, least: int) -> Stretch:
+    if stretch.free is None or stretch.free.smoothness >= least:
+        return stretch
+    return replace(stretch, free=replace(stretch.free, smoothness=least))
+
+
+def _share(found: list[Stretch], before: int, after: int, pace: Pace) -> None:
+    """What one free side of a joint asks for is asked of the other too."""
+    left, right = found[before], found[after]
+    if _differ(left.at_end.velocity, right.at_start.velocity, 1, left, right):
+        assert left.at_end.velocity is not None
+        assert right.at_start.velocity is not None
+        raise _error(
+            pace, "states_differ", pace.wire(left.at_end.velocity, 1), after, "start",
+            "{per_s} at the end of program/{other} meets {theirs} {per_s} at the start of "
+            "program/{segment}: the velocity would jump. Ask for the same on both sides, or on "
+            "one side only",
+            other=before, theirs=pace.wire(right.at_start.velocity, 1),
+        )  # fmt: skip
+    if left.free is not None:
+        found[before] = replace(left, at_end=left.at_end.or_else(right.at_start))
+    if right.free is not None:
+        right = found[after]
+        found[after] = replace(right, at_start=right.at_start.or_else(left.at_end))
+
+
+def _take_over(
+    program: Sequence[Segment], found: list[Stretch], joints: Sequence[tuple[int, int]]
+) -> None:
+    """Laws that take their neighbours' values do so, in the order of the program."""
+    after, before = dict(joints), {b: a for a, b in joints}
+    waiting = {i for i in after if program[i].takes}
+    for i in sorted(waiting):
+        waiting_still = {k for k in waiting if k >= i}
+        start = _given(found[before[i]], found[before[i]].at_end, at_end=True,
+                       heard=before[i] not in waiting_still)  # fmt: skip
+        end = _given(found[after[i]], found[after[i]].at_start, at_end=False,
+                     heard=after[i] not in waiting_still)  # fmt: skip
+        placed = found[i]
+        found[i] = program[i].between(
+            placed, placed.at_start.or_else(start), placed.at_end.or_else(end)
+        )
+
+
+def _given(neighbour: Stretch, asked: EndState, *, at_end: bool, heard: bool) -> EndState:
+    """s' and s'' that a neighbour brings to the joint: its law's own, else what is asked of it."""
+    if neighbour.law is None or not heard:
+        return asked
+    return _own(neighbour, at_end=at_end)
+
+
+def _own(stretch: Stretch, *, at_end: bool) -> EndState:
+    """s' and s'' just inside one end of a settled stretch."""
+    curve = stretch.placed()
+    x = curve.breaks[-1:] if at_end else curve.breaks[:1]
+    _, v, a = curve.derivatives(x, 2, "left" if at_end else "right")[:, 0]
+    return EndState(float(v), float(a))
+
+
+def _differ(
+    one: float | None, other: float | None, order: int, left: Stretch, right: Stretch
+) -> bool:
+    if one is None or other is None:
+        return False
+    scale = max(abs(s.unit) / s.angle**order for s in (left, right))
+    return abs(one - other) > SAME * max(scale, abs(one), abs(other))
+
+
+def _meet(
+    program: Sequence[Segment], found: list[Stretch], before: int, after: int, pace: Pace
+) -> None:
+    """Velocities asked for must be the neighbour's; how smoothly a free law can join follows."""
+    left, right = found[before], found[after]
+    ours = left.at_end.or_else(EndState() if left.law is None else _own(left, at_end=True))
+    theirs = right.at_start.or_else(EndState() if right.law is None else _own(right, at_end=False))
+    for i, end in ((before, "end"), (after, "start")):
+        both = ours.or_else(theirs) if end == "end" else theirs.or_else(ours)
+        _forwards(found[i], end, both, pace)
+    asked = left.at_end.velocity is not None or right.at_start.velocity is not None
+    if asked and _differ(ours.velocity, theirs.velocity, 1, left, right):
+        late = right.at_start.velocity is None
+        at, end, other = (before, "end", after) if late else (after, "start", before)
+        value, its = (ours, theirs) if late else (theirs, ours)
+        assert value.velocity is not None
+        assert its.velocity is not None
+        raise _error(
+            pace, "state_not_neighbours", pace.wire(value.velocity, 1), at, end,
+            "{per_s} at the {end} of program/{segment} does not meet program/{other}, whose law "
+            "{law} has {theirs} {per_s} there. Leave the velocity out, or "
+            "give program/{other} a law that meets it: spline or polynomial_5",
+            other=other, theirs=pace.wire(its.velocity, 1), law=program[other].law_name,
+        )  # fmt: skip
+    if _differ(ours.acceleration, theirs.acceleration, 2, left, right):
+        found[before], found[after] = _rougher(left, 1), _rougher(right, 0)
+
+
+def _rougher(stretch: Stretch, end: int) -> Stretch:
+    """A free law that shares the velocity and no more at one end."""
+    if stretch.free is None:
+        return stretch
+    joins = (1, stretch.free.joins[1]) if end == 0 else (stretch.free.joins[0], 1)
+    return replace(stretch, free=replace(stretch.free, joins=joins))
+
+
+def _forwards(stretch: Stretch, end: str, state: EndState, pace: Pace) -> None:
+    """A free law that may not move backwards cannot have a state that makes it."""
+    asked = stretch.at_end if end == "end" else stretch.at_start
+    if stretch.free is None:
+        return
+    if state.velocity is None and asked.acceleration is not None:
+        raise _error(
+            pace, "acceleration_alone", pace.wire(asked.acceleration, 2), stretch.index, end,
+            "{per_s2} at the {end} of program/{segment} is asked for without a velocity, between "
+            "two splines. Give a velocity with it, or leave both out",
+        )  # fmt: skip
+    if stretch.free.overshoot:
+        return
+    forward = 1.0 if stretch.lift > 0.0 else -1.0
+    scale = abs(stretch.lift) / stretch.angle
+    v, a = state.velocity, asked.acceleration
+    outward = forward if end == "start" else -forward
+    words = "at the {end} of program/{segment} makes the {kind} move backwards"
+    way_out = ". Turn its sign, or allow overshoot in the segment's law"
+    if v is not None and v * forward < -SAME * scale:
+        raise _error(
+            pace, "state_backwards", pace.wire(v, 1), stretch.index, end,
+            "{per_s} " + words + way_out,
+            kind=stretch.kind,
+        )  # fmt: skip
+    if v is not None and a is not None and abs(v) <= SAME * scale and a * outward < 0.0:
+        raise _error(
+            pace, "state_backwards", pace.wire(a, 2), stretch.index, end,
+            "{per_s2} and no velocity " + words + way_out, kind=stretch.kind,
+        )  # fmt: skip
+
+
+def _check(program: Sequence[Segment], stretch: Stretch, pace: Pace) -> None:
+    """A given law must have the states asked of it, and not move backwards because of them."""
+    segment = program[stretch.index]
+    asked_of = stretch.at_start.known + stretch.at_end.known
+    if stretch.law is None or not (segment.takes or any(v is not None for v in asked_of)):
+        return
+    for end, asked in (("start", stretch.at_start), ("end", stretch.at_end)):
+        own = _own(stretch, at_end=end == "end")
+        for order, unit in ((1, "{per_s}"), (2, "{per_s2}")):
+            wanted, has = asked.known[order - 1], own.known[order - 1]
+            if _differ(wanted, has, order, stretch, stretch):
+                assert wanted is not None
+                assert has is not None
+                raise _error(
+                    pace, "state_not_met", pace.wire(wanted, order), stretch.index, end,
+                    unit + " is asked for at the {end} of program/{segment}, but its law {law} "
+                    "has {own} " + unit + " there. Laws between rests take equal velocities at "
+                    "both ends and no acceleration; polynomial_5, polynomial_7 and spline take "
+                    "any state",
+                    own=pace.wire(has, order), law=segment.law_name,
+                )  # fmt: skip
+    least = _slowest(stretch.law)
+    if least < -BACKWARD and not segment.overshoots:
+        raise _error(
+            pace, "law_backwards", pace.wire(least * stretch.lift / stretch.angle, 1),
+            stretch.index, "law",
+            "{per_s} is reached on program/{segment}: between these states its law {law} moves the "
+            "{kind} backwards. Ask for other velocities, another angle or lift, or take "
+            "polynomial_5 or spline with overshoot allowed",
+            law=segment.law_name, kind=stretch.kind,
+        )  # fmt: skip
+
+
+@lru_cache(maxsize=1024)
+def _slowest(law: Piecewise) -> float:
+    return extremes(law, 1)[1]
+
+
+def _error(
+    pace: Pace, name: Any, value: float, segment: int, end: str, words: str, **more: Any
+) -> PydanticCustomError:
+    """The error with its wrong value first; ``segment`` and ``end`` say where it stands."""
+    rounded: dict[str, Any] = {
+        k: _digits(v) if isinstance(v, float) else v for k, v in more.items()
+    }
+    units = {"per_s": pace.travel.told(1), "per_s2": pace.travel.told(2)}
+    context = {"value": _digits(value), "segment": segment, "end": end, **rounded, **units}
+    return PydanticCustomError(name, f"{{value}} {words}.", context)
+
+
+def _digits(value: float) -> float:
+    return float(f"{value:.9g}")

@@ -1,0 +1,139 @@
+"""Segments that follow a table."""
+
+from __future__ import annotations
+
+from typing import Annotated, Literal
+
+import numpy as np
+from pydantic import Field, model_validator
+
+from synthesis import readings
+from synthesis.motion import FreeLaw, Readings, Stretch
+from synthesis.numerics.piecewise import Array
+from synthesis.segment import Part, State, Unit, end_states, one_unit, signed, units_of
+from synthesis.units import AS_IS, Pace
+
+JOINS = 2  # derivatives that a smoothed table shares with its neighbours
+Column = tuple[float, ...] | None
+
+
+class Table(Part):
+    """The follower runs through a table, smoothed within a tolerance.
+
+    The motion is the spline of least mean square jerk that passes no row by more than the
+    tolerance and joins its neighbours with their velocity and acceleration. Only differences of
+    the displacements count. A table that moves both ways is held to the pressure-angle limits of
+    rises and of returns all along; for either alone, split it where it turns.
+    """
+
+    kind: Literal["table"] = "table"
+    angle_deg: Annotated[
+        float, Field(gt=0.0, le=360.0, description="Cam angle of the segment [deg].")
+    ]
+    points: Annotated[
+        tuple[tuple[float, float], ...] | None,
+        Field(
+            max_length=readings.MOST,
+            description="Rows: cam angle from the segment's start [deg], displacement [mm, or "
+            "deg of an arm, as tolerance]. The first row is at 0, the last at angle_deg; on a "
+            "whole turn that one may be missing.",
+        ),
+    ] = None
+    angles_deg: Annotated[
+        Column,
+        Field(max_length=readings.MOST, description="The first column, instead of points [deg]."),
+    ] = None
+    displacements_mm: Annotated[
+        Column,
+        Field(max_length=readings.MOST, description="The second column, instead of points [mm]."),
+    ] = None
+    displacements_deg: Annotated[
+        Column,
+        Field(max_length=readings.MOST, description="The same of a follower on an arm [deg]."),
+    ] = None
+    tolerance_mm: Annotated[
+        float | None,
+        Field(ge=1e-7, le=1e3, description="How far the motion may pass a row [mm]."),
+    ] = None
+    tolerance_deg: Annotated[
+        float | None,
+        Field(ge=1e-9, le=10.0, description="The same of a follower on an arm [deg]."),
+    ] = None
+    lift_mm: Annotated[
+        float | None,
+        signed(
+            "Displacement gained, with its sign [mm], where the table's own is inexact; left "
+            "out: last row less first row, on a whole turn 0.",
+            1e6,
+        ),
+    ] = None
+    lift_deg: Annotated[float | None, signed("The same of a follower on an arm [deg].", 180.0)] = (
+        None
+    )
+    smoothness: Annotated[
+        Literal[2, 3, 4], Field(description="Number of continuous derivatives.")
+    ] = 4
+    start: State | None = Field(None, description="Velocity and acceleration at its start.")
+    end: State | None = Field(None, description="Velocity and acceleration at its end.")
+
+    @property
+    def units(self) -> frozenset[Unit]:
+        given: dict[Unit, tuple[object, ...]] = {
+            "mm": (self.displacements_mm, self.tolerance_mm, self.lift_mm),
+            "deg": (self.displacements_deg, self.tolerance_deg, self.lift_deg),
+        }
+        used = frozenset(u for u, row in given.items() if any(value is not None for value in row))
+        return used | units_of(self.start, self.end)
+
+    @property
+    def tolerance_field(self) -> str:
+        """The field that sets the tolerance."""
+        return "tolerance_deg" if self.tolerance_mm is None else "tolerance_mm"
+
+    @property
+    def _tolerance(self) -> float:
+        given = self.tolerance_deg if self.tolerance_mm is None else self.tolerance_mm
+        assert given is not None  # one is, or the segment had been refused
+        return given
+
+    @property
+    def _table(self) -> tuple[Array, Array, float]:
+        """Fractions of the segment, displacement from its start and the lift, in its unit."""
+        second = self.displacements_deg if self.displacements_mm is None else self.displacements_mm
+        lift = self.lift_deg if self.lift_mm is None else self.lift_mm
+        return readings.read(self.points, self.angles_deg, second, self.angle_deg, lift)
+
+    @model_validator(mode="after")
+    def _makes_sense(self) -> Table:
+        one_unit(self.units, "table")
+        readings.check_tolerance(self.tolerance_mm, self.tolerance_deg)
+        s = self._table[1]
+        readings.check_lift(float(s[-1] - s[0]), self.signed_lift, self._tolerance)
+        readings.check_range(float(np.ptp(s)), self._tolerance)
+        return self
+
+    @property
+    def law_name(self) -> str:
+        return "table"
+
+    @property
+    def signed_lift(self) -> float:
+        return self._table[2]
+
+    def span(self, pace: Pace) -> tuple[float, float]:
+        s = self._table[1]
+        ends = (0.0, self.signed_lift)
+        return pace.core(min(s.min(), *ends)), pace.core(max(s.max(), *ends))
+
+    def stretch(
+        self, index: int, start: float, angle: float, s_start: float, pace: Pace = AS_IS
+    ) -> Stretch:
+        x, s, _ = self._table
+        unit = pace.core(1.0)
+        given = Readings(x, s_start + unit * s, unit * self._tolerance, self.tolerance_field)
+        return Stretch(
+            index, readings.sense(s, self._tolerance), start, angle, s_start,
+            s_start + self.gain(pace), None,
+            FreeLaw(self.smoothness, overshoot=True, joins=(JOINS, JOINS)),
+            *end_states(self.start, self.end, pace), given,
+        )  # fmt: skip

@@ -1,0 +1,211 @@
+"""A cam that is nowhere undercut and still cuts itself is found, and an ordinary one is cleared."""
+
+import math
+
+import numpy as np
+import pytest
+
+from synthesis.certify import certify
+from synthesis.certify.course import Course
+from synthesis.certify.path import Path
+from synthesis.certify.self_crossing import Nearest, nearest
+from synthesis.design import Extreme
+from synthesis.followers import TranslatingFlatFace, TranslatingRoller
+from synthesis.followers.closures.groove import Groove
+from synthesis.laws import LAWS
+from synthesis.limits import Machine
+from synthesis.limits.profile_radius import ProfileRadius
+from synthesis.motion import Motion
+from tests.certify.cams import motion_of
+from tests.certify.crossing import Horseshoe, brute, sharpest
+
+SMOOTH = ("cycloidal", "polynomial_3_4_5", "polynomial_4_5_6_7", "modified_sine", "peisakh_11")
+
+
+def random_motion(rng: np.random.Generator) -> Motion:
+    """A rise, a dwell, a return and a dwell of uneven angles, gentle laws."""
+    lift = rng.uniform(21.0, 93.0)
+    angles = rng.uniform([21.0, 5.0, 21.0, 101.0], [73.0, 61.0, 73.0, 199.0])
+    rise, back = (LAWS[name] for name in rng.choice(SMOOTH, 2))
+    return motion_of([
+        ("rise", angles[0], lift, rise.curve("rise")),
+        ("dwell", angles[1], 0.0, None),
+        ("return", angles[2], lift, back.curve("return")),
+        ("dwell", angles[3], 0.0, None),
+    ])  # fmt: skip
+
+
+def thin_lobed(rng: np.random.Generator) -> Motion:
+    """A high and narrow lobe: its root is thin where the base radius is small."""
+    lift = rng.uniform(49.0, 71.0)
+    angles = rng.uniform([53.0, 5.0, 51.0], [69.0, 19.0, 71.0])
+    rise, back = (LAWS[name] for name in rng.choice(SMOOTH, 2))
+    return motion_of([
+        ("rise", angles[0], lift, rise.curve("rise")),
+        ("dwell", angles[1], 0.0, None),
+        ("return", angles[2], lift, back.curve("return")),
+        ("dwell", 360.0 - angles.sum(), 0.0, None),
+    ])  # fmt: skip
+
+
+def search(motion: Motion, e: float, s0: float, offset: float) -> Nearest:
+    follower = TranslatingRoller(roller_radius_mm=abs(offset), offset_mm=e)
+    return nearest(Path(Course(motion), lambda s: follower.traced_point(s, (e, s0)), offset))
+
+
+def agree(motion: Motion, e: float, s0: float, offset: float) -> bool:
+    """Search and samples, on yes or no and on the depth; whether the profile crosses itself."""
+    radius = abs(offset)
+    found, seen = search(motion, e, s0, offset), brute(motion, e, s0, offset)
+    crosses = not found.holds_off(radius)
+    # a sample misses the nearest point by at most half a step along the curve, squared over R
+    coarse = 0.5 * seen.step**2 / radius
+    if not crosses:
+        assert seen.distance >= radius - coarse
+        return False
+    window = (found.profile, found.roller, 4e-3)
+    close = brute(motion, e, s0, offset, window)
+    assert found.least == pytest.approx(close.distance, abs=2e-5 * radius)
+    assert found.least <= seen.distance + 1e-9 * radius
+    assert seen.distance <= found.least + seen.step
+    assert found.lower <= found.least
+    assert found.least - found.lower <= 1e-6 * radius
+    return True
+
+
+@pytest.mark.parametrize("seed", range(40))
+def test_agrees_with_brute_force_where_nothing_is_undercut(seed: int) -> None:
+    rng = np.random.default_rng(1000 + seed)
+    motion, Rp = random_motion(rng), rng.uniform(8.0, 30.0)
+    e = Rp * rng.uniform(-0.6, 0.6)
+    s0 = math.sqrt(Rp * Rp - e * e)
+    agree(motion, e, s0, min(0.96 * sharpest(motion, e, s0), 0.985 * Rp))
+
+
+def test_brute_force_sees_crossing_and_sound_cams_alike() -> None:
+    rng = np.random.default_rng(77)
+    told = []
+    for _ in range(24):
+        motion, base = thin_lobed(rng), rng.uniform(0.1, 1.7)
+        e = rng.uniform(-2.0, 2.0)
+        R = min(8.3, (base + 7.0) * 0.97)
+        for _ in range(6):  # as large as the lobe's nose allows
+            s0 = math.sqrt((base + R) ** 2 - e * e)
+            R = min(R, 0.97 * sharpest(motion, e, s0))
+        told.append(agree(motion, e, math.sqrt((base + R) ** 2 - e * e), R))
+    assert 6 <= sum(told) <= 18
+
+
+@pytest.mark.parametrize(
+    ("half_length", "thickness", "offset"),
+    [(2.77, 0.31, 0.03), (2.77, 0.31, -0.41), (2.77, 0.31, -0.13),
+     (2.31, 0.43, -0.51), (2.31, 0.43, 0.07), (2.93, 0.27, -0.37)],
+)  # fmt: skip
+def test_any_closed_curve_and_either_side(
+    half_length: float, thickness: float, offset: float
+) -> None:
+    """A horseshoe, which no cam is: an outer profile meets itself in the mouth."""
+    shoe = Horseshoe(1.0, half_length, thickness)
+    found = nearest(Path(shoe.course(), shoe.trace, offset))
+    u = 2.0 * np.pi * np.arange(2400) / 2400
+    (x, y), (dx, dy) = shoe.point(u)
+    speed = np.hypot(dx, dy)
+    ox, oy = x + offset * dy / speed, y - offset * dx / speed
+    apart = np.hypot(ox[:, None] - x, oy[:, None] - y)
+    ahead = (u[None, :] - u[:, None]) % (2.0 * np.pi)
+    far = np.minimum(ahead, 2.0 * np.pi - ahead) > 0.9  # past the tips, where it bends sharply
+    least = float(np.min(apart[far]))
+    assert found.holds_off(abs(offset)) == (least >= abs(offset))
+    if least < abs(offset):
+        assert found.least == pytest.approx(least, abs=4e-4)  # the samples' step, squared
+
+
+def thin_lobe(base: float, e: float = 1.3) -> tuple[Motion, Machine, tuple[float, float]]:
+    """A roller of 7.6 mm over a lobe whose root is thinner than the roller where base is small."""
+    motion = motion_of([
+        ("rise", 66.0, 57.0, LAWS["polynomial_4_5_6_7"].curve("rise")),
+        ("dwell", 9.0, 0.0, None),
+        ("return", 58.0, 57.0, LAWS["cycloidal"].curve("return")),
+        ("dwell", 227.0, 0.0, None),
+    ])  # fmt: skip
+    follower = TranslatingRoller(roller_radius_mm=7.6, offset_mm=e)
+    return motion, Machine(follower, 10.0), (e, math.sqrt((base + 7.6) ** 2 - e * e))
+
+
+def judged(base: float) -> dict[str, Extreme]:
+    motion, machine, size = thin_lobe(base)
+    return {each.limit: each for each in certify(motion, machine, size, [ProfileRadius()])}
+
+
+def test_the_certificate_refuses_a_cam_for_crossing_alone() -> None:
+    found = judged(0.51)
+    assert [name for name, each in found.items() if not each.holds] == ["self_crossing"]
+    refused = found["self_crossing"]
+    motion, _, (e, s0) = thin_lobe(0.51)
+    rough = brute(motion, e, s0, 7.6)
+    close = brute(motion, e, s0, 7.6, (rough.profile, rough.roller, 6e-3))
+    assert refused.value == pytest.approx(7.6 - close.distance, abs=1e-6)
+    assert refused.margin == -refused.value
+    assert refused.angle_deg == pytest.approx(math.degrees(close.profile), abs=0.01)
+    assert f"at {math.degrees(close.roller):.3g}" in refused.evidence
+    assert 0.0 <= refused.width <= 1e-7
+
+
+def test_the_certificate_accepts_the_same_cam_made_larger() -> None:
+    found = judged(0.97)
+    assert all(each.holds for each in found.values())
+    assert found["self_crossing"].value == 0.0
+    assert "no position of the roller reaches in" in found["self_crossing"].evidence
+
+
+@pytest.mark.parametrize("scale", [1e-4, 1e4])
+def test_size_does_not_matter(scale: float) -> None:
+    motion, _, (e, s0) = thin_lobe(0.51)
+    small = search(motion, e, s0, 7.6)
+    scaled = Motion.of([
+        type(s)(s.index, s.kind, s.start, s.angle, scale * s.s_start, scale * s.s_end, s.law)
+        for s in motion.stretches
+    ])  # fmt: skip
+    large = search(scaled, scale * e, scale * s0, scale * 7.6)
+    assert large.least == pytest.approx(scale * small.least, rel=1e-8)
+    assert large.profile == pytest.approx(small.profile, abs=1e-4)
+
+
+def test_a_knife_edge_and_a_flat_face_need_no_search() -> None:
+    motion, _, (e, s0) = thin_lobe(3.7)
+    edge = Machine(TranslatingRoller(roller_radius_mm=0.0, offset_mm=e), 10.0)
+    found = {each.limit: each for each in certify(motion, edge, (e, s0), [])}
+    assert found["self_crossing"].holds
+    assert "one way with s" in found["self_crossing"].evidence
+    # through the axis the point comes back over places that it has passed before
+    under = {each.limit: each for each in certify(motion, edge, (e, -20.0), [])}
+    assert not under["self_crossing"].holds
+    face = certify(motion, Machine(TranslatingFlatFace(), 10.0), (300.0,), [])
+    assert "self_crossing" not in {each.limit for each in face}
+
+
+def test_a_corner_that_turns_away_is_no_crossing() -> None:
+    """Constant velocity: the profile rounds the hollow corner along the roller itself."""
+    line = LAWS["constant_velocity"]
+    motion = motion_of([
+        ("return", 130.0, 27.0, line.curve("return")), ("dwell", 71.0, 0.0, None),
+        ("rise", 97.0, 27.0, line.curve("rise")), ("dwell", 62.0, 0.0, None),
+    ])  # fmt: skip
+    assert search(motion, 3.1, 41.7, 1e-3).holds_off(1e-3)
+
+
+def test_what_cannot_be_proven_is_not_called_sound() -> None:
+    """A roller whose centre runs through the cam's axis with the offset 0: no tangent there."""
+    motion, _, _ = thin_lobe(1.0)
+    assert not search(motion, 0.0, 0.0, 2.0).holds_off(2.0)
+
+
+def test_every_flank_is_judged_by_itself() -> None:
+    """A groove over the thin lobe: its inner flank crosses itself, its outer one does not."""
+    motion, machine, size = thin_lobe(0.51)
+    groove = machine.follower.model_copy(update={"closure": Groove()})
+    found = {e.limit: e for e in certify(motion, Machine(groove, 10.0), size, [ProfileRadius()])}
+    alone = judged(0.51)["self_crossing"]
+    assert found["self_crossing_inner"].value == alone.value
+    assert not found["self_crossing_inner"].holds
+    assert found["self_crossing_outer"].holds

@@ -1,0 +1,237 @@
+"""Angles and lifts left free: closed forms, brute force, what is refused, what is said."""
+
+from __future__ import annotations
+
+import json
+from math import pi, sqrt
+from typing import Any
+
+import numpy as np
+import pytest
+from pydantic import ValidationError
+
+from synthesis import DesignSpec, analyse, synthesise
+from synthesis.design import Design
+from synthesis.errors import InputError
+from synthesis.exporters import MOTION_FORMATS, PROFILE_FORMATS, MotionOptions, ProfileOptions
+
+OMEGA = 9.3
+RPM = OMEGA * 30.0 / pi
+FREE = {"min": 25.0, "max": 260.0}
+
+
+def rise(angle: Any, lift: Any, **more: Any) -> dict[str, Any]:
+    return {"kind": "rise", "angle_deg": angle, "lift_mm": lift, **more}
+
+
+def fall(angle: Any, lift: Any, **more: Any) -> dict[str, Any]:
+    return {**rise(angle, lift, **more), "kind": "return"}
+
+
+def dwell(angle: Any) -> dict[str, Any]:
+    return {"kind": "dwell", "angle_deg": angle}
+
+
+def cam(*program: dict[str, Any], **more: Any) -> DesignSpec:
+    body = {
+        "speed_rpm": RPM,
+        "program": list(program),
+        "follower": {"kind": "translating_roller", "roller_radius_mm": 7.3},
+        "base_radius_mm": 120.0,
+        "tolerance": 4e-3,
+    }
+    return DesignSpec.model_validate(body | more)
+
+
+# peak acceleration 4 h/β² and peak jerk 32 h/β³ are equal where β ~ h^(1/2) and h^(1/3); the mean
+# square 720 h²/β⁵ of the jerk is least where β ~ h^(1/3)
+@pytest.mark.parametrize(
+    ("objective", "power", "factor", "order"),
+    [
+        ("peak_acceleration", 1 / 2, 4.0, 2),
+        ("peak_jerk", 1 / 3, 32.0, 3),
+        ("rms_jerk", 1 / 3, 0.0, 3),
+    ],
+)  # fmt: skip
+def test_three_moves_between_dwells_share_the_angle(
+    objective: str, power: float, factor: float, order: int
+) -> None:
+    lifts, still = (23.7, 9.1, 14.6), (17.0, 31.0, 43.0)
+    program = [rise(FREE, lifts[0]), dwell(17.0), fall(FREE, lifts[1]), dwell(31.0),
+               fall(FREE, lifts[2]), dwell(43.0)]  # fmt: skip
+    design = synthesise(cam(*program, objective={"kind": objective}))
+    rest = 360.0 - sum(still)
+    shares = np.array(lifts) ** power
+    expected = rest * shares / shares.sum()
+    angles = [segment.angle_deg for segment in design.motion][::2]
+    assert angles == pytest.approx(expected.tolist(), rel=6e-3)
+    beta = np.radians(expected)
+    if factor:
+        exact = factor * lifts[0] / beta[0] ** order * OMEGA**order
+    else:
+        exact = sqrt(np.sum(720.0 * np.array(lifts) ** 2 / beta**5) / (2.0 * pi)) * OMEGA**3
+    assert exact * (1.0 - 1e-6) <= design.certificate.value <= exact * 1.004
+    assert design.certificate.lower_bound <= design.certificate.value
+
+
+def test_one_angle_of_a_cam_with_given_laws() -> None:
+    """Nothing but the angle is free: the smallest cam against closed forms."""
+    law = {"law": {"kind": "cycloidal"}}
+    limits = [{"kind": "pressure_angle", "rise_deg": 27.0, "return_deg": 41.0}]
+    more: dict[str, Any] = {"limits": limits, "base_radius_mm": None}
+
+    def size(up: float) -> float:
+        program = (rise(up, 22.1, **law), dwell(33.0), fall(240.0 - up, 22.1, **law), dwell(87.0))
+        return float(synthesise(cam(*program, **more)).certificate.value or np.inf)
+
+    free = {"min": 60.0, "max": 180.0}
+    design = synthesise(
+        cam(rise(free, 22.1, **law), dwell(33.0), fall(free, 22.1, **law), dwell(87.0), **more)
+    )
+    brute = min(size(up) for up in np.linspace(60.0, 180.0, 61))
+    assert design.certificate.value <= brute * (1.0 + 1e-6)
+    assert design.chosen["program/0/angle_deg"] > 121.0  # the rise has the tighter limit
+
+
+@pytest.mark.parametrize("objective", ["base_radius", "peak_pressure_angle"])
+def test_no_other_angle_is_better(objective: str) -> None:
+    limits = [{"kind": "jerk", "max_mm_per_s3": 90.0 * 22.1 / np.radians(120.0) ** 3 * OMEGA**3}]
+    more: dict[str, Any] = {"limits": limits, "objective": {"kind": objective}}
+    if objective == "base_radius":
+        more["base_radius_mm"] = None
+        limits.append({"kind": "pressure_angle", "rise_deg": 27.0, "return_deg": 41.0})
+
+    def design(up: Any, down: Any) -> Design:
+        return synthesise(cam(rise(up, 22.1), dwell(33.0), fall(down, 22.1), dwell(87.0), **more))
+
+    free = {"min": 90.0, "max": 150.0}
+    found = design(free, free)
+    up = found.chosen["program/0/angle_deg"]
+    value = found.certificate.value
+    for other in (92.0, 109.0, 131.0, up - 2.0, up + 2.0):
+        if 90.0 <= other <= 150.0:
+            at = design(other, 240.0 - other)
+            assert at.status == "infeasible" or at.certificate.value > value * (1.0 - 3e-3)
+
+
+def test_a_narrow_range_of_possible_angles_is_found() -> None:
+    """The jerk leaves the rise 118.3° to 121.7° of 108° to 215°: no sample hits that."""
+    limit = 32.0 * 22.1 / np.radians(118.3) ** 3 * OMEGA**3
+    design = synthesise(
+        cam(rise(FREE, 22.1), dwell(33.0), fall({"min": 25.0, "max": 132.0}, 22.1), dwell(87.0),
+            limits=[{"kind": "jerk", "max_mm_per_s3": limit}], objective={"kind": "rms_jerk"})
+    )  # fmt: skip
+    assert design.status == "feasible"
+    assert 118.3 <= design.chosen["program/0/angle_deg"] <= 121.7
+
+
+def test_a_window_keeps_its_place_while_the_angle_changes() -> None:
+    window = {"from_deg": 21.7, "to_deg": 36.3, "velocity_mm_per_s": 130.0}
+    design = synthesise(
+        cam(rise({"min": 70.0, "max": 160.0}, 22.1, windows=[window]), dwell(33.0),
+            fall({"min": 70.0, "max": 200.0}, 22.1), dwell(87.0),
+            objective={"kind": "peak_jerk"}, tolerance=0.02)
+    )  # fmt: skip
+    inside = design.curve.derivatives(np.radians(np.linspace(21.7, 36.3, 77)))[1] * OMEGA
+    assert inside == pytest.approx(130.0, rel=1e-9)
+    assert any(e.field == "program/0/windows/0/velocity_mm_per_s" and e.holds
+               for e in design.extremes)  # fmt: skip
+    assert design.status == "feasible"
+
+
+def test_a_dwell_may_be_free_and_ranges_are_kept() -> None:
+    design = synthesise(
+        cam(rise({"min": 70.0, "max": 91.3}, 22.1), dwell({"min": 20.0, "max": 90.0}),
+            fall(110.0, 22.1), dwell({"min": 31.0, "max": 300.0}),
+            objective={"kind": "rms_acceleration"})
+    )  # fmt: skip
+    assert design.chosen["program/0/angle_deg"] == pytest.approx(91.3, abs=1e-3)
+    assert 20.0 <= design.chosen["program/1/angle_deg"] <= 90.0
+
+
+@pytest.fixture(scope="module")
+def chosen() -> Design:
+    return synthesise(
+        cam(rise(FREE, 23.7), dwell(17.0), fall(FREE, {"min": 3.0, "max": 20.0}), dwell(31.0),
+            fall(90.0, {"min": 2.0, "max": 21.0}), dwell(43.0),
+            objective={"kind": "peak_jerk"})
+    )  # fmt: skip
+
+
+def test_the_same_question_has_the_same_answer(chosen: Design) -> None:
+    again = synthesise(chosen.spec)
+    assert again.chosen == chosen.chosen
+    assert again.motion == chosen.motion
+
+
+def test_the_answer_survives_the_wire(chosen: Design) -> None:
+    body = json.loads(json.dumps(chosen.model_dump(mode="json"), sort_keys=True))
+    back = Design.model_validate(body)
+    theta = np.linspace(0.1, 6.2, 99)
+    np.testing.assert_array_equal(
+        back.curve.derivatives(theta, 3), chosen.curve.derivatives(theta, 3)
+    )
+    assert back.spec.openings.free == chosen.spec.openings.free
+    assert not back.numbered.openings.free
+
+
+FILES = [(exporter, ProfileOptions()) for exporter in PROFILE_FORMATS.values()]
+FILES += [(exporter, MotionOptions()) for exporter in MOTION_FORMATS.values()]
+
+
+@pytest.mark.parametrize(("exporter", "options"), FILES)
+def test_files_are_made_of_it(exporter: Any, options: Any, chosen: Design) -> None:
+    assert len(exporter.write(chosen, options)) > 1000
+
+
+def test_an_infeasible_one_says_where() -> None:
+    design = synthesise(
+        cam(rise(FREE, 22.1), dwell(33.0), fall(FREE, 22.1), dwell(87.0),
+            limits=[{"kind": "jerk", "max_mm_per_s3": 1e3}])
+    )  # fmt: skip
+    assert design.status == "infeasible"
+    assert "program/0/angle_deg = " in design.conflict.evidence
+
+
+def test_an_analysis_wants_numbers() -> None:
+    law = {"law": {"kind": "cycloidal"}}
+    spec = cam(rise(FREE, 22.1, **law), dwell(33.0), fall(FREE, 22.1, **law), dwell(87.0),
+               follower={"kind": "translating_roller", "roller_radius_mm": 7.3,
+                         "offset_mm": 1.7})  # fmt: skip
+    with pytest.raises(InputError) as caught:
+        analyse(spec)
+    assert caught.value.field == "/program/0/angle_deg"
+
+
+WRONG: dict[str, tuple[list[dict[str, Any]], str]] = {
+    "one angle alone": (
+        [rise(FREE, 20.0), dwell(30.0), fall(90.0, 20.0), dwell(100.0)], "one_number_free"
+    ),
+    "one lift alone": (
+        [rise(100.0, {"min": 3.0, "max": 9.0}), dwell(30.0), fall(130.0, 7.0), dwell(100.0)],
+        "one_number_free",
+    ),
+    "angles too small": (
+        [rise({"min": 20.0, "max": 100.0}, 9.0), fall({"min": 20.0, "max": 99.0}, 9.0),
+         dwell(160.0)], "numbers_do_not_fit",
+    ),
+    "lifts too small": (
+        [rise(130.0, 30.0), fall(100.0, {"min": 3.0, "max": 9.0}),
+         fall(130.0, {"min": 3.0, "max": 9.0})], "numbers_do_not_fit",
+    ),
+    "window beyond the least angle": (
+        [rise({"min": 60.0, "max": 100.0}, 9.0,
+              windows=[{"from_deg": 40.0, "to_deg": 61.0, "travel_mm": {"min": 4.0}}]),
+         fall({"min": 20.0, "max": 300.0}, 9.0)], "window_outside_segment",
+    ),
+    "half open": ([rise({"min": 60.0}, 9.0), fall(FREE, 9.0)], "missing"),
+    "from zero": ([rise({"min": 0.0, "max": 90.0}, 9.0), fall(FREE, 9.0)], "greater_than"),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("name", WRONG)
+def test_nonsense_is_refused(name: str) -> None:
+    program, kind = WRONG[name]
+    with pytest.raises(ValidationError) as caught:
+        cam(*program)
+    assert kind in [error["type"] for error in caught.value.errors()]
