@@ -138,7 +138,8 @@ class Curved(ABC):
             s: (4, n) s to s''' at n cam angles [mm, per rad].
 
         Returns:
-            rows without motion; where no size is allowed, rows that exclude each other.
+            rows without motion; where no size is allowed, rows that exclude each other; () where
+            only a finished size can be asked.
         """
 
     @abstractmethod
