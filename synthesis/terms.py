@@ -159,5 +159,6 @@ class Curved(Implied):
             s: (4, n) s to s''' at n cam angles [mm, per rad].
 
         Returns:
-            rows without motion; where no size is allowed, rows that exclude each other.
+            rows without motion; where no size is allowed, rows that exclude each other; () where
+            only a finished size can be asked.
         """

@@ -143,6 +143,8 @@ def on_given(curve: Curved, stretch: Stretch, scales: Scales, tighten: float) ->
     piece = np.repeat(np.arange(placed.count), each)
     s = np.stack([placed.at(theta, piece, order) for order in range(4)])
     families = curve.half_planes(s)
+    if not families:
+        return
     normals = np.concatenate([cuts.size.T for cuts in families])
     offsets = np.concatenate([cuts.upper for cuts in families])
     if normals.shape[1] == 1:
