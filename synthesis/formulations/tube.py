@@ -45,13 +45,18 @@ def tubes(
     return tuple(found)
 
 
-def tube(plan: Plan, position: int, control: Control, nodes: Array) -> Tube:
-    """The tube of one free law between chosen nodes."""
-    return _narrowed(plan, position, _unknown(plan, position, control, nodes))
+def tube_of(
+    plan: Plan, position: int, control: Control, nodes: Array, former: Tube | None = None
+) -> Tube:
+    """The tube of one free law between chosen nodes; a former one has the same."""
+    return _narrowed(plan, position, former or _unknown(plan, position, control, nodes))
 
 
-def size_ends(plan: Plan, axis: int) -> tuple[float, float]:
-    """Bounds of one size variable over every law and size that keep the plan's rows [mm]."""
+def size_ends(plan: Plan, axis: int, known: tuple[float, float]) -> tuple[float, float]:
+    """Bounds of one size variable over every law and size that keep the plan's rows [mm].
+
+    ``known``: those known before.
+    """
     unit = np.zeros(len(plan.problem.sizing.bounds))
     unit[axis] = plan.scales.size
     low, high = (
@@ -59,8 +64,7 @@ def size_ends(plan: Plan, axis: int) -> tuple[float, float]:
                            np.zeros(1), "tube"))
         for sign in (1.0, -1.0)
     )  # fmt: skip
-    least, most = plan.problem.sizing.bounds[axis]
-    return max(low, least), min(-high, most)
+    return max(low, known[0]), min(-high, known[1])
 
 
 def _widest(plan: Plan, position: int, control: Control) -> Tube:
