@@ -74,7 +74,7 @@ class Openings:
 
     def tied_otherwise(self, name: str) -> bool:
         """Whether the sum of one field's numbers holds another field's number too."""
-        row = {"angle_deg": 0, "lift_mm": 1}[name]
+        row = 0 if name == "angle_deg" else 1
         others = [opening.name != name for opening in self.free]
         return bool(np.any(np.abs(self._table[0][row, others]) > CLOSED))
 

@@ -12,7 +12,7 @@ from synthesis.laws import AnyLaw, SplineLaw
 from synthesis.limits.demand import Demand
 from synthesis.motion import EndState, Stretch, StretchKind
 from synthesis.numerics.piecewise import Piecewise
-from synthesis.ranges import Angle, AngleRange, DwellAngle, Lift, LiftRange, ends
+from synthesis.ranges import Angle, DwellAngle, Lift, Range, Swing, ends
 from synthesis.segment import Part, State, Unit, end_states, one_unit, units_of
 from synthesis.straight import ConstantSpeed
 from synthesis.table import Table
@@ -22,10 +22,6 @@ from synthesis.windows import demands as demanded
 from synthesis.windows import knots as wanted_knots
 
 STILL = Piecewise.of([0.0, 1.0], [[0.0]])
-Swing = Annotated[
-    float,
-    Field(ge=1e-6, lt=180.0, description="Angle that the follower's arm swings [deg], positive."),
-]
 
 
 class Dwell(Part):
@@ -89,27 +85,32 @@ class _Move(Part):
         check_places(self.degrees, self.windows, self.points)
         check_bounds(self.windows)
         free = self.law.free()
-        if free is not None and not free.overshoot and self.lift_mm is not None:
+        if free is not None and not free.overshoot:
             sense = 1.0 if self.signed_lift > 0.0 else -1.0
-            check_stroke(ends(self.lift_mm)[1], sense, self.windows, self.points)
+            check_stroke(ends(self._asked)[1], sense, self.windows, self.points)
         return self
 
-    def left_open(self) -> dict[str, float | AngleRange | LiftRange]:
-        lift = {} if self.lift_mm is None else {"lift_mm": self.lift_mm}
-        return {"angle_deg": self.angle_deg, **lift}
+    def left_open(self) -> dict[str, float | Range]:
+        lift = "lift_deg" if self.lift_mm is None else "lift_mm"
+        return {"angle_deg": self.angle_deg, lift: self._asked}
 
     @property
     def units(self) -> frozenset[Unit]:
         mine: frozenset[Unit] = frozenset(["deg" if self.lift_mm is None else "mm"])
-        in_mm: frozenset[Unit] = frozenset(["mm"] if self.windows or self.points else [])
-        return mine | in_mm | units_of(self.start, self.end)
+        parts = frozenset[Unit]().union(*(part.units for part in (*self.windows, *self.points)))
+        return mine | parts | units_of(self.start, self.end)
+
+    @property
+    def _asked(self) -> float | Range:
+        """Lift as asked for, in its own unit."""
+        given = self.lift_deg if self.lift_mm is None else self.lift_mm
+        assert given is not None  # exactly one is, or the segment had been refused
+        return given
 
     @property
     def _lift(self) -> float:
         """Lift in its own unit; the smallest one while it is left free."""
-        given = self.lift_deg if self.lift_mm is None else self.lift_mm
-        assert given is not None  # exactly one is, or the segment had been refused
-        return ends(given)[0]
+        return ends(self._asked)[0]
 
     @property
     def law_name(self) -> str:

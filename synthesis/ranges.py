@@ -43,6 +43,13 @@ class LiftRange(Range):
     max: Annotated[float, Field(ge=1e-6, le=1e6, description="Largest lift allowed [mm].")]
 
 
+class SwingRange(Range):
+    """An arm's swing left free between two ends."""
+
+    min: Annotated[float, Field(ge=1e-6, lt=180.0, description="Smallest swing allowed [deg].")]
+    max: Annotated[float, Field(ge=1e-6, lt=180.0, description="Largest swing allowed [deg].")]
+
+
 Dimension = Annotated[
     float | Range | None,
     Field(
@@ -64,6 +71,13 @@ Lift = Annotated[
     Field(
         description="Distance that the follower moves [mm], positive; {min, max} leaves it free "
         "in between, and then that of another segment too."
+    ),
+]
+Swing = Annotated[
+    Annotated[float, Field(ge=1e-6, lt=180.0)] | SwingRange,
+    Field(
+        description="Angle that the follower's arm swings [deg], positive; {min, max} leaves it "
+        "free in between, and then that of another segment too."
     ),
 ]
 DwellAngle = Annotated[

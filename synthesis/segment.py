@@ -9,7 +9,7 @@ from pydantic_core import PydanticCustomError
 
 from synthesis.limits.demand import Demand
 from synthesis.motion import ANY_STATE, EndState, Stretch
-from synthesis.ranges import AngleRange, LiftRange, ends
+from synthesis.ranges import AngleRange, Range, ends
 from synthesis.units import AS_IS, Pace
 
 Unit = Literal["mm", "deg"]
@@ -103,7 +103,7 @@ class Part(BaseModel):
         """Its cam angle [deg]; the smallest one while it is left free."""
         return ends(self.angle_deg)[0]
 
-    def left_open(self) -> dict[str, float | AngleRange | LiftRange]:
+    def left_open(self) -> dict[str, float | Range]:
         """Fields that may be left free, with what is asked of them."""
         return {"angle_deg": self.angle_deg}
 

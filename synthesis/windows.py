@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from itertools import pairwise
-from typing import Annotated, Any
+from typing import Annotated, Any, Literal
 
 from pydantic import BaseModel, ConfigDict, Field, model_validator
 from pydantic_core import PydanticCustomError
@@ -16,10 +16,17 @@ SHORTEST = 1e-3  # of the segment: knots may not lie closer
 MOST = 50
 Degrees = Annotated[float, Field(ge=0.0, le=360.0)]
 Bounds = float | Range | None
+Unit = Literal["mm", "deg"]
+UNITS: tuple[Unit, ...] = ("mm", "deg")
 
 
 class _Part(BaseModel):
     model_config = ConfigDict(frozen=True, extra="forbid", allow_inf_nan=False)
+
+    @property
+    def units(self) -> frozenset[Unit]:
+        """Units that it is given in: mm, deg, or both."""
+        raise NotImplementedError
 
 
 class Window(_Part):
@@ -30,11 +37,15 @@ class Window(_Part):
     travel_mm: Bounds = Field(
         None, description="Distance moved since the segment's start, positive in its own sense."
     )
+    travel_deg: Bounds = Field(None, description="The same of a follower on an arm.")
     velocity_mm_per_s: Bounds = Field(
         None, description="Velocity, negative where the follower returns."
     )
+    velocity_deg_per_s: Bounds = Field(None, description="The same of a follower on an arm.")
     acceleration_mm_per_s2: Bounds = Field(None, description="Acceleration, signed.")
+    acceleration_deg_per_s2: Bounds = Field(None, description="The same of a follower on an arm.")
     jerk_mm_per_s3: Bounds = Field(None, description="Jerk, signed.")
+    jerk_deg_per_s3: Bounds = Field(None, description="The same of a follower on an arm.")
 
     @model_validator(mode="after")
     def _says_something(self) -> Window:
@@ -49,21 +60,31 @@ class Window(_Part):
             raise PydanticCustomError(
                 "window_says_nothing",
                 "This window bounds nothing. Give min or max of {fields}.",
-                {"fields": ", ".join(FIELDS)},
+                {"fields": ", ".join(FIELDS["mm"])},
             )
         return self
 
-    def bounds(self) -> Iterator[tuple[int, Bounds]]:
-        """Order and value of everything that is bounded."""
-        for order, name in enumerate(FIELDS):
-            value: Bounds = getattr(self, name)
-            if value is not None and ends(value) != ends(None):
-                yield order, value
+    def bounds(self) -> Iterator[tuple[int, str, Bounds]]:
+        """Order, field and value of everything that is bounded."""
+        for fields in FIELDS.values():
+            for order, name in enumerate(fields):
+                value: Bounds = getattr(self, name)
+                if value is not None and ends(value) != ends(None):
+                    yield order, name, value
+
+    @property
+    def units(self) -> frozenset[Unit]:
+        given = {name for _, name, _ in self.bounds()}
+        return frozenset(unit for unit in UNITS if not given.isdisjoint(FIELDS[unit]))
+
+    def ends_of(self, order: int) -> tuple[float, float]:
+        """Lower and upper bound of one derivative, −∞ and ∞ where there is none."""
+        return next((ends(value) for k, _, value in self.bounds() if k == order), ends(None))
 
     def demands(self, common: dict[str, Any], part: tuple[float, float]) -> Iterator[Demand]:
         """One demand for every end of a range, or for a value."""
-        for order, value in self.bounds():
-            field = f"{common['field']}/{FIELDS[order]}"
+        for order, name, value in self.bounds():
+            field = f"{common['field']}/{name}"
             low, high = ends(value)
             base = {**common, "part": part, "order": order}
             if low == high:
@@ -79,32 +100,80 @@ class Point(_Part):
 
     angle_deg: Annotated[Degrees, Field(description="Where, from the segment's start.")]
     travel_mm: Annotated[
-        float,
+        float | None,
         Field(description="Distance moved since the segment's start, positive in its own sense."),
-    ]
+    ] = None
+    travel_deg: Annotated[float | None, Field(description="The same of a follower on an arm.")] = (
+        None
+    )
     tolerance_mm: Annotated[
         float, Field(ge=0.0, le=1e6, description="Deviation allowed either way; 0: exactly.")
+    ] = 0.0
+    tolerance_deg: Annotated[
+        float, Field(ge=0.0, lt=180.0, description="The same of a follower on an arm.")
     ] = 0.0
     velocity_mm_per_s: Annotated[
         float | None, Field(description="Velocity there, negative where the follower returns.")
     ] = None
+    velocity_deg_per_s: Annotated[
+        float | None, Field(description="The same of a follower on an arm.")
+    ] = None
+
+    @model_validator(mode="after")
+    def _one_travel(self) -> Point:
+        if (self.travel_mm is None) == (self.travel_deg is None):
+            raise PydanticCustomError(
+                "point_unclear",
+                "A point has exactly one of travel_mm and travel_deg. Give travel_mm for a "
+                "follower that slides, travel_deg for one on an arm.",
+                {},
+            )
+        return self
+
+    @property
+    def units(self) -> frozenset[Unit]:
+        given: dict[Unit, tuple[float | None, ...]] = {
+            "mm": (self.travel_mm, self.tolerance_mm or None, self.velocity_mm_per_s),
+            "deg": (self.travel_deg, self.tolerance_deg or None, self.velocity_deg_per_s),
+        }
+        return frozenset(u for u, row in given.items() if any(v is not None for v in row))
+
+    @property
+    def _unit(self) -> Unit:
+        return "deg" if self.travel_mm is None else "mm"
+
+    @property
+    def travel(self) -> float:
+        """The travel asked for, in its own unit."""
+        return float(getattr(self, FIELDS[self._unit][TRAVEL]))
+
+    @property
+    def tolerance(self) -> float:
+        """How far off it may be, in its own unit."""
+        return float(getattr(self, f"tolerance_{self._unit}"))
+
+    @property
+    def velocity(self) -> float | None:
+        """The velocity asked for, in its own unit."""
+        return self.velocity_deg_per_s if self.travel_mm is None else self.velocity_mm_per_s
 
     @property
     def nearest(self) -> float:
-        """The least travel that passes [mm]."""
-        return self.travel_mm - self.tolerance_mm
+        """The least travel that passes."""
+        return self.travel - self.tolerance
 
     @property
     def farthest(self) -> float:
-        """The largest travel that passes [mm]."""
-        return self.travel_mm + self.tolerance_mm
+        """The largest travel that passes."""
+        return self.travel + self.tolerance
 
     def demands(self, common: dict[str, Any], x: float) -> Iterator[Demand]:
         """Its place, and its velocity if that is asked for."""
-        name = "tolerance_mm" if self.tolerance_mm else FIELDS[TRAVEL]
+        fields = FIELDS[self._unit]
+        name = f"tolerance_{self._unit}" if self.tolerance else fields[TRAVEL]
         asked = [(TRAVEL, name, self.nearest, self.farthest)]
-        if self.velocity_mm_per_s is not None:
-            asked.append((1, FIELDS[1], self.velocity_mm_per_s, self.velocity_mm_per_s))
+        if self.velocity is not None:
+            asked.append((1, fields[1], self.velocity, self.velocity))
         for order, name, low, high in asked:
             field = f"{common['field']}/{name}"
             base = {**common, "field": field, "order": order, "part": (x, x)}
@@ -175,15 +244,14 @@ def check_bounds(windows: Sequence[Window]) -> None:
         for k, other in enumerate(windows[j + 1 :], j + 1):
             if max(first.from_deg, other.from_deg) >= min(first.to_deg, other.to_deg):
                 continue
-            bounds = dict(other.bounds())
-            for order, value in first.bounds():
-                (low, high), (least, most) = ends(value), ends(bounds.get(order))
+            for order, name, value in first.bounds():
+                (low, high), (least, most) = ends(value), other.ends_of(order)
                 if low > most or least > high:
                     raise PydanticCustomError(
                         "windows_contradict",
                         "windows/{j} and windows/{k} overlap, and no {name} satisfies both. "
                         "Widen one of them, or shorten it.",
-                        {"j": j, "k": k, "name": FIELDS[order]},
+                        {"j": j, "k": k, "name": name},
                     )
 
 
@@ -193,15 +261,15 @@ def check_stroke(
     """Refuse what a law cannot keep that never moves backwards.
 
     Args:
-        lift: of the segment [mm]. sense: 1 for a rise, −1 for a return.
+        lift: of the segment, in its own unit. sense: 1 for a rise, −1 for a return.
         windows, points: its own.
     """
     for place, low, high in _travels(windows, points):
         if low > lift or high < 0.0:
             raise PydanticCustomError(
                 "outside_stroke",
-                "{place} asks for a travel from {low} to {high} mm, and the segment moves from 0 "
-                "to {lift} mm. Correct it, or allow the law to overshoot.",
+                "{place} asks for a travel from {low} to {high}, and the segment moves from 0 to "
+                "{lift}. Correct it, or allow the law to overshoot.",
                 {"low": low, "place": place, "high": high, "lift": lift},
             )
     for place, low, high in _speeds(windows, points):
@@ -217,9 +285,9 @@ def check_stroke(
         if points[j].nearest > points[k].farthest:
             raise PydanticCustomError(
                 "points_out_of_order",
-                "points/{k} comes after points/{j}, and lies {back} mm behind it. "
+                "points/{k} comes after points/{j}, and lies {back} behind it. "
                 "Correct one of them, or allow the law to overshoot.",
-                {"back": points[j].travel_mm - points[k].travel_mm, "j": j, "k": k},
+                {"back": points[j].travel - points[k].travel, "j": j, "k": k},
             )
 
 
@@ -227,7 +295,7 @@ def _travels(
     windows: Sequence[Window], points: Sequence[Point]
 ) -> Iterator[tuple[str, float, float]]:
     for j, window in enumerate(windows):
-        yield f"windows/{j}", *ends(window.travel_mm)
+        yield f"windows/{j}", *window.ends_of(TRAVEL)
     for j, point in enumerate(points):
         yield f"points/{j}", point.nearest, point.farthest
 
@@ -236,6 +304,6 @@ def _speeds(
     windows: Sequence[Window], points: Sequence[Point]
 ) -> Iterator[tuple[str, float, float]]:
     for j, window in enumerate(windows):
-        yield f"windows/{j}", *ends(window.velocity_mm_per_s)
+        yield f"windows/{j}", *window.ends_of(1)
     for j, point in enumerate(points):
-        yield f"points/{j}", *ends(point.velocity_mm_per_s)
+        yield f"points/{j}", *ends(point.velocity)

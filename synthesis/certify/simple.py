@@ -10,7 +10,8 @@ Three reasons why a profile that is nowhere undercut does not cross itself:
   the machine, and so the same cam angle: the curve is simple. Measured: the sign of p · dp/ds.
 * **Flat face**: the profile is the envelope of a line that turns steadily, once round, as seen
   from the cam. Where its radius is positive everywhere it is a convex curve of total turning 2π,
-  and such a curve is simple (its support function is the face's distance). So the local
+  and such a curve is simple (its support function is the face's distance); were the turning to
+  stop anywhere, the radius, which divides by it, could not be enclosed. So the local
   condition, ``profile_radius``, says it all, and nothing is added here.
 """
 

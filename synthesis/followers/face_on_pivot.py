@@ -110,7 +110,7 @@ class OnPivot(Curved):
 class NotNearer(Curved):
     """The pivot no nearer than ``least`` [mm], where z = (p, Rb); ``offset``: f [mm].
 
-    No half-planes say it, so it is asked of a finished size alone.
+    Not convex: no half-plane says it, and the one that stands for it excludes nothing.
     """
 
     order: ClassVar[int] = 0
@@ -123,7 +123,9 @@ class NotNearer(Curved):
         return (1.0 - (p * p + q * q) / self.least**2 + 0.0 * s[0],)
 
     def half_planes(self, s: Array) -> tuple[Cuts, ...]:
-        return ()
+        count = s.shape[1]
+        size = np.stack([np.zeros(count), -np.ones(count)])
+        return (Cuts(np.zeros_like(s), size, np.full(count, FAR * self.least)),)
 
     def cuts(self, within: Within, about: tuple[Array, Vector] | None) -> tuple[Cuts, ...]:
         return ()

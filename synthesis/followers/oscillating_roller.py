@@ -273,7 +273,8 @@ class OscillatingRoller(RollerFollower):
         (x, y), l, (d, _) = point, self.arm_mm, ends(self.centre_distance_mm)
         cos = d * d + l * l - x * x - y * y  # 2dl cosψ
         with np.errstate(invalid="ignore"):
-            arc = l * np.arctan2(np.sqrt(4.0 * d * d * l * l - cos * cos), cos)
+            sin = np.sqrt(4.0 * d * d * l * l - cos * cos) if d > 0.0 else np.nan * cos
+        arc = l * np.arctan2(sin, cos)
         (px, py), *_ = self.traced_point((0.0, 0.0, 0.0, 0.0), (arc,))
         return np.arctan2(py, px) - np.arctan2(y, x), arc
 

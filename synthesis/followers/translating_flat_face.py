@@ -140,14 +140,17 @@ class TranslatingFlatFace(Follower):
         return tuple((h[k + 1] * cos - h[k] * sin, h[k] * cos + h[k + 1] * sin) for k in range(3))
 
     def posture(self, point: Any, normal: Any) -> tuple[Any, Any]:
+        # the support function over its angle: h = Rb + s cos τ, the normal turned by τ
         (x, y), (nx, ny) = point, normal
-        return np.arctan2(nx, ny), x * nx + y * ny  # the support function over its angle
+        return np.arctan2(nx, ny) + self.tilt_deg * DEGREE, (x * nx + y * ny) / self._tilt[0]
 
     def lowest(self, position: float) -> tuple[float, ...]:
-        return (position,)
+        return (position * self._tilt[0],)
 
     def clearance(self, away: Any, up: Any) -> Any:
-        return -(away[0] * up[0] + away[1] * up[1])
+        cos, sin = self._tilt
+        nx, ny = up[0] * cos - up[1] * sin, up[0] * sin + up[1] * cos
+        return -(away[0] * nx + away[1] * ny)
 
     def direction(self, s: Any, z: Any) -> tuple[Vector2, Vector2]:
         zero = 0.0 * s[0]

@@ -57,8 +57,8 @@ def peaks(curve: Curved, placed: Piecewise, z: Array) -> Planes:
     theta = placed.breaks[:-1, None] + np.diff(placed.breaks)[:, None] * step
     piece = np.repeat(np.arange(placed.count), density)
     planes = _planes(curve, placed, theta.ravel(), piece, z)
-    if len(planes.offsets) == 0:
-        return planes
+    if not len(planes.excess):
+        return planes  # a limit that is asked of finished sizes alone
     value = planes.excess.reshape(-1, *theta.shape)
     padded = np.pad(value, ((0, 0), (0, 0), (1, 1)), constant_values=-np.inf)
     top = (value >= padded[..., :-2]) & (value >= padded[..., 2:])
@@ -90,7 +90,6 @@ def _planes(curve: Curved, placed: Piecewise, theta: Array, piece: Indices, z: A
     for order in range(curve.order + 1):
         s[order] = placed.at(theta, piece, order)
     families = curve.half_planes(s)
-    # there may be none: a curve need not speak of every motion
     normals = np.concatenate([np.zeros((0, len(z))), *(cuts.size.T for cuts in families)])
     offsets = np.concatenate([np.zeros(0), *(cuts.upper for cuts in families)])
     length = np.linalg.norm(normals, axis=1)

@@ -97,6 +97,11 @@ class Problem:
         """Whether any limit says such a thing."""
         return any(True for stretch in self.stretches for _ in self.curves_on(stretch))
 
+    @cached_property
+    def rigid(self) -> bool:
+        """Whether curved limits on free laws are left out of cone programs: no rows are known."""
+        return any(not curve.turns for stretch in self.free for curve in self.curves_on(stretch))
+
     @property
     def cones(self) -> tuple[Cone, ...]:
         """Every cone on the size: of the sizing and of limits."""

@@ -33,13 +33,13 @@ INSIDE = 0.01  # relative amount by which limits are drawn in while anything pos
 STARTS = 3
 APART = 0.1  # of the box: starts that are nearer than this lead to the same place
 RADIUS, ROUNDS = 0.15, 25
-LAST_RADIUS, LAST_ROUNDS = 0.03, 10  # on the knots that the full search came to
-POLISHED = 2  # times
+LAST_RADIUS, LAST_ROUNDS = 0.03, 20  # on the knots that the full search came to
+POLISHED = 4  # times at most
 SHARE_OF_TIME = 0.6  # of what is left
 
 
 @dataclass(frozen=True, eq=False)
-class _Mesh:
+class Mesh:
     """Knots of every free law, that follow the windows while angles change.
 
     Attributes:
@@ -51,7 +51,7 @@ class _Mesh:
     needed: tuple[Array, ...]
 
     @classmethod
-    def of(cls, problem: Problem, grids: Sequence[Grid]) -> _Mesh:
+    def of(cls, problem: Problem, grids: Sequence[Grid]) -> Mesh:
         """The mesh of these grids."""
         return cls(tuple(grid.space.breaks for grid in grids), tuple(_needed(problem)))
 
@@ -90,21 +90,21 @@ class _Worth:
             return None
         return pose(spec, spec.objectives()[0], (), stretches)
 
-    def uniform(self, u: Array, intervals: int) -> _Mesh:
+    def uniform(self, u: Array, intervals: int) -> Mesh:
         """Equal intervals, by the windows as they are at u."""
         problem = self.problem(u)
         if problem is None:
-            return _Mesh((), ())
-        return _Mesh.of(problem, [uniform(s, intervals) for s in problem.free])
+            return Mesh((), ())
+        return Mesh.of(problem, [uniform(s, intervals) for s in problem.free])
 
-    def refined(self, u: Array) -> _Mesh:
+    def refined(self, u: Array) -> Mesh:
         """The knots that the full search comes to at u."""
         problem = self.problem(u)
         assert problem is not None
         grids = search(problem, self.spec.tolerance, self.deadline).grids
-        return _Mesh.of(problem, grids)
+        return Mesh.of(problem, grids)
 
-    def on(self, mesh: _Mesh) -> Function:
+    def on(self, mesh: Mesh) -> Function:
         """The value on a mesh; None where nothing fits, or time is up."""
 
         @cache
@@ -119,7 +119,7 @@ class _Worth:
 
         return lambda u: None if time.monotonic() >= self.deadline else value(u.tobytes())
 
-    def excess(self, mesh: _Mesh) -> Function:
+    def excess(self, mesh: Mesh) -> Function:
         """By how much limits must be exceeded at least, in all; 0 where everything fits."""
 
         def value(u: Array) -> float | None:
@@ -157,10 +157,17 @@ def chosen(spec: DesignSpec, deadline: float = inf) -> tuple[DesignSpec, list[fl
     stage = Stage(
         "proportions", f"search over {freedom} of {len(numbers)} free numbers", "Clarabel",
         len(numbers), 0, worth.calls, time.perf_counter() - started,
-        "nothing found" if best is None or best.value == inf else "searched",
+        _ended(best, late=time.monotonic() >= stop),
         "angles and lifts of the program, by cutting planes from several starts",
     )  # fmt: skip
     return spec.with_numbers(numbers), numbers, stage
+
+
+def _ended(best: Found | None, *, late: bool) -> str:
+    """Why the search stopped."""
+    if best is None or best.value == inf:
+        return "out of time" if late else "nothing found"
+    return "out of time, with the best so far" if late else "searched"
 
 
 def _search(worth: _Worth, middle: Array) -> Found | None:
@@ -177,9 +184,11 @@ def _search(worth: _Worth, middle: Array) -> Found | None:
         return next(iter(around), None)
     best = min(ends, key=lambda one: one.value)
     for _ in range(POLISHED):
-        fine = worth.on(worth.refined(best.u))
+        before, fine = best, worth.on(worth.refined(best.u))
         for start in _best_of(fine, [best.u]):
-            best = least(fine, polytope, start, LAST_RADIUS, LAST_ROUNDS)
+            before, best = start, least(fine, polytope, start, LAST_RADIUS, LAST_ROUNDS)
+        if before.value - best.value <= 0.1 * worth.spec.tolerance * abs(best.value):
+            break
     return best
 
 

@@ -59,7 +59,7 @@ def turned(state: Search, trial: float, solved: Solved) -> Outcome:
         state.tangent = not loose
         if state.tangent or state.close(state.relaxed) or state.left() <= 0.0:
             break
-        if not any(curve.turns for s in state.problem.free for curve in state.problem.curves_on(s)):
+        if state.problem.rigid:
             break
         before, value = value, _value(plan, solution)
         if value - before > _gain_worth(state, value):

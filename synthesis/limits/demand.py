@@ -13,8 +13,10 @@ from synthesis.terms import Row, derivative
 EXACT = 1e-9  # of lift/β^k: what one value may differ from another by rounding
 TRAVEL = 0
 NAMES = ("travel", "velocity", "acceleration", "jerk")
-FIELDS = ("travel_mm", "velocity_mm_per_s", "acceleration_mm_per_s2", "jerk_mm_per_s3")
-UNITS = ("mm", "mm/s", "mm/s²", "mm/s³")
+FIELDS = {
+    "mm": ("travel_mm", "velocity_mm_per_s", "acceleration_mm_per_s2", "jerk_mm_per_s3"),
+    "deg": ("travel_deg", "velocity_deg_per_s", "acceleration_deg_per_s2", "jerk_deg_per_s3"),
+}
 QUANTITIES = ("travel", "velocity", "acceleration", "jerk")
 
 
@@ -55,13 +57,12 @@ class Demand(Limit):
 
     def unit(self, stretch: Stretch, machine: Machine) -> float:
         """Natural size of the quantity on the wire: lift ω^k/β^k."""
-        return abs(stretch.lift) * (machine.omega / stretch.angle) ** self.order
+        return abs(stretch.lift) / stretch.angle**self.order * machine.rate(self.order)
 
     def _factor(self, stretch: Stretch, machine: Machine) -> float:
         """What the derivative per radian is multiplied by to give the wire's value."""
-        if self.order == TRAVEL:
-            return 1.0 if stretch.lift > 0.0 else -1.0
-        return machine.omega**self.order
+        backwards = self.order == TRAVEL and stretch.lift < 0.0
+        return -machine.rate(TRAVEL) if backwards else machine.rate(self.order)
 
     def rows(self, stretch: Stretch, machine: Machine) -> tuple[Row, ...]:
         if stretch.index != self.segment:
@@ -98,8 +99,9 @@ class Demand(Limit):
             low, high = high, low
         return (
             Claim(
-                self.name, QUANTITIES[self.order], (self.segment,), low, high, UNITS[self.order],
-                _moved(factor, start), self.field, part=self.part, exact=self.exact,
+                self.name, QUANTITIES[self.order], (self.segment,), low, high,
+                machine.told(self.order), _moved(factor, start), self.field,
+                part=self.part, exact=self.exact,
             ),
         )  # fmt: skip
 

@@ -36,7 +36,7 @@ def read_back(cam: MeasuredCam) -> ProfileAnalysis:
                 f"/follower/{name}", None, "A profile is read back for a follower that is given.",
                 "Give this dimension as a number.",
             )  # fmt: skip
-    if [flank.side for flank in cam.follower.flanks] != [1]:
+    if cam.follower.companions or [flank.side for flank in cam.follower.flanks] != [1]:
         raise InputError(
             "/follower/closure", cam.follower.kind,
             "A profile is read back for one roller that touches it from outside.",

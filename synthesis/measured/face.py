@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from typing import Literal
 
 import numpy as np
@@ -22,19 +23,15 @@ def off_face(
     Args:
         width: the face. follower, size: what rides. fine: the cam at many even angles.
     """
-    (x, y), *_ = follower.traced_point(fine.s, size)
-    (gx, gy), _ = follower.direction(fine.s, size)
-    along = x * gy - y * gx  # positive to the right
-    half = None if width.width_mm is None else 0.5 * width.width_mm
-    ends: tuple[tuple[Literal["left", "right"], float | None, Array], ...] = (
-        ("left", width.left_mm, -along),
-        ("right", width.right_mm, along),
-    )
+    half = math.inf if width.width_mm is None else 0.5 * width.width_mm
+    left, right = (min(half, each or math.inf) for each in (width.left_mm, width.right_mm))
     found: list[OffFace] = []
-    for side, reach, contact in ends:
-        allowed = [each for each in (half, reach) if each is not None]
-        if allowed:
-            found += _arcs(side, contact - min(allowed), fine.theta / DEGREE)
+    sides: tuple[Literal["left", "right"], ...] = ("left", "right")
+    for side, row in zip(sides, follower.contact_rows(left, right), strict=False):
+        fixed = sum(c * z for c, z in zip(row.size, size, strict=False))
+        along = np.array(row.coefficients) @ fine.s + fixed
+        if math.isfinite(row.upper):
+            found += _arcs(side, along - row.upper, fine.theta / DEGREE)
     return found
 
 

@@ -46,7 +46,8 @@ def read(ride: Ride, tolerance: float) -> Read:
     Where the follower rests on both sides of a hollow its velocity jumps: the spline may have a
     kink there.
     """
-    kinks = np.array([bridge.angle for bridge in ride.bridges])
+    kinks = np.unique(np.round([bridge.angle for bridge in ride.bridges], 6))
+    kinks = kinks[kinks < FULL_TURN]
     values = ride.position[:, None]
     for count in KNOTS:
         knots = _knots(count, kinks)

@@ -17,10 +17,12 @@ from synthesis.numerics.piecewise import Array
 from synthesis.numerics.polytope import Polytope, least_linear
 
 Function = Callable[[Array], float | None]
-STEP = 1e-4  # for slopes, of the box's side
+STEP = 1e-5  # for slopes, of the box's side
 KEPT = 8  # tangents per direction that are remembered
-ENOUGH = 1e-5  # relative gain that is no longer worth a step
-CLOSEST = 1e-6
+ENOUGH = 1e-6  # relative gain that is not worth a step
+CLOSEST = 1e-5
+NEAR = 20.0  # radii: tangents farther off say nothing of the place, the function is not convex
+LONGER, SHORTER = 1.5, 0.4
 GOOD, POOR = 0.5, 0.1  # shares of the promised gain
 
 
@@ -58,10 +60,13 @@ def least(
     if not polytope.directions.shape[1]:
         return best
     tangents.append(_tangent(function, polytope, best))
-    for _ in range(rounds):
+    while rounds > 0 and radius >= CLOSEST:
+        tangents = [t for t in tangents if np.max(np.abs(t.at - best.u)) <= NEAR * radius]
         step, promised = _step(polytope, best, tangents, radius)
-        if promised <= ENOUGH * abs(best.value) or radius < CLOSEST:
-            break
+        if promised <= ENOUGH * abs(best.value):
+            radius *= SHORTER
+            continue
+        rounds -= 1
         at = best.u + polytope.directions @ step
         value = function(at)
         gain = -inf if value is None else best.value - value
@@ -69,7 +74,7 @@ def least(
             tangents.append(_tangent(function, polytope, Found(at, value)))
         if value is not None and gain > POOR * promised:
             best = Found(at, value)
-        radius *= 1.5 if gain > GOOD * promised else 1.0 if gain > POOR * promised else 0.4
+        radius *= LONGER if gain > GOOD * promised else 1.0 if gain > POOR * promised else SHORTER
         tangents = tangents[-KEPT * polytope.directions.shape[1] :]
     return best
 

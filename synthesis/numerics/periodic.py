@@ -11,6 +11,7 @@ from scipy import sparse
 from scipy.interpolate import BSpline, PPoly
 from scipy.sparse.linalg import splu
 
+from synthesis.errors import SolverFailed
 from synthesis.numerics.piecewise import Array, Piecewise
 
 DEGREE: Final = 5
@@ -72,6 +73,15 @@ def design(knots: Array, period: float, x: Array) -> sparse.csr_array:
     return sparse.coo_array((table.data, (table.row, columns[table.col])), shape=shape).tocsr()
 
 
+def _solve(matrix: Any, right: Array) -> Array:
+    """Solve a sparse system; SolverFailed where it is singular."""
+    try:
+        solved: Array = splu(matrix.tocsc()).solve(right)
+    except RuntimeError as error:
+        raise SolverFailed("SuperLU", str(error), "Measure points more evenly.") from None
+    return solved
+
+
 def fitted(knots: Array, period: float, x: Array, values: Array) -> tuple[PeriodicSpline, Array]:
     """Least squares on given knots.
 
@@ -84,7 +94,7 @@ def fitted(knots: Array, period: float, x: Array, values: Array) -> tuple[Period
     matrix = design(knots, period, x)
     normal = (matrix.T @ matrix).tocsc()
     ridge = 1e-13 * normal.diagonal().max()  # a knot interval without points keeps a solution
-    solved = splu((normal + ridge * sparse.eye_array(len(knots))).tocsc()).solve(matrix.T @ values)
+    solved = _solve(normal + ridge * sparse.eye_array(len(knots)), matrix.T @ values)
     return PeriodicSpline(knots, period, solved), values - matrix @ solved
 
 
@@ -120,7 +130,7 @@ def smoothed(
 
     def attempt(power: float) -> tuple[float, Array, Array]:
         """Score, coefficients and residuals; the score is infinite out of tolerance."""
-        solved = splu((normal + 10.0**power * penalty).tocsc()).solve(right)
+        solved = _solve(normal + 10.0**power * penalty, right)
         residual = values - matrix @ solved[:, :d]
         freedom = k - np.sum(right[:, d:] * solved[:, d:]) / PROBES
         score = float(np.sum(residual**2)) / max(float(freedom), 1e-3 * k) ** 2

@@ -7,6 +7,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from synthesis.certify.quantities import QUANTITIES
 from synthesis.followers import OscillatingFlatFace
 from synthesis.motion import Motion, Stretch
 from synthesis.profile import CamProfile, cam_profile
@@ -302,6 +303,17 @@ def test_what_the_follower_tells_is_what_is_measured(cam: FaceCam):
     ):
         excess = max(float(np.max(v)) for curve in curves for v in curve.excess(s, size))
         assert excess == pytest.approx(worst, abs=1e-6)
+
+
+@given(face_cams())
+def test_the_certificate_s_quantities_are_those_of_the_closed_forms(cam: FaceCam):
+    s = cam.everywhere()
+    radius = cam.d * bracket(s, cam.reference, cam.sigma, cam.psi) - cam.f
+    reach = cam.d * np.cos(cam.psi + s[0] / cam.reference)
+    reach = reach / (1.0 + cam.sigma * s[1] / cam.reference)
+    for name, told in (("face_radius", radius), ("contact", reach)):
+        found = QUANTITIES[name].formula(cam.follower, cam.size, tuple(s))
+        np.testing.assert_allclose(found, told, rtol=1e-9, atol=1e-9 * cam.length, err_msg=name)
 
 
 @given(face_cams(), unspecial(0.5, 1.5), unspecial(0.3, 1.2))

@@ -16,11 +16,13 @@ from synthesis.profile import cam_profile
 from tests.measured.cams import ARM, EDGE, FACE, ROLLER, motion_of, profile, read, spec
 
 TOLERANCE = 6e-3  # mm
-FOLLOWERS = [ROLLER, EDGE, FACE, ARM, ARM | {"sense": "same"}]
+TILTED = FACE | {"tilt_deg": 11.3, "offset_mm": 4.7}
+FOLLOWERS = [ROLLER, EDGE, FACE, TILTED, ARM, ARM | {"sense": "same"}]
 
 
 def names(follower: dict[str, Any]) -> str:
-    return f"{follower['kind']}-{follower.get('roller_radius_mm', '')}{follower.get('sense', '')}"
+    told = (follower.get(name, "") for name in ("roller_radius_mm", "sense", "tilt_deg"))
+    return "-".join(str(each) for each in (follower["kind"], *told))
 
 
 def exported(asked: DesignSpec) -> np.ndarray:

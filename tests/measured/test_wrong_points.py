@@ -76,14 +76,23 @@ def test_a_follower_that_is_not_given(points: np.ndarray) -> None:
     assert error.field == "/follower/offset_mm"
 
 
-def test_a_groove(points: np.ndarray) -> None:
-    error = refused(points, ROLLER | {"closure": {"kind": "groove"}})
-    assert error.field == "/follower/closure"
+@pytest.mark.parametrize(
+    "closure",
+    [{"kind": "groove"}, {"kind": "force", "contact": "inside"},
+     {"kind": "conjugate", "roller_radius_mm": 3.0, "offset_mm": 0.0}],
+)  # fmt: skip
+def test_what_is_not_one_roller_from_outside(points: np.ndarray, closure: dict[str, Any]) -> None:
+    assert refused(points, ROLLER | {"closure": closure}).field == "/follower/closure"
 
 
 @pytest.mark.parametrize(
     "follower",
-    [ROLLER | {"offset_mm": 66.0}, ARM | {"arm_mm": 20.0}, ARM | {"centre_distance_mm": 200.0}],
+    [
+        ROLLER | {"offset_mm": 66.0},
+        ARM | {"arm_mm": 20.0},
+        ARM | {"centre_distance_mm": 200.0},
+        ARM | {"centre_distance_mm": -100.0},
+    ],
 )
 def test_a_follower_that_does_not_reach(points: np.ndarray, follower: dict[str, Any]) -> None:
     error = refused(points, follower)

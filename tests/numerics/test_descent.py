@@ -104,3 +104,15 @@ def test_without_a_direction_the_start_is_the_answer() -> None:
     point = Polytope(np.eye(2), np.array([0.3, 0.4]))
     start = Found(np.array([0.3, 0.4]), 7.0)
     assert least(lambda u: 0.0, point, start, 0.1, 5) is start
+
+
+def test_from_near_a_maximum_down_to_the_minimum() -> None:
+    """Concave there, it lies below its tangents: these may not cut off what is known."""
+
+    def wave(u: np.ndarray) -> float:
+        return float(2.0 + np.cos(6.0 * u[0]) + 0.3 * np.cos(5.0 * u[1]) + 0.1 * u[2])
+
+    start = np.array([0.04, 0.07, 0.8])
+    found = least(wave, OPEN, Found(start, wave(start)), 0.12, 60)
+    assert found.u[:2] == pytest.approx([np.pi / 6.0, np.pi / 5.0], abs=4e-3)
+    assert found.u[2] == pytest.approx(0.0, abs=1e-6)

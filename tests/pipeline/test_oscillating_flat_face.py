@@ -172,6 +172,7 @@ def test_a_free_law_is_smaller_than_every_given_one_and_honest_about_its_bound()
     assert free.status == "feasible"  # a local optimum: the bound is that of a relaxation
     proof = free.certificate
     assert proof.lower_bound is not None
+    assert "local optimum" in proof.bound_over
     assert proof.lower_bound <= free.dimensions["base_radius_mm"]
     assert free.dimensions["base_radius_mm"] < 0.97 * named.dimensions["base_radius_mm"]
     s = free.curve.derivatives(np.linspace(0.0, 2.0 * math.pi, 20001)) / 60.0
@@ -211,6 +212,18 @@ def test_contact_that_leaves_the_face_is_found_with_its_angle(sense: str) -> Non
     assert told.mend is not None
     (size,) = told.mend.sizes
     assert size.status == "optimal"
+
+
+def test_a_pivot_that_may_not_come_nearer_stays_away() -> None:
+    _, free = free_distance("opposite")
+    least = free.dimensions["centre_distance_mm"] + 4.0
+    kept = synthesise(asked({"min": least, "max": 150.0}, RADIUS, PRESSURE, FACE))
+    at = synthesise(asked(least, RADIUS, PRESSURE, FACE))
+    assert kept.certificate.certified
+    assert kept.dimensions["centre_distance_mm"] == pytest.approx(least, rel=1e-3)
+    assert kept.dimensions["base_radius_mm"] == pytest.approx(
+        at.dimensions["base_radius_mm"], rel=2e-3
+    )
 
 
 def test_what_cannot_be_says_what_is_in_the_way() -> None:

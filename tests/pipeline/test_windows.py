@@ -300,3 +300,71 @@ def test_a_point_of_a_small_move_far_up_is_still_exact() -> None:
     told = extreme(design, "program/2/points/0/travel_mm")
     assert told.holds
     assert told.width <= told.margin <= 1.001e-9 * small
+
+
+# -- followers on arms ----------------------------------------------------------------------------
+
+ARM = {"kind": "oscillating_roller", "arm_mm": 85.0, "centre_distance_mm": 104.3,
+       "roller_radius_mm": 11.7}  # fmt: skip
+
+
+def swung(**fields: Any) -> DesignSpec:
+    """An arm that falls 24.3° by the cycloidal law in 169.8°."""
+    law = {"law": {"kind": "cycloidal"}}
+    program = [
+        {"kind": "rise", "angle_deg": 120.4, "lift_deg": 24.3, **law},
+        {"kind": "dwell", "angle_deg": 69.8},
+        {"kind": "return", "angle_deg": 169.8, "lift_deg": 24.3, **law, **fields},
+    ]
+    return cam(program=program, follower=ARM, limits=[], base_radius_mm=41.2)
+
+
+def test_on_arms_windows_and_points_are_in_degrees() -> None:
+    x = np.array([31.3, 90.7]) / 169.8
+    travel = 24.3 * (x - np.sin(2.0 * pi * x) / (2.0 * pi))
+    speed = -24.3 / np.radians(169.8) * (1.0 - np.cos(2.0 * pi * x)) * OMEGA
+    window = {"from_deg": 31.3, "to_deg": 80.1, "velocity_deg_per_s": {"max": -7.0}}
+    point = {"angle_deg": 90.7, "travel_deg": travel[1], "velocity_deg_per_s": speed[1]}
+    found = analyse(swung(windows=[window], points=[point]))
+    told = {e.field: e for e in found.extremes}
+    slowest = told["program/2/windows/0/velocity_deg_per_s/max"]
+    assert slowest.unit == "deg/s"
+    assert slowest.value == pytest.approx(speed[0], rel=1e-9)
+    assert slowest.holds
+    for name, value in (("travel_deg", travel[1]), ("velocity_deg_per_s", speed[1])):
+        there = told[f"program/2/points/0/{name}"]
+        assert there.value == pytest.approx(value, rel=1e-9)
+        assert there.holds
+    off = {**point, "travel_deg": travel[1] + 1e-6, "velocity_deg_per_s": None}
+    assert not analyse(swung(points=[off])).holds
+
+
+def test_units_of_windows_are_the_follower_s() -> None:
+    mixed = {"angle_deg": 90.7, "travel_mm": 3.0}
+    with pytest.raises(ValidationError) as caught:
+        swung(points=[mixed])
+    assert caught.value.errors()[0]["type"] == "units_mixed"
+    for point in ({"angle_deg": 9.0}, {**mixed, "travel_deg": 3.0}):
+        with pytest.raises(ValidationError) as caught:
+            swung(points=[point])
+        assert caught.value.errors()[0]["type"] == "point_unclear"
+
+
+def test_a_law_on_an_arm_keeps_its_window_and_passes_its_point() -> None:
+    window = {"from_deg": 30.3, "to_deg": 49.7, "velocity_deg_per_s": 100.0}
+    point = {"angle_deg": 41.0, "travel_deg": 4.1}
+    program = [
+        {"kind": "rise", "angle_deg": 100.0, "lift_deg": 17.3, "windows": [window]},
+        {"kind": "dwell", "angle_deg": 50.0},
+        {"kind": "return", "angle_deg": 120.0, "lift_deg": 17.3, "points": [point]},
+        {"kind": "dwell", "angle_deg": 90.0},
+    ]
+    limits = [LIMITS[0] | {"rise_deg": 40.0}, {"kind": "jerk", "max_deg_per_s3": 6e5}]
+    design = synthesise(cam(program=program, follower=ARM, limits=limits, tolerance=0.03))
+    assert design.status == "optimal"
+    assert "all motion laws" in design.certificate.bound_over
+    arc = np.degrees(1.0 / ARM["arm_mm"])  # degrees of the arm in a millimetre of the roller's way
+    inside = motion_at(design, np.linspace(30.3 + 1e-9, 49.7 - 1e-9, 77), 1) * arc
+    assert inside == pytest.approx(100.0, rel=1e-9)
+    there = motion_at(design, 191.0, 0) * arc
+    assert there == pytest.approx(17.3 - 4.1, abs=1e-9 * 17.3)

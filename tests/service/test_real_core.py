@@ -37,7 +37,7 @@ def test_worked_examples(client: httpx2.Client, name: str) -> None:
     assert design["certificate"]["certified"]
     assert all(extreme["holds"] for extreme in design["extremes"])
     if design["status"] == "optimal":
-        assert design["certificate"]["gap"] <= value["tolerance"]
+        assert design["certificate"]["gap"] <= value.get("tolerance", 1e-3)
 
 
 def test_an_infeasible_design_has_no_files(client: httpx2.Client) -> None:

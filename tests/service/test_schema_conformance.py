@@ -13,6 +13,7 @@ from tests.service.conftest import Running
 load_all_checks()
 # A program that does not close fits the schema and is refused all the same.
 NOT_ASKED = CHECKS.get_by_names(["positive_data_acceptance"])
+NO_FAULT = CHECKS.get_by_names(["not_a_server_error"])
 
 
 schema = schemathesis.openapi.from_dict(create_app(Settings()).openapi())
@@ -24,4 +25,7 @@ schema = schemathesis.openapi.from_dict(create_app(Settings()).openapi())
     suppress_health_check=list(HealthCheck),
 )  # fmt: skip
 def test_answers_are_as_documented(case: schemathesis.Case, service: Running) -> None:
-    case.call_and_validate(base_url=service.url, excluded_checks=NOT_ASKED)
+    answer = case.call(base_url=service.url)
+    # 504 is the documented answer where a spec allows itself next to no time
+    late = NO_FAULT if answer.status_code == 504 else []
+    case.validate_response(answer, excluded_checks=[*NOT_ASKED, *late])

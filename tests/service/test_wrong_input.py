@@ -56,6 +56,19 @@ def on_an_arm(swing: float = 45.0, base: float = 80.0, **fields: Any) -> Change:
     return change
 
 
+def on_a_face(swing: float = 10.0, base: float = 40.0, **fields: Any) -> Change:
+    """The same program with a flat face on a pivot 60 mm away, its laws given."""
+
+    def change(body: Any) -> None:
+        for part in body["program"]:
+            if part.pop("lift_mm", None) is not None:
+                part.update(lift_deg=swing, law={"kind": "cycloidal"})
+        body["follower"] = {"kind": "oscillating_flat_face", "centre_distance_mm": 60, **fields}
+        body.update(base_radius_mm=base, limits=[])
+
+    return change
+
+
 # what is changed, where the caller is pointed to, what is said there
 TABLE: dict[str, tuple[Change, str, Any, str]] = {
     "angles do not sum": (segment(3, angle_deg=200), "/program", 350.0, "Add 10.0°"),
@@ -94,6 +107,19 @@ TABLE: dict[str, tuple[Change, str, Any, str]] = {
     ),
     "an angle that is none": (
         on_an_arm(initial_angle_deg=190), "/follower/initial_angle_deg", 190, "0° and 180°",
+    ),
+    "a face that turns with the cam": (
+        on_a_face(swing=45), "/program", 1.5, "turn the sense",
+    ),
+    "a face past the right angle": (
+        on_a_face(base=59.5), "/follower/centre_distance_mm", ..., "the centre distance larger",
+    ),
+    "a face whose pivot may be anywhere": (
+        on_a_face(centre_distance_mm={"min": 50}), "/follower/centre_distance_mm", ...,
+        "a range with a positive max",
+    ),
+    "a tilt that is none": (
+        follower(kind="translating_flat_face", tilt_deg=1e-5), "/follower/tilt_deg", 1e-5, "Give 0",
     ),
     "a pivot on the axis": (
         on_an_arm(centre_distance_mm=0), "/follower/centre_distance_mm", 0, "positive",
