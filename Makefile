@@ -26,7 +26,7 @@ unexport VIRTUAL_ENV PYTHONHOME PYTHONPATH PIP_USER PIP_TARGET PIP_PREFIX PIP_RE
 export PYTHONNOUSERSITE = 1
 
 .DEFAULT_GOAL := help
-.PHONY: help run test lint format bench openapi lock clean distclean
+.PHONY: help run test hard lint format bench openapi lock clean distclean
 
 help:  ## print this list
 	@echo "Camwright. Targets:"
@@ -38,6 +38,9 @@ run: $(RUN)  ## start the service (HOST=127.0.0.1 PORT=8000)
 
 test: lint  ## run everything: style, types, layers, then the tests (ARGS="-k name")
 	$(PY) -m pytest $(ARGS)
+
+hard: $(DEV)  ## all 2000 random specs against the independent verifier (ARGS="0 2000 1": first, end, step)
+	$(PY) -m tests.hard.run $(ARGS)
 
 lint: $(DEV)  ## style, types and layers only
 	$(PY) -m ruff check

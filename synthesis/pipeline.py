@@ -17,7 +17,7 @@ from synthesis.answer import Bounded, Cam, design, judged, proofs, with_chosen
 from synthesis.certify import CROSSING
 from synthesis.design import Conflict, Design, Extreme, Relaxation, StageReport
 from synthesis.errors import TimeBudgetExceeded
-from synthesis.formulations.candidate import Candidate, given_size
+from synthesis.formulations.candidate import Candidate, given_size, value
 from synthesis.formulations.companion import Settled, settled
 from synthesis.formulations.problem import Held, pose
 from synthesis.formulations.refine import search
@@ -212,7 +212,15 @@ def _solved(spec: DesignSpec, tables: Tables, stop: float, tighten: float) -> _A
         held = (*held, Held(objective, tried.keepable(spec.tolerance)))
     if best is None:
         best = given_size(attempt.searches[0].problem)
+        if best is not None:  # the only cam there is: its values are their own bounds
+            posed = [pose(spec, objective, (), tables.stretches) for objective in objectives]
+            attempt.bounds = [
+                Bounded(one.objective, value(one, best.size) * (1.0 - 1e-12), "the one cam given")
+                for one in posed
+            ]
     if best is not None:
+        unreached = objectives[len(attempt.bounds) :]
+        attempt.bounds += [Bounded(objective, -inf, "") for objective in unreached]
         splines = {
             stretch.index: (law.space, law.coefficients)
             for stretch, law in zip(attempt.searches[0].problem.free, best.laws, strict=True)

@@ -84,7 +84,7 @@ class Plan:
                 f @ law.on(g.space)
                 for f, law, g in zip(self.energy.factors, laws, self.grids, strict=True)
             ]
-            x[self.squares] = np.concatenate(roots) / self.energy.unit**0.5
+            x[self.squares] = np.concatenate([np.zeros(0), *roots]) / self.energy.unit**0.5
         norm = self.problem.objective.norm(self.problem.machine)
         if self.extra is not None and norm is not None:
             x[self.extra] = norm.value(size) / self.scales.size

@@ -24,7 +24,7 @@ from synthesis.formulations.parts import Part
 from synthesis.formulations.problem import Problem
 from synthesis.formulations.relaxation import least_value
 from synthesis.formulations.rows import Drawn
-from synthesis.formulations.scene import NOTHING, Scene, yielded
+from synthesis.formulations.scene import NOTHING, OutOfTime, Scene, yielded
 from synthesis.limits import Claim
 from synthesis.solvers.clarabel import solve
 from synthesis.solvers.statuses import Stopped
@@ -34,6 +34,7 @@ Reached = Callable[[Claim], float | None]
 LATE = "the time budget ended before this was known"
 ALONE = "relaxing this limit alone cannot help"
 BEST = "what the best cam found comes to, not proven least"
+EACH = "leaving out any one of those named, the others can hold"
 SPARE = 2e-3  # relative: what limits that just touch must leave for a cam to be found and proven
 
 
@@ -54,7 +55,7 @@ def diagnose(
     """
     if problem.curved:
         return stalemate(spec, deadline)
-    scene = Scene.of(spec, problem, grids)
+    scene = replace(Scene.of(spec, problem, grids), deadline=deadline)
     given = blocked(scene.parts, problem)
     members, evidence = _conflict(scene, given, problem)
     if not members:
@@ -76,30 +77,38 @@ def _conflict(scene: Scene, given: dict[int, Blocked], problem: Problem) -> tupl
     """The parts that cannot hold together, none if all can, and how that is known."""
     members = set(given)
     evidence = [f"{scene.parts[k].words}: {why.note}" for k, why in given.items()]
-    found = yielded(scene, scene.plan(), range(len(scene.parts)), exact=False)
+    timeless = replace(scene, deadline=inf)
+    found = yielded(timeless, scene.plan(), range(len(scene.parts)), exact=False)
     if found is None and problem.curved:
         return members, "; ".join([*evidence, "no elastic program has a point"])
     if found is None:
         raise SolverFailed("Clarabel", "failed", "The elastic program gave no usable point.")
     if found.total > NOTHING:
         order = [int(k) for k in np.argsort(found.amounts, kind="stable")]
-        members |= irreducible(scene, order)
-        evidence.append(_proof(scene, problem, found.total))
+        least, whole = irreducible(scene, order)
+        members |= least
+        evidence.append(_proof(scene, problem, found.total, whole))
     return members, "; ".join(evidence)
 
 
-def irreducible(scene: Scene, order: Sequence[int]) -> set[int]:
+def irreducible(scene: Scene, order: Sequence[int]) -> tuple[set[int], bool]:
     """Parts that cannot hold together, though all but any one of them can.
 
     Args:
         scene: one in which nothing fits.
         order: its parts; those named first are tried first to be left out.
+
+    Returns:
+        the parts, and whether every one of them was tried before the scene's deadline.
     """
     kept = set(order)
     for part in order:
-        if not holds(scene, kept - {part}):
-            kept.discard(part)
-    return kept
+        try:
+            if not holds(scene, kept - {part}):
+                kept.discard(part)
+        except OutOfTime:
+            return kept, False
+    return kept, True
 
 
 def holds(scene: Scene, parts: Collection[int]) -> bool:
@@ -109,13 +118,14 @@ def holds(scene: Scene, parts: Collection[int]) -> bool:
     return found is not None and found.total <= NOTHING
 
 
-def _proof(scene: Scene, problem: Problem, total: float) -> str:
+def _proof(scene: Scene, problem: Problem, total: float, whole: bool) -> str:
     stopped = solve(formulate(problem, scene.grids, 0.0, Drawn(scene.drawn)).program).stopped
     certified = "; Clarabel certifies that the program as asked is infeasible"
     chosen = "cam and splines on its knots are" if problem.free else "the cam is"
     return (
         f"elastic cone program: however {chosen} chosen, limits are exceeded by {total:.3g} "
-        "(sum of relative excesses); leaving out any one of those named, the others can hold"
+        "(sum of relative excesses); "
+        f"{EACH if whole else LATE}"
         f"{certified if stopped is Stopped.INFEASIBLE else ''}"
     )
 
@@ -133,7 +143,10 @@ def _relaxations(
     alone = position in members and not set(given) - {position}
     late = time.monotonic() >= deadline
     if alone and not late and (block is None or block.value is not None):
-        needed = least_value(scene, position)
+        try:
+            needed = least_value(scene, position)
+        except OutOfTime:
+            late = True
     if needed is not None and scene.drawn == SPARE:
         needed = part.eased(needed, 2.0 * SPARE)
     tight = [m for m in part.members if needed is None or _tighter(part, m.asked, needed)]

@@ -15,6 +15,7 @@ from math import inf, isfinite
 from typing import Any
 
 from synthesis.design import Conflict, Relaxation
+from synthesis.followers import Follower
 from synthesis.formulations.given import blocked
 from synthesis.formulations.parts import limit_parts
 from synthesis.formulations.problem import pose
@@ -139,11 +140,17 @@ def _parts(spec: DesignSpec) -> Iterator[_Part]:
     for name, (prefix, value) in given.items():
         low, high = ends(value)
         for sign, end in (("=", low),) if low == high else (("≥", low), ("≤", high)):
-            if isfinite(end):
-                tail = {"=": "", "≥": "/min", "≤": "/max"}[sign]
+            tail = {"=": "", "≥": "/min", "≤": "/max"}[sign]
+            if isfinite(end) and not (prefix and _measures(spec.follower, name, tail)):
                 title, _, unit = name.rpartition("_")
                 words = f"{title.replace('_', ' ')} {sign} {end:.6g} {unit}"
                 yield _Part(prefix + name + tail, title, words, unit, end, None, name)
+
+
+def _measures(follower: Follower, name: str, tail: str) -> bool:
+    """Whether displacements are measured by this end of a dimension: it cannot be left out."""
+    open_end = without_end(getattr(follower, name), tail.lstrip("/"))
+    return not isfinite(follower.model_copy(update={name: open_end}).travel.per_unit)
 
 
 def _without(spec: DesignSpec, dropped: Collection[_Part]) -> DesignSpec:

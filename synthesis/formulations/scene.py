@@ -7,6 +7,7 @@ searched for.
 
 from __future__ import annotations
 
+import time
 from collections.abc import Callable, Collection, Iterator, Sequence
 from dataclasses import dataclass, replace
 from math import inf, sqrt
@@ -30,17 +31,23 @@ TURNS = 30
 Towards = Callable[[Array | None], Yielded | None]
 
 
+class OutOfTime(Exception):
+    """The deadline of a scene has passed."""
+
+
 @dataclass(frozen=True, eq=False)
 class Scene:
     """The problem with its size open, and everything that may give way.
 
-    ``drawn``: relative amount by which all limits are drawn in.
+    ``drawn``: relative amount by which all limits are drawn in. ``deadline``: ``time.monotonic()``
+    after which no further cone program is begun; ``OutOfTime`` then.
     """
 
     problem: Problem
     grids: tuple[Grid, ...]
     parts: tuple[Part, ...]
     drawn: float = DRAWN
+    deadline: float = inf
 
     @classmethod
     def of(cls, spec: DesignSpec, problem: Problem, grids: Sequence[Grid]) -> Scene:
@@ -87,9 +94,14 @@ def yielded(
         there.
         rate: the exchange rate of the one loose part.
         exact: False where it is enough to know whether the least is nothing.
+
+    Raises:
+        OutOfTime: the scene's deadline has passed.
     """
 
     def towards(direction: Array | None) -> Yielded | None:
+        if time.monotonic() >= scene.deadline:
+            raise OutOfTime
         stated, floor = state(plan, scene.parts, direction, scene.drawn), 0.0
         if rate is not None:
             looser = state(rate.looser, scene.parts, direction, scene.drawn)

@@ -64,6 +64,19 @@ class ConeSolution:
     seconds: float
 
 
+def _closed(program: ConeProgram, x: Array) -> Array:
+    """The nearest point that keeps the equalities to rounding instead of to the tolerance.
+
+    Joints of motion laws are among them, and a joint must not show in the finished cam.
+    """
+    if program.equalities == 0 or not np.all(np.isfinite(x)):
+        return x
+    rows = program.matrix[: program.equalities]
+    missed = program.rhs[: program.equalities] - rows @ x
+    weights, *_ = np.linalg.lstsq((rows @ rows.T).toarray(), missed, rcond=1e-13)
+    return np.asarray(x + rows.T @ weights)
+
+
 def solve(program: ConeProgram, time_limit: float = math.inf) -> ConeSolution:
     """Solve to 1e-10 relative where rounding allows.
 
@@ -90,7 +103,7 @@ def solve(program: ConeProgram, time_limit: float = math.inf) -> ConeSolution:
     ).solve()
     word = str(found.status)
     return ConeSolution(
-        np.asarray(found.x),
+        _closed(program, np.asarray(found.x)),
         np.asarray(found.z),
         STATUSES.get(word, Stopped.FAILED),
         word,

@@ -1,0 +1,49 @@
+"""What the random specs have found: kept as they were, so that it stays mended."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from synthesis import DesignSpec, synthesise
+from synthesis.formulations import elastic
+from synthesis.formulations.grid import uniform
+from synthesis.formulations.problem import pose
+from tests.hard.cases import ANGLES, CASES, jerk, scene
+from tests.hard.run import outcome
+from tests.hard.verifier import objectives
+
+FOUND = json.loads((Path(__file__).parent / "found.json").read_text(encoding="utf-8"))
+
+
+@pytest.mark.parametrize("found", FOUND, ids=lambda found: found["why"])
+def test_it_stays_mended(found: dict[str, Any]) -> None:
+    judged = outcome(0, found["spec"])
+    assert judged.complaints == ()
+    assert not judged.status.startswith(("crash", "missed", "spec error"))
+
+
+def test_every_objective_has_a_proof_even_if_it_was_not_reached() -> None:
+    spec = next(one["spec"] for one in FOUND if one["why"].startswith("ordered"))
+    design = synthesise(DesignSpec.model_validate(spec))
+    assert len(design.certificate.also) == len(objectives(spec)) - 1
+    unproven = [proof for proof in design.certificate.also if proof.gap is None]
+    assert design.status == "feasible" or not unproven
+
+
+def test_a_diagnosis_stops_when_its_time_is_over() -> None:
+    spec = DesignSpec.model_validate(scene(ANGLES, jerk(28.8)))
+    problem = pose(spec, spec.objectives()[0])
+    grids = [uniform(stretch, 16) for stretch in problem.free]
+    conflict = elastic.diagnose(spec, problem, grids, deadline=0.0)
+    assert conflict.limits
+    assert elastic.LATE in conflict.evidence
+    assert all(relaxation.needed is None for relaxation in conflict.relaxations)
+
+
+def test_a_cam_that_is_given_in_full_has_a_value() -> None:
+    design = synthesise(DesignSpec.model_validate(CASES["dwell as sharp as asked"].spec))
+    assert design.objectives == {"base_radius_mm": pytest.approx(40.0)}
