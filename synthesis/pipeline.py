@@ -202,7 +202,8 @@ def _solved(spec: DesignSpec, tables: Tables, stop: float, tighten: float) -> _A
     best: Candidate | None = None
     for rank, objective in enumerate(objectives, start=1):
         share = spec.tolerance if rank == len(objectives) else 0.5 * spec.tolerance
-        tried = search(pose(spec, objective, held, tables.stretches), share, stop, tighten)
+        problem, thorough = pose(spec, objective, held, tables.stretches), spec.proof == "thorough"
+        tried = search(problem, share, stop, tighten, thorough=thorough)
         attempt.searches.append(tried)
         if tried.best is None:
             break

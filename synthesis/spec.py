@@ -75,6 +75,15 @@ class DesignSpec(BaseModel):
             description="Relative gap to the best possible that is good enough: it buys time.",
         ),
     ] = 1e-3
+    proof: Annotated[
+        Literal["quick", "thorough"],
+        Field(
+            description="Where curvature binds, the quick lower bound is that of the question "
+            "without it. `thorough` adds rows that curvature implies where a better cam would "
+            "have to lie, and splits the range of the offset: a far smaller gap, for half a "
+            "second to some ten seconds more.",
+        ),
+    ] = "quick"
     time_budget_s: Annotated[
         float | None,
         Field(gt=0.0, le=3600.0, description="Stop after this long with the best so far."),

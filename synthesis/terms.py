@@ -109,17 +109,38 @@ class Within:
 
 
 @dataclass(frozen=True)
-class Curved(ABC):
-    """A limit on motion and size together that no fixed row says.
+class Implied(ABC):
+    """A limit on motion and size together from which rows follow where both lie in a range.
 
-    For a settled motion it is linear in the size, exactly; where it is nearly convex, rows follow
-    from it point by point. ``source``: as of a row. ``order``: highest derivative in it.
-    ``turns``: whether ``cuts`` says anything.
+    ``source``: as of a row. ``turns``: whether ``cuts`` says anything.
     """
 
     source: str
-    order: ClassVar[int] = 3
     turns: ClassVar[bool] = True
+
+    @abstractmethod
+    def cuts(self, within: Within, about: tuple[Array, Vector] | None) -> tuple[Cuts, ...]:
+        """Rows implied wherever motion and size are ``within``, tight about a point.
+
+        Args:
+            within: what is known of s and z at n points.
+            about: s and s' (2, n) and z where the rows shall be tight; None: rows all over the
+                range.
+
+        Returns:
+            () where no such rows are known.
+        """
+
+
+@dataclass(frozen=True)
+class Curved(Implied):
+    """A limit on motion and size together that no fixed row says.
+
+    For a settled motion it is linear in the size, exactly; where it is nearly convex, rows follow
+    from it point by point. ``order``: highest derivative in it.
+    """
+
+    order: ClassVar[int] = 3
 
     @abstractmethod
     def excess(self, s: Any, z: Any) -> tuple[Any, ...]:
@@ -140,16 +161,4 @@ class Curved(ABC):
         Returns:
             rows without motion; where no size is allowed, rows that exclude each other; () where
             only a finished size can be asked.
-        """
-
-    @abstractmethod
-    def cuts(self, within: Within, about: tuple[Array, Vector] | None) -> tuple[Cuts, ...]:
-        """Rows implied wherever motion and size are ``within``, tight about a point.
-
-        Args:
-            within: what is known of s and z at n points.
-            about: s (n,) and z where the rows shall be tight; None: rows all over the range.
-
-        Returns:
-            () where no such rows are known.
         """

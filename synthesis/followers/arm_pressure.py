@@ -129,7 +129,7 @@ class FixedPivot(Curved):
                 where = [ends[0] + share * (hull.touch - ends[0]) for share in SHARES]
                 where.append(ends[1])
             else:
-                where = [sign * np.clip((about[0] + about[1][0]) / self.arm, low, high) + turn]
+                where = [sign * np.clip((about[0][0] + about[1][0]) / self.arm, low, high) + turn]
             for v in where:
                 value, slope = hull.line(v)
                 # sign (l + σ s') ≤ D [value + slope (sign (w + s)/l + turn)]

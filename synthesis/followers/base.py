@@ -15,7 +15,7 @@ from synthesis.errors import InputError
 from synthesis.followers.flank import Flank, Places, Trace, Vector2
 from synthesis.motion import Motion, Stretch
 from synthesis.ranges import Range
-from synthesis.terms import Cone, Curved, Norm, Row
+from synthesis.terms import Cone, Curved, Implied, Norm, Row
 from synthesis.units import Travel
 
 
@@ -205,6 +205,10 @@ class Follower(BaseModel, ABC):
     @abstractmethod
     def curvature_terms(self, s: Any, z: Any) -> tuple[Any, Any]:
         """Numerator N and squared speed W² of the traced curve: κ = N / W³, convex positive."""
+
+    def curvature_implied(self, side: int, most: float) -> tuple[Implied, ...]:
+        """What rows are implied by side · κ ≤ most [1/mm], most > 0; () where none is known."""
+        return ()
 
     def normal(self, tangent: Vector2, s: Any, z: Any) -> Vector2:
         """Outward common normal, of any length: of the traced curve, or of a face that has one.

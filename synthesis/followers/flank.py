@@ -21,7 +21,7 @@ from collections.abc import Iterable
 from dataclasses import dataclass
 from typing import Any, Literal, Protocol
 
-from synthesis.terms import Norm, Row
+from synthesis.terms import Implied, Norm, Row
 
 Vector2 = tuple[Any, Any]
 
@@ -43,6 +43,8 @@ class Trace(Protocol):
     def face_axis(self, s: Any, z: Any) -> tuple[Vector2, Vector2]: ...
 
     def curvature_terms(self, s: Any, z: Any) -> tuple[Any, Any]: ...
+
+    def curvature_implied(self, side: int, most: float) -> tuple[Implied, ...]: ...
 
     def pressure_angle_rows(self, slope: float) -> tuple[Row, ...]: ...
 

@@ -18,10 +18,11 @@ from pydantic_core import PydanticCustomError
 from synthesis.followers.base import Sizing
 from synthesis.followers.closures import LEAST, Force, SlideClosure
 from synthesis.followers.flank import Vector2
+from synthesis.followers.pitch_curvature import PitchCurvature
 from synthesis.followers.roller import RollerFollower
 from synthesis.motion import Motion, Stretch
 from synthesis.ranges import Dimension, Range, ends
-from synthesis.terms import Cone, Norm, Row
+from synthesis.terms import Cone, Implied, Norm, Row
 
 
 class TranslatingRoller(RollerFollower):
@@ -128,6 +129,9 @@ class TranslatingRoller(RollerFollower):
         e, s0 = z
         x, u = s[0] + s0, s[1] - e
         return x * x + u * (2.0 * s[1] - e) - x * s[2], x * x + u * u
+
+    def curvature_implied(self, side: int, most: float) -> tuple[Implied, ...]:
+        return (PitchCurvature("", side, most),)
 
     def dimensions(self, z: tuple[float, ...]) -> Mapping[str, float]:
         e, s0 = z

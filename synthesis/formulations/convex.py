@@ -171,6 +171,33 @@ def formulate(
     )  # fmt: skip
 
 
+def with_rows(plan: Plan, more: Sequence[Block]) -> Plan:
+    """The plan with further inequalities, below those that it has."""
+    program, width = plan.program, plan.program.matrix.shape[1]
+    dense, bounds = [], []
+    for block in more:
+        rows, rhs = np.zeros((len(block.rhs), width)), block.rhs - block.tighten
+        if block.laws is not None and block.stretch is not None:
+            inner, fixed = plan.settled[block.stretch].split(block.laws)
+            rows[:, plan.columns[block.stretch]] = inner
+            rhs = rhs - fixed
+        if block.size.size:
+            rows[:, plan.size] += block.size
+        if block.level and plan.extra is not None:
+            rows[:, plan.extra] = block.level
+        dense.append(rows)
+        bounds.append(rhs)
+    at = program.equalities + program.inequalities
+    found = sparse.csr_matrix(np.concatenate(dense))
+    matrix = sparse.vstack([program.matrix[:at], found, program.matrix[at:]])
+    rhs = np.concatenate([program.rhs[:at], *bounds, program.rhs[at:]])
+    longer = replace(
+        program, matrix=sparse.csc_matrix(matrix), rhs=rhs,
+        inequalities=program.inequalities + found.shape[0],
+    )  # fmt: skip
+    return replace(plan, blocks=(*plan.blocks, *more), program=longer)
+
+
 def natural_scales(problem: Problem) -> Scales:
     """Natural units: of size the stroke or the least prime radius, of the level a good law's."""
     level = 0.0

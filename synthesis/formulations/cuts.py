@@ -26,6 +26,12 @@ class About:
     laws: tuple[Piecewise, ...]
     size: Vector
 
+    def at(self, position: int, stretch: Stretch, x: Array) -> tuple[Array, Vector]:
+        """s and s' at points of a free law, (2, n), and the size."""
+        law = self.laws[position]
+        s = stretch.s_start + stretch.lift * law(x)
+        return np.stack([s, stretch.lift / stretch.angle * law(x, 1)]), self.size
+
 
 @dataclass(frozen=True, eq=False)
 class Region:
@@ -62,30 +68,45 @@ def on_law(
     within = _within(position, stretch, grid.points, region)
     if not region.abouts:
         for cuts in curve.cuts(within, None):
-            yield _block(cuts, curve.source, position, stretch, grid, scales, drawn)
+            yield block(cuts, curve.source, position, stretch, grid, scales, drawn)
     for about in region.abouts:
-        s = stretch.s_start + stretch.lift * about.laws[position](grid.points)
-        for cuts in curve.cuts(within, (s, about.size)):
-            yield _block(cuts, curve.source, position, stretch, grid, scales, drawn)
+        for cuts in curve.cuts(within, about.at(position, stretch, grid.points)):
+            yield block(cuts, curve.source, position, stretch, grid, scales, drawn)
 
 
 def _within(position: int, stretch: Stretch, x: Array, region: Region) -> Within:
     """What is known of s and s' at points of a free law."""
     assert stretch.free is not None
     if region.tubes:
-        low, high = region.tubes[position].positions(x)
-        slow, fast = region.tubes[position].speeds(x)
-    else:
-        low, high = np.zeros_like(x), np.ones_like(x)
-        slow, fast = np.zeros_like(x), np.full_like(x, np.inf)
-        if stretch.free.overshoot:
-            low, high, slow = -fast, fast, -fast
+        return inside(region.tubes[position], stretch, x, region.sizes)
+    low, high = np.zeros_like(x), np.ones_like(x)
+    slow, fast = np.zeros_like(x), np.full_like(x, np.inf)
+    if stretch.free.overshoot:
+        low, high, slow = -fast, fast, -fast
+    return _in_mm(stretch, (low, high), (slow, fast), region.sizes)
+
+
+def inside(
+    tube: Tube, stretch: Stretch, x: Array, sizes: tuple[tuple[float, float], ...]
+) -> Within:
+    """What a tube says of s and s' at points of a free law, all of them between its nodes."""
+    return _in_mm(stretch, tube.positions(x), tube.speeds(x), sizes)
+
+
+def _in_mm(
+    stretch: Stretch,
+    position: tuple[Array, Array],
+    speed: tuple[Array, Array],
+    sizes: tuple[tuple[float, float], ...],
+) -> Within:
+    """From bounds of g and g' to those of s and s'."""
+    (low, high), (slow, fast) = position, speed
     places = np.sort(stretch.s_start + stretch.lift * np.stack([low, high]), axis=0)
     speeds = np.sort(stretch.lift / stretch.angle * np.stack([slow, fast]), axis=0)
-    return Within(places[0], places[1], speeds[0], speeds[1], region.sizes)
+    return Within(places[0], places[1], speeds[0], speeds[1], sizes)
 
 
-def _block(
+def block(
     cuts: Cuts,
     source: str,
     position: int,

@@ -7,13 +7,14 @@ from collections.abc import Sequence
 from math import inf, sqrt
 
 import numpy as np
-from numpy.typing import NDArray
 
 from synthesis.formulations.bound import Bound, bound, in_core_units
 from synthesis.formulations.candidate import Candidate, at_size, grow, needs_size, settle, smallest
 from synthesis.formulations.closed_form import nearest
+from synthesis.formulations.closing import close
 from synthesis.formulations.convex import Plan, formulate
-from synthesis.formulations.grid import CLOSEST_KNOTS, Grid, merged, over, ramps, uniform
+from synthesis.formulations.grid import Grid, uniform
+from synthesis.formulations.knots import all_halved, denser, finer
 from synthesis.formulations.local import nonlinear
 from synthesis.formulations.missed import ALLOWED, misses
 from synthesis.formulations.pinned import pinned
@@ -21,21 +22,25 @@ from synthesis.formulations.problem import Problem
 from synthesis.formulations.rows import Drawn
 from synthesis.formulations.search import Search, Stage
 from synthesis.formulations.tangency import turned
-from synthesis.numerics.piecewise import Array, Piecewise
+from synthesis.numerics.piecewise import Array
 from synthesis.solvers.clarabel import ConeSolution, solve
 from synthesis.solvers.statuses import Stopped
 
 ROUNDS = 8
 COARSE, FINE = 12, 96  # intervals of the first grid, by tolerance
 CURVED = 16  # the most of them while rows still have to turn
-MOST_INTERVALS = 240
 LEVELS = 20
 STAYS = 1e-7  # of the level: an estimate's slope is taken over steps a thousand times longer
 USABLE = (Stopped.SOLVED, Stopped.INACCURATE)
 
 
 def search(
-    problem: Problem, tolerance: float, deadline: float = inf, tighten: float = 1e-7
+    problem: Problem,
+    tolerance: float,
+    deadline: float = inf,
+    tighten: float = 1e-7,
+    *,
+    thorough: bool = False,
 ) -> Search:
     """Solve one problem to a relative gap, or as near as the ladder comes.
 
@@ -44,6 +49,7 @@ def search(
         tolerance: relative gap asked for.
         deadline: ``time.monotonic()`` at which to stop with the best so far.
         tighten: relative amount by which limits are drawn in for the solver's sake.
+        thorough: where limits that are not convex leave a gap, spend more on the bound.
 
     Returns:
         the search as it ended; without a best cam where no rung gave a usable point.
@@ -60,6 +66,8 @@ def search(
         _climb(state)
     if (state.limited_by_shape or state.short) and state.left() > 0.0:
         nonlinear(state)
+        if thorough:
+            close(state)
     return state
 
 
@@ -124,7 +132,7 @@ def _climb(state: Search) -> None:
         _report(state, number, plan, solution, time.perf_counter() - started)
         if solution.stopped is Stopped.INFEASIBLE and usable:
             state.grids, usable, state.margin = usable, (), 0.0
-            state.grids = _all_halved(state, missed)
+            state.grids = all_halved(state.problem, state.grids, missed)
             continue
         if solution.stopped is Stopped.INFEASIBLE and (number > 1 or not state.grids):
             state.infeasible = state.relaxed is None
@@ -136,9 +144,9 @@ def _climb(state: Search) -> None:
             break  # finer knots no longer help
         usable = state.grids if lower is not None else ()
         if state.relaxed is not None and lower is not None and not lower.switching:
-            state.grids = _denser(state.grids)
+            state.grids = denser(state.grids)
         else:
-            state.grids = _finer(state, found, lower, missed)
+            state.grids = finer(state.problem, state.grids, found, lower, missed)
 
 
 def _weigh(
@@ -193,87 +201,6 @@ def _fraction(state: Search) -> tuple[Plan, ConeSolution, Bound | None]:
 def _read(plan: Plan, solution: ConeSolution) -> Candidate:
     laws, size = plan.recover(solution.x)
     return settle(plan.problem, laws, size)
-
-
-def _denser(grids: tuple[Grid, ...]) -> tuple[Grid, ...]:
-    """More points on the same knots: finer knots are another family, with another bound."""
-    return tuple(grid.with_points(0.5 * (grid.points[1:] + grid.points[:-1])) for grid in grids)
-
-
-def _finer(
-    state: Search, found: Candidate | None, lower: Bound | None, missed: list[Array]
-) -> tuple[Grid, ...]:
-    """Finer knots where the law pays more than the ideal one; points where rows were missed."""
-    finer = []
-    for position, (stretch, grid) in enumerate(zip(state.problem.free, state.grids, strict=True)):
-        assert stretch.free is not None
-        breaks = grid.space.breaks
-        if found is None or lower is None or not lower.switching:
-            breaks = _halved(breaks, np.full(len(breaks) - 1, True))
-        else:
-            softer = stretch.free.smoothness + 1 - lower.order
-            curve = found.laws[position].curve()
-            needed = stretch.free.knots
-            breaks = _where_it_pays(breaks, curve, lower, position, softer, needed)
-        if len(breaks) > MOST_INTERVALS:
-            breaks = grid.space.breaks
-        finer.append(over(stretch, breaks).with_points(missed[position]))
-    if all(_alike(new, grid) for new, grid in zip(finer, state.grids, strict=True)):
-        return _all_halved(state, missed)
-    return tuple(finer)
-
-
-def _alike(new: Grid, grid: Grid) -> bool:
-    """Whether new knots are no other than the present ones."""
-    breaks, present = new.space.breaks, grid.space.breaks
-    return len(breaks) == len(present) and bool(np.all(abs(breaks - present) <= CLOSEST_KNOTS))
-
-
-def _all_halved(state: Search, missed: list[Array]) -> tuple[Grid, ...]:
-    """No interval stands out, so what is left is the bound's: its multipliers lie too far apart."""
-    finer = []
-    for stretch, grid, more in zip(state.problem.free, state.grids, missed, strict=True):
-        breaks = grid.space.breaks
-        if len(breaks) <= MOST_INTERVALS:
-            breaks = _halved(breaks, np.full(len(breaks) - 1, True))
-        finer.append(over(stretch, breaks).with_points(more))
-    return tuple(finer)
-
-
-def _where_it_pays(
-    breaks: Array,
-    curve: Piecewise,
-    lower: Bound,
-    position: int,
-    softer: int,
-    needed: Sequence[float],
-) -> Array:
-    """Knots at the ideal law's switches inside the dear intervals; those without one are halved.
-
-    Those that are ``needed`` stay.
-    """
-    psi, control = lower.switching[position], lower.steering[position]
-    losses = psi.losses(breaks, lambda x: curve(x, control.order), control.cap, control.weight)
-    dear = losses > 0.05 * np.sum(losses) / len(losses)
-    switches = np.zeros(0) if control.weight else psi.crossings()
-    inside = np.clip(np.searchsorted(breaks, switches, "right") - 1, 0, len(dear) - 1)
-    counts = np.bincount(inside, minlength=len(dear))
-    single = dear & (counts == 1)
-    halved = _halved(breaks, dear & ~single)
-    wanted = np.concatenate([_beside(needed), ramps(switches[single[inside]], softer)])
-    return merged(halved, wanted, needed)
-
-
-def _beside(needed: Sequence[float]) -> Array:
-    """As close as knots may lie: where a window ends, even an ideal law has much to settle."""
-    step = 1.01 * CLOSEST_KNOTS
-    return np.concatenate([np.array(needed) - step, np.array(needed) + step])
-
-
-def _halved(breaks: Array, chosen: NDArray[np.bool_]) -> Array:
-    """The breaks with the chosen intervals cut in two."""
-    middle = 0.5 * (breaks[:-1] + breaks[1:])
-    return np.union1d(breaks, middle[chosen & (np.diff(breaks) > 2.0 * CLOSEST_KNOTS)])
 
 
 def _report(state: Search, number: int, plan: Plan, solution: ConeSolution, seconds: float) -> None:

@@ -99,6 +99,11 @@ class Search:
             if self.problem.rigid:
                 self.over += "; limits of the face on free laws left out: the cam a local optimum"
 
+    def raise_to(self, lower: float, over: str) -> None:
+        """Take a bound that was found elsewhere, if it is better."""
+        if lower > self.lower:
+            self.lower, self.over = lower, over
+
     @property
     def limited_by_shape(self) -> bool:
         """Whether limits that are not convex cost more than the tolerance."""
@@ -115,11 +120,14 @@ class Search:
 
     def gap_of(self, found: Candidate | None) -> float:
         """Relative gap of a cam to the bound in the wire's unit, infinite while unknown."""
-        if found is None or not isfinite(self.lower):
+        return inf if found is None else self._gap(found, self.lower)
+
+    def _gap(self, found: Candidate, lower: float) -> float:
+        if not isfinite(lower):
             return inf
         to_wire, machine = self.problem.objective.to_wire, self.problem.machine
         value = to_wire(found.value, machine)
-        return (value - to_wire(self.lower, machine)) / max(abs(value), 1e-300)
+        return (value - to_wire(lower, machine)) / max(abs(value), 1e-300)
 
     @property
     def gap(self) -> float:
@@ -137,4 +145,8 @@ class Search:
 
     def close(self, found: Candidate | None) -> bool:
         """Whether a cam is within the tolerance of the bound."""
-        return self.gap_of(found) <= 0.99 * self.tolerance
+        return found is not None and self.close_to(found, self.lower)
+
+    def close_to(self, found: Candidate, lower: float) -> bool:
+        """Whether a cam is within the tolerance of some bound."""
+        return self._gap(found, lower) <= 0.99 * self.tolerance

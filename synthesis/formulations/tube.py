@@ -12,14 +12,14 @@ from dataclasses import replace
 from math import inf
 
 import numpy as np
-from scipy import sparse
 
 from synthesis.formulations.bound import bound
 from synthesis.formulations.control import Control
-from synthesis.formulations.convex import Plan
+from synthesis.formulations.convex import Plan, with_rows
 from synthesis.formulations.rows import Block
 from synthesis.formulations.tubing import Tube
-from synthesis.solvers.clarabel import ConeProgram, solve
+from synthesis.numerics.piecewise import Array
+from synthesis.solvers.clarabel import solve
 from synthesis.solvers.statuses import Stopped
 
 USABLE = (Stopped.SOLVED, Stopped.INACCURATE)
@@ -45,10 +45,36 @@ def tubes(
     return tuple(found)
 
 
+def tube_of(
+    plan: Plan, position: int, control: Control, nodes: Array, former: Tube | None = None
+) -> Tube:
+    """The tube of one free law between chosen nodes; a former one has the same."""
+    return _narrowed(plan, position, former or _unknown(plan, position, control, nodes))
+
+
+def size_ends(plan: Plan, axis: int, known: tuple[float, float]) -> tuple[float, float]:
+    """Bounds of one size variable over every law and size that keep the plan's rows [mm].
+
+    ``known``: those known before.
+    """
+    unit = np.zeros(len(plan.problem.sizing.bounds))
+    unit[axis] = plan.scales.size
+    low, high = (
+        _floor(plan, Block("size", None, None, np.zeros(1), np.zeros(4), sign * unit, -1.0,
+                           np.zeros(1), "tube"))
+        for sign in (1.0, -1.0)
+    )  # fmt: skip
+    return max(low, known[0]), min(-high, known[1])
+
+
 def _widest(plan: Plan, position: int, control: Control) -> Tube:
     """What follows from the ends and the cap alone, at some of the plan's knots."""
     breaks = plan.grids[position].space.breaks
     nodes = breaks[np.unique(np.linspace(0, len(breaks) - 1, NODES + 1).round().astype(int))]
+    return _unknown(plan, position, control, nodes)
+
+
+def _unknown(plan: Plan, position: int, control: Control, nodes: Array) -> Tube:
     free = plan.problem.free[position].free
     zero = np.zeros_like(nodes)
     # with g from 0 to 1 and its steering derivative capped: far more than any speed that occurs
@@ -60,12 +86,11 @@ def _widest(plan: Plan, position: int, control: Control) -> Tube:
 
 def _narrowed(plan: Plan, position: int, known: Tube) -> Tube:
     low, high, slow, fast = (a.copy() for a in (known.low, known.high, known.slow, known.fast))
-    last = len(known.nodes) - 1
     for at, x in enumerate(known.nodes):
         slow[at] = max(slow[at], _least(plan, position, float(x), 1, 1.0))
         fast[at] = min(fast[at], -_least(plan, position, float(x), 1, -1.0))
-        if at in (0, last):
-            low[at] = high[at] = float(at == last)
+        if x in (0.0, 1.0):
+            low[at] = high[at] = x
         else:
             low[at] = max(low[at], _least(plan, position, float(x), 0, 1.0))
             high[at] = min(high[at], -_least(plan, position, float(x), 0, -1.0))
@@ -77,33 +102,20 @@ def _least(plan: Plan, position: int, x: float, order: int, sign: float) -> floa
     basis = plan.grids[position].space.basis(np.array([x]), order)
     alpha = np.zeros(4)
     alpha[order] = sign
-    block = Block(
-        "point", position, sign * basis, np.array([x]), alpha, np.zeros(0), -1.0, np.zeros(1),
-        "tube",
+    return _floor(
+        plan,
+        Block(
+            "point", position, sign * basis, np.array([x]), alpha, np.zeros(0), -1.0, np.zeros(1),
+            "tube",
+        ),
     )  # fmt: skip
-    asked = _with(plan, block)
+
+
+def _floor(plan: Plan, block: Block) -> float:
+    """A lower bound of the level that one more row asks for."""
+    asked = with_rows(plan, [block])
     solution = solve(asked.program)
     if solution.stopped not in USABLE:
         return -inf
     found = bound(asked, solution)
-    return found.value - SPARE if found.switching else -inf
-
-
-def _with(plan: Plan, block: Block) -> Plan:
-    """The plan with one more row."""
-    assert block.laws is not None
-    assert plan.extra is not None
-    program, position = plan.program, block.stretch
-    assert position is not None
-    inner, fixed = plan.settled[position].split(block.laws)
-    row = sparse.lil_matrix((1, program.matrix.shape[1]))
-    row[0, plan.columns[position]] = inner
-    row[0, plan.extra] = block.level
-    at = program.equalities + program.inequalities
-    matrix = sparse.vstack([program.matrix[:at], row, program.matrix[at:]])
-    rhs = np.concatenate([program.rhs[:at], block.rhs - fixed, program.rhs[at:]])
-    more = ConeProgram(
-        program.quadratic, program.linear, sparse.csc_matrix(matrix), rhs, program.equalities,
-        program.inequalities + 1, program.cones,
-    )  # fmt: skip
-    return replace(plan, blocks=(*plan.blocks, block), program=more)
+    return found.value - SPARE * max(abs(found.value), 1.0) if found.switching else -inf

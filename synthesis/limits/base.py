@@ -11,7 +11,7 @@ from pydantic import BaseModel, ConfigDict
 
 from synthesis.followers.base import Follower
 from synthesis.motion import Stretch
-from synthesis.terms import Cone, Curved, Row
+from synthesis.terms import Cone, Curved, Implied, Row
 
 
 @dataclass(frozen=True)
@@ -92,6 +92,10 @@ class Limit(BaseModel, ABC):
 
     def curved(self, stretch: Stretch, machine: Machine) -> tuple[Curved, ...]:
         """What it says on one stretch of motion and size together, where no fixed row does."""
+        return ()
+
+    def implied(self, stretch: Stretch, machine: Machine) -> tuple[Implied, ...]:
+        """What of its smooth form becomes rows once motion and size are known to lie in a range."""
         return ()
 
     def cones(self, stretches: Sequence[Stretch], machine: Machine) -> tuple[Cone, ...]:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
+from dataclasses import replace
 from typing import Annotated, Any, ClassVar, Literal
 
 from pydantic import Field
@@ -10,6 +11,7 @@ from pydantic import Field
 from synthesis.followers.flank import Flank, labelled
 from synthesis.limits.base import Claim, Limit, Machine, where
 from synthesis.motion import Stretch
+from synthesis.terms import Implied
 
 
 class CutterRadius(Limit):
@@ -29,6 +31,13 @@ class CutterRadius(Limit):
         for flank in () if machine.follower.always_convex else machine.follower.flanks:
             if self.radius_mm > flank.distance:
                 yield flank, self.radius_mm - flank.distance
+
+    def implied(self, stretch: Stretch, machine: Machine) -> tuple[Implied, ...]:
+        return tuple(
+            replace(rows, source=labelled("cutter_radius", flank.name))
+            for flank, radius in self._hollows(machine)
+            for rows in flank.trace.curvature_implied(-flank.side, 1.0 / radius)
+        )
 
     def smooth(self, stretch: Stretch, machine: Machine, s: Any, z: Any) -> tuple[Any, ...]:
         found = []

@@ -11,7 +11,7 @@ from pydantic import Field
 from synthesis.followers.flank import labelled
 from synthesis.limits.base import Claim, Limit, Machine, where
 from synthesis.motion import Stretch
-from synthesis.terms import Curved, Row
+from synthesis.terms import Curved, Implied, Row
 
 
 class ProfileRadius(Limit):
@@ -37,6 +37,16 @@ class ProfileRadius(Limit):
     def curved(self, stretch: Stretch, machine: Machine) -> tuple[Curved, ...]:
         curves = machine.follower.profile_radius_curves(self.min_mm)
         return tuple(replace(curve, source="profile_radius") for curve in curves)
+
+    def implied(self, stretch: Stretch, machine: Machine) -> tuple[Implied, ...]:
+        return tuple(
+            replace(rows, source=labelled("profile_radius", flank.name))
+            for flank in machine.follower.flanks
+            if flank.distance + self.min_mm > 0.0
+            for rows in flank.trace.curvature_implied(
+                flank.side, 1.0 / (flank.distance + self.min_mm)
+            )
+        )
 
     def smooth(self, stretch: Stretch, machine: Machine, s: Any, z: Any) -> tuple[Any, ...]:
         curves = self.curved(stretch, machine)

@@ -13,7 +13,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from synthesis.followers.flank import Trace, Vector2
-from synthesis.terms import Norm, Row, Vector
+from synthesis.terms import Implied, Norm, Row, Vector
 
 
 @dataclass(frozen=True)
@@ -55,6 +55,9 @@ class CounterArm:
 
     def curvature_terms(self, s: Any, z: Any) -> tuple[Any, Any]:
         return self.arm.curvature_terms(*self._seen(s, z))
+
+    def curvature_implied(self, side: int, most: float) -> tuple[Implied, ...]:
+        return ()
 
     def pressure_angle_rows(self, slope: float) -> tuple[Row, ...]:
         return ()  # not linear in s

@@ -16,7 +16,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from synthesis.followers.flank import Vector2
-from synthesis.terms import Norm, Row
+from synthesis.terms import Implied, Norm, Row
 
 
 @dataclass(frozen=True)
@@ -53,6 +53,9 @@ class CounterSlide:
     def curvature_terms(self, s: Any, z: Any) -> tuple[Any, Any]:
         y, v = self.distance - z[1] - s[0], self.offset - s[1]
         return y * y + v * (self.offset - 2.0 * s[1]) + y * s[2], y * y + v * v
+
+    def curvature_implied(self, side: int, most: float) -> tuple[Implied, ...]:
+        return ()
 
     def pressure_angle_rows(self, slope: float) -> tuple[Row, ...]:
         # −slope (L − s0 − s) ≤ s' − e2 ≤ slope (L − s0 − s)
