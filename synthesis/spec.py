@@ -187,9 +187,8 @@ class DesignSpec(BaseModel):
         if all(row.constant for row in self.follower.pressure_angle_rows(1.0)):
             raise PydanticCustomError(
                 "pressure_angle_given",
-                "objective peak_pressure_angle is not on offer for a {kind} follower: a flat face "
-                "has the pressure angle of its own tilt, and of an arm it is not known how small "
-                "it can be. Choose another objective; an arm takes a limit pressure_angle.",
+                "objective peak_pressure_angle is not offered for a {kind} follower: its face "
+                "settles the pressure angle. Choose another objective.",
                 {"kind": self.follower.kind},
             )
         sized = math.isfinite(ends(self.base_radius_mm)[1]) or any(

@@ -341,7 +341,7 @@ class Follower(BaseModel, ABC):
             InputError: such a follower is not read back from a profile.
         """
         raise InputError(
-            "/follower/kind", self.kind, "Profiles are not read back for this follower yet.",
+            "/follower/kind", self.kind, "Profiles are not read back for this follower.",
             "Take a translating follower, or a roller on an arm.",
         )  # fmt: skip
 
