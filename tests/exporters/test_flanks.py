@@ -5,6 +5,7 @@ from __future__ import annotations
 import io
 import json
 import re
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -160,13 +161,12 @@ def test_the_drawing_shows_every_flank(designs) -> None:
 
 
 def test_the_legend_of_many_curves_keeps_its_columns_apart() -> None:
-    pair = {"kind": "conjugate", "roller_radius_mm": 9.3, "offset_mm": 0.0}
-    spec = asked(pair, "ccw").model_dump(mode="json", exclude_none=True)
-    spec["follower"] |= {"roller_radius_mm": 9.3, "offset_mm": 0.0}
-    root = drawn(
-        "profile",
-        synthesise(DesignSpec.model_validate({**spec, "base_radius_mm": 14.7, "limits": []})),
-    )
+    body = json.loads(Path("openapi/examples/conjugate.json").read_text())["value"]
+    for segment in body["program"]:
+        if segment["kind"] != "dwell":
+            segment["law"] = {"kind": "modified_sine"}
+    body["tolerance"] = 0.3
+    root = drawn("profile", synthesise(DesignSpec.model_validate(body)))
     boxes = text_boxes(root)
     longest = max(box[2] for told, box in boxes if " profile, radius" in told)
     (second,) = (box[0] for told, box in boxes if told.startswith("stroke"))
