@@ -17,10 +17,11 @@ from functools import partial
 from typing import Any
 
 import dask
-from distributed import Client, KilledWorker, LocalCluster, Worker, WorkerPlugin
+from distributed import Client, KilledWorker, Worker, WorkerPlugin
 from distributed.client import FutureCancelledError
 from distributed.comm.core import CommClosedError
 
+from service.cluster import OwnCluster
 from service.errors import Busy, EngineUnreachable, WorkerLost
 from service.settings import Settings
 from service.solve import Answer, Task, solve, warm_up
@@ -36,7 +37,6 @@ CONFIGURATION = {
     "distributed.worker.profile.enabled": False,
     "distributed.admin.system-monitor.gil.enabled": False,
     "distributed.diagnostics.nvml": False,
-    "distributed.deploy.lost-worker-timeout": "60s",  # a busy machine takes long to start one
     "distributed.scheduler.http.routes": [],
     "distributed.worker.http.routes": [],
 }
@@ -185,8 +185,8 @@ class Engine:
                 self.slots = max(1, there)
                 async with self._turn:
                     self._turn.notify_all()
-            elif there < self.slots:
-                cluster.scale(self.slots)
+            else:
+                cluster.replace_the_lost()
 
 
 RETRY = {"Retry-After": "2"}
@@ -223,7 +223,7 @@ async def _connected(address: Any, prepare: Callable[[], None]) -> Any:
 
 @asynccontextmanager
 async def _own_cluster(settings: Settings) -> AsyncIterator[Any]:
-    make: Any = LocalCluster
+    make: Any = OwnCluster
     cluster = make(
         n_workers=settings.workers,
         threads_per_worker=1,

@@ -98,7 +98,12 @@ def answer(request: Request, error: Exception) -> Response:
     """Any exception as the answer to a request."""
     if kind_of(error) is None:
         logging.getLogger("camwright").error("unexpected", exc_info=error)
-    return respond(request, described(error), getattr(error, "headers", None))
+    problem = described(error)
+    if isinstance(error, InputError) and request.method == "GET":  # there is no body to point into
+        (found,) = problem["errors"]
+        parameter = found.pop("pointer").removeprefix("/")
+        problem = document(PROBLEMS[BadQuery], str(error), [{"parameter": parameter, **found}])
+    return respond(request, problem, getattr(error, "headers", None))
 
 
 async def _known(request: Request, error: Exception) -> Response:

@@ -31,8 +31,8 @@ PLACES = {
     "law_backwards": ("program", "{segment}"),
     "base_radius_positive": ("base_radius_mm",),
     "offset_beyond_prime_radius": ("follower", "offset_mm"),
-    "lift_does_not_suit": ("program",),
-    "limit_unit_does_not_suit": ("limits",),
+    "lift_does_not_suit": ("program", "{position}"),
+    "limit_unit_does_not_suit": ("limits", "{position}"),
     "centre_distance_positive": ("follower", "centre_distance_mm"),
     "arm_does_not_reach": ("follower",),
     "initial_angle_range": ("follower", "initial_angle_deg"),
@@ -187,6 +187,12 @@ def _told(error: Any, path: Sequence[str | int], body: Any, model: Body) -> dict
         return _entry(None, "is required", "Add it: it says which kind of thing this is.")
     if kind == "finite_number":
         return _entry(value, "must be a finite number", "Leave it out, or give a number.")
+    if kind in ("too_long", "too_short"):
+        most = kind == "too_long"
+        bound = ctx["max_length" if most else "min_length"]
+        has = f", not {ctx['actual_length']}" if ctx.get("actual_length") is not None else ""
+        rule = f"must have at {'most' if most else 'least'} {bound} entries{has}"
+        return _entry(value, rule, "Leave some out." if most else "Add what is missing.")
     if kind not in PYDANTICS_OWN:
         rule, _, way_out = error["msg"].partition(". ")
         numbers = (each for each in ctx.values() if isinstance(each, int | float))

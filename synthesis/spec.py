@@ -97,7 +97,7 @@ class DesignSpec(BaseModel):
             for given in sorted(segment.units - {unit}):
                 raise PydanticCustomError(
                     "lift_does_not_suit",
-                    "program/{position} gives its lift in {given}, but a {kind} follower {move}. "
+                    "program/{position} gives its lift in {given}, but the {kind} follower {move}. "
                     "Give lift_{unit} instead of lift_{given}.",
                     {"position": position, "given": given, "kind": kind,
                      "move": move, "unit": unit},
@@ -106,7 +106,7 @@ class DesignSpec(BaseModel):
             if limit.travel_unit not in (None, unit):
                 raise PydanticCustomError(
                     "limit_unit_does_not_suit",
-                    "limits/{position} ({limit}) is given in {given}, but a {kind} follower "
+                    "limits/{position} ({limit}) is given in {given}, but the {kind} follower "
                     "{move}. Give the limit's field with {unit} in its name.",
                     {"position": position, "limit": limit.kind, "given": limit.travel_unit,
                      "kind": kind, "move": move, "unit": unit},

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
@@ -23,6 +22,7 @@ RIM = 0.6  # of the roller: wall that is drawn where none was asked for
 PIVOT = 0.25  # radius of a pivot's eye, of the stem's length
 
 Box = tuple[float, float, float, float]
+Lines = list[str]
 Flanks = tuple[tuple[Flank, CamProfile], ...]
 
 
@@ -216,7 +216,25 @@ def _counters(scene: Scene) -> list[str]:
             body.append(svg.path(f"line {kind}", svg.steps(x, y, scene.decimals, closed=True)))
         centre = float(start.pitch_x[0]), float(start.pitch_y[0])
         body.append(svg.circle("line outline", *centre, flank.distance))
+        if scene.pivot is not None:
+            body += _bar(centre, scene.pivot, flank.distance, scene.u)
     return body
+
+
+def _bar(centre: tuple[float, float], pivot: tuple[float, float], roller: float, u: float) -> Lines:
+    """The two edges of an arm, from a roller's rim to the eye at the pivot."""
+    (x, y), eye = centre, PIVOT * STEM * u
+    length, half = math.hypot(pivot[0] - x, pivot[1] - y), _half_width(roller, u)
+    up = (pivot[0] - x) / length, (pivot[1] - y) / length
+    foot = math.sqrt(max(roller**2 - half**2, 0.0))
+    end = length - math.sqrt(max(eye**2 - half**2, 0.0))
+    edges = [(_from(centre, up, end, s), _from(centre, up, foot, s)) for s in (-half, half)]
+    return [svg.path("line outline", f"M{outer}L{inner}") for outer, inner in edges]
+
+
+def _half_width(roller: float, u: float) -> float:
+    """Half the width of a stem or an arm [mm]."""
+    return min(max(0.3 * roller, 1.2 * u), 2.5 * u, 0.8 * roller or math.inf)
 
 
 def _centre_lines(scene: Scene) -> list[str]:
@@ -312,22 +330,17 @@ def _from(centre: tuple[float, float], up: tuple[float, float], along: float, ac
     return f"{svg.num(x + along * gx + across * gy)} {svg.num(y + along * gy - across * gx)}"
 
 
-def _arm(scene: Scene, at: Callable[[float, float], str], half: float) -> list[str]:
+def _arm(scene: Scene) -> list[str]:
     """Roller, arm and the eye at its pivot."""
     u, (x, y), pivot = scene.u, scene.centre, scene.pivot
     assert pivot is not None
-    length, eye = math.hypot(pivot[0] - x, pivot[1] - y), PIVOT * STEM * u
-    foot = math.sqrt(max(scene.roller**2 - half**2, 0.0))
-    end = length - math.sqrt(max(eye**2 - half**2, 0.0))
-    body = [
-        svg.path("line outline", f"M{at(end, side)}L{at(foot, side)}") for side in (-half, half)
-    ]
+    body = _bar(scene.centre, pivot, scene.roller, u)
     if scene.roller > 0.0:
         body.append(svg.circle("line outline", x, y, scene.roller))
         body.append(svg.circle("line axis", x, y, min(0.25 * scene.roller, HUB * u)))
     return [
         *body,
-        svg.circle("line outline", *pivot, eye),
+        svg.circle("line outline", *pivot, PIVOT * STEM * u),
         svg.circle("outline metal", *pivot, HUB * u),
     ]
 
@@ -335,7 +348,7 @@ def _arm(scene: Scene, at: Callable[[float, float], str], half: float) -> list[s
 def _follower(scene: Scene) -> list[str]:
     """Roller and stem, a flat face or a knife edge, at cam angle 0."""
     u, (x, y) = scene.u, scene.centre
-    half = min(max(0.3 * scene.roller, 1.2 * u), 2.5 * u, 0.8 * scene.roller or math.inf)
+    half = _half_width(scene.roller, u)
     end, foot = scene.roller + STEM * u, math.sqrt(max(scene.roller**2 - half**2, 0.0))
 
     def at(along: float, across: float) -> str:
@@ -344,7 +357,7 @@ def _follower(scene: Scene) -> list[str]:
     if any(scene.face):
         return _flat_face(scene) if scene.pivot is None else _swinging_face(scene)
     if scene.pivot is not None:
-        return _arm(scene, at, half)
+        return _arm(scene)
     if scene.roller == 0.0:
         corners = [(end, -half), (3.0 * u, -half), (0.0, 0.0), (3.0 * u, half), (end, half)]
         return [svg.path("outline metal", "M" + "L".join(at(*corner) for corner in corners))]

@@ -169,6 +169,8 @@ def _limit_text(bound: Bound, exponent: int) -> str:
     ends = [svg.figure(end / 10.0**exponent) for end in (bound.lower, bound.upper)]
     if bound.lower == -bound.upper:
         return f"limit ±{ends[1]}"
+    if ends[0] == ends[1]:  # a window that asks for one value
+        return f"limit {ends[0]}"
     if math.isinf(bound.lower) or math.isinf(bound.upper):
         return f"limit {ends[1] if math.isinf(bound.lower) else ends[0]}"
     return f"limits {ends[0]} and {ends[1]}"

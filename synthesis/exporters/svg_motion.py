@@ -102,7 +102,7 @@ def _names(segment: SegmentMotion, unit: str) -> list[str]:
 def _manner(segment: SegmentMotion, unit: str) -> str:
     """How it does it."""
     if segment.kind == "dwell":
-        return f"at {svg.measured(segment.levels[0], unit)}"
+        return f"at {svg.measured(round(segment.levels[0], 9), unit)}"  # lifts leave residues
     return segment.law.replace("_", " ")
 
 

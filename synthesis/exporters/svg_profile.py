@@ -33,7 +33,7 @@ def _profile(design: Design, options: ProfileOptions) -> bytes:
     legend = y - bottom + (BELOW + 3.0) * u
     rows = _legend(design, scene)
     height = legend + (max(5, len(rows)) + 1.0) * ROW * u
-    second = 0.5 * width + 8.0 * u
+    second = max(0.5 * width + 8.0 * u, (MARGIN + 13.0) * u + _widest(rows, u) + 3.0 * u)
     body = [
         f'<g transform="translate({svg.num(x)} {svg.num(y)}) scale(1 -1)">',
         *shapes(scene),
@@ -74,6 +74,11 @@ def _radii(flank: Flank, curve: CamProfile) -> str:
     radius = np.hypot(curve.x, curve.y)
     least, largest = svg.figure(float(radius.min()), 5), svg.figure(float(radius.max()), 5)
     return f"{flank.name} profile, radius {least} to {largest} mm".strip()
+
+
+def _widest(rows: list[tuple[str, str]], u: float) -> float:
+    """Width of the longest text of the legend [mm]."""
+    return max(svg.width_of(told, svg.LABEL * u) for _, told in rows)
 
 
 def _legend_lines(rows: list[tuple[str, str]], x: float, top: float, u: float) -> list[str]:

@@ -2,10 +2,14 @@
 
 from __future__ import annotations
 
+import json
+import re
+from pathlib import Path
+
 import numpy as np
 import pytest
 
-from synthesis import synthesise
+from synthesis import DesignSpec, synthesise
 from tests.exporters.test_drawings import drawn, floats, of_class, text_boxes, texts
 from tests.followers.samples import spec
 
@@ -44,3 +48,17 @@ def test_texts_do_not_overlap() -> None:
         for b, (x0, y0, x1, y1) in boxes[k + 1 :]:
             apart = right <= x0 or x1 <= left or high <= y0 or y1 <= low
             assert apart, f"{a!r} overlaps {b!r}"
+
+
+def test_both_rollers_of_a_lever_hang_on_arms() -> None:
+    example = json.loads(Path("openapi/examples/conjugate-arms.json").read_text())["value"]
+    for segment in example["program"]:
+        if segment["kind"] != "dwell":
+            segment["law"] = {"kind": "cycloidal"}
+    example["tolerance"], example["limits"] = 0.3, []
+    root = drawn("profile", synthesise(DesignSpec.model_validate(example)))
+    edges = [
+        each for each in of_class(root, "path", "line", "outline")
+        if len(re.findall(r"-?[\d.]+", each.get("d", ""))) == 4
+    ]  # fmt: skip
+    assert len(edges) == 4, "two edges of each arm"

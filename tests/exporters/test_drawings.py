@@ -15,6 +15,7 @@ from matplotlib.textpath import TextPath
 
 from synthesis.design import Design
 from synthesis.exporters import MOTION_FORMATS, PROFILE_FORMATS, MotionOptions, ProfileOptions
+from tests.exporters.conftest import P1_PROGRAM
 
 SVG = "{http://www.w3.org/2000/svg}"
 NUMBER = re.compile(r"-?\d+(?:\.\d+)?")
@@ -387,6 +388,21 @@ def test_a_limit_that_is_just_reached_is_not_broken(build) -> None:
         limits = [{"kind": "velocity", "max_mm_per_s": peak * factor}]
         velocity = Diagram(drawn("motion", build(limits=limits)), "Velocity v")
         assert (velocity.told.get("class") == "alarm") == broken
+
+
+def test_a_window_of_one_value_is_one_limit(build) -> None:
+    window = {"from_deg": 21.0, "to_deg": 33.0, "velocity_mm_per_s": 412.5}
+    rise = {"kind": "rise", "angle_deg": 60, "lift_mm": 30, "law": {"kind": "spline"}}
+    program = [{**rise, "windows": [window]}, *P1_PROGRAM[1:]]
+    told = Diagram(drawn("motion", build(program)), "Velocity v").told
+    assert "limit 412.5" in text_of(told)
+
+
+def test_the_level_of_a_dwell_has_no_residue(p1: Design) -> None:
+    motion = [each.model_copy() for each in p1.motion]
+    motion[-1] = motion[-1].model_copy(update={"s_start_mm": 7.1e-15, "s_end_mm": 7.1e-15})
+    told = texts(drawn("motion", p1.model_copy(update={"motion": motion})))
+    assert "at 0 mm" in told
 
 
 def test_infinite_values_are_arrows(rough: Design) -> None:

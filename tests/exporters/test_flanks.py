@@ -5,6 +5,7 @@ from __future__ import annotations
 import io
 import json
 import re
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -13,6 +14,7 @@ import pytest
 from synthesis import Design, DesignSpec, synthesise
 from synthesis.errors import InputError
 from synthesis.exporters import PROFILE_FORMATS, ProfileOptions, profiles
+from tests.exporters.test_drawings import drawn, text_boxes
 from tests.exporters.test_points import away
 
 CLOSURES: dict[str, dict[str, Any]] = {
@@ -156,3 +158,17 @@ def test_the_drawing_shows_every_flank(designs) -> None:
     (counter,) = shown["pair"][1]
     told = points(designs["pair"], "counter")
     np.testing.assert_allclose(np.sort(counter, axis=0), np.sort(told, axis=0), atol=1e-3)
+
+
+def test_the_legend_of_many_curves_keeps_its_columns_apart() -> None:
+    body = json.loads(Path("openapi/examples/conjugate.json").read_text())["value"]
+    for segment in body["program"]:
+        if segment["kind"] != "dwell":
+            segment["law"] = {"kind": "modified_sine"}
+    body["tolerance"] = 0.3
+    root = drawn("profile", synthesise(DesignSpec.model_validate(body)))
+    boxes = text_boxes(root)
+    longest = max(box[2] for told, box in boxes if " profile, radius" in told)
+    (second,) = (box[0] for told, box in boxes if told.startswith("stroke"))
+    assert longest < second
+    assert max(box[2] for _, box in boxes) < float(root.get("viewBox").split()[2])

@@ -92,6 +92,11 @@ def test_options_choose_the_points(client: httpx2.Client, links: dict[str, str])
     pitch, profile = (client.get(f"{path}?curve={curve}") for curve in ("pitch", "profile"))
     assert pitch.headers["etag"] != profile.headers["etag"]
     assert pitch.text != profile.text
+    missing = client.get(f"{path}?curve=counter")
+    assert (missing.status_code, missing.json()["type"]) == (422, "/problems/invalid-parameter")
+    (told,) = missing.json()["errors"]
+    assert (told["parameter"], told["value"]) == ("curve", "counter")
+    assert "pitch" in told["rule"]
 
 
 def test_the_way_over_http_costs_little(client: httpx2.Client) -> None:

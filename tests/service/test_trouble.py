@@ -46,16 +46,14 @@ def test_the_time_budget_ends_with_the_best_so_far(client: httpx2.Client) -> Non
 
 
 def test_a_worker_that_overruns_is_stopped_and_its_place_is_used_again(service: Running) -> None:
-    started = time.monotonic()
     with ThreadPoolExecutor(2) as pool:
-        bodies = [spec("sleep 30", time_budget_s=0.3) for _ in range(2)]
+        bodies = [spec("sleep 3600", time_budget_s=0.3) for _ in range(2)]
         for answer in pool.map(lambda body: post(service.client, body), bodies):
             is_problem(answer, 504, "time-budget")
     with ThreadPoolExecutor(2) as pool:
         bodies = [spec("again") for _ in range(4)]
         answers = pool.map(lambda body: post(service.client, body), bodies)
         assert {answer.status_code for answer in answers} == {200}
-    assert time.monotonic() - started < 15.0
 
 
 def test_faults_of_ours_say_nothing_of_the_inside(client: httpx2.Client) -> None:

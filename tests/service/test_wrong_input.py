@@ -88,10 +88,10 @@ TABLE: dict[str, tuple[Change, str, Any, str]] = {
     "lift missing": (without("program", 0, "lift_mm"), "/program/0", None, "no lift"),
     "two lifts": (segment(0, lift_deg=20), "/program/0", None, "two lifts"),
     "an angle for a slide": (
-        segment(0, lift_mm=None, lift_deg=20), "/program", ..., "Give lift_mm instead",
+        segment(0, lift_mm=None, lift_deg=20), "/program/0", ..., "Give lift_mm instead",
     ),
     "a length for an arm": (
-        follower(kind="oscillating_roller", arm_mm=85, centre_distance_mm=100), "/program", ...,
+        follower(kind="oscillating_roller", arm_mm=85, centre_distance_mm=100), "/program/0", ...,
         "Give lift_deg instead",
     ),
     "an arm that is too short": (
@@ -241,7 +241,7 @@ TABLE: dict[str, tuple[Change, str, Any, str]] = {
     "a straight line in the wrong unit": (
         lambda body: body["program"].__setitem__(
             0, {"kind": "constant_velocity", "angle_deg": 60, "lift_deg": 30}
-        ), "/program", ..., "lift_mm",
+        ), "/program/0", ..., "lift_mm",
     ),
     "continuity of a fifth derivative": (changed(continuity=5), "/continuity", 5, "3, 4"),
     "unknown follower": (follower(kind="flat"), "/follower/kind", "flat", "translating_roller"),
@@ -276,7 +276,7 @@ TABLE: dict[str, tuple[Change, str, Any, str]] = {
         "/limits/0", None, "two limits",
     ),
     "limit in the unit of an arm": (
-        changed(limits=[{"kind": "velocity", "max_deg_per_s": 100}]), "/limits", ..., "deg",
+        changed(limits=[{"kind": "velocity", "max_deg_per_s": 100}]), "/limits/0", ..., "deg",
     ),
     "pressure angle of 90°": (
         changed(limits=[{"kind": "pressure_angle", "rise_deg": 90}]), "/limits/0/rise_deg", 90,
