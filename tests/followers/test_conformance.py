@@ -30,8 +30,9 @@ def profile(asked: DesignSpec, theta: np.ndarray) -> CamProfile:
 
 
 def per_unit(asked: DesignSpec) -> float:
-    """The core's mm in one unit of the wire's displacement."""
-    arm = getattr(asked.follower, "arm_mm", None)
+    """The core's mm in one unit of the wire's displacement: an arc at arm or centre distance."""
+    told = asked.follower.model_dump()
+    arm = told.get("arm_mm", told.get("centre_distance_mm"))
     return 1.0 if arm is None else arm * np.pi / 180.0
 
 
@@ -148,6 +149,6 @@ def test_every_format_writes_it(kind: str, sample: int) -> None:
             )
     units = {c["name"]: c["unit"] for c in json.loads(motions["json"])["columns"]}
     assert units[f"a_{unit}_per_s2"] == f"{unit}/s²"
-    shown = {"mm": "19.7 mm", "deg": "23.3°"}[unit]
+    shown = {"mm": "19.7 mm", "deg": "13.7°"}[unit]
     assert f"rise {shown} in 97.3°" in motions["svg"].decode()
     assert {"mm": "mm/s²", "deg": "°/s²"}[unit] in motions["svg"].decode()
