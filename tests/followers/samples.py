@@ -51,8 +51,11 @@ LIFTS = {"mm": 19.7, "deg": 13.7}
 CASES = [(kind, i) for kind, samples in SAMPLES.items() for i in range(len(samples))]
 
 
-def spec(kind: str, sample: int = 0, **changes: Any) -> DesignSpec:
-    """A given cam of a family: 4-5-6-7 up, cycloidal down."""
+def spec(
+    kind: str, sample: int = 0, laws: tuple[str, str] = ("polynomial_4_5_6_7", "cycloidal"),
+    **changes: Any,
+) -> DesignSpec:  # fmt: skip
+    """A given cam of a family, with its laws up and down."""
     follower, base = SAMPLES[kind][sample]
     unit = "deg" if "oscillating" in kind else "mm"
     lift = {f"lift_{unit}": LIFTS[unit]}
@@ -60,9 +63,9 @@ def spec(kind: str, sample: int = 0, **changes: Any) -> DesignSpec:
         "name": f"{kind} {sample}",
         "speed_rpm": 137.0,
         "program": [
-            {"kind": "rise", "angle_deg": 97.3, "law": {"kind": "polynomial_4_5_6_7"}} | lift,
+            {"kind": "rise", "angle_deg": 97.3, "law": {"kind": laws[0]}} | lift,
             {"kind": "dwell", "angle_deg": 41.2},
-            {"kind": "return", "angle_deg": 118.9, "law": {"kind": "cycloidal"}} | lift,
+            {"kind": "return", "angle_deg": 118.9, "law": {"kind": laws[1]}} | lift,
             {"kind": "dwell", "angle_deg": 102.6},
         ],
         "follower": follower,

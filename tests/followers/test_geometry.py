@@ -161,9 +161,28 @@ def test_the_pressure_angle_is_that_of_normal_and_velocity(kind: str, sample: in
         p, body = made.profile(theta), made.body(theta)
         normal = turned(p.normal_x, p.normal_y, theta)
         moved = body.place if body.outward is None else turned(p.x, p.y, theta)
-        vx, vy = body.velocity(moved)
-        across, along = abs(vx * normal[1] - vy * normal[0]), abs(vx * normal[0] + vy * normal[1])
-        np.testing.assert_allclose(abs(p.pressure_angle), np.arctan2(across, along), atol=1e-12)
+        # a lift lowers the counter roller: its cam pushes the other way
+        gx, gy = body.velocity(moved) * (-1.0 if made.flank.name == "counter" else 1.0)
+        (nx, ny) = normal
+        wanted = np.arctan2(gx * ny - gy * nx, gx * nx + gy * ny)
+        np.testing.assert_allclose(p.pressure_angle, wanted, atol=1e-12)
+
+
+@family
+def test_the_drive_turns_as_its_direction_does(kind: str, sample: int) -> None:
+    theta = angles(37, 0.31)
+    nearest = np.min(abs(np.append(STARTS, 0.0)[:, None] - theta), axis=0)
+    for made in flanks(kind, sample):
+
+        def driven(at: np.ndarray, made: Made = made) -> np.ndarray:
+            s, trace = made.cam.motion.derivatives(at), made.flank.trace
+            return np.stack(trace.direction(s, made.cam.size)[0])
+
+        slope, _ = slopes(driven, theta, np.minimum(0.02, 0.5 * nearest))
+        s = made.cam.motion.derivatives(theta)
+        _, told = made.flank.trace.direction(s, made.cam.size)
+        for name, mine, found in zip("xy", told, slope, strict=True):
+            agree(f"turn of the drive, {name}", theta, mine, found, np.array(1e-8))
 
 
 @family
