@@ -47,7 +47,11 @@ SAMPLES: dict[str, list[tuple[dict[str, Any], float]]] = {
         (FACE | {"centre_distance_mm": 131.1, "sense": "same", "face_offset_mm": -5.9}, 97.3),
     ],
 }  # fmt: skip
-LIFTS = {"mm": 19.7, "deg": 13.7}
+LIFTS = {
+    "translating_roller": 19.7, "translating_flat_face": 19.7,
+    "oscillating_roller": 23.3, "oscillating_flat_face": 13.7,
+}  # fmt: skip
+"""In the unit of the family's travel: faces on pivots are undercut by larger swings."""
 CASES = [(kind, i) for kind, samples in SAMPLES.items() for i in range(len(samples))]
 
 
@@ -58,7 +62,7 @@ def spec(
     """A given cam of a family, with its laws up and down."""
     follower, base = SAMPLES[kind][sample]
     unit = "deg" if "oscillating" in kind else "mm"
-    lift = {f"lift_{unit}": LIFTS[unit]}
+    lift = {f"lift_{unit}": LIFTS[kind]}
     body = {
         "name": f"{kind} {sample}",
         "speed_rpm": 137.0,

@@ -33,7 +33,7 @@ def jumping(kind: str, sample: int) -> DesignSpec:
 
 def accelerations(asked: DesignSpec) -> dict[float, tuple[float, float]]:
     """The same in the wire's unit."""
-    unit = LIFTS[asked.follower.travel.unit] * asked.machine().omega ** 2
+    unit = LIFTS[asked.follower.kind] * asked.machine().omega ** 2
     return {at: (before * unit, after * unit) for at, (before, after) in JUMPS.items()}
 
 
