@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Annotated
+from typing import Annotated, get_args
 
 from pydantic import Field
 
@@ -17,12 +17,8 @@ AnyFollower = Annotated[
     Field(discriminator="kind"),
 ]
 
-FOLLOWERS: tuple[type[Follower], ...] = (
-    TranslatingRoller,
-    TranslatingFlatFace,
-    OscillatingRoller,
-    OscillatingFlatFace,
-)
+FOLLOWERS: tuple[type[Follower], ...] = get_args(get_args(AnyFollower)[0])
+"""The same as a tuple, in that order."""
 
 __all__ = [
     "FOLLOWERS",

@@ -34,6 +34,7 @@ from pydantic_core import PydanticCustomError
 from synthesis.followers.base import Follower, Measure, Shape, Sizing
 from synthesis.followers.face_on_pivot import RIGHT_ANGLE, NotNearer, OnPivot
 from synthesis.followers.flank import Flank, Vector2
+from synthesis.followers.pivot import SENSES, PivotDirection
 from synthesis.motion import Motion, Stretch
 from synthesis.numerics.peaks import peak, summit
 from synthesis.numerics.piecewise import Array
@@ -42,7 +43,6 @@ from synthesis.terms import Cone, Curved, Norm, Row
 from synthesis.units import DEGREE, Travel
 
 SLOWEST = 1e-3  # of the cam's speed: how fast the normal turns on the cam at least
-SENSES = {"opposite": 1.0, "same": -1.0}
 
 
 class OscillatingFlatFace(Follower):
@@ -74,15 +74,7 @@ class OscillatingFlatFace(Follower):
         Literal["opposite", "same"],
         Field(description="Whether the lifting face turns against the cam or with it."),
     ] = "opposite"
-    pivot_direction_deg: Annotated[
-        float,
-        Field(
-            ge=-360.0,
-            le=360.0,
-            description="Direction of the pivot as seen from the cam's axis, 0 to the right, "
-            "counter-clockwise (on a cw cam mirrored, as everything is).",
-        ),
-    ] = 0.0
+    pivot_direction_deg: PivotDirection = 0.0
 
     @field_validator("centre_distance_mm")
     @classmethod

@@ -28,6 +28,7 @@ from synthesis.followers.base import Follower, Measure, Pinning, Shape, Sizing
 from synthesis.followers.closures import LEAST, ArmClosure, Force
 from synthesis.followers.closures.counter_arm import CounterArm
 from synthesis.followers.flank import Trace, Vector2, outer_gap
+from synthesis.followers.pivot import SENSES, PivotDirection
 from synthesis.followers.reach import Arm
 from synthesis.followers.roller import RollerFollower
 from synthesis.geometry.triangle import enclosed_angle, third_side
@@ -36,8 +37,6 @@ from synthesis.numerics.peaks import peak
 from synthesis.ranges import Dimension, Range, ends
 from synthesis.terms import Cone, Curved, Norm, Row
 from synthesis.units import DEGREE, Travel
-
-SENSES = {"opposite": 1.0, "same": -1.0}
 
 
 class OscillatingRoller(RollerFollower):
@@ -65,15 +64,7 @@ class OscillatingRoller(RollerFollower):
         Literal["opposite", "same"],
         Field(description="Whether the lifting arm turns against the cam or with it."),
     ] = "opposite"
-    pivot_direction_deg: Annotated[
-        float,
-        Field(
-            ge=-360.0,
-            le=360.0,
-            description="Direction of the pivot as seen from the cam's axis, 0 to the right, "
-            "counter-clockwise (on a cw cam mirrored, as everything is).",
-        ),
-    ] = 0.0
+    pivot_direction_deg: PivotDirection = 0.0
 
     closure: ArmClosure = Force()
 

@@ -70,12 +70,7 @@ def ride(outline: Outline, follower: Follower, tolerance: float) -> Ride:
     theta, position = follower.posture(centre, outline.normal)
     lost = ~np.isfinite(theta + position)
     if lost.any():
-        x, y = outline.point[:, int(np.argmax(lost))]
-        raise InputError(
-            "/follower", follower.kind,
-            f"The follower does not reach the cam: it cannot touch x = {x:.6g}, y = {y:.6g} mm.",
-            "Check its dimensions, and that the points' origin is the cam's axis.",
-        )  # fmt: skip
+        raise _out_of_reach(outline, follower, theta, lost)
     theta = np.unwrap(theta)
     gain = theta[0] + FULL_TURN * np.round((theta[-1] - theta[0]) / FULL_TURN) - theta[0]
     if abs(gain - FULL_TURN) > 1e-6:
@@ -91,6 +86,26 @@ def ride(outline: Outline, follower: Follower, tolerance: float) -> Ride:
     order = np.argsort(turned, kind="stable")
     real = (bridge for bridge in bridges if bridge.gap > tolerance)
     return Ride(turned[order], height[order], tuple(sorted(real, key=lambda each: each.angle)))
+
+
+def _out_of_reach(
+    outline: Outline, follower: Follower, theta: Array, lost: NDArray[np.bool_]
+) -> InputError:
+    """Between which cam angles the follower would have to be where it cannot be."""
+    x, y = outline.point[:, int(np.argmax(lost))]
+    where = "at no cam angle does it touch the profile"
+    if not lost.all():
+        run = max(_runs(lost), key=len)
+        ends = theta[[run[0] - 1, (run[-1] + 1) % len(theta)]]
+        first, last = np.degrees(np.mod(ends, FULL_TURN))
+        x, y = outline.point[:, run[len(run) // 2]]
+        where = f"between cam angles {first:.4g}° and {last:.4g}° the profile is out of its reach"
+    return InputError(
+        "/follower", follower.kind,
+        f"The follower does not reach the cam: {where}. It cannot touch x = {x:.6g}, "
+        f"y = {y:.6g} mm.",
+        "Check its dimensions, and that the points' origin is the cam's axis.",
+    )  # fmt: skip
 
 
 def _below(theta: Array, position: Array) -> NDArray[np.bool_]:

@@ -69,14 +69,16 @@ def test_jumps_are_told_in_degrees() -> None:
     program[0]["law"] = {"kind": "parabolic"}
     found = analyse(asked(program=program, limits=[]))
     beta, omega = radians(97.3), asked().machine().omega
-    peak = 4.0 * LIFTS["deg"] / beta**2 * omega**2
+    peak = 4.0 * LIFTS["oscillating_roller"] / beta**2 * omega**2
     jumps = [jump for jump in found.jumps if jump.curve == "acceleration"]
     assert [jump.unit for jump in jumps] == ["deg/s²"] * 3
     assert [jump.jump for jump in jumps] == pytest.approx([peak, -2.0 * peak, peak], rel=1e-9)
     bent = [jump for jump in found.jumps if jump.curve == "pitch_curvature"]
     assert [jump.angle_deg for jump in bent] == [jump.angle_deg for jump in jumps]
     (curve,) = (c for c in found.curves if c.curve == "velocity")
-    assert curve.largest.value == pytest.approx(2.0 * LIFTS["deg"] / beta * omega, rel=1e-9)
+    assert curve.largest.value == pytest.approx(
+        2.0 * LIFTS["oscillating_roller"] / beta * omega, rel=1e-9
+    )
 
 
 def test_a_roller_that_is_too_large_undercuts_and_says_where() -> None:

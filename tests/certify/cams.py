@@ -72,19 +72,7 @@ class Cam:
 
     def mirrored(self) -> "Cam":
         """The same cam seen from behind: it turns the other way, offset to the other side."""
-        swap = {"rise": "return", "return": "rise", "dwell": "dwell"}
-        placed = []
-        for i, s in enumerate(reversed(self.motion.stretches)):
-            assert s.law is not None
-            law = STILL if s.kind == "dwell" else flipped(s.law)
-            start = TURN - s.end
-            placed.append(
-                replace(
-                    s, index=i, kind=swap[s.kind], start=start, s_start=s.s_end, s_end=s.s_start,
-                    law=law,
-                )
-            )  # fmt: skip
-        return replace(self, motion=Motion.of(placed), e=-self.e)
+        return replace(self, motion=backwards(self.motion), e=-self.e)
 
 
 def flipped(law: Piecewise) -> Piecewise:
@@ -93,6 +81,18 @@ def flipped(law: Piecewise) -> Piecewise:
     poly = -back.poly
     poly[:, 0] += 1.0
     return Piecewise(back.breaks, back.origins, poly, back.waves * np.array([-1.0, 1.0, 1.0]))
+
+
+def backwards(motion: Motion) -> Motion:
+    """The same motion run through the other way, as by a cam that turns the other way."""
+    swap = {"rise": "return", "return": "rise", "dwell": "dwell"}
+    placed = []
+    for i, s in enumerate(reversed(motion.stretches)):
+        law = s.law if s.kind == "dwell" else flipped(s.law)
+        placed.append(
+            Stretch(i, swap[s.kind], 2.0 * np.pi - s.end, s.angle, s.s_end, s.s_start, law)
+        )
+    return Motion.of(placed)
 
 
 # -- the textbook's formulas ------------------------------------------------------------------

@@ -30,8 +30,9 @@ def profile(asked: DesignSpec, theta: np.ndarray) -> CamProfile:
 
 
 def per_unit(asked: DesignSpec) -> float:
-    """The core's mm in one unit of the wire's displacement."""
-    arm = getattr(asked.follower, "arm_mm", None)
+    """The core's mm in one unit of the wire's displacement: an arc at arm or centre distance."""
+    told = asked.follower.model_dump()
+    arm = told.get("arm_mm", told.get("centre_distance_mm"))
     return 1.0 if arm is None else arm * np.pi / 180.0
 
 
@@ -116,7 +117,7 @@ def test_motion_is_told_in_the_unit_of_its_travel(kind: str, sample: int) -> Non
     other = {"mm": "deg", "deg": "mm"}[unit]
     for segment, levels in zip(design.motion, ((0, 1), (1, 1), (1, 0), (0, 0)), strict=True):
         ends = [getattr(segment, f"s_{end}_{unit}") for end in ("start", "end")]
-        assert ends == pytest.approx([level * LIFTS[unit] for level in levels], rel=1e-12)
+        assert ends == pytest.approx([level * LIFTS[kind] for level in levels], rel=1e-12)
         assert getattr(segment, f"s_start_{other}") is None
         assert getattr(segment, f"s_end_{other}") is None
 
@@ -148,6 +149,6 @@ def test_every_format_writes_it(kind: str, sample: int) -> None:
             )
     units = {c["name"]: c["unit"] for c in json.loads(motions["json"])["columns"]}
     assert units[f"a_{unit}_per_s2"] == f"{unit}/s²"
-    shown = {"mm": "19.7 mm", "deg": "23.3°"}[unit]
+    shown = f"{LIFTS[kind]}" + {"mm": " mm", "deg": "°"}[unit]
     assert f"rise {shown} in 97.3°" in motions["svg"].decode()
     assert {"mm": "mm/s²", "deg": "°/s²"}[unit] in motions["svg"].decode()

@@ -9,9 +9,9 @@ from hypothesis import strategies as st
 
 from synthesis.certify.quantities import QUANTITIES
 from synthesis.followers import OscillatingFlatFace
-from synthesis.motion import Motion, Stretch
+from synthesis.motion import Motion
 from synthesis.profile import CamProfile, cam_profile
-from tests.certify.cams import flipped
+from tests.certify.cams import backwards
 from tests.geometry import touch
 from tests.geometry.agreement import agree
 from tests.geometry.cams import TURN, motions, unspecial
@@ -249,18 +249,6 @@ def test_clockwise_is_the_mirror_image(cam: FaceCam, fraction: float):
     for name, sign in {"x": -1.0, "y": 1.0, "normal_x": -1.0, "normal_y": 1.0, "radius": 1.0,
                        "curvature": 1.0, "pressure_angle": 1.0}.items():  # fmt: skip
         np.testing.assert_array_equal(getattr(there, name), sign * getattr(here, name), name)
-
-
-def backwards(motion: Motion) -> Motion:
-    """The motion of a cam that turns the other way."""
-    opposite = {"rise": "return", "return": "rise", "dwell": "dwell"}
-    return Motion.of([
-        Stretch(
-            i, opposite[s.kind], TURN - s.end, s.angle, s.s_end, s.s_start,
-            s.law if s.kind == "dwell" else flipped(s.law),
-        )
-        for i, s in enumerate(reversed(motion.stretches))
-    ])  # fmt: skip
 
 
 @given(face_cams(), unspecial(0.1, 0.9))

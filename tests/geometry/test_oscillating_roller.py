@@ -8,9 +8,9 @@ from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 
 from synthesis.followers import OscillatingRoller
-from synthesis.motion import Motion, Stretch
+from synthesis.motion import Motion
 from synthesis.profile import CamProfile, cam_profile
-from tests.certify.cams import flipped
+from tests.certify.cams import backwards
 from tests.geometry import touch
 from tests.geometry.agreement import agree
 from tests.geometry.cams import TURN, motions, unspecial
@@ -272,16 +272,6 @@ def test_clockwise_is_the_mirror_image(cam: ArmCam, fraction: float):
     for name, sign in {"x": -1.0, "y": 1.0, "normal_x": -1.0, "normal_y": 1.0, "radius": 1.0,
                        "curvature": 1.0, "pressure_angle": 1.0}.items():  # fmt: skip
         np.testing.assert_array_equal(getattr(there, name), sign * getattr(here, name), name)
-
-
-def backwards(motion: Motion) -> Motion:
-    """The same motion run through the other way."""
-    swap = {"rise": "return", "return": "rise", "dwell": "dwell"}
-    placed = []
-    for i, s in enumerate(reversed(motion.stretches)):
-        law = s.law if s.kind == "dwell" else flipped(s.law)
-        placed.append(Stretch(i, swap[s.kind], TURN - s.end, s.angle, s.s_end, s.s_start, law))
-    return Motion.of(placed)
 
 
 @given(arm_cams(), unspecial(0.1, 0.9))

@@ -8,8 +8,10 @@ from typing import Any
 import numpy as np
 import pytest
 
+from synthesis.analysis import given
 from synthesis.errors import InputError
 from synthesis.measured.crossings import first_crossing
+from synthesis.profile import cam_profile
 from tests.measured.cams import ARM, ROLLER, profile, read, spec
 
 
@@ -98,6 +100,31 @@ def test_a_follower_that_does_not_reach(points: np.ndarray, follower: dict[str, 
     error = refused(points, follower)
     assert error.field == "/follower"
     assert "cannot touch x = " in error.rule
+
+
+@pytest.mark.parametrize("rotation", ["ccw", "cw"])
+def test_an_arm_that_reaches_only_the_nose_is_told_from_which_cam_angle_on(rotation: str) -> None:
+    asked = spec(ARM, rotation=rotation)
+    distance, cam = 140.0, given(asked)
+    error = refused(profile(asked, 1800), ARM | {"centre_distance_mm": distance}, rotation=rotation)
+    # stretched along the line of centres it just reaches; there the roller stands before its pivot
+    theta = np.linspace(0.0, 2.0 * np.pi, 200_001)
+    p = cam_profile(cam.motion, asked.follower, cam.size, "ccw", theta)
+    near = np.hypot(p.pitch_x, p.pitch_y) < distance - ARM["arm_mm"]
+    edges = np.flatnonzero(near[1:] != near[:-1])
+    assert len(edges) == 2
+    heading = np.degrees(np.arctan2(p.pitch_y, p.pitch_x))[edges]
+    told = [
+        float(cell)
+        for cell in re.findall(r"cam angles? (-?[\d.]+)° and (-?[\d.]+)°", error.rule)[0]
+    ]
+    assert sorted(told) == pytest.approx(sorted((31.0 - heading) % 360.0), abs=1.5)
+    x, y = (float(cell) for cell in re.findall(r"[xy] = (-?[\d.]+)", error.rule))
+    assert np.hypot(x, y) < 45.0  # on the base circle
+
+
+def test_an_arm_that_reaches_nothing_is_told_so(points: np.ndarray) -> None:
+    assert "at no cam angle" in refused(points, ARM | {"centre_distance_mm": 200.0}).rule
 
 
 def test_crossings_against_every_pair_of_sides() -> None:

@@ -6,6 +6,7 @@ import math
 from functools import cache
 from typing import Any
 
+import casadi
 import numpy as np
 import pytest
 from pydantic import ValidationError
@@ -123,17 +124,19 @@ def test_with_the_distance_free_it_is_the_linear_program_of_dense_angles(sense: 
 @pytest.mark.parametrize("sense", ["opposite", "same"])
 def test_with_the_distance_free_a_blind_search_finds_the_same(sense: str) -> None:
     spec, design = free_distance(sense)
-    table, rhs = rows(spec, 401)
+    table, rhs = rows(spec, 601)
 
     def worth(z: np.ndarray) -> float:
-        p, q = z[0] * math.cos(z[1]), z[0] * math.sin(z[1])
-        return float(q - OFFSET + 1e3 * max(np.max(table @ [p, q] - rhs), 0.0))
+        """Base radius at a direction of the pivot, the nearest that every row allows."""
+        along = table @ [math.cos(z[0]), math.sin(z[0])]
+        least = np.max(rhs[along < 0.0] / along[along < 0.0], initial=0.0)
+        most = np.min(rhs[along > 0.0] / along[along > 0.0], initial=FREE["max"])
+        return float(least * math.sin(z[0]) - OFFSET + 1e3 * max(least - most, 0.0))
 
     found = differential_evolution(
-        worth, [(10.0, 150.0), (0.05, 1.5)], seed=7, tol=1e-13, atol=1e-13, maxiter=400,
-        popsize=20,
-    )  # fmt: skip
-    assert design.dimensions["base_radius_mm"] == pytest.approx(found.fun, rel=1e-5)
+        worth, [(0.05, 1.5)], rng=7, tol=0.0, atol=1e-12, maxiter=400, popsize=40, polish=False
+    )
+    assert design.dimensions["base_radius_mm"] == pytest.approx(found.fun, rel=1e-6)
 
 
 @pytest.mark.parametrize("sense", ["opposite", "same"])
@@ -184,15 +187,65 @@ def test_a_free_law_is_smaller_than_every_given_one_and_honest_about_its_bound()
     assert np.max(abs(free.curve.derivatives(np.linspace(0.0, 6.28, 999))[3])) < math.inf
 
 
-def test_a_free_law_s_optimum_is_found_from_elsewhere_too() -> None:
-    """The law as a sum of bumps on the quintic, by another solver: never smaller than ours."""
-    limits = (RADIUS, PRESSURE, FACE)
-    ours = synthesise(asked(60.0, *limits, JERK, law="spline", tolerance=1e-2))
-    quintic = synthesise(asked(60.0, *limits, JERK, law="polynomial_3_4_5"))
-    assert quintic.dimensions["base_radius_mm"] > ours.dimensions["base_radius_mm"]
-    for law in ("polynomial_4_5_6_7", "modified_sine", "modified_trapezoid"):
-        other = synthesise(asked(60.0, *limits, law=law))
-        assert other.dimensions["base_radius_mm"] > ours.dimensions["base_radius_mm"]
+def another_program(sense: str, pieces: int, start: float) -> float:
+    """The least base radius at d = 60 mm with piecewise constant jerks as unknowns, by IPOPT.
+
+    Reach and radius are divided by w as in the textbooks, and asked for three times in a piece.
+    """
+    d, sigma, swing = 60.0, {"opposite": 1.0, "same": -1.0}[sense], math.radians(SWING)
+    cap = math.radians(JERK["max_deg_per_s3"]) / (RPM * math.pi / 30.0) ** 3
+    psi0 = casadi.SX.sym("psi0")
+    unknowns, most, first = [psi0], [], [start]
+    rows: list[Any] = []
+    ends: list[Any] = []
+
+    def limits(phi: Any, v: Any, a: Any) -> Any:
+        w, psi = 1.0 + sigma * v, psi0 + phi
+        reach = d * casadi.cos(psi) / w
+        radius = d * casadi.sin(psi) * (1.0 + 2.0 * sigma * v) / w**2 - OFFSET
+        radius += d * casadi.cos(psi) * a / w**3
+        rows.extend([4.1 - radius, 20.0 - reach, reach - 50.0])
+        return reach
+
+    limits(0.0, 0.0, 0.0), limits(swing, 0.0, 0.0)  # on the dwells
+    for angle, sign, field in ((81.0, 1.0, "rise_deg"), (97.0, -1.0, "return_deg")):
+        beta, slope = math.radians(angle), math.tan(math.radians(PRESSURE[field]))
+        j, width, g, v, a = casadi.SX.sym("j", pieces), 1.0 / pieces, 0.0, 0.0, 0.0
+        for k in range(pieces):
+            for h in (width / 3.0, 2.0 * width / 3.0, width):
+                at = g + v * h + a * h**2 / 2 + j[k] * h**3 / 6
+                speed, bend = v + a * h + j[k] * h**2 / 2, a + j[k] * h
+                phi = swing * (at if sign > 0.0 else 1.0 - at)
+                reach = limits(phi, sign * swing / beta * speed, sign * swing / beta**2 * bend)
+                rows.extend([OFFSET - slope * reach, -speed])
+            g, v, a = at, speed, bend
+        ends += [g - 1.0, v, a]
+        unknowns.append(j)
+        most += [cap * beta**3 / swing] * pieces
+        x = (np.arange(pieces) + 0.5) / pieces
+        first += list(60.0 - 360.0 * x + 360.0 * x**2)  # the 3-4-5 law's
+    program = {"x": casadi.vertcat(*unknowns), "f": psi0, "g": casadi.vertcat(*rows, *ends)}
+    quiet = {"ipopt.print_level": 0, "print_time": False, "ipopt.sb": "yes"}
+    solver = casadi.nlpsol("other", "ipopt", program, quiet)
+    found = solver(
+        x0=first, lbx=[0.05, *(-np.array(most))], ubx=[1.4, *most], ubg=0.0,
+        lbg=[-casadi.inf] * len(rows) + [0.0] * len(ends),
+    )  # fmt: skip
+    assert solver.stats()["success"]
+    return d * math.sin(float(found["x"][0])) - OFFSET
+
+
+@pytest.mark.parametrize("sense", ["opposite", "same"])
+def test_a_free_law_s_optimum_is_found_from_elsewhere_too(sense: str) -> None:
+    """No proof closes the gap here: other unknowns from other starts end in the same place."""
+    limits = (RADIUS, PRESSURE, FACE, JERK)
+    ours = synthesise(asked(60.0, *limits, sense=sense, law="spline", tolerance=1e-2))
+    others = [another_program(sense, 40, start) for start in (0.4, 1.0)]
+    assert others[0] == pytest.approx(others[1], rel=1e-6)
+    assert ours.certificate.certified
+    assert ours.certificate.lower_bound <= min(others)
+    # with 24, 40 and 64 pieces it falls by 1e-3 and by 2e-4 more
+    assert ours.dimensions["base_radius_mm"] == pytest.approx(min(others), rel=1e-3)
 
 
 @pytest.mark.parametrize("sense", ["opposite", "same"])
