@@ -89,7 +89,8 @@ def test_cuts_hold_wherever_the_limit_does(
     speeds = np.sort(ARM * rng.uniform(-1.2, 1.2, (2, n)), axis=0)
     sizes = (ARM * min(w), ARM * max(w))
     within = Within(places[0], places[1], speeds[0], speeds[1], (sizes,))
-    place = (rng.uniform(places[0], places[1]), (rng.uniform(*sizes),)) if about else None
+    where = np.stack([rng.uniform(*places), rng.uniform(*speeds)])
+    place = (where, (rng.uniform(*sizes),)) if about else None
     rows = curve.cuts(within, place)
     assert rows
     for _ in range(60):
@@ -115,7 +116,7 @@ def test_cuts_are_the_limit_itself_where_they_touch_and_it_is_convex(sense: str)
     free = np.full(n, np.inf)
     within = Within(s[0] - 5.0, s[0] + 5.0, -free, free, ((size - 1.0, size + 1.0),))
     unit = max(ARM, DISTANCE / np.cos(limit))
-    rows = curve.cuts(within, (s[0], (size,)))
+    rows = curve.cuts(within, (s[:2], (size,)))
     assert len(rows) == 2
     for cuts, excess in zip(rows, curve.excess(s, (size,)), strict=True):
         left = np.sum(cuts.coefficients * s, axis=0) + cuts.size[0] * size - cuts.upper
