@@ -80,6 +80,16 @@ class Cone:
     radius: float
     source: str
 
+    def step(self, z: Vector) -> float:
+        """How far the last size variable can grow from z [mm]; 0 from outside."""
+        rows = list(zip(self.norm.matrix, self.norm.shift, strict=True))
+        here = [sum(a * v for a, v in zip(row, z, strict=True)) + m for row, m in rows]
+        step = [row[-1] for row, _ in rows]
+        square = sum(a * a for a in step)
+        half = sum(a * b for a, b in zip(here, step, strict=True))
+        left = half * half + square * (self.radius**2 - sum(a * a for a in here))
+        return (math.sqrt(left) - half) / square if left >= 0.0 else 0.0
+
 
 @dataclass(frozen=True, eq=False)
 class Cuts:

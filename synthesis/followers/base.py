@@ -148,15 +148,16 @@ class Follower(BaseModel, ABC):
         """The prime radius itself [mm]."""
         return self.prime_radius().value(z)
 
-    @abstractmethod
     def raised(self, z: tuple[float, ...], amount: float) -> tuple[float, ...]:
-        """The size made larger by ``amount`` [mm] in the way that eases every geometric limit."""
+        """The last size variable larger by ``amount`` [mm], which eases every geometric limit."""
+        return (*z[:-1], z[-1] + amount)
 
-    @abstractmethod
     def room(
         self, z: tuple[float, ...], bounds: Sequence[tuple[float, float]], cones: Sequence[Cone]
     ) -> float:
         """How far ``raised`` can go within bounds and cones of the size [mm]."""
+        steps = [bounds[-1][1] - z[-1], *(cone.step(z) for cone in cones)]
+        return max(min(steps), 0.0)
 
     @abstractmethod
     def reaching(self, z: tuple[float, ...], radius: float) -> tuple[float, ...]:

@@ -176,18 +176,6 @@ class OscillatingFlatFace(Follower):
     def prime_radius(self) -> Norm:
         return Norm(((1.0,),) if self.distance is not None else ((0.0, 1.0),), (0.0,))
 
-    def raised(self, z: tuple[float, ...], amount: float) -> tuple[float, ...]:
-        return (*z[:-1], z[-1] + amount)
-
-    def room(
-        self, z: tuple[float, ...], bounds: Sequence[tuple[float, float]], cones: Sequence[Cone]
-    ) -> float:
-        steps = [bounds[-1][1] - z[-1]]
-        for cone in cones:  # ‖(p, Rb + f)‖ ≤ d
-            beside, shift = z[0], cone.norm.shift[-1]
-            steps.append(math.sqrt(max(cone.radius**2 - beside**2, 0.0)) - shift - z[-1])
-        return max(min(steps), 0.0)
-
     def reaching(self, z: tuple[float, ...], radius: float) -> tuple[float, ...]:
         return (*z[:-1], max(z[-1], radius))
 

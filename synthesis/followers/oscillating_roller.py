@@ -146,15 +146,6 @@ class OscillatingRoller(RollerFollower):
             return third_side(self.arm_mm, self._distance, (z[0] + s) / self.arm_mm)
         return self.outermost(s).value(z)
 
-    def raised(self, z: tuple[float, ...], amount: float) -> tuple[float, ...]:
-        return (*z[:-1], z[-1] + amount)
-
-    def room(
-        self, z: tuple[float, ...], bounds: Sequence[tuple[float, float]], cones: Sequence[Cone]
-    ) -> float:
-        steps = [bounds[-1][1] - z[-1], *(_step(cone, z) for cone in cones)]
-        return max(min(steps), 0.0)
-
     def reaching(self, z: tuple[float, ...], radius: float) -> tuple[float, ...]:
         if self._distance is not None:
             return (max(z[0], radius),)
@@ -336,14 +327,3 @@ class OscillatingRoller(RollerFollower):
 
 def _hypot(z: tuple[float, ...]) -> float:
     return math.hypot(*z)
-
-
-def _step(cone: Cone, z: tuple[float, ...]) -> float:
-    """How far the last size variable can grow within a cone [mm]; 0 outside of it."""
-    rows = list(zip(cone.norm.matrix, cone.norm.shift, strict=True))
-    here = [sum(a * v for a, v in zip(row, z, strict=True)) + m for row, m in rows]
-    step = [row[-1] for row, _ in rows]
-    square = sum(a * a for a in step)
-    half = sum(a * b for a, b in zip(here, step, strict=True))
-    left = half * half + square * (cone.radius**2 - sum(a * a for a in here))
-    return (math.sqrt(left) - half) / square if left >= 0.0 else 0.0

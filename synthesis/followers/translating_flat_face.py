@@ -20,7 +20,7 @@ normal are those of the face, which knows which side is out.
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from typing import Annotated, Any, ClassVar, Literal
 
 import numpy as np
@@ -31,7 +31,7 @@ from synthesis.followers.base import Follower, Measure, Shape, Sizing
 from synthesis.followers.flank import Flank, Vector2
 from synthesis.motion import Motion
 from synthesis.numerics.peaks import peak
-from synthesis.terms import Cone, Norm, Row
+from synthesis.terms import Norm, Row
 from synthesis.units import DEGREE
 
 LEAST_TILT = 1e-3  # degrees
@@ -91,15 +91,6 @@ class TranslatingFlatFace(Follower):
 
     def prime_radius(self) -> Norm:
         return Norm(((1.0,),), (0.0,))
-
-    def raised(self, z: tuple[float, ...], amount: float) -> tuple[float, ...]:
-        return (z[0] + amount,)
-
-    def room(
-        self, z: tuple[float, ...], bounds: Sequence[tuple[float, float]], cones: Sequence[Cone]
-    ) -> float:
-        largest = min([bounds[0][1], *(cone.radius - cone.norm.shift[0] for cone in cones)])
-        return max(largest - z[0], 0.0)
 
     def reaching(self, z: tuple[float, ...], radius: float) -> tuple[float, ...]:
         return (max(z[0], radius),)

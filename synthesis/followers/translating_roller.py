@@ -73,25 +73,6 @@ class TranslatingRoller(RollerFollower):
     def prime_radius(self) -> Norm:
         return Norm(((1.0, 0.0), (0.0, 1.0)), (0.0, 0.0))
 
-    def raised(self, z: tuple[float, ...], amount: float) -> tuple[float, ...]:
-        e, s0 = z
-        return e, s0 + amount
-
-    def room(
-        self, z: tuple[float, ...], bounds: Sequence[tuple[float, float]], cones: Sequence[Cone]
-    ) -> float:
-        e, s0 = z
-        largest = bounds[1][1]
-        for cone in cones:
-            # ‖q + s0 w‖ ≤ radius, w the image of the unit of s0: the larger root
-            (ax, bx), (ay, by) = cone.norm.matrix
-            qx, qy = ax * e + cone.norm.shift[0], ay * e + cone.norm.shift[1]
-            length = math.hypot(bx, by)
-            across, along = (qx * by - qy * bx) / length, (qx * bx + qy * by) / length
-            reach = math.sqrt(max(cone.radius**2 - across**2, 0.0))
-            largest = min(largest, (reach - along) / length)
-        return max(largest - s0, 0.0)
-
     def reaching(self, z: tuple[float, ...], radius: float) -> tuple[float, ...]:
         e, s0 = z
         return e, max(s0, math.sqrt(max(radius**2 - e**2, 0.0)))
