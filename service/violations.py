@@ -35,6 +35,7 @@ PLACES = {
     "limit_unit_does_not_suit": ("limits", "{position}"),
     "centre_distance_positive": ("follower", "centre_distance_mm"),
     "arm_does_not_reach": ("follower",),
+    "roller_on_pivot": ("follower", "arm_mm"),
     "initial_angle_range": ("follower", "initial_angle_deg"),
     "initial_angle_contradicts": ("follower", "initial_angle_deg"),
     "swing_too_large": ("program",),

@@ -22,6 +22,7 @@ from typing import Annotated, Any, ClassVar, Literal, Self
 
 import numpy as np
 from pydantic import Field
+from pydantic_core import PydanticCustomError
 
 from synthesis.followers.arm_pressure import FixedPivot, FreePivot
 from synthesis.followers.base import Follower, Measure, Pinning, Shape, Sizing
@@ -98,6 +99,13 @@ class OscillatingRoller(RollerFollower):
     def check_reach(self, base_radius: tuple[float, float], stretches: Sequence[Stretch]) -> None:
         self.closure.check(self.roller_radius_mm, base_radius[1], self.base_gap)
         self._arm.check(self._prime(base_radius), stretches)
+        if self.arm_mm <= self.roller_radius_mm:
+            raise PydanticCustomError(
+                "roller_on_pivot",
+                "arm_mm = {arm} is not longer than roller_radius_mm = {roller}: the roller would "
+                "lie over its own pivot. Take a longer arm or a smaller roller.",
+                {"arm": self.arm_mm, "roller": self.roller_radius_mm},
+            )
 
     def reachable(self, base_radius: tuple[float, float], stroke: float) -> tuple[float, float]:
         prime = self._prime(base_radius)

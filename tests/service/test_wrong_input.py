@@ -98,6 +98,9 @@ TABLE: dict[str, tuple[Change, str, Any, str]] = {
         on_an_arm(arm_mm=10, base=90), "/follower", 10, "reaches radii from 90 to 110",
     ),
     "an arm that is too long": (on_an_arm(arm_mm=250), "/follower", 250, "from 150 to 350"),
+    "a roller over its own pivot": (
+        on_an_arm(swing=20, arm_mm=25, base=60), "/follower/arm_mm", 25, "Take a longer arm",
+    ),
     "a swing past the line of centres": (
         on_an_arm(swing=120), "/program", pytest.approx(107.545951),
         "at cam angle 44.2529° (program/0)",
