@@ -89,7 +89,9 @@ def test_the_least_integral(drawn: tuple[Array, Array], held: tuple[float, float
     found = switching(points, weights, weights.shape[1])
     cap, weight = held
     expected = quadrature(found, cap, weight)
-    largest = float(np.abs(found(middles(999))).max()) * min(cap, 10.0) + 1e-12
+    # ψ may live on a sliver next to an end, which the middle rule meets with one point or none
+    looked_at = np.concatenate([middles(999), 0.5 * points, 0.5 * (1.0 + points)])
+    largest = float(np.abs(found(looked_at)).max()) * min(cap, 10.0) + 1e-12
     assert found.least(cap, weight) == pytest.approx(expected, abs=1e-4 * largest)
     assert found.least(cap, weight) <= 0.0
 
