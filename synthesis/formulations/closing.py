@@ -83,14 +83,14 @@ def close(state: Search) -> None:
     if not near:
         return
     started = time.perf_counter()
-    root = _explored(state, best, near, Known(state.problem, state.lower, state.over, state.grids))
+    root = explored(state, best, near, Known(state.problem, state.lower, state.over, state.grids))
     leaves, boxes = [root], 1
     while boxes < MOST_BOXES and root.sizes and state.left() > 0.0:
         worst = min(leaves, key=lambda leaf: leaf.lower)
         if state.close_to(best, worst.lower):
             break
         leaves.remove(worst)
-        leaves += [_explored(state, best, near, half) for half in _halves(worst)]
+        leaves += [explored(state, best, near, half) for half in _halves(worst)]
         boxes += 2
     lowest = min(leaves, key=lambda leaf: leaf.lower)
     state.raise_to(lowest.lower, lowest.over)
@@ -139,7 +139,7 @@ def near_to_binding(best: Candidate, free: Stretch) -> tuple[float, float] | Non
     return max(float(binding[0]) - step, 0.0), min(float(binding[-1]) + step, 1.0)
 
 
-def _explored(
+def explored(
     state: Search, best: Candidate, near: Mapping[int, tuple[float, float]], known: Known
 ) -> Known:
     """Tubes and rows in turn, each from what the other has shown, while it is worth it."""
@@ -196,8 +196,10 @@ def _climbed(state: Search, best: Candidate, known: Known) -> Known:
         laws, size = plan.recover(solution.x)
         about = About(tuple(law.curve() for law in laws), size)
         known = replace(known, about=about)
-        if lower.value > known.lower:
-            known = replace(known, lower=lower.value, over=lower.over)
+        # above the best there is nothing left to bound: no cam of this box is better
+        value = min(lower.value, best.value)
+        if value > known.lower:
+            known = replace(known, lower=value, over=lower.over)
         found = settle(problem, laws, size, keep_hint=True)
         # what knots can still gain is what lies between this family's best and the bound
         mine = found.value - lower.value

@@ -173,27 +173,19 @@ def formulate(
 
 def with_rows(plan: Plan, more: Sequence[Block]) -> Plan:
     """The plan with further inequalities, below those that it has."""
-    program, width = plan.program, plan.program.matrix.shape[1]
-    dense, bounds = [], []
+    if not more:
+        return plan
+    program = plan.program
+    writer = Writer(program.matrix.shape[1], plan.columns, plan.size, plan.extra, plan.settled)
     for block in more:
-        rows, rhs = np.zeros((len(block.rhs), width)), block.rhs - block.tighten
-        if block.laws is not None and block.stretch is not None:
-            inner, fixed = plan.settled[block.stretch].split(block.laws)
-            rows[:, plan.columns[block.stretch]] = inner
-            rhs = rhs - fixed
-        if block.size.size:
-            rows[:, plan.size] += block.size
-        if block.level and plan.extra is not None:
-            rows[:, plan.extra] = block.level
-        dense.append(rows)
-        bounds.append(rhs)
+        writer.block(block)
+    found, bounds = writer.finished()
     at = program.equalities + program.inequalities
-    found = sparse.csr_matrix(np.concatenate(dense))
     matrix = sparse.vstack([program.matrix[:at], found, program.matrix[at:]])
-    rhs = np.concatenate([program.rhs[:at], *bounds, program.rhs[at:]])
     longer = replace(
-        program, matrix=sparse.csc_matrix(matrix), rhs=rhs,
-        inequalities=program.inequalities + found.shape[0],
+        program, matrix=sparse.csc_matrix(matrix),
+        rhs=np.concatenate([program.rhs[:at], bounds, program.rhs[at:]]),
+        inequalities=program.inequalities + writer.rows,
     )  # fmt: skip
     return replace(plan, blocks=(*plan.blocks, *more), program=longer)
 

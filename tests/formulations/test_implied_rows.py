@@ -1,6 +1,7 @@
 """Rows that a bound on curvature implies inside a box, and the bound that they raise."""
 
 from copy import deepcopy
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -10,8 +11,8 @@ from hypothesis import strategies as st
 from synthesis import DesignSpec, synthesise
 from synthesis.followers.pitch_curvature import PitchCurvature
 from synthesis.formulations.candidate import settle
-from synthesis.formulations.closing import Known, narrowed, near_to_binding
-from synthesis.formulations.convex import formulate
+from synthesis.formulations.closing import Known, explored, narrowed, near_to_binding
+from synthesis.formulations.convex import formulate, with_rows
 from synthesis.formulations.grid import over
 from synthesis.formulations.nonlinear import improve
 from synthesis.formulations.problem import pose
@@ -191,3 +192,18 @@ def test_thorough_changes_nothing_where_curvature_does_not_bind(spec: DesignSpec
     assert quick.status == close.status == "optimal"
     assert quick.size == close.size
     assert quick.certificate == close.certificate
+
+
+def test_no_further_rows_leave_a_plan_as_it_is(found):
+    plan = formulate(found.problem, found.grids)
+    assert with_rows(plan, []) is plan
+
+
+def test_the_bound_is_never_above_the_cam_it_is_about(found):
+    near = {k: near_to_binding(found.best, s) for k, s in enumerate(found.problem.free)}
+    known = Known(found.problem, found.lower, "", found.grids)
+    # far on the wrong side: no better cam has its offset there
+    (_, high), *rest = found.problem.sizing.bounds
+    there = replace(found.problem.sizing, bounds=((high - 4.0, high), *rest))
+    known = replace(known, problem=replace(found.problem, sizing=there))
+    assert explored(found, found.best, near, known).lower <= found.best.value
