@@ -2,12 +2,11 @@
 
 from __future__ import annotations
 
-from typing import Literal
-
 from pydantic import Field
 
-from synthesis.camset_spec import CamOnShaft, CamSetSpec, cam_set_id, within_turn
-from synthesis.design import Design, Part, Status, engine_version, told
+from synthesis.camset_spec import CamOnShaft, CamSetSpec, within_turn
+from synthesis.design import Design, Part, Status, engine_version, question_id, told
+from synthesis.fields import Rotation
 
 WORST_FIRST: tuple[Status, ...] = ("infeasible", "feasible", "optimal")
 
@@ -72,7 +71,7 @@ class CamSet(Part):
     name: str = told("Name from the spec.")
     engine_version: str = told("Version of Camwright that made it.")
     status: Status = told("The worst of the cams': infeasible before feasible before optimal.")
-    rotation: Literal["ccw", "cw"] = told("Sense in which the shaft turns.")
+    rotation: Rotation = told("Sense in which the shaft turns.")
     speed_rpm: float = told("Speed of the shaft.")
     cams: list[MountedCam] = told("The cams in the order of the spec.")
     timing: Timing = told("What happens when. Cams for which nothing fits take no part.")
@@ -119,4 +118,4 @@ def assembled(spec: CamSetSpec, cams: list[MountedCam], timing: Timing, seconds:
 
 def set_id(spec: CamSetSpec) -> str:
     """The set's id on this engine."""
-    return cam_set_id(spec, engine_version())
+    return question_id(spec, "cam set")

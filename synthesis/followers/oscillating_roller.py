@@ -25,13 +25,17 @@ from pydantic import Field
 from pydantic_core import PydanticCustomError
 
 from synthesis.followers.arm_pressure import FixedPivot, FreePivot
-from synthesis.followers.base import Follower, Measure, Pinning, Shape, Sizing
+from synthesis.followers.base import Follower, Pinning
 from synthesis.followers.closures import LEAST, ArmClosure, Force
 from synthesis.followers.closures.counter_arm import CounterArm
-from synthesis.followers.flank import Trace, Vector2, outer_gap
+from synthesis.followers.flank import outer_gap
+from synthesis.followers.judged import Measure
 from synthesis.followers.pivot import SENSES, PivotDirection
 from synthesis.followers.reach import Arm
 from synthesis.followers.roller import RollerFollower
+from synthesis.followers.sizing import Sizing
+from synthesis.followers.told import Shape
+from synthesis.followers.trace import Trace, Vector2
 from synthesis.geometry.triangle import enclosed_angle, third_side
 from synthesis.motion import Motion, Stretch
 from synthesis.numerics.peaks import peak
