@@ -51,6 +51,10 @@ class UnknownCamSet(ServiceError):
     """No cam set has this id."""
 
 
+class UnknownAnalysis(ServiceError):
+    """No analysis of this kind has this id."""
+
+
 class BadQuery(ServiceError):
     """A query parameter or a header makes no sense."""
 
@@ -100,6 +104,7 @@ PROBLEMS: dict[type[Exception], Kind] = {
     NotJson: Kind(400, "not-json", "The body is not JSON"),
     UnknownDesign: Kind(404, "unknown-design", "No such design"),
     UnknownCamSet: Kind(404, "unknown-cam-set", "No such cam set"),
+    UnknownAnalysis: Kind(404, "unknown-analysis", "No such analysis"),
     NotDone: Kind(409, "not-done", "The design is not finished"),
     NothingFits: Kind(409, "nothing-fits", "The design is infeasible and has no files"),
     Dismissed: Kind(409, "dismissed", "The design was dismissed"),

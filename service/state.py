@@ -24,6 +24,8 @@ class State:
     store: Store
     designs: Jobs
     cam_sets: Jobs
+    analyses: Jobs
+    profile_analyses: Jobs
 
 
 def _state(request: Request) -> State:

@@ -16,10 +16,11 @@ from service.store import Row
 from synthesis.design import Status
 
 State = Literal["accepted", "done", "failed"]
+Verdict = Literal["holds", "broken"]
 
 
 class Accepted(BaseModel):
-    """A design or a set that is waiting or being worked on."""
+    """What is waiting or being worked on."""
 
     id: Annotated[str, Field(description="The id that the answer will have.")]
     name: Annotated[str, Field(description="As in the spec.")]
@@ -49,6 +50,24 @@ class CamSetSummary(Accepted):
     fitting: Annotated[int | None, Field(description="For how many a cam was found.")] = None
 
 
+class AnalysisSummary(Accepted):
+    """One line of the list of analyses."""
+
+    status: Annotated[
+        Verdict | None, Field(description="Whether every limit holds; null until it is done.")
+    ]
+    broken: Annotated[list[str], Field(description="The limits that do not hold.")] = []
+
+
+class ProfileAnalysisSummary(Accepted):
+    """One line of the list of profiles that were read back."""
+
+    status: Annotated[Literal["read"] | None, Field(description="null until it is done.")]
+    dimensions: Annotated[
+        dict[str, float], Field(description="Base radius, stroke, … as read: name and unit.")
+    ] = {}
+
+
 Summary = TypeVar("Summary", bound=Accepted)
 
 
@@ -75,6 +94,14 @@ class DesignPage(Page[DesignSummary]):
 
 class CamSetPage(Page[CamSetSummary]):
     """Cam sets, the newest first."""
+
+
+class AnalysisPage(Page[AnalysisSummary]):
+    """Analyses, the newest first."""
+
+
+class ProfileAnalysisPage(Page[ProfileAnalysisSummary]):
+    """Profiles that were read back, the newest first."""
 
 
 def accepted(kind: Resource, row: Row) -> Accepted:

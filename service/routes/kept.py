@@ -71,7 +71,7 @@ async def shown(request: Request, jobs: Jobs, name: str) -> Response:
 
 
 async def listed(
-    jobs: Jobs, page: type[Listed], limit: int, cursor: str | None, status: Status | None
+    jobs: Jobs, page: type[Listed], limit: int, cursor: str | None, status: str | None = None
 ) -> Listed:
     """A page of the list, the newest first."""
     before = None if cursor is None else position_of(cursor)
