@@ -24,6 +24,8 @@ from synthesis.spec import DesignSpec
 from tests.formulations.scenes import (
     LIFT,
     OMEGA,
+    PLAIN,
+    TURNING,
     acceleration,
     angles,
     dwell,
@@ -36,9 +38,7 @@ from tests.formulations.scenes import (
     velocity,
 )
 
-PLAIN = (rise(71.7), dwell(23.9), fall(83.3), dwell(181.1))
 NAMED = (rise(71.7, law="cycloidal"), dwell(23.9), fall(83.3), dwell(181.1))
-TURNING = (rise(131.7), fall(97.3), dwell(131.0))
 SMOOTH = (rise(71.7, smoothness=4), dwell(23.9), fall(83.3, smoothness=3), dwell(181.1))
 OUTER: dict[str, Any] = {"kind": "outer_radius"}
 
