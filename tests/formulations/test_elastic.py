@@ -194,11 +194,9 @@ def without(spec: DesignSpec, fields: set[str]) -> DesignSpec:
     body = copy.deepcopy(spec.model_dump(exclude_none=True))
     kept = []
     for position, limit in enumerate(body["limits"]):
-        for name in list(limit):
-            if f"limits/{position}/{name}" in fields:
-                limit[name] = None
-        if limit["kind"] == "pressure_angle" or None not in limit.values():
-            kept.append(limit)
+        left = {k: v for k, v in limit.items() if f"limits/{position}/{k}" not in fields}
+        if len(left) > 1:  # more than its kind
+            kept.append(left)
     body["limits"] = kept
     if "base_radius_mm" in fields or "base_radius_mm/max" in fields:
         body["base_radius_mm"] = None
