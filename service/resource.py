@@ -9,7 +9,8 @@ from typing import Any
 from service.errors import ServiceError, UnknownCamSet, UnknownDesign
 from service.links import design_links, set_links
 from service.solve import Task, solve_set
-from service.store import CamSetRow, DesignRow, Row
+from service.store import CamSetRow, DesignRow, Lookup, Row
+from service.sweeps.store import design_of_item
 from synthesis.camset import set_id
 from synthesis.camset_spec import CamSetSpec
 from synthesis.design import design_id
@@ -26,6 +27,7 @@ class Resource:
         task: what a worker does; None: what the engine does anyway.
         links: id, and what lists show of the answer, to addresses.
         unknown: the error for an id that leads nowhere.
+        elsewhere: finds what is kept as part of something else; None: there is no such thing.
     """
 
     path: str
@@ -36,6 +38,7 @@ class Resource:
     task: Task | None
     links: Callable[[str, dict[str, Any]], dict[str, str]]
     unknown: type[ServiceError]
+    elsewhere: Lookup | None = None
 
     def at(self, name: str) -> str:
         """Address of one of them."""
@@ -51,6 +54,7 @@ DESIGNS = Resource(
     task=None,
     links=lambda name, summary: design_links(name, has_cam=bool(summary.get("dimensions"))),
     unknown=UnknownDesign,
+    elsewhere=design_of_item,
 )
 CAM_SETS = Resource(
     path="/v1/cam-sets",

@@ -12,6 +12,7 @@ from service.jobs import Jobs
 from service.metrics import Metrics
 from service.settings import Settings
 from service.store import Store
+from service.sweeps.sweeps import Sweeps
 
 
 @dataclass(frozen=True)
@@ -24,6 +25,7 @@ class State:
     store: Store
     designs: Jobs
     cam_sets: Jobs
+    sweeps: Sweeps
 
 
 def _state(request: Request) -> State:

@@ -83,12 +83,12 @@ def page_of(
         )
         for row in rows[:limit]
     ]
-    return lines, cursor_of(rows[limit - 1]) if len(rows) > limit else None
+    return lines, cursor_at(rows[limit - 1].sequence) if len(rows) > limit else None
 
 
-def cursor_of(row: Row) -> str:
-    """A cursor that continues after this row."""
-    return base64.urlsafe_b64encode(str(row.sequence).encode()).decode().rstrip("=")
+def cursor_at(sequence: int) -> str:
+    """A cursor that continues after the row with this sequence."""
+    return base64.urlsafe_b64encode(str(sequence).encode()).decode().rstrip("=")
 
 
 def position_of(cursor: str) -> int:
