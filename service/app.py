@@ -18,7 +18,7 @@ from service.etag import TagEncodings
 from service.jobs import Jobs
 from service.metrics import Metrics
 from service.observe import Observe
-from service.resource import CAM_SETS, DESIGNS
+from service.resource import RESOURCES
 from service.routes import (
     analyses,
     cam_sets,
@@ -50,15 +50,15 @@ def create_app(settings: Settings, engine_of: EngineOf = running_engine) -> Fast
     async def lifespan(app: FastAPI) -> AsyncIterator[None]:
         store = Store(settings)
         async with engine_of(settings) as engine:
-            kinds = (Jobs(each, engine, store, metrics, settings) for each in (DESIGNS, CAM_SETS))
-            single, sets = kinds
             many = Sweeps(engine, store, settings)
-            app.state.parts = State(settings, metrics, engine, store, single, sets, many)
-            for work in (single, sets, many):
+            kinds = [Jobs(each, engine, store, metrics, settings) for each in RESOURCES]
+            app.state.parts = State(settings, metrics, engine, store, many, *kinds)
+            under_way: list[Jobs | Sweeps] = [many, *kinds]
+            for work in under_way:
                 await work.resume()
             yield
             engine.closing = True
-            for work in (single, sets, many):
+            for work in under_way:
                 await work.close()
         store.dispose()
 

@@ -59,6 +59,10 @@ class FormatMissing(ServiceError):
     """This server was installed without what writes the format."""
 
 
+class UnknownAnalysis(ServiceError):
+    """No analysis of this kind has this id."""
+
+
 class BadQuery(ServiceError):
     """A query parameter or a header makes no sense."""
 
@@ -110,6 +114,7 @@ PROBLEMS: dict[type[Exception], Kind] = {
     UnknownCamSet: Kind(404, "unknown-cam-set", "No such cam set"),
     UnknownSweep: Kind(404, "unknown-sweep", "No such sweep or item"),
     FormatMissing: Kind(501, "format-missing", "This server does not write the format"),
+    UnknownAnalysis: Kind(404, "unknown-analysis", "No such analysis"),
     NotDone: Kind(409, "not-done", "The design is not finished"),
     NothingFits: Kind(409, "nothing-fits", "The design is infeasible and has no files"),
     Dismissed: Kind(409, "dismissed", "The design was dismissed"),

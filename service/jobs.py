@@ -73,7 +73,7 @@ class Jobs:
     async def _run(self, name: str, spec: Any) -> Row:
         row = self._row(name, spec, "done")
         try:
-            budget = self._settings.budget_s(spec.time_budget_s)
+            budget = self._settings.budget_s(self.kind.budget_of(spec))
             answer = await self.engine.solve(row.spec, budget, self.kind.task)
         except Exception as error:
             await self._failed(name, error)

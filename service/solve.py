@@ -15,11 +15,11 @@ from synthesis.spec import DesignSpec
 
 @dataclass(frozen=True)
 class Answer:
-    """A finished design or set and what lists show of it, or an analysis, which is in no list.
+    """A finished design, set or analysis, and what lists show of it.
 
     Attributes:
         design: the response body.
-        status: optimal, feasible or infeasible; of an analysis, holds or broken.
+        status: optimal, feasible or infeasible; of an analysis, holds or broken; of points, read.
         summary: the other fields of a list's row.
         seconds: time the core took.
         quantities: what a sweep trades: dimensions, objectives and what else was measured.
@@ -90,7 +90,8 @@ def analyse(spec: bytes, budget_s: float) -> Answer:
     asked = DesignSpec.model_validate_json(spec)
     found = analysed(asked, deadline=started + budget_s)
     status = "holds" if found.holds else "broken"
-    return Answer(found.model_dump_json().encode(), status, {}, time.monotonic() - started)
+    summary = {"broken": found.broken}
+    return Answer(found.model_dump_json().encode(), status, summary, time.monotonic() - started)
 
 
 def read_back(cam: bytes, budget_s: float) -> Answer:
@@ -100,7 +101,8 @@ def read_back(cam: bytes, budget_s: float) -> Answer:
 
     started = time.monotonic()
     found = read(MeasuredCam.model_validate_json(cam))
-    return Answer(found.model_dump_json().encode(), "read", {}, time.monotonic() - started)
+    summary = {"dimensions": found.dimensions}
+    return Answer(found.model_dump_json().encode(), "read", summary, time.monotonic() - started)
 
 
 def warm_up() -> None:

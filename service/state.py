@@ -23,9 +23,11 @@ class State:
     metrics: Metrics
     engine: Engine
     store: Store
+    sweeps: Sweeps
     designs: Jobs
     cam_sets: Jobs
-    sweeps: Sweeps
+    analyses: Jobs
+    profile_analyses: Jobs
 
 
 def _state(request: Request) -> State:

@@ -79,6 +79,18 @@ class CamSetRow(Row):
     __tablename__ = "cam_sets"
 
 
+class AnalysisRow(Row):
+    """One analysis of a given cam."""
+
+    __tablename__ = "analyses"
+
+
+class ProfileAnalysisRow(Row):
+    """One motion read back from measured points."""
+
+    __tablename__ = "profile_analyses"
+
+
 class KeyRow(Base):
     """An Idempotency-Key: which body it came with, and which answer it led to."""
 

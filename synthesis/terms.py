@@ -74,20 +74,29 @@ class Norm:
 
 @dataclass(frozen=True)
 class Cone:
-    """norm ≤ radius."""
+    """least ≤ norm ≤ radius [mm]; ``least`` is not convex, and no cone program knows of it."""
 
     norm: Norm
     radius: float
     source: str
+    least: float = 0.0
 
     def step(self, z: Vector) -> float:
         """How far the last size variable can grow from z [mm]; 0 from outside."""
+        return self._growth(z, self.radius)
+
+    def short(self, z: Vector) -> float:
+        """How far the last size variable has to grow from z until the norm is ``least`` [mm]."""
+        return self._growth(z, self.least) if self.norm.value(z) < self.least else 0.0
+
+    def _growth(self, z: Vector, radius: float) -> float:
+        """How far the last size variable grows until the norm is ``radius``; 0 from outside."""
         rows = list(zip(self.norm.matrix, self.norm.shift, strict=True))
         here = [sum(a * v for a, v in zip(row, z, strict=True)) + m for row, m in rows]
         step = [row[-1] for row, _ in rows]
         square = sum(a * a for a in step)
         half = sum(a * b for a, b in zip(here, step, strict=True))
-        left = half * half + square * (self.radius**2 - sum(a * a for a in here))
+        left = half * half + square * (radius**2 - sum(a * a for a in here))
         return (math.sqrt(left) - half) / square if left >= 0.0 else 0.0
 
 

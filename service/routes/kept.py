@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import hashlib
 from collections.abc import Mapping
-from typing import Annotated, Any
+from typing import Annotated, Any, TypeVar
 
-from fastapi import Header, Request, Response
+from fastapi import Header, Query, Request, Response
 
 from service.body import read_body
 from service.documentation import UNDER_WAY_HEADERS
@@ -17,7 +17,8 @@ from service.problem import respond
 from service.resource import Resource
 from service.state import State
 from service.store import Row
-from service.views import Accepted, accepted
+from service.views import Accepted, Page, accepted, position_of
+from synthesis.design import Status
 
 UNDER_WAY: Mapping[int | str, dict[str, Any]] = {
     202: {
@@ -38,6 +39,10 @@ Key = Annotated[
         "the same key with another body is refused.",
     ),
 ]
+PageSize = Annotated[int, Query(ge=1, le=200)]
+Cursor = Annotated[str | None, Query(description="`next` of the page before.")]
+WithStatus = Annotated[Status | None, Query(description="Only those with this status.")]
+Listed = TypeVar("Listed", bound=Page[Any])
 KnownTag = Annotated[str | None, Header(description="ETag that you have; answers 304 if current.")]
 
 
@@ -63,6 +68,15 @@ async def shown(request: Request, jobs: Jobs, name: str) -> Response:
     if row.problem is not None and row.state == "failed":
         return respond(request, row.problem)
     return unchanged(request, row.etag or "") or _done(jobs.kind, row)
+
+
+async def listed(
+    jobs: Jobs, page: type[Listed], limit: int, cursor: str | None, status: str | None = None
+) -> Listed:
+    """A page of the list, the newest first."""
+    before = None if cursor is None else position_of(cursor)
+    rows = await jobs.answers.page(before, limit + 1, status)
+    return page.of(jobs.kind, rows, limit)
 
 
 async def forgotten(jobs: Jobs, name: str) -> None:

@@ -15,11 +15,11 @@ import numpy as np
 from pydantic import Field
 from pydantic_core import PydanticCustomError
 
-from synthesis.followers.base import Sizing
 from synthesis.followers.closures import LEAST, Force, SlideClosure
-from synthesis.followers.flank import Vector2
 from synthesis.followers.pitch_curvature import PitchCurvature
 from synthesis.followers.roller import RollerFollower
+from synthesis.followers.sizing import Sizing
+from synthesis.followers.trace import Vector2
 from synthesis.motion import Motion, Stretch
 from synthesis.ranges import Dimension, Range, ends
 from synthesis.terms import Cone, Implied, Norm, Row

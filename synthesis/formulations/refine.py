@@ -64,11 +64,24 @@ def search(
         first = int(np.clip(3.7 / sqrt(tolerance), COARSE, CURVED if problem.curved else FINE))
         state.grids = tuple(uniform(stretch, first) for stretch in problem.free)
         _climb(state)
+    if _elsewhere(state):
+        pinned(state, search)
+        return state
     if (state.limited_by_shape or state.short) and state.left() > 0.0:
         nonlinear(state)
         if thorough:
             close(state)
     return state
+
+
+def _elsewhere(state: Search) -> bool:
+    """Whether a dimension that can be pinned has a least value, which no cone program knows.
+
+    A cam that happens to have it and is as good as the bound needs no further search.
+    """
+    if state.problem.machine.follower.pinning() is None or state.close(state.best):
+        return False
+    return any(cone.least > 0.0 for cone in state.problem.sizing.cones)
 
 
 def estimate(

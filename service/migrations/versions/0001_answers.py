@@ -1,6 +1,6 @@
-"""Designs, cam sets and idempotency keys.
+"""Designs, cam sets, analyses and idempotency keys.
 
-Databases from before there were migrations hold these tables, or the first and the last of them:
+Databases from before there were migrations hold some of these tables:
 what is there is left as it is.
 """
 
@@ -16,7 +16,7 @@ down_revision = None
 def upgrade() -> None:
     """Make the tables that are not there yet."""
     known = set(sa.inspect(op.get_bind()).get_table_names())
-    for name in {"designs", "cam_sets"} - known:
+    for name in {"designs", "cam_sets", "analyses", "profile_analyses"} - known:
         _answers(name)
     if "idempotency_keys" not in known:
         op.create_table(
