@@ -16,10 +16,13 @@ Indices = NDArray[np.intp]
 Model = Callable[[Indices, Array, Array], Taylor]
 
 SPLIT: Final = 16
+MOST_PARTS: Final = 64
+ROUND: Final = 256  # boxes that cost little more than one
 MOST_ROUNDS: Final = 12
 MOST_BOXES: Final = 100_000
 UNBOUNDED: Final = 1e300  # stands for "nothing is known on this box"
 ULPS: Final = 2.0**-50
+EXACT: Final = 2.0**-44  # of a model's mag: a remainder that is made of roundings
 
 
 @dataclass(frozen=True)
@@ -87,10 +90,12 @@ class _Boxes:
         return _Boxes(self.question[keep], self.piece[keep], self.lo[keep], self.hi[keep])
 
     def split(self) -> _Boxes:
-        parts = np.arange(SPLIT + 1) / SPLIT
+        """Each cut into equal parts: into many where there are few, for a round costs much."""
+        count = max(SPLIT, min(MOST_PARTS, ROUND // len(self.lo)))
+        parts = np.arange(count + 1) / count
         edges = self.lo[:, None] + (self.hi - self.lo)[:, None] * parts
         edges[:, -1] = self.hi
-        question, piece = np.repeat(self.question, SPLIT), np.repeat(self.piece, SPLIT)
+        question, piece = np.repeat(self.question, count), np.repeat(self.piece, count)
         return _Boxes(question, piece, edges[:, :-1].ravel(), edges[:, 1:].ravel())
 
     def and_points(self, others: _Boxes) -> _Boxes:
@@ -105,6 +110,7 @@ class _Seen:
     Attributes:
         excess: largest excess over a bound, up to ±``rem``. above: it is over the upper one.
         value: the function's value there, as exact. where: the place.
+        exact: ``rem`` is no more than roundings.
     """
 
     excess: Array
@@ -112,6 +118,7 @@ class _Seen:
     above: NDArray[np.bool_]
     value: Array
     where: Array
+    exact: NDArray[np.bool_]
 
 
 def _look(boxes: _Boxes, model: Taylor, lower: Array, upper: Array) -> _Seen:
@@ -127,7 +134,8 @@ def _look(boxes: _Boxes, model: Taylor, lower: Array, upper: Array) -> _Seen:
     t = np.where(above, t_high, t_low)
     where = 0.5 * (boxes.lo + boxes.hi) + t * (0.5 * (boxes.hi - boxes.lo))
     where = np.clip(where, boxes.lo, boxes.hi)
-    return _Seen(np.where(above, over, under), rem, above, np.where(above, high, low), where)
+    value, exact = np.where(above, high, low), rem <= EXACT * model.mag
+    return _Seen(np.where(above, over, under), rem, above, value, where, exact)
 
 
 class _Search:
@@ -143,6 +151,7 @@ class _Search:
         self.above = np.ones(count, dtype=bool)
         self.value = np.zeros(count)
         self.angle = np.zeros(count)
+        self.exact = np.zeros(count, dtype=bool)
         self.piece = np.array([q.pieces[0] for q in questions])
         self.boxes = 0
 
@@ -185,6 +194,7 @@ class _Search:
 
     def _found(self, q: int, boxes: _Boxes, seen: _Seen, top: np.intp) -> None:
         self.above[q], self.value[q] = seen.above[top], seen.value[top]
+        self.exact[q] = seen.exact[top]
         self.angle[q], self.piece[q] = seen.where[top], boxes.piece[top]
 
     def survivors(self, boxes: _Boxes, possible: Array) -> NDArray[np.bool_]:
@@ -245,8 +255,9 @@ def enclose(
                 search.exclude(boxes.question[keep], possible[keep])
                 break
             boxes = boxes.take(keep).split().and_points(points)
-        points = search.tops().and_points(points)
-        search.settle(points, model(points.piece, points.lo, points.hi))
+        if not search.exact.all():
+            points = search.tops().and_points(points)
+            search.settle(points, model(points.piece, points.lo, points.hi))
     return search.answers()
 
 
