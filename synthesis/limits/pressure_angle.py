@@ -13,7 +13,7 @@ from pydantic_core import PydanticCustomError
 from synthesis.followers.flank import labelled
 from synthesis.limits.base import Claim, Limit, Machine, times, where
 from synthesis.motion import Sense, Stretch
-from synthesis.terms import Curved, Row
+from synthesis.terms import Curved, Implied, Row
 from synthesis.units import DEGREE
 
 Degrees = Annotated[float, Field(gt=0.0, lt=90.0)]
@@ -85,6 +85,9 @@ class PressureAngle(Limit):
             if (largest := self._largest(kind)) is not None
             for curve in machine.follower.pressure_angle_curves(tan(largest))
         )
+
+    def implied(self, stretch: Stretch, machine: Machine) -> tuple[Implied, ...]:
+        return tuple(curve for curve in self.curved(stretch, machine) if curve.turns)
 
     def claims(self, stretches: Sequence[Stretch], machine: Machine) -> tuple[Claim, ...]:
         kinds: tuple[Sense, ...] = ("rise", "return", "dwell")
