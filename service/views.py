@@ -16,10 +16,11 @@ from service.store import Row
 from synthesis.design import Status
 
 State = Literal["accepted", "done", "failed"]
+Verdict = Literal["holds", "broken"]
 
 
 class Accepted(BaseModel):
-    """A design or a set that is waiting or being worked on."""
+    """What is waiting or being worked on."""
 
     id: Annotated[str, Field(description="The id that the answer will have.")]
     name: Annotated[str, Field(description="As in the spec.")]
@@ -49,6 +50,24 @@ class CamSetSummary(Accepted):
     fitting: Annotated[int | None, Field(description="For how many a cam was found.")] = None
 
 
+class AnalysisSummary(Accepted):
+    """One line of the list of analyses."""
+
+    status: Annotated[
+        Verdict | None, Field(description="Whether every limit holds; null until it is done.")
+    ]
+    broken: Annotated[list[str], Field(description="The limits that do not hold.")] = []
+
+
+class ProfileAnalysisSummary(Accepted):
+    """One line of the list of profiles that were read back."""
+
+    status: Annotated[Literal["read"] | None, Field(description="null until it is done.")]
+    dimensions: Annotated[
+        dict[str, float], Field(description="Base radius, stroke, … as read: name and unit.")
+    ] = {}
+
+
 Summary = TypeVar("Summary", bound=Accepted)
 
 
@@ -65,7 +84,7 @@ class Page(BaseModel, Generic[Summary]):
             {**accepted(kind, row).model_dump(), "status": row.status, **row.summary}
             for row in rows[:limit]
         ]
-        following = cursor_of(rows[limit - 1]) if len(rows) > limit else None
+        following = cursor_at(rows[limit - 1].sequence) if len(rows) > limit else None
         return cls.model_validate({"items": lines, "next": following})
 
 
@@ -77,6 +96,14 @@ class CamSetPage(Page[CamSetSummary]):
     """Cam sets, the newest first."""
 
 
+class AnalysisPage(Page[AnalysisSummary]):
+    """Analyses, the newest first."""
+
+
+class ProfileAnalysisPage(Page[ProfileAnalysisSummary]):
+    """Profiles that were read back, the newest first."""
+
+
 def accepted(kind: Resource, row: Row) -> Accepted:
     """One that is under way."""
     links = kind.links(row.id, row.summary or {})
@@ -84,9 +111,9 @@ def accepted(kind: Resource, row: Row) -> Accepted:
     return Accepted(id=row.id, name=row.name, state=state, created=_utc(row), links=links)
 
 
-def cursor_of(row: Row) -> str:
-    """A cursor that continues after this row."""
-    return base64.urlsafe_b64encode(str(row.sequence).encode()).decode().rstrip("=")
+def cursor_at(sequence: int) -> str:
+    """A cursor that continues after the row with this sequence."""
+    return base64.urlsafe_b64encode(str(sequence).encode()).decode().rstrip("=")
 
 
 def position_of(cursor: str) -> int:
