@@ -23,6 +23,7 @@ from service.routes import (
     analyses,
     cam_sets,
     catalogue,
+    confirmation,
     designs,
     files,
     operation,
@@ -64,7 +65,16 @@ def create_app(settings: Settings, engine_of: EngineOf = running_engine) -> Fast
         generate_unique_id_function=client_name,
         redirect_slashes=False,
     )
-    for routes in (designs, files, cam_sets, analyses, profile_analyses, catalogue, operation):
+    for routes in (
+        designs,
+        confirmation,
+        files,
+        cam_sets,
+        analyses,
+        profile_analyses,
+        catalogue,
+        operation,
+    ):
         app.include_router(routes.router)
     pages.install(app)
     problem.install(app)
