@@ -12,6 +12,8 @@ from benchmarks.section import Section
 # In the order of the page.
 NAMES = (
     "main_job",
+    "tolerance",
+    "knots",
     "solvers",
     "convex_stage",
     "curvature",
