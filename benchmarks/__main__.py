@@ -18,7 +18,10 @@ NAMES = (
     "convex_stage",
     "curvature",
     "camshape",
+    "camshape_ipopt",
     "profile_points",
+    "density",
+    "scaling",
     "http",
     "startup",
 )

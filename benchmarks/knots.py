@@ -31,12 +31,13 @@ KINDS = {  # smoothness, and whether there are ramps at the ends
 INTERVALS = (7, 13, 23, 43, 83, 163)  # none of them falls on a switch of the best law
 LEAST = 1e-7
 TEXT = """One cone program on equal intervals, with its bound: what do more knots gain, and what do
-they cost? *Error* is that of the cam that comes out, limits held at every angle, against the
-closed form or the reference (see Tolerance); *gap* is to the bound over all motion laws. The best
-law's jerk jumps at the ends. A C2 law can do so, and its error falls with the square of the interval;
-laws of higher smoothness start from jerk 0 and lose part of an interval at each end, unless they get
-short ramps there: one or two more knots {ramp} of the segment apart. Equal intervals are where a
-search begins; then knots are put where they pay. What no spline on these knots can do is left out."""
+they cost? *Error* is that of the cam that comes out, limits held at every angle, against the closed
+form or the reference (see Tolerance); *gap* is to the bound over all motion laws. The best law's
+jerk jumps at the ends. A C2 law can do so, and its error falls with the square of the interval;
+laws of higher smoothness start from jerk 0 and lose part of an interval at each end, unless they
+get short ramps there: one or two more knots {ramp} of the segment apart. Equal intervals are where
+a search begins; then knots are put where they pay. What no spline on these knots can do is left
+out."""
 
 
 @dataclass(frozen=True)
