@@ -22,7 +22,8 @@ class Jobs:
     def __init__(
         self, kind: Resource, engine: Engine, store: Store, metrics: Metrics, settings: Settings
     ) -> None:
-        self.kind, self.engine, self.answers = kind, engine, store.table(kind.row)
+        self.kind, self.engine = kind, engine
+        self.answers = store.table(kind.row, kind.elsewhere)
         self._metrics, self._settings = metrics, settings
         self._tasks: dict[str, asyncio.Task[Row]] = {}
 

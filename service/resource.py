@@ -10,7 +10,8 @@ from typing import Any
 from service.errors import ServiceError, UnknownAnalysis, UnknownCamSet, UnknownDesign
 from service.links import design_links, set_links
 from service.solve import Task, analyse, read_back, solve_set
-from service.store import AnalysisRow, CamSetRow, DesignRow, ProfileAnalysisRow, Row
+from service.store import AnalysisRow, CamSetRow, DesignRow, Lookup, ProfileAnalysisRow, Row
+from service.sweeps.store import design_of_item
 from synthesis.camset import set_id
 from synthesis.camset_spec import CamSetSpec
 from synthesis.design import design_id, question_id
@@ -29,6 +30,7 @@ class Resource:
         budget_of: spec to the time that it asks for [s]; None: what the server gives.
         links: id, and what lists show of the answer, to addresses.
         unknown: the error for an id that leads nowhere.
+        elsewhere: finds what is kept as part of something else; None: there is no such thing.
     """
 
     path: str
@@ -40,6 +42,7 @@ class Resource:
     links: Callable[[str, dict[str, Any]], dict[str, str]]
     unknown: type[ServiceError]
     budget_of: Callable[[Any], float | None] = attrgetter("time_budget_s")
+    elsewhere: Lookup | None = None
 
     def at(self, name: str) -> str:
         """Address of one of them."""
@@ -55,6 +58,7 @@ DESIGNS = Resource(
     task=None,
     links=lambda name, summary: design_links(name, has_cam=bool(summary.get("dimensions"))),
     unknown=UnknownDesign,
+    elsewhere=design_of_item,
 )
 CAM_SETS = Resource(
     path="/v1/cam-sets",

@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Callable
-from dataclasses import dataclass
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, field
 from typing import Any
 
 from service.links import design_links, set_links
 from synthesis.camset_spec import CamSetSpec
+from synthesis.objectives import Objective
 from synthesis.spec import DesignSpec
 
 
@@ -21,25 +22,29 @@ class Answer:
         status: optimal, feasible or infeasible; of an analysis, holds or broken; of points, read.
         summary: the other fields of a list's row.
         seconds: time the core took.
+        quantities: what a sweep trades: dimensions, objectives and what else was measured.
     """
 
     design: bytes
     status: str
     summary: dict[str, Any]
     seconds: float
+    quantities: dict[str, float] = field(default_factory=dict)
 
 
 Task = Callable[[bytes, float], Answer]
 
 
-def solve(spec: bytes, budget_s: float) -> Answer:
-    """Synthesise; runs in a worker process."""
+def solve(spec: bytes, budget_s: float, also: Sequence[Objective] = ()) -> Answer:
+    """Synthesise, and measure further objectives; runs in a worker process."""
     from synthesis.pipeline import synthesise  # solvers: not in the API's process
 
-    return answered(synthesise, spec, budget_s)
+    return answered(synthesise, spec, budget_s, also)
 
 
-def answered(synthesise: Callable[..., Any], spec: bytes, budget_s: float) -> Answer:
+def answered(
+    synthesise: Callable[..., Any], spec: bytes, budget_s: float, also: Sequence[Objective] = ()
+) -> Answer:
     """The core's answer to a spec, ready for the store."""
     started = time.monotonic()
     asked = DesignSpec.model_validate_json(spec)
@@ -47,6 +52,11 @@ def answered(synthesise: Callable[..., Any], spec: bytes, budget_s: float) -> An
     links = design_links(design.id, has_cam=bool(design.motion))
     design = design.model_copy(update={"links": links})
     proven = design.certificate
+    quantities = {**design.dimensions, **design.objectives}
+    if also:
+        from synthesis.answer import measured
+
+        quantities |= measured(design, also)
     summary = {
         "dimensions": design.dimensions,
         "objective": proven.objective,
@@ -55,7 +65,8 @@ def answered(synthesise: Callable[..., Any], spec: bytes, budget_s: float) -> An
         "certified": proven.certified,
     }
     body = design.model_dump_json().encode()
-    return Answer(body, design.status, summary, time.monotonic() - started)
+    seconds = time.monotonic() - started
+    return Answer(body, design.status, summary, seconds, quantities)
 
 
 def solve_set(spec: bytes, budget_s: float) -> Answer:

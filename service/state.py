@@ -12,6 +12,7 @@ from service.jobs import Jobs
 from service.metrics import Metrics
 from service.settings import Settings
 from service.store import Store
+from service.sweeps.sweeps import Sweeps
 
 
 @dataclass(frozen=True)
@@ -22,6 +23,7 @@ class State:
     metrics: Metrics
     engine: Engine
     store: Store
+    sweeps: Sweeps
     designs: Jobs
     cam_sets: Jobs
     analyses: Jobs

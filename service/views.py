@@ -84,7 +84,7 @@ class Page(BaseModel, Generic[Summary]):
             {**accepted(kind, row).model_dump(), "status": row.status, **row.summary}
             for row in rows[:limit]
         ]
-        following = cursor_of(rows[limit - 1]) if len(rows) > limit else None
+        following = cursor_at(rows[limit - 1].sequence) if len(rows) > limit else None
         return cls.model_validate({"items": lines, "next": following})
 
 
@@ -111,9 +111,9 @@ def accepted(kind: Resource, row: Row) -> Accepted:
     return Accepted(id=row.id, name=row.name, state=state, created=_utc(row), links=links)
 
 
-def cursor_of(row: Row) -> str:
-    """A cursor that continues after this row."""
-    return base64.urlsafe_b64encode(str(row.sequence).encode()).decode().rstrip("=")
+def cursor_at(sequence: int) -> str:
+    """A cursor that continues after the row with this sequence."""
+    return base64.urlsafe_b64encode(str(sequence).encode()).decode().rstrip("=")
 
 
 def position_of(cursor: str) -> int:

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections import Counter
+
 from pydantic import Field
 
 from synthesis.camset_spec import CamOnShaft, CamSetSpec, within_turn
@@ -14,7 +16,7 @@ WORST_FIRST: tuple[Status, ...] = ("infeasible", "feasible", "optimal")
 class MountedCam(Part):
     """One cam, and how it sits on the shaft."""
 
-    name: str = told("Name of the cam.")
+    name: str = told("Name of the cam; where several share one, each with its number behind it.")
     phase_deg: float = told("Shaft angle at which its program starts.")
     axial_mm: float = told("Position along the shaft.")
     follower_direction_deg: float = told("Direction of its follower, counter-clockwise from x.")
@@ -100,6 +102,18 @@ def mounted(position: int, cam: CamOnShaft, design: Design) -> MountedCam:
     )
 
 
+def told_apart(cams: list[MountedCam]) -> list[MountedCam]:
+    """The same cams; those that share a name bear their number behind it."""
+    shared = [name for name, count in Counter(cam.name for cam in cams).items() if count > 1]
+    if not shared:
+        return cams
+    numbered = [
+        cam.model_copy(update={"name": f"{cam.name} ({number})"}) if cam.name in shared else cam
+        for number, cam in enumerate(cams, start=1)
+    ]
+    return told_apart(numbered)  # a name that was given may look like that already
+
+
 def assembled(spec: CamSetSpec, cams: list[MountedCam], timing: Timing, seconds: float) -> CamSet:
     """The set as it is delivered."""
     return CamSet(
@@ -109,7 +123,7 @@ def assembled(spec: CamSetSpec, cams: list[MountedCam], timing: Timing, seconds:
         status=min((cam.design.status for cam in cams), key=WORST_FIRST.index),
         rotation=spec.rotation,
         speed_rpm=spec.speed_rpm,
-        cams=cams,
+        cams=told_apart(cams),
         timing=timing,
         seconds=seconds,
         spec=spec,

@@ -36,7 +36,13 @@ class CamOnShaft(BaseModel):
 
     model_config = ConfigDict(frozen=True, extra="forbid", allow_inf_nan=False)
 
-    name: Annotated[Name, Field(description="Shown in the diagram and in file names.")] = ""
+    name: Annotated[
+        Name,
+        Field(
+            description="Shown in the diagram and in file names. Where several cams share a name, "
+            "the answer puts each one's number behind it."
+        ),
+    ] = ""
     phase_deg: Annotated[
         float,
         Field(

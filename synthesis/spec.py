@@ -77,8 +77,8 @@ class DesignSpec(BaseModel):
         Field(
             description="Where curvature binds, the quick lower bound is that of the question "
             "without it. `thorough` adds rows that curvature implies where a better cam would "
-            "have to lie, and splits the range of the offset: a far smaller gap, for half a "
-            "second to some ten seconds more.",
+            "have to lie, and splits the range of the offset, or of a free pivot: a far smaller "
+            "gap, for half a second to some ten seconds more.",
         ),
     ] = "quick"
     time_budget_s: Annotated[

@@ -48,7 +48,7 @@ class ProfileQuery(BaseModel):
         Field(
             description="The cam's profile, or the path of the roller's centre. A groove has an "
             "inner and an outer profile, conjugate cams a main and a counter profile and a "
-            "counter pitch curve; `profile` is the first of them."
+            "counter pitch curve; `profile` is the first of them. The drawing (svg) shows all."
         ),
     ] = "profile"
     turn_deg: Annotated[

@@ -51,7 +51,7 @@ async def created(
 ) -> Response:
     """The answer to the question in a request's body, or 202 where that is preferred."""
     spec = await read_body(request, jobs.kind.spec)
-    name = await _name(parts, jobs.kind.name_of(spec), key, await request.body())
+    name = await name_by_key(parts, jobs.kind.name_of(spec), key, await request.body())
     row = await jobs.answers.find(name)
     if row is None or row.state != "done":
         if "respond-async" in prefer.lower():
@@ -110,7 +110,7 @@ def unknown(kind: Resource, name: str) -> ServiceError:
     )
 
 
-async def _name(parts: State, name: str, key: str | None, body: bytes) -> str:
+async def name_by_key(parts: State, name: str, key: str | None, body: bytes) -> str:
     """The answer's id: what the key stands for, if one was given."""
     if key is None:
         return name

@@ -17,11 +17,12 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 
 from synthesis.formulations import cuts
-from synthesis.formulations.bound import bound
+from synthesis.formulations.bound import bound, in_core_units
 from synthesis.formulations.candidate import Candidate, settle
 from synthesis.formulations.control import controls
 from synthesis.formulations.convex import Plan, formulate, with_rows
 from synthesis.formulations.cuts import About
+from synthesis.formulations.farther import farther
 from synthesis.formulations.grid import Grid, uniform
 from synthesis.formulations.knots import finer
 from synthesis.formulations.local import improve_from
@@ -41,6 +42,7 @@ SAMPLES = 200
 ROUNDS = 5
 FEWEST = 40  # points of the rows along a tube
 SPARE = 1e-9
+REACHED = 1e-5  # beyond what laws on coarse knots reach, so that there is a choice left
 USABLE = (Stopped.SOLVED, Stopped.INACCURATE)
 TURNS = 4  # tubes narrowed with the rows that the wider ones gave
 WORTH = 0.15  # of the gap: what a turn must gain for another one
@@ -98,7 +100,7 @@ def close(state: Search) -> None:
         Stage(
             "implied rows", f"cone programs in {len(leaves)} boxes", "Clarabel", 0, 0, 0,
             time.perf_counter() - started, "solved",
-            "what a better cam keeps to, and the rows that its curvature implies there",
+            "what a better cam keeps to, and the rows that its limits imply there",
         )
     )  # fmt: skip
     if not state.close(best) and state.gap_of(best) < NEARLY * state.tolerance:
@@ -148,7 +150,7 @@ def explored(
         lair = narrowed(state, best, near, known)
         if lair is None:
             break
-        known = _climbed(state, best, lair)
+        known = climbed(state, best, lair)
         gained = known.lower - before
         if state.close_to(best, known.lower) or gained < WORTH * (best.value - before):
             break
@@ -160,10 +162,11 @@ def narrowed(
 ) -> Known | None:
     """The sizes and the tubes of all cams that are better; None where they are not bounded."""
     problem = known.problem
-    held = Held(problem.objective, best.value * (1.0 + SPARE))
-    asked = replace(problem, objective=Nothing(), held=(*problem.held, held))
     coarse = (uniform(stretch, COARSE) for stretch in problem.free)
-    plan = formulate(asked, tuple(Grid(g.space, g.space.breaks) for g in coarse))
+    grids = tuple(Grid(g.space, g.space.breaks) for g in coarse)
+    held = Held(problem.objective, _reached(best, grids, known) * (1.0 + SPARE))
+    asked = replace(problem, objective=Nothing(), held=(*problem.held, held))
+    plan = formulate(asked, grids)
     steering = controls(plan)
     if steering is None or not all(np.isfinite(control.cap) for control in steering):
         return None
@@ -181,13 +184,31 @@ def narrowed(
     return replace(known, sizes=sizes, tubes=tubes)
 
 
-def _climbed(state: Search, best: Candidate, known: Known) -> Known:
+def _reached(best: Candidate, grids: tuple[Grid, ...], known: Known) -> float:
+    """The best value, or what laws on coarse knots can reach: rows that nothing keeps say nothing.
+
+    What is bounded then are the laws of a few cams that are worse, too.
+    """
+    if not known.sizes or known.problem.objective.norm(known.problem.machine) is None:
+        return best.value
+    relaxed = formulate(known.problem, grids)
+    plan = with_rows(relaxed, list(_rows(relaxed, known)))
+    solution = solve(plan.program)
+    if solution.stopped not in USABLE:
+        return best.value
+    family = in_core_units(plan, plan.program.value(solution.x))
+    return max(best.value, family * (1.0 + REACHED))
+
+
+def climbed(state: Search, best: Candidate, known: Known) -> Known:
     """Cone programs with the implied rows, on finer and finer knots."""
     problem = known.problem
     for _ in range(ROUNDS):
         relaxed = formulate(problem, known.grids)
         plan = with_rows(relaxed, list(_rows(relaxed, known)))
         solution = solve(plan.program, state.left())
+        if solution.stopped is Stopped.INFEASIBLE and _empty(known):
+            return replace(known, lower=best.value)
         if solution.stopped not in USABLE:
             break
         lower = bound(plan, solution)
@@ -212,8 +233,20 @@ def _climbed(state: Search, best: Candidate, known: Known) -> Known:
     return known
 
 
+def _empty(known: Known) -> bool:
+    """Whether no law at all keeps the implied rows: the least by which one is exceeded says it."""
+    asked = formulate(replace(known.problem, objective=Nothing()), known.grids)
+    plan = with_rows(asked, [replace(row, level=-1.0) for row in _rows(asked, known)])
+    solution = solve(plan.program)
+    if solution.stopped not in USABLE:
+        return False
+    least = bound(plan, solution)
+    return bool(least.switching) and least.value > SPARE
+
+
 def _rows(plan: Plan, known: Known) -> Iterator[Block]:
-    """Rows that limits imply along the tubes: at the middle of what is known, and at the answer."""
+    """Rows that limits imply in the box and along the tubes: at its middle, and at the answer."""
+    yield from farther(known.problem, known.sizes, plan.scales)
     for position, tube in known.tubes.items():
         stretch, grid = known.problem.free[position], plan.grids[position]
         low, high = tube.nodes[0], tube.nodes[-1]

@@ -156,10 +156,8 @@ def _jointly(trials: _Pinned) -> None:
     inside = trials.within(at)
     if inside != at:
         state.best = state.relaxed = None  # it had left the range: the best is at its end
-    tried = trials.solved(inside, state.tolerance)
-    state.grids = tried.grids or state.grids
-    if state.best is not None and inside == at:
-        improve_from(state, state.best)
+        tried = trials.solved(inside, state.tolerance)
+        state.grids = tried.grids or state.grids
 
 
 def _starts(trials: _Pinned) -> Iterator[Candidate]:

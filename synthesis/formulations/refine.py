@@ -13,6 +13,7 @@ from synthesis.formulations.candidate import Candidate, at_size, grow, needs_siz
 from synthesis.formulations.closed_form import nearest
 from synthesis.formulations.closing import close
 from synthesis.formulations.convex import Plan, formulate
+from synthesis.formulations.everywhere import enclose
 from synthesis.formulations.grid import Grid, uniform
 from synthesis.formulations.knots import all_halved, denser, finer
 from synthesis.formulations.local import nonlinear
@@ -59,6 +60,7 @@ def search(
         pass
     elif problem.curved and problem.machine.follower.pinning() is not None:
         pinned(state, search)
+        enclose(state, thorough=thorough)
         return state
     else:
         first = int(np.clip(3.7 / sqrt(tolerance), COARSE, CURVED if problem.curved else FINE))
