@@ -36,10 +36,10 @@ def machine() -> str:
 
 
 def load() -> str:
-    """Whether other programs may have been running beside the benchmarks, which keep one core busy."""
+    """Whether other programs ran too; the benchmarks keep one core busy."""
     if not hasattr(os, "getloadavg"):
         return "Other programs may have been running."
-    return f"On average {os.getloadavg()[2]:.1f} programs wanted a core in the last quarter hour."
+    return f"In the last five minutes {os.getloadavg()[1]:.1f} programs at a time wanted a core."
 
 
 def front(sections: Sequence[Section]) -> str:
