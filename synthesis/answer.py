@@ -8,6 +8,8 @@ from functools import cached_property
 from itertools import accumulate
 from math import isfinite
 
+import numpy as np
+
 from synthesis.certify import certify, certify_size, measure
 from synthesis.design import (
     Certificate,
@@ -30,6 +32,7 @@ from synthesis.objectives import Objective
 from synthesis.spec import DesignSpec
 
 Vector = tuple[float, ...]
+NONE: Array = np.zeros(0)
 
 
 @dataclass(frozen=True, eq=False)
@@ -42,8 +45,14 @@ class Cam:
 
     @cached_property
     def motion(self) -> Motion:
-        """The joined motion."""
-        return Motion.of(self.stretches)
+        """The joined motion, splines to the last digits: bit for bit what ``Design.curve`` says."""
+        return Motion.of(
+            [
+                stretch.with_law(space.delivered(coefficients)) if space is not None else stretch
+                for stretch in self.stretches
+                for space, coefficients in [self.splines.get(stretch.index, (None, NONE))]
+            ]
+        )
 
 
 @dataclass(frozen=True)

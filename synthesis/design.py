@@ -199,7 +199,8 @@ class Design(Part):
                 settled.append(stretch)
                 continue
             space = SplineSpace(segment.spline.degree, np.array(segment.spline.knots))
-            settled.append(stretch.with_law(space.curve(np.array(segment.spline.coefficients))))
+            curve = space.delivered(np.array(segment.spline.coefficients))
+            settled.append(stretch.with_law(curve))
         return Motion.of(settled)
 
 

@@ -30,6 +30,7 @@ from synthesis.followers.closures import LEAST, ArmClosure, Force
 from synthesis.followers.closures.counter_arm import CounterArm
 from synthesis.followers.flank import outer_gap
 from synthesis.followers.judged import Measure
+from synthesis.followers.link import Link
 from synthesis.followers.pivot import SENSES, PivotDirection
 from synthesis.followers.reach import Arm, lengths
 from synthesis.followers.roller import RollerFollower
@@ -276,6 +277,17 @@ class OscillatingRoller(RollerFollower):
             (driven * g[0] + along * u[0], driven * g[1] + along * u[1]),
             (jerked * g[0] + further * u[0], jerked * g[1] + further * u[1]),
         )
+
+    def link(self, z: Any, degree: Any) -> Link:
+        (p, q), gamma = self._pivot(z), self.pivot_direction_deg * degree
+        d = (p * p + q * q) ** 0.5
+        cos, sin = np.cos(gamma), np.sin(gamma)
+        # the arm in the basis from the pivot to the axis and square to it, turned by −σψ0
+        x, y = -p / d, self.sigma * q / d
+        arm = x * cos - y * sin, y * cos + x * sin
+        pivot, turn = (d * cos, d * sin), -int(self.sigma)
+        tip = pivot[0] + self.arm_mm * arm[0], pivot[1] + self.arm_mm * arm[1]
+        return Link(self.closure.tips(tip, pivot, turn, degree), pivot=pivot, turn=turn)
 
     def posture(self, point: Any, normal: Any) -> tuple[Any, Any]:
         # the triangle of axis, pivot and centre gives ψ; the position is the arc lψ
