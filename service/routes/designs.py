@@ -6,9 +6,10 @@ from typing import Annotated
 
 from fastapi import APIRouter, Query, Request, Response
 
-from service.documentation import problems, spec_body, tagged
+from service.documentation import problems, spec_body
 from service.routes.kept import (
-    UNDER_WAY,
+    CREATED,
+    SHOWN,
     Cursor,
     Key,
     KnownTag,
@@ -30,11 +31,7 @@ router = APIRouter(prefix="/v1/designs", tags=["designs"])
 @router.post(
     "",
     response_model=Design,
-    responses={
-        200: tagged()[200],
-        **UNDER_WAY,
-        **problems(400, 409, 413, 415, 422, 429, 500, 503, 504),
-    },
+    responses=CREATED,
     openapi_extra=spec_body(),
     summary="Synthesise a cam",
 )
@@ -63,7 +60,7 @@ async def list_designs(
 @router.get(
     "/{design_id}",
     response_model=Design,
-    responses={**tagged(), **UNDER_WAY, **problems(404, 500, 503, 504)},
+    responses=SHOWN,
     summary="A design",
 )
 async def get_design(
