@@ -13,11 +13,16 @@ from benchmarks.section import Section
 NAMES = (
     "main_job",
     "solver_share",
+    "tolerance",
+    "knots",
     "solvers",
     "convex_stage",
     "curvature",
     "camshape",
+    "camshape_ipopt",
     "profile_points",
+    "density",
+    "scaling",
     "http",
     "startup",
 )

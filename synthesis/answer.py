@@ -8,6 +8,8 @@ from functools import cached_property
 from itertools import accumulate
 from math import isfinite
 
+import numpy as np
+
 from synthesis.certify import certify, certify_size, measure
 from synthesis.design import (
     Certificate,
@@ -30,6 +32,7 @@ from synthesis.objectives import Objective
 from synthesis.spec import DesignSpec
 
 Vector = tuple[float, ...]
+NONE: Array = np.zeros(0)
 
 
 @dataclass(frozen=True, eq=False)
@@ -42,8 +45,14 @@ class Cam:
 
     @cached_property
     def motion(self) -> Motion:
-        """The joined motion."""
-        return Motion.of(self.stretches)
+        """The joined motion, splines to the last digits: bit for bit what ``Design.curve`` says."""
+        return Motion.of(
+            [
+                stretch.with_law(space.delivered(coefficients)) if space is not None else stretch
+                for stretch in self.stretches
+                for space, coefficients in [self.splines.get(stretch.index, (None, NONE))]
+            ]
+        )
 
 
 @dataclass(frozen=True)
@@ -183,7 +192,7 @@ def design(
 
 
 def with_chosen(found: Design, question: DesignSpec, numbers: Sequence[float]) -> Design:
-    """The answer to a question whose program leaves numbers free, from that with them in place.
+    """The answer to a question that leaves numbers free, from that with them in place.
 
     Its bounds say nothing of other numbers, so that it is feasible and no more.
     """
@@ -212,7 +221,7 @@ def with_chosen(found: Design, question: DesignSpec, numbers: Sequence[float]) -
 
 def _at_chosen(proof: Proof) -> str:
     """What a bound covers that was found with numbers chosen."""
-    return f"{proof.bound_over}, at the chosen angles and lifts alone" if proof.bound_over else ""
+    return f"{proof.bound_over}, at the chosen numbers alone" if proof.bound_over else ""
 
 
 def dimensions(spec: DesignSpec, cam: Cam) -> dict[str, float]:

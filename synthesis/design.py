@@ -173,7 +173,7 @@ class Design(Part):
     report: Report = told("What was modelled and what it cost.")
     spec: Annotated[DesignSpec, WrapValidator(_checked_once)] = told("The question.")
     chosen: dict[str, float] = Field(
-        {}, description="Angles and lifts that the spec's program leaves free: path and number."
+        {}, description="Angles, lifts and lengths that the spec leaves free: path and number."
     )
     links: dict[str, str] = Field({}, description="Where to find its files.")
 
@@ -190,7 +190,7 @@ class Design(Part):
 
     @cached_property
     def numbered(self) -> DesignSpec:
-        """The question with the numbers in place that its program leaves free."""
+        """The question with the numbers in place that it leaves free."""
         openings = self.spec.openings.free if self.chosen else ()
         numbers = [self.chosen[opening.field] for opening in openings]
         return self.spec.with_numbers(numbers) if numbers else self.spec
@@ -204,7 +204,8 @@ class Design(Part):
                 settled.append(stretch)
                 continue
             space = SplineSpace(segment.spline.degree, np.array(segment.spline.knots))
-            settled.append(stretch.with_law(space.curve(np.array(segment.spline.coefficients))))
+            curve = space.delivered(np.array(segment.spline.coefficients))
+            settled.append(stretch.with_law(curve))
         return Motion.of(settled)
 
 

@@ -8,6 +8,7 @@ from functools import cached_property
 import numpy as np
 from scipy.interpolate import BSpline
 
+from synthesis.numerics.double_double import Twofold, difference, differences, quotient
 from synthesis.numerics.piecewise import Array, Piecewise
 
 
@@ -89,6 +90,26 @@ class SplineSpace:
         for order in range(self.degree + 1):
             factorial *= max(order, 1)
             columns.append(np.asarray(spline(left, nu=order)) / factorial)
+        poly = np.stack(columns, axis=1)
+        return Piecewise(self.breaks, left, poly, np.zeros((len(left), 0, 3)))
+
+    def delivered(self, coefficients: Array) -> Piecewise:
+        """The same curve, its polynomials right to the last digits: what is judged and handed out.
+
+        Differences of neighbouring coefficients over close knots lose digits, most in the highest
+        derivative; here they are taken in doubled precision, and rounded once.
+        """
+        p, left = self.degree, self.breaks[:-1]
+        table: Twofold = (coefficients, np.zeros_like(coefficients))
+        columns, share = [], 1.0
+        for order in range(p + 1):
+            if order:
+                knots = self.knots[order:-order]
+                gaps = difference(knots[p - order + 1 :], knots[: -(p - order + 1)])
+                table = quotient(differences(table), (gaps[0], gaps[1]))
+                share *= (p - order + 1) / order
+            inner = self.knots[order : len(self.knots) - order]
+            columns.append(share * BSpline(inner, table[0], p - order)(left))
         poly = np.stack(columns, axis=1)
         return Piecewise(self.breaks, left, poly, np.zeros((len(left), 0, 3)))
 

@@ -22,7 +22,7 @@ MOST_ROUNDS: Final = 12
 MOST_BOXES: Final = 100_000
 UNBOUNDED: Final = 1e300  # stands for "nothing is known on this box"
 ULPS: Final = 2.0**-50
-EXACT: Final = 2.0**-44  # of a model's mag: a remainder that is made of roundings
+WIDENED: Final = 16.0 * 2.0**-53  # of |x|: by how much a model's box may be wider than it was asked
 
 
 @dataclass(frozen=True)
@@ -109,21 +109,24 @@ class _Seen:
 
     Attributes:
         excess: largest excess over a bound, up to ±``rem``. above: it is over the upper one.
+        spare: what of it may lie outside of the box, in the margin for roundings of its ends.
         value: the function's value there, as exact. where: the place.
-        exact: ``rem`` is no more than roundings.
     """
 
     excess: Array
     rem: Array
+    spare: Array
     above: NDArray[np.bool_]
     value: Array
     where: Array
-    exact: NDArray[np.bool_]
 
 
 def _look(boxes: _Boxes, model: Taylor, lower: Array, upper: Array) -> _Seen:
     """The nearer of two bounds on each box, and where the function comes nearest to it."""
     high, low, t_high, t_low = model.extremes()
+    points = boxes.lo == boxes.hi
+    if points.any():
+        high, low = np.where(points, model.c0, high), np.where(points, model.c0, low)
     rem = model.rem + ULPS * model.mag
     known = np.isfinite(high + low + rem)
     if not known.all():
@@ -134,8 +137,11 @@ def _look(boxes: _Boxes, model: Taylor, lower: Array, upper: Array) -> _Seen:
     t = np.where(above, t_high, t_low)
     where = 0.5 * (boxes.lo + boxes.hi) + t * (0.5 * (boxes.hi - boxes.lo))
     where = np.clip(where, boxes.lo, boxes.hi)
-    value, exact = np.where(above, high, low), rem <= EXACT * model.mag
-    return _Seen(np.where(above, over, under), rem, above, value, where, exact)
+    margin = WIDENED * (np.abs(boxes.lo) + np.abs(boxes.hi))
+    share = np.where(points, 0.0, margin / (0.5 * (boxes.hi - boxes.lo) + margin))
+    spare = np.where(known, share * (np.abs(model.c1) + 2.0 * np.abs(model.c2)), 0.0)
+    excess, value = np.where(above, over, under), np.where(above, high, low)
+    return _Seen(excess, rem, spare, above, value, where)
 
 
 class _Search:
@@ -151,7 +157,6 @@ class _Search:
         self.above = np.ones(count, dtype=bool)
         self.value = np.zeros(count)
         self.angle = np.zeros(count)
-        self.exact = np.zeros(count, dtype=bool)
         self.piece = np.array([q.pieces[0] for q in questions])
         self.boxes = 0
 
@@ -163,7 +168,7 @@ class _Search:
         """
         self.boxes += len(boxes.lo)
         seen = _look(boxes, model, self.lower, self.upper)
-        sure = seen.excess - seen.rem
+        sure = seen.excess - seen.rem - seen.spare
         leaders = []
         for q in range(len(self.best)):
             mine = np.flatnonzero(boxes.question == q)
@@ -194,7 +199,6 @@ class _Search:
 
     def _found(self, q: int, boxes: _Boxes, seen: _Seen, top: np.intp) -> None:
         self.above[q], self.value[q] = seen.above[top], seen.value[top]
-        self.exact[q] = seen.exact[top]
         self.angle[q], self.piece[q] = seen.where[top], boxes.piece[top]
 
     def survivors(self, boxes: _Boxes, possible: Array) -> NDArray[np.bool_]:
@@ -255,9 +259,8 @@ def enclose(
                 search.exclude(boxes.question[keep], possible[keep])
                 break
             boxes = boxes.take(keep).split().and_points(points)
-        if not search.exact.all():
-            points = search.tops().and_points(points)
-            search.settle(points, model(points.piece, points.lo, points.hi))
+        points = search.tops().and_points(points)
+        search.settle(points, model(points.piece, points.lo, points.hi))
     return search.answers()
 
 
