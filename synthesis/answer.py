@@ -211,7 +211,7 @@ def design(
 
 
 def with_chosen(found: Design, question: DesignSpec, numbers: Sequence[float]) -> Design:
-    """The answer to a question whose program leaves numbers free, from that with them in place.
+    """The answer to a question that leaves numbers free, from that with them in place.
 
     Its bounds say nothing of other numbers, so that it is feasible and no more.
     """
@@ -240,7 +240,7 @@ def with_chosen(found: Design, question: DesignSpec, numbers: Sequence[float]) -
 
 def _at_chosen(proof: Proof) -> str:
     """What a bound covers that was found with numbers chosen."""
-    return f"{proof.bound_over}, at the chosen angles and lifts alone" if proof.bound_over else ""
+    return f"{proof.bound_over}, at the chosen numbers alone" if proof.bound_over else ""
 
 
 def dimensions(spec: DesignSpec, cam: Cam) -> dict[str, float]:

@@ -187,7 +187,7 @@ class Design(Part):
     report: Report = told("What was modelled and what it cost.")
     spec: DesignSpec = told("The question.")
     chosen: dict[str, float] = Field(
-        {}, description="Angles and lifts that the spec's program leaves free: path and number."
+        {}, description="Angles, lifts and lengths that the spec leaves free: path and number."
     )
     links: dict[str, str] = Field({}, description="Where to find its files.")
 
@@ -204,7 +204,7 @@ class Design(Part):
 
     @cached_property
     def numbered(self) -> DesignSpec:
-        """The question with the numbers in place that its program leaves free."""
+        """The question with the numbers in place that it leaves free."""
         openings = self.spec.openings.free if self.chosen else ()
         numbers = [self.chosen[opening.field] for opening in openings]
         return self.spec.with_numbers(numbers) if numbers else self.spec

@@ -143,7 +143,7 @@ def _price(found: Design, question: DesignSpec, stop: float) -> SmoothnessPrice:
 def _numbered(
     spec: DesignSpec, stop: float, stages: list[StageReport]
 ) -> tuple[DesignSpec, list[float]]:
-    """The spec with numbers in place of what its program leaves free, and these numbers."""
+    """The spec with numbers in place of what it leaves free, and these numbers."""
     if not spec.openings.free:
         return spec, []
     from synthesis.formulations.proportions import chosen
