@@ -105,6 +105,22 @@ class Certificate(Proof):
     )
 
 
+class SmoothnessPrice(Part):
+    """What splines smoother than C2 cost, by the first objective."""
+
+    objective: str = told("Name of the objective's value, with its unit.")
+    value: float | None = told("Value of this cam.")
+    c2_value: float | None = told(
+        "Value of the certified cam that the same question has with splines of class C2."
+    )
+    price: float | None = told("value − c2_value: what smoothness costs as far as cams were found.")
+    relative: float | None = told("The same, of c2_value.")
+    at_most: float | None = told(
+        "Value − the lower bound of the C2 question: no C2 cam of that family saves more."
+    )
+    note: str = Field("", description="Why there is no price, or what it is worth.")
+
+
 class StageReport(Part):
     """One stage of the ladder: what was modelled and what it cost."""
 
@@ -169,6 +185,9 @@ class Design(Part):
     motion: list[SegmentMotion] = told("The motion, segment by segment.")
     extremes: list[Extreme] = told("Every limit, measured on the finished cam.")
     certificate: Certificate = told("What was proven.")
+    smoothness_price: SmoothnessPrice | None = Field(
+        None, description="What smoothness costs, where the spec asks for it."
+    )
     conflict: Conflict | None = Field(None, description="Why nothing fits, where nothing does.")
     report: Report = told("What was modelled and what it cost.")
     spec: Annotated[DesignSpec, WrapValidator(_checked_once)] = told("The question.")
