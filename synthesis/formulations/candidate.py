@@ -58,6 +58,7 @@ def at_size(settled: Problem, laws: Sequence[SettledLaw], size: Vector) -> Candi
     follower = settled.machine.follower
     bounds = settled.sizing.bounds  # a solver keeps them to its tolerance only
     size = tuple(min(max(v, low), high) for v, (low, high) in zip(size, bounds, strict=True))
+    size = follower.raised(size, -_outside(settled, size))
     size = follower.reaching(size, settled.sizing.least)
     size = follower.raised(size, max((cone.short(size) for cone in settled.cones), default=0.0))
     clear = CLEARANCE * follower.prime_radius().value(size)
@@ -83,6 +84,12 @@ def grow(found: Candidate) -> Candidate | None:
     return (
         found if size == found.size else replace(found, size=size, value=value(found.problem, size))
     )
+
+
+def _outside(settled: Problem, size: Vector) -> float:
+    """How far a size sticks out of a cone, if it is no more than a solver may leave it by [mm]."""
+    inwards = [(-cone.step(size), OUTSIDE * cone.radius) for cone in settled.cones]
+    return max((step for step, most in inwards if 0.0 < step <= most), default=0.0)
 
 
 def _pushed_out(settled: Problem, size: Vector) -> bool:
