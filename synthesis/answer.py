@@ -19,6 +19,7 @@ from synthesis.design import (
     Proof,
     Report,
     SegmentMotion,
+    SmoothnessPrice,
     SplineCurve,
     StageReport,
     Status,
@@ -111,6 +112,24 @@ def measured(found: Design, objectives: Iterable[Objective]) -> dict[str, float]
         if isfinite(value):
             values[objective.name_on_wire(machine)] = objective.to_wire(value, machine)
     return values
+
+
+def priced(smooth: Proof, rough: Proof | None, note: str) -> SmoothnessPrice:
+    """What smoothness costs, from the first objective's proofs with it and without.
+
+    A rougher cam that came out worse, within the tolerance, says that the price is not above 0.
+    """
+    value, other = smooth.value, None if rough is None else rough.value
+    price = relative = at_most = None
+    if value is not None and other is not None:
+        price = max(value - other, 0.0)
+        relative = 0.0 if price == 0.0 else price / max(abs(other), 1e-300)
+    if rough is not None and value is not None and rough.lower_bound is not None:
+        at_most = max(value - rough.lower_bound, 0.0)
+    return SmoothnessPrice(
+        objective=smooth.objective, value=value, c2_value=other, price=price, relative=relative,
+        at_most=at_most, note=note,
+    )  # fmt: skip
 
 
 def _sound(lower: float, value: float) -> float | None:

@@ -26,6 +26,7 @@ from synthesis.units import FULL_TURN, Pace, rad_per_s
 
 MAX_SEGMENTS = 100
 ANGLE_SUM_TOLERANCE_DEG = 1e-6
+ROUGHEST = 2  # class of the splines that smoother ones are compared with
 
 
 class DesignSpec(BaseModel):
@@ -81,6 +82,13 @@ class DesignSpec(BaseModel):
             "gap, for half a second to some ten seconds more.",
         ),
     ] = "quick"
+    price_smoothness: Annotated[
+        bool,
+        Field(
+            description="Also design the cam with splines of class C2 and say what smoother ones "
+            "cost. Takes about as long again.",
+        ),
+    ] = False
     time_budget_s: Annotated[
         float | None,
         Field(gt=0.0, le=3600.0, description="Stop after this long with the best so far."),
@@ -258,6 +266,15 @@ class DesignSpec(BaseModel):
                 "the angles do not sum to 360° or the lifts not to zero. Widen a range.",
                 {},
             )
+
+    def roughened(self) -> DesignSpec:
+        """The same question for splines of class C2; its own self where none is smoother."""
+        program = [segment.roughened() for segment in self.program]
+        continuity = None if self.continuity is None else min(self.continuity, ROUGHEST)
+        if program == self.program and continuity == self.continuity:
+            return self
+        changes = {"program": program, "continuity": continuity, "price_smoothness": False}
+        return self.model_copy(update=changes)
 
     # -- what the core asks ------------------------------------------------------------------
 
