@@ -72,19 +72,24 @@ def _improved(state: Search, start: Candidate) -> tuple[list[Array], float]:
     return least
 
 
-def gentle(state: Search) -> None:
+def gentle(state: Search) -> Candidate | None:
     """Another cam to start from: the law of least mean square jerk, grown until limits hold.
+
+    Returns:
+        the cam as it was before that, whatever limits it breaks; None where there is no such law.
 
     The relaxation's own law uses its freedom to the full, and may be bent so sharply that only
     a huge cam could carry it.
     """
     if not state.problem.free:
-        return
+        return None
     quiet = state.problem.with_objective(RmsJerk())
     plan = formulate(quiet, state.grids, 0.0, Drawn(state.tighten, state.margin))
     solution = solve(plan.program, state.left())
-    if solution.stopped in USABLE:
-        laws, size = plan.recover(solution.x)
-        found = settle(state.problem, laws, size)
-        if misses(state, found)[1] <= ALLOWED:
-            state.accept(found)
+    if solution.stopped not in USABLE:
+        return None
+    laws, size = plan.recover(solution.x)
+    found = settle(state.problem, laws, size)
+    if misses(state, found)[1] <= ALLOWED:
+        state.accept(found)
+    return found

@@ -29,6 +29,7 @@ from synthesis.solvers.ipopt import Guess, SmoothProgram, solve
 from synthesis.solvers.statuses import Stopped
 
 ROUNDS = 6
+NOWHERE = 1e-24  # added to a norm's square, in the plan's units
 USABLE = (Stopped.SOLVED, Stopped.INACCURATE)
 
 
@@ -234,7 +235,8 @@ class _Statement:
         for ball in self.plan.balls:
             if ball.head is not None:
                 image = casadi.mtimes(_constant(ball.matrix), self.x) + casadi.DM(ball.shift)
-                return casadi.norm_2(image)
+                # its slope is finite at 0 too, where IPOPT may pass
+                return casadi.sqrt(casadi.sumsqr(image) + NOWHERE)
         value = casadi.dot(casadi.DM(program.linear), self.x)
         if program.quadratic.nnz:
             upper = program.quadratic
