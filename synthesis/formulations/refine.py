@@ -121,7 +121,8 @@ def _closed_form(state: Search) -> bool:
         return False
     size = smallest(problem)
     if size is None:
-        return False
+        state.infeasible = problem.curved and nearest(problem) is None
+        return state.infeasible
     found = at_size(problem, (), size)
     norm = problem.objective.norm(problem.machine)
     if problem.curved:
