@@ -12,11 +12,17 @@ from benchmarks.section import Section
 # In the order of the page.
 NAMES = (
     "main_job",
+    "solver_share",
+    "tolerance",
+    "knots",
     "solvers",
     "convex_stage",
     "curvature",
     "camshape",
+    "camshape_ipopt",
     "profile_points",
+    "density",
+    "scaling",
     "http",
     "startup",
 )

@@ -33,11 +33,13 @@ def seconds(value: float) -> str:
 
 def plain(value: float) -> str:
     """12, 0.5."""
-    return f"{value:,.4g}".replace(",", "\u202f")
+    return f"{float(f'{value:.4g}'):,.12g}".replace(",", "\u202f")
 
 
 def relative(value: float) -> str:
-    """10 %, 0.5 %, 10⁻⁴, 2·10⁻⁶."""
+    """100-fold, 10 %, 0.5 %, 10⁻⁴, 2·10⁻⁶."""
+    if value >= 9.99:
+        return f"{plain(value)}-fold"
     if value >= 9.9e-4:
         return f"{100.0 * value:.4g} %"
     return power(value)

@@ -14,8 +14,8 @@ LEAST, LARGEST = 1.0, 2.0
 SIZES = (100, 200, 400, 800, 1600)
 PUBLISHED = {100: 4.284147122, 200: 4.278500233}  # proven optima
 EPS = float(np.finfo(float).eps)
-TEXT = """The public benchmark of COPS, CUTEst and MINLPLib: the greatest feasible radii, in
-closed form ([why they are the optimum](../reference/camshape.md)), and a bound from the constraints
+TEXT = """The public benchmark of COPS, CUTEst and MINLPLib: the greatest feasible radii, in closed
+form ([why they are the optimum](../reference/camshape.md)), and a bound from the constraints
 alone."""
 
 

@@ -34,8 +34,8 @@ SCENES: dict[str, dict[str, Any]] = {
     "and profile radius ≥ 12 mm (not convex: IPOPT)": BITING,
     'the same, `proof: "thorough"`': BITING | {"proof": "thorough"},
 }
-TEXT = """Example 13-6's motion with the laws free: 30 mm up over 60°, 30° dwell, 60° back, at
-10 rad/s; roller radius 10 mm; tolerance 0.5 % unless said otherwise. Time from the spec to the
+TEXT = """Example 13-6's motion with the laws free: 30 mm up over 60°, 30° dwell, 60° back, at 10
+rad/s; roller radius 10 mm; tolerance 0.5 % unless said otherwise. Time from the spec to the
 certified design, in the core; the gap is proven, to a lower bound over all motion laws."""
 
 

@@ -15,7 +15,8 @@ BEGIN, END = "<!-- figures: written by make bench -->", "<!-- figures end -->"
 HEAD = """# Speed and accuracy
 
 Written by `make bench`, all in one run; `python -m benchmarks NAME` repeats one part. Measured on
-{machine}. Other programs may have been running.
+{machine}.
+{load}
 
 Times are medians, with the quartiles behind them in brackets, or as bars in the diagrams. What is
 compared took turns in one loop, so compare ratios rather than times, and read each time together
@@ -34,6 +35,13 @@ def machine() -> str:
     )
 
 
+def load() -> str:
+    """Whether other programs ran too; the benchmarks keep one core busy."""
+    if not hasattr(os, "getloadavg"):
+        return "Other programs may have been running."
+    return f"In the last five minutes {os.getloadavg()[1]:.1f} programs at a time wanted a core."
+
+
 def front(sections: Sequence[Section]) -> str:
     """The table in short: a few rows of the sections."""
     rows = [row for section in sections for row in section.front]
@@ -42,7 +50,7 @@ def front(sections: Sequence[Section]) -> str:
 
 def markdown(sections: Sequence[Section]) -> str:
     """The whole page."""
-    parts = [HEAD.format(machine=machine()), "## In short", front(sections)]
+    parts = [HEAD.format(machine=machine(), load=load()), "## In short", front(sections)]
     return "\n\n".join([*parts, *(section.markdown() for section in sections)]) + "\n"
 
 

@@ -58,12 +58,20 @@ TAGS = [
     {"name": "catalogue", "description": "What a spec may name, and what this server allows."},
     {"name": "operation", "description": "For those who run the service."},
 ]
+# of statuses that stand for several kinds of problems
+SEVERAL = {
+    404: "Nothing is here",
+    409: "Not as things stand now",
+    422: "The request makes no sense",
+    503: "Not now, try again",
+}
 OPENAPI_URL = "/openapi.json"
 
 
 def problems(*statuses: int) -> dict[int | str, dict[str, Any]]:
     """Responses that are problem documents, by reference."""
     titles = {kind.status: kind.title for kind in (*PROBLEMS.values(), *BY_STATUS.values())}
+    titles |= SEVERAL
     content = {MEDIA_TYPE: {"schema": {"$ref": "#/components/schemas/Problem"}}}
     return {
         status: {"description": f"{titles[status]}.", "content": content} for status in statuses

@@ -3,8 +3,8 @@
     from synthesis import DesignSpec, synthesise
     design = synthesise(DesignSpec.model_validate(body))
 
-``analyse(spec)`` for a cam that is given in full, and ``synthesise_set(CamSetSpec…)`` for several
-cams on one shaft.
+``analyse(spec)`` for a cam that is given in full, ``synthesise_set(CamSetSpec…)`` for several cams
+on one shaft, and ``confirm(design)`` for a second opinion to the last digit.
 
 Notation, used throughout (lengths in mm, angles in rad, derivatives per radian of cam angle):
 
@@ -26,19 +26,26 @@ if TYPE_CHECKING:
     from synthesis.analysis import analyse
     from synthesis.camset import CamSet
     from synthesis.camset_spec import CamSetSpec
+    from synthesis.confirmation import Confirmation, confirm
     from synthesis.design import Design
     from synthesis.findings import Analysis
     from synthesis.pipeline import synthesise
+    from synthesis.sensitivity import sensitivities
     from synthesis.set_synthesis import synthesise_set
     from synthesis.spec import DesignSpec
+    from synthesis.sweeps.spec import SweepSpec
 
 __all__ = [
     "Analysis",
     "CamSet",
     "CamSetSpec",
+    "Confirmation",
     "Design",
     "DesignSpec",
+    "SweepSpec",
     "analyse",
+    "confirm",
+    "sensitivities",
     "synthesise",
     "synthesise_set",
 ]
@@ -47,9 +54,13 @@ _HOMES = {
     "Analysis": "synthesis.findings",
     "CamSet": "synthesis.camset",
     "CamSetSpec": "synthesis.camset_spec",
+    "Confirmation": "synthesis.confirmation",
     "Design": "synthesis.design",
     "DesignSpec": "synthesis.spec",
+    "SweepSpec": "synthesis.sweeps",
     "analyse": "synthesis.analysis",
+    "sensitivities": "synthesis.sensitivity",
+    "confirm": "synthesis.confirmation",
     "synthesise": "synthesis.pipeline",
     "synthesise_set": "synthesis.set_synthesis",
 }

@@ -6,10 +6,11 @@ from typing import Annotated
 
 from fastapi import APIRouter, Query, Request, Response
 
-from service.documentation import problems, spec_body, tagged
+from service.documentation import problems, spec_body
 from service.examples import ANALYSES
 from service.routes.kept import (
-    UNDER_WAY,
+    CREATED,
+    SHOWN,
     Cursor,
     Key,
     KnownTag,
@@ -30,11 +31,7 @@ router = APIRouter(prefix="/v1/analyses", tags=["analyses"])
 @router.post(
     "",
     response_model=Analysis,
-    responses={
-        200: tagged()[200],
-        **UNDER_WAY,
-        **problems(400, 409, 413, 415, 422, 429, 500, 503, 504),
-    },
+    responses=CREATED,
     openapi_extra=spec_body(ANALYSES),
     summary="Analyse a given cam",
 )
@@ -65,7 +62,7 @@ async def list_analyses(
 @router.get(
     "/{analysis_id}",
     response_model=Analysis,
-    responses={**tagged(), **UNDER_WAY, **problems(404, 422, 500, 503, 504)},
+    responses=SHOWN,
     summary="An analysis",
 )
 async def get_analysis(

@@ -19,7 +19,8 @@ from service.errors import NothingFits
 from service.examples import CAM_SETS
 from service.routes.download import SVG, ChordTolerance, Download
 from service.routes.kept import (
-    UNDER_WAY,
+    CREATED,
+    SHOWN,
     Cursor,
     Key,
     KnownTag,
@@ -105,11 +106,7 @@ class BundleQuery(BaseModel):
 @router.post(
     "",
     response_model=CamSet,
-    responses={
-        200: tagged()[200],
-        **UNDER_WAY,
-        **problems(400, 409, 413, 415, 422, 429, 500, 503, 504),
-    },
+    responses=CREATED,
     openapi_extra=spec_body(CAM_SETS, "CamSetSpec"),
     summary="Synthesise the cams of a shaft",
 )
@@ -139,7 +136,7 @@ async def list_cam_sets(
 @router.get(
     "/{set_id}",
     response_model=CamSet,
-    responses={**tagged(), **UNDER_WAY, **problems(404, 500, 503, 504)},
+    responses=SHOWN,
     summary="A cam set",
 )
 async def get_cam_set(

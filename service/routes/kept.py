@@ -9,7 +9,7 @@ from typing import Annotated, Any, TypeVar
 from fastapi import Header, Query, Request, Response
 
 from service.body import read_body
-from service.documentation import UNDER_WAY_HEADERS
+from service.documentation import UNDER_WAY_HEADERS, problems, tagged
 from service.errors import BadQuery, KeyReused, NotDone, ServiceError
 from service.etag import unchanged
 from service.jobs import Jobs, finished
@@ -27,6 +27,12 @@ UNDER_WAY: Mapping[int | str, dict[str, Any]] = {
         "headers": UNDER_WAY_HEADERS,
     }
 }
+CREATED = {
+    200: tagged()[200],
+    **UNDER_WAY,
+    **problems(400, 409, 413, 415, 422, 429, 500, 503, 504),
+}
+SHOWN = {**tagged(), **UNDER_WAY, **problems(404, 422, 500, 503, 504)}
 Prefer = Annotated[
     str, Header(description="`respond-async`: answer 202 at once and work on it meanwhile.")
 ]

@@ -6,10 +6,11 @@ from typing import Annotated
 
 from fastapi import APIRouter, Query, Request, Response
 
-from service.documentation import problems, spec_body, tagged
+from service.documentation import problems, spec_body
 from service.examples import PROFILE_ANALYSES
 from service.routes.kept import (
-    UNDER_WAY,
+    CREATED,
+    SHOWN,
     Cursor,
     Key,
     KnownTag,
@@ -30,11 +31,7 @@ router = APIRouter(prefix="/v1/profile-analyses", tags=["analyses"])
 @router.post(
     "",
     response_model=ProfileAnalysis,
-    responses={
-        200: tagged()[200],
-        **UNDER_WAY,
-        **problems(400, 409, 413, 415, 422, 429, 500, 503, 504),
-    },
+    responses=CREATED,
     openapi_extra=spec_body(PROFILE_ANALYSES, "MeasuredCam"),
     summary="Read the motion back from a measured profile",
 )
@@ -70,7 +67,7 @@ async def list_profile_analyses(
 @router.get(
     "/{analysis_id}",
     response_model=ProfileAnalysis,
-    responses={**tagged(), **UNDER_WAY, **problems(404, 422, 500, 503, 504)},
+    responses=SHOWN,
     summary="A profile that was read back",
 )
 async def get_profile_analysis(

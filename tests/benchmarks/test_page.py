@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import pkgutil
+import platform
 import re
 from pathlib import Path
 
@@ -15,14 +16,15 @@ from benchmarks.effort import TRIAL
 from benchmarks.section import Section
 
 SUPPORT = {
-    "__main__", "axis", "diagram", "effort", "page", "section", "timing",
+    "__main__", "axis", "diagram", "effort", "memory", "page", "section", "timing", "truth",
 }  # fmt: skip
+SERVED = ("http",)  # starts a service: run in tests/service, beside these
 LINK = re.compile(r"\]\(([^)#:]+)\)")
 
 
 @pytest.fixture(scope="module")
 def sections() -> list[Section]:
-    return [section(name, TRIAL) for name in NAMES]
+    return [section(name, TRIAL) for name in NAMES if name not in SERVED]
 
 
 def test_every_benchmark_is_listed() -> None:
@@ -63,6 +65,7 @@ def test_the_committed_page_is_whole() -> None:
     drawings = {path.name for path in FOLDER.glob("*.svg")}
     assert drawings == {link for link in links if link.endswith(".svg")}
     assert str(ROOT) not in written
+    assert platform.node() not in page.machine()
 
 
 def test_the_readme_quotes_the_page() -> None:
