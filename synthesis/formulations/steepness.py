@@ -141,7 +141,7 @@ class _Steepness:
         best, problem = found.best, self.limited(self.possible * (1.0 + SPARE))
         about = About(tuple(law.curve() for law in best.laws), best.size)
         known = Known(problem, -inf, "", found.grids, about=about)
-        near = {position: (0.0, 1.0) for position in range(len(problem.free))}
+        near = dict.fromkeys(range(len(problem.free)), (0.0, 1.0))
         for _ in range(NARROWED):
             region = narrowed(self.state, replace(best, value=self.largest), near, known)
             if region is None:

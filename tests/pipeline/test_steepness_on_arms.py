@@ -160,7 +160,7 @@ def test_a_face_as_flat_as_a_scan_of_its_base_radius_finds(sense: str) -> None:
 
 
 def test_a_face_with_its_pivot_free_is_flattest_far_away() -> None:
-    design = synthesise(asked({"max": 93.7}, RADIUS, objective=PEAK))
+    design = synthesise(asked({"max": 93.7}, RADIUS, objective=PEAK, tolerance=2e-2))
     given = synthesise(asked(93.7, RADIUS, objective=PEAK))
     assert design.status == "optimal"
     assert value(design) == pytest.approx(value(given), rel=1e-4)
