@@ -7,8 +7,8 @@ RUN python -m venv /opt/venv
 ENV PATH=/opt/venv/bin:$PATH
 WORKDIR /src
 
-# The locked packages first: this layer changes only with the lock files. The PostgreSQL driver and
-# what writes Parquet are extras; their versions come from the lock of everything.
+# The locked packages first: this layer changes only with the lock files. The PostgreSQL driver
+# and Parquet are extras; their versions come from the lock of everything.
 COPY requirements.lock requirements-dev.lock ./
 RUN pip install -r requirements.lock \
  && pip install -c requirements-dev.lock "psycopg[binary]" pyarrow
