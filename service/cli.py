@@ -2,24 +2,23 @@
 
 from __future__ import annotations
 
-import json
 import time
-from collections.abc import Callable, Mapping
 from pathlib import Path
-from typing import Annotated, Any, NoReturn
+from typing import Annotated, Any
 
 import typer
 from rich.console import Console
 
 from service import analysis_table, confirmation_table, reading_table
-from service.body import Model, parsed, validated
-from service.errors import InvalidBody, ServiceError
+from service.commands.export import export
+from service.commands.sweep import sweep
 from service.points_file import points_in
 from service.settings import settings_from
+from service.terminal import out, read_spec, save, stop, synthesise, synthesised
 from synthesis.camset import CamSet
 from synthesis.camset_spec import CamSetSpec
 from synthesis.design import Design, engine_version
-from synthesis.errors import CamwrightError, TimeBudgetExceeded
+from synthesis.errors import CamwrightError
 from synthesis.findings import Analysis
 from synthesis.spec import DesignSpec
 
@@ -27,8 +26,8 @@ app = typer.Typer(
     add_completion=False, no_args_is_help=True, pretty_exceptions_enable=False,
     help="Certified cam synthesis: as a service, or one design at a time.",
 )  # fmt: skip
-out = Console(highlight=False, markup=False, soft_wrap=True)
-err = Console(highlight=False, markup=False, soft_wrap=True, stderr=True)
+app.command()(export)
+app.command()(sweep)
 
 
 def _version(wanted: bool) -> None:
@@ -67,9 +66,9 @@ def design(
     out_dir: Annotated[Path, typer.Option("--out", help="Folder for the results.")] = Path(),
 ) -> None:
     """Synthesise one cam here, without a service; write design.json, profile.* and motion.*."""
-    asked = _read(spec, DesignSpec)
+    asked = read_spec(spec, DesignSpec)
     started = time.perf_counter()
-    done: Design = _synthesised(asked, _synthesise)
+    done: Design = synthesised(asked, synthesise)
     took = time.perf_counter() - started
     names = _write(done, out_dir)
     gap = "" if done.certificate.gap is None else f", gap {100.0 * done.certificate.gap:.2f} %"
@@ -90,7 +89,7 @@ def cam_set(
     from synthesis.exporters.bundle import BundleOptions, bundle_files
     from synthesis.set_synthesis import synthesise_set
 
-    found: CamSet = _synthesised(_read(spec, CamSetSpec), synthesise_set)
+    found: CamSet = synthesised(read_spec(spec, CamSetSpec), synthesise_set)
     out.print(f"{found.status}, {1e3 * found.seconds:.0f} ms: {len(found.cams)} cams on one shaft")
     for cam in found.cams:
         sizes = ", ".join(f"{name} {value:.4f}" for name, value in cam.design.dimensions.items())
@@ -101,7 +100,7 @@ def cam_set(
     files = {"cam-set.json": found.model_dump_json(indent=1).encode()}
     if found.has_cams:
         files = dict(bundle_files(found, BundleOptions()))
-    _save(files, out_dir)
+    save(files, out_dir)
     out.print(f"Written to {out_dir}: {len(files)} files")
     if found.status == "infeasible":
         raise typer.Exit(3)
@@ -113,7 +112,7 @@ def analyse(
     as_json: Annotated[bool, typer.Option("--json", help="Print the whole as JSON.")] = False,
 ) -> None:
     """Analyse a cam that is given in full: what it does, what it breaks, and what mends it."""
-    found = _analysed(_read(spec, DesignSpec))
+    found = _analysed(read_spec(spec, DesignSpec))
     if as_json:
         print(found.model_dump_json(indent=1))
     else:
@@ -135,9 +134,9 @@ def confirm(
     from synthesis.confirmation import confirm as confirmed
 
     try:
-        found = confirmed(_read(design, Design))
+        found = confirmed(read_spec(design, Design))
     except CamwrightError as error:
-        _stop(str(error))
+        stop(str(error))
     if as_json:
         print(found.model_dump_json(indent=1))
     else:
@@ -162,13 +161,13 @@ def read_back(
 
     try:
         given = None if points is None else {"points_mm": points_in(points)}
-        found = read(_read(spec, MeasuredCam, given))
+        found = read(read_spec(spec, MeasuredCam, given))
     except OSError as error:
-        _stop(f"{points} cannot be read: {error.strerror}.")
+        stop(f"{points} cannot be read: {error.strerror}.")
     except UnicodeDecodeError:
-        _stop(f"{points} is no text in UTF-8.")
+        stop(f"{points} is no text in UTF-8.")
     except CamwrightError as error:
-        _stop(str(error))
+        stop(str(error))
     if as_json:
         print(found.model_dump_json(indent=1))
         return
@@ -185,49 +184,7 @@ def _analysed(spec: DesignSpec) -> Analysis:
     try:
         return analyse(spec, deadline=time.monotonic() + budget)
     except CamwrightError as error:
-        _stop(str(error))
-
-
-def _read(path: Path, model: type[Model], more: Mapping[str, Any] | None = None) -> Model:
-    """The spec in a file, with ``more`` fields; a readable line for each thing that is wrong."""
-    try:
-        body = path.read_bytes()
-        document = parsed(body)
-        if isinstance(document, dict) and "value" in document:
-            document = document["value"]
-            body = json.dumps(document).encode()
-        if more and isinstance(document, dict):
-            body = json.dumps({**document, **more}).encode()
-        return validated(body, model)
-    except OSError as error:
-        _stop(f"{path} cannot be read: {error.strerror}.")
-    except InvalidBody as error:
-        for found in error.violations:
-            where = found["pointer"] or "the whole"
-            err.print(f"{path}: {where} = {found['value']!r}: {found['rule']}. {found['way_out']}")
-        raise typer.Exit(2) from None
-    except ServiceError as error:
-        _stop(f"{path}: {error}")
-
-
-def _synthesise(spec: DesignSpec, *, deadline: float) -> Design:
-    from synthesis.pipeline import synthesise
-
-    return synthesise(spec, deadline=deadline)
-
-
-def _synthesised(spec: Any, synthesise: Callable[..., Any]) -> Any:
-    """The core's answer; where time ends, the best so far."""
-    budget = settings_from().budget_s(spec.time_budget_s)
-    try:
-        return synthesise(spec, deadline=time.monotonic() + budget)
-    except TimeBudgetExceeded as error:
-        if error.best is None:
-            _stop(str(error))
-        err.print(str(error))
-        return error.best
-    except CamwrightError as error:
-        _stop(str(error))
+        stop(str(error))
 
 
 def _write(design: Design, folder: Path) -> list[str]:
@@ -247,22 +204,8 @@ def _write(design: Design, folder: Path) -> list[str]:
                     files[f"{stem}.{name}"] = profile.write(design, ProfileOptions(curve=curve))
         for name, motion in MOTION_FORMATS.items():
             files[f"motion.{name}"] = motion.write(design, MotionOptions())
-    _save(files, folder)
+    save(files, folder)
     return list(files)
-
-
-def _save(files: Mapping[str, bytes], folder: Path) -> None:
-    try:
-        for name, content in files.items():
-            (folder / name).parent.mkdir(parents=True, exist_ok=True)
-            (folder / name).write_bytes(content)
-    except OSError as error:
-        _stop(f"{folder} cannot be written to: {error.strerror}.")
-
-
-def _stop(sentence: str) -> NoReturn:
-    err.print(sentence)
-    raise typer.Exit(2)
 
 
 def main() -> None:

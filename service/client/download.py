@@ -93,6 +93,7 @@ async def downloaded(
         try:
             async with wire.opened(replace(asked, headers=headers)) as opened:
                 if opened.status < 400:
+                    _check(part, opened, etag, have)
                     await _taken(part, opened, have, told)
                     return part.whole()
                 if (
@@ -114,10 +115,18 @@ async def downloaded(
             await wire.pause(pause)
 
 
-async def _taken(part: Part, opened: Opened, have: int, told: Told | None) -> None:
+def _check(part: Part, opened: Opened, etag: str, have: int) -> None:
+    """Whether the bytes that follow are those that were asked for."""
     encoding = opened.headers.get("content-encoding", "identity")
     if encoding != "identity":
         raise ClientError(f"{part.request} came as {encoding}, though asked for as it is.")
+    span, tag = opened.headers.get("content-range", ""), opened.headers.get("etag")
+    if opened.status == 206 and not (tag == etag and span.startswith(f"bytes {have}-")):
+        part.forget_the_note()
+        raise httpx2.RemoteProtocolError(f"another part ({span}) than was asked for")
+
+
+async def _taken(part: Part, opened: Opened, have: int, told: Told | None) -> None:
     if opened.status != 206:
         part.begin(opened.headers.get("etag", ""))
         have = 0
