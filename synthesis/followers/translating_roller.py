@@ -22,7 +22,9 @@ from synthesis.followers.pitch_curvature import PitchCurvature
 from synthesis.followers.roller import RollerFollower
 from synthesis.motion import Motion, Stretch
 from synthesis.ranges import Dimension, Range, ends
-from synthesis.terms import Cone, Implied, Norm, Row
+from synthesis.terms import Cone, Implied, Norm, Row, Seen
+
+ROLLER = Seen(1, (0.0, 0.0, 0.0), ((0.0, 1.0), (-1.0, 0.0), (1.0, 0.0)))  # of z = (e, s0)
 
 
 class TranslatingRoller(RollerFollower):
@@ -112,7 +114,7 @@ class TranslatingRoller(RollerFollower):
         return x * x + u * (2.0 * s[1] - e) - x * s[2], x * x + u * u
 
     def curvature_implied(self, side: int, most: float) -> tuple[Implied, ...]:
-        return (PitchCurvature("", side, most),)
+        return (PitchCurvature("", ROLLER, side, most),)
 
     def dimensions(self, z: tuple[float, ...]) -> Mapping[str, float]:
         e, s0 = z

@@ -16,7 +16,8 @@ from dataclasses import dataclass
 from typing import Any
 
 from synthesis.followers.flank import Vector2
-from synthesis.terms import Implied, Norm, Row
+from synthesis.followers.pitch_curvature import PitchCurvature
+from synthesis.terms import Implied, Norm, Row, Seen
 
 
 @dataclass(frozen=True)
@@ -55,7 +56,9 @@ class CounterSlide:
         return y * y + v * (self.offset - 2.0 * s[1]) + y * s[2], y * y + v * v
 
     def curvature_implied(self, side: int, most: float) -> tuple[Implied, ...]:
-        return ()
+        constants = (self.distance, self.offset, -self.offset)
+        seen = Seen(-1, constants, ((0.0, -1.0), (0.0, 0.0), (0.0, 0.0)))
+        return (PitchCurvature("", seen, side, most),)
 
     def pressure_angle_rows(self, slope: float) -> tuple[Row, ...]:
         # −slope (L − s0 − s) ≤ s' − e2 ≤ slope (L − s0 − s)
