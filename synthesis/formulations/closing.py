@@ -20,7 +20,7 @@ from synthesis.formulations.bound import Bound, bound, solved_prices
 from synthesis.formulations.candidate import Candidate, settle
 from synthesis.formulations.control import Control, controls
 from synthesis.formulations.convex import Plan, formulate, with_rows
-from synthesis.formulations.grid import Grid, SettledLaw, uniform
+from synthesis.formulations.grid import Grid, SettledLaw, merged, over, uniform
 from synthesis.formulations.knots import all_halved, finer
 from synthesis.formulations.lair import Guess, Lair, Parts, narrowed, unknown
 from synthesis.formulations.local import improve_from
@@ -196,15 +196,15 @@ def climbed(quest: Quest, box: Box) -> Box:
     grown = (box.lair.sizes[-1][0], quest.problem.sizing.bounds[-1][1])
     inside = replace(quest.problem.sizing, bounds=(*box.lair.sizes[:-1], grown))
     problem = replace(quest.problem, sizing=inside)
-    grids = tuple(uniform(stretch, INTERVALS) for stretch in problem.free)
-    feasible = False
+    grids, feasible = _coarse(quest, box), False
     for number in range(ROUNDS):
+        grids = tuple(Grid(grid.space, grid.space.breaks) for grid in grids)
         relaxed = formulate(problem, grids)
         plan = with_rows(relaxed, box.lair.rows(relaxed))
         solution = solve(plan.program, quest.state.left())
         between = box.lair.spread(plan)
-        dense = replace(solution, multipliers=between.multipliers(solution.multipliers))
         ends = solved_prices(plan, solution, 3)
+        dense = replace(solution, multipliers=between.masses(solution.multipliers, ends))
         if solution.stopped is Stopped.INFEASIBLE:
             box = _raised(box, _excluded(between.plan, dense, ends))
             if box.lower >= quest.target:
@@ -228,6 +228,17 @@ def climbed(quest: Quest, box: Box) -> Box:
             break
         grids = finer(problem, grids, found, lower, [np.zeros(0)] * len(grids))
     return box
+
+
+def _coarse(quest: Quest, box: Box) -> tuple[Grid, ...]:
+    """Few knots, some of them where rows begin and end."""
+    chosen = []
+    for position, stretch in enumerate(quest.problem.free):
+        hulls = (hull for (law, _), hull in box.lair.hulls.items() if law == position)
+        ends = np.unique([end for hull in hulls for part in hull.parts for end in part])
+        breaks = uniform(stretch, INTERVALS).space.breaks
+        chosen.append(over(stretch, merged(breaks, ends, stretch.free.knots if stretch.free else ())))
+    return tuple(chosen)
 
 
 def _raised(box: Box, lower: Bound) -> Box:

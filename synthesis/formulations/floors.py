@@ -10,6 +10,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
+from itertools import pairwise
 from math import factorial
 
 import numpy as np
@@ -18,7 +19,6 @@ from synthesis.formulations.control import Control
 from synthesis.formulations.convex import Plan
 from synthesis.formulations.ends import Joint, joint_rows
 from synthesis.formulations.rows import Block
-from synthesis.formulations.switching import spread
 from synthesis.numerics.piecewise import Array
 
 ORDER = 3  # of the derivative that is capped
@@ -68,13 +68,10 @@ def floors(
         multipliers: (q, m) of the plan's rows without its cones; any, good ones bound well.
         ends: (q, laws, 3) prices of the laws' ends (``solved_prices``); any.
     """
-    rows = plan.program.equalities + plan.program.inequalities
-    z = np.array(multipliers[:, :rows])
-    z[:, plan.program.equalities :] = np.maximum(z[:, plan.program.equalities :], 0.0)
-    said = list(_said(plan))
+    z = _signed(plan, multipliers)
     total, spent = np.zeros(len(z)), np.zeros(len(z))
     residual = wanted.size.copy()
-    for first, block in said:
+    for first, block in _said(plan):
         prices = z[:, first : first + len(block.rhs)]
         total -= prices @ block.rhs
         spent += np.abs(prices) @ np.abs(block.rhs)
@@ -82,20 +79,16 @@ def floors(
             size = np.broadcast_to(block.size, (len(block.rhs), residual.shape[1]))
             residual += prices @ size
     total, residual = _fixed(plan, z, total, residual)
-    laws = [_booked(plan, position, said, wanted, z) for position in range(len(plan.grids))]
-    starts = np.stack([_starts(x, weights) for x, weights in laws], axis=1)
-    ends = _matched(plan, starts, ends)
+    laws, ends = _paid(plan, wanted, z, ends)
     for position, (x, weights) in enumerate(laws):
-        price = ends[:, position]
-        x = np.append(x, 1.0)
-        weights = np.concatenate([weights, price[:, None, :]], axis=1)
-        known, start = plan.settled[position], _starts(x, weights)
+        price, start = ends[:, position], _starts(x, weights)
+        known = plan.settled[position]
         count = min(len(known.end), ORDER)
         given = np.zeros(ORDER)
         given[: min(len(known.start), ORDER)] = known.start[:ORDER]
         total += start @ given - price[:, :count] @ known.end[:count]
         cap = steering[position].cap
-        worth = cap * integral(*pieces(x, weights))
+        worth = cap * np.sum(integrals(*pieces(x, weights)), axis=1)
         spent += worth + np.abs(price[:, :count]) @ np.abs(known.end[:count])
         spent += cap * np.sum(np.abs(weights), axis=(1, 2))
         total -= worth
@@ -105,6 +98,39 @@ def floors(
     total += np.sum(np.minimum(residual * bounds[:, 0], residual * bounds[:, 1]), axis=1)
     spent += np.sum(np.abs(residual) * np.max(np.abs(bounds), axis=1), axis=1)
     return np.where(np.isfinite(total), total - ROUNDING * spent, -np.inf)
+
+
+def switchings(
+    plan: Plan, wanted: Wanted, multipliers: Array, ends: Array
+) -> list[tuple[Array, Array]]:
+    """∫ |ψ| of every law, piece by piece: breaks (n+1,) and integrals (q, n)."""
+    found = []
+    for x, weights in _paid(plan, wanted, _signed(plan, multipliers), ends)[0]:
+        breaks, poly = pieces(x, weights)
+        found.append((breaks, integrals(breaks, poly)))
+    return found
+
+
+def _signed(plan: Plan, multipliers: Array) -> Array:
+    """Those of the rows without cones, none negative where that would mean nothing."""
+    z = np.array(multipliers[:, : plan.program.equalities + plan.program.inequalities])
+    z[:, plan.program.equalities :] = np.maximum(z[:, plan.program.equalities :], 0.0)
+    return z
+
+
+def _paid(
+    plan: Plan, wanted: Wanted, z: Array, ends: Array
+) -> tuple[list[tuple[Array, Array]], Array]:
+    """All that acts on every law, its end prices among it: points, weights; and these prices."""
+    said = list(_said(plan))
+    laws = [_booked(plan, position, said, wanted, z) for position in range(len(plan.grids))]
+    starts = np.stack([_starts(x, weights) for x, weights in laws], axis=1)
+    ends = _matched(plan, starts, ends)
+    paid = [
+        (np.append(x, 1.0), np.concatenate([weights, ends[:, k][:, None, :]], axis=1))
+        for k, (x, weights) in enumerate(laws)
+    ]
+    return paid, ends
 
 
 def solved_prices(plan: Plan, wanted: Wanted, multipliers: Array) -> Array:
@@ -123,7 +149,7 @@ def _said(plan: Plan) -> Iterator[tuple[int, Block]]:
     at = plan.program.equalities - sum(len(block.rhs) for block in plan.exact)
     for block in (*plan.exact, *plan.blocks):
         steered = block.kind == "control" or np.any(block.alpha[ORDER:])
-        if not steered and not block.level:
+        if not steered:
             yield at, block
         at += len(block.rhs)
 
@@ -152,9 +178,9 @@ def _booked(
         if block.stretch != position:
             continue
         prices = z[:, first : first + len(block.rhs)]
-        x, spreading, alpha = _acting(plan, block)
+        x, alpha = _acting(plan, block)
         points.append(x)
-        weights.append((prices @ spreading)[:, :, None] * alpha[None])
+        weights.append(prices[:, :, None] * alpha[None])
     mine = np.flatnonzero(wanted.law == position)
     own = np.zeros((len(z), len(mine), ORDER))
     own[mine, np.arange(len(mine))] = wanted.alpha[mine]
@@ -163,29 +189,22 @@ def _booked(
     return np.concatenate(points), np.concatenate(weights, axis=1)
 
 
-def _acting(plan: Plan, block: Block) -> tuple[Array, Array, Array]:
-    """Where rows act on a law: points (p,), rows' shares there (r, p), alpha (p, 3).
+def _acting(plan: Plan, block: Block) -> tuple[Array, Array]:
+    """Where rows act on a law: points (r,), alpha (r, 3).
 
-    Limits of the second derivative that hold all along act spread, as in ``bound``; coefficients
-    in order act as g' near by.
+    Coefficients in order act as g' near by.
     """
-    count, eye = len(block.rhs), np.eye(len(block.rhs))
-    if block.kind == "monotone":
-        assert block.stretch is not None
-        space = plan.grids[block.stretch].space
-        p, knots = space.degree, space.knots
-        i = len(plan.settled[block.stretch].first) - 1 + np.arange(count)
-        x = np.mean([knots[i + 2 + j] for j in range(p - 1)], axis=0)
-        alpha = np.zeros((count, ORDER))
-        alpha[:, 1] = -(knots[i + p + 1] - knots[i + 1]) / p
-        return x, eye, alpha
-    if block.alpha.ndim == 2:
-        return block.x, eye, block.alpha[:ORDER].T
-    alpha = block.alpha[:ORDER]
-    if alpha[ORDER - 1] == 0.0 or block.spans is not None or count < 2:
-        return block.x, eye, np.tile(alpha, (count, 1))
-    both = [spread(block.x, row) for row in eye]
-    return both[0][0], np.stack([mass for _, mass in both]), np.tile(alpha, (len(both[0][0]), 1))
+    count = len(block.rhs)
+    if block.kind != "monotone":
+        return block.x, np.broadcast_to(block.alpha[:ORDER].T, (count, ORDER))
+    assert block.stretch is not None
+    space = plan.grids[block.stretch].space
+    p, knots = space.degree, space.knots
+    i = len(plan.settled[block.stretch].first) - 1 + np.arange(count)
+    x = np.mean([knots[i + 2 + j] for j in range(p - 1)], axis=0)
+    alpha = np.zeros((count, ORDER))
+    alpha[:, 1] = -(knots[i + p + 1] - knots[i + 1]) / p
+    return x, alpha
 
 
 def _end_prices(plan: Plan, position: int, wanted: Wanted, z: Array) -> Array:
@@ -296,8 +315,8 @@ def pieces(x: Array, weights: Array) -> tuple[Array, Array]:
     return breaks, np.stack([c + first * (b + first * a), b + 2.0 * a * first, a], axis=2)
 
 
-def integral(breaks: Array, poly: Array) -> Array:
-    """∫ |ψ| over [0, 1], exact: (q,)."""
+def integrals(breaks: Array, poly: Array) -> Array:
+    """∫ |ψ| over every piece, exact: (q, n)."""
     width = np.diff(breaks)
     c, b, a = np.moveaxis(poly, 2, 0)
     with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
@@ -306,5 +325,4 @@ def integral(breaks: Array, poly: Array) -> Array:
     roots = np.where((roots > 0.0) & (roots < width), roots, 0.0)  # none: an empty part
     cuts = [np.zeros_like(c), roots.min(axis=0), roots.max(axis=0), np.broadcast_to(width, c.shape)]
     values = [t * (c + t * (b / 2.0 + t * a / 3.0)) for t in cuts]
-    parts = sum(np.abs(high - low) for low, high in zip(values[:-1], values[1:], strict=True))
-    return np.asarray(np.sum(parts, axis=1))
+    return np.asarray(sum(np.abs(high - low) for low, high in pairwise(values)))

@@ -20,7 +20,7 @@ from synthesis.formulations.hull import Hull
 from synthesis.formulations.matrix import Ball
 from synthesis.formulations.problem import Problem
 from synthesis.formulations.rows import Block, Drawn
-from synthesis.formulations.switching import spread
+from synthesis.formulations.spreading import Arcs, Spreading
 from synthesis.motion import Stretch
 from synthesis.numerics.piecewise import Array
 from synthesis.solvers.highs import LinearRows, least
@@ -76,13 +76,13 @@ class Lair:
 
     def spread(self, plan: Plan) -> Spreading:
         """The same rows between the points where they are written, for a plan that ends in them."""
-        blocks, shares = list[Block](), list[Array]()
+        blocks, arcs = list[Block](), list[Arcs]()
         for (position, _), implied, hull in self._implying(plan.problem):
-            x, share = hats(_places(hull, plan, position), hull.parts)
-            found = list(self._written(plan, position, implied, hull, x))
+            arc = Arcs.of(_places(hull, plan, position), hull.parts)
+            found = list(self._written(plan, position, implied, hull, arc.points))
             blocks += found
-            shares += [share] * len(found)
-        return Spreading.of(plan, blocks, shares)
+            arcs += [arc] * len(found)
+        return Spreading.of(plan, blocks, arcs)
 
     def _implying(self, problem: Problem) -> Iterator[tuple[tuple[int, Seen], Implied, Hull]]:
         for position, stretch in enumerate(problem.free):
@@ -110,40 +110,6 @@ class Lair:
         law = self.guess.laws[position].curve()
         s = stretch.s_start + stretch.lift * law(x)
         return [np.stack(seen.of((s, stretch.lift / stretch.angle * law(x, 1)), self.guess.size))]
-
-
-@dataclass(frozen=True, eq=False)
-class Spreading:
-    """A plan whose last rows are written between the points of another's, where they hold too.
-
-    A multiplier of s'' at a point makes ψ jump; where such a row is met along an arc the true one
-    is a density, and ψ vanishes there.
-
-    Attributes:
-        plan: for bounds, not to be solved. first: how many rows are the other's own.
-        shares: (r, r') for every block.
-    """
-
-    plan: Plan
-    first: int
-    shares: tuple[Array, ...]
-
-    @classmethod
-    def of(cls, plan: Plan, blocks: Sequence[Block], shares: Sequence[Array]) -> Spreading:
-        """For a plan whose last blocks these are, written elsewhere."""
-        kept = plan.blocks[: len(plan.blocks) - len(blocks)]
-        first = plan.program.equalities + sum(len(block.rhs) for block in kept)
-        added = sum(len(block.rhs) for block in blocks)
-        program = replace(plan.program, inequalities=first - plan.program.equalities + added)
-        return cls(replace(plan, blocks=(*kept, *blocks), program=program), first, tuple(shares))
-
-    def multipliers(self, z: Array) -> Array:
-        """The other plan's multipliers (…, m) as this one's."""
-        parts, at = [z[..., : self.first]], self.first
-        for share in self.shares:
-            parts.append(np.maximum(z[..., at : at + len(share)], 0.0) @ share)
-            at += len(share)
-        return np.concatenate([*parts, z[..., at:]], axis=-1)
 
 
 def unknown(problem: Problem, steering: Sequence[Control], parts: Mapping[int, Parts]) -> Lair:
@@ -183,8 +149,7 @@ def narrowed(plan: Plan, steering: Sequence[Control], lair: Lair) -> Lair | None
     count = full.program.equalities + full.program.inequalities
     low, high = np.full((2, full.program.matrix.shape[1]), np.inf)
     low = -low
-    ends = np.array(lair.sizes) / full.scales.size
-    low[full.size], high[full.size] = ends.T
+    low[full.size], high[full.size] = (np.array(lair.sizes) / full.scales.size).T
     rows = LinearRows(
         full.program.matrix[:count], full.program.rhs[:count], full.program.equalities, low, high
     )
@@ -192,11 +157,9 @@ def narrowed(plan: Plan, steering: Sequence[Control], lair: Lair) -> Lair | None
     if found[-1].stopped is not Stopped.SOLVED:
         return None
     z = np.stack([each.multipliers for each in found])
-    between = lair.spread(full)
-    values = floors(
-        between.plan, steering, lair.sizes, wanted, between.multipliers(z),
-        solved_prices(full, wanted, z),
-    )  # fmt: skip
+    between, ends = lair.spread(full), solved_prices(full, wanted, z)
+    masses = between.multipliers(wanted, z, ends)
+    values = floors(between.plan, steering, lair.sizes, wanted, masses, ends)
     values = (values - SPARE * np.maximum(np.abs(values), 1.0)) * units + constants
     return _taken(lair, values)
 
@@ -283,22 +246,3 @@ def _places(hull: Hull, plan: Plan, position: int) -> Array:
     return np.asarray(breaks[np.any(inside, axis=0)])
 
 
-def hats(x: Array, parts: Parts) -> tuple[Array, Array]:
-    """Points between those of rows, part by part, and how each row's multiplier is spread there.
-
-    Returns:
-        (r',) the points, (r, r') shares: every row's add up to one.
-    """
-    found, shares = [], []
-    for low, high in parts:
-        inside = np.flatnonzero((x >= low) & (x <= high))
-        if len(inside) < 2:
-            found.append(x[inside])
-            shares.append(np.eye(len(x))[:, inside])
-            continue
-        spreads = [spread(x[inside], one) for one in np.eye(len(inside))]
-        found.append(spreads[0][0])
-        share = np.zeros((len(x), len(found[-1])))
-        share[inside] = [mass for _, mass in spreads]
-        shares.append(share)
-    return np.concatenate(found), np.concatenate(shares, axis=1)
