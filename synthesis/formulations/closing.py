@@ -32,7 +32,7 @@ from synthesis.solvers.clarabel import ConeSolution, solve
 from synthesis.solvers.statuses import Stopped
 
 INTERVALS = 20  # of the first laws of every climb
-FEW = 1  # times that these are refined for the laws that say where better cams lie
+FEW = 2  # times that these are refined for the laws that say where better cams lie
 POLISHED = 48  # intervals of the laws of a better cam that a box gives rise to
 NEAR = -0.15  # a smooth limit above this, relative, is near to binding
 SAMPLES = 200
@@ -42,7 +42,7 @@ SPARE = 1e-9
 USABLE = (Stopped.SOLVED, Stopped.INACCURATE)
 TURNS = 8  # of hulls and rows in a box
 WORTH = 0.85  # of the hulls' width: what a turn must leave at most for another one
-ROUNDS = 6  # of finer knots
+ROUNDS = 5  # of finer knots
 MOST_BOXES = 60
 RAYS = (1e2, 1e4, 1e6)
 
@@ -168,7 +168,7 @@ def explored(quest: Quest, box: Box) -> Box:
             break
         before, lair = box.lair.width, _narrower(quest, box)
         if lair is None:
-            break
+            return climbed(quest, box)
         if lair.empty:
             return replace(box, lower=quest.target)
         box = climbed(quest, replace(box, lair=lair))
@@ -196,7 +196,7 @@ def climbed(quest: Quest, box: Box) -> Box:
     grown = (box.lair.sizes[-1][0], quest.problem.sizing.bounds[-1][1])
     inside = replace(quest.problem.sizing, bounds=(*box.lair.sizes[:-1], grown))
     problem = replace(quest.problem, sizing=inside)
-    grids, feasible = _coarse(quest, box), False
+    grids = _coarse(quest, box)
     for number in range(ROUNDS):
         grids = tuple(Grid(grid.space, grid.space.breaks) for grid in grids)
         relaxed = formulate(problem, grids)
@@ -218,8 +218,8 @@ def climbed(quest: Quest, box: Box) -> Box:
             return box
         laws, size = plan.recover(solution.x)
         box = replace(_raised(box, lower), lair=replace(box.lair, guess=Guess(tuple(laws), size)))
-        if number <= FEW or not feasible:
-            box, feasible = replace(box, grids=grids), True
+        if number <= FEW:
+            box = replace(box, grids=grids)
         found = settle(problem, laws, size, keep_hint=True)
         # knots are what is missing where this family has no better cam any more
         if box.lower >= quest.target or quest.state.left() <= 0.0:
