@@ -60,8 +60,8 @@ format: $(DEV)  ## put the code in form
 	$(PY) -m ruff check --fix
 	$(PY) -m ruff format
 
-bench: $(DEV)  ## measure speed and error, print it and write docs/benchmarks (ARGS="name" only prints)
-	$(PY) -m benchmarks $(or $(ARGS),--write docs/benchmarks/README.md)
+bench: $(DEV)  ## measure speed and error, print it, write docs/benchmarks and README's table (ARGS="name" only prints)
+	$(PY) -m benchmarks $(or $(ARGS),--write)
 
 openapi: $(DEV)  ## write openapi/openapi.json anew
 	$(PY) -m service.openapi

@@ -1,46 +1,10 @@
-"""Measurements of speed. Each module exposes ``run() -> str``, its result as Markdown.
+"""Measurements of speed and of error. Each benchmark is a module with ``run(effort) -> Section``.
 
-``python -m benchmarks`` runs them all, ``python -m benchmarks name …`` some of them, and
-``python -m benchmarks --list`` says which there are.
+``python -m benchmarks`` runs them all, ``python -m benchmarks name …`` some of them,
+``python -m benchmarks --list`` says which there are, and ``--write`` writes the page
+docs/benchmarks with its diagrams and the table in README.md that quotes it.
 """
 
-from __future__ import annotations
+from benchmarks.timing import Timing, timed
 
-import gc
-import statistics
-from collections.abc import Callable
-from dataclasses import dataclass
-from time import perf_counter
-
-
-@dataclass(frozen=True)
-class Timing:
-    """Seconds per call over repeated runs: median, and the quarter and three-quarter points."""
-
-    median: float
-    low: float
-    high: float
-    repeats: int
-
-    def __str__(self) -> str:
-        median, low, high = (1e3 * value for value in (self.median, self.low, self.high))
-        return f"{median:.3f} ms ({low:.3f} to {high:.3f})"
-
-
-def timed(call: Callable[[], object], repeats: int = 200, warm_up: int = 10) -> Timing:
-    """Time ``call`` alone, after a few calls that do not count."""
-    for _ in range(warm_up):
-        call()
-    seconds = []
-    collecting = gc.isenabled()
-    gc.disable()
-    try:
-        for _ in range(repeats):
-            start = perf_counter()
-            call()
-            seconds.append(perf_counter() - start)
-    finally:
-        if collecting:
-            gc.enable()
-    low, median, high = statistics.quantiles(seconds, n=4)
-    return Timing(median, low, high, repeats)
+__all__ = ["Timing", "timed"]

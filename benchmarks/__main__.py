@@ -2,44 +2,65 @@
 
 import argparse
 import importlib
-import os
-import pkgutil
-import platform
 from pathlib import Path
+from time import perf_counter
 
-import benchmarks
+from benchmarks import page
+from benchmarks.effort import FULL, TRIAL, Effort
+from benchmarks.section import Section
 
-NAMES = sorted(m.name for m in pkgutil.iter_modules(benchmarks.__path__) if m.name != "__main__")
+# In the order of the page.
+NAMES = (
+    "main_job",
+    "tolerance",
+    "knots",
+    "solvers",
+    "convex_stage",
+    "curvature",
+    "camshape",
+    "camshape_ipopt",
+    "profile_points",
+    "density",
+    "scaling",
+    "http",
+    "startup",
+)
+ROOT = Path(__file__).resolve().parents[1]
+FOLDER, README = ROOT / "docs" / "benchmarks", ROOT / "README.md"
 
-HEAD = """# Speed and accuracy
 
-Written by `make bench` on a machine with {cores} cores, Python {python}; other programs may have
-been running. Times are medians of one run with the middle half of the values beside them; compare
-the ratios within a table, and each time with the error or gap in its row."""
+def section(name: str, effort: Effort) -> Section:
+    """Run one benchmark."""
+    found: Section = importlib.import_module(f"benchmarks.{name}").run(effort)
+    return found
 
 
 def main() -> None:
-    parser = argparse.ArgumentParser(prog="python -m benchmarks", description="Measure speed.")
+    parser = argparse.ArgumentParser(
+        prog="python -m benchmarks", description="Measure speed and error."
+    )
     parser.add_argument("name", nargs="*", help=f"which of them; all if none: {', '.join(NAMES)}")
     parser.add_argument("--list", action="store_true", help="say which there are")
-    parser.add_argument(
-        "--write", type=Path, metavar="FILE", help="write what is printed there too"
-    )
+    parser.add_argument("--trial", action="store_true", help="few sizes and repeats: does it work?")
+    parser.add_argument("--write", action="store_true", help="write docs/benchmarks and README.md")
     asked = parser.parse_args()
     unknown = [name for name in asked.name if name not in NAMES]
     if unknown:
         parser.error(f"there is no {unknown[0]!r}; there are {', '.join(NAMES)}")
-    printed = [HEAD.format(cores=os.cpu_count(), python=platform.python_version())]
+    if asked.write and (asked.name or asked.trial):
+        parser.error("the page is written of all benchmarks, run in full")
+    if asked.list:
+        for name in NAMES:
+            told = importlib.import_module(f"benchmarks.{name}").__doc__ or ""
+            print(f"{name}: {told.strip().splitlines()[0]}")
+        return
+    sections, began = [], perf_counter()
     for name in asked.name or NAMES:
-        module = importlib.import_module(f"benchmarks.{name}")
-        if asked.list:
-            print(f"{name}: {(module.__doc__ or '').strip().splitlines()[0]}")
-            continue
-        printed.append(module.run())
-        print(printed[-1], end="\n\n", flush=True)
+        sections.append(section(name, TRIAL if asked.trial else FULL))
+        print(sections[-1].markdown(), end="\n\n", flush=True)
+    print(f"{perf_counter() - began:.0f} s in all")
     if asked.write:
-        asked.write.parent.mkdir(parents=True, exist_ok=True)
-        asked.write.write_text("\n\n".join(printed) + "\n")
+        page.write(sections, FOLDER, README)
 
 
 if __name__ == "__main__":

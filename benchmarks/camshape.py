@@ -5,13 +5,18 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from benchmarks import timed
+from benchmarks.effort import FULL, Effort
+from benchmarks.section import Section, Table
+from benchmarks.timing import timed
 
 ALPHA = 1.5
 LEAST, LARGEST = 1.0, 2.0
 SIZES = (100, 200, 400, 800, 1600)
 PUBLISHED = {100: 4.284147122, 200: 4.278500233}  # proven optima
 EPS = float(np.finfo(float).eps)
+TEXT = """The public benchmark of COPS, CUTEst and MINLPLib: the greatest feasible radii, in closed
+form ([why they are the optimum](../reference/camshape.md)), and a bound from the constraints
+alone."""
 
 
 def step(n: int) -> float:
@@ -99,20 +104,14 @@ def bound(n: int) -> Proof:
     return Proof(upper, math.pi / n * math.fsum(upper))
 
 
-def run() -> str:
-    """A Markdown table."""
-    lines = [
-        "### camshape: greatest feasible radii",
-        "",
-        "| n | objective | published | proven bound above it by | worst breach "
-        "| solved, median (quartiles) |",
-        "|--:|--:|--:|--:|--:|---|",
-    ]
-    for n in SIZES:
+def run(effort: Effort = FULL) -> Section:
+    """Value, proof and time of every size."""
+    rows = []
+    for n in effort.some(SIZES):
         r = shape(n)
         told = f"{PUBLISHED[n]:.9f}" if n in PUBLISHED else "none proven"
-        lines.append(
-            f"| {n} | {value(r):.9f} | {told} | {bound(n).value - value(r):.1e} "
-            f"| {breach(r):.1e} | {timed(lambda n=n: shape(n), repeats=50)} |"
-        )
-    return "\n".join(lines)
+        time = timed(lambda n=n: shape(n), effort.repeats(50))
+        above = f"{bound(n).value - value(r):.1e}"
+        rows.append((str(n), f"{value(r):.9f}", told, above, f"{breach(r):.1e}", str(time)))
+    head = (">n", ">objective", ">published", ">proven bound above it by", ">worst breach", ">time")
+    return Section("camshape", TEXT, [Table(head, rows)])

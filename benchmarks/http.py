@@ -6,41 +6,47 @@ import http.client
 import json
 import os
 import socket
-import statistics
 import subprocess
 import sys
 import tempfile
 import time
 from collections.abc import Iterator
-from contextlib import contextmanager
+from contextlib import closing, contextmanager
 from pathlib import Path
 
+from benchmarks.effort import FULL, Effort
 from benchmarks.main_job import CONVEX
+from benchmarks.section import Section, Table
+from benchmarks.timing import Timing
 
 POSTS = 40
 PATIENCE_S = 60.0
+TEXT = """The convex scene of the main job, posted to a service on loopback that keeps its designs
+in SQLite and solves in worker processes."""
 
 
-def run() -> str:
-    """Markdown table: the whole, the core's share as the design reports it, the difference."""
-    with _service() as port:
-        connection = http.client.HTTPConnection("127.0.0.1", port, timeout=PATIENCE_S)
-        for k in range(5):
+def run(effort: Effort = FULL) -> Section:
+    """The whole, the core's share as the design reports it, the difference."""
+    posts = effort.repeats(POSTS)
+    with _service() as port, closing(_connection(port, PATIENCE_S)) as connection:
+        for k in range(effort.warm_up(5)):
             _post(connection, f"warm-up {k}")
-        measured = [_post(connection, f"measured {k}") for k in range(POSTS)]
-        again = [_post(connection, "measured 0")[0] for _ in range(POSTS)]
+        measured = [_post(connection, f"measured {k}") for k in range(posts)]
+        again = [_post(connection, "measured 0")[0] for _ in range(posts)]
     whole, core = zip(*measured, strict=True)
-    added = [a - b for a, b in measured]
-    lines = ["### A design over HTTP", "", "| | median | quartiles |", "|---|---|---|"]
-    for name, values in (
-        ("whole request", whole),
-        ("core, as reported", core),
-        ("added by HTTP, engine and store", added),
-        ("the same spec again, from the store", again),
-    ):
-        low, median, high = (1e3 * v for v in statistics.quantiles(values, n=4))
-        lines.append(f"| {name} | {median:.1f} ms | {low:.1f} to {high:.1f} |")
-    return "\n".join(lines)
+    times = {
+        "whole request": Timing(whole),
+        "core, as reported": Timing(core),
+        "added by HTTP, engine and store": Timing(tuple(a - b for a, b in measured)),
+        "the same spec again, from the store": Timing(tuple(again)),
+    }
+    rows = [(name, str(time)) for name, time in times.items()]
+    added = ("HTTP, engine and store add", rows[2][1], "none")
+    return Section("A design over HTTP", TEXT, [Table(("", ">time"), rows)], [added])
+
+
+def _connection(port: int, patience: float) -> http.client.HTTPConnection:
+    return http.client.HTTPConnection("127.0.0.1", port, timeout=patience)
 
 
 def _post(connection: http.client.HTTPConnection, name: str) -> tuple[float, float]:
@@ -87,10 +93,10 @@ def _await(port: int) -> None:
     end = time.monotonic() + PATIENCE_S
     while time.monotonic() < end:
         try:
-            connection = http.client.HTTPConnection("127.0.0.1", port, timeout=5.0)
-            connection.request("GET", "/readyz")
-            if connection.getresponse().status == 200:
-                return
+            with closing(_connection(port, 5.0)) as connection:
+                connection.request("GET", "/readyz")
+                if connection.getresponse().status == 200:
+                    return
         except OSError:
             pass
         time.sleep(0.2)

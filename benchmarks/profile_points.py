@@ -2,7 +2,9 @@
 
 import numpy as np
 
-from benchmarks import timed
+from benchmarks.effort import FULL, Effort
+from benchmarks.section import Section, Table
+from benchmarks.timing import Call, in_turns
 from synthesis.followers import TranslatingRoller
 from synthesis.laws import LAWS
 from synthesis.motion import Motion, Stretch
@@ -12,6 +14,7 @@ from synthesis.profile import cam_profile
 
 POINTS = 1440
 SIZE = (20.0, float(np.sqrt(60.0**2 - 20.0**2)))  # example 13-6
+TEXT = "Position, normal, curvature and pressure angle of all points of one turn."
 FOLLOWER = TranslatingRoller(roller_radius_mm=10.0, offset_mm=20.0)
 
 
@@ -40,21 +43,31 @@ def spline(degree: int, intervals: int) -> Piecewise:
     return space.curve(np.concatenate([np.zeros(3), middle, np.ones(3)]))
 
 
-def run() -> str:
+def run(effort: Effort = FULL) -> Section:
+    """Time for each kind of motion."""
+    theta = np.radians(np.arange(POINTS) * 360.0 / POINTS)
+    calls: dict[str, Call] = {
+        name: (lambda m=moving: cam_profile(m, FOLLOWER, SIZE, "ccw", theta))
+        for name, moving in motions().items()
+    }
+    times = in_turns(calls, effort.repeats(200), effort.warm_up(10))
+    rows = [(name, str(time)) for name, time in times.items()]
+    slowest = max(times.values(), key=lambda time: time.median)
+    front = (f"{POINTS} profile points with curvature, at most", str(slowest), "none")
+    return Section(
+        f"{POINTS} profile points",
+        TEXT,
+        [Table(("motion of rise and return", ">time"), rows)],
+        [front],
+    )
+
+
+def motions() -> dict[str, Motion]:
+    """Example 13-6's program with several laws."""
     named = ("cycloidal", "modified_sine", "polynomial_4_5_6_7")
     cases = {name: LAWS[name].curve for name in named}
-    motions = {name: motion(law("rise"), law("return")) for name, law in cases.items()}
+    found = {name: motion(law("rise"), law("return")) for name, law in cases.items()}
     for degree, intervals in ((3, 20), (5, 20), (5, 80)):
         law = spline(degree, intervals)
-        motions[f"spline, degree {degree}, {intervals} intervals"] = motion(law, law)
-    theta = np.radians(np.arange(POINTS) * 360.0 / POINTS)
-    rows = [
-        f"## {POINTS} profile points with curvature",
-        "",
-        "| motion of rise and return | median (middle half of the runs) |",
-        "|---|--:|",
-    ]
-    for name, moving in motions.items():
-        timing = timed(lambda m=moving: cam_profile(m, FOLLOWER, SIZE, "ccw", theta))
-        rows.append(f"| {name} | {timing} |")
-    return "\n".join(rows)
+        found[f"spline, degree {degree}, {intervals} intervals"] = motion(law, law)
+    return found

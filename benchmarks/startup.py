@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
-import statistics
 import subprocess
 import sys
 
-REPEATS = 9
+from benchmarks.effort import FULL, Effort
+from benchmarks.section import Section, Table
+from benchmarks.timing import Timing
+
 CASES = {
     "`import synthesis`": "import synthesis",
     "and `DesignSpec`": "from synthesis import DesignSpec",
@@ -15,14 +17,16 @@ CASES = {
 MEASURE = "import time; t = time.perf_counter(); {}; print(time.perf_counter() - t)"
 
 
-def run() -> str:
-    """Markdown table."""
-    lines = ["### Importing the library", "", "| what | median | slowest |", "|---|---|---|"]
-    for name, statement in CASES.items():
-        seconds = [_once(statement) for _ in range(REPEATS)]
-        median, slowest = statistics.median(seconds), max(seconds)
-        lines.append(f"| {name} | {median:.3f} s | {slowest:.3f} s |")
-    return "\n".join(lines)
+def run(effort: Effort = FULL) -> Section:
+    """Each in processes of its own, taking turns."""
+    cases = dict(effort.some(list(CASES.items())))
+    seconds: dict[str, list[float]] = {name: [] for name in cases}
+    for _ in range(effort.repeats(9)):
+        for name, statement in cases.items():
+            seconds[name].append(_once(statement))
+    rows = [(name, str(Timing(tuple(times)))) for name, times in seconds.items()]
+    text = "What a fresh process waits for before its first design."
+    return Section("Importing the library", text, [Table(("what", ">time"), rows)])
 
 
 def _once(statement: str) -> float:

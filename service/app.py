@@ -18,7 +18,7 @@ from service.etag import TagEncodings
 from service.jobs import Jobs
 from service.metrics import Metrics
 from service.observe import Observe
-from service.resource import CAM_SETS, DESIGNS
+from service.resource import RESOURCES
 from service.routes import (
     analyses,
     cam_sets,
@@ -27,12 +27,18 @@ from service.routes import (
     files,
     operation,
     profile_analyses,
+    sweep_items,
+    sweeps,
 )
 from service.settings import Settings
 from service.state import State
 from service.store import Store
+from service.sweeps.sweeps import Sweeps
 
 EngineOf = Callable[[Settings], AbstractAsyncContextManager[Engine]]
+ROUTES = (
+    designs, files, cam_sets, sweeps, sweep_items, analyses, profile_analyses, catalogue, operation,
+)  # fmt: skip
 EXPOSED = ("ETag", "Location", "Content-Location", "Retry-After", "X-Request-ID")
 
 
@@ -44,14 +50,16 @@ def create_app(settings: Settings, engine_of: EngineOf = running_engine) -> Fast
     async def lifespan(app: FastAPI) -> AsyncIterator[None]:
         store = Store(settings)
         async with engine_of(settings) as engine:
-            kinds = [Jobs(each, engine, store, metrics, settings) for each in (DESIGNS, CAM_SETS)]
-            app.state.parts = State(settings, metrics, engine, store, *kinds)
-            for jobs in kinds:
-                await jobs.resume()
+            many = Sweeps(engine, store, settings)
+            kinds = [Jobs(each, engine, store, metrics, settings) for each in RESOURCES]
+            app.state.parts = State(settings, metrics, engine, store, many, *kinds)
+            under_way: list[Jobs | Sweeps] = [many, *kinds]
+            for work in under_way:
+                await work.resume()
             yield
             engine.closing = True
-            for jobs in kinds:
-                await jobs.close()
+            for work in under_way:
+                await work.close()
         store.dispose()
 
     app = FastAPI(
@@ -64,7 +72,7 @@ def create_app(settings: Settings, engine_of: EngineOf = running_engine) -> Fast
         generate_unique_id_function=client_name,
         redirect_slashes=False,
     )
-    for routes in (designs, files, cam_sets, analyses, profile_analyses, catalogue, operation):
+    for routes in ROUTES:
         app.include_router(routes.router)
     pages.install(app)
     problem.install(app)

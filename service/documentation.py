@@ -13,6 +13,7 @@ from service.examples import examples
 from service.problem import MEDIA_TYPE, Problem
 from synthesis.design import engine_version
 from synthesis.measured import MeasuredCam
+from synthesis.sweeps import SweepSpec
 
 TITLE = "Camwright"
 DESCRIPTION = """\
@@ -33,6 +34,9 @@ its profile to `POST /v1/profile-analyses`: the motion that it gives its followe
 Several cams on one shaft go to `POST /v1/cam-sets`, each with its phase: one timing diagram, and
 one archive with all files, in the cams' own frames and in the shaft's.
 
+Many designs out of one go to `POST /v1/sweeps`: a base spec, the fields to vary, and how their
+values are combined. Watch them come in, take them as a table, and see what is traded for what.
+
 **Units** are in the field names: mm, degrees of cam angle, rpm; velocity to jerk in mm/s to mm/s³
 at the given speed, or in deg/s to deg/s³ where the follower swings on an arm (`lift_deg`).
 **Angles** count from the start of the program in the sense that the program runs. **A number**
@@ -49,16 +53,25 @@ TAGS = [
     {"name": "designs", "description": "Ask for a cam; look at it, list them, forget it."},
     {"name": "analyses", "description": "What a cam does that is given in full."},
     {"name": "cam sets", "description": "Several cams on one shaft, with their phases."},
+    {"name": "sweeps", "description": "Many designs out of one, and their trade-offs."},
     {"name": "files", "description": "Points and curves of a finished design."},
     {"name": "catalogue", "description": "What a spec may name, and what this server allows."},
     {"name": "operation", "description": "For those who run the service."},
 ]
+# of statuses that stand for several kinds of problems
+SEVERAL = {
+    404: "Nothing is here",
+    409: "Not as things stand now",
+    422: "The request makes no sense",
+    503: "Not now, try again",
+}
 OPENAPI_URL = "/openapi.json"
 
 
 def problems(*statuses: int) -> dict[int | str, dict[str, Any]]:
     """Responses that are problem documents, by reference."""
     titles = {kind.status: kind.title for kind in (*PROBLEMS.values(), *BY_STATUS.values())}
+    titles |= SEVERAL
     content = {MEDIA_TYPE: {"schema": {"$ref": "#/components/schemas/Problem"}}}
     return {
         status: {"description": f"{titles[status]}.", "content": content} for status in statuses
@@ -112,7 +125,7 @@ def describe(app: FastAPI) -> dict[str, Any]:
         )
         schemas = document["components"]["schemas"]
         reference = "#/components/schemas/{model}"
-        for model in (Problem, MeasuredCam):  # no handler's signature names them
+        for model in (Problem, MeasuredCam, SweepSpec):  # no handler's signature names them
             own = model.model_json_schema(ref_template=reference)
             for name, schema in own.pop("$defs").items():
                 schemas.setdefault(name, schema)

@@ -1,7 +1,8 @@
 """Where solves run: one Dask client, with a cluster of our own or a scheduler elsewhere.
 
-Each design is one task on a worker process with one thread. Not more designs are sent than there
-are workers, so that a design's clock starts when it starts, and what waits is counted here.
+Each design, or chunk of a sweep, is one task on a worker process with one thread. Not more are sent
+than there are workers, so that a design's clock starts when it starts, and what waits is counted
+here. Sweeps let single designs go first.
 """
 
 from __future__ import annotations
@@ -14,7 +15,7 @@ import uuid
 from collections.abc import AsyncIterator, Awaitable, Callable
 from contextlib import asynccontextmanager
 from functools import partial
-from typing import Any
+from typing import Any, TypeVar
 
 import dask
 from distributed import Client, KilledWorker, Worker, WorkerPlugin
@@ -28,6 +29,7 @@ from service.solve import Answer, Task, solve, warm_up
 from synthesis.errors import TimeBudgetExceeded
 
 log = logging.getLogger("camwright.engine")
+T = TypeVar("T")
 Connect = Callable[[], Awaitable[Any]]
 
 CONFIGURATION = {
@@ -67,7 +69,7 @@ class Engine:
 
     def __init__(self, connect: Connect, client: Any, settings: Settings, task: Task) -> None:
         self._connect, self._client = connect, client
-        self._settings, self._task = settings, task
+        self._settings, self.task = settings, task
         self._turn = asyncio.Condition()
         self._repairs: set[asyncio.Task[None]] = set()
         self.slots = settings.workers
@@ -96,15 +98,27 @@ class Engine:
 
         Raises what the core raised, or WorkerLost, or TimeBudgetExceeded.
         """
-        await self._enter()
+        return await self.run(task or self.task, spec, budget_s, budget_s=budget_s)
+
+    async def run(
+        self, work: Callable[..., T], *given: Any, budget_s: float, behind: bool = False
+    ) -> T:
+        """Run some work on a worker, stopped when it overruns its budget.
+
+        Args:
+            work: a function that a worker can import. given: what it is called with.
+            budget_s: time it has. behind: let everybody else go first.
+        """
+        await self._enter(behind)
         if self._client.status != "running":
             await self._leave()
             raise EngineUnreachable("No worker can be reached. Try again shortly.", RETRY)
         key = f"design-{uuid.uuid4().hex}"
-        future = self._client.submit(task or self._task, spec, budget_s, key=key, pure=False)
+        future = self._client.submit(work, *given, key=key, pure=False)
         result = asyncio.ensure_future(future.result())
         try:
-            return await self._answer(result, budget_s)
+            answer: T = await self._answer(result, budget_s)
+            return answer
         finally:
             # A place is free again when its worker is: a lost one has to be replaced first.
             sound = result.done() and not isinstance(result.exception(), KilledWorker)
@@ -115,21 +129,24 @@ class Engine:
             if sound:
                 future.release()
 
-    async def _enter(self) -> None:
-        self.waiting += 1
-        try:
-            async with self._turn:
-                await self._turn.wait_for(lambda: self.running < self.slots)
+    async def _enter(self, behind: bool) -> None:
+        async with self._turn:
+            self.waiting += not behind
+            try:
+                await self._turn.wait_for(
+                    lambda: self.running < self.slots and not (behind and self.waiting)
+                )
                 self.running += 1
-        finally:
-            self.waiting -= 1
+            finally:
+                self.waiting -= not behind
+                self._turn.notify_all()
 
-    async def _answer(self, result: asyncio.Task[Any], budget_s: float) -> Answer:
+    async def _answer(self, result: asyncio.Task[Any], budget_s: float) -> Any:
         done, _ = await asyncio.wait({result}, timeout=budget_s + self._settings.grace_s)
         if not done:
             raise TimeBudgetExceeded(budget_s)
         try:
-            answer: Answer = result.result()
+            return result.result()
         except KilledWorker:
             raise WorkerLost(
                 "The process working on this design died, perhaps for want of memory. "
@@ -138,7 +155,6 @@ class Engine:
             ) from None
         except (CommClosedError, FutureCancelledError):
             raise EngineUnreachable("The engine was lost meanwhile. Try again.", RETRY) from None
-        return answer
 
     async def _leave(self) -> None:
         async with self._turn:

@@ -51,6 +51,18 @@ class UnknownCamSet(ServiceError):
     """No cam set has this id."""
 
 
+class UnknownSweep(ServiceError):
+    """No sweep has this id, or it has no such item yet."""
+
+
+class FormatMissing(ServiceError):
+    """This server was installed without what writes the format."""
+
+
+class UnknownAnalysis(ServiceError):
+    """No analysis of this kind has this id."""
+
+
 class BadQuery(ServiceError):
     """A query parameter or a header makes no sense."""
 
@@ -100,6 +112,9 @@ PROBLEMS: dict[type[Exception], Kind] = {
     NotJson: Kind(400, "not-json", "The body is not JSON"),
     UnknownDesign: Kind(404, "unknown-design", "No such design"),
     UnknownCamSet: Kind(404, "unknown-cam-set", "No such cam set"),
+    UnknownSweep: Kind(404, "unknown-sweep", "No such sweep or item"),
+    FormatMissing: Kind(501, "format-missing", "This server does not write the format"),
+    UnknownAnalysis: Kind(404, "unknown-analysis", "No such analysis"),
     NotDone: Kind(409, "not-done", "The design is not finished"),
     NothingFits: Kind(409, "nothing-fits", "The design is infeasible and has no files"),
     Dismissed: Kind(409, "dismissed", "The design was dismissed"),

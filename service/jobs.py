@@ -22,7 +22,8 @@ class Jobs:
     def __init__(
         self, kind: Resource, engine: Engine, store: Store, metrics: Metrics, settings: Settings
     ) -> None:
-        self.kind, self.engine, self.answers = kind, engine, store.table(kind.row)
+        self.kind, self.engine = kind, engine
+        self.answers = store.table(kind.row, kind.elsewhere)
         self._metrics, self._settings = metrics, settings
         self._tasks: dict[str, asyncio.Task[Row]] = {}
 
@@ -72,7 +73,7 @@ class Jobs:
     async def _run(self, name: str, spec: Any) -> Row:
         row = self._row(name, spec, "done")
         try:
-            budget = self._settings.budget_s(spec.time_budget_s)
+            budget = self._settings.budget_s(self.kind.budget_of(spec))
             answer = await self.engine.solve(row.spec, budget, self.kind.task)
         except Exception as error:
             await self._failed(name, error)

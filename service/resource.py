@@ -1,18 +1,21 @@
-"""What is kept by id: designs and cam sets. One row of a table each, and one code for both."""
+"""What is kept by id: designs, cam sets, analyses. A table each, and one code for all."""
 
 from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from operator import attrgetter
 from typing import Any
 
-from service.errors import ServiceError, UnknownCamSet, UnknownDesign
+from service.errors import ServiceError, UnknownAnalysis, UnknownCamSet, UnknownDesign
 from service.links import design_links, set_links
-from service.solve import Task, solve_set
-from service.store import CamSetRow, DesignRow, Row
+from service.solve import Task, analyse, read_back, solve_set
+from service.store import AnalysisRow, CamSetRow, DesignRow, Lookup, ProfileAnalysisRow, Row
+from service.sweeps.store import design_of_item
 from synthesis.camset import set_id
 from synthesis.camset_spec import CamSetSpec
-from synthesis.design import design_id
+from synthesis.design import design_id, question_id
+from synthesis.measured import MeasuredCam
 from synthesis.spec import DesignSpec
 
 
@@ -24,8 +27,10 @@ class Resource:
         path: of the collection. noun: for people.
         row: its table. spec: its request body. name_of: spec to id.
         task: what a worker does; None: what the engine does anyway.
+        budget_of: spec to the time that it asks for [s]; None: what the server gives.
         links: id, and what lists show of the answer, to addresses.
         unknown: the error for an id that leads nowhere.
+        elsewhere: finds what is kept as part of something else; None: there is no such thing.
     """
 
     path: str
@@ -36,6 +41,8 @@ class Resource:
     task: Task | None
     links: Callable[[str, dict[str, Any]], dict[str, str]]
     unknown: type[ServiceError]
+    budget_of: Callable[[Any], float | None] = attrgetter("time_budget_s")
+    elsewhere: Lookup | None = None
 
     def at(self, name: str) -> str:
         """Address of one of them."""
@@ -51,6 +58,7 @@ DESIGNS = Resource(
     task=None,
     links=lambda name, summary: design_links(name, has_cam=bool(summary.get("dimensions"))),
     unknown=UnknownDesign,
+    elsewhere=design_of_item,
 )
 CAM_SETS = Resource(
     path="/v1/cam-sets",
@@ -62,3 +70,25 @@ CAM_SETS = Resource(
     links=lambda name, summary: set_links(name, has_cams=bool(summary.get("fitting"))),
     unknown=UnknownCamSet,
 )
+ANALYSES = Resource(
+    path="/v1/analyses",
+    noun="analysis",
+    row=AnalysisRow,
+    spec=DesignSpec,
+    name_of=lambda spec: question_id(spec, "analysis"),
+    task=analyse,
+    links=lambda name, _: {"self": f"/v1/analyses/{name}"},
+    unknown=UnknownAnalysis,
+)
+PROFILE_ANALYSES = Resource(
+    path="/v1/profile-analyses",
+    noun="profile analysis",
+    row=ProfileAnalysisRow,
+    spec=MeasuredCam,
+    name_of=lambda cam: question_id(cam, "profile analysis"),
+    task=read_back,
+    links=lambda name, _: {"self": f"/v1/profile-analyses/{name}"},
+    unknown=UnknownAnalysis,
+    budget_of=lambda _: None,
+)
+RESOURCES = (DESIGNS, CAM_SETS, ANALYSES, PROFILE_ANALYSES)

@@ -37,6 +37,10 @@ class Settings(BaseSettings):
     ] = 2.0
     max_body_bytes: Annotated[int, Field(ge=1024)] = 1_048_576
     max_waiting: Annotated[int, Field(ge=0, description="Designs that may wait for a worker.")] = 64
+    max_sweep_items: Annotated[int, Field(ge=1, description="Items that a sweep may have.")] = (
+        20_000
+    )
+    max_sweeps: Annotated[int, Field(ge=1, description="Sweeps that may be under way.")] = 16
     idempotency_hours: Annotated[float, Field(gt=0.0)] = 24.0
     cors_origins: list[str] = []
     log_level: Annotated[str, Field(pattern="^(debug|info|warning|error)$")] = "info"

@@ -3,43 +3,48 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Callable
-from dataclasses import dataclass
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, field
 from typing import Any
 
 from service.links import design_links, set_links
 from synthesis.camset_spec import CamSetSpec
+from synthesis.objectives import Objective
 from synthesis.spec import DesignSpec
 
 
 @dataclass(frozen=True)
 class Answer:
-    """A finished design or set and what lists show of it, or an analysis, which is in no list.
+    """A finished design, set or analysis, and what lists show of it.
 
     Attributes:
         design: the response body.
-        status: optimal, feasible or infeasible; of an analysis, holds or broken.
+        status: optimal, feasible or infeasible; of an analysis, holds or broken; of points, read.
         summary: the other fields of a list's row.
         seconds: time the core took.
+        quantities: what a sweep trades: dimensions, objectives and what else was measured.
     """
 
     design: bytes
     status: str
     summary: dict[str, Any]
     seconds: float
+    quantities: dict[str, float] = field(default_factory=dict)
 
 
 Task = Callable[[bytes, float], Answer]
 
 
-def solve(spec: bytes, budget_s: float) -> Answer:
-    """Synthesise; runs in a worker process."""
+def solve(spec: bytes, budget_s: float, also: Sequence[Objective] = ()) -> Answer:
+    """Synthesise, and measure further objectives; runs in a worker process."""
     from synthesis.pipeline import synthesise  # solvers: not in the API's process
 
-    return answered(synthesise, spec, budget_s)
+    return answered(synthesise, spec, budget_s, also)
 
 
-def answered(synthesise: Callable[..., Any], spec: bytes, budget_s: float) -> Answer:
+def answered(
+    synthesise: Callable[..., Any], spec: bytes, budget_s: float, also: Sequence[Objective] = ()
+) -> Answer:
     """The core's answer to a spec, ready for the store."""
     started = time.monotonic()
     asked = DesignSpec.model_validate_json(spec)
@@ -47,6 +52,11 @@ def answered(synthesise: Callable[..., Any], spec: bytes, budget_s: float) -> An
     links = design_links(design.id, has_cam=bool(design.motion))
     design = design.model_copy(update={"links": links})
     proven = design.certificate
+    quantities = {**design.dimensions, **design.objectives}
+    if also:
+        from synthesis.answer import measured
+
+        quantities |= measured(design, also)
     summary = {
         "dimensions": design.dimensions,
         "objective": proven.objective,
@@ -55,7 +65,8 @@ def answered(synthesise: Callable[..., Any], spec: bytes, budget_s: float) -> An
         "certified": proven.certified,
     }
     body = design.model_dump_json().encode()
-    return Answer(body, design.status, summary, time.monotonic() - started)
+    seconds = time.monotonic() - started
+    return Answer(body, design.status, summary, seconds, quantities)
 
 
 def solve_set(spec: bytes, budget_s: float) -> Answer:
@@ -79,7 +90,8 @@ def analyse(spec: bytes, budget_s: float) -> Answer:
     asked = DesignSpec.model_validate_json(spec)
     found = analysed(asked, deadline=started + budget_s)
     status = "holds" if found.holds else "broken"
-    return Answer(found.model_dump_json().encode(), status, {}, time.monotonic() - started)
+    summary = {"broken": found.broken}
+    return Answer(found.model_dump_json().encode(), status, summary, time.monotonic() - started)
 
 
 def read_back(cam: bytes, budget_s: float) -> Answer:
@@ -89,7 +101,8 @@ def read_back(cam: bytes, budget_s: float) -> Answer:
 
     started = time.monotonic()
     found = read(MeasuredCam.model_validate_json(cam))
-    return Answer(found.model_dump_json().encode(), "read", {}, time.monotonic() - started)
+    summary = {"dimensions": found.dimensions}
+    return Answer(found.model_dump_json().encode(), "read", summary, time.monotonic() - started)
 
 
 def warm_up() -> None:

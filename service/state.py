@@ -12,6 +12,7 @@ from service.jobs import Jobs
 from service.metrics import Metrics
 from service.settings import Settings
 from service.store import Store
+from service.sweeps.sweeps import Sweeps
 
 
 @dataclass(frozen=True)
@@ -22,8 +23,11 @@ class State:
     metrics: Metrics
     engine: Engine
     store: Store
+    sweeps: Sweeps
     designs: Jobs
     cam_sets: Jobs
+    analyses: Jobs
+    profile_analyses: Jobs
 
 
 def _state(request: Request) -> State:

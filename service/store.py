@@ -28,9 +28,13 @@ from sqlalchemy import (
 from sqlalchemy.exc import IntegrityError
 from sqlalchemy.orm import DeclarativeBase, Mapped, Session, defer, mapped_column, sessionmaker
 
+from service.migrations import migrate
 from service.settings import Settings
 
 T = TypeVar("T")
+
+
+Lookup = Callable[[Session, str], "Row | None"]
 
 
 class Do(Protocol):
@@ -75,6 +79,18 @@ class CamSetRow(Row):
     __tablename__ = "cam_sets"
 
 
+class AnalysisRow(Row):
+    """One analysis of a given cam."""
+
+    __tablename__ = "analyses"
+
+
+class ProfileAnalysisRow(Row):
+    """One motion read back from measured points."""
+
+    __tablename__ = "profile_analyses"
+
+
 class KeyRow(Base):
     """An Idempotency-Key: which body it came with, and which answer it led to."""
 
@@ -95,9 +111,11 @@ class Store:
         threads = 1 if self._engine.dialect.name == "sqlite" else 8
         self._threads = ThreadPoolExecutor(threads, "store")
         self._kept_for = timedelta(hours=settings.idempotency_hours)
-        Base.metadata.create_all(self._engine)
+        migrate(self._engine)
 
-    async def _do(self, work: Callable[[Session], T]) -> T:
+    async def do(self, work: Callable[[Session], T]) -> T:
+        """Some work as one transaction."""
+
         def transaction() -> T:
             with self._session.begin() as session:
                 return work(session)
@@ -106,11 +124,11 @@ class Store:
 
     async def reachable(self) -> bool:
         """Whether the database answers."""
-        return await self._do(lambda session: session.execute(text("select 1")).scalar()) == 1
+        return await self.do(lambda session: session.execute(text("select 1")).scalar()) == 1
 
-    def table(self, row: type[Row]) -> Table:
-        """The answers of one kind."""
-        return Table(row, self._do)
+    def table(self, row: type[Row], elsewhere: Lookup | None = None) -> Table:
+        """The answers of one kind; ``elsewhere`` finds those that are kept as part of others."""
+        return Table(row, self.do, elsewhere)
 
     async def key(self, key: str, body_hash: str, design_id: str) -> KeyRow:
         """What the key stands for: what it was first used for, or this from now on."""
@@ -125,9 +143,9 @@ class Store:
             return there
 
         try:
-            return await self._do(work)
+            return await self.do(work)
         except IntegrityError:
-            return await self._do(work)
+            return await self.do(work)
 
     def dispose(self) -> None:
         """Let go of the database."""
@@ -138,12 +156,19 @@ class Store:
 class Table:
     """The answers of one kind; every method is one transaction of the store's."""
 
-    def __init__(self, row: type[Row], do: Do) -> None:
-        self._row, self._do = row, do
+    def __init__(self, row: type[Row], do: Do, elsewhere: Lookup | None = None) -> None:
+        self._row, self._do, self._elsewhere = row, do, elsewhere
 
     async def find(self, name: str) -> Row | None:
         """The answer with this id."""
-        return await self._do(lambda s: s.scalar(select(self._row).filter_by(id=name)))
+
+        def work(session: Session) -> Row | None:
+            found = session.scalar(select(self._row).filter_by(id=name))
+            if found is None and self._elsewhere is not None:
+                return self._elsewhere(session, name)
+            return found
+
+        return await self._do(work)
 
     async def put(self, row: Row) -> Row:
         """Keep an answer in place of what there was; one that is done already stays as it is."""

@@ -6,7 +6,7 @@ import base64
 import binascii
 from collections.abc import Sequence
 from datetime import UTC, datetime
-from typing import Annotated, Literal, TypeVar
+from typing import Annotated, Generic, Literal, Self, TypeVar
 
 from pydantic import BaseModel, Field
 
@@ -16,10 +16,11 @@ from service.store import Row
 from synthesis.design import Status
 
 State = Literal["accepted", "done", "failed"]
+Verdict = Literal["holds", "broken"]
 
 
 class Accepted(BaseModel):
-    """A design or a set that is waiting or being worked on."""
+    """What is waiting or being worked on."""
 
     id: Annotated[str, Field(description="The id that the answer will have.")]
     name: Annotated[str, Field(description="As in the spec.")]
@@ -41,13 +42,6 @@ class DesignSummary(Accepted):
     certified: Annotated[bool | None, Field(description="Every limit holds everywhere.")] = None
 
 
-class DesignPage(BaseModel):
-    """Designs, the newest first."""
-
-    items: Annotated[list[DesignSummary], Field(description="The newest first.")]
-    next: Annotated[str | None, Field(description="`cursor` of the next page; null at the end.")]
-
-
 class CamSetSummary(Accepted):
     """One line of the list of cam sets."""
 
@@ -56,14 +50,58 @@ class CamSetSummary(Accepted):
     fitting: Annotated[int | None, Field(description="For how many a cam was found.")] = None
 
 
-class CamSetPage(BaseModel):
-    """Cam sets, the newest first."""
+class AnalysisSummary(Accepted):
+    """One line of the list of analyses."""
 
-    items: Annotated[list[CamSetSummary], Field(description="The newest first.")]
-    next: Annotated[str | None, Field(description="`cursor` of the next page; null at the end.")]
+    status: Annotated[
+        Verdict | None, Field(description="Whether every limit holds; null until it is done.")
+    ]
+    broken: Annotated[list[str], Field(description="The limits that do not hold.")] = []
+
+
+class ProfileAnalysisSummary(Accepted):
+    """One line of the list of profiles that were read back."""
+
+    status: Annotated[Literal["read"] | None, Field(description="null until it is done.")]
+    dimensions: Annotated[
+        dict[str, float], Field(description="Base radius, stroke, … as read: name and unit.")
+    ] = {}
 
 
 Summary = TypeVar("Summary", bound=Accepted)
+
+
+class Page(BaseModel, Generic[Summary]):
+    """Some lines of a list."""
+
+    items: Annotated[list[Summary], Field(description="The newest first.")]
+    next: Annotated[str | None, Field(description="`cursor` of the next page; null at the end.")]
+
+    @classmethod
+    def of(cls, kind: Resource, rows: Sequence[Row], limit: int) -> Self:
+        """The first ``limit`` rows, and where the next page begins, if there is one."""
+        lines = [
+            {**accepted(kind, row).model_dump(), "status": row.status, **row.summary}
+            for row in rows[:limit]
+        ]
+        following = cursor_at(rows[limit - 1].sequence) if len(rows) > limit else None
+        return cls.model_validate({"items": lines, "next": following})
+
+
+class DesignPage(Page[DesignSummary]):
+    """Designs, the newest first."""
+
+
+class CamSetPage(Page[CamSetSummary]):
+    """Cam sets, the newest first."""
+
+
+class AnalysisPage(Page[AnalysisSummary]):
+    """Analyses, the newest first."""
+
+
+class ProfileAnalysisPage(Page[ProfileAnalysisSummary]):
+    """Profiles that were read back, the newest first."""
 
 
 def accepted(kind: Resource, row: Row) -> Accepted:
@@ -73,22 +111,9 @@ def accepted(kind: Resource, row: Row) -> Accepted:
     return Accepted(id=row.id, name=row.name, state=state, created=_utc(row), links=links)
 
 
-def page_of(
-    kind: Resource, rows: Sequence[Row], limit: int, line: type[Summary]
-) -> tuple[list[Summary], str | None]:
-    """The lines of one page of the list, and where the next one begins, if there is one."""
-    lines = [
-        line.model_validate(
-            {**accepted(kind, row).model_dump(), "status": row.status, **row.summary}
-        )
-        for row in rows[:limit]
-    ]
-    return lines, cursor_of(rows[limit - 1]) if len(rows) > limit else None
-
-
-def cursor_of(row: Row) -> str:
-    """A cursor that continues after this row."""
-    return base64.urlsafe_b64encode(str(row.sequence).encode()).decode().rstrip("=")
+def cursor_at(sequence: int) -> str:
+    """A cursor that continues after the row with this sequence."""
+    return base64.urlsafe_b64encode(str(sequence).encode()).decode().rstrip("=")
 
 
 def position_of(cursor: str) -> int:

@@ -46,12 +46,27 @@ PLACES = {
     "face_turns_with_cam": ("program",),
     "face_swings_too_far": ("follower", "centre_distance_mm"),
     "cam_off_the_shaft": ("cams", "{position}", "spec", "{field}"),
+    "axis_leads_nowhere": ("axes", "{position}", "{name}"),
+    "axes_share_a_field": ("axes", "{position}", "{name}"),
+    "balance_needs_numbers": ("axes", "{position}", "{name}"),
+    "axis_without_count": ("axes", "{position}"),
+    "axes_of_unequal_length": ("axes", "{position}"),
     "groove_needs_roller": ("follower", "roller_radius_mm"),
     "roller_fills_ring": ("base_radius_mm",),
     "rim_without_ring": ("follower", "closure", "rim_mm"),
     "outer_radius_too_small": ("limits",),
 }
 SHAPES = ("model_type", "model_attributes_type", "list_type", "dict_type", "float_type")
+OBJECTS = ("model_type", "model_attributes_type", "dict_type")
+# pydantic's words for a shape, in those of people
+PLAIN = {
+    **dict.fromkeys(OBJECTS, "must be an object"),
+    "list_type": "must be a list",
+    "tuple_type": "must be a list",
+    "float_type": "must be a number",
+    "int_type": "must be a whole number",
+    "string_type": "must be a text",
+}
 # What is not among these was raised by the core: "rule. Way out." with its numbers.
 PYDANTICS_OWN = frozenset(get_args(ErrorType))
 COMPARISONS = {
@@ -165,7 +180,9 @@ def _settled(
         better_elsewhere = False in members.get(pointer, set())
         kept = [entry for entry, wrong_shape in entries if not (wrong_shape and better_elsewhere)]
         if len(kept) > 1 and all(wrong for _, wrong in entries):
-            kept = [{**kept[0], "rule": " or ".join(dict.fromkeys(e["rule"] for e in kept))}]
+            first, *rest = dict.fromkeys(entry["rule"] for entry in kept)
+            rule = " or ".join([first, *(other.removeprefix("must be ") for other in rest)])
+            kept = [{**kept[0], "rule": rule}]
         told += [entry for i, entry in enumerate(kept) if entry not in kept[:i]]
     return told
 
@@ -183,7 +200,8 @@ def _told(error: Any, path: Sequence[str | int], body: Any, model: Body) -> dict
     if kind in ("union_tag_invalid", "literal_error"):
         allowed = [word.strip(" '") for word in _listed(ctx)]
         tag = ctx.get("tag", value)
-        return _entry(tag, f"must be one of {', '.join(allowed)}", _nearest(tag, allowed))
+        way_out = _guess(tag, allowed) or "Choose one of these."
+        return _entry(tag, f"must be one of {', '.join(allowed)}", way_out)
     if kind == "union_tag_not_found":
         return _entry(None, "is required", "Add it: it says which kind of thing this is.")
     if kind == "finite_number":
@@ -199,7 +217,16 @@ def _told(error: Any, path: Sequence[str | int], body: Any, model: Body) -> dict
         numbers = (each for each in ctx.values() if isinstance(each, int | float))
         return _entry(ctx.get("value", next(numbers, None)), rule + ".", way_out)
     rule = error["msg"].replace("Input should be", "must be").replace(" or instance of", ":")
-    return _entry(value, rule, "Correct it; /docs shows the form and worked examples.")
+    return _entry(value, PLAIN.get(kind, rule), _shaped(kind, value if path else None))
+
+
+def _shaped(kind: str, value: Any) -> str:
+    """The way out where a value has not even the shape of what is asked for."""
+    if kind in OBJECTS and isinstance(value, str):
+        return f'If that is its kind, write {{"kind": {json.dumps(shown(value))}}}.'
+    if kind in ("float_type", "int_type") and isinstance(value, str):
+        return "Give a number, without quotes and without a unit: the field's name holds the unit."
+    return "Correct it; /docs shows the form and worked examples."
 
 
 def _entry(value: Any, rule: str, way_out: str) -> dict[str, Any]:
@@ -211,9 +238,12 @@ def _listed(ctx: dict[str, Any]) -> list[str]:
 
 
 def _nearest(given: Any, allowed: Sequence[str]) -> str:
+    return f"{_guess(given, allowed)} Allowed: {', '.join(allowed)}.".strip()
+
+
+def _guess(given: Any, allowed: Sequence[str]) -> str:
     close = get_close_matches(str(given), allowed, n=1)
-    hint = f"Did you mean {close[0]!r}? " if close else ""
-    return f"{hint}Allowed: {', '.join(allowed)}."
+    return f"Did you mean {close[0]!r}?" if close else ""
 
 
 def _instead(path: Sequence[str | int], body: Any, model: Body) -> str:

@@ -89,6 +89,21 @@ def proofs(spec: DesignSpec, cam: Cam, bounds: Iterable[Bounded]) -> list[Proof]
     return found
 
 
+def measured(found: Design, objectives: Iterable[Objective]) -> dict[str, float]:
+    """Values of further objectives on a finished design, by their names on the wire.
+
+    What is infinite, as the peak jerk of a law that jumps, is left out.
+    """
+    if not found.motion:
+        return {}
+    machine, values = found.built.machine(), dict[str, float]()
+    for objective in objectives:
+        value = measure(objective.quantity, found.curve, machine, tuple(found.size)).value
+        if isfinite(value):
+            values[objective.name_on_wire(machine)] = objective.to_wire(value, machine)
+    return values
+
+
 def _sound(lower: float, value: float) -> float | None:
     """The bound, if it is one: above the value it may lie by rounding only."""
     if not (isfinite(lower) and isfinite(value)) or lower > value + 1e-7 * abs(value):

@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
-from typing import Literal
+from collections import Counter
 
 from pydantic import Field
 
-from synthesis.camset_spec import CamOnShaft, CamSetSpec, cam_set_id, within_turn
-from synthesis.design import Design, Part, Status, engine_version, told
+from synthesis.camset_spec import CamOnShaft, CamSetSpec, within_turn
+from synthesis.design import Design, Part, Status, engine_version, question_id, told
+from synthesis.fields import Rotation
 
 WORST_FIRST: tuple[Status, ...] = ("infeasible", "feasible", "optimal")
 
@@ -15,7 +16,7 @@ WORST_FIRST: tuple[Status, ...] = ("infeasible", "feasible", "optimal")
 class MountedCam(Part):
     """One cam, and how it sits on the shaft."""
 
-    name: str = told("Name of the cam.")
+    name: str = told("Name of the cam; where several share one, each with its number behind it.")
     phase_deg: float = told("Shaft angle at which its program starts.")
     axial_mm: float = told("Position along the shaft.")
     follower_direction_deg: float = told("Direction of its follower, counter-clockwise from x.")
@@ -72,7 +73,7 @@ class CamSet(Part):
     name: str = told("Name from the spec.")
     engine_version: str = told("Version of Camwright that made it.")
     status: Status = told("The worst of the cams': infeasible before feasible before optimal.")
-    rotation: Literal["ccw", "cw"] = told("Sense in which the shaft turns.")
+    rotation: Rotation = told("Sense in which the shaft turns.")
     speed_rpm: float = told("Speed of the shaft.")
     cams: list[MountedCam] = told("The cams in the order of the spec.")
     timing: Timing = told("What happens when. Cams for which nothing fits take no part.")
@@ -101,6 +102,18 @@ def mounted(position: int, cam: CamOnShaft, design: Design) -> MountedCam:
     )
 
 
+def told_apart(cams: list[MountedCam]) -> list[MountedCam]:
+    """The same cams; those that share a name bear their number behind it."""
+    shared = [name for name, count in Counter(cam.name for cam in cams).items() if count > 1]
+    if not shared:
+        return cams
+    numbered = [
+        cam.model_copy(update={"name": f"{cam.name} ({number})"}) if cam.name in shared else cam
+        for number, cam in enumerate(cams, start=1)
+    ]
+    return told_apart(numbered)  # a name that was given may look like that already
+
+
 def assembled(spec: CamSetSpec, cams: list[MountedCam], timing: Timing, seconds: float) -> CamSet:
     """The set as it is delivered."""
     return CamSet(
@@ -110,7 +123,7 @@ def assembled(spec: CamSetSpec, cams: list[MountedCam], timing: Timing, seconds:
         status=min((cam.design.status for cam in cams), key=WORST_FIRST.index),
         rotation=spec.rotation,
         speed_rpm=spec.speed_rpm,
-        cams=cams,
+        cams=told_apart(cams),
         timing=timing,
         seconds=seconds,
         spec=spec,
@@ -119,4 +132,4 @@ def assembled(spec: CamSetSpec, cams: list[MountedCam], timing: Timing, seconds:
 
 def set_id(spec: CamSetSpec) -> str:
     """The set's id on this engine."""
-    return cam_set_id(spec, engine_version())
+    return question_id(spec, "cam set")

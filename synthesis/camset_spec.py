@@ -18,13 +18,12 @@ shaft's frame lies at R(ς φ). On the shaft the cam is therefore turned by
 
 from __future__ import annotations
 
-import hashlib
-import json
-from typing import Annotated, Any, Literal
+from typing import Annotated, Any
 
 from pydantic import BaseModel, ConfigDict, Field, ValidationInfo, field_validator, model_validator
 from pydantic_core import PydanticCustomError
 
+from synthesis.fields import Name, Rotation, Speed
 from synthesis.spec import DesignSpec
 
 MAX_CAMS = 50
@@ -38,7 +37,11 @@ class CamOnShaft(BaseModel):
     model_config = ConfigDict(frozen=True, extra="forbid", allow_inf_nan=False)
 
     name: Annotated[
-        str, Field(max_length=200, description="Shown in the diagram and in file names.")
+        Name,
+        Field(
+            description="Shown in the diagram and in file names. Where several cams share a name, "
+            "the answer puts each one's number behind it."
+        ),
     ] = ""
     phase_deg: Annotated[
         float,
@@ -71,7 +74,7 @@ class CamOnShaft(BaseModel):
         ),
     ]
 
-    def turn_deg(self, rotation: Literal["ccw", "cw"]) -> float:
+    def turn_deg(self, rotation: Rotation) -> float:
         """Angle by which the cam is turned on the shaft, in (−180, 180] [deg]; see above."""
         sense = -1.0 if rotation == "cw" else 1.0
         return within_half_turn(self.follower_direction_deg - UPWARDS_DEG - sense * self.phase_deg)
@@ -82,13 +85,9 @@ class CamSetSpec(BaseModel):
 
     model_config = ConfigDict(frozen=True, extra="forbid", allow_inf_nan=False)
 
-    name: Annotated[str, Field(max_length=200, description="Shown in reports and files.")] = ""
-    speed_rpm: Annotated[
-        float, Field(gt=0.0, le=1e9, description="Speed of the shaft, constant [rpm].")
-    ] = 60.0
-    rotation: Annotated[
-        Literal["ccw", "cw"], Field(description="Sense in which the shaft turns.")
-    ] = "ccw"
+    name: Annotated[Name, Field(description="Shown in reports and files.")] = ""
+    speed_rpm: Annotated[Speed, Field(description="Speed of the shaft, constant [rpm].")] = 60.0
+    rotation: Annotated[Rotation, Field(description="Sense in which the shaft turns.")] = "ccw"
     cams: Annotated[
         list[CamOnShaft],
         Field(min_length=1, max_length=MAX_CAMS, description="The cams, in any order."),
@@ -146,9 +145,3 @@ def within_half_turn(degrees: float) -> float:
 def within_turn(degrees: float) -> float:
     """The same direction in [0, 360), without the last digits' noise [deg]."""
     return round(degrees, 9) % 360.0
-
-
-def cam_set_id(spec: CamSetSpec, engine_version: str) -> str:
-    """Hash of the spec and the engine's version: the same question has the same name."""
-    body = json.dumps(spec.model_dump(mode="json"), sort_keys=True, separators=(",", ":"))
-    return hashlib.sha256(f"cam set\n{engine_version}\n{body}".encode()).hexdigest()[:32]

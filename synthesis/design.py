@@ -11,6 +11,7 @@ from typing import Any, Literal
 import numpy as np
 from pydantic import BaseModel, ConfigDict, Field
 
+from synthesis.fields import Rotation
 from synthesis.motion import Motion, Stretch, StretchKind
 from synthesis.numerics.bspline import SplineSpace
 from synthesis.spec import DesignSpec
@@ -154,7 +155,7 @@ class Design(Part):
         "optimal: certified, every gap within the tolerance; feasible: certified; "
         "infeasible: no certified cam."
     )
-    rotation: Literal["ccw", "cw"] = told("Sense in which the cam turns.")
+    rotation: Rotation = told("Sense in which the cam turns.")
     speed_rpm: float = told("Cam speed.")
     follower: str = told("Kind of the follower.")
     dimensions: dict[str, float] = told("Base radius, prime radius, offset, … by name and unit.")
@@ -209,6 +210,15 @@ def engine_version() -> str:
 
 
 def design_id(spec: DesignSpec) -> str:
-    """Hash of the spec and the engine's version: the same question has the same name."""
+    """The design's id on this engine."""
+    return question_id(spec)
+
+
+def question_id(spec: BaseModel, *kind: str) -> str:
+    """Hash of a question and the engine's version: the same question has the same name.
+
+    ``kind`` keeps questions of different kinds apart.
+    """
     body = json.dumps(spec.model_dump(mode="json"), sort_keys=True, separators=(",", ":"))
-    return hashlib.sha256(f"{engine_version()}\n{body}".encode()).hexdigest()[:32]
+    lines = "\n".join((*kind, engine_version(), body))
+    return hashlib.sha256(lines.encode()).hexdigest()[:32]

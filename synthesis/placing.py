@@ -147,9 +147,9 @@ def _meet(
         assert its.velocity is not None
         raise _error(
             pace, "state_not_neighbours", pace.wire(value.velocity, 1), at, end,
-            "{per_s} at the {end} of program/{segment} does not meet program/{other}, whose law "
-            "{law} has {theirs} {per_s} there. Leave the velocity out, or "
-            "give program/{other} a law that meets it: spline or polynomial_5",
+            "{per_s} at the {end} of program/{segment} does not meet program/{other} ({law}), "
+            "which has {theirs} {per_s} there. Leave the velocity out, or put a rise or return "
+            "beside it that meets it: one with the law spline or polynomial_5",
             other=other, theirs=pace.wire(its.velocity, 1), law=program[other].law_name,
         )  # fmt: skip
     if _differ(ours.acceleration, theirs.acceleration, 2, left, right):

@@ -3,17 +3,15 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Literal
 
 import numpy as np
 
+from synthesis.fields import Rotation
 from synthesis.followers.base import Follower
 from synthesis.followers.flank import Flank
 from synthesis.geometry.disc import to_cam
 from synthesis.motion import Motion
 from synthesis.numerics.piecewise import Array, Side
-
-Rotation = Literal["ccw", "cw"]
 
 
 @dataclass(frozen=True, eq=False)

@@ -10,6 +10,7 @@ from typing import Annotated, Any, Literal
 from pydantic import BaseModel, ConfigDict, Field, model_validator
 from pydantic_core import PydanticCustomError
 
+from synthesis.fields import CamRotation, CamSpeed, Name
 from synthesis.followers import AnyFollower
 from synthesis.limits import AnyLimit, Limit, Machine
 from synthesis.limits.counter_base_radius import CounterBaseRadius
@@ -32,13 +33,9 @@ class DesignSpec(BaseModel):
 
     model_config = ConfigDict(frozen=True, extra="forbid", allow_inf_nan=False)
 
-    name: Annotated[str, Field(max_length=200, description="Shown in reports and files.")] = ""
-    speed_rpm: Annotated[
-        float, Field(gt=0.0, le=1e9, description="Cam speed, constant over the turn [rpm].")
-    ] = 60.0
-    rotation: Annotated[
-        Literal["ccw", "cw"], Field(description="Sense in which the cam turns.")
-    ] = "ccw"
+    name: Annotated[Name, Field(description="Shown in reports and files.")] = ""
+    speed_rpm: CamSpeed = 60.0
+    rotation: CamRotation = "ccw"
     program: Annotated[
         list[Segment],
         Field(
@@ -80,8 +77,8 @@ class DesignSpec(BaseModel):
         Field(
             description="Where curvature binds, the quick lower bound is that of the question "
             "without it. `thorough` adds rows that curvature implies where a better cam would "
-            "have to lie, and splits the range of the offset: a far smaller gap, for half a "
-            "second to some ten seconds more.",
+            "have to lie, and splits the range of the offset, or of a free pivot: a far smaller "
+            "gap, for half a second to some ten seconds more.",
         ),
     ] = "quick"
     time_budget_s: Annotated[

@@ -75,20 +75,29 @@ class Norm:
 
 @dataclass(frozen=True)
 class Cone:
-    """norm ≤ radius."""
+    """least ≤ norm ≤ radius [mm]; ``least`` is not convex, and no cone program knows of it."""
 
     norm: Norm
     radius: float
     source: str
+    least: float = 0.0
 
     def step(self, z: Vector) -> float:
         """How far the last size variable can grow from z [mm]; 0 from outside."""
+        return self._growth(z, self.radius)
+
+    def short(self, z: Vector) -> float:
+        """How far the last size variable has to grow from z until the norm is ``least`` [mm]."""
+        return self._growth(z, self.least) if self.norm.value(z) < self.least else 0.0
+
+    def _growth(self, z: Vector, radius: float) -> float:
+        """How far the last size variable grows until the norm is ``radius``; 0 from outside."""
         rows = list(zip(self.norm.matrix, self.norm.shift, strict=True))
         here = [sum(a * v for a, v in zip(row, z, strict=True)) + m for row, m in rows]
         step = [row[-1] for row, _ in rows]
         square = sum(a * a for a in step)
         half = sum(a * b for a, b in zip(here, step, strict=True))
-        left = half * half + square * (self.radius**2 - sum(a * a for a in here))
+        left = half * half + square * (radius**2 - sum(a * a for a in here))
         return (math.sqrt(left) - half) / square if left >= 0.0 else 0.0
 
 
@@ -117,6 +126,62 @@ class Within:
     slow: Array
     fast: Array
     sizes: tuple[tuple[float, float], ...]
+
+
+@dataclass(frozen=True)
+class Implied(ABC):
+    """A limit on motion and size together from which rows follow where both lie in a range.
+
+    ``source``: as of a row. ``turns``: whether ``cuts`` says anything.
+    """
+
+    source: str
+    turns: ClassVar[bool] = True
+
+    @abstractmethod
+    def cuts(self, within: Within, about: tuple[Array, Vector] | None) -> tuple[Cuts, ...]:
+        """Rows implied wherever motion and size are ``within``, tight about a point.
+
+        Args:
+            within: what is known of s and z at n points.
+            about: s and s' (2, n) and z where the rows shall be tight; None: rows all over the
+                range.
+
+        Returns:
+            () where no such rows are known.
+        """
+
+
+@dataclass(frozen=True)
+class Curved(Implied):
+    """A limit on motion and size together that no fixed row says.
+
+    For a settled motion it is linear in the size, exactly; where it is nearly convex, rows follow
+    from it point by point. ``order``: highest derivative in it.
+    """
+
+    order: ClassVar[int] = 3
+
+    @abstractmethod
+    def excess(self, s: Any, z: Any) -> tuple[Any, ...]:
+        """Left less right sides over a natural length: ≤ 0 where the limit holds.
+
+        Args:
+            s: s to s''' as arrays or CasADi columns of one length [mm, per rad].
+            z: the size variables, scalars [mm].
+        """
+
+    @abstractmethod
+    def half_planes(self, s: Array) -> tuple[Cuts, ...]:
+        """The sizes that a settled motion allows, exactly: all of these together.
+
+        Args:
+            s: (4, n) s to s''' at n cam angles [mm, per rad].
+
+        Returns:
+            rows without motion; where no size is allowed, rows that exclude each other; () where
+            only a finished size can be asked.
+        """
 
 
 @dataclass(frozen=True)
@@ -150,7 +215,7 @@ class Seen:
 
 
 @dataclass(frozen=True)
-class Implied(ABC):
+class Traced(ABC):
     """A limit from which rows follow where a traced point's X, u and e lie in a range.
 
     ``source``: as of a row. ``seen``: the point.
@@ -169,52 +234,4 @@ class Implied(ABC):
 
         Returns:
             None where no such rows are known.
-        """
-
-
-@dataclass(frozen=True)
-class Curved(ABC):
-    """A limit on motion and size together that no fixed row says.
-
-    For a settled motion it is linear in the size, exactly; where it is nearly convex, rows follow
-    from it point by point. ``source``: as of a row. ``turns``: whether ``cuts`` says anything.
-    ``order``: highest derivative in it.
-    """
-
-    source: str
-    turns: ClassVar[bool] = True
-    order: ClassVar[int] = 3
-
-    @abstractmethod
-    def cuts(self, within: Within, about: tuple[Array, Vector] | None) -> tuple[Cuts, ...]:
-        """Rows implied wherever motion and size are ``within``, tight about a point.
-
-        Args:
-            within: what is known of s and z at n points.
-            about: s and s' (2, n) and z where the rows shall be tight; None: rows all over the
-                range.
-
-        Returns:
-            () where no such rows are known.
-        """
-
-    @abstractmethod
-    def excess(self, s: Any, z: Any) -> tuple[Any, ...]:
-        """Left less right sides over a natural length: ≤ 0 where the limit holds.
-
-        Args:
-            s: s to s''' as arrays or CasADi columns of one length [mm, per rad].
-            z: the size variables, scalars [mm].
-        """
-
-    @abstractmethod
-    def half_planes(self, s: Array) -> tuple[Cuts, ...]:
-        """The sizes that a settled motion allows, exactly: all of these together.
-
-        Args:
-            s: (4, n) s to s''' at n cam angles [mm, per rad].
-
-        Returns:
-            rows without motion; where no size is allowed, rows that exclude each other; () where
-            only a finished size can be asked.
         """

@@ -1,32 +1,43 @@
-"""/v1/analyses: what a cam does that is given in full. Nothing is kept."""
+"""/v1/analyses: what a cam does that is given in full."""
 
 from __future__ import annotations
 
-import hashlib
-from typing import Any
+from typing import Annotated
 
-from fastapi import APIRouter, Request, Response
+from fastapi import APIRouter, Query, Request, Response
 
-from service.body import read_body
-from service.documentation import problems, spec_body, tagged
+from service.documentation import problems, spec_body
 from service.examples import ANALYSES
-from service.solve import analyse
+from service.routes.kept import (
+    CREATED,
+    SHOWN,
+    Cursor,
+    Key,
+    KnownTag,
+    PageSize,
+    Prefer,
+    created,
+    forgotten,
+    listed,
+    shown,
+)  # fmt: skip
 from service.state import Parts
+from service.views import AnalysisPage, Verdict
 from synthesis.findings import Analysis
-from synthesis.spec import DesignSpec
 
 router = APIRouter(prefix="/v1/analyses", tags=["analyses"])
-FOUND: dict[int | str, dict[str, Any]] = {200: tagged()[200]}
 
 
 @router.post(
     "",
     response_model=Analysis,
-    responses={**FOUND, **problems(400, 413, 415, 422, 429, 500, 503, 504)},
+    responses=CREATED,
     openapi_extra=spec_body(ANALYSES),
     summary="Analyse a given cam",
 )
-async def create_analysis(request: Request, parts: Parts) -> Response:
+async def create_analysis(
+    request: Request, parts: Parts, prefer: Prefer = "", idempotency_key: Key = None
+) -> Response:
     """Extremes of every curve, every limit with its margin, jumps, undercut, and what mends it.
 
     The laws, the base radius and the offset must be given; what is left free is a problem (422).
@@ -34,9 +45,39 @@ async def create_analysis(request: Request, parts: Parts) -> Response:
     `extremes` says by how much and where, `mend` which size would help. The same spec gives the
     same bytes. For the files of such a cam, send the same spec to `POST /v1/designs`.
     """
-    spec = await read_body(request, DesignSpec)
-    parts.engine.admit()
-    budget = parts.settings.budget_s(spec.time_budget_s)
-    found = await parts.engine.solve(spec.model_dump_json().encode(), budget, analyse)
-    tag = hashlib.sha256(found.design).hexdigest()[:32]
-    return Response(found.design, 200, {"ETag": f'"{tag}"'}, "application/json")
+    return await created(request, parts, parts.analyses, prefer, idempotency_key)
+
+
+@router.get("", response_model=AnalysisPage, responses=problems(422), summary="List analyses")
+async def list_analyses(
+    parts: Parts,
+    limit: Annotated[PageSize, Query(description="Analyses on a page.")] = 50,
+    cursor: Cursor = None,
+    status: Annotated[Verdict | None, Query(description="Only those with this result.")] = None,
+) -> AnalysisPage:
+    """The newest first."""
+    return await listed(parts.analyses, AnalysisPage, limit, cursor, status)
+
+
+@router.get(
+    "/{analysis_id}",
+    response_model=Analysis,
+    responses=SHOWN,
+    summary="An analysis",
+)
+async def get_analysis(
+    request: Request, analysis_id: str, parts: Parts, if_none_match: KnownTag = None
+) -> Response:
+    """As `POST /v1/analyses` answered, or would have without `respond-async`.
+
+    202 while it is being worked on; where it failed, the problem that the work ended with.
+    """
+    return await shown(request, parts.analyses, analysis_id)
+
+
+@router.delete(
+    "/{analysis_id}", status_code=204, responses=problems(404), summary="Forget an analysis"
+)
+async def delete_analysis(analysis_id: str, parts: Parts) -> None:
+    """An analysis being worked on is stopped; a finished one is discarded."""
+    await forgotten(parts.analyses, analysis_id)

@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-import asyncio
 import zlib
 from collections.abc import Callable, Collection
 from dataclasses import asdict
+from functools import partial
 from typing import Annotated, Literal
 
 from fastapi import APIRouter, Query, Request, Response
@@ -16,14 +16,26 @@ from pydantic_core import PydanticCustomError
 
 from service.documentation import problems, spec_body, tagged
 from service.errors import NothingFits
-from service.etag import tag_of, unchanged
 from service.examples import CAM_SETS
-from service.routes.files import stem_of
-from service.routes.kept import UNDER_WAY, Key, KnownTag, Prefer, created, done, forgotten, shown
+from service.routes.download import SVG, ChordTolerance, Download
+from service.routes.kept import (
+    CREATED,
+    SHOWN,
+    Cursor,
+    Key,
+    KnownTag,
+    PageSize,
+    Prefer,
+    WithStatus,
+    created,
+    done,
+    forgotten,
+    listed,
+    shown,
+)  # fmt: skip
 from service.state import Parts, State
-from service.views import CamSetPage, CamSetSummary, page_of, position_of
+from service.views import CamSetPage
 from synthesis.camset import CamSet
-from synthesis.design import Status
 from synthesis.exporters import MOTION_FORMATS, PROFILE_FORMATS, MotionOptions, ProfileOptions
 from synthesis.exporters.bundle import MEDIA_TYPE, BundleOptions, bundle
 from synthesis.exporters.svg_timing import timing_diagram
@@ -31,8 +43,8 @@ from synthesis.exporters.svg_timing import timing_diagram
 router = APIRouter(prefix="/v1/cam-sets", tags=["cam sets"])
 MAX_POINTS_PER_DEGREE = 10.0  # in an archive, of which one may hold fifty cams
 MIN_TOLERANCE_UM = 0.1
-SVG = "image/svg+xml"
-PICTURE = "default-src 'none'; style-src 'unsafe-inline'"
+TIMING = Download("timing.svg", SVG)
+BUNDLE = Download("bundle.zip", MEDIA_TYPE)
 
 Density = Annotated[float, Field(gt=0.0, le=MAX_POINTS_PER_DEGREE)]
 
@@ -76,15 +88,7 @@ class BundleQuery(BaseModel):
     points_per_degree: Annotated[
         Density, Field(description="Points of profiles per degree of cam angle.")
     ] = ProfileOptions().points_per_degree
-    tolerance_um: Annotated[
-        float | None,
-        Field(
-            ge=MIN_TOLERANCE_UM,
-            le=1e6,
-            description="Largest distance of a chord from the curve [µm]; decides instead of "
-            "points_per_degree.",
-        ),
-    ] = None
+    tolerance_um: Annotated[ChordTolerance, Field(ge=MIN_TOLERANCE_UM)] = None
     motion_points_per_degree: Annotated[
         Density, Field(description="Rows of motions per degree of cam angle.")
     ] = MotionOptions().points_per_degree
@@ -102,11 +106,7 @@ class BundleQuery(BaseModel):
 @router.post(
     "",
     response_model=CamSet,
-    responses={
-        200: tagged()[200],
-        **UNDER_WAY,
-        **problems(400, 409, 413, 415, 422, 429, 500, 503, 504),
-    },
+    responses=CREATED,
     openapi_extra=spec_body(CAM_SETS, "CamSetSpec"),
     summary="Synthesise the cams of a shaft",
 )
@@ -125,21 +125,18 @@ async def create_cam_set(
 @router.get("", response_model=CamSetPage, responses=problems(422), summary="List cam sets")
 async def list_cam_sets(
     parts: Parts,
-    limit: Annotated[int, Query(ge=1, le=200, description="Cam sets on a page.")] = 50,
-    cursor: Annotated[str | None, Query(description="`next` of the page before.")] = None,
-    status: Annotated[Status | None, Query(description="Only those with this status.")] = None,
+    limit: Annotated[PageSize, Query(description="Cam sets on a page.")] = 50,
+    cursor: Cursor = None,
+    status: WithStatus = None,
 ) -> CamSetPage:
     """The newest first."""
-    before = None if cursor is None else position_of(cursor)
-    rows = await parts.cam_sets.answers.page(before, limit + 1, status)
-    items, following = page_of(parts.cam_sets.kind, rows, limit, CamSetSummary)
-    return CamSetPage(items=items, next=following)
+    return await listed(parts.cam_sets, CamSetPage, limit, cursor, status)
 
 
 @router.get(
     "/{set_id}",
     response_model=CamSet,
-    responses={**tagged(), **UNDER_WAY, **problems(404, 500, 503, 504)},
+    responses=SHOWN,
     summary="A cam set",
 )
 async def get_cam_set(
@@ -171,9 +168,7 @@ async def get_timing_svg(
     request: Request, set_id: str, parts: Parts, if_none_match: KnownTag = None
 ) -> Response:
     """The displacement of every follower over shaft angle, and how many move together."""
-    headers = {"Content-Security-Policy": PICTURE}
-    return await _file(request, parts, set_id, ("timing.svg", SVG, "inline"), timing_diagram,
-                       headers)  # fmt: skip
+    return await _file(request, parts, set_id, TIMING, timing_diagram)
 
 
 @router.get(
@@ -206,29 +201,20 @@ async def get_bundle_zip(
     def packed(cams: CamSet) -> bytes:
         return bundle(cams, options)
 
-    return await _file(request, parts, set_id, ("bundle.zip", MEDIA_TYPE, "attachment"), packed,
-                       {}, *made_by)  # fmt: skip
+    return await _file(request, parts, set_id, BUNDLE, packed, *made_by)
 
 
 async def _file(
     request: Request,
     parts: State,
     name: str,
-    kind: tuple[str, str, str],
+    file: Download,
     write: Callable[[CamSet], bytes],
-    headers: dict[str, str],
     *made_by: str,
 ) -> Response:
-    """A file of a finished set, made in a thread, or 304."""
+    """A file of a finished set, or 304."""
     row, body = await done(parts.cam_sets, name)
-    file_name, media_type, how = kind
-    tag = tag_of(row.etag or "", file_name, *made_by)
-    shown_as = f'{how}; filename="{stem_of(row.name)}-{file_name}"'
-    return unchanged(request, tag) or Response(
-        await asyncio.to_thread(_written, body, write),
-        headers={"ETag": f'"{tag}"', "Content-Disposition": shown_as, **headers},
-        media_type=media_type,
-    )
+    return await file.sent(request, row, (file.ending, *made_by), partial(_written, body, write))
 
 
 def _written(body: bytes, write: Callable[[CamSet], bytes]) -> bytes:

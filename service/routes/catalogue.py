@@ -90,6 +90,8 @@ class ServerLimits(BaseModel):
     max_points_per_degree: Annotated[float, Field(description="Density of exported points.")]
     min_tolerance_um: Annotated[float, Field(description="Finest chord tolerance [µm].")]
     max_waiting: Annotated[int, Field(description="Designs that may wait for a worker.")]
+    max_sweep_items: Annotated[int, Field(description="Items that a sweep may have.")]
+    max_sweeps: Annotated[int, Field(description="Sweeps that may be under way.")]
     workers: Annotated[int, Field(description="Designs worked on at the same time.")]
 
 
@@ -155,6 +157,8 @@ async def list_limits(parts: Parts) -> Limits:
             max_points_per_degree=MAX_POINTS_PER_DEGREE,
             min_tolerance_um=MIN_TOLERANCE_UM,
             max_waiting=settings.max_waiting,
+            max_sweep_items=settings.max_sweep_items,
+            max_sweeps=settings.max_sweeps,
             workers=parts.engine.slots,
         ),
     )

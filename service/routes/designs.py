@@ -6,11 +6,24 @@ from typing import Annotated
 
 from fastapi import APIRouter, Query, Request, Response
 
-from service.documentation import problems, spec_body, tagged
-from service.routes.kept import UNDER_WAY, Key, KnownTag, Prefer, created, forgotten, shown
+from service.documentation import problems, spec_body
+from service.routes.kept import (
+    CREATED,
+    SHOWN,
+    Cursor,
+    Key,
+    KnownTag,
+    PageSize,
+    Prefer,
+    WithStatus,
+    created,
+    forgotten,
+    listed,
+    shown,
+)  # fmt: skip
 from service.state import Parts
-from service.views import DesignPage, DesignSummary, page_of, position_of
-from synthesis.design import Design, Status
+from service.views import DesignPage
+from synthesis.design import Design
 
 router = APIRouter(prefix="/v1/designs", tags=["designs"])
 
@@ -18,11 +31,7 @@ router = APIRouter(prefix="/v1/designs", tags=["designs"])
 @router.post(
     "",
     response_model=Design,
-    responses={
-        200: tagged()[200],
-        **UNDER_WAY,
-        **problems(400, 409, 413, 415, 422, 429, 500, 503, 504),
-    },
+    responses=CREATED,
     openapi_extra=spec_body(),
     summary="Synthesise a cam",
 )
@@ -40,21 +49,18 @@ async def create_design(
 @router.get("", response_model=DesignPage, responses=problems(422), summary="List designs")
 async def list_designs(
     parts: Parts,
-    limit: Annotated[int, Query(ge=1, le=200, description="Designs on a page.")] = 50,
-    cursor: Annotated[str | None, Query(description="`next` of the page before.")] = None,
-    status: Annotated[Status | None, Query(description="Only those with this status.")] = None,
+    limit: Annotated[PageSize, Query(description="Designs on a page.")] = 50,
+    cursor: Cursor = None,
+    status: WithStatus = None,
 ) -> DesignPage:
     """The newest first."""
-    before = None if cursor is None else position_of(cursor)
-    rows = await parts.designs.answers.page(before, limit + 1, status)
-    items, following = page_of(parts.designs.kind, rows, limit, DesignSummary)
-    return DesignPage(items=items, next=following)
+    return await listed(parts.designs, DesignPage, limit, cursor, status)
 
 
 @router.get(
     "/{design_id}",
     response_model=Design,
-    responses={**tagged(), **UNDER_WAY, **problems(404, 500, 503, 504)},
+    responses=SHOWN,
     summary="A design",
 )
 async def get_design(

@@ -2,10 +2,9 @@
 
 from __future__ import annotations
 
-import asyncio
-import re
 from collections.abc import Awaitable, Callable
 from dataclasses import asdict
+from functools import partial
 from typing import Annotated, Any
 
 from fastapi import APIRouter, Query, Request, Response
@@ -13,7 +12,7 @@ from pydantic import BaseModel, ConfigDict, Field
 
 from service.documentation import problems, tagged
 from service.errors import NothingFits
-from service.etag import tag_of, unchanged
+from service.routes.download import ChordTolerance, Download
 from service.routes.kept import done
 from service.state import Parts, State
 from service.store import Row
@@ -43,21 +42,13 @@ class ProfileQuery(BaseModel):
     model_config = ConfigDict(extra="forbid", allow_inf_nan=False)
 
     points_per_degree: Density = ProfileOptions().points_per_degree
-    tolerance_um: Annotated[
-        float | None,
-        Field(
-            ge=MIN_TOLERANCE_UM,
-            le=1e6,
-            description="Largest distance of a chord from the curve [µm]; decides instead of "
-            "points_per_degree.",
-        ),
-    ] = None
+    tolerance_um: Annotated[ChordTolerance, Field(ge=MIN_TOLERANCE_UM)] = None
     curve: Annotated[
         CurveName,
         Field(
             description="The cam's profile, or the path of the roller's centre. A groove has an "
             "inner and an outer profile, conjugate cams a main and a counter profile and a "
-            "counter pitch curve; `profile` is the first of them."
+            "counter pitch curve; `profile` is the first of them. The drawing (svg) shows all."
         ),
     ] = "profile"
     turn_deg: Annotated[
@@ -93,12 +84,9 @@ async def _file(
 ) -> Response:
     """The file of a finished design, made in a thread, or 304."""
     row, design = await done(parts.designs, name)
-    tag = tag_of(row.etag or "", part, exporter.name, repr(asdict(options)))
-    return unchanged(request, tag) or Response(
-        await asyncio.to_thread(_written, design, exporter, options),
-        headers={"ETag": f'"{tag}"', **_shown_or_saved(row.name, _part(part, row), exporter)},
-        media_type=exporter.media_type,
-    )
+    file = Download(f"{_part(part, row)}{exporter.extension}", exporter.media_type)
+    made_by = (part, exporter.name, repr(asdict(options)))
+    return await file.sent(request, row, made_by, partial(_written, design, exporter, options))
 
 
 def _written(design: bytes, exporter: Exporter[Any], options: Any) -> bytes:
@@ -111,20 +99,6 @@ def _written(design: bytes, exporter: Exporter[Any], options: Any) -> bytes:
 def _part(part: str, row: Row) -> str:
     """A cam that is given and breaks its limits may be looked at, but its files say so."""
     return f"not-certified-{part}" if row.status == "infeasible" else part
-
-
-def _shown_or_saved(name: str, part: str, exporter: Exporter[Any]) -> dict[str, str]:
-    """File names that every system takes; pictures are shown (and run nothing), else saved."""
-    file_name = f'filename="{stem_of(name)}-{part}{exporter.extension}"'
-    if exporter.media_type != "image/svg+xml":
-        return {"Content-Disposition": f"attachment; {file_name}"}
-    policy = "default-src 'none'; style-src 'unsafe-inline'"
-    return {"Content-Disposition": f"inline; {file_name}", "Content-Security-Policy": policy}
-
-
-def stem_of(name: str) -> str:
-    """What a file name begins with, in letters that every system takes."""
-    return re.sub(r"[^A-Za-z0-9._-]+", "-", name).strip("-.")[:60] or "cam"
 
 
 def _profile(exporter: Exporter[ProfileOptions]) -> Callable[..., Awaitable[Response]]:

@@ -4,12 +4,12 @@ from __future__ import annotations
 
 import hashlib
 from collections.abc import Mapping
-from typing import Annotated, Any
+from typing import Annotated, Any, TypeVar
 
-from fastapi import Header, Request, Response
+from fastapi import Header, Query, Request, Response
 
 from service.body import read_body
-from service.documentation import UNDER_WAY_HEADERS
+from service.documentation import UNDER_WAY_HEADERS, problems, tagged
 from service.errors import BadQuery, KeyReused, NotDone, ServiceError
 from service.etag import unchanged
 from service.jobs import Jobs, finished
@@ -17,7 +17,8 @@ from service.problem import respond
 from service.resource import Resource
 from service.state import State
 from service.store import Row
-from service.views import Accepted, accepted
+from service.views import Accepted, Page, accepted, position_of
+from synthesis.design import Status
 
 UNDER_WAY: Mapping[int | str, dict[str, Any]] = {
     202: {
@@ -26,6 +27,12 @@ UNDER_WAY: Mapping[int | str, dict[str, Any]] = {
         "headers": UNDER_WAY_HEADERS,
     }
 }
+CREATED = {
+    200: tagged()[200],
+    **UNDER_WAY,
+    **problems(400, 409, 413, 415, 422, 429, 500, 503, 504),
+}
+SHOWN = {**tagged(), **UNDER_WAY, **problems(404, 422, 500, 503, 504)}
 Prefer = Annotated[
     str, Header(description="`respond-async`: answer 202 at once and work on it meanwhile.")
 ]
@@ -38,6 +45,10 @@ Key = Annotated[
         "the same key with another body is refused.",
     ),
 ]
+PageSize = Annotated[int, Query(ge=1, le=200)]
+Cursor = Annotated[str | None, Query(description="`next` of the page before.")]
+WithStatus = Annotated[Status | None, Query(description="Only those with this status.")]
+Listed = TypeVar("Listed", bound=Page[Any])
 KnownTag = Annotated[str | None, Header(description="ETag that you have; answers 304 if current.")]
 
 
@@ -46,7 +57,7 @@ async def created(
 ) -> Response:
     """The answer to the question in a request's body, or 202 where that is preferred."""
     spec = await read_body(request, jobs.kind.spec)
-    name = await _name(parts, jobs.kind.name_of(spec), key, await request.body())
+    name = await name_by_key(parts, jobs.kind.name_of(spec), key, await request.body())
     row = await jobs.answers.find(name)
     if row is None or row.state != "done":
         if "respond-async" in prefer.lower():
@@ -63,6 +74,15 @@ async def shown(request: Request, jobs: Jobs, name: str) -> Response:
     if row.problem is not None and row.state == "failed":
         return respond(request, row.problem)
     return unchanged(request, row.etag or "") or _done(jobs.kind, row)
+
+
+async def listed(
+    jobs: Jobs, page: type[Listed], limit: int, cursor: str | None, status: str | None = None
+) -> Listed:
+    """A page of the list, the newest first."""
+    before = None if cursor is None else position_of(cursor)
+    rows = await jobs.answers.page(before, limit + 1, status)
+    return page.of(jobs.kind, rows, limit)
 
 
 async def forgotten(jobs: Jobs, name: str) -> None:
@@ -96,7 +116,7 @@ def unknown(kind: Resource, name: str) -> ServiceError:
     )
 
 
-async def _name(parts: State, name: str, key: str | None, body: bytes) -> str:
+async def name_by_key(parts: State, name: str, key: str | None, body: bytes) -> str:
     """The answer's id: what the key stands for, if one was given."""
     if key is None:
         return name

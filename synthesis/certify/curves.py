@@ -22,7 +22,8 @@ from synthesis.certify.quantities import (
 )
 from synthesis.certify.simple import deepest
 from synthesis.findings import CurveJump, CurveSummary, Over, Peak, SelfCrossing, Side, Undercut
-from synthesis.followers.flank import Flank, Trace, labelled
+from synthesis.followers.flank import Flank, labelled
+from synthesis.followers.trace import Trace
 from synthesis.limits.base import Machine, times, where
 from synthesis.motion import Motion
 from synthesis.numerics.enclosure import Enclosed, Question

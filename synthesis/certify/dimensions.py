@@ -8,7 +8,8 @@ from synthesis.certify.course import Course
 from synthesis.certify.quantities import Size, pressure_angle
 from synthesis.design import Extreme
 from synthesis.followers import Follower
-from synthesis.followers.flank import Trace, labelled
+from synthesis.followers.flank import labelled
+from synthesis.followers.trace import Trace
 from synthesis.limits.base import Claim, Machine, where
 from synthesis.motion import Motion
 from synthesis.ranges import ends

@@ -9,7 +9,7 @@ from typing import Any, Final
 import numpy as np
 
 from synthesis.certify.course import Course, Indices
-from synthesis.followers.flank import Vector2
+from synthesis.followers.trace import Vector2
 from synthesis.numerics.piecewise import Array
 from synthesis.numerics.taylor import Taylor
 

@@ -14,7 +14,7 @@ from typing import Any
 import numpy as np
 
 from synthesis.certify.course import Course, Indices, Jump
-from synthesis.followers.flank import Trace, Vector2
+from synthesis.followers.trace import Trace, Vector2
 from synthesis.limits.base import Claim, Machine
 from synthesis.numerics.enclosure import Answer, Question, enclose
 from synthesis.numerics.piecewise import Array

@@ -12,11 +12,12 @@ from numpy.typing import NDArray
 from synthesis.design import Design
 from synthesis.errors import InputError
 from synthesis.exporters.options import CURVES, CurveName
+from synthesis.fields import Rotation
 from synthesis.followers import Follower
 from synthesis.followers.flank import Flank, labelled
 from synthesis.motion import Motion
 from synthesis.numerics.piecewise import Array, Side
-from synthesis.profile import CamProfile, Rotation, cam_profile
+from synthesis.profile import CamProfile, cam_profile
 from synthesis.units import FULL_TURN, Travel, rad_per_s
 
 Mask = NDArray[np.bool_]

@@ -74,14 +74,24 @@ def style(u: float) -> str:
 
 
 def document(
-    width: float, height: float, u: float, title: str, description: str, body: Sequence[str]
+    width: float,
+    height: float,
+    u: float,
+    title: str,
+    description: str,
+    body: Sequence[str],
+    scale: float = 1.0,
 ) -> bytes:
-    """A sheet of the given size [mm] at true scale; the origin is its upper left corner."""
+    """A sheet of the given size [mm], shown ``scale`` times as large; coordinates stay as they are.
+
+    The origin is its upper left corner.
+    """
     w, h = num(width), num(height)
     lines = [
         '<?xml version="1.0" encoding="UTF-8"?>',
         f'<svg xmlns="http://www.w3.org/2000/svg" class="camwright" role="img" '
-        f'width="{w}mm" height="{h}mm" viewBox="0 0 {w} {h}">',
+        f'width="{num(scale * width)}mm" height="{num(scale * height)}mm" '
+        f'viewBox="0 0 {w} {h}">',
         f"<title>{plain(title)}</title>",
         f"<desc>{plain(description)}</desc>",
         f"<style>{style(u)}</style>",

@@ -1,4 +1,4 @@
-"""Drawing of the cam as SVG, at true scale in mm: the cam, its circles, and the follower.
+"""Drawing of the cam as SVG, in mm: the cam, its circles, and the follower.
 
 The shapes stand in a group with y upwards, so their numbers are those of the cam's frame; a place
 on a shaft, ``turn_deg`` and ``z_mm``, is not drawn.
@@ -22,10 +22,12 @@ from synthesis.followers.flank import Flank
 from synthesis.profile import CamProfile
 
 HEADER, MARGIN, ROW = 22.0, 14.0, 5.2  # in units of the sheet
+NARROW, WIDE, SHOWN = 110.0, 420.0, 300.0  # of a sheet [mm]: see ``shown_at``
 OPPOSITE = {"ccw": "cw", "cw": "ccw"}
 
 
 def _profile(design: Design, options: ProfileOptions) -> bytes:
+    Cam.of(design, options.curve)  # a curve that the cam has not is refused; all are drawn
     scene = Scene.of(design, Cam.of(design), options)
     u, (left, bottom, right, top) = scene.u, scene.extent
     width = right - left + 2.0 * MARGIN * u
@@ -34,6 +36,7 @@ def _profile(design: Design, options: ProfileOptions) -> bytes:
     rows = _legend(design, scene)
     height = legend + (max(5, len(rows)) + 1.0) * ROW * u
     second = max(0.5 * width + 8.0 * u, (MARGIN + 13.0) * u + _widest(rows, u) + 3.0 * u)
+    scale = shown_at(width)
     body = [
         f'<g transform="translate({svg.num(x)} {svg.num(y)}) scale(1 -1)">',
         *shapes(scene),
@@ -42,11 +45,31 @@ def _profile(design: Design, options: ProfileOptions) -> bytes:
         *heading(design, MARGIN * u, width - MARGIN * u, u),
         *_legend_lines(rows, MARGIN * u, legend, u),
         *_remarks(design, scene, second, legend, u),
-        *_scale_bar(second, legend + 4.0 * ROW * u, u),
+        *_scale_bar(second, legend + 4.0 * ROW * u, u, ratio(scale)),
     ]
     title = f"Cam {design.name or design.id}"
-    told = "The cam's profile and pitch curve at true scale, with the follower at cam angle 0."
-    return svg.document(width, height, u, title, told, body)
+    told = (
+        f"The cam's profile and pitch curve, drawn {ratio(scale)}, with the follower at cam "
+        "angle 0. One unit of the coordinates is 1 mm of the cam."
+    )
+    return svg.document(width, height, u, title, told, body, scale)
+
+
+def shown_at(width: float) -> float:
+    """How many times its true size a sheet [mm] is shown: 1 where that can be read.
+
+    Otherwise the largest round number at which it is no wider than ``SHOWN``.
+    """
+    if NARROW <= width <= WIDE:
+        return 1.0
+    power = 10.0 ** math.floor(math.log10(SHOWN / width))
+    return max(k * power for k in (1.0, 2.0, 5.0) if k * power * width <= SHOWN * (1.0 + 1e-9))
+
+
+def ratio(scale: float) -> str:
+    """A scale as on a technical drawing (ISO 5455)."""
+    enlarged, reduced = svg.figure(max(scale, 1.0)), svg.figure(max(1.0 / scale, 1.0))
+    return f"{enlarged} : {reduced}"
 
 
 def _legend(design: Design, scene: Scene) -> list[tuple[str, str]]:
@@ -111,14 +134,15 @@ def _tip(scene: Scene) -> str:
     return f"roller radius {svg.figure(scene.roller, 6)} mm" if scene.roller > 0.0 else "knife edge"
 
 
-def _scale_bar(x: float, y: float, u: float) -> list[str]:
-    """A bar of round length, at most 32 units long."""
+def _scale_bar(x: float, y: float, u: float, drawn: str) -> list[str]:
+    """A bar of round length, at most 32 units long, and the sheet's scale."""
     power = 10.0 ** math.floor(math.log10(32.0 * u))
     length = max(k * power for k in (1.0, 2.0, 5.0) if k * power <= 32.0 * u * (1.0 + 1e-9))
     mid, end = x + 0.5 * length, x + length
     body = [svg.line("line outline", x, y + 2.0 * u, end, y + 2.0 * u)]
     body += [svg.line("line outline", a, y + 1.2 * u, a, y + 2.8 * u) for a in (x, mid, end)]
-    body.append(svg.text("tick", end + 1.6 * u, y + 2.9 * u, f"{svg.figure(length)} mm"))
+    told = f"{svg.figure(length)} mm, scale {drawn}"
+    body.append(svg.text("tick", end + 1.6 * u, y + 2.9 * u, told))
     return body
 
 

@@ -9,7 +9,8 @@ the pivot between arm and line of centres; σ = +1 where the lifting arm turns a
 so that |α| ≤ α_max reads  l + σ s' ≤ d cos ψ + t d sin ψ  and  d cos ψ − t d sin ψ ≤ l + σ s'.
 
 Two charts of the size. Pivot free: z = (p, q) = d (cos ψ0, sin ψ0); both rows are then linear in z
-at every cam angle. Pivot fixed: z = (w,), w = l ψ0; with d √(1+t²) = D both rows are
+at every cam angle, and with φ in a range and z in a box planes say what they imply. Pivot fixed:
+z = (w,), w = l ψ0; with d √(1+t²) = D both rows are
 
     l + σ s' ≤ D cos(ψ − α_max)  and  −(l + σ s') ≤ D cos(π − α_max − ψ),
 
@@ -20,17 +21,21 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass
+from itertools import product
 from math import atan, hypot, pi
 from typing import Any, ClassVar
 
 import numpy as np
 
+from synthesis.followers.turned_arm import plane_above
 from synthesis.numerics.piecewise import Array
 from synthesis.terms import Curved, Cuts, Vector, Within
 
 SPREAD = 7  # tangents of a cosine over its whole range: between them it is missed by at most 3 %
 SHARES = tuple(k / (SPREAD - 1.0) for k in range(SPREAD))
 HALVINGS = 50
+ENDS = (0.0, 0.5, 1.0)  # of a range of swings, where planes over all of it touch
+WIDE = 20.0  # arms: a box of pivots over which no plane cuts anything off
 
 
 @dataclass(frozen=True)
@@ -62,7 +67,30 @@ class FreePivot(Curved):
         return Cuts(still, above, -lever), Cuts(still, below, lever)
 
     def cuts(self, within: Within, about: tuple[Array, Vector] | None) -> tuple[Cuts, ...]:
-        return ()  # bilinear in φ and (p, q)
+        return tuple(self._cuts(within, about))
+
+    def _cuts(self, within: Within, about: tuple[Array, Vector] | None) -> Iterator[Cuts]:
+        low, high = within.low / self.arm, within.high / self.arm
+        if not np.all(np.isfinite(high - low)) or max(map(_width, within.sizes)) > WIDE * self.arm:
+            return  # so large a box says nothing
+        if about is None:
+            size = tuple(0.5 * (a + b) for a, b in within.sizes)
+            swings = [low + share * (high - low) for share in ENDS]
+        else:
+            size = tuple(
+                min(max(v, a), b) for v, (a, b) in zip(about[1], within.sizes, strict=True)
+            )
+            swings = [np.clip(about[0][0] / self.arm, low, high)]
+        corners = tuple(product(*within.sizes))
+        reach, alpha = hypot(1.0, self.slope), atan(self.slope)
+        none, one = np.zeros_like(low), np.ones_like(low)
+        for sign, turn in ((1.0, -alpha), (-1.0, alpha - pi)):
+            for phi in swings:
+                above = plane_above(turn, corners, (low, high), (phi, size))
+                # sign (l + σ s') ≤ D' d cos(ψ + turn)
+                steep = -reach * above.along / self.arm
+                rows = np.stack([steep, sign * self.sense * one, none, none])
+                yield Cuts(rows, -reach * above.size, reach * above.height - sign * self.arm)
 
 
 @dataclass(frozen=True)
@@ -184,3 +212,7 @@ class Hull:
         convex = (v >= self.touch) & (self.high - self.touch > 1e-9)
         slope = np.where(convex, chord, -np.sin(at))
         return np.cos(at) - slope * at, slope
+
+
+def _width(ends: tuple[float, float]) -> float:
+    return ends[1] - ends[0]

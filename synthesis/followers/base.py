@@ -1,10 +1,10 @@
-"""What every follower family promises."""
+"""What every follower family promises, by who asks: see the bases of ``Follower``."""
 
 from __future__ import annotations
 
 import math
-from abc import ABC, abstractmethod
-from collections.abc import Callable, Mapping, Sequence
+from abc import ABC
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from typing import Any, ClassVar
 
@@ -12,27 +12,12 @@ import numpy as np
 from pydantic import BaseModel, ConfigDict
 
 from synthesis.errors import InputError
-from synthesis.followers.flank import Flank, Places, Trace, Vector2
-from synthesis.motion import Motion, Stretch
+from synthesis.followers.flank import Flank, Places
+from synthesis.followers.judged import Judged
+from synthesis.followers.sizing import Sized
+from synthesis.followers.told import Told
+from synthesis.followers.trace import Host, Trace
 from synthesis.ranges import Range
-from synthesis.terms import Cone, Curved, Implied, Norm, Row
-from synthesis.units import Travel
-
-
-@dataclass(frozen=True)
-class Sizing:
-    """Where the size variables may lie.
-
-    Attributes:
-        bounds: (lower, upper) of every size variable, finite [mm].
-        cones: what else is convex.
-        least: smallest value of the norm ``prime_radius`` [mm]; not convex, so bounds and cones
-            say only part of it.
-    """
-
-    bounds: tuple[tuple[float, float], ...]
-    cones: tuple[Cone, ...]
-    least: float
 
 
 @dataclass(frozen=True)
@@ -56,45 +41,12 @@ class Pinning:
     whole: Callable[[float, tuple[float, ...]], tuple[float, ...]]
 
 
-@dataclass(frozen=True)
-class Measure:
-    """What the certificate has to measure for a bound: lower ≤ quantity ≤ upper [core units].
-
-    ``to_wire``: monotone map to the wire's ``unit``; None where the wire has no value.
-    """
-
-    quantity: str
-    lower: float | None
-    upper: float | None
-    to_wire: Callable[[float], float | None]
-    unit: str = "mm"
-
-
-@dataclass(frozen=True)
-class Shape:
-    """The follower's end as a drawing shows it, in the machine frame of a ccw cam [mm].
-
-    Attributes:
-        centre: where its stem begins. roller: radius about it, 0 where there is no roller.
-        left, right: how far a face reaches from there to either side, both 0 where there is none.
-        along: unit vector along the face, to the right.
-        pivot: of an arm, None where the follower slides.
-    """
-
-    centre: tuple[float, float]
-    roller: float
-    left: float = 0.0
-    right: float = 0.0
-    along: tuple[float, float] = (1.0, 0.0)
-    pivot: tuple[float, float] | None = None
-
-
-class Follower(BaseModel, ABC):
+class Follower(BaseModel, Host, Sized, Judged, Told, ABC):
     """A follower family: given dimensions, free dimensions (the size z), and its geometry.
 
-    Symbols: s to s''' displacement and derivatives per radian [mm]; z size variables [mm];
-    Rp prime radius. Vectors are in the machine frame: origin on the cam's axis, y along an
-    upward follower, the cam turning counter-clockwise (a clockwise cam is the mirror image).
+    ``Trace`` and ``Host``: geometry. ``Sized``: what formulations and limits ask. ``Judged``: the
+    certificate. ``Told``: answers and drawings. Here: the curves of the cam, what is settled after
+    the size, and what reading a profile back asks. Symbols and frames as in ``trace``.
     """
 
     model_config = ConfigDict(frozen=True, extra="forbid", allow_inf_nan=False)
@@ -110,15 +62,11 @@ class Follower(BaseModel, ABC):
         """Names of the size variables for the dimensions that are given here."""
         return self.size_charts[0]
 
-    @property
-    def travel(self) -> Travel:
-        """How its displacement is told on the wire."""
-        return Travel()
+    def pinning(self) -> Pinning | None:
+        """A free dimension that, once it is fixed, leaves curved limits with rows; None: none."""
+        return None
 
-    @property
-    @abstractmethod
-    def roller_radius(self) -> float:
-        """Distance of the profile from the curve of the traced point [mm]; 0 at a knife edge."""
+    # -- the cam's curves ------------------------------------------------------------------------
 
     @property
     def flanks(self) -> tuple[Flank, ...]:
@@ -136,102 +84,7 @@ class Follower(BaseModel, ABC):
         first = self.alone().flanks[0]
         return first.side * first.distance
 
-    @abstractmethod
-    def sizing(self, base_radius: tuple[float, float]) -> Sizing:
-        """Where z may lie for a base radius between two ends [mm]."""
-
-    @abstractmethod
-    def prime_radius(self) -> Norm:
-        """The norm of z that is pushed down for a small cam: Rp, or what grows with it."""
-
-    def radius(self, z: tuple[float, ...]) -> float:
-        """The prime radius itself [mm]."""
-        return self.prime_radius().value(z)
-
-    def raised(self, z: tuple[float, ...], amount: float) -> tuple[float, ...]:
-        """The last size variable larger by ``amount`` [mm], which eases every geometric limit."""
-        return (*z[:-1], z[-1] + amount)
-
-    def room(
-        self, z: tuple[float, ...], bounds: Sequence[tuple[float, float]], cones: Sequence[Cone]
-    ) -> float:
-        """How far ``raised`` can go within bounds and cones of the size [mm]."""
-        steps = [bounds[-1][1] - z[-1], *(cone.step(z) for cone in cones)]
-        return max(min(steps), 0.0)
-
-    @abstractmethod
-    def reaching(self, z: tuple[float, ...], radius: float) -> tuple[float, ...]:
-        """The size raised until the norm ``prime_radius`` is at least ``radius`` [mm]."""
-
-    @abstractmethod
-    def pressure_angle_rows(self, slope: float) -> tuple[Row, ...]:
-        """|tan α| ≤ slope as rows linear in s, s' and z; () where none say it."""
-
-    def pressure_angle_curves(self, slope: float) -> tuple[Curved, ...]:
-        """|tan α| ≤ slope where it is not linear in s, s' and z together; otherwise ()."""
-        return ()
-
-    def profile_radius_curves(self, least: float) -> tuple[Curved, ...]:
-        """Profile radius ≥ least [mm] where every half-plane of the size is known; otherwise ()."""
-        return ()
-
-    def contact_curves(self, end: str, reach: float) -> tuple[Curved, ...]:
-        """Contact on this side of an end of the face, ``reach`` [mm] from its middle, likewise."""
-        return ()
-
-    def outer_radius_curves(self, largest: float) -> tuple[Curved, ...]:
-        """Largest radius of the traced curve ≤ largest [mm] where it is not a norm of z."""
-        return ()
-
-    def pinning(self) -> Pinning | None:
-        """A free dimension that, once it is fixed, leaves curved limits with rows; None: none."""
-        return None
-
-    @abstractmethod
-    def traced_point(self, s: Any, z: Any) -> tuple[Vector2, ...]:
-        """The traced point and its θ-derivatives in the machine frame: a roller's centre.
-
-        Args:
-            s: the four values s, s', s'', s''', of any arithmetic type (arrays, intervals).
-            z: size variables.
-
-        Returns:
-            pairs (x, y) of the point and at least its first two derivatives.
-        """
-
-    @abstractmethod
-    def direction(self, s: Any, z: Any) -> tuple[Vector2, Vector2]:
-        """Unit vector along which the follower is driven, and its θ-derivative."""
-
-    @abstractmethod
-    def curvature_terms(self, s: Any, z: Any) -> tuple[Any, Any]:
-        """Numerator N and squared speed W² of the traced curve: κ = N / W³, convex positive."""
-
-    def curvature_implied(self, side: int, most: float) -> tuple[Implied, ...]:
-        """What rows are implied by side · κ ≤ most [1/mm], most > 0; () where none is known."""
-        return ()
-
-    def normal(self, tangent: Vector2, s: Any, z: Any) -> Vector2:
-        """Outward common normal, of any length: of the traced curve, or of a face that has one.
-
-        Args:
-            tangent: of the traced curve, which runs clockwise round the cam.
-            s, z: as for ``traced_point``.
-        """
-        tx, ty = tangent
-        return -ty, tx
-
-    def face_turn(self, s: Any, z: Any) -> Vector2:
-        """How the face's unit normal n turns as seen from the cam: n' + J n; only with a face."""
-        raise NotImplementedError(f"{self.kind} has no face")
-
-    def face_axis(self, s: Any, z: Any) -> tuple[Vector2, Vector2]:
-        """Where a face's reach is measured from, and the unit vector along it; only with one."""
-        raise NotImplementedError(f"{self.kind} has no face")
-
-    def adjustable(self) -> Mapping[str, float | Range | None]:
-        """Its dimensions that may also be left free: field and value."""
-        return {}
+    # -- settled after the size ------------------------------------------------------------------
 
     @property
     def companions(self) -> tuple[str, ...]:
@@ -266,65 +119,6 @@ class Follower(BaseModel, ABC):
         """The same without a dimension that would fix the base radius in other words."""
         return self
 
-    def check_reach(self, base_radius: tuple[float, float], stretches: Sequence[Stretch]) -> None:
-        """Refuse dimensions that no base radius between two ends [mm] can serve.
-
-        ``stretches``: the program on the cam, displacements from the lowest position.
-        """
-        return None
-
-    def reachable(self, base_radius: tuple[float, float], stroke: float) -> tuple[float, float]:
-        """The part of a range of base radii at which it can move through a stroke [mm]."""
-        return base_radius
-
-    def displacement_measure(self, z: tuple[float, ...]) -> Measure | None:
-        """Between which displacements the follower can stand; None where all of them do."""
-        return None
-
-    def profile_radius_rows(self, least: float) -> tuple[Row, ...]:
-        """Profile radius ≥ least as rows linear in s to s'' and z; () where it is not linear."""
-        return ()
-
-    def profile_radius_measure(self, flank: Flank, least: float) -> Measure | None:
-        """Convex radius of a flank ≥ least on the finished cam; None where it cannot fail.
-
-        Of a curve at the distance D: σκ ≤ 1/(D + least), free of division by what may vanish on
-        the way from convex to hollow.
-        """
-        side, distance, smallest = flank.side, flank.distance, flank.distance + least
-        if smallest <= 0.0:
-            return None
-
-        def to_wire(curvature: float) -> float | None:
-            bend = side * curvature
-            return 1.0 / bend - distance if bend > 0.0 else None
-
-        sharpest = side / smallest
-        low, high = (None, sharpest) if side > 0 else (sharpest, None)
-        return Measure("pitch_curvature", low, high, to_wire)
-
-    def radius_rows(self, least: float) -> tuple[Row, ...]:
-        """Traced curve at least so far from the axis as rows; () where the size sees to it."""
-        return ()
-
-    def contact_rows(self, left: float, right: float) -> tuple[Row, ...]:
-        """Contact within left and right [mm] of a face's middle, in this order; () without one."""
-        return ()
-
-    def shape(self, motion: Motion, z: tuple[float, ...]) -> Shape:
-        """What a drawing shows at cam angle 0."""
-        s = motion.derivatives([0.0])
-        (x, y), *_ = self.traced_point(s, z)
-        return Shape((float(x[0]), float(y[0])), self.roller_radius)
-
-    def radius_of(self, value: float) -> float:
-        """Rp at a value of the norm ``prime_radius`` [mm]: a monotone map."""
-        return value
-
-    def value_of(self, radius: float) -> float:
-        """The norm ``prime_radius`` at a prime radius [mm]: the inverse of ``radius_of``."""
-        return radius
-
     # -- read back from a profile ----------------------------------------------------------------
 
     def posture(self, point: Any, normal: Any) -> tuple[Any, Any]:
@@ -358,31 +152,3 @@ class Follower(BaseModel, ABC):
                 cam's frame.
         """
         return np.hypot(away[0], away[1]) - self.roller_radius
-
-    @abstractmethod
-    def outermost(self, s_max: float) -> Norm | None:
-        """Largest radius of the traced curve, at displacement ``s_max``, as a norm of z.
-
-        Or what grows with that radius, as for ``prime_radius``; None where it is no norm: then
-        ``outer_radius_curves`` say it.
-        """
-
-    def nearest(self, s_max: float) -> float:
-        """Displacement between 0 and ``s_max`` at which the traced curve is nearest to the axis."""
-        return 0.0
-
-    def second_arm(self, length: float, angle: float) -> Trace:
-        """The roller of a second arm [mm] at its pivot, at an angle [rad]; only with an arm."""
-        raise NotImplementedError(f"{self.kind} has no arm")
-
-    def arm_angle(self, s: float, z: tuple[float, ...]) -> float:
-        """Angle at its pivot from the line to the axis to the arm [rad]; only with an arm."""
-        raise NotImplementedError(f"{self.kind} has no arm")
-
-    @abstractmethod
-    def dimensions(self, z: tuple[float, ...]) -> Mapping[str, float]:
-        """The cam's dimensions as named on the wire [mm, deg]."""
-
-    def motion_dimensions(self, motion: Motion, z: tuple[float, ...]) -> Mapping[str, float]:
-        """Dimensions that follow from the finished motion [mm]."""
-        return {}

@@ -19,50 +19,9 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 from dataclasses import dataclass
-from typing import Any, Literal, Protocol
+from typing import Literal
 
-from synthesis.terms import Implied, Norm, Row
-
-Vector2 = tuple[Any, Any]
-
-
-class Trace(Protocol):
-    """A point of the machine that draws a curve on the turning cam; every follower is one.
-
-    The methods are those of ``Follower``, where they are described.
-    """
-
-    def traced_point(self, s: Any, z: Any) -> tuple[Vector2, ...]: ...
-
-    def direction(self, s: Any, z: Any) -> tuple[Vector2, Vector2]: ...
-
-    def normal(self, tangent: Vector2, s: Any, z: Any) -> Vector2: ...
-
-    def face_turn(self, s: Any, z: Any) -> Vector2: ...
-
-    def face_axis(self, s: Any, z: Any) -> tuple[Vector2, Vector2]: ...
-
-    def curvature_terms(self, s: Any, z: Any) -> tuple[Any, Any]: ...
-
-    def curvature_implied(self, side: int, most: float) -> tuple[Implied, ...]: ...
-
-    def pressure_angle_rows(self, slope: float) -> tuple[Row, ...]: ...
-
-    def radius_rows(self, least: float) -> tuple[Row, ...]: ...
-
-    def outermost(self, s_max: float) -> Norm | None: ...
-
-    def value_of(self, radius: float) -> float: ...
-
-    def nearest(self, s_max: float) -> float: ...
-
-
-class Host(Trace, Protocol):
-    """The main roller's follower, as a closure sees it: what further rollers can be fixed to."""
-
-    def second_arm(self, length: float, angle: float) -> Trace: ...
-
-    def arm_angle(self, s: float, z: tuple[float, ...]) -> float: ...
+from synthesis.followers.trace import Trace
 
 
 @dataclass(frozen=True)

@@ -31,10 +31,14 @@ import numpy as np
 from pydantic import Field, field_validator
 from pydantic_core import PydanticCustomError
 
-from synthesis.followers.base import Follower, Measure, Shape, Sizing
+from synthesis.followers.base import Follower
 from synthesis.followers.face_on_pivot import RIGHT_ANGLE, NotNearer, OnPivot
-from synthesis.followers.flank import Flank, Vector2
+from synthesis.followers.flank import Flank
+from synthesis.followers.judged import Measure
 from synthesis.followers.pivot import SENSES, PivotDirection
+from synthesis.followers.sizing import Sizing
+from synthesis.followers.told import Shape
+from synthesis.followers.trace import Vector2
 from synthesis.motion import Motion, Stretch
 from synthesis.numerics.peaks import peak, summit
 from synthesis.numerics.piecewise import Array

@@ -25,13 +25,17 @@ from pydantic import Field
 from pydantic_core import PydanticCustomError
 
 from synthesis.followers.arm_pressure import FixedPivot, FreePivot
-from synthesis.followers.base import Follower, Measure, Pinning, Shape, Sizing
+from synthesis.followers.base import Follower, Pinning
 from synthesis.followers.closures import LEAST, ArmClosure, Force
 from synthesis.followers.closures.counter_arm import CounterArm
-from synthesis.followers.flank import Trace, Vector2, outer_gap
+from synthesis.followers.flank import outer_gap
+from synthesis.followers.judged import Measure
 from synthesis.followers.pivot import SENSES, PivotDirection
 from synthesis.followers.reach import Arm
 from synthesis.followers.roller import RollerFollower
+from synthesis.followers.sizing import Sizing
+from synthesis.followers.told import Shape
+from synthesis.followers.trace import Trace, Vector2
 from synthesis.geometry.triangle import enclosed_angle, third_side
 from synthesis.motion import Motion, Stretch
 from synthesis.numerics.peaks import peak
@@ -134,11 +138,14 @@ class OscillatingRoller(RollerFollower):
             return Sizing(((l * low, l * high),), (), 0.0)  # the bounds say it all
         farthest = min(arm.distance[1], l + prime[1])
         cones = [Cone(self.prime_radius(), prime[1], "base_radius")]
-        if arm.distance[1] < math.inf:
+        nearest = max(arm.distance[0], 0.0)
+        if nearest > 0.0 or arm.distance[1] < math.inf:
             centred = Norm(((1.0, 0.0), (0.0, 1.0)), (0.0, 0.0))
-            cones.append(Cone(centred, arm.distance[1], "centre_distance"))
+            cones.append(Cone(centred, farthest, "centre_distance", nearest))
         across = max(l - prime[1], -farthest), min(l + prime[1], farthest)
-        return Sizing((across, (0.0, min(prime[1], farthest))), tuple(cones), prime[0])
+        # the roller is no nearer to the axis than arm and distance differ
+        least = max(prime[0], nearest - l, l - farthest)
+        return Sizing((across, (0.0, min(prime[1], farthest))), tuple(cones), least)
 
     def prime_radius(self) -> Norm:
         if self._distance is not None:

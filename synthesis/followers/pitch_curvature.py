@@ -1,11 +1,14 @@
 """Rows implied by a bound on the curvature that a point on a slide draws on the turning cam.
 
 With the point's height X, its offset e and u = X' − e (of a roller X = s0 + s) the bound σκ ≤ k,
-κ = [X² + u(2u + e) − X X''] / (X² + u²)^{3/2}, reads σ X'' ≥ σ [X + 2(u + e/4)²/X] − σ e²/(8X) − k (X² + u²)^{3/2}/X for X > 0. Each of the four
-terms is convex or concave in (X, u, e) as a whole: squares over X, and (X² + u²)^{3/2}/X, are
-convex. So the right side is a difference A − B of convex functions, and over a box it is nowhere
-below the tangent of A anywhere, less the lowest plane of a given slope that is above B at every
-corner: linear in X, X', X'' and e. The narrower the box, the less is lost.
+κ = [X² + u(2u + e) − X X''] / (X² + u²)^{3/2}, reads for X > 0
+
+    σ X'' ≥ σ [X + 2(u + e/4)²/X] − σ e²/(8X) − k (X² + u²)^{3/2}/X
+
+Each of the four terms is convex or concave in (X, u, e) as a whole: squares over X, and
+(X² + u²)^{3/2}/X, are convex. So the right side is a difference A − B of convex functions, and over
+a box it is nowhere below the tangent of A anywhere, less the lowest plane of a given slope that is
+above B at every corner: linear in X, X', X'' and e. The narrower the box, the less is lost.
 """
 
 from __future__ import annotations
@@ -16,14 +19,14 @@ from itertools import product
 import numpy as np
 
 from synthesis.numerics.piecewise import Array
-from synthesis.terms import Cuts, Implied
+from synthesis.terms import Cuts, Traced
 
 ROUNDING = 1e-13  # of the terms' size, by which a row is loosened
 Convex = tuple[Array, Array]  # a function's values (n,) and its slopes by X, u and e (3, n)
 
 
 @dataclass(frozen=True)
-class PitchCurvature(Implied):
+class PitchCurvature(Traced):
     """side · κ ≤ most [1/mm], most > 0, of the curve that a point draws."""
 
     side: int

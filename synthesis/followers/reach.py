@@ -20,6 +20,7 @@ from synthesis.motion import Stretch
 from synthesis.units import DEGREE
 
 AGREE = 1e-9  # relative: the same prime radius in other words
+BARELY = 1e-8  # relative: what a cam is larger than the least one, which nothing can drive
 SAMPLES = 721
 
 
@@ -50,7 +51,18 @@ class Arm:
             return low, high
         assert self.pivot is not None
         least, most = (enclosed_angle(self.length, self.pivot, radius) for radius in prime)
-        return max(low, least), min(high, most)
+        high = min(high, most)
+        return min(max(low, least, self._started), high), high
+
+    @property
+    def _started(self) -> float:
+        """ψ0 at which Rp is larger than at 0 by no more than rounding of a design shows [rad].
+
+        On the line of centres itself the cam drives the arm nowhere: the least of all prime
+        radii, |l − d|, is approached and not reached.
+        """
+        l, d = self.length, self.pivot or math.inf
+        return math.sqrt(2.0 * BARELY * (l - d) ** 2 / (l * d)) if d < math.inf else 0.0
 
     def swung(self, prime: tuple[float, float], stroke: float) -> tuple[float, float]:
         """The part of a range of prime radii at which the arm can swing by s = stroke [mm]."""

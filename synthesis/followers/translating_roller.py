@@ -15,14 +15,14 @@ import numpy as np
 from pydantic import Field
 from pydantic_core import PydanticCustomError
 
-from synthesis.followers.base import Sizing
 from synthesis.followers.closures import LEAST, Force, SlideClosure
-from synthesis.followers.flank import Vector2
 from synthesis.followers.pitch_curvature import PitchCurvature
 from synthesis.followers.roller import RollerFollower
+from synthesis.followers.sizing import Sizing
+from synthesis.followers.trace import Vector2
 from synthesis.motion import Motion, Stretch
 from synthesis.ranges import Dimension, Range, ends
-from synthesis.terms import Cone, Implied, Norm, Row, Seen
+from synthesis.terms import Cone, Norm, Row, Seen, Traced
 
 ROLLER = Seen(1, (0.0, 0.0, 0.0), ((0.0, 1.0), (-1.0, 0.0), (1.0, 0.0)))  # of z = (e, s0)
 
@@ -113,7 +113,7 @@ class TranslatingRoller(RollerFollower):
         x, u = s[0] + s0, s[1] - e
         return x * x + u * (2.0 * s[1] - e) - x * s[2], x * x + u * u
 
-    def curvature_implied(self, side: int, most: float) -> tuple[Implied, ...]:
+    def curvature_implied(self, side: int, most: float) -> tuple[Traced, ...]:
         return (PitchCurvature("", ROLLER, side, most),)
 
     def dimensions(self, z: tuple[float, ...]) -> Mapping[str, float]:

@@ -58,13 +58,14 @@ def at_size(settled: Problem, laws: Sequence[SettledLaw], size: Vector) -> Candi
     bounds = settled.sizing.bounds  # a solver keeps them to its tolerance only
     size = tuple(min(max(v, low), high) for v, (low, high) in zip(size, bounds, strict=True))
     size = follower.reaching(size, settled.sizing.least)
+    size = follower.raised(size, max((cone.short(size) for cone in settled.cones), default=0.0))
     clear = CLEARANCE * follower.prime_radius().value(size)
     size = follower.raised(size, min(clear, settled.room(size)))
     return Candidate(settled, tuple(laws), size, value(settled, size))
 
 
 def mended(found: Candidate) -> Candidate:
-    """The cam raised until rows hold that a solver kept at points only, as far as that mends them."""
+    """The cam raised until rows hold that a solver kept at points only, where that mends them."""
     settled, follower = found.problem, found.problem.machine.follower
     unit = follower.raised(found.size, 1.0)
     needed = 0.0
@@ -93,6 +94,8 @@ def grow(found: Candidate) -> Candidate | None:
     size = grown(found.problem, found.size, CLEARANCE)
     if size is None or (found.problem.machine.follower.companions and breaks(found.problem, size)):
         return None
+    if any(cone.norm.value(size) > cone.radius * (1.0 + ALLOWED) for cone in found.problem.cones):
+        return None  # what it was raised by for a least distance
     return (
         found if size == found.size else replace(found, size=size, value=value(found.problem, size))
     )
@@ -122,7 +125,9 @@ def smallest(settled: Problem) -> Vector | None:
     """The closed form's size; None where there is none, or a cone cuts it off."""
     # a curved limit's half-planes hold at one angle each: raising the size may break others
     size = nearest(settled, 3.0 * CLEARANCE if settled.curved else 0.0)
-    if size is None or any(cone.norm.value(size) > cone.radius for cone in settled.cones):
+    if size is None:
+        return None
+    if any(not cone.least <= cone.norm.value(size) <= cone.radius for cone in settled.cones):
         return None
     follower = settled.machine.follower
     pinning = follower.pinning()

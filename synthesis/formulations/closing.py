@@ -1,11 +1,11 @@
-"""The gap that limits leave which are not convex: no better cam lies anywhere, box by box.
+"""The gap that curvature leaves: no better cam lies anywhere, shown box by box.
 
-The relaxation leaves such limits out, and its bound with them. But a cam that is better by more
-than the tolerance keeps the relaxation's rows and its own value; so its size lies in a box and what
-draws its curves in hulls, which duality bounds over all laws. Within these the limit implies rows
-(a nearly known curve is nearly linear), these narrow box and hulls, and so on in turn, until nothing
-is left or nothing moves; then the box is split. (McCormick's under-estimators with bound tightening,
-in a search that takes the worst box first.)
+The relaxation leaves limits out that are not convex, and its bound with them. But a cam that is
+better by more than the tolerance keeps the relaxation's rows and its own value; so its size lies in
+a box and what draws its curves in hulls, which duality bounds over all laws. Within these the limit
+implies rows (a nearly known curve is nearly linear); they narrow box and hulls, and so on in turn,
+until nothing is left or nothing moves. Then the box is split. (McCormick's under-estimators with
+bound tightening, in a search that takes the worst box first.)
 """
 
 from __future__ import annotations
@@ -105,8 +105,8 @@ def close(state: Search) -> None:
     state.raise_to(min(lowest.lower, quest.target), lowest.over)
     state.stages.append(
         Stage(
-            "implied rows", f"linear and cone programs in {count} boxes", "HiGHS, Clarabel", 0, 0, 0,
-            time.perf_counter() - started, "solved",
+            "implied rows", f"linear and cone programs in {count} boxes", "HiGHS, Clarabel",
+            0, 0, 0, time.perf_counter() - started, "solved",
             "what a better cam keeps to, and the rows that its curvature implies there",
         )
     )  # fmt: skip
@@ -125,7 +125,7 @@ def binding(state: Search, free: Stretch) -> Parts:
         (stretch,) = (s for s in cam.problem.stretches if s.index == free.index)
         s = stretch.placed().derivatives(stretch.start + stretch.angle * x)
         for limit in cam.problem.limits:
-            if limit.implied(stretch, cam.problem.machine):
+            if limit.traced(stretch, cam.problem.machine):
                 for value in limit.smooth(stretch, cam.problem.machine, s, cam.size):
                     worst = np.maximum(worst, value)
     where = np.flatnonzero(worst > NEAR)
@@ -237,7 +237,9 @@ def _coarse(quest: Quest, box: Box) -> tuple[Grid, ...]:
         hulls = (hull for (law, _), hull in box.lair.hulls.items() if law == position)
         ends = np.unique([end for hull in hulls for part in hull.parts for end in part])
         breaks = uniform(stretch, INTERVALS).space.breaks
-        chosen.append(over(stretch, merged(breaks, ends, stretch.free.knots if stretch.free else ())))
+        chosen.append(
+            over(stretch, merged(breaks, ends, stretch.free.knots if stretch.free else ()))
+        )
     return tuple(chosen)
 
 
@@ -246,7 +248,7 @@ def _raised(box: Box, lower: Bound) -> Box:
 
 
 def _excluded(plan: Plan, solution: ConeSolution, ends: Sequence[Array]) -> Bound:
-    """What multipliers say that exclude every spline of a plan: they may be as large as they like."""
+    """What multipliers say that exclude every spline of a plan: as large as one likes."""
     found = []
     for scale in RAYS:
         ray = replace(solution, multipliers=scale * solution.multipliers)

@@ -25,7 +25,7 @@ from synthesis.motion import Stretch
 from synthesis.numerics.piecewise import Array
 from synthesis.solvers.highs import LinearRows, least
 from synthesis.solvers.statuses import Stopped
-from synthesis.terms import Implied, Seen, Vector
+from synthesis.terms import Seen, Traced, Vector
 
 APART = 0.05  # of a law, between nodes of a hull
 OPEN = 1e9  # strokes: nothing known
@@ -84,16 +84,16 @@ class Lair:
             arcs += [arc] * len(found)
         return Spreading.of(plan, blocks, arcs)
 
-    def _implying(self, problem: Problem) -> Iterator[tuple[tuple[int, Seen], Implied, Hull]]:
+    def _implying(self, problem: Problem) -> Iterator[tuple[tuple[int, Seen], Traced, Hull]]:
         for position, stretch in enumerate(problem.free):
             for limit in problem.limits:
-                for implied in limit.implied(stretch, problem.machine):
+                for implied in limit.traced(stretch, problem.machine):
                     key = position, implied.seen
                     if key in self.hulls:
                         yield key, implied, self.hulls[key]
 
     def _written(
-        self, plan: Plan, position: int, implied: Implied, hull: Hull, x: Array
+        self, plan: Plan, position: int, implied: Traced, hull: Hull, x: Array
     ) -> Iterator[Block]:
         stretch, grid = plan.problem.free[position], Grid(plan.grids[position].space, x)
         low, high = hull.at(x)
@@ -123,7 +123,7 @@ def unknown(problem: Problem, steering: Sequence[Control], parts: Mapping[int, P
             [np.linspace(a, b, 1 + max(2, int(np.ceil((b - a) / APART)))) for a, b in ranges]
         )
         for limit in problem.limits:
-            for implied in limit.implied(stretch, problem.machine):
+            for implied in limit.traced(stretch, problem.machine):
                 seen, wide = implied.seen, np.full((2, len(nodes)), OPEN * problem.length)
                 sense = 0 if stretch.free.overshoot else int(np.sign(stretch.lift)) * seen.sign
                 bend = abs(stretch.lift) / stretch.angle**3 * cap
@@ -244,5 +244,3 @@ def _places(hull: Hull, plan: Plan, position: int) -> Array:
     breaks = plan.grids[position].space.breaks
     inside = [(low <= breaks) & (breaks <= high) for low, high in hull.parts]
     return np.asarray(breaks[np.any(inside, axis=0)])
-
-

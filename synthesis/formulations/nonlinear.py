@@ -159,11 +159,14 @@ class _Statement:
     def _fixed_balls(self) -> Iterator[tuple[Ball, float]]:
         """Balls of fixed radius, and which share of it is the least allowed.
 
-        The cone of the sizing that bounds the prime radius above stands first among the balls, and
-        bounds it below too; without such a cone the size's own bounds say both.
+        The cones of the sizing stand first among the balls. The one that bounds the prime radius
+        above bounds it below too; without such a cone the size's own bounds say both.
         """
         sizing, prime = self.plan.problem.sizing, self.plan.problem.machine.follower.prime_radius()
-        shares = [sizing.least / cone.radius * (cone.norm == prime) for cone in sizing.cones]
+        shares = [
+            max(cone.least, sizing.least * (cone.norm == prime)) / cone.radius
+            for cone in sizing.cones
+        ]
         for position, ball in enumerate(self.plan.balls):
             if ball.head is None:
                 yield ball, shares[position] if position < len(shares) else 0.0

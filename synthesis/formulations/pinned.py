@@ -17,13 +17,14 @@ import numpy as np
 from scipy.optimize import minimize_scalar
 
 from synthesis.followers.base import Pinning
-from synthesis.formulations.candidate import Candidate, value
+from synthesis.formulations.candidate import Candidate, at_size, smallest, value
 from synthesis.formulations.closed_form import nearest
 from synthesis.formulations.grid import uniform
 from synthesis.formulations.local import gentle, improve_from
 from synthesis.formulations.problem import Problem
 from synthesis.formulations.search import Search, Stage
 
+STARTS = 9  # values from which starts are made
 KNOTS = 24  # intervals of the first knots
 FAN = 49  # values tried first where laws are given, evenly in their logarithm
 REACH = 16.0  # an open end is so many times its unit away
@@ -96,8 +97,11 @@ def pinned(state: Search, solve: Solver) -> None:
     pinning = state.problem.machine.follower.pinning()
     assert pinning is not None
     started, trials = time.perf_counter(), _Pinned(state, pinning, solve)
-    state.over = f"a local optimum: no bound over the {pinning.name} is known"
-    (_jointly if state.problem.free else _one_by_one)(trials)
+    if not isfinite(state.lower):
+        state.over = f"a local optimum: no bound over the {pinning.name} is known"
+    _as_it_moves(trials)
+    if not state.close(state.best):
+        (_jointly if state.problem.free else _one_by_one)(trials)
     state.infeasible = state.best is None
     tried = list(trials.found.values())
     iterations = sum(stage.iterations for one in tried for stage in one.stages)
@@ -108,6 +112,22 @@ def pinned(state: Search, solve: Solver) -> None:
             time.perf_counter() - started, word,
         )
     )  # fmt: skip
+
+
+def _as_it_moves(trials: _Pinned) -> None:
+    """The motion of the relaxation on other sizes: its law may be the best, and its size not."""
+    state = trials.state
+    if state.relaxed is None:
+        return
+    laws, stretches = state.relaxed.laws, state.relaxed.problem.stretches
+    for logarithm in trials.fan(STARTS):
+        at = trials.within(exp(logarithm))
+        problem = trials.problem(at).settled(stretches)
+        size = smallest(problem)
+        if size is not None:
+            state.finish(trials.whole(at, at_size(problem, laws, size)))
+        if state.close(state.best):
+            break
 
 
 def _one_by_one(trials: _Pinned) -> None:
@@ -136,17 +156,15 @@ def _jointly(trials: _Pinned) -> None:
     inside = trials.within(at)
     if inside != at:
         state.best = state.relaxed = None  # it had left the range: the best is at its end
-    tried = trials.solved(inside, state.tolerance)
-    state.grids = tried.grids or state.grids
-    if state.best is not None and inside == at:
-        improve_from(state, state.best)
+        tried = trials.solved(inside, state.tolerance)
+        state.grids = tried.grids or state.grids
 
 
 def _starts(trials: _Pinned) -> Iterator[Candidate]:
     """The gentlest law with the best size for it, and with others beside; else what fits."""
     state = trials.state
     if state.best is None:
-        for logarithm in trials.fan(9):
+        for logarithm in trials.fan(STARTS):
             at = trials.within(exp(logarithm))
             tried = trials.solved(at, ROUGH)
             if tried.best is not None:

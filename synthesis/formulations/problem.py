@@ -8,7 +8,7 @@ from functools import cached_property
 from math import inf
 from typing import Literal
 
-from synthesis.followers.base import Sizing
+from synthesis.followers.sizing import Sizing
 from synthesis.limits import Limit, Machine
 from synthesis.motion import Stretch
 from synthesis.objectives import Objective

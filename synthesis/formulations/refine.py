@@ -13,6 +13,7 @@ from synthesis.formulations.candidate import Candidate, at_size, grow, needs_siz
 from synthesis.formulations.closed_form import nearest
 from synthesis.formulations.closing import close
 from synthesis.formulations.convex import Plan, formulate
+from synthesis.formulations.everywhere import enclose
 from synthesis.formulations.grid import Grid, uniform
 from synthesis.formulations.knots import all_halved, denser, finer
 from synthesis.formulations.local import nonlinear
@@ -59,16 +60,30 @@ def search(
         pass
     elif problem.curved and problem.machine.follower.pinning() is not None:
         pinned(state, search)
+        enclose(state, thorough=thorough)
         return state
     else:
         first = int(np.clip(3.7 / sqrt(tolerance), COARSE, CURVED if problem.curved else FINE))
         state.grids = tuple(uniform(stretch, first) for stretch in problem.free)
         _climb(state)
+    if _elsewhere(state):
+        pinned(state, search)
+        return state
     if (state.limited_by_shape or state.short) and state.left() > 0.0:
         nonlinear(state)
         if thorough:
             close(state)
     return state
+
+
+def _elsewhere(state: Search) -> bool:
+    """Whether a dimension that can be pinned has a least value, which no cone program knows.
+
+    A cam that happens to have it and is as good as the bound needs no further search.
+    """
+    if state.problem.machine.follower.pinning() is None or state.close(state.best):
+        return False
+    return any(cone.least > 0.0 for cone in state.problem.sizing.cones)
 
 
 def estimate(

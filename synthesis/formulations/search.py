@@ -87,13 +87,8 @@ class Search:
             self.best = finished
 
     def learn(self, lower: Bound) -> None:
-        """Keep a bound over all laws if it is the best so far, a family's while it is the present.
-
-        The least prime radius bounds a norm too.
-        """
-        value = lower.value
-        if self.problem.objective.norm(self.problem.machine) is not None:
-            value = max(value, self.problem.sizing.least)
+        """Keep a bound over all laws if it is the best so far, a family's if it is the present."""
+        value = self._with_least(lower.value)
         if value > self.lower or not lower.switching:
             self.lower, self.over = value, lower.over
             if self.problem.rigid:
@@ -101,8 +96,14 @@ class Search:
 
     def raise_to(self, lower: float, over: str) -> None:
         """Take a bound that was found elsewhere, if it is better."""
-        if lower > self.lower:
-            self.lower, self.over = lower, over
+        value = self._with_least(lower)
+        if value > self.lower:
+            self.lower, self.over = value, over
+
+    def _with_least(self, lower: float) -> float:
+        """The least prime radius bounds a norm too."""
+        norm = self.problem.objective.norm(self.problem.machine)
+        return lower if norm is None else max(lower, self.problem.sizing.least)
 
     @property
     def limited_by_shape(self) -> bool:

@@ -11,8 +11,10 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from synthesis.formulations.convex import Plan
 from synthesis.formulations.floors import Wanted, switchings
@@ -33,7 +35,7 @@ class Arcs:
     """
 
     points: Array
-    left: Array
+    left: NDArray[np.intp]
     ahead: Array
     behind: Array
 
@@ -49,7 +51,7 @@ class Arcs:
         ahead, behind = gaps[left + 1] / reach[left], gaps[left + 1] / reach[left + 1]
         return cls(np.concatenate([x, between.ravel()]), left, ahead, behind)
 
-    def spread(self, z: Array, chosen: Array) -> Array:
+    def spread(self, z: Array, chosen: NDArray[Any]) -> Array:
         """Multipliers (…, r) of the rows as masses at all points; spread in the n ``chosen``."""
         own = z[..., self.left] * self.ahead * chosen
         following = z[..., self.left + 1] * self.behind * chosen
@@ -106,7 +108,7 @@ class Spreading:
             for c in (0, 1)
         )
         both = [switchings(self.plan, wanted, masses, ends) for masses in (none, everywhere)]
-        chosen = list[Array | None]()
+        chosen = list[NDArray[Any] | None]()
         for arc, block in zip(self.arcs, self.plan.blocks, strict=True):
             if arc is None or block.stretch is None:
                 chosen.append(None)
@@ -121,7 +123,7 @@ class Spreading:
         nothing = Wanted(np.zeros(1, dtype=int), np.zeros(1), np.zeros((1, 3)), none)
         return np.asarray(self.multipliers(nothing, z[None], np.stack(ends)[None])[0])
 
-    def _with(self, z: Array, chosen: Sequence[Array | None]) -> Array:
+    def _with(self, z: Array, chosen: Sequence[NDArray[Any] | None]) -> Array:
         at = self.plan.program.equalities
         parts = [z[..., :at]]
         for arc, block, here in zip(self.arcs, self.plan.blocks, chosen, strict=True):

@@ -10,7 +10,8 @@ from pydantic import Field
 from pydantic_core import PydanticCustomError
 
 from synthesis.followers.base import Follower
-from synthesis.followers.flank import Trace, labelled, outer_gap
+from synthesis.followers.flank import labelled, outer_gap
+from synthesis.followers.trace import Trace
 from synthesis.limits.base import Claim, Limit, Machine, where
 from synthesis.motion import Stretch
 from synthesis.terms import Cone, Curved

@@ -7,12 +7,13 @@ from dataclasses import replace
 from math import tan
 from typing import Annotated, Any, ClassVar, Literal
 
-from pydantic import Field
+from pydantic import Field, model_validator
+from pydantic_core import PydanticCustomError
 
 from synthesis.followers.flank import labelled
 from synthesis.limits.base import Claim, Limit, Machine, times, where
 from synthesis.motion import Sense, Stretch
-from synthesis.terms import Curved, Row
+from synthesis.terms import Curved, Implied, Row
 from synthesis.units import DEGREE
 
 Degrees = Annotated[float, Field(gt=0.0, lt=90.0)]
@@ -33,6 +34,17 @@ class PressureAngle(Limit):
     dwell_deg: Degrees | None = Field(
         None, description="Largest |pressure angle| on dwells; left out, dwells are free."
     )
+
+    @model_validator(mode="after")
+    def _limits_something(self) -> PressureAngle:
+        if self.rise_deg is self.return_deg is self.dwell_deg is None:
+            raise PydanticCustomError(
+                "no_angle_limited",
+                "pressure_angle gives no limit. Give rise_deg, return_deg or dwell_deg, or leave "
+                "the limit out.",
+                {},
+            )
+        return self
 
     def _largest(self, kind: Sense) -> float | None:
         """Limit on a kind of stretch [rad], None where it is free."""
@@ -73,6 +85,9 @@ class PressureAngle(Limit):
             if (largest := self._largest(kind)) is not None
             for curve in machine.follower.pressure_angle_curves(tan(largest))
         )
+
+    def implied(self, stretch: Stretch, machine: Machine) -> tuple[Implied, ...]:
+        return tuple(curve for curve in self.curved(stretch, machine) if curve.turns)
 
     def claims(self, stretches: Sequence[Stretch], machine: Machine) -> tuple[Claim, ...]:
         kinds: tuple[Sense, ...] = ("rise", "return", "dwell")

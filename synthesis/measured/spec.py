@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
-from typing import Annotated, Literal
+from typing import Annotated
 
 from pydantic import BaseModel, ConfigDict, Field
 
+from synthesis.fields import CamRotation, CamSpeed, Name
 from synthesis.followers import AnyFollower
 from synthesis.limits.face_width import FaceWidth
 
@@ -18,13 +19,9 @@ class MeasuredCam(BaseModel):
 
     model_config = ConfigDict(frozen=True, extra="forbid", allow_inf_nan=False)
 
-    name: Annotated[str, Field(max_length=200, description="Shown in reports.")] = ""
-    speed_rpm: Annotated[
-        float, Field(gt=0.0, le=1e9, description="Cam speed, constant over the turn [rpm].")
-    ] = 60.0
-    rotation: Annotated[
-        Literal["ccw", "cw"], Field(description="Sense in which the cam turns.")
-    ] = "ccw"
+    name: Annotated[Name, Field(description="Shown in reports.")] = ""
+    speed_rpm: CamSpeed = 60.0
+    rotation: CamRotation = "ccw"
     points_mm: Annotated[
         list[tuple[Coordinate, Coordinate]],
         Field(

@@ -72,7 +72,7 @@ def least(rows: LinearRows, objectives: Sequence[Array]) -> list[Least]:
 
 
 def _passed(rows: LinearRows) -> highspy.Highs:
-    solver = highspy.Highs()
+    solver = highspy.Highs()  # type: ignore[no-untyped-call]
     options = (("output_flag", False), ("presolve", "off"), ("solver", "simplex"), ("threads", 1),
                ("simplex_iteration_limit", MOST_STEPS))  # fmt: skip
     for name, value in options:

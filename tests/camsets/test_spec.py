@@ -15,6 +15,8 @@ from synthesis.camset import set_id
 from synthesis.camset_spec import MAX_CAMS, within_half_turn, within_turn
 from synthesis.design import Design
 from synthesis.errors import SolverFailed, TimeBudgetExceeded
+from synthesis.exporters.bundle import folders
+from synthesis.exporters.svg_timing import timing_diagram
 from tests.camsets.sets import INLET, PRESS, asked, body
 
 
@@ -165,3 +167,16 @@ def test_a_failed_solver_is_told_with_its_cam(monkeypatch: pytest.MonkeyPatch) -
     monkeypatch.setattr("synthesis.set_synthesis.synthesise", slow({"press": failed}, []))
     with pytest.raises(SolverFailed, match=r"/cams/1\. Scale the problem"):
         synthesise_set(asked())
+
+
+def test_cams_that_share_a_name_are_told_apart_by_their_number() -> None:
+    given = ["valve", "press (1)", "valve", "", "valve (3)"]
+    cams = [{"name": name, "phase_deg": 20.7 * i, "spec": INLET} for i, name in enumerate(given)]
+    found = synthesise_set(asked(cams=cams))
+    assert [cam.name for cam in found.cams] == [
+        "valve (1)", "press (1)", "valve (3) (3)", "cam 4", "valve (3) (5)"
+    ]  # fmt: skip
+    assert [cam.name for cam in found.spec.cams] == given
+    drawing = timing_diagram(found).decode()
+    assert all(f">{cam.name}<" in drawing for cam in found.cams)
+    assert folders(found)[2] == "03-valve-3-3"

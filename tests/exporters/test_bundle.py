@@ -153,7 +153,7 @@ def test_folders_are_names_that_every_system_takes(name: str, folder: str) -> No
 
 def test_cams_of_one_name_stay_apart() -> None:
     cams = synthesise_set(asked(cams=[{"name": "valve", "spec": INLET}] * 3))
-    assert folders(cams) == ["01-valve", "02-valve", "03-valve"]
+    assert folders(cams) == ["01-valve-1", "02-valve-2", "03-valve-3"]
     assert len(opened(cams)) == 3 + 3 * 6 + 1
 
 

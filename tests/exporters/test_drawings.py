@@ -15,6 +15,7 @@ from matplotlib.textpath import TextPath
 
 from synthesis.design import Design
 from synthesis.exporters import MOTION_FORMATS, PROFILE_FORMATS, MotionOptions, ProfileOptions
+from synthesis.exporters.svg_profile import shown_at
 from tests.exporters.conftest import P1_PROGRAM
 
 SVG = "{http://www.w3.org/2000/svg}"
@@ -103,13 +104,16 @@ ALL = pytest.mark.parametrize("named", ["p1", "unspecial", "crowd", "rough"])
 
 @ALL
 @pytest.mark.parametrize("sheet", SHEETS)
-def test_sheet_is_true_to_scale(sheet: str, named: str, request) -> None:
+def test_sheet_is_shown_at_a_stated_scale(sheet: str, named: str, request) -> None:
     root = drawn(sheet, request.getfixturevalue(named))
     x, y, width, height = (float(n) for n in root.get("viewBox").split())
     assert (x, y) == (0.0, 0.0)
+    scale = stated_scale(root)
     for name, length in (("width", width), ("height", height)):
         number, unit = re.fullmatch(r"([\d.]+)(mm)", root.get(name)).groups()
-        assert (float(number), unit) == (length, "mm")
+        assert unit == "mm"
+        assert float(number) == pytest.approx(scale * length, rel=1e-6, abs=1e-4)
+    assert 100.0 < scale * width < 430.0
     ground = of_class(root, "rect", "ground")[0]
     assert floats(ground, "width", "height") == [width, height]
     assert not [each for each in root.iter() if each.get("id")]
@@ -252,9 +256,31 @@ def test_the_scale_bar_and_the_sheet_grow_with_the_cam(scale: float, build) -> N
     assert 140.0 * scale < width < 220.0 * scale
     bars = [line for line in of_class(root, "line", "outline") if line.get("y1") == line.get("y2")]
     x1, x2 = floats(bars[-1], "x1", "x2")
-    label = next(t for t in texts(root) if t.endswith(" mm") and t[0].isdigit())
-    assert float(label[:-3]) == pytest.approx(x2 - x1, rel=1e-3)
+    label = next(t for t in texts(root) if " : " in t)
+    assert float(label.partition(" mm")[0]) == pytest.approx(x2 - x1, rel=1e-3)
     assert 0.08 < (x2 - x1) / width < 0.25
+    shown = float(root.get("width")[:-2])
+    assert shown == pytest.approx(stated_scale(root) * width, rel=1e-4)
+    assert stated_scale(root) == {0.013: 100.0, 1.0: 1.0, 310.0: 0.005}[scale]
+    assert 120.0 < shown <= 300.0
+
+
+@pytest.mark.parametrize(
+    ("width", "scale"),
+    [(110.0, 1.0), (420.0, 1.0), (109.9, 2.0), (61.0, 2.0), (60.0, 5.0), (2.31, 100.0),
+     (420.1, 0.5), (600.0, 0.5), (601.0, 0.2), (7e4, 2e-3)],
+)  # fmt: skip
+def test_a_sheet_is_shown_at_true_size_or_at_a_round_scale(width: float, scale: float) -> None:
+    assert shown_at(width) == pytest.approx(scale, rel=1e-12)
+
+
+def stated_scale(root) -> float:
+    """The scale that a drawing of a cam states beside its bar; diagrams have none."""
+    stated = [t.rpartition("scale ")[2].split(" : ") for t in texts(root) if " : " in t]
+    if not stated:
+        return 1.0
+    ((drawn_as, true),) = stated
+    return float(drawn_as) / float(true)
 
 
 # --- the motion ----------------------------------------------------------------------------------

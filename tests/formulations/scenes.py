@@ -36,6 +36,10 @@ def dwell(angle: float) -> dict[str, Any]:
     return {"kind": "dwell", "angle_deg": angle}
 
 
+PLAIN = (rise(71.7), dwell(23.9), fall(83.3), dwell(181.1))
+TURNING = (rise(131.7), fall(97.3), dwell(131.0))
+
+
 def velocity(factor: float, angle: float, lift: float = LIFT) -> dict[str, Any]:
     """``factor`` times the mean velocity over the angle."""
     value = factor * lift / (angle * pi / 180.0) * OMEGA

@@ -12,7 +12,11 @@ from hypothesis import strategies as st
 from synthesis.certify.quantities import pressure_angle
 from synthesis.followers import OscillatingRoller
 from synthesis.followers.arm_pressure import FixedPivot, FreePivot, Hull
+from synthesis.formulations.farther import farther
+from synthesis.formulations.problem import pose
+from synthesis.formulations.rows import Scales
 from synthesis.terms import Curved, Within
+from tests.formulations.arms import angles, jerk, scene
 
 ARM, DISTANCE = 83.7, 101.9
 SENSES = {"opposite": 1.0, "same": -1.0}
@@ -103,6 +107,76 @@ def test_cuts_hold_wherever_the_limit_does(
         for cuts in rows:
             left = np.sum(cuts.coefficients * s, axis=0) + cuts.size[0] * size
             assert np.all((left - cuts.upper)[kept] <= 1e-9 * ARM)
+
+
+@settings(max_examples=200)
+@given(
+    seed=st.integers(0, 10**6),
+    sense=st.sampled_from(sorted(SENSES)),
+    limit=st.floats(2.0, 80.0),
+    width=st.floats(1e-3, 2.0),
+    about=st.booleans(),
+)
+def test_planes_of_a_free_pivot_hold_wherever_the_limit_does(
+    seed: int, sense: str, limit: float, width: float, about: bool
+) -> None:
+    rng, n = np.random.default_rng(seed), 40
+    curve = FreePivot("pressure_angle", ARM, SENSES[sense], tan(radians(limit)))
+    places = np.sort(ARM * rng.uniform(0.0, 1.4, (2, n)), axis=0)
+    speeds = np.sort(ARM * rng.uniform(-1.2, 1.2, (2, n)), axis=0)
+    corner = ARM * rng.uniform(-0.5, 1.5), ARM * rng.uniform(0.0, 1.0)
+    sizes = tuple((at, at + width * ARM * rng.uniform(0.1, 1.0)) for at in corner)
+    within = Within(places[0], places[1], speeds[0], speeds[1], sizes)
+    where = np.stack([rng.uniform(*places), rng.uniform(*speeds)])
+    rows = curve.cuts(within, (where, corner) if about else None)
+    assert rows
+    for _ in range(60):
+        s = np.zeros((4, n))
+        s[0], s[1] = rng.uniform(places[0], places[1]), rng.uniform(speeds[0], speeds[1])
+        size = tuple(rng.choice([a, b, rng.uniform(a, b)]) for a, b in sizes)
+        kept = np.max(np.stack(curve.excess(s, size)), axis=0) <= 0.0
+        for cuts in rows:
+            left = np.sum(cuts.coefficients * s, axis=0) + np.array(size) @ cuts.size
+            assert np.all((left - cuts.upper)[kept] <= 1e-11 * ARM)
+
+
+def test_planes_of_a_free_pivot_close_in_on_the_limit_with_the_square_of_the_region() -> None:
+    curve = FreePivot("pressure_angle", ARM, 1.0, tan(radians(38.3)))
+    s, free = motion(3, 30), np.full(30, np.inf)
+    size, lost = (93.1, 24.7), []
+    for reach in (0.04, 0.02):
+        ends = tuple((v - reach * ARM, v + reach * ARM) for v in size)
+        within = Within(s[0] - reach * ARM, s[0] + reach * ARM, -free, free, ends)
+        rows = curve.cuts(within, (s[:2], size))
+        left = [
+            np.sum(c.coefficients * s, axis=0) + np.array(size) @ c.size - c.upper for c in rows
+        ]
+        lost.append(ARM * np.stack(curve.excess(s, size)) - np.stack(left))
+    assert np.all(lost[0] > 0.0)
+    np.testing.assert_allclose(lost[0] / lost[1], 4.0, rtol=0.12)
+
+
+def test_a_least_centre_distance_implies_a_row_over_a_box() -> None:
+    """At its corners it is the distance itself; no size that is far enough is cut off."""
+    asked = scene(angles(), jerk(1.9), distance={"min": 97.3})
+    sizes, scales = ((83.1, 97.9), (12.3, 31.7)), Scales(29.3, 1.0)
+    problem = pose(asked, asked.objectives()[0])
+    (row, *_) = farther(problem, sizes, scales)
+
+    def left(p: float, q: float) -> float:
+        return float(row.size @ np.array([p, q]) / scales.size - row.rhs[0])
+
+    rng = np.random.default_rng(5)
+    inside = rng.uniform([a for a, _ in sizes], [b for _, b in sizes], (4000, 2))
+    far = np.hypot(*inside.T) >= 97.3
+    over = np.array([left(*z) for z in inside])
+    assert 0.1 < np.mean(far) < 0.9
+    assert np.all(over[far] <= 1e-12)
+    assert np.mean(over[~far] > 0.0) > 0.7
+    for p in sizes[0]:
+        for q in sizes[1]:
+            assert (left(p, q) > 0.0) == (np.hypot(p, q) < 97.3)
+    assert not list(farther(problem, ((97.4, 99.0), (0.0, 9.0)), scales))
 
 
 @pytest.mark.parametrize("sense", SENSES)

@@ -14,6 +14,8 @@ from synthesis.solvers.clarabel import solve
 from synthesis.solvers.statuses import Stopped
 from synthesis.spec import DesignSpec
 from tests.formulations.scenes import (
+    PLAIN,
+    TURNING,
     acceleration,
     angles,
     direct,
@@ -30,8 +32,6 @@ from tests.formulations.scenes import (
 )  # fmt: skip
 
 SAME = 1e-6
-PLAIN = (rise(71.7), dwell(23.9), fall(83.3), dwell(181.1))
-TURNING = (rise(131.7), fall(97.3), dwell(131.0))
 STEPS = (rise(61.3, 11.9), rise(77.9, 15.4), dwell(41.7), fall(99.1), dwell(80.0))
 LIMITS = (angles(29.3, 41.7), velocity(2.13, 71.7), acceleration(6.3, 71.7), jerk(67.0, 71.7))
 

@@ -24,6 +24,8 @@ from synthesis.spec import DesignSpec
 from tests.formulations.scenes import (
     LIFT,
     OMEGA,
+    PLAIN,
+    TURNING,
     acceleration,
     angles,
     dwell,
@@ -36,9 +38,7 @@ from tests.formulations.scenes import (
     velocity,
 )
 
-PLAIN = (rise(71.7), dwell(23.9), fall(83.3), dwell(181.1))
 NAMED = (rise(71.7, law="cycloidal"), dwell(23.9), fall(83.3), dwell(181.1))
-TURNING = (rise(131.7), fall(97.3), dwell(131.0))
 SMOOTH = (rise(71.7, smoothness=4), dwell(23.9), fall(83.3, smoothness=3), dwell(181.1))
 OUTER: dict[str, Any] = {"kind": "outer_radius"}
 
@@ -194,11 +194,9 @@ def without(spec: DesignSpec, fields: set[str]) -> DesignSpec:
     body = copy.deepcopy(spec.model_dump(exclude_none=True))
     kept = []
     for position, limit in enumerate(body["limits"]):
-        for name in list(limit):
-            if f"limits/{position}/{name}" in fields:
-                limit[name] = None
-        if limit["kind"] == "pressure_angle" or None not in limit.values():
-            kept.append(limit)
+        left = {k: v for k, v in limit.items() if f"limits/{position}/{k}" not in fields}
+        if len(left) > 1:  # more than its kind
+            kept.append(left)
     body["limits"] = kept
     if "base_radius_mm" in fields or "base_radius_mm/max" in fields:
         body["base_radius_mm"] = None

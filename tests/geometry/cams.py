@@ -6,7 +6,7 @@ from functools import cache
 import numpy as np
 from hypothesis import strategies as st
 
-from synthesis.followers import TranslatingRoller
+from synthesis.followers import Follower, TranslatingRoller
 from synthesis.laws import LAWS
 from synthesis.motion import Motion, Stretch
 from synthesis.numerics.bspline import SplineSpace
@@ -28,15 +28,67 @@ def gentle(law: Piecewise) -> bool:
     return abs(law(0.0, 1)) < 1e-9 and abs(law(1.0, 1, "left")) < 1e-9
 
 
+class AnyCam:
+    """A finished cam of any family: what its profile is computed from, and how it is read."""
+
+    motion: Motion
+    follower: Follower
+    size: tuple[float, ...]
+    rotation: str
+
+    @property
+    def turns(self) -> float:
+        """+1 where it turns counter-clockwise, −1 clockwise."""
+        return -1.0 if self.rotation == "cw" else 1.0
+
+    def profile(self, theta: np.ndarray, side: str = "right") -> CamProfile:
+        theta = np.asarray(theta, dtype=float)
+        return cam_profile(self.motion, self.follower, self.size, self.rotation, theta, side)
+
+    def outline(self, theta: np.ndarray) -> np.ndarray:
+        """(2, n) points of the profile."""
+        return np.stack([(p := self.profile(theta)).x, p.y])
+
+    def pitch(self, theta: np.ndarray) -> np.ndarray:
+        """(2, n) points of the pitch curve."""
+        return np.stack([(p := self.profile(theta)).pitch_x, p.pitch_y])
+
+    def traced(self, theta: np.ndarray) -> np.ndarray:
+        """(k, 2, n) the traced point in the machine and its derivatives, as they are told."""
+        return np.array(self.follower.traced_point(self.motion.derivatives(theta), self.size))
+
+    def inside(self, fraction: float) -> tuple[np.ndarray, np.ndarray]:
+        """One cam angle inside each piece of the motion, and the piece's width."""
+        breaks = self.motion.curve.breaks
+        width = np.diff(breaks)
+        return breaks[:-1] + fraction * width, width
+
+    def at_rest(self, *fractions: float) -> np.ndarray:
+        """Cam angles at these fractions of every dwell."""
+        dwells = [s for s in self.motion.stretches if s.kind == "dwell"]
+        return np.array([s.start + f * s.angle for s in dwells for f in fractions])
+
+
+def all_along(motion: Motion, points: int = 300) -> np.ndarray:
+    """(4, n) s to s''' all along the turn, both ends of every piece."""
+    breaks = motion.curve.breaks
+    step = np.linspace(1e-9, 1.0 - 1e-9, points)
+    return motion.derivatives((breaks[:-1, None] + np.diff(breaks)[:, None] * step).ravel())
+
+
 @dataclass(frozen=True)
-class Cam:
-    """A finished cam: what the profile is computed from."""
+class Cam(AnyCam):
+    """A finished cam with a roller on a slide."""
 
     motion: Motion
     follower: TranslatingRoller
     e: float
     s0: float
     rotation: str
+
+    @property
+    def size(self) -> tuple[float, ...]:
+        return self.e, self.s0
 
     @property
     def Rr(self) -> float:
@@ -51,18 +103,6 @@ class Cam:
         """The largest radius of the pitch curve, to which lengths are compared."""
         highest = max(max(s.s_start, s.s_end) for s in self.motion.stretches)
         return float(np.hypot(self.e, self.s0 + highest))
-
-    def profile(self, theta: np.ndarray, side: str = "right") -> CamProfile:
-        theta = np.asarray(theta, dtype=float)
-        return cam_profile(
-            self.motion, self.follower, (self.e, self.s0), self.rotation, theta, side
-        )
-
-    def inside(self, fraction: float) -> tuple[np.ndarray, np.ndarray]:
-        """One cam angle inside each piece of the motion, and the piece's width."""
-        breaks = self.motion.curve.breaks
-        width = np.diff(breaks)
-        return breaks[:-1] + fraction * width, width
 
     def steps(self, fraction: float) -> tuple[np.ndarray, np.ndarray]:
         """The same angles, and how far around each the curves may be read to differentiate them.

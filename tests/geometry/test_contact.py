@@ -13,14 +13,6 @@ from tests.geometry.slopes import slopes
 INSIDE = unspecial(0.2, 0.8)
 
 
-def profile_points(cam: Cam):
-    return lambda theta: np.stack([(p := cam.profile(theta)).x, p.y])
-
-
-def pitch_points(cam: Cam):
-    return lambda theta: np.stack([(p := cam.profile(theta)).pitch_x, p.pitch_y])
-
-
 @given(cams(), INSIDE)
 def test_the_roller_s_centre_is_its_radius_away_along_a_unit_normal(cam: Cam, fraction: float):
     p = cam.profile(cam.inside(fraction)[0])
@@ -36,7 +28,7 @@ def test_the_normal_is_perpendicular_to_the_profile_and_to_the_pitch_curve(
 ):
     theta, reach = cam.steps(fraction)
     p = cam.profile(theta)
-    for points in (profile_points(cam), pitch_points(cam)):
+    for points in (cam.outline, cam.pitch):
         (dx, dy), _ = slopes(points, theta, reach)
         along = (dx * p.normal_x + dy * p.normal_y) / cam.length
         # positions are rounded, and differences divide that by their reach
@@ -53,15 +45,7 @@ def test_the_normal_points_away_from_the_cam(cam: Cam, fraction: float):
 
 @given(cams(), INSIDE)
 def test_on_a_dwell_the_pitch_curve_is_a_circle(cam: Cam, fraction: float):
-    theta = np.array(
-        [
-            stretch.start + f * stretch.angle
-            for stretch in cam.motion.stretches
-            if stretch.kind == "dwell"
-            for f in (0.5 * fraction, fraction, 0.999)
-        ]
-    )
-    p = cam.profile(theta)
+    p = cam.profile(cam.at_rest(0.5 * fraction, fraction, 0.999))
     radius = np.hypot(p.pitch_x, p.pitch_y)
     np.testing.assert_allclose(radius, np.hypot(cam.e, cam.s0 + p.s[0]), rtol=1e-13)
     np.testing.assert_allclose(p.curvature, 1.0 / radius, rtol=1e-12)

@@ -10,61 +10,49 @@ from hypothesis import strategies as st
 from synthesis.followers import TranslatingFlatFace
 from synthesis.motion import Motion, Stretch
 from synthesis.numerics.piecewise import Piecewise
-from synthesis.profile import CamProfile, cam_profile
 from tests.geometry import touch
 from tests.geometry.agreement import agree
-from tests.geometry.cams import TURN, motions, unspecial
+from tests.geometry.cams import TURN, AnyCam, all_along, motions, unspecial
 from tests.geometry.slopes import slopes
 
 POINTS = 4000
 
 
 @dataclass(frozen=True)
-class FlatCam:
-    """A finished cam; ``sense``: +1 where it turns counter-clockwise."""
+class FlatCam(AnyCam):
+    """A finished cam with a flat face on a slide."""
 
     motion: Motion
     Rb: float
     rotation: str
-    face: TranslatingFlatFace
+    follower: TranslatingFlatFace
 
     @property
     def tilt(self) -> float:
-        return float(np.radians(self.face.tilt_deg))
+        return float(np.radians(self.follower.tilt_deg))
 
     @property
     def normal(self) -> np.ndarray:
         """The face's normal in the machine: up, turned by the tilt in the cam's sense."""
-        return np.array([-self.sense * np.sin(self.tilt), np.cos(self.tilt)])
+        return np.array([-self.turns * np.sin(self.tilt), np.cos(self.tilt)])
 
     @property
     def along(self) -> np.ndarray:
         """Along the face, to the right on a ccw cam and to the left on a cw cam."""
-        return np.array([self.sense * np.cos(self.tilt), np.sin(self.tilt)])
+        return np.array([self.turns * np.cos(self.tilt), np.sin(self.tilt)])
 
     @property
-    def sense(self) -> float:
-        return -1.0 if self.rotation == "cw" else 1.0
+    def size(self) -> tuple[float, ...]:
+        return (self.Rb,)
 
     @property
     def length(self) -> float:
         return self.Rb + max(max(s.s_start, s.s_end) for s in self.motion.stretches)
 
-    def profile(self, theta: np.ndarray, side: str = "right") -> CamProfile:
-        at = np.asarray(theta)
-        return cam_profile(self.motion, self.face, (self.Rb,), self.rotation, at, side)
-
-    def inside(self, fraction: float) -> tuple[np.ndarray, np.ndarray]:
-        breaks = self.motion.curve.breaks
-        width = np.diff(breaks)
-        return breaks[:-1] + fraction * width, width
-
 
 def sharpest(motion: Motion, tilt: float) -> float:
     """Largest −(s + s'') cos τ, sampled on every piece, both ends included."""
-    breaks = motion.curve.breaks
-    step = np.linspace(1e-9, 1.0 - 1e-9, 200)
-    s = motion.derivatives((breaks[:-1, None] + np.diff(breaks)[:, None] * step).ravel())
+    s = all_along(motion)
     return float(np.max(-s[0] - s[2]) * np.cos(tilt))
 
 
@@ -98,21 +86,16 @@ def test_on_a_dwell_the_profile_is_the_circle_of_the_face_s_height(cam: FlatCam)
 @given(flat_cams(), unspecial(0.2, 0.8))
 def test_the_profile_s_tangent_is_the_face(cam: FlatCam, fraction: float):
     theta, width = cam.inside(fraction)
-
-    def drawn(angle: np.ndarray) -> np.ndarray:
-        p = cam.profile(angle)
-        return np.array([p.x, p.y])
-
-    (dx, dy), _ = slopes(drawn, theta, 0.1 * width)
+    (dx, dy), _ = slopes(cam.outline, theta, 0.1 * width)
     p = cam.profile(theta)
     across, along = dx * p.normal_x + dy * p.normal_y, dx * p.normal_y - dy * p.normal_x
     noise = 1e-11 * cam.length / width
     agree("slope across the face", theta, across, np.zeros(1), noise)
     # run clockwise on a ccw cam, at a speed that is the radius of curvature
-    agree("slope along the face", theta, p.radius, cam.sense * along, noise + 1e-11 * cam.length)
+    agree("slope along the face", theta, p.radius, cam.turns * along, noise + 1e-11 * cam.length)
     np.testing.assert_allclose(p.pressure_angle, cam.tilt, atol=1e-15)
     # the face keeps its direction in the machine: the cam sees it turn backwards
-    turned = -cam.sense * theta
+    turned = -cam.turns * theta
     nx, ny = cam.normal
     np.testing.assert_allclose(p.normal_x, nx * np.cos(turned) - ny * np.sin(turned), atol=1e-14)
     np.testing.assert_allclose(p.normal_y, nx * np.sin(turned) + ny * np.cos(turned), atol=1e-14)
@@ -124,22 +107,18 @@ def test_the_pressure_angle_is_that_between_push_and_slide(cam: FlatCam, fractio
     s = cam.motion.derivatives(theta)
     n, size = cam.normal, (cam.Rb,)
     # the cam's material under the contact and the slide have the same velocity along the normal
-    x, y = (np.array(v) for v in cam.face.traced_point(s, size)[0])
-    moves = np.array([-y, x]).T @ (n * [cam.sense, 1.0])
+    x, y = (np.array(v) for v in cam.follower.traced_point(s, size)[0])
+    moves = np.array([-y, x]).T @ (n * [cam.turns, 1.0])
     np.testing.assert_allclose(moves, s[1] * n[1], rtol=1e-12, atol=1e-13 * cam.length)
-    assert cam.profile(theta).pressure_angle == pytest.approx(np.arctan2(-cam.sense * n[0], n[1]))
+    assert cam.profile(theta).pressure_angle == pytest.approx(np.arctan2(-cam.turns * n[0], n[1]))
 
 
 @given(flat_cams(), unspecial(0.2, 0.8))
 def test_the_traced_point_s_derivatives_are_those_of_its_position(cam: FlatCam, fraction: float):
     theta, width = cam.inside(fraction)
-
-    def traced(angle: np.ndarray) -> np.ndarray:
-        return np.array(cam.face.traced_point(cam.motion.derivatives(angle), (cam.Rb,)))
-
-    told = traced(theta)
+    told = cam.traced(theta)
     for order in range(2):
-        slope, _ = slopes(lambda angle, k=order: traced(angle)[k], theta, 0.15 * width)
+        slope, _ = slopes(lambda angle, k=order: cam.traced(angle)[k], theta, 0.15 * width)
         noise = 1e-12 * (np.max(abs(told[order])) + cam.length) / width
         for name, mine, found in zip("xy", told[order + 1], slope, strict=True):
             agree(f"{name}, derivative {order + 1}", theta, mine, found, noise + 1e-11 * abs(mine))
@@ -147,8 +126,8 @@ def test_the_traced_point_s_derivatives_are_those_of_its_position(cam: FlatCam, 
 
 def lifted(cam: FlatCam, points: np.ndarray, theta: np.ndarray) -> np.ndarray:
     """How far the tilted line is lifted along its slide, resting on the turning polygon."""
-    line = touch.Line(float(np.arctan2(cam.along[1], abs(cam.along[0])) * cam.sense))
-    heights = touch.rests(points, cam.sense * theta, line)
+    line = touch.Line(float(np.arctan2(cam.along[1], abs(cam.along[0])) * cam.turns))
+    heights = touch.rests(points, cam.turns * theta, line)
     return heights - cam.Rb / np.cos(cam.tilt)
 
 
@@ -212,24 +191,24 @@ def test_what_the_follower_tells_is_what_is_measured(cam: FlatCam):
     breaks = cam.motion.curve.breaks
     theta = np.unique(np.concatenate([TURN * np.arange(3600) / 3600, breaks[:-1]]))
     p = cam.profile(theta)
-    out = cam.face.outermost(cam.length - cam.Rb).value((cam.Rb,))
+    out = cam.follower.outermost(cam.length - cam.Rb).value((cam.Rb,))
     np.testing.assert_allclose(out, np.max(np.hypot(p.x, p.y)), rtol=1e-9)
-    (row,) = cam.face.profile_radius_rows(0.0)
+    (row,) = cam.follower.profile_radius_rows(0.0)
     told = -(np.array(row.coefficients) @ p.s + row.size[0] * cam.Rb - row.upper)
     np.testing.assert_allclose(told, p.radius, rtol=1e-12, atol=1e-13 * cam.length)
     # the face that contact needs, from where the profile touches the line: seen from the point of
     # the slide's line that moves with it
-    cos, sin = np.cos(cam.sense * theta), np.sin(cam.sense * theta)
+    cos, sin = np.cos(cam.turns * theta), np.sin(cam.turns * theta)
     touched = np.array([p.x * cos - p.y * sin, p.x * sin + p.y * cos])  # in the machine's frame
-    c = cam.sense * cam.face.offset_mm
+    c = cam.turns * cam.follower.offset_mm
     start = (cam.Rb - c * cam.normal[0]) / cam.normal[1]  # where the line crosses at s = 0
     reach = cam.along @ (touched - np.array([np.full(len(theta), c), start + p.s[0]]))
-    wide = cam.face.motion_dimensions(cam.motion, (cam.Rb,))
+    wide = cam.follower.motion_dimensions(cam.motion, (cam.Rb,))
     near = 1e-3 * (cam.Rb + np.ptp(reach))
     np.testing.assert_allclose(wide["face_right_mm"], np.max(reach), atol=near)
     np.testing.assert_allclose(wide["face_left_mm"], -np.min(reach), atol=near)
     assert wide["face_width_mm"] == wide["face_left_mm"] + wide["face_right_mm"]
-    left, right = cam.face.contact_rows(0.0, 0.0)
+    left, right = cam.follower.contact_rows(0.0, 0.0)
     noise = 1e-12 * (cam.length + abs(c)) / np.cos(cam.tilt) ** 2
     for row, sign in ((left, -1.0), (right, 1.0)):
         told = np.array(row.coefficients) @ p.s + sum(row.size) * cam.Rb - row.upper

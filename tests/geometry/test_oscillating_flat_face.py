@@ -10,11 +10,10 @@ from hypothesis import strategies as st
 from synthesis.certify.quantities import QUANTITIES
 from synthesis.followers import OscillatingFlatFace
 from synthesis.motion import Motion
-from synthesis.profile import CamProfile, cam_profile
 from tests.certify.cams import backwards
 from tests.geometry import touch
 from tests.geometry.agreement import agree
-from tests.geometry.cams import TURN, motions, unspecial
+from tests.geometry.cams import TURN, AnyCam, all_along, motions, unspecial
 from tests.geometry.slopes import slopes
 
 POINTS = 4000
@@ -22,8 +21,8 @@ INSIDE = unspecial(0.2, 0.8)
 
 
 @dataclass(frozen=True)
-class FaceCam:
-    """A finished cam; ``turns``: +1 where it turns counter-clockwise, ``psi``: ψ0 [rad]."""
+class FaceCam(AnyCam):
+    """A finished cam; ``psi``: ψ0 [rad]."""
 
     motion: Motion
     d: float
@@ -53,10 +52,6 @@ class FaceCam:
         return self.d * np.cos(self.psi), self.base
 
     @property
-    def turns(self) -> float:
-        return -1.0 if self.rotation == "cw" else 1.0
-
-    @property
     def sigma(self) -> float:
         return 1.0 if self.sense == "opposite" else -1.0
 
@@ -69,23 +64,6 @@ class FaceCam:
     @property
     def length(self) -> float:
         return self.d + abs(self.f)
-
-    def profile(self, theta: np.ndarray, side: str = "right") -> CamProfile:
-        theta = np.asarray(theta, dtype=float)
-        return cam_profile(self.motion, self.follower, self.size, self.rotation, theta, side)
-
-    def inside(self, fraction: float) -> tuple[np.ndarray, np.ndarray]:
-        breaks = self.motion.curve.breaks
-        width = np.diff(breaks)
-        return breaks[:-1] + fraction * width, width
-
-    def everywhere(self) -> np.ndarray:
-        """(4, n) s to s''' all along the turn, both ends of every piece."""
-        breaks = self.motion.curve.breaks
-        step = np.linspace(1e-9, 1.0 - 1e-9, 300)
-        return self.motion.derivatives(
-            (breaks[:-1, None] + np.diff(breaks)[:, None] * step).ravel()
-        )
 
     def in_machine(self, theta: np.ndarray, x: np.ndarray, y: np.ndarray) -> np.ndarray:
         angle = self.turns * theta
@@ -108,9 +86,7 @@ def face_cams(draw: st.DrawFn, deepest: float = 0.05) -> FaceCam:
     The swing is never faster than 0.6 of the cam, the least radius at least ``deepest`` of d.
     """
     motion = draw(motions(10.0 ** draw(unspecial(-1.0, 2.0)), only_gentle=True))
-    breaks = motion.curve.breaks
-    step = np.linspace(1e-9, 1.0 - 1e-9, 300)
-    s = motion.derivatives((breaks[:-1, None] + np.diff(breaks)[:, None] * step).ravel())
+    s = all_along(motion)
     reference = float(np.max(abs(s[1]))) / draw(unspecial(0.1, 0.6))
     sense = draw(st.sampled_from(["opposite", "same"]))
     room = 0.5 * np.pi - float(np.max(s[0])) / reference
@@ -138,12 +114,7 @@ def test_on_a_dwell_the_profile_is_the_circle_of_the_face_s_distance(cam: FaceCa
 @given(face_cams(), INSIDE)
 def test_the_profile_s_tangent_is_the_face(cam: FaceCam, fraction: float):
     theta, width = cam.inside(fraction)
-
-    def drawn(angle: np.ndarray) -> np.ndarray:
-        p = cam.profile(angle)
-        return np.array([p.x, p.y])
-
-    (dx, dy), _ = slopes(drawn, theta, 0.05 * width)
+    (dx, dy), _ = slopes(cam.outline, theta, 0.05 * width)
     p = cam.profile(theta)
     np.testing.assert_allclose(np.hypot(p.normal_x, p.normal_y), 1.0, rtol=1e-14)
     across, along = dx * p.normal_x + dy * p.normal_y, dx * p.normal_y - dy * p.normal_x
@@ -167,13 +138,9 @@ def test_the_contact_normal_is_perpendicular_to_the_traced_tangent(cam: FaceCam,
 @given(face_cams(), INSIDE)
 def test_the_traced_point_s_derivatives_are_those_of_its_position(cam: FaceCam, fraction: float):
     theta, width = cam.inside(fraction)
-
-    def traced(angle: np.ndarray) -> np.ndarray:
-        return np.array(cam.follower.traced_point(cam.motion.derivatives(angle), cam.size))
-
-    told = traced(theta)
+    told = cam.traced(theta)
     for order in range(2):
-        slope, _ = slopes(lambda angle, k=order: traced(angle)[k], theta, 0.05 * width)
+        slope, _ = slopes(lambda angle, k=order: cam.traced(angle)[k], theta, 0.05 * width)
         noise = 1e-10 * (np.max(abs(told[order])) + cam.length) / width
         for name, mine, found in zip("xy", told[order + 1], slope, strict=True):
             agree(f"{name}, derivative {order + 1}", theta, mine, found, noise + 1e-10 * abs(mine))
@@ -266,7 +233,7 @@ def test_the_other_sense_is_the_motion_run_backwards_in_a_mirror(cam: FaceCam, f
 
 @given(face_cams())
 def test_what_the_follower_tells_is_what_is_measured(cam: FaceCam):
-    s, follower, size = cam.everywhere(), cam.follower, cam.size
+    s, follower, size = all_along(cam.motion), cam.follower, cam.size
     told = {**follower.dimensions(size), **follower.motion_dimensions(cam.motion, size)}
     assert told["centre_distance_mm"] == pytest.approx(cam.d, rel=1e-12)
     assert told["initial_angle_deg"] == pytest.approx(np.degrees(cam.psi), rel=1e-9)
@@ -295,7 +262,7 @@ def test_what_the_follower_tells_is_what_is_measured(cam: FaceCam):
 
 @given(face_cams())
 def test_the_certificate_s_quantities_are_those_of_the_closed_forms(cam: FaceCam):
-    s = cam.everywhere()
+    s = all_along(cam.motion)
     radius = cam.d * bracket(s, cam.reference, cam.sigma, cam.psi) - cam.f
     reach = cam.d * np.cos(cam.psi + s[0] / cam.reference)
     reach = reach / (1.0 + cam.sigma * s[1] / cam.reference)
@@ -307,7 +274,7 @@ def test_the_certificate_s_quantities_are_those_of_the_closed_forms(cam: FaceCam
 @given(face_cams(), unspecial(0.5, 1.5), unspecial(0.3, 1.2))
 def test_half_planes_say_the_same_as_the_limit(cam: FaceCam, larger: float, share: float):
     """At any size the half-planes of a motion are broken where the limit is."""
-    s, follower = cam.everywhere(), cam.follower
+    s, follower = all_along(cam.motion), cam.follower
     least, reach = share * 0.3 * cam.d, share * cam.d
     curves = [
         *follower.profile_radius_curves(least), *follower.contact_curves("near", 0.4 * reach),

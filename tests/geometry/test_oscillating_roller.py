@@ -9,11 +9,10 @@ from hypothesis import strategies as st
 
 from synthesis.followers import OscillatingRoller
 from synthesis.motion import Motion
-from synthesis.profile import CamProfile, cam_profile
 from tests.certify.cams import backwards
 from tests.geometry import touch
 from tests.geometry.agreement import agree
-from tests.geometry.cams import TURN, motions, unspecial
+from tests.geometry.cams import TURN, AnyCam, motions, unspecial
 from tests.geometry.slopes import slopes
 
 POINTS = 3000
@@ -21,8 +20,8 @@ INSIDE = unspecial(0.2, 0.8)
 
 
 @dataclass(frozen=True)
-class ArmCam:
-    """A finished cam; ``turns``: +1 where it turns counter-clockwise, ``psi``: ψ0 [rad]."""
+class ArmCam(AnyCam):
+    """A finished cam; ``psi``: ψ0 [rad]."""
 
     motion: Motion
     arm: float
@@ -48,10 +47,6 @@ class ArmCam:
         return self.d * np.cos(self.psi), self.d * np.sin(self.psi)
 
     @property
-    def turns(self) -> float:
-        return -1.0 if self.rotation == "cw" else 1.0
-
-    @property
     def sigma(self) -> float:
         return 1.0 if self.sense == "opposite" else -1.0
 
@@ -69,15 +64,6 @@ class ArmCam:
         """Of the roller's centre, by the law of cosines."""
         cos = np.cos(self.psi + s / self.arm)
         return np.sqrt(self.d**2 + self.arm**2 - 2.0 * self.d * self.arm * cos)
-
-    def profile(self, theta: np.ndarray, side: str = "right") -> CamProfile:
-        theta = np.asarray(theta, dtype=float)
-        return cam_profile(self.motion, self.follower, self.size, self.rotation, theta, side)
-
-    def inside(self, fraction: float) -> tuple[np.ndarray, np.ndarray]:
-        breaks = self.motion.curve.breaks
-        width = np.diff(breaks)
-        return breaks[:-1] + fraction * width, width
 
     def steps(self, fraction: float) -> tuple[np.ndarray, np.ndarray]:
         """Angles, and how far around each the curves may be read to differentiate them.
@@ -110,10 +96,6 @@ def turned(x: np.ndarray, y: np.ndarray, angle: np.ndarray) -> tuple[np.ndarray,
     return x * np.cos(angle) - y * np.sin(angle), x * np.sin(angle) + y * np.cos(angle)
 
 
-def pitch(cam: ArmCam):
-    return lambda theta: np.stack([(p := cam.profile(theta)).pitch_x, p.pitch_y])
-
-
 # --- where the roller is ------------------------------------------------------------------------
 
 
@@ -134,13 +116,9 @@ def test_the_centre_hangs_on_its_arm_and_swings_by_the_law(cam: ArmCam, fraction
 @given(arm_cams(), INSIDE)
 def test_the_traced_point_s_derivatives_are_those_of_its_position(cam: ArmCam, fraction: float):
     theta, reach = cam.steps(fraction)
-
-    def traced(angle: np.ndarray) -> np.ndarray:
-        return np.array(cam.follower.traced_point(cam.motion.derivatives(angle), cam.size))
-
-    told = traced(theta)
+    told = cam.traced(theta)
     for order in range(3):
-        slope, _ = slopes(lambda angle, k=order: traced(angle)[k], theta, reach)
+        slope, _ = slopes(lambda angle, k=order: cam.traced(angle)[k], theta, reach)
         noise = 1e-13 * (np.max(abs(told[order])) + cam.length) / reach
         for name, mine, found in zip("xy", told[order + 1], slope, strict=True):
             agree(f"{name}, derivative {order + 1}", theta, mine, found, noise + 1e-11 * abs(mine))
@@ -168,15 +146,7 @@ def test_it_is_driven_along_its_path(cam: ArmCam, fraction: float):
 
 @given(arm_cams(), INSIDE)
 def test_on_a_dwell_the_pitch_curve_is_a_circle(cam: ArmCam, fraction: float):
-    theta = np.array(
-        [
-            stretch.start + f * stretch.angle
-            for stretch in cam.motion.stretches
-            if stretch.kind == "dwell"
-            for f in (0.5 * fraction, fraction, 0.999)
-        ]
-    )
-    p = cam.profile(theta)
+    p = cam.profile(cam.at_rest(0.5 * fraction, fraction, 0.999))
     radius = cam.radius(p.s[0])
     lost = cam.length / np.min(radius)  # digits, in a radius that is a small difference
     np.testing.assert_allclose(np.hypot(p.pitch_x, p.pitch_y), radius, rtol=1e-14 * lost)
@@ -193,11 +163,7 @@ def test_the_roller_touches_along_the_normal_at_its_radius(cam: ArmCam, fraction
     tolerance = 1e-12 * cam.length
     np.testing.assert_allclose(p.pitch_x - p.x, cam.Rr * p.normal_x, rtol=0, atol=tolerance)
     np.testing.assert_allclose(p.pitch_y - p.y, cam.Rr * p.normal_y, rtol=0, atol=tolerance)
-
-    def profile(at: np.ndarray) -> np.ndarray:
-        return np.stack([(q := cam.profile(at)).x, q.y])
-
-    for points in (profile, pitch(cam)):
+    for points in (cam.outline, cam.pitch):
         (dx, dy), _ = slopes(points, theta, reach)
         along = (dx * p.normal_x + dy * p.normal_y) / cam.length
         agree("normal along tangent", theta, along, 0.0, np.maximum(1e-12, 4e-15 / reach))
@@ -208,7 +174,7 @@ def test_the_curvature_is_that_of_the_reported_curve_and_of_the_closed_form(
     cam: ArmCam, fraction: float
 ):
     theta, reach = cam.steps(fraction)
-    (dx, dy), (ax, ay) = slopes(pitch(cam), theta, reach)
+    (dx, dy), (ax, ay) = slopes(cam.pitch, theta, reach)
     speed = np.hypot(dx, dy)
     found = -cam.turns * (dx * ay - dy * ax) / speed**3  # a ccw cam is passed clockwise
     p = cam.profile(theta)
@@ -227,7 +193,7 @@ def test_the_curvature_is_that_of_the_reported_curve_and_of_the_closed_form(
 def test_the_pressure_angle_is_that_of_normal_and_velocity(cam: ArmCam, fraction: float):
     theta, reach = cam.steps(fraction)
     cam = replace(cam, rotation="ccw")
-    (dx, dy), _ = slopes(pitch(cam), theta, reach)
+    (dx, dy), _ = slopes(cam.pitch, theta, reach)
     nx, ny = turned(-dy, dx, theta)
     p = cam.profile(theta)
     x, y = turned(p.pitch_x, p.pitch_y, theta)
@@ -246,7 +212,7 @@ def test_the_pressure_angle_is_that_of_normal_and_velocity(cam: ArmCam, fraction
 def test_cam_and_follower_neither_part_nor_penetrate(cam: ArmCam, fraction: float):
     # at the contact point both move equally fast along the common normal
     theta, reach = cam.steps(fraction)
-    (dx, dy), _ = slopes(pitch(cam), theta, reach)
+    (dx, dy), _ = slopes(cam.pitch, theta, reach)
     length = np.hypot(dx, dy)
     p = cam.profile(theta)
     nx, ny = turned(-cam.turns * dy / length, cam.turns * dx / length, cam.turns * theta)
@@ -369,8 +335,7 @@ def test_a_given_size_leaves_nothing_open(cam: ArmCam):
 
 
 def outline(cam: ArmCam) -> np.ndarray:
-    p = cam.profile(TURN * np.arange(POINTS) / POINTS)
-    return np.stack([p.x, p.y], axis=1)
+    return cam.outline(TURN * np.arange(POINTS) / POINTS).T
 
 
 def swing_of(cam: ArmCam, thicker: float = 0.0) -> touch.Swing:

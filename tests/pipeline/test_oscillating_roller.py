@@ -195,16 +195,46 @@ def test_profile_radius_costs_and_is_kept() -> None:
 # -- all free -----------------------------------------------------------------------------------
 
 
-def test_everything_free_is_no_worse_than_any_distance_tried() -> None:
-    design = synthesise(scene(angles(), jerk(1.9), tolerance=5e-3))
-    assert certified(design)
-    assert design.status == "feasible"
-    assert "local optimum" in design.certificate.bound_over
-    assert design.certificate.lower_bound is None
+@pytest.fixture(scope="module")
+def everything_free() -> Design:
+    return synthesise(scene(angles(), jerk(1.9), tolerance=5e-3))
+
+
+def test_everything_free_is_no_worse_than_any_distance_tried(everything_free: Design) -> None:
+    design = everything_free
     at = design.dimensions["centre_distance_mm"]
     for factor in (0.93, 0.99, 1.01, 1.08):
         given = synthesise(scene(angles(), jerk(1.9), distance=factor * at, tolerance=5e-3))
         assert given.status == "infeasible" or prime(design) <= prime(given) * (1.0 + 5e-3)
+
+
+def test_everything_free_is_proven_over_all_laws_and_pivots(everything_free: Design) -> None:
+    """No cam of another program, whatever the pivot, is below the bound."""
+    design = everything_free
+    assert certified(design)
+    assert design.status == "optimal"
+    assert design.certificate.bound_over == "all motion laws with a bounded jerk"
+    assert design.certificate.gap is not None
+    assert 0.0 < design.certificate.gap <= 5e-3
+    assert design.certificate.lower_bound is not None
+    lower = design.certificate.lower_bound + 7.9
+    at = design.dimensions["centre_distance_mm"]
+    others = [another_program("opposite", share * at, 40, 0.4) for share in (0.985, 1.0, 1.015)]
+    # its rows hold at 120 points only, which makes 4e-4
+    assert min(others) >= lower * (1.0 - 5e-4)
+    assert min(others) == pytest.approx(prime(design), rel=6e-3)
+
+
+def test_a_least_centre_distance_that_binds_is_in_the_bound() -> None:
+    far = 100.0
+    limits = (angles(), jerk(1.9))
+    free = synthesise(scene(*limits, distance={"min": far}, sense="opposite", tolerance=5e-3))
+    given = synthesise(scene(*limits, distance=far, tolerance=5e-3))
+    assert certified(free)
+    assert free.dimensions["centre_distance_mm"] == pytest.approx(far, rel=1e-3)
+    assert free.certificate.gap is not None
+    assert free.certificate.gap <= 1e-2
+    assert prime(free) == pytest.approx(prime(given), rel=5e-3)
 
 
 # -- scales, senses, refusals ---------------------------------------------------------------------

@@ -5,6 +5,7 @@ from __future__ import annotations
 import os
 import signal
 import time
+from collections.abc import Sequence
 from typing import Any
 
 from service.solve import Answer, answered
@@ -17,8 +18,8 @@ def prepare() -> None:
     """Nothing to warm up."""
 
 
-def task(spec: bytes, budget_s: float) -> Answer:
-    return answered(synthesise, spec, budget_s)
+def task(spec: bytes, budget_s: float, also: Sequence[Any] = ()) -> Answer:
+    return answered(synthesise, spec, budget_s, also)
 
 
 def synthesise(spec: DesignSpec, *, deadline: float | None = None) -> Design:

@@ -50,8 +50,8 @@ def test_a_broken_limit_is_a_result(client: httpx2.Client) -> None:
     assert again.headers["etag"] == answer.headers["etag"]
 
 
-def test_nothing_is_kept(client: httpx2.Client) -> None:
-    body = given(name="analysed, not kept")
+def test_an_analysis_is_no_design(client: httpx2.Client) -> None:
+    body = given(name="analysed, not designed")
     assert client.post("/v1/analyses", json=body).status_code == 200
     listed = client.get("/v1/designs").json()["items"]
     assert body["name"] not in [each["name"] for each in listed]
@@ -93,7 +93,7 @@ def test_wrong_input_is_told_as_for_designs(client: httpx2.Client) -> None:
     assert problem["status"] == 422
     assert problem["errors"][0]["pointer"] == "/base_radius"
     assert "base_radius_mm" in problem["errors"][0]["way_out"]
-    assert client.get("/v1/analyses").status_code == 405
+    assert client.put("/v1/analyses").status_code == 405
 
 
 @pytest.fixture

@@ -20,7 +20,7 @@ def post(client: httpx2.Client, body: dict[str, Any], **headers: str) -> httpx2.
 
 
 def wait_for(client: httpx2.Client, path: str) -> httpx2.Response:
-    for _ in range(200):
+    for _ in range(1200):
         answer = client.get(path)
         if answer.status_code != 202:
             return answer

@@ -83,8 +83,14 @@ TABLE: dict[str, tuple[Change, str, Any, str]] = {
     ),
     "negative angle": (segment(0, angle_deg=-60), "/program/0/angle_deg", -60, "greater than 0"),
     "negative lift": (segment(0, lift_mm=-30), "/program/0/lift_mm", -30, "at least"),
-    "lift is text": (segment(0, lift_mm="30"), "/program/0/lift_mm", "30", "valid number"),
-    "lift is true": (segment(0, lift_mm=True), "/program/0/lift_mm", True, "valid number"),
+    "lift is text": (segment(0, lift_mm="30"), "/program/0/lift_mm", "30", "must be a number"),
+    "lift is true": (segment(0, lift_mm=True), "/program/0/lift_mm", True, "must be a number"),
+    "a law that is text": (
+        segment(0, law="cycloidal"), "/program/0/law", "cycloidal", 'write {"kind": "cycloidal"}',
+    ),
+    "an angle limit without angles": (
+        changed(limits=[{"kind": "pressure_angle"}]), "/limits/0", None, "Give rise_deg",
+    ),
     "lift missing": (without("program", 0, "lift_mm"), "/program/0", None, "no lift"),
     "two lifts": (segment(0, lift_deg=20), "/program/0", None, "two lifts"),
     "an angle for a slide": (
@@ -398,3 +404,16 @@ def test_ten_megabytes_in_pieces(client: httpx2.Client) -> None:
             yield b"x" * 10_000
 
     assert post(client, pieces())["status"] == 413
+
+
+@pytest.mark.parametrize(
+    ("name", "way_out"), [("cycloid", "Did you mean 'cycloidal'?"), ("xyz", "Choose one of these.")]
+)
+def test_the_kinds_that_there_are_are_listed_once(
+    client: httpx2.Client, name: str, way_out: str
+) -> None:
+    body = spec()
+    segment(0, law={"kind": name})(body)
+    problem = client.post("/v1/designs", json=body).json()
+    assert problem["detail"].count("kloomok_muffley_8") == 1
+    assert problem["detail"].endswith(way_out)

@@ -9,7 +9,8 @@ from typing import Annotated, ClassVar
 
 from pydantic import BaseModel, ConfigDict, Field
 
-from synthesis.followers.flank import Flank, Host, Places
+from synthesis.followers.flank import Flank, Places
+from synthesis.followers.trace import Host
 from synthesis.motion import Motion
 from synthesis.ranges import Range
 

@@ -12,7 +12,8 @@ from pydantic import Field
 from synthesis.followers.closures.base import Closure
 from synthesis.followers.closures.counter_slide import CounterSlide
 from synthesis.followers.closures.force import Force
-from synthesis.followers.flank import Flank, Host, Places, Trace
+from synthesis.followers.flank import Flank, Places
+from synthesis.followers.trace import Host, Trace
 from synthesis.motion import Motion
 from synthesis.ranges import Dimension, Range, ends
 from synthesis.units import DEGREE

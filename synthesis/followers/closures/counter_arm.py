@@ -12,12 +12,12 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
-from synthesis.followers.flank import Trace, Vector2
-from synthesis.terms import Implied, Norm, Row, Vector
+from synthesis.followers.trace import Trace, Vector2
+from synthesis.terms import Norm, Row, Vector
 
 
 @dataclass(frozen=True)
-class CounterArm:
+class CounterArm(Trace):
     """The counter roller; the size z is the main follower's.
 
     Attributes:
@@ -43,27 +43,11 @@ class CounterArm:
     def direction(self, s: Any, z: Any) -> tuple[Vector2, Vector2]:
         return self.arm.direction(*self._seen(s, z))
 
-    def normal(self, tangent: Vector2, s: Any, z: Any) -> Vector2:
-        tx, ty = tangent
-        return -ty, tx
-
-    def face_turn(self, s: Any, z: Any) -> Vector2:
-        raise NotImplementedError("a roller has no face")
-
-    def face_axis(self, s: Any, z: Any) -> tuple[Vector2, Vector2]:
-        raise NotImplementedError("a roller has no face")
-
     def curvature_terms(self, s: Any, z: Any) -> tuple[Any, Any]:
         return self.arm.curvature_terms(*self._seen(s, z))
 
-    def curvature_implied(self, side: int, most: float) -> tuple[Implied, ...]:
-        return ()
-
     def pressure_angle_rows(self, slope: float) -> tuple[Row, ...]:
         return ()  # not linear in s
-
-    def radius_rows(self, least: float) -> tuple[Row, ...]:
-        return ()
 
     def outermost(self, s_max: float) -> Norm:
         # the second arm stands farthest out where the main one is lowest

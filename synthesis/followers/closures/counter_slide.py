@@ -15,13 +15,13 @@ import math
 from dataclasses import dataclass
 from typing import Any
 
-from synthesis.followers.flank import Vector2
 from synthesis.followers.pitch_curvature import PitchCurvature
-from synthesis.terms import Implied, Norm, Row, Seen
+from synthesis.followers.trace import Trace, Vector2
+from synthesis.terms import Norm, Row, Seen, Traced
 
 
 @dataclass(frozen=True)
-class CounterSlide:
+class CounterSlide(Trace):
     """The counter roller; the size z is the main follower's (e, s0).
 
     Attributes:
@@ -41,21 +41,11 @@ class CounterSlide:
         zero = 0.0 * s[0]
         return (zero, zero - 1.0), (zero, zero)
 
-    def normal(self, tangent: Vector2, s: Any, z: Any) -> Vector2:
-        tx, ty = tangent
-        return -ty, tx
-
-    def face_turn(self, s: Any, z: Any) -> Vector2:
-        raise NotImplementedError("a roller has no face")
-
-    def face_axis(self, s: Any, z: Any) -> tuple[Vector2, Vector2]:
-        raise NotImplementedError("a roller has no face")
-
     def curvature_terms(self, s: Any, z: Any) -> tuple[Any, Any]:
         y, v = self.distance - z[1] - s[0], self.offset - s[1]
         return y * y + v * (self.offset - 2.0 * s[1]) + y * s[2], y * y + v * v
 
-    def curvature_implied(self, side: int, most: float) -> tuple[Implied, ...]:
+    def curvature_implied(self, side: int, most: float) -> tuple[Traced, ...]:
         constants = (self.distance, self.offset, -self.offset)
         seen = Seen(-1, constants, ((0.0, -1.0), (0.0, 0.0), (0.0, 0.0)))
         return (PitchCurvature("", seen, side, most),)
@@ -78,9 +68,6 @@ class CounterSlide:
     def outermost(self, s_max: float) -> Norm:
         # highest above its own axis where the main roller is lowest
         return Norm(((0.0, 0.0), (0.0, -1.0)), (self.offset, self.distance))
-
-    def value_of(self, radius: float) -> float:
-        return radius
 
     def nearest(self, s_max: float) -> float:
         return s_max

@@ -8,7 +8,8 @@ from pydantic import Field
 from pydantic_core import PydanticCustomError
 
 from synthesis.followers.closures.base import Closure, Rim
-from synthesis.followers.flank import Flank, Host
+from synthesis.followers.flank import Flank
+from synthesis.followers.trace import Host
 
 
 class Force(Closure):

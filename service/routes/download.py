@@ -1,0 +1,61 @@
+"""Files of what is kept: named for every system, made in a thread, not sent twice."""
+
+from __future__ import annotations
+
+import asyncio
+import re
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Annotated
+
+from fastapi import Request, Response
+from pydantic import Field
+
+from service.etag import tag_of, unchanged
+from service.store import Row
+
+SVG = "image/svg+xml"
+NOTHING_RUNS = "default-src 'none'; style-src 'unsafe-inline'"
+
+ChordTolerance = Annotated[
+    float | None,
+    Field(
+        le=1e6,
+        description="Largest distance of a chord from the curve [µm]; decides instead of "
+        "points_per_degree.",
+    ),
+]
+
+
+@dataclass(frozen=True)
+class Download:
+    """A file as a browser gets it; ``ending`` follows the name that its owner gave."""
+
+    ending: str
+    media_type: str
+
+    def headers(self, name: str) -> dict[str, str]:
+        """Pictures are shown (and run nothing), everything else is saved."""
+        file_name = f'filename="{stem_of(name)}-{self.ending}"'
+        if self.media_type != SVG:
+            return {"Content-Disposition": f"attachment; {file_name}"}
+        return {
+            "Content-Disposition": f"inline; {file_name}",
+            "Content-Security-Policy": NOTHING_RUNS,
+        }
+
+    async def sent(
+        self, request: Request, row: Row, made_by: tuple[str, ...], write: Callable[[], bytes]
+    ) -> Response:
+        """The file of a finished row, or 304; ``made_by`` decides on its bytes with the row."""
+        tag = tag_of(row.etag or "", *made_by)
+        return unchanged(request, tag) or Response(
+            await asyncio.to_thread(write),
+            headers={"ETag": f'"{tag}"', **self.headers(row.name)},
+            media_type=self.media_type,
+        )
+
+
+def stem_of(name: str) -> str:
+    """What a file name begins with, in letters that every system takes."""
+    return re.sub(r"[^A-Za-z0-9._-]+", "-", name).strip("-.")[:60] or "cam"

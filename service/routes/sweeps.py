@@ -1,0 +1,185 @@
+"""/v1/sweeps: ask for many designs at once, watch them come in, stop or forget them."""
+
+from __future__ import annotations
+
+import asyncio
+import contextlib
+from collections.abc import AsyncIterator
+from typing import Annotated
+
+from fastapi import APIRouter, Depends, Header, Query, Request, Response
+from fastapi.sse import EventSourceResponse, ServerSentEvent
+
+from service.body import read_body
+from service.documentation import UNDER_WAY_HEADERS, problems, spec_body
+from service.errors import UnknownSweep
+from service.examples import SWEEPS
+from service.routes.kept import Key, name_by_key
+from service.state import Parts, State
+from service.sweeps.store import UNDER_WAY, SweepRow
+from service.sweeps.views import (
+    Sweep,
+    SweepPage,
+    SweepState,
+    SweepSummary,
+    at,
+    items_of,
+    summary_of,
+    sweep_of,
+)
+from service.views import cursor_at, position_of
+from synthesis.sweeps import SweepSpec
+
+router = APIRouter(prefix="/v1/sweeps", tags=["sweeps"])
+BATCH = 200  # items read at once for whoever watches
+LOOK_S = 1.0  # between looks at a sweep that another process works on
+
+
+async def known(sweep_id: str, parts: Parts) -> SweepRow:
+    """The sweep with this id."""
+    row = await parts.sweeps.store.find(sweep_id)
+    if row is None:
+        raise UnknownSweep(
+            f"There is no sweep {sweep_id[:64]!r}. GET /v1/sweeps lists those there are; POST the "
+            "spec again to make it anew."
+        )
+    return row
+
+
+def _after(
+    last_event_id: Annotated[
+        str | None, Header(description="Id of the last event that you have: goes on after it.")
+    ] = None,
+) -> int:
+    return position_of(last_event_id) if last_event_id else 0
+
+
+Known = Annotated[SweepRow, Depends(known)]
+After = Annotated[int, Depends(_after)]
+
+
+@router.post(
+    "",
+    status_code=202,
+    response_model=Sweep,
+    responses={
+        202: {"description": "Under way, or over already: see `state`.",
+              "headers": UNDER_WAY_HEADERS},
+        **problems(400, 413, 415, 422, 429, 503),
+    },
+    openapi_extra=spec_body(SWEEPS, "SweepSpec"),
+    summary="Start a sweep",
+)  # fmt: skip
+async def create_sweep(
+    request: Request, response: Response, parts: Parts, idempotency_key: Key = None
+) -> Sweep:
+    """Many designs out of one: the base with other values in some of its fields.
+
+    The same spec gives the same sweep: asked again, it is joined; where it was dismissed, it goes
+    on. Every finished item is in the store before it is counted, and a restart of the service, of
+    the scheduler or of a worker loses none.
+    """
+    spec = await read_body(request, SweepSpec)
+    parts.sweeps.check(spec)
+    name = parts.sweeps.name_of(spec)
+    if await name_by_key(parts, name, idempotency_key, await request.body()) != name:
+        raise UnknownSweep("Idempotency-Key: it was used for something else. Use a new one.")
+    row = await parts.sweeps.accept(spec)
+    response.headers.update({"Location": at(name), "Retry-After": "1"})
+    return _sweep(parts, row)
+
+
+@router.get("", summary="List sweeps", responses=problems(422))
+async def list_sweeps(
+    parts: Parts,
+    limit: Annotated[int, Query(ge=1, le=200, description="Sweeps on a page.")] = 50,
+    cursor: Annotated[str | None, Query(description="`next` of the page before.")] = None,
+    state: Annotated[SweepState | None, Query(description="Only those in this state.")] = None,
+) -> SweepPage:
+    """The newest first."""
+    before = None if cursor is None else position_of(cursor)
+    rows = await parts.sweeps.store.page(before, limit + 1, state)
+    following = cursor_at(rows[limit - 1].sequence) if len(rows) > limit else None
+    return SweepPage(items=[_summary(parts, row) for row in rows[:limit]], next=following)
+
+
+@router.get("/{sweep_id}", summary="A sweep", responses=problems(404))
+async def get_sweep(row: Known, parts: Parts) -> Sweep:
+    """State, progress, counts, rate and time left; what was asked; links."""
+    return _sweep(parts, row)
+
+
+@router.delete(
+    "/{sweep_id}",
+    response_model=Sweep,
+    responses={
+        200: {"description": "It was under way: stopped, and what is done is kept."},
+        204: {"description": "It was over: discarded with all its items."},
+        **problems(404),
+    },
+    summary="Stop or discard a sweep",
+)
+async def delete_sweep(row: Known, parts: Parts) -> Response:
+    """Under way: dismissed within a second, and what is done is kept. Over: discarded."""
+    stopped = await parts.sweeps.dismiss(row)
+    if stopped is not None:
+        return Response(_sweep(parts, stopped).model_dump_json(), 200, None, "application/json")
+    await parts.sweeps.store.discard(row.sequence)
+    return Response(status_code=204)
+
+
+@router.get(
+    "/{sweep_id}/events",
+    response_class=EventSourceResponse,
+    responses={**problems(404, 422)},
+    summary="Watch a sweep",
+)
+async def watch_sweep(
+    row: Known,
+    after: After,
+    parts: Parts,
+    items: Annotated[
+        bool, Query(description="Tell of every item; otherwise of progress only.")
+    ] = True,
+) -> AsyncIterator[ServerSentEvent]:
+    """Server-sent events: `item` for every finished item, `progress`, and `end` as the last one.
+
+    The data of `item` is as in the list of items, that of the others the sweep's summary. Every
+    `item` has an id; sent back as Last-Event-ID, as browsers do by themselves, the stream goes on
+    with the next one.
+    """
+    async for event in _events(parts, row, after, items):
+        yield event
+
+
+async def _events(
+    parts: State, row: SweepRow, after: int, items: bool
+) -> AsyncIterator[ServerSentEvent]:
+    told: SweepSummary | None = None
+    while True:
+        progress = parts.sweeps.progress(row.id)
+        pulse = progress.pulse if progress else asyncio.Event()  # whatever comes from here on
+        now = await parts.sweeps.store.find(row.id)
+        if now is None:
+            return
+        while items and (found := await parts.sweeps.store.items(now.sequence, after, BATCH)):
+            for line, each in zip(items_of(now, found), found, strict=True):
+                yield ServerSentEvent(data=line, event="item", id=cursor_at(each.sequence))
+            after = found[-1].sequence
+        summary = _summary(parts, now)
+        if now.state not in UNDER_WAY:
+            yield ServerSentEvent(data=summary, event="end")
+            return
+        if summary != told:
+            yield ServerSentEvent(data=summary, event="progress")
+            told = summary
+        with contextlib.suppress(TimeoutError):
+            await asyncio.wait_for(pulse.wait(), LOOK_S)
+
+
+def _sweep(parts: State, row: SweepRow) -> Sweep:
+    return sweep_of(row, parts.sweeps.progress(row.id))
+
+
+def _summary(parts: State, row: SweepRow) -> SweepSummary:
+    return summary_of(row, parts.sweeps.progress(row.id))

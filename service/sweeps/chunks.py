@@ -1,0 +1,75 @@
+"""Which items of a sweep are sent to the workers next, and how many at once."""
+
+from __future__ import annotations
+
+import math
+from collections import Counter, deque
+from collections.abc import Collection
+
+CHUNK_S = 0.4  # work in a chunk: long beside sending it, short beside a second
+MOST = 50
+STRIKES = 3  # workers that an item may take with it, the last two alone with it
+
+
+class Chunks:
+    """The items still to be done: never in memory, but for those that came back.
+
+    A chunk takes as many items as fit into ``CHUNK_S`` by what the last ones took, fewer at the
+    end so that no worker is idle while another has a whole chunk left. Items whose worker died are
+    sent alone from then on, so that only the one that kills is blamed.
+    """
+
+    def __init__(self, size: int, done: Collection[int], workers: int) -> None:
+        self._size, self.workers = size, workers
+        self._todo = bytearray(b"\1") * size
+        for number in done:
+            self._todo[number] = 0
+        self._next, self.left = 0, size - len(done)
+        self._back: deque[list[int]] = deque()
+        self._strikes: Counter[int] = Counter()
+        self._seconds: float | None = None
+        self._largest = 1
+
+    def take(self) -> list[int]:
+        """The next chunk; empty where nothing is left to send."""
+        chunk = self._back.popleft() if self._back else self._from_the_rest(self._wanted())
+        self.left -= len(chunk)
+        return chunk
+
+    def _wanted(self) -> int:
+        if self._seconds is None:
+            return 1
+        fair = math.ceil(self.left / (2 * self.workers))
+        self._largest = min(2 * self._largest, MOST)
+        return max(1, min(int(CHUNK_S / max(self._seconds, 1e-6)), self._largest, fair))
+
+    def _from_the_rest(self, most: int) -> list[int]:
+        chunk: list[int] = []
+        while self._next >= 0 and len(chunk) < most:
+            self._next = self._todo.find(1, self._next)
+            if self._next >= 0:
+                chunk.append(self._next)
+                self._next += 1
+        return chunk
+
+    def took(self, seconds: float) -> None:
+        """An item took that long."""
+        known = seconds if self._seconds is None else self._seconds
+        self._seconds = 0.8 * known + 0.2 * seconds
+
+    def back(self, numbers: list[int]) -> None:
+        """These were not begun."""
+        if numbers:
+            self._back.append(numbers)
+            self.left += len(numbers)
+
+    def struck(self, numbers: list[int]) -> bool:
+        """The worker at these died; whether the item is to blame: then it does not come back."""
+        if len(numbers) == 1:
+            self._strikes[numbers[0]] += 1
+            if self._strikes[numbers[0]] >= STRIKES:
+                return True
+        for number in numbers:
+            self._strikes[number] = max(self._strikes[number], 1)
+            self.back([number])
+        return False

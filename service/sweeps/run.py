@@ -1,0 +1,135 @@
+"""One sweep under way: chunks go out, answers come back and are kept, until none is left."""
+
+from __future__ import annotations
+
+import asyncio
+import logging
+
+from sqlalchemy.exc import InterfaceError, OperationalError
+
+from service.engine import Engine
+from service.errors import EngineUnreachable, WorkerLost
+from service.problem import described
+from service.settings import Settings
+from service.sweeps.chunks import STRIKES, Chunks
+from service.sweeps.progress import Progress
+from service.sweeps.store import Discarded, Done, SweepRow, SweepStore
+from service.sweeps.work import SLICE_S, ItemAnswer, solve_items
+from synthesis.errors import TimeBudgetExceeded
+from synthesis.sweeps import SweepSpec
+
+log = logging.getLogger("camwright.sweeps")
+AGAIN_S = 0.5  # after the engine or the store was not there
+STOP_S = 0.5  # that chunks get to end in when the sweep is stopped; then their workers are
+
+
+class Run:
+    """A sweep that this process works on."""
+
+    def __init__(
+        self, row: SweepRow, engine: Engine, store: SweepStore, settings: Settings
+    ) -> None:
+        self._row, self._engine, self._store = row, engine, store
+        self._spec = SweepSpec.model_validate_json(row.spec)
+        self._budget_s = settings.budget_s(self._spec.base.time_budget_s)
+        self._sent = self._spec.without_values().model_dump_json().encode()
+        self._writing = asyncio.Lock()
+        self._stopping = False
+        self._flights: set[asyncio.Task[None]] = set()
+        self.progress = Progress()
+
+    async def work(self) -> None:
+        """Until every item is finished, or the sweep is stopped."""
+        number = self._row.sequence
+        done = await self._store.done_numbers(number)
+        chunks = Chunks(self._row.size, done, self._engine.slots)
+        await self._store.start(number)
+        self.progress.advanced(len(done))
+        del done
+        try:
+            await self._sent_out(chunks)
+            if not self._stopping:
+                await self._ended()
+        except Discarded:
+            pass
+        finally:
+            for flight in self._flights:
+                flight.cancel()
+            self.progress.woken()
+
+    async def stop(self) -> None:
+        """Send nothing more; give what is being worked on a moment, then stop it."""
+        self._stopping = True
+        if self._flights:
+            await asyncio.wait(self._flights, timeout=STOP_S)
+        for flight in self._flights:
+            flight.cancel()
+
+    async def _sent_out(self, chunks: Chunks) -> None:
+        while True:
+            chunks.workers = self._engine.slots
+            # One more than there are workers: it waits while another's answers are being kept.
+            while not self._stopping and len(self._flights) <= self._engine.slots:
+                wanted = chunks.take()
+                if not wanted:
+                    break
+                self._flights.add(asyncio.create_task(self._flown(chunks, wanted)))
+            if not self._flights:
+                return
+            landed, self._flights = await asyncio.wait(
+                self._flights, return_when=asyncio.FIRST_COMPLETED
+            )
+            for flight in landed:
+                if not flight.cancelled():
+                    flight.result()
+
+    async def _flown(self, chunks: Chunks, numbers: list[int]) -> None:
+        """One chunk: there, back, and into the store."""
+        wanted = [(number, self._spec.picks(number)) for number in numbers]
+        try:
+            answers = await self._engine.run(
+                solve_items, self._sent, wanted, self._budget_s, self._engine.task,
+                budget_s=self._budget_s + SLICE_S, behind=True,
+            )  # fmt: skip
+        except EngineUnreachable:
+            chunks.back(numbers)
+            await asyncio.sleep(AGAIN_S)
+            return
+        except (WorkerLost, TimeBudgetExceeded) as error:
+            if not chunks.struck(numbers):
+                return
+            answers = [_blamed(numbers[0], error)]
+        for answer in answers:
+            chunks.took(answer.seconds)
+        chunks.back(numbers[len(answers) :])
+        values = dict(wanted)
+        await self._kept([(answer, values[answer.number]) for answer in answers])
+
+    async def _kept(self, done: list[Done]) -> None:
+        async with self._writing:  # their order in the store is the order in which they are seen
+            while True:
+                try:
+                    row = await self._store.record(self._row.sequence, done)
+                except (InterfaceError, OperationalError):
+                    log.exception("the store cannot be reached; finished items wait for it")
+                    await asyncio.sleep(AGAIN_S)
+                else:
+                    self.progress.advanced(row.done)
+                    return
+
+    async def _ended(self) -> None:
+        row = await self._store.find(self._row.id)
+        if row is not None:
+            state = "failed" if row.failed == row.size else "successful"
+            await self._store.end(row.sequence, state)
+
+
+def _blamed(number: int, error: Exception) -> ItemAnswer:
+    """An item that takes its worker with it every time, or that nothing stops in time."""
+    problem = described(error)
+    problem["detail"] = (
+        f"Its worker was lost {STRIKES} times at this item, the last times at nothing else: it "
+        "died, perhaps for want of memory, or overran its time budget and had to be stopped. "
+        f"The last time: {error}"
+    )
+    return ItemAnswer(number, "failed", problem=problem)

@@ -1,0 +1,263 @@
+"""Sweeps and their finished items in the store. What has no row has still to be done."""
+
+from __future__ import annotations
+
+import hashlib
+import json
+import zlib
+from collections.abc import Iterable, Sequence
+from datetime import UTC, datetime
+from typing import Any
+
+from sqlalchemy import (
+    JSON,
+    BigInteger,
+    DateTime,
+    Float,
+    Index,
+    Integer,
+    LargeBinary,
+    String,
+    delete,
+    insert,
+    select,
+    update,
+)  # fmt: skip
+from sqlalchemy.exc import IntegrityError
+from sqlalchemy.orm import Mapped, Session, defer, mapped_column
+
+from service.store import Base, DesignRow, Do, Row
+from service.sweeps.work import ItemAnswer
+
+STATUSES = ("optimal", "feasible", "infeasible", "failed")
+UNDER_WAY = ("accepted", "running")
+Done = tuple[ItemAnswer, list[Any]]  # an answer, and the values that the axes had
+
+
+class SweepRow(Base):
+    """One sweep, with how many of its items came out how."""
+
+    __tablename__ = "sweeps"
+
+    sequence: Mapped[int] = mapped_column(
+        BigInteger().with_variant(Integer, "sqlite"), primary_key=True
+    )
+    id: Mapped[str] = mapped_column(String(64), unique=True)
+    name: Mapped[str] = mapped_column(String(200))
+    created: Mapped[datetime] = mapped_column(DateTime(timezone=True))
+    started: Mapped[datetime | None] = mapped_column(DateTime(timezone=True))
+    finished: Mapped[datetime | None] = mapped_column(DateTime(timezone=True))
+    state: Mapped[str] = mapped_column(String(16), index=True)
+    spec: Mapped[bytes] = mapped_column(LargeBinary)
+    size: Mapped[int] = mapped_column(Integer)
+    axes: Mapped[list[str]] = mapped_column(JSON)
+    quantities: Mapped[list[str]] = mapped_column(JSON)
+    optimal: Mapped[int] = mapped_column(Integer, default=0)
+    feasible: Mapped[int] = mapped_column(Integer, default=0)
+    infeasible: Mapped[int] = mapped_column(Integer, default=0)
+    failed: Mapped[int] = mapped_column(Integer, default=0)
+
+    @property
+    def done(self) -> int:
+        """Items that are finished, whatever came out."""
+        return self.optimal + self.feasible + self.infeasible + self.failed
+
+
+class ItemRow(Base):
+    """One finished item; ``sequence`` is the order in which they were finished."""
+
+    __tablename__ = "sweep_items"
+    __table_args__ = (
+        Index("ix_sweep_items_number", "sweep", "number", unique=True),
+        Index("ix_sweep_items_sequence", "sweep", "sequence"),
+        Index("ix_sweep_items_status", "sweep", "status", "sequence"),
+    )
+
+    sequence: Mapped[int] = mapped_column(
+        BigInteger().with_variant(Integer, "sqlite"), primary_key=True
+    )
+    sweep: Mapped[int] = mapped_column(BigInteger)
+    number: Mapped[int] = mapped_column(Integer)
+    status: Mapped[str] = mapped_column(String(16))
+    axis_values: Mapped[list[Any]] = mapped_column(JSON)
+    quantities: Mapped[dict[str, float]] = mapped_column(JSON)
+    gap: Mapped[float | None] = mapped_column(Float)
+    seconds: Mapped[float] = mapped_column(Float)
+    design_id: Mapped[str | None] = mapped_column(String(64), index=True)
+    design: Mapped[bytes | None] = mapped_column(LargeBinary)
+    problem: Mapped[dict[str, Any] | None] = mapped_column(JSON)
+
+
+UNREAD = defer(SweepRow.spec)
+LISTED = defer(ItemRow.design)
+
+
+class Discarded(Exception):
+    """The sweep is not in the store any more."""
+
+
+class SweepStore:
+    """Every method is one transaction of the store's."""
+
+    def __init__(self, do: Do) -> None:
+        self._do = do
+
+    async def accept(self, row: SweepRow) -> SweepRow:
+        """The sweep with this id: this one, or the one there is, which a dismissed one goes on."""
+
+        def work(session: Session) -> SweepRow:
+            there = session.scalar(select(SweepRow).filter_by(id=row.id).with_for_update())
+            if there is None:
+                session.add(row)
+                session.flush()
+                return row
+            if there.state == "dismissed":
+                there.state, there.finished = "accepted", None
+            return there
+
+        try:
+            return await self._do(work)
+        except IntegrityError:  # another process was first
+            return await self._do(work)
+
+    async def find(self, name: str) -> SweepRow | None:
+        """The sweep with this id."""
+        return await self._do(lambda s: s.scalar(select(SweepRow).filter_by(id=name)))
+
+    async def page(self, before: int | None, size: int, state: str | None) -> Sequence[SweepRow]:
+        """Sweeps from the newest on, without their specs."""
+        asked = select(SweepRow).options(UNREAD)
+        asked = asked.order_by(SweepRow.sequence.desc()).limit(size)
+        if before is not None:
+            asked = asked.where(SweepRow.sequence < before)
+        if state is not None:
+            asked = asked.filter_by(state=state)
+        return await self._do(lambda session: session.scalars(asked).all())
+
+    async def unfinished(self) -> Sequence[SweepRow]:
+        """What was accepted and has not come to an end."""
+        asked = select(SweepRow).where(SweepRow.state.in_(UNDER_WAY)).order_by(SweepRow.sequence)
+        return await self._do(lambda session: session.scalars(asked).all())
+
+    async def done_numbers(self, sweep: int) -> set[int]:
+        """Which items of a sweep are finished."""
+        asked = select(ItemRow.number).filter_by(sweep=sweep)
+        return await self._do(lambda session: set(session.scalars(asked)))
+
+    async def start(self, sweep: int) -> None:
+        """Note that a sweep is being worked on."""
+        change = update(SweepRow).filter_by(sequence=sweep, state="accepted")
+        now = datetime.now(UTC)
+        await self._do(lambda s: s.execute(change.values(state="running", started=now)))
+
+    async def record(self, sweep: int, done: Iterable[Done]) -> SweepRow:
+        """Keep finished items and count them, in one transaction; those kept already stay.
+
+        Raises:
+            Discarded: there is no such sweep any more.
+        """
+        rows = {answer.number: _row(sweep, answer, values) for answer, values in done}
+
+        def work(session: Session) -> SweepRow:
+            whole = session.get(SweepRow, sweep, options=[UNREAD], with_for_update=True)
+            if whole is None:
+                raise Discarded
+            there = select(ItemRow.number).where(
+                ItemRow.sweep == sweep, ItemRow.number.in_(list(rows))
+            )
+            known = set(session.scalars(there))
+            new = [row for number, row in rows.items() if number not in known]
+            if new:
+                session.execute(insert(ItemRow), new)
+            for status in STATUSES:
+                more = sum(row["status"] == status for row in new)
+                setattr(whole, status, getattr(whole, status) + more)
+            names = dict.fromkeys(
+                [*whole.quantities, *(q for row in new for q in row["quantities"])]
+            )
+            if len(names) > len(whole.quantities):
+                whole.quantities = list(names)
+            return whole
+
+        try:
+            return await self._do(work)
+        except IntegrityError:  # another process has kept one of them meanwhile
+            return await self._do(work)
+
+    async def end(self, sweep: int, state: str) -> SweepRow | None:
+        """Note how a sweep that was under way ended; None where it was not, or is gone."""
+
+        def work(session: Session) -> SweepRow | None:
+            whole = session.get(SweepRow, sweep, with_for_update=True)
+            if whole is None or whole.state not in UNDER_WAY:
+                return None
+            whole.state, whole.finished = state, datetime.now(UTC)
+            return whole
+
+        return await self._do(work)
+
+    async def discard(self, sweep: int) -> None:
+        """Forget a sweep and its items."""
+
+        def work(session: Session) -> None:
+            session.execute(delete(ItemRow).filter_by(sweep=sweep))
+            session.execute(delete(SweepRow).filter_by(sequence=sweep))
+
+        await self._do(work)
+
+    async def items(
+        self, sweep: int, after: int, size: int, status: str | None = None
+    ) -> Sequence[ItemRow]:
+        """Items in the order in which they were finished, those after a sequence."""
+        asked = select(ItemRow).options(LISTED).where(ItemRow.sweep == sweep)
+        asked = asked.where(ItemRow.sequence > after).order_by(ItemRow.sequence).limit(size)
+        if status is not None:
+            asked = asked.where(ItemRow.status == status)
+        return await self._do(lambda session: session.scalars(asked).all())
+
+    async def numbered(self, sweep: int, above: int, size: int) -> Sequence[ItemRow]:
+        """Finished items in the order of their numbers, those above one."""
+        asked = select(ItemRow).options(LISTED).where(ItemRow.sweep == sweep)
+        asked = asked.where(ItemRow.number > above).order_by(ItemRow.number).limit(size)
+        return await self._do(lambda session: session.scalars(asked).all())
+
+    async def item(self, sweep: int, number: int) -> ItemRow | None:
+        """One finished item with its design."""
+        asked = select(ItemRow).filter_by(sweep=sweep, number=number)
+        return await self._do(lambda session: session.scalar(asked))
+
+
+def _row(sweep: int, answer: ItemAnswer, values: list[Any]) -> dict[str, Any]:
+    return {
+        "sweep": sweep,
+        "number": answer.number,
+        "status": answer.status,
+        "axis_values": values,
+        "quantities": answer.quantities,
+        "gap": answer.gap,
+        "seconds": answer.seconds,
+        "design_id": answer.design_id,
+        "design": answer.design,
+        "problem": answer.problem,
+    }
+
+
+def design_of_item(session: Session, name: str) -> Row | None:
+    """The design with this id as a row of its own, where it came out of a sweep."""
+    item = session.scalar(select(ItemRow).filter_by(design_id=name).limit(1))
+    if item is None or item.design is None:
+        return None
+    body = zlib.decompress(item.design)
+    design = json.loads(body)
+    return DesignRow(
+        sequence=0,
+        id=name,
+        name=design["name"],
+        created=datetime.now(UTC),
+        state="done",
+        status=item.status,
+        spec=json.dumps(design["spec"]).encode(),
+        design=body,
+        etag=hashlib.sha256(body).hexdigest()[:32],
+        summary={},
+    )

@@ -1,0 +1,19 @@
+"""Fields that several bodies of the wire share: what a thing is called, how its shaft turns."""
+
+from __future__ import annotations
+
+from typing import Annotated, Literal
+
+from pydantic import Field
+
+Name = Annotated[str, Field(max_length=200)]
+"""What a person calls a cam or a set of cams."""
+
+Speed = Annotated[float, Field(gt=0.0, le=1e9)]
+"""Constant speed of a cam or its shaft [rpm]."""
+
+Rotation = Literal["ccw", "cw"]
+"""Sense of turning, seen with the cam's axis towards the viewer."""
+
+CamSpeed = Annotated[Speed, Field(description="Cam speed, constant over the turn [rpm].")]
+CamRotation = Annotated[Rotation, Field(description="Sense in which the cam turns.")]

@@ -1,0 +1,10 @@
+"""The benchmark of HTTP runs: it starts a service, so its place is beside the service's tests."""
+
+from benchmarks.__main__ import section
+from benchmarks.effort import TRIAL
+
+
+def test_the_benchmark_of_http_runs() -> None:
+    times = section("http", TRIAL).parts[0].markdown()
+    for told in ("whole request", "core, as reported", "added by HTTP", "from the store"):
+        assert told in times

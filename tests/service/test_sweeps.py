@@ -1,0 +1,213 @@
+"""Sweeps over HTTP with a fake core: all the way, watching, stopping, and what is refused."""
+
+from __future__ import annotations
+
+import json
+import time
+from typing import Any
+
+import httpx2
+import pytest
+
+from tests.service.conftest import Running
+from tests.service.specs import spec
+from tests.service.test_trouble import is_problem
+
+
+def sweep_of(names: list[str], **more: Any) -> dict[str, Any]:
+    """A sweep whose items do what their names say, in the fake core."""
+    axis = {"kind": "list", "pointer": "/name", "values": names}
+    return {"name": "many", "base": spec(), "axes": [axis], **more}
+
+
+def posted(client: httpx2.Client, body: dict[str, Any]) -> str:
+    answer = client.post("/v1/sweeps", json=body)
+    assert answer.status_code == 202, answer.text
+    where: str = answer.headers["location"]
+    assert where == answer.json()["links"]["self"]
+    return where
+
+
+def over(client: httpx2.Client, where: str) -> dict[str, Any]:
+    for _ in range(6000):
+        found: dict[str, Any] = client.get(where).json()
+        if found["state"] not in ("accepted", "running"):
+            return found
+        time.sleep(0.01)
+    raise AssertionError(found)
+
+
+def items_at(client: httpx2.Client, where: str, **query: Any) -> list[dict[str, Any]]:
+    """Every finished item, page by page."""
+    found: list[dict[str, Any]] = []
+    while True:
+        page = client.get(f"{where}/items", params=query).json()
+        found += page["items"]
+        if page["next"] is None:
+            return found
+        query["cursor"] = page["next"]
+
+
+def counted(found: dict[str, Any], **expected: int) -> None:
+    """Exactly these counts; those not named are 0."""
+    zero = dict.fromkeys(("optimal", "feasible", "infeasible", "failed"), 0)
+    assert found["counts"] == {"items": 0, "done": 0} | zero | expected
+
+
+def events(client: httpx2.Client, where: str, **headers: str) -> list[dict[str, Any]]:
+    """Server-sent events to the end of the stream."""
+    with client.stream("GET", f"{where}/events", headers=headers) as answer:
+        assert answer.headers["content-type"].startswith("text/event-stream")
+        found, now = [], dict[str, Any]()
+        for line in answer.iter_lines():
+            name, _, value = line.partition(": ")
+            if line and name:
+                now[name] = json.loads(value) if name == "data" else value
+            elif now:
+                found.append(now)
+                now = {}
+    return found
+
+
+def test_from_end_to_end(client: httpx2.Client) -> None:
+    body = sweep_of([f"item {i}" for i in range(57)])
+    where = posted(client, body)
+    found = over(client, where)
+    assert (found["state"], found["progress"]) == ("successful", 100.0)
+    counted(found, items=57, done=57, optimal=57)
+    assert found["spec"]["axes"][0]["values"] == body["axes"][0]["values"]
+    items = items_at(client, where, limit=10)
+    assert sorted(item["number"] for item in items) == list(range(57))
+    for item in items:
+        assert item["values"] == {"/name": f"item {item['number']}"}
+        assert item["quantities"]["base_radius_mm"] == 50.0
+        assert (item["status"], item["gap"], item["problem"]) == ("optimal", 0.002, None)
+    design = client.get(items[0]["links"]["design"])
+    assert design.json()["name"] == items[0]["values"]["/name"]
+    one = client.get(f"{where}/items/41").json()
+    assert one["values"] == {"/name": "item 41"}
+    assert one in items
+    listed = client.get("/v1/sweeps", params={"limit": 1, "state": "successful"}).json()
+    assert listed["items"][0]["id"] == found["id"]
+
+
+def test_the_design_of_an_item_is_that_of_its_spec_alone(client: httpx2.Client) -> None:
+    body = sweep_of(["alone", "beside"])
+    where = posted(client, body)
+    over(client, where)
+    link = client.get(f"{where}/items/1").json()["links"]["design"]
+    answer = client.post("/v1/designs", json={**body["base"], "name": "beside"})
+    assert answer.headers["content-location"] == link
+    kept = client.get(link)
+    assert (kept.content, kept.headers["etag"]) == (answer.content, answer.headers["etag"])
+
+
+def test_the_same_sweep_is_joined_and_a_key_goes_with_it(client: httpx2.Client) -> None:
+    body, key = sweep_of(["sleep 0.3", "x"]), {"Idempotency-Key": "sweep-key-1"}
+    first = client.post("/v1/sweeps", json=body, headers=key).json()
+    assert client.post("/v1/sweeps", json=body, headers=key).json()["id"] == first["id"]
+    other = client.post("/v1/sweeps", json=sweep_of(["y"]), headers=key)
+    is_problem(other, 422, "idempotency-key-reused")
+    counted(over(client, first["links"]["self"]), items=2, done=2, optimal=2)
+
+
+def test_items_that_go_wrong_are_told_one_by_one(client: httpx2.Client) -> None:
+    where = posted(client, sweep_of(["fine", "solver", "bug", "empty", "best", "fine too"]))
+    counted(over(client, where), items=6, done=6, optimal=3, failed=3)
+    failed = {item["number"]: item["problem"] for item in items_at(client, where, status="failed")}
+    assert {n: problem["type"] for n, problem in failed.items()} == {
+        1: "/problems/solver-failed", 2: "/problems/internal", 3: "/problems/time-budget",
+    }  # fmt: skip
+    assert "secret" not in json.dumps(failed)
+    best = client.get(f"{where}/items/4").json()
+    assert best["problem"]["type"] == "/problems/time-budget"
+    assert best["quantities"]["base_radius_mm"] == 50.0
+    assert "design" not in best["links"]
+
+
+def test_an_item_that_makes_no_sense_points_at_what_is_wrong(client: httpx2.Client) -> None:
+    axis = {"kind": "list", "pointer": "/limits/0/rise_deg", "values": [30.0, -5.0]}
+    where = posted(client, {"base": spec(), "axes": [axis]})
+    counted(over(client, where), items=2, done=2, optimal=1, failed=1)
+    problem = client.get(f"{where}/items/1").json()["problem"]
+    assert problem["errors"][0]["pointer"] == "/limits/0/rise_deg"
+    assert problem["errors"][0]["value"] == -5.0
+
+
+def test_a_sweep_without_one_sensible_item_is_refused(client: httpx2.Client) -> None:
+    axis = {
+        "kind": "range",
+        "pointer": "/program/0/angle_deg",
+        "start": 61,
+        "stop": 80,
+        "count": 99,
+    }
+    problem = is_problem(
+        client.post("/v1/sweeps", json={"base": spec(), "axes": [axis]}), 422, "invalid-request"
+    )
+    assert problem["errors"][0]["pointer"] == "/base/program"
+    assert "None of 8 items" in problem["detail"]
+
+
+def test_what_is_too_large_is_refused_before_any_work(client: httpx2.Client) -> None:
+    most = client.get("/v1/limits").json()["server"]["max_sweep_items"]
+    axes = [
+        {"kind": "range", "pointer": pointer, "start": 10, "stop": 20, "count": count}
+        for pointer, count in (("/speed_rpm", most), ("/limits/0/rise_deg", 2))
+    ]
+    answer = client.post("/v1/sweeps", json={"base": spec(), "axes": axes})
+    (found,) = is_problem(answer, 422, "invalid-request")["errors"]
+    assert (found["pointer"], found["value"]) == ("/axes", 2 * most)
+    assert str(most) in found["rule"]
+
+
+def test_watching_goes_on_where_it_was_left(client: httpx2.Client) -> None:
+    where = posted(client, sweep_of([f"sleep 0.0{i % 7}" + " " * i for i in range(40)]))
+    live = events(client, where)
+    told = [event for event in live if event["event"] == "item"]
+    assert sorted(event["data"]["number"] for event in told) == list(range(40))
+    assert live[-1]["event"] == "end"
+    assert live[-1]["data"]["counts"]["done"] == 40
+    shares = [event["data"]["progress"] for event in live if event["event"] == "progress"]
+    assert shares == sorted(shares)
+    later = events(client, where, **{"Last-Event-ID": told[24]["id"]})
+    assert [event["id"] for event in later[:-1]] == [event["id"] for event in told[25:]]
+
+
+def test_a_sweep_that_is_stopped_keeps_what_is_done_and_can_go_on(service: Running) -> None:
+    client = service.client
+    body = sweep_of([f"sleep 0.1{' ' * i}" for i in range(60)])
+    where = posted(client, body)
+    while client.get(where).json()["counts"]["done"] < 4:
+        time.sleep(0.02)
+    started = time.monotonic()
+    answer = client.delete(where)
+    took = time.monotonic() - started
+    assert answer.status_code == 200
+    stopped = answer.json()
+    assert stopped["state"] == "dismissed"
+    assert 4 <= stopped["counts"]["done"] < 60
+    time.sleep(0.5)
+    assert client.get(where).json() == stopped
+    assert len(items_at(client, where)) == stopped["counts"]["done"]
+    print(f"stopped within {took:.2f} s")
+    assert posted(client, body) == where
+    counted(over(client, where), items=60, done=60, optimal=60)
+    assert len({item["number"] for item in items_at(client, where)}) == 60
+
+
+def test_a_sweep_that_is_over_is_discarded_with_its_items(client: httpx2.Client) -> None:
+    where = posted(client, sweep_of(["one", "two"]))
+    over(client, where)
+    design = client.get(f"{where}/items/0").json()["links"]["design"]
+    assert client.delete(where).status_code == 204
+    for gone in (where, f"{where}/items", f"{where}/items/0", f"{where}/events"):
+        is_problem(client.get(gone), 404, "unknown-sweep")
+    is_problem(client.get(design), 404, "unknown-design")
+    is_problem(client.delete(where), 404, "unknown-sweep")
+
+
+@pytest.mark.parametrize("query", ["limit=0", "cursor=%25", "status=done"])
+def test_wrong_questions_about_items(client: httpx2.Client, query: str) -> None:
+    where = posted(client, sweep_of(["asked wrongly"]))
+    is_problem(client.get(f"{where}/items?{query}"), 422, "invalid-parameter")
