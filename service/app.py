@@ -23,6 +23,7 @@ from service.routes import (
     analyses,
     cam_sets,
     catalogue,
+    confirmation,
     designs,
     files,
     operation,
@@ -37,7 +38,8 @@ from service.sweeps.sweeps import Sweeps
 
 EngineOf = Callable[[Settings], AbstractAsyncContextManager[Engine]]
 ROUTES = (
-    designs, files, cam_sets, sweeps, sweep_items, analyses, profile_analyses, catalogue, operation,
+    designs, confirmation, files, cam_sets, sweeps, sweep_items, analyses, profile_analyses,
+    catalogue, operation,
 )  # fmt: skip
 EXPOSED = ("ETag", "Location", "Content-Location", "Retry-After", "X-Request-ID")
 

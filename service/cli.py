@@ -11,7 +11,7 @@ from typing import Annotated, Any, NoReturn
 import typer
 from rich.console import Console
 
-from service import analysis_table, reading_table
+from service import analysis_table, confirmation_table, reading_table
 from service.body import Model, parsed, validated
 from service.errors import InvalidBody, ServiceError
 from service.points_file import points_in
@@ -123,6 +123,28 @@ def analyse(
         for table in analysis_table.tables(found):
             wide.print(table)
     if not found.holds:
+        raise typer.Exit(3)
+
+
+@app.command()
+def confirm(
+    design: Annotated[Path, typer.Argument(help="File with a Design, as `design` writes it.")],
+    as_json: Annotated[bool, typer.Option("--json", help="Print the whole as JSON.")] = False,
+) -> None:
+    """Measure a finished design's certificate again, in ball arithmetic, to 25 digits."""
+    from synthesis.confirmation import confirm as confirmed
+
+    try:
+        found = confirmed(_read(design, Design))
+    except CamwrightError as error:
+        _stop(str(error))
+    if as_json:
+        print(found.model_dump_json(indent=1))
+    else:
+        out.print(confirmation_table.headline(found))
+        wide = Console(highlight=False, width=max(out.width, confirmation_table.WIDTH))
+        wide.print(confirmation_table.table(found))
+    if found.verdict != "confirmed":
         raise typer.Exit(3)
 
 

@@ -2,11 +2,33 @@
 
 from __future__ import annotations
 
+import asyncio
+import signal
 from typing import Any
 
-from distributed import LocalCluster, Status
+from distributed import LocalCluster, Nanny, Status
 
 GONE = (Status.closed, Status.failed)
+DIED = "died"
+TOLD_S = 1.0  # until a keeper has heard of its worker's end, at the longest
+
+
+class Keeper(Nanny):
+    """Remembers how its worker ended."""
+
+    ended: str | None = None
+
+    def _on_worker_exit_sync(self, exitcode: int) -> None:
+        self.ended = _in_words(exitcode)
+        super()._on_worker_exit_sync(exitcode)  # type: ignore[no-untyped-call]
+
+
+def _in_words(exitcode: int) -> str:
+    if exitcode >= 0:
+        return f"ended by itself with status {exitcode}"
+    known = {each.value for each in signal.Signals}
+    name = f" ({signal.Signals(-exitcode).name})" if -exitcode in known else ""
+    return f"was ended by signal {-exitcode}{name}"
 
 
 class OwnCluster(LocalCluster):
@@ -35,3 +57,15 @@ class OwnCluster(LocalCluster):
         if lost:
             scale: Any = self.scale
             scale(len(self.worker_spec))
+
+    async def how_it_ended(self, name: Any) -> str:
+        """What ended the worker of this name, in words."""
+        keeper: Any = self.workers.get(name)
+        for _ in range(10):
+            if keeper is None or keeper.ended is not None:
+                break
+            await asyncio.sleep(0.1 * TOLD_S)
+        if keeper is None or keeper.ended is None:
+            return DIED
+        told, keeper.ended = keeper.ended, None
+        return str(told)

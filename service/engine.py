@@ -22,7 +22,7 @@ from distributed import Client, KilledWorker, Worker, WorkerPlugin
 from distributed.client import FutureCancelledError
 from distributed.comm.core import CommClosedError
 
-from service.cluster import OwnCluster
+from service.cluster import DIED, Keeper, OwnCluster
 from service.errors import Busy, EngineUnreachable, WorkerLost
 from service.settings import Settings
 from service.solve import Answer, Task, solve, warm_up
@@ -31,6 +31,7 @@ from synthesis.errors import TimeBudgetExceeded
 log = logging.getLogger("camwright.engine")
 T = TypeVar("T")
 Connect = Callable[[], Awaitable[Any]]
+Ended = Callable[[Any], Awaitable[str]]  # a worker's name to what ended it
 
 CONFIGURATION = {
     "distributed.scheduler.work-stealing": False,
@@ -67,8 +68,10 @@ class WarmUp(WorkerPlugin):
 class Engine:
     """Runs designs on workers; refuses what would wait too long, and stops what overruns."""
 
-    def __init__(self, connect: Connect, client: Any, settings: Settings, task: Task) -> None:
-        self._connect, self._client = connect, client
+    def __init__(
+        self, connect: Connect, client: Any, settings: Settings, task: Task, how_it_ended: Ended
+    ) -> None:
+        self._connect, self._client, self._how_it_ended = connect, client, how_it_ended
         self._settings, self.task = settings, task
         self._turn = asyncio.Condition()
         self._repairs: set[asyncio.Task[None]] = set()
@@ -147,9 +150,10 @@ class Engine:
             raise TimeBudgetExceeded(budget_s)
         try:
             return result.result()
-        except KilledWorker:
+        except KilledWorker as error:
+            ended = await self._how_it_ended(error.last_worker.name)
             raise WorkerLost(
-                "The process working on this design died, perhaps for want of memory. "
+                f"The process working on this design {ended}, perhaps for want of memory. "
                 "Others go on. Try again, or ask for a simpler design.",
                 RETRY,
             ) from None
@@ -208,6 +212,11 @@ class Engine:
 RETRY = {"Retry-After": "2"}
 
 
+async def _unseen(name: Any) -> str:
+    """How a worker elsewhere ended."""
+    return DIED
+
+
 @asynccontextmanager
 async def running_engine(
     settings: Settings, task: Task = solve, prepare: Callable[[], None] = warm_up
@@ -220,7 +229,9 @@ async def running_engine(
                 cluster = await stack.enter_async_context(_own_cluster(settings))
             connect = partial(_connected, cluster or settings.scheduler, prepare)
             client = await connect()
-            engine = Engine(connect, client, settings, task)
+            engine = Engine(
+                connect, client, settings, task, cluster.how_it_ended if cluster else _unseen
+            )
             stack.push_async_callback(engine.close)
             if cluster is not None:
                 await client.wait_for_workers(settings.workers)
@@ -244,6 +255,7 @@ async def _own_cluster(settings: Settings) -> AsyncIterator[Any]:
         n_workers=settings.workers,
         threads_per_worker=1,
         processes=True,
+        worker_class=Keeper,
         host="127.0.0.1",
         dashboard_address="127.0.0.1:0",  # nothing is shown there; without one it takes 8787
         silence_logs=logging.CRITICAL,

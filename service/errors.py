@@ -7,7 +7,7 @@ from typing import Any
 
 from sqlalchemy.exc import SQLAlchemyError
 
-from synthesis.errors import InputError, SolverFailed, TimeBudgetExceeded
+from synthesis.errors import ExtraMissing, InputError, SolverFailed, TimeBudgetExceeded
 
 
 class ServiceError(Exception):
@@ -122,6 +122,7 @@ PROBLEMS: dict[type[Exception], Kind] = {
     WrongMediaType: Kind(415, "wrong-media-type", "The body must be application/json"),
     Busy: Kind(429, "busy", "Too many designs are waiting"),
     SolverFailed: Kind(500, "solver-failed", "The solver gave no usable answer"),
+    ExtraMissing: Kind(501, "not-installed", "An optional part is not installed here"),
     WorkerLost: Kind(503, "worker-lost", "The worker was lost"),
     EngineUnreachable: Kind(503, "engine-unreachable", "No worker can be reached"),
     SQLAlchemyError: Kind(503, "store-unreachable", "The store cannot be reached"),

@@ -94,6 +94,16 @@ def analyse(spec: bytes, budget_s: float) -> Answer:
     return Answer(found.model_dump_json().encode(), status, summary, time.monotonic() - started)
 
 
+def confirm(design: bytes, budget_s: float) -> Answer:
+    """Confirm a finished design; runs in a worker process."""
+    from synthesis.confirmation import confirm as confirmed
+    from synthesis.design import Design
+
+    started = time.monotonic()
+    found = confirmed(Design.model_validate_json(design))
+    return Answer(found.model_dump_json().encode(), found.verdict, {}, time.monotonic() - started)
+
+
 def read_back(cam: bytes, budget_s: float) -> Answer:
     """Read the motion back from a measured profile; runs in a worker process."""
     from synthesis.measured import MeasuredCam

@@ -36,6 +36,7 @@ PLACES = {
     "centre_distance_positive": ("follower", "centre_distance_mm"),
     "arm_does_not_reach": ("follower",),
     "roller_on_pivot": ("follower", "arm_mm"),
+    "no_length_serves": ("follower", "{name}"),
     "initial_angle_range": ("follower", "initial_angle_deg"),
     "initial_angle_contradicts": ("follower", "initial_angle_deg"),
     "swing_too_large": ("program",),

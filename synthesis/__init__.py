@@ -3,8 +3,8 @@
     from synthesis import DesignSpec, synthesise
     design = synthesise(DesignSpec.model_validate(body))
 
-``analyse(spec)`` for a cam that is given in full, and ``synthesise_set(CamSetSpec…)`` for several
-cams on one shaft.
+``analyse(spec)`` for a cam that is given in full, ``synthesise_set(CamSetSpec…)`` for several cams
+on one shaft, and ``confirm(design)`` for a second opinion to the last digit.
 
 Notation, used throughout (lengths in mm, angles in rad, derivatives per radian of cam angle):
 
@@ -26,6 +26,7 @@ if TYPE_CHECKING:
     from synthesis.analysis import analyse
     from synthesis.camset import CamSet
     from synthesis.camset_spec import CamSetSpec
+    from synthesis.confirmation import Confirmation, confirm
     from synthesis.design import Design
     from synthesis.findings import Analysis
     from synthesis.pipeline import synthesise
@@ -36,9 +37,11 @@ __all__ = [
     "Analysis",
     "CamSet",
     "CamSetSpec",
+    "Confirmation",
     "Design",
     "DesignSpec",
     "analyse",
+    "confirm",
     "synthesise",
     "synthesise_set",
 ]
@@ -47,9 +50,11 @@ _HOMES = {
     "Analysis": "synthesis.findings",
     "CamSet": "synthesis.camset",
     "CamSetSpec": "synthesis.camset_spec",
+    "Confirmation": "synthesis.confirmation",
     "Design": "synthesis.design",
     "DesignSpec": "synthesis.spec",
     "analyse": "synthesis.analysis",
+    "confirm": "synthesis.confirmation",
     "synthesise": "synthesis.pipeline",
     "synthesise_set": "synthesis.set_synthesis",
 }

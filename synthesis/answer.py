@@ -8,6 +8,8 @@ from functools import cached_property
 from itertools import accumulate
 from math import isfinite
 
+import numpy as np
+
 from synthesis.certify import certify, certify_size, measure
 from synthesis.design import (
     Certificate,
@@ -17,6 +19,7 @@ from synthesis.design import (
     Proof,
     Report,
     SegmentMotion,
+    SmoothnessPrice,
     SplineCurve,
     StageReport,
     Status,
@@ -30,6 +33,7 @@ from synthesis.objectives import Objective
 from synthesis.spec import DesignSpec
 
 Vector = tuple[float, ...]
+NONE: Array = np.zeros(0)
 
 
 @dataclass(frozen=True, eq=False)
@@ -42,8 +46,14 @@ class Cam:
 
     @cached_property
     def motion(self) -> Motion:
-        """The joined motion."""
-        return Motion.of(self.stretches)
+        """The joined motion, splines to the last digits: bit for bit what ``Design.curve`` says."""
+        return Motion.of(
+            [
+                stretch.with_law(space.delivered(coefficients)) if space is not None else stretch
+                for stretch in self.stretches
+                for space, coefficients in [self.splines.get(stretch.index, (None, NONE))]
+            ]
+        )
 
 
 @dataclass(frozen=True)
@@ -102,6 +112,24 @@ def measured(found: Design, objectives: Iterable[Objective]) -> dict[str, float]
         if isfinite(value):
             values[objective.name_on_wire(machine)] = objective.to_wire(value, machine)
     return values
+
+
+def priced(smooth: Proof, rough: Proof | None, note: str) -> SmoothnessPrice:
+    """What smoothness costs, from the first objective's proofs with it and without.
+
+    A rougher cam that came out worse, within the tolerance, says that the price is not above 0.
+    """
+    value, other = smooth.value, None if rough is None else rough.value
+    price = relative = at_most = None
+    if value is not None and other is not None:
+        price = max(value - other, 0.0)
+        relative = 0.0 if price == 0.0 else price / max(abs(other), 1e-300)
+    if rough is not None and value is not None and rough.lower_bound is not None:
+        at_most = max(value - rough.lower_bound, 0.0)
+    return SmoothnessPrice(
+        objective=smooth.objective, value=value, c2_value=other, price=price, relative=relative,
+        at_most=at_most, note=note,
+    )  # fmt: skip
 
 
 def _sound(lower: float, value: float) -> float | None:
@@ -183,7 +211,7 @@ def design(
 
 
 def with_chosen(found: Design, question: DesignSpec, numbers: Sequence[float]) -> Design:
-    """The answer to a question whose program leaves numbers free, from that with them in place.
+    """The answer to a question that leaves numbers free, from that with them in place.
 
     Its bounds say nothing of other numbers, so that it is feasible and no more.
     """
@@ -212,7 +240,7 @@ def with_chosen(found: Design, question: DesignSpec, numbers: Sequence[float]) -
 
 def _at_chosen(proof: Proof) -> str:
     """What a bound covers that was found with numbers chosen."""
-    return f"{proof.bound_over}, at the chosen angles and lifts alone" if proof.bound_over else ""
+    return f"{proof.bound_over}, at the chosen numbers alone" if proof.bound_over else ""
 
 
 def dimensions(spec: DesignSpec, cam: Cam) -> dict[str, float]:

@@ -6,10 +6,10 @@ import hashlib
 import json
 from functools import cache, cached_property
 from importlib.metadata import version
-from typing import Any, Literal
+from typing import Annotated, Any, Literal
 
 import numpy as np
-from pydantic import BaseModel, ConfigDict, Field
+from pydantic import BaseModel, ConfigDict, Field, ValidatorFunctionWrapHandler, WrapValidator
 
 from synthesis.fields import Rotation
 from synthesis.motion import Motion, Stretch, StretchKind
@@ -105,6 +105,22 @@ class Certificate(Proof):
     )
 
 
+class SmoothnessPrice(Part):
+    """What splines smoother than C2 cost, by the first objective."""
+
+    objective: str = told("Name of the objective's value, with its unit.")
+    value: float | None = told("Value of this cam.")
+    c2_value: float | None = told(
+        "Value of the certified cam that the same question has with splines of class C2."
+    )
+    price: float | None = told("value − c2_value: what smoothness costs as far as cams were found.")
+    relative: float | None = told("The same, of c2_value.")
+    at_most: float | None = told(
+        "Value − the lower bound of the C2 question: no C2 cam of that family saves more."
+    )
+    note: str = Field("", description="Why there is no price, or what it is worth.")
+
+
 class StageReport(Part):
     """One stage of the ladder: what was modelled and what it cost."""
 
@@ -145,6 +161,11 @@ class Conflict(Part):
     evidence: str = told("How the conflict is known, and whether it is proven.")
 
 
+def _checked_once(value: Any, check: ValidatorFunctionWrapHandler) -> Any:
+    """A spec that has been made is in order: placing its program once more would prove nothing."""
+    return value if type(value) is DesignSpec else check(value)
+
+
 class Design(Part):
     """The answer to a DesignSpec."""
 
@@ -164,11 +185,14 @@ class Design(Part):
     motion: list[SegmentMotion] = told("The motion, segment by segment.")
     extremes: list[Extreme] = told("Every limit, measured on the finished cam.")
     certificate: Certificate = told("What was proven.")
+    smoothness_price: SmoothnessPrice | None = Field(
+        None, description="What smoothness costs, where the spec asks for it."
+    )
     conflict: Conflict | None = Field(None, description="Why nothing fits, where nothing does.")
     report: Report = told("What was modelled and what it cost.")
-    spec: DesignSpec = told("The question.")
+    spec: Annotated[DesignSpec, WrapValidator(_checked_once)] = told("The question.")
     chosen: dict[str, float] = Field(
-        {}, description="Angles and lifts that the spec's program leaves free: path and number."
+        {}, description="Angles, lifts and lengths that the spec leaves free: path and number."
     )
     links: dict[str, str] = Field({}, description="Where to find its files.")
 
@@ -185,7 +209,7 @@ class Design(Part):
 
     @cached_property
     def numbered(self) -> DesignSpec:
-        """The question with the numbers in place that its program leaves free."""
+        """The question with the numbers in place that it leaves free."""
         openings = self.spec.openings.free if self.chosen else ()
         numbers = [self.chosen[opening.field] for opening in openings]
         return self.spec.with_numbers(numbers) if numbers else self.spec
@@ -199,7 +223,8 @@ class Design(Part):
                 settled.append(stretch)
                 continue
             space = SplineSpace(segment.spline.degree, np.array(segment.spline.knots))
-            settled.append(stretch.with_law(space.curve(np.array(segment.spline.coefficients))))
+            curve = space.delivered(np.array(segment.spline.coefficients))
+            settled.append(stretch.with_law(curve))
         return Motion.of(settled)
 
 

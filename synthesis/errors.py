@@ -3,7 +3,8 @@
 CamwrightError
 ├── InputError                the question makes no sense (wrong value, rule, way out)
 ├── SolverFailed              a solver stopped without a usable point
-└── TimeBudgetExceeded        time ran out; carries the best certified design so far
+├── TimeBudgetExceeded        time ran out; carries the best certified design so far
+└── ExtraMissing              an optional part is not installed
 """
 
 from __future__ import annotations
@@ -57,3 +58,17 @@ class TimeBudgetExceeded(CamwrightError):
 
     def __reduce__(self) -> tuple[type[TimeBudgetExceeded], tuple[float, Any]]:
         return type(self), (self.budget_s, self.best)
+
+
+class ExtraMissing(CamwrightError):
+    """Something optional is asked for that is not installed; ``extra`` names what brings it."""
+
+    def __init__(self, what: str, extra: str) -> None:
+        super().__init__(
+            f"{what} needs an optional part that is not installed here. "
+            f"Install it with: pip install 'camwright[{extra}]'"
+        )
+        self.what, self.extra = what, extra
+
+    def __reduce__(self) -> tuple[type[ExtraMissing], tuple[str, str]]:
+        return type(self), (self.what, self.extra)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from functools import cached_property
 from typing import Literal
 
 import numpy as np
@@ -141,6 +142,11 @@ class Stretch:
         """s(θ) on this stretch [mm over rad]; the law must be settled."""
         if self.law is None:
             raise ValueError(f"the law of stretch {self.index} is still free")
+        return self._placed
+
+    @cached_property
+    def _placed(self) -> Piecewise:
+        assert self.law is not None
         return self.law.placed(self.start, self.angle, self.s_start, self.unit)
 
 

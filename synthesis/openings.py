@@ -1,76 +1,155 @@
-"""Numbers of the motion program that are left free: angles and lifts of its segments."""
+"""Numbers that are left free and searched: angles and lifts of segments, lengths of the machine."""
 
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
+from pydantic_core import PydanticCustomError
 
+from synthesis.followers import AnyFollower
 from synthesis.numerics.piecewise import Array
 from synthesis.numerics.polytope import Polytope
 from synthesis.program import Segment
-from synthesis.ranges import ends
+from synthesis.ranges import Range, ends
 from synthesis.units import Pace
 
 TURN = 360.0
+TRIED = 33  # lengths of a machine that are looked at for one that serves
 CLOSED = 1e-9  # relative: what sums may miss by rounding
+Filled = tuple[list[Segment], AnyFollower]
 
 
 @dataclass(frozen=True)
 class Opening:
-    """One number that is left free: field ``name`` of a segment, between two ends."""
+    """One number that is left free: field ``name`` of a segment or, with None, of the follower.
 
-    segment: int
+    Attributes:
+        asked: as it stands in the spec. low, high: ends of the part of it that is searched.
+    """
+
+    segment: int | None
     name: str
+    asked: float | Range
     low: float
     high: float
 
     @property
     def field(self) -> str:
         """Its path in the spec."""
-        return f"program/{self.segment}/{self.name}"
+        return f"{'follower' if self.segment is None else f'program/{self.segment}'}/{self.name}"
 
 
 @dataclass(frozen=True, eq=False)
 class Openings:
-    """All numbers of a program that are left free, and what ties them together.
+    """All numbers of a spec that are left free, and what ties them together.
 
-    The angles sum to a turn and the displacements gained to nothing; both are linear.
+    The angles sum to a turn and the displacements gained to nothing; both are linear. Lengths of
+    the machine are not tied to anything.
     """
 
     program: tuple[Segment, ...]
-    pace: Pace
+    follower: AnyFollower
+    omega: float
     free: tuple[Opening, ...]
 
     @classmethod
-    def of(cls, program: Sequence[Segment], pace: Pace) -> Openings:
-        """Those of a program; ``pace`` turns the wire's numbers into the core's."""
-        free = tuple(
-            Opening(i, name, *ends(value))
+    def of(
+        cls,
+        program: Sequence[Segment],
+        follower: AnyFollower,
+        omega: float,
+        base_radius: tuple[float, float],
+    ) -> Openings:
+        """Those of a program and its machine.
+
+        Args:
+            program: the segments. follower: the machine. omega: cam speed [rad/s].
+            base_radius: ends of the base radius asked for [mm], open ones infinite.
+        """
+        mine = [
+            (i, name, value, ends(value))
             for i, segment in enumerate(program)
             for name, value in segment.left_open().items()
-            if ends(value)[0] != ends(value)[1]
-        )
-        return cls(tuple(program), pace, free)
+        ]
+        machines = follower.left_open(base_radius).items()
+        free = (*mine, *((None, name, value, served) for name, (value, served) in machines))
+        return cls(
+            tuple(program), follower, omega,
+            tuple(
+                Opening(i, name, value, *reached)
+                for i, name, value, reached in free
+                if ends(value)[0] != ends(value)[1]
+            ),
+        )  # fmt: skip
 
-    def filled(self, values: Sequence[float]) -> list[Segment]:
-        """The program with these numbers in place."""
-        program = list(self.program)
+    @property
+    def of_machine(self) -> tuple[int, ...]:
+        """Positions of those that are the follower's."""
+        return tuple(k for k, opening in enumerate(self.free) if opening.segment is None)
+
+    def filled(self, values: Sequence[float]) -> Filled:
+        """Program and follower with these numbers in place."""
+        program, machine = list(self.program), dict[str, float]()
         for opening, value in zip(self.free, values, strict=True):
             i = opening.segment
-            program[i] = program[i].model_copy(update={opening.name: float(value)})
-        return program
+            if i is None:
+                machine[opening.name] = float(value)
+            else:
+                program[i] = program[i].model_copy(update={opening.name: float(value)})
+        return program, self.follower.model_copy(update=machine) if machine else self.follower
 
     def numbers(self, u: Array) -> list[float]:
         """The numbers at a point of the unit box."""
         return [o.low + (o.high - o.low) * float(x) for o, x in zip(self.free, u, strict=True)]
 
-    def at(self, u: Array) -> list[Segment]:
-        """The program at a point of the unit box."""
+    def at(self, u: Array) -> Filled:
+        """Program and follower at a point of the unit box."""
         return self.filled(self.numbers(u))
+
+    def spread(self, middle: Array, position: int, count: int) -> list[Array]:
+        """Points along one number's range, evenly in its logarithm, ends included."""
+        low, high = self.free[position].low, self.free[position].high
+        values = np.geomspace(low, high, count)
+        return [self.with_number(middle, position, float(value)) for value in values]
+
+    def with_number(self, u: Array, position: int, value: float) -> Array:
+        """The point with one number at a value, or at the nearest end of its range."""
+        low, high = self.free[position].low, self.free[position].high
+        found = u.copy()
+        found[position] = (min(max(value, low), high) - low) / (high - low)
+        return found
+
+    def check(self, serves: Callable[[Filled], None]) -> None:
+        """Refuse a machine that cannot serve whatever its free numbers are, of some that are tried.
+
+        Args:
+            serves: raises a PydanticCustomError where a program and a follower do not.
+        """
+        middle = self.polytope.centre() if self.of_machine else None
+        if middle is None:
+            serves((list(self.program), self.follower))
+            return
+        (position,), why = self.of_machine, list[str]()
+        for u in self.spread(middle, position, TRIED):
+            try:
+                serves(self.at(u))
+            except PydanticCustomError as refusal:
+                why.append(refusal.message().partition(". ")[0])
+            else:
+                return
+        low, high = ends(self.free[position].asked)
+        raise PydanticCustomError(
+            "no_length_serves",
+            "{name} from {low} to {high} leaves no length that serves: with the shortest, "
+            "{shortest}; with the longest, {longest}. Widen its range, or change what it has to "
+            "reach.",
+            {"name": self.free[position].name, "low": low, "high": high, "shortest": why[0],
+             "longest": why[-1]},
+        )  # fmt: skip
 
     def tied_otherwise(self, name: str) -> bool:
         """Whether the sum of one field's numbers holds another field's number too."""
@@ -94,13 +173,18 @@ class Openings:
 
     def _rest(self, u: Array) -> Array:
         """By how much the angles miss a turn, and the displacements gained their sum, relative."""
-        program = self.filled(self.numbers(u))
+        program, _ = self.at(u)
         angle = math.fsum(segment.degrees for segment in program)
-        gain = math.fsum(segment.gain(self.pace) for segment in program)
+        gain = math.fsum(self._gains(program))
         return np.array([angle / TURN - 1.0, gain / self._longest])
+
+    def _gains(self, program: Sequence[Segment]) -> Iterator[float]:
+        """Displacement gained over every segment, the machine's lengths as they stand [mm]."""
+        pace = Pace(self.follower.travel, self.omega)
+        return (segment.gain(pace) for segment in program)
 
     @cached_property
     def _longest(self) -> float:
         """The longest way that a segment may go [mm]."""
-        program = self.filled([opening.high for opening in self.free])
-        return max(abs(segment.gain(self.pace)) for segment in program) or 1.0
+        program, _ = self.filled([opening.high for opening in self.free])
+        return max(map(abs, self._gains(program))) or 1.0

@@ -13,10 +13,17 @@ import time
 from dataclasses import asdict, dataclass, field, replace
 from math import inf
 
-from synthesis.answer import Bounded, Cam, design, judged, proofs, with_chosen
+from synthesis.answer import Bounded, Cam, design, judged, priced, proofs, with_chosen
 from synthesis.certify import CROSSING
-from synthesis.design import Conflict, Design, Extreme, Relaxation, StageReport
-from synthesis.errors import TimeBudgetExceeded
+from synthesis.design import (
+    Conflict,
+    Design,
+    Extreme,
+    Relaxation,
+    SmoothnessPrice,
+    StageReport,
+)
+from synthesis.errors import SolverFailed, TimeBudgetExceeded
 from synthesis.formulations.candidate import Candidate, given_size, value
 from synthesis.formulations.companion import Settled, settled
 from synthesis.formulations.problem import Held, pose
@@ -104,15 +111,39 @@ def synthesise(spec: DesignSpec, *, deadline: float | None = None) -> Design:
         attempt.built, attempt.cam, attempt.extremes, proven, stages, seconds, conflict
     ).asked_as(spec)
     found = with_chosen(found, question, numbers)
+    if question.price_smoothness:
+        price = _price(found, question, now + budget)
+        found = found.model_copy(update={"smoothness_price": price})
     if late and found.status == "feasible":
         raise TimeBudgetExceeded(budget, found)
     return found
 
 
+def _price(found: Design, question: DesignSpec, stop: float) -> SmoothnessPrice:
+    """What splines smoother than C2 cost: the same question for those, solved too."""
+    proof, rough = found.certificate, question.roughened()
+    if rough is question:
+        return priced(proof, proof, "no spline smoother than C2 is asked for")
+    if not found.motion or time.monotonic() >= stop:
+        why = "this question has no cam" if not found.motion else "the time budget had ended"
+        return priced(proof, None, why)
+    try:
+        other = synthesise(rough, deadline=stop)
+    except TimeBudgetExceeded as error:
+        if error.best is None:
+            return priced(proof, None, "the time budget ended before there was a C2 cam")
+        other = error.best
+    except SolverFailed as error:
+        return priced(proof, None, str(error))
+    if other.status == "infeasible":
+        return priced(proof, None, "no C2 cam was certified, although this one is")
+    return priced(proof, other.certificate, "")
+
+
 def _numbered(
     spec: DesignSpec, stop: float, stages: list[StageReport]
 ) -> tuple[DesignSpec, list[float]]:
-    """The spec with numbers in place of what its program leaves free, and these numbers."""
+    """The spec with numbers in place of what it leaves free, and these numbers."""
     if not spec.openings.free:
         return spec, []
     from synthesis.formulations.proportions import chosen

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from typing import Annotated, Literal
+from typing import Annotated, Literal, Self
 
 from pydantic import Field, model_validator
 from pydantic_core import PydanticCustomError
@@ -115,6 +115,9 @@ class _Move(Part):
     @property
     def law_name(self) -> str:
         return self.law.kind
+
+    def roughened(self) -> Self:
+        return self.model_copy(update={"law": self.law.roughened()})
 
     @property
     def takes(self) -> int:

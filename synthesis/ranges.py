@@ -50,6 +50,13 @@ class SwingRange(Range):
     max: Annotated[float, Field(ge=1e-6, lt=180.0, description="Largest swing allowed [deg].")]
 
 
+class ArmRange(Range):
+    """The length of an arm left free between two ends."""
+
+    min: Annotated[float, Field(gt=0.0, le=1e6, description="Smallest length allowed [mm].")]
+    max: Annotated[float, Field(gt=0.0, le=1e6, description="Largest length allowed [mm].")]
+
+
 Dimension = Annotated[
     float | Range | None,
     Field(
@@ -78,6 +85,14 @@ Swing = Annotated[
     Field(
         description="Angle that the follower's arm swings [deg], positive; {min, max} leaves it "
         "free in between, and then that of another segment too."
+    ),
+]
+ArmLength = Annotated[
+    Annotated[float, Field(gt=0.0, le=1e6)] | ArmRange,
+    Field(
+        description="Length of the arm, pivot to roller centre [mm]; {min, max} leaves it free in "
+        "between. Both ends are needed: a cam with nothing but angles limited shrinks with its "
+        "arm, and without an end there would be no smallest one."
     ),
 ]
 DwellAngle = Annotated[

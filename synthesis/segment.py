@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Annotated, Literal
+from typing import Annotated, Literal, Self
 
 from pydantic import BaseModel, ConfigDict, Field
 from pydantic_core import PydanticCustomError
@@ -102,6 +102,10 @@ class Part(BaseModel):
     def degrees(self) -> float:
         """Its cam angle [deg]; the smallest one while it is left free."""
         return ends(self.angle_deg)[0]
+
+    def roughened(self) -> Self:
+        """The same with a law that is part of the answer no smoother than C2."""
+        return self
 
     def left_open(self) -> dict[str, float | Range]:
         """Fields that may be left free, with what is asked of them."""

@@ -18,7 +18,7 @@ from synthesis.limits.profile_radius import ProfileRadius
 from synthesis.motion import Stretch
 from synthesis.objectives import AnyObjective
 from synthesis.objectives.base_radius import BaseRadius
-from synthesis.openings import Openings
+from synthesis.openings import Filled, Openings
 from synthesis.placing import placed
 from synthesis.program import Segment
 from synthesis.ranges import Dimension, Range, ends
@@ -26,6 +26,7 @@ from synthesis.units import FULL_TURN, Pace, rad_per_s
 
 MAX_SEGMENTS = 100
 ANGLE_SUM_TOLERANCE_DEG = 1e-6
+ROUGHEST = 2  # class of the splines that smoother ones are compared with
 
 
 class DesignSpec(BaseModel):
@@ -81,6 +82,13 @@ class DesignSpec(BaseModel):
             "gap, for half a second to some ten seconds more.",
         ),
     ] = "quick"
+    price_smoothness: Annotated[
+        bool,
+        Field(
+            description="Also design the cam with splines of class C2 and say what smoother ones "
+            "cost. Takes about as long again.",
+        ),
+    ] = False
     time_budget_s: Annotated[
         float | None,
         Field(gt=0.0, le=3600.0, description="Stop after this long with the best so far."),
@@ -153,7 +161,7 @@ class DesignSpec(BaseModel):
                 "base_radius_mm = {value} leaves no positive base radius. Give a positive one.",
                 {"value": largest},
             )
-        self.follower.check_reach(self._open_range(), self.stretches())
+        self.openings.check(lambda filled: self._with(filled).check_reach())
         return self
 
     @model_validator(mode="after")
@@ -206,19 +214,32 @@ class DesignSpec(BaseModel):
 
     @property
     def openings(self) -> Openings:
-        """The angles and lifts that are left free."""
-        return Openings.of(self.program, self._pace())
+        """The numbers that are left free and searched: angles, lifts, an arm's length."""
+        omega, radii = rad_per_s(self.speed_rpm), ends(self.base_radius_mm)
+        return Openings.of(self.program, self.follower, omega, radii)
 
     def with_numbers(self, values: Sequence[float]) -> DesignSpec:
         """The same spec with numbers in place of everything in ``openings``."""
-        return self.model_copy(update={"program": self.openings.filled(values)})
+        return self._with(self.openings.filled(values))
+
+    def _with(self, filled: Filled) -> DesignSpec:
+        program, follower = filled
+        return self.model_copy(update={"program": program, "follower": follower})
 
     @property
     def _numbered(self) -> list[Segment]:
         """The program; while numbers are left free, with some that fit together."""
         openings = self.openings
         middle = openings.polytope.centre() if openings.free else None
-        return self.program if middle is None else openings.at(middle)
+        return self.program if middle is None else openings.at(middle)[0]
+
+    def check_reach(self) -> None:
+        """Refuse dimensions of the follower that no size can serve.
+
+        Raises:
+            PydanticCustomError: with the numbers, and the cam angle where there is one.
+        """
+        self.follower.check_reach(self._open_range(), self.stretches())
 
     def _numbers_fit(self) -> None:
         """Refuse numbers that are free in name only, or that cannot fit together."""
@@ -238,13 +259,22 @@ class DesignSpec(BaseModel):
                         "name": name,
                     },
                 )
-        if free and openings.polytope.centre() is None:
+        if len(free) > len(openings.of_machine) and openings.polytope.centre() is None:
             raise PydanticCustomError(
                 "numbers_do_not_fit",
                 "However the free angles and lifts of program are chosen within their ranges, "
                 "the angles do not sum to 360° or the lifts not to zero. Widen a range.",
                 {},
             )
+
+    def roughened(self) -> DesignSpec:
+        """The same question for splines of class C2; its own self where none is smoother."""
+        program = [segment.roughened() for segment in self.program]
+        continuity = None if self.continuity is None else min(self.continuity, ROUGHEST)
+        if program == self.program and continuity == self.continuity:
+            return self
+        changes = {"program": program, "continuity": continuity, "price_smoothness": False}
+        return self.model_copy(update=changes)
 
     # -- what the core asks ------------------------------------------------------------------
 
@@ -334,7 +364,8 @@ class DesignSpec(BaseModel):
     def left_free(self) -> Iterator[tuple[str, Any]]:
         """JSON pointer and value of everything that the answer would have to choose."""
         for opening in self.openings.free:
-            yield f"/{opening.field}", {"min": opening.low, "max": opening.high}
+            low, high = ends(opening.asked)
+            yield f"/{opening.field}", {"min": low, "max": high}
         for stretch in self.stretches():
             if stretch.law is None and stretch.readings is None and stretch.angle > 0.0:
                 yield f"/program/{stretch.index}/law", self.program[stretch.index].law_name

@@ -5,16 +5,30 @@ from __future__ import annotations
 from typing import Annotated
 
 from fastapi import APIRouter, Query
+from fastapi.responses import StreamingResponse
 
 from service.documentation import problems
 from service.errors import UnknownSweep
+from service.routes.download import stem_of
 from service.routes.sweeps import Known
-from service.state import Parts
-from service.sweeps.store import UNDER_WAY
-from service.sweeps.views import ItemStatus, SweepItem, SweepItemPage, item_of, items_of
+from service.state import Parts, State
+from service.sweeps.front import front_of
+from service.sweeps.store import UNDER_WAY, SweepRow
+from service.sweeps.table import Columns, CsvWriter, ParquetWriter, Writer, written
+from service.sweeps.views import (
+    ItemStatus,
+    ParetoAxis,
+    ParetoFront,
+    SweepItem,
+    SweepItemPage,
+    item_of,
+    items_of,
+)
 from service.views import cursor_at, position_of
 
 router = APIRouter(prefix="/v1/sweeps/{sweep_id}", tags=["sweeps"])
+CSV, PARQUET = "text/csv; charset=utf-8", "application/vnd.apache.parquet"
+MAX_FRONT = 2000
 
 
 @router.get("/items", summary="Finished items", responses=problems(404, 422))
@@ -46,3 +60,69 @@ async def get_sweep_item(sweep: Known, number: int, parts: Parts) -> SweepItem:
             f"they are numbered from 0 to {sweep.size - 1}."
         )
     return item_of(sweep, row)
+
+
+@router.get(
+    "/items.csv",
+    response_class=StreamingResponse,
+    responses={
+        200: {"description": "The table.", "content": {CSV: {"schema": {"type": "string"}}}},
+        **problems(404),
+    },
+    summary="Finished items as CSV",
+)
+async def get_sweep_items_csv(sweep: Known, parts: Parts) -> StreamingResponse:
+    """A row an item, by number: status, axes, quantities, gap, seconds, design, problem."""
+    columns = Columns(sweep)
+    return _table(parts, sweep, columns, CsvWriter(columns), ("csv", CSV))
+
+
+@router.get(
+    "/items.parquet",
+    response_class=StreamingResponse,
+    responses={
+        200: {
+            "description": "The table.",
+            "content": {PARQUET: {"schema": {"type": "string", "format": "binary"}}},
+        },
+        **problems(404, 501),
+    },
+    summary="Finished items as Parquet",
+)
+async def get_sweep_items_parquet(sweep: Known, parts: Parts) -> StreamingResponse:
+    """The same table for data frames; axes of numbers and quantities are doubles."""
+    columns = Columns(sweep)
+    return _table(parts, sweep, columns, ParquetWriter(columns), ("parquet", PARQUET))
+
+
+def _table(
+    parts: State, sweep: SweepRow, columns: Columns, writer: Writer, kind: tuple[str, str]
+) -> StreamingResponse:
+    extension, media_type = kind
+    name = f'attachment; filename="{stem_of(sweep.name)}-items.{extension}"'
+    body = written(parts.sweeps.store, sweep, columns, writer)
+    return StreamingResponse(body, 200, {"Content-Disposition": name}, media_type)
+
+
+@router.get("/pareto", summary="What is traded for what", responses=problems(404, 422))
+async def get_sweep_pareto(
+    sweep: Known,
+    parts: Parts,
+    minimise: Annotated[
+        list[str], Query(max_length=8, description="Quantity to be small; may be repeated.")
+    ] = [],  # noqa: B006 (never changed)
+    maximise: Annotated[
+        list[str], Query(max_length=8, description="Quantity to be large; may be repeated.")
+    ] = [],  # noqa: B006
+    limit: Annotated[int, Query(ge=1, le=MAX_FRONT, description="Most items of the front.")] = 500,
+) -> ParetoFront:
+    """The Pareto front: certified designs that none of the others beats in everything named.
+
+    `quantities` of the sweep says what can be named. `size` tells how many are on the front where
+    there are more than `limit`.
+    """
+    axes = [
+        *(ParetoAxis(quantity=name, direction="minimise") for name in minimise),
+        *(ParetoAxis(quantity=name, direction="maximise") for name in maximise),
+    ]
+    return await front_of(parts.sweeps.store, sweep, axes, limit)

@@ -221,6 +221,12 @@ class SweepStore:
         asked = asked.where(ItemRow.number > above).order_by(ItemRow.number).limit(size)
         return await self._do(lambda session: session.scalars(asked).all())
 
+    async def chosen(self, sweep: int, numbers: Sequence[int]) -> Sequence[ItemRow]:
+        """These finished items, without their designs."""
+        asked = select(ItemRow).options(LISTED).where(ItemRow.sweep == sweep)
+        asked = asked.where(ItemRow.number.in_(numbers))
+        return await self._do(lambda session: session.scalars(asked).all())
+
     async def item(self, sweep: int, number: int) -> ItemRow | None:
         """One finished item with its design."""
         asked = select(ItemRow).filter_by(sweep=sweep, number=number)

@@ -1,11 +1,13 @@
-"""What the certificate asks of a follower: which bounds to measure on the finished cam."""
+"""What judges ask of a follower: which bounds to measure on the finished cam, and what it is."""
 
 from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from typing import Any
 
 from synthesis.followers.flank import Flank
+from synthesis.followers.link import Link
 
 
 @dataclass(frozen=True)
@@ -24,6 +26,13 @@ class Measure:
 
 class Judged:
     """A follower as something that is measured."""
+
+    def link(self, z: Any, degree: Any) -> Link | None:
+        """The output link at displacement 0, in the arithmetic of z; None: not told yet.
+
+        ``degree``: π/180 in that arithmetic.
+        """
+        return None
 
     def displacement_measure(self, z: tuple[float, ...]) -> Measure | None:
         """Between which displacements the follower can stand; None where all of them do."""

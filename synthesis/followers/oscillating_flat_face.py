@@ -35,6 +35,7 @@ from synthesis.followers.base import Follower
 from synthesis.followers.face_on_pivot import RIGHT_ANGLE, NotNearer, OnPivot
 from synthesis.followers.flank import Flank
 from synthesis.followers.judged import Measure
+from synthesis.followers.link import Face, Link
 from synthesis.followers.pivot import SENSES, PivotDirection
 from synthesis.followers.sizing import Sizing
 from synthesis.followers.told import Shape
@@ -282,6 +283,18 @@ class OscillatingFlatFace(Follower):
             (along * ux + across * nx, along * uy + across * ny),
             (along2 * ux + across2 * nx, along2 * uy + across2 * ny),
         )
+
+    def link(self, z: Any, degree: Any) -> Link:
+        f, gamma = self.face_offset_mm, self.pivot_direction_deg * degree
+        q, d = z[-1] + f, self.distance
+        p = z[0] if d is None else ((d - q) * (d + q)) ** 0.5
+        d = (p * p + q * q) ** 0.5
+        cos, sin, sigma = np.cos(gamma), np.sin(gamma), self.sigma
+        x, y = -p / d, sigma * q / d
+        along = x * cos - y * sin, y * cos + x * sin
+        normal, pivot = (sigma * along[1], -sigma * along[0]), (d * cos, d * sin)
+        foot = pivot[0] - f * normal[0], pivot[1] - f * normal[1]
+        return Link(face=Face(foot, along, normal), pivot=pivot, turn=-int(sigma))
 
     def direction(self, s: Any, z: Any) -> tuple[Vector2, Vector2]:
         (ux, uy), (nx, ny) = self._frame(s, z)

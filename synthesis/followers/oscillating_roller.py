@@ -30,8 +30,9 @@ from synthesis.followers.closures import LEAST, ArmClosure, Force
 from synthesis.followers.closures.counter_arm import CounterArm
 from synthesis.followers.flank import outer_gap
 from synthesis.followers.judged import Measure
+from synthesis.followers.link import Link
 from synthesis.followers.pivot import SENSES, PivotDirection
-from synthesis.followers.reach import Arm
+from synthesis.followers.reach import Arm, lengths
 from synthesis.followers.roller import RollerFollower
 from synthesis.followers.sizing import Sizing
 from synthesis.followers.told import Shape
@@ -39,7 +40,7 @@ from synthesis.followers.trace import Trace, Vector2
 from synthesis.geometry.triangle import enclosed_angle, third_side
 from synthesis.motion import Motion, Stretch
 from synthesis.numerics.peaks import peak
-from synthesis.ranges import Dimension, Range, ends
+from synthesis.ranges import ArmLength, Dimension, Range, ends
 from synthesis.terms import Cone, Curved, Norm, Row
 from synthesis.units import DEGREE, Travel
 
@@ -51,9 +52,7 @@ class OscillatingRoller(RollerFollower):
     title: ClassVar[str] = "Oscillating roller, on an arm (radius 0: knife edge)"
     size_charts: ClassVar[tuple[tuple[str, ...], ...]] = (("arc",), ("p", "q"))
 
-    arm_mm: Annotated[
-        float, Field(gt=0.0, le=1e6, description="Length of the arm, pivot to roller centre.")
-    ]
+    arm_mm: ArmLength
     centre_distance_mm: Dimension = None
     roller_radius_mm: Annotated[
         float, Field(ge=0.0, le=1e6, description="Radius of the roller; 0 is a knife edge.")
@@ -76,8 +75,22 @@ class OscillatingRoller(RollerFollower):
     # -- what is given -----------------------------------------------------------------------
 
     @property
+    def length(self) -> float:
+        """Length of the arm [mm]; the smallest one while it is left free."""
+        return ends(self.arm_mm)[0]
+
+    def left_open(
+        self, base_radius: tuple[float, float]
+    ) -> Mapping[str, tuple[float | Range, tuple[float, float]]]:
+        low, high = ends(self.arm_mm)
+        prime = base_radius[0] + self.base_gap, base_radius[1] + self.base_gap
+        least = max(low, self.roller_radius_mm)
+        reached = lengths((least, high), ends(self.centre_distance_mm), prime)
+        return {"arm_mm": (self.arm_mm, reached)}
+
+    @property
     def travel(self) -> Travel:
-        return Travel("deg", self.arm_mm * DEGREE)
+        return Travel("deg", self.length * DEGREE)
 
     @property
     def sigma(self) -> float:
@@ -103,12 +116,12 @@ class OscillatingRoller(RollerFollower):
     def check_reach(self, base_radius: tuple[float, float], stretches: Sequence[Stretch]) -> None:
         self.closure.check(self.roller_radius_mm, base_radius[1], self.base_gap)
         self._arm.check(self._prime(base_radius), stretches)
-        if self.arm_mm <= self.roller_radius_mm:
+        if self.length <= self.roller_radius_mm:
             raise PydanticCustomError(
                 "roller_on_pivot",
                 "arm_mm = {arm} is not longer than roller_radius_mm = {roller}: the roller would "
                 "lie over its own pivot. Take a longer arm or a smaller roller.",
-                {"arm": self.arm_mm, "roller": self.roller_radius_mm},
+                {"arm": self.length, "roller": self.roller_radius_mm},
             )
 
     def reachable(self, base_radius: tuple[float, float], stroke: float) -> tuple[float, float]:
@@ -127,12 +140,12 @@ class OscillatingRoller(RollerFollower):
     def _arm(self) -> Arm:
         low, high = ends(self.initial_angle_deg)
         angle = low * DEGREE, high * DEGREE
-        return Arm(self.arm_mm, ends(self.centre_distance_mm), angle, self.base_gap)
+        return Arm(self.length, ends(self.centre_distance_mm), angle, self.base_gap)
 
     # -- the size ----------------------------------------------------------------------------
 
     def sizing(self, base_radius: tuple[float, float]) -> Sizing:
-        prime, arm, l = self._prime(base_radius), self._arm, self.arm_mm
+        prime, arm, l = self._prime(base_radius), self._arm, self.length
         if arm.pivot is not None:
             low, high = arm.angles(prime)
             return Sizing(((l * low, l * high),), (), 0.0)  # the bounds say it all
@@ -150,7 +163,7 @@ class OscillatingRoller(RollerFollower):
     def prime_radius(self) -> Norm:
         if self._distance is not None:
             return Norm(((1.0,),), (0.0,))  # lψ0, with which Rp grows
-        return Norm(((-1.0, 0.0), (0.0, 1.0)), (self.arm_mm, 0.0))
+        return Norm(((-1.0, 0.0), (0.0, 1.0)), (self.length, 0.0))
 
     def radius(self, z: tuple[float, ...]) -> float:
         return self._radius(z, 0.0)
@@ -158,25 +171,25 @@ class OscillatingRoller(RollerFollower):
     def _radius(self, z: tuple[float, ...], s: float) -> float:
         """Distance of the roller's centre from the axis at a displacement [mm]."""
         if self._distance is not None:
-            return third_side(self.arm_mm, self._distance, (z[0] + s) / self.arm_mm)
+            return third_side(self.length, self._distance, (z[0] + s) / self.length)
         return self.outermost(s).value(z)
 
     def reaching(self, z: tuple[float, ...], radius: float) -> tuple[float, ...]:
         if self._distance is not None:
             return (max(z[0], radius),)
         p, q = z
-        return p, max(q, math.sqrt(max(radius**2 - (self.arm_mm - p) ** 2, 0.0)))
+        return p, max(q, math.sqrt(max(radius**2 - (self.length - p) ** 2, 0.0)))
 
     def radius_of(self, value: float) -> float:
         if self._distance is None:
             return value
-        angle = min(max(value / self.arm_mm, 0.0), math.pi)
-        return third_side(self.arm_mm, self._distance, angle)
+        angle = min(max(value / self.length, 0.0), math.pi)
+        return third_side(self.length, self._distance, angle)
 
     def value_of(self, radius: float) -> float:
         if self._distance is None:
             return radius
-        return self.arm_mm * enclosed_angle(self.arm_mm, self._distance, radius)
+        return self.length * enclosed_angle(self.length, self._distance, radius)
 
     def pinning(self) -> Pinning | None:
         if self._distance is not None:
@@ -187,30 +200,30 @@ class OscillatingRoller(RollerFollower):
             return self.model_copy(update={"centre_distance_mm": distance})
 
         def whole(distance: float, z: tuple[float, ...]) -> tuple[float, ...]:
-            angle = z[0] / self.arm_mm
+            angle = z[0] / self.length
             return distance * math.cos(angle), distance * math.sin(angle)
 
-        return Pinning("centre distance", max(low, 0.0), high, self.arm_mm, _hypot, at, whole)
+        return Pinning("centre distance", max(low, 0.0), high, self.length, _hypot, at, whole)
 
     def outermost(self, s_max: float) -> Norm:
         # R grows with ψ: at the highest lift, (l − d cosψ, d sinψ)
         if self._distance is not None:
             return Norm(((1.0,),), (s_max,))
-        cos, sin = math.cos(s_max / self.arm_mm), math.sin(s_max / self.arm_mm)
-        return Norm(((-cos, sin), (sin, cos)), (self.arm_mm, 0.0))
+        cos, sin = math.cos(s_max / self.length), math.sin(s_max / self.length)
+        return Norm(((-cos, sin), (sin, cos)), (self.length, 0.0))
 
     def pressure_angle_rows(self, slope: float) -> tuple[Row, ...]:
         return ()  # not linear in s
 
     def pressure_angle_curves(self, slope: float) -> tuple[Curved, ...]:
-        arm, sigma = self.arm_mm, self.sigma
+        arm, sigma = self.length, self.sigma
         if self._distance is None:
             return (FreePivot("pressure_angle", arm, sigma, slope),)
         return (FixedPivot("pressure_angle", arm, self._distance, sigma, slope),)
 
     def displacement_measure(self, z: tuple[float, ...]) -> Measure:
         # 0 < ψ < 180°
-        l, lowest = self.arm_mm, -self.arm_mm * self._initial_angle(z)
+        l, lowest = self.length, -self.length * self._initial_angle(z)
         highest = lowest + l * math.pi
         return Measure("displacement", lowest, highest, lambda s: (s - lowest) / l / DEGREE, "deg")
 
@@ -221,17 +234,17 @@ class OscillatingRoller(RollerFollower):
         if self._distance is None:
             p, q = z
             return p, q
-        angle = z[0] / self.arm_mm
+        angle = z[0] / self.length
         return self._distance * np.cos(angle), self._distance * np.sin(angle)
 
     def _initial_angle(self, z: tuple[float, ...]) -> float:
         """ψ0 [rad]."""
-        return z[0] / self.arm_mm if self._distance is not None else math.atan2(z[1], z[0])
+        return z[0] / self.length if self._distance is not None else math.atan2(z[1], z[0])
 
     def _towards_axis(self, s: Any, z: Any) -> Vector2:
         """d cosψ, d sinψ: the axis as seen from the pivot, along and across the arm."""
         p, q = self._pivot(z)
-        swing = s[0] / self.arm_mm
+        swing = s[0] / self.length
         cos, sin = np.cos(swing), np.sin(swing)
         return p * cos - q * sin, q * cos + p * sin
 
@@ -254,7 +267,7 @@ class OscillatingRoller(RollerFollower):
         return u, (self.sigma * u[1], -self.sigma * u[0])
 
     def traced_point(self, s: Any, z: Any) -> tuple[Vector2, ...]:
-        l, (u, g), (d, x, y) = self.arm_mm, self._axes(s, z), self._bearing(z)
+        l, (u, g), (d, x, y) = self.length, self._axes(s, z), self._bearing(z)
         turn = s[1] / l
         along, driven = -s[1] * turn, s[2]  # u' = (s'/l) g, g' = −(s'/l) u
         further, jerked = -3.0 * s[2] * turn, s[3] - s[1] * turn * turn
@@ -265,9 +278,20 @@ class OscillatingRoller(RollerFollower):
             (jerked * g[0] + further * u[0], jerked * g[1] + further * u[1]),
         )
 
+    def link(self, z: Any, degree: Any) -> Link:
+        (p, q), gamma = self._pivot(z), self.pivot_direction_deg * degree
+        d = (p * p + q * q) ** 0.5
+        cos, sin = np.cos(gamma), np.sin(gamma)
+        # the arm in the basis from the pivot to the axis and square to it, turned by −σψ0
+        x, y = -p / d, self.sigma * q / d
+        arm = x * cos - y * sin, y * cos + x * sin
+        pivot, turn = (d * cos, d * sin), -int(self.sigma)
+        tip = pivot[0] + self.arm_mm * arm[0], pivot[1] + self.arm_mm * arm[1]
+        return Link(self.closure.tips(tip, pivot, turn, degree), pivot=pivot, turn=turn)
+
     def posture(self, point: Any, normal: Any) -> tuple[Any, Any]:
         # the triangle of axis, pivot and centre gives ψ; the position is the arc lψ
-        (x, y), l, (d, _) = point, self.arm_mm, ends(self.centre_distance_mm)
+        (x, y), l, (d, _) = point, self.length, ends(self.centre_distance_mm)
         cos = d * d + l * l - x * x - y * y  # 2dl cosψ
         with np.errstate(invalid="ignore"):
             sin = np.sqrt(4.0 * d * d * l * l - cos * cos) if d > 0.0 else np.nan * cos
@@ -280,11 +304,11 @@ class OscillatingRoller(RollerFollower):
 
     def direction(self, s: Any, z: Any) -> tuple[Vector2, Vector2]:
         u, g = self._axes(s, z)
-        turn = s[1] / self.arm_mm
+        turn = s[1] / self.length
         return g, (-turn * u[0], -turn * u[1])
 
     def curvature_terms(self, s: Any, z: Any) -> tuple[Any, Any]:
-        l, sigma = self.arm_mm, self.sigma
+        l, sigma = self.length, self.sigma
         along, across = self._towards_axis(s, z)
         ahead = l + sigma * s[1]
         lever = ahead - along
@@ -293,10 +317,10 @@ class OscillatingRoller(RollerFollower):
         return speed_squared + bend, speed_squared
 
     def arm_angle(self, s: float, z: tuple[float, ...]) -> float:
-        return self._initial_angle(z) + s / self.arm_mm
+        return self._initial_angle(z) + s / self.length
 
     def second_arm(self, length: float, angle: float) -> Trace:
-        ratio = length / self.arm_mm
+        ratio = length / self.length
         sense = {"opposite": "same", "same": "opposite"}[self.sense]
         other = self.model_copy(update={"arm_mm": length, "sense": sense, "closure": Force()})
         if self._distance is not None:
@@ -318,7 +342,7 @@ class OscillatingRoller(RollerFollower):
             "base_radius_mm": prime - self.base_gap,
             "prime_radius_mm": prime,
             "roller_radius_mm": self.roller_radius_mm,
-            "arm_mm": self.arm_mm,
+            "arm_mm": self.length,
             "centre_distance_mm": float(self._bearing(z)[0]),
             "initial_angle_deg": self._initial_angle(z) / DEGREE,
             **self.closure.dimensions(self.roller_radius_mm),

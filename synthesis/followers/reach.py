@@ -87,23 +87,26 @@ class Arm:
                 "centre_distance_mm = {value} leaves no positive distance. Give a positive one.",
                 {"value": high},
             )
-        self._check_triangle(prime)
+        self._check_triangle(prime, stretches)
         self._check_angle(prime)
         self._check_swing(prime, stretches)
 
-    def _check_triangle(self, prime: tuple[float, float]) -> None:
+    def _check_triangle(self, prime: tuple[float, float], stretches: Sequence[Stretch]) -> None:
         l, (d0, d1) = self.length, (max(self.distance[0], 0.0), self.distance[1])
         shortest = 0.0 if d0 <= l <= d1 else min(abs(l - d0), abs(l - d1))
         if prime[1] <= shortest or prime[0] >= l + d1:
             wrong = prime[1] if prime[1] <= shortest else prime[0]
+            lowest = min(stretches, key=lambda s: min(s.s_start, s.s_end))
+            at = lowest.start if lowest.s_start <= lowest.s_end else lowest.end
             raise PydanticCustomError(
                 "arm_does_not_reach",
-                "arm_mm = {arm} cannot hold its roller on the prime radius {prime} mm (base "
-                "radius plus roller radius): with the pivot at the distance given it reaches "
-                "radii from {least} to {most} mm. Change arm_mm, centre_distance_mm or "
-                "base_radius_mm.",
+                "at cam angle {at}° (program/{index}), at its lowest, arm_mm = {arm} cannot hold "
+                "its roller on the prime radius {prime} mm (base radius plus roller radius): with "
+                "the pivot at the distance given it reaches radii from {least} to {most} mm. "
+                "Change arm_mm, centre_distance_mm or base_radius_mm.",
                 {"arm": l, "prime": f"{wrong:.6g}", "least": f"{shortest:.6g}",
-                 "most": f"{l + d1:.6g}" if math.isfinite(d1) else "∞"},
+                 "most": f"{l + d1:.6g}" if math.isfinite(d1) else "∞",
+                 "at": round(at / DEGREE % 360.0, 4), "index": lowest.index},
             )  # fmt: skip
 
     def _check_angle(self, prime: tuple[float, float]) -> None:
@@ -149,6 +152,19 @@ class Arm:
              "where": "" if base is None else f" (base radius {base - self.gap:.6g} mm)",
              "way": "" if base is None else ", the base radius smaller, or the pivot farther"},
         )  # fmt: skip
+
+
+def lengths(
+    asked: tuple[float, float], distance: tuple[float, float], prime: tuple[float, float]
+) -> tuple[float, float]:
+    """The part of a range of lengths at which a triangle with one of these sides is possible [mm].
+
+    ``prime``: ends of the prime radius, open ones infinite. The range itself where none is.
+    """
+    nearest, farthest = max(distance[0], 0.0), distance[1]
+    low = max(asked[0], nearest - prime[1], prime[0] - farthest)
+    high = min(asked[1], farthest + prime[1])
+    return (low, high) if low < high else asked
 
 
 def _crossing(stretch: Stretch, level: float) -> float:

@@ -70,6 +70,19 @@ class Sized(ABC):
         """Its dimensions that may also be left free: field and value."""
         return {}
 
+    def left_open(
+        self, base_radius: tuple[float, float]
+    ) -> Mapping[str, tuple[float | Range, tuple[float, float]]]:
+        """Its dimensions that may be left free and are searched around everything else.
+
+        Args:
+            base_radius: ends of the base radius asked for [mm], open ones infinite.
+
+        Returns:
+            by field: what is asked, and the ends between which it can serve at all.
+        """
+        return {}
+
     # -- what it can serve at all ----------------------------------------------------------------
 
     def check_reach(self, base_radius: tuple[float, float], stretches: Sequence[Stretch]) -> None:

@@ -30,6 +30,7 @@ from pydantic_core import PydanticCustomError
 from synthesis.followers.base import Follower
 from synthesis.followers.flank import Flank
 from synthesis.followers.judged import Measure
+from synthesis.followers.link import Face, Link
 from synthesis.followers.sizing import Sizing
 from synthesis.followers.told import Shape
 from synthesis.followers.trace import Vector2
@@ -133,6 +134,12 @@ class TranslatingFlatFace(Follower):
         cos, sin = self._tilt
         h = (z[0] + s[0] * cos, s[1] * cos, s[2] * cos, s[3] * cos)
         return tuple((h[k + 1] * cos - h[k] * sin, h[k] * cos + h[k + 1] * sin) for k in range(3))
+
+    def link(self, z: Any, degree: Any) -> Link:
+        tilt, still = self.tilt_deg * degree, 0.0 * z[0]
+        cos, sin, c = np.cos(tilt), np.sin(tilt), self.offset_mm
+        face = Face((still + c, (z[0] + c * sin) / cos), (cos, sin), (-sin, cos))
+        return Link(face=face, slide=(still, still + 1.0))
 
     def posture(self, point: Any, normal: Any) -> tuple[Any, Any]:
         # the support function over its angle: h = Rb + s cos τ, the normal turned by τ

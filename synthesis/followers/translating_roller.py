@@ -16,6 +16,7 @@ from pydantic import Field
 from pydantic_core import PydanticCustomError
 
 from synthesis.followers.closures import LEAST, Force, SlideClosure
+from synthesis.followers.link import Link
 from synthesis.followers.pitch_curvature import PitchCurvature
 from synthesis.followers.roller import RollerFollower
 from synthesis.followers.sizing import Sizing
@@ -93,6 +94,10 @@ class TranslatingRoller(RollerFollower):
         e, s0 = z
         zero = 0.0 * s[0]
         return ((zero + e, s[0] + s0), (zero, s[1]), (zero, s[2]), (zero, s[3]))
+
+    def link(self, z: Any, degree: Any) -> Link:
+        e, s0 = z
+        return Link(self.closure.tips((e, s0), None, 1, degree), slide=(0.0 * s0, 1.0 + 0.0 * s0))
 
     def posture(self, point: Any, normal: Any) -> tuple[Any, Any]:
         # the cam turns the centre (e, X) to (e + iX) exp(−iθ)

@@ -32,7 +32,8 @@ from synthesis.solvers.clarabel import ConeSolution, solve
 from synthesis.solvers.statuses import Stopped
 
 INTERVALS = 20  # of the first laws of every climb
-FEW = 2  # times that these are refined for the laws that say where better cams lie
+FEW = 2  # times at most that these are refined for the laws that say where better cams lie
+ENOUGH = 0.25  # of what rows must still gain: a loss to coarse knots that does not matter yet
 POLISHED = 48  # intervals of the laws of a better cam that a box gives rise to
 NEAR = -0.15  # a smooth limit above this, relative, is near to binding
 SAMPLES = 200
@@ -43,7 +44,8 @@ USABLE = (Stopped.SOLVED, Stopped.INACCURATE)
 TURNS = 8  # of hulls and rows in a box
 WORTH = 0.85  # of the hulls' width: what a turn must leave at most for another one
 ROUNDS = 5  # of finer knots
-MOST_BOXES = 60
+MOST_BOXES = 31
+SPREAD = 14  # points between two rows over which multipliers are spread
 RAYS = (1e2, 1e4, 1e6)
 
 
@@ -202,7 +204,7 @@ def climbed(quest: Quest, box: Box) -> Box:
         relaxed = formulate(problem, grids)
         plan = with_rows(relaxed, box.lair.rows(relaxed))
         solution = solve(plan.program, quest.state.left())
-        between = box.lair.spread(plan)
+        between = box.lair.spread(plan, SPREAD)
         ends = solved_prices(plan, solution, 3)
         dense = replace(solution, multipliers=between.masses(solution.multipliers, ends))
         if solution.stopped is Stopped.INFEASIBLE:
@@ -224,7 +226,8 @@ def climbed(quest: Quest, box: Box) -> Box:
         # knots are what is missing where this family has no better cam any more
         if box.lower >= quest.target or quest.state.left() <= 0.0:
             break
-        if number >= FEW and found.value < quest.target:
+        left = quest.target - found.value
+        if left > 0.0 and (number >= FEW or found.value - lower.value < ENOUGH * left):
             break
         grids = finer(problem, grids, found, lower, [np.zeros(0)] * len(grids))
     return box

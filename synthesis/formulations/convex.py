@@ -231,7 +231,8 @@ def _blocks(
                 if block is not None:
                     yield block
             else:
-                yield rows.on_law(row, position, stretch, grids[position], scales, drawn)
+                grid, known = grids[position], settled[position]
+                yield rows.on_law(row, position, stretch, grid, known, scales, drawn)
         for curve in problem.curves_on(stretch):
             if stretch.law is not None:
                 yield from cuts.on_given(curve, stretch, scales, drawn.tighten)
@@ -280,10 +281,10 @@ def _balls(
 
 def _objective(squares: slice, extra: int | None) -> tuple[sparse.csc_matrix, Array]:
     """P and q: the extra unknown alone, or the sum of squares of y."""
-    linear, diagonal = np.zeros(squares.stop), np.zeros(squares.stop)
-    diagonal[squares] = 2.0
+    width, linear = squares.stop, np.zeros(squares.stop)
     if extra is not None:
         linear[extra] = 1.0
-    quadratic = sparse.csc_matrix(sparse.diags(diagonal))
-    quadratic.eliminate_zeros()
+    at, count = np.arange(squares.start, width), width - squares.start
+    ends = np.append(np.zeros(squares.start, dtype=int), np.arange(count + 1))
+    quadratic = sparse.csc_matrix((np.full(count, 2.0), at, ends), shape=(width, width))
     return quadratic, linear

@@ -30,6 +30,7 @@ from synthesis.terms import Seen, Traced, Vector
 APART = 0.05  # of a law, between nodes of a hull
 OPEN = 1e9  # strokes: nothing known
 FAN, TURN = 24, 0.03  # tangents of a circle: most of them, and their step [rad]
+SPREAD = 12  # points between two rows over which multipliers are spread
 SPARE = 1e-9  # relative, by which bounds are loosened
 
 Sizes = tuple[tuple[float, float], ...]
@@ -74,15 +75,18 @@ class Lair:
             for block in self._written(plan, position, implied, hull, _places(hull, plan, position))
         ]
 
-    def spread(self, plan: Plan) -> Spreading:
-        """The same rows between the points where they are written, for a plan that ends in them."""
+    def spread(self, plan: Plan, each: int) -> Spreading:
+        """The same rows between the points where they are written, for a plan that ends in them.
+
+        ``each``: points between two of these.
+        """
         blocks, arcs = list[Block](), list[Arcs]()
         for (position, _), implied, hull in self._implying(plan.problem):
-            arc = Arcs.of(_places(hull, plan, position), hull.parts)
+            arc = Arcs.of(_places(hull, plan, position), hull.parts, each)
             found = list(self._written(plan, position, implied, hull, arc.points))
             blocks += found
             arcs += [arc] * len(found)
-        return Spreading.of(plan, blocks, arcs)
+        return Spreading.of(plan, blocks, arcs, each)
 
     def _implying(self, problem: Problem) -> Iterator[tuple[tuple[int, Seen], Traced, Hull]]:
         for position, stretch in enumerate(problem.free):
@@ -157,7 +161,7 @@ def narrowed(plan: Plan, steering: Sequence[Control], lair: Lair) -> Lair | None
     if found[-1].stopped is not Stopped.SOLVED:
         return None
     z = np.stack([each.multipliers for each in found])
-    between, ends = lair.spread(full), solved_prices(full, wanted, z)
+    between, ends = lair.spread(full, SPREAD), solved_prices(full, wanted, z)
     masses = between.multipliers(wanted, z, ends)
     values = floors(between.plan, steering, lair.sizes, wanted, masses, ends)
     values = (values - SPARE * np.maximum(np.abs(values), 1.0)) * units + constants

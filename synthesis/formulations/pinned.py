@@ -10,7 +10,7 @@ from __future__ import annotations
 
 import time
 from collections.abc import Callable, Iterator
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 from math import exp, inf, isfinite, log
 
 import numpy as np
@@ -26,7 +26,8 @@ from synthesis.formulations.search import Search, Stage
 
 STARTS = 9  # values from which starts are made
 KNOTS = 24  # intervals of the first knots
-FAN = 49  # values tried first where laws are given, evenly in their logarithm
+FAN, FEW = 49, 17  # values tried first where laws are given, evenly in their logarithm
+ROUGHLY = 0.01  # tolerance from which on few of them do
 REACH = 16.0  # an open end is so many times its unit away
 ASIDE = (0.8, 1.25)  # of the value of a start: others
 ROUGH = 0.05  # tolerance where only a start is wanted
@@ -44,10 +45,7 @@ class _Pinned:
 
     def problem(self, at: float) -> Problem:
         """The question with the dimension fixed."""
-        asked = self.state.problem
-        follower = self.pinning.at(at)
-        machine = replace(asked.machine, follower=follower)
-        return replace(asked, machine=machine, sizing=follower.sizing(asked.radii))
+        return self.state.problem.with_follower(self.pinning.at(at))
 
     def whole(self, at: float, found: Candidate) -> Candidate:
         """A cam of the fixed dimension as one of the free."""
@@ -132,7 +130,7 @@ def _as_it_moves(trials: _Pinned) -> None:
 
 def _one_by_one(trials: _Pinned) -> None:
     """Given laws: the best value of a fan, and the least between its neighbours."""
-    fan = trials.fan(FAN)
+    fan = trials.fan(FAN if trials.state.tolerance < ROUGHLY else FEW)
     values = [trials.worth(x) for x in fan if trials.state.left() > 0.0]
     best = int(np.argmin(values)) if values else 0
     if not values or values[best] >= 1e30 or len(values) == 1:

@@ -8,6 +8,7 @@ from functools import cached_property
 from math import inf
 from typing import Literal
 
+from synthesis.followers import Follower
 from synthesis.followers.sizing import Sizing
 from synthesis.limits import Limit, Machine
 from synthesis.motion import Stretch
@@ -117,6 +118,11 @@ class Problem:
     def with_objective(self, objective: Objective) -> Problem:
         """The same limits with something else to make small."""
         return replace(self, objective=objective)
+
+    def with_follower(self, follower: Follower) -> Problem:
+        """The same question put to a follower with more dimensions given."""
+        machine = replace(self.machine, follower=follower)
+        return replace(self, machine=machine, sizing=follower.sizing(self.radii))
 
     def settled(self, stretches: Sequence[Stretch]) -> Problem:
         """The same question with these stretches in place of the free ones."""

@@ -1,35 +1,29 @@
-"""The program's own free numbers, angles and lifts: searched for outside of the convex program.
+"""Numbers left free, angles, lifts and an arm's length: searched for around the convex program.
 
-With them fixed all is as ever. A few cone programs on coarse grids say what they are worth, and the
-best point found is solved in full. It is a search: that no other numbers are better is not proven.
+With them fixed all is as ever. Of angles and lifts a few cone programs on coarse grids say what
+they are worth; an arm's length changes what limits say of the size, not convex, and costs a whole
+search each. The best point found is solved in full: that no other is better is not proven.
 """
 
 from __future__ import annotations
 
 import time
-from collections.abc import Iterable, Iterator, Sequence
-from dataclasses import dataclass, replace
-from functools import cache
+from collections.abc import Iterable
 from math import inf
 
 import numpy as np
-from pydantic_core import PydanticCustomError
 
-from synthesis.formulations.grid import Grid, over, uniform
-from synthesis.formulations.problem import Problem, pose
-from synthesis.formulations.refine import estimate, search
-from synthesis.formulations.scene import Scene, yielded
+from synthesis.formulations.lengths import along
 from synthesis.formulations.search import Stage
-from synthesis.formulations.tables import smooth_tables
+from synthesis.formulations.worth import Worth
 from synthesis.numerics.descent import Found, Function, least
 from synthesis.numerics.piecewise import Array
-from synthesis.openings import Openings
 from synthesis.spec import DesignSpec
 
+TRIED = 33  # lengths of a machine, to find one that serves
 SAMPLED, COARSE = 12, 24  # spline intervals: to look around, to descend
 CORNERS = 4  # per free direction, towards which samples are taken
 SHARES = (0.5, 0.95)  # of the way from the middle to a corner
-INSIDE = 0.01  # relative amount by which limits are drawn in while anything possible is sought
 STARTS = 3
 APART = 0.1  # of the box: starts that are nearer than this lead to the same place
 RADIUS, ROUNDS = 0.15, 25
@@ -38,105 +32,8 @@ POLISHED = 4  # times at most
 SHARE_OF_TIME = 0.6  # of what is left
 
 
-@dataclass(frozen=True, eq=False)
-class Mesh:
-    """Knots of every free law, that follow the windows while angles change.
-
-    Attributes:
-        breaks: per free law. needed: per free law, those among them that windows and points ask
-            for.
-    """
-
-    breaks: tuple[Array, ...]
-    needed: tuple[Array, ...]
-
-    @classmethod
-    def of(cls, problem: Problem, grids: Sequence[Grid]) -> Mesh:
-        """The mesh of these grids."""
-        return cls(tuple(grid.space.breaks for grid in grids), tuple(_needed(problem)))
-
-    def grids(self, problem: Problem) -> list[Grid]:
-        """On another problem: between the knots needed, all others keep their shares."""
-        return [
-            over(stretch, np.interp(breaks, before, after))
-            for stretch, breaks, before, after in zip(
-                problem.free, self.breaks, self.needed, _needed(problem), strict=True
-            )
-        ]
-
-
-def _needed(problem: Problem) -> Iterator[Array]:
-    for stretch in problem.free:
-        assert stretch.free is not None
-        yield np.array([0.0, *stretch.free.knots, 1.0])
-
-
-@dataclass(eq=False)
-class _Worth:
-    """What numbers are worth: the relaxation's optimum with the first objective."""
-
-    spec: DesignSpec
-    openings: Openings
-    deadline: float
-    calls: int = 0
-    level: float = 1.0
-
-    def problem(self, u: Array) -> Problem | None:
-        """The question at a point of the unit box; None where a given law cannot be run there."""
-        spec = self.spec.with_numbers(self.openings.numbers(u))
-        try:
-            stretches = smooth_tables(spec.stretches(), self.deadline).stretches
-        except PydanticCustomError:
-            return None
-        return pose(spec, spec.objectives()[0], (), stretches)
-
-    def uniform(self, u: Array, intervals: int) -> Mesh:
-        """Equal intervals, by the windows as they are at u."""
-        problem = self.problem(u)
-        if problem is None:
-            return Mesh((), ())
-        return Mesh.of(problem, [uniform(s, intervals) for s in problem.free])
-
-    def refined(self, u: Array) -> Mesh:
-        """The knots that the full search comes to at u."""
-        problem = self.problem(u)
-        assert problem is not None
-        grids = search(problem, self.spec.tolerance, self.deadline).grids
-        return Mesh.of(problem, grids)
-
-    def on(self, mesh: Mesh) -> Function:
-        """The value on a mesh; None where nothing fits, or time is up."""
-
-        @cache
-        def value(key: bytes) -> float | None:
-            problem = self.problem(np.frombuffer(key))
-            self.calls += 1
-            if problem is None:
-                return None
-            found = estimate(problem, mesh.grids(problem), self.level, self.deadline)
-            self.level = found or self.level
-            return found
-
-        return lambda u: None if time.monotonic() >= self.deadline else value(u.tobytes())
-
-    def excess(self, mesh: Mesh) -> Function:
-        """By how much limits must be exceeded at least, in all; 0 where everything fits."""
-
-        def value(u: Array) -> float | None:
-            problem = self.problem(u)
-            if problem is None or time.monotonic() >= self.deadline:
-                return None
-            self.calls += 1
-            spec = self.spec.with_numbers(self.openings.numbers(u))
-            scene = replace(Scene.of(spec, problem, mesh.grids(problem)), drawn=INSIDE)
-            found = yielded(scene, scene.plan(), range(len(scene.parts)), exact=False)
-            return None if found is None else max(found.total, 0.0)
-
-        return value
-
-
 def chosen(spec: DesignSpec, deadline: float = inf) -> tuple[DesignSpec, list[float], Stage]:
-    """The spec with numbers in place of all that its program leaves free.
+    """The spec with numbers in place of all that it leaves free to be searched.
 
     Args:
         spec: with numbers left free. deadline: ``time.monotonic()``; the search takes a part of
@@ -148,19 +45,28 @@ def chosen(spec: DesignSpec, deadline: float = inf) -> tuple[DesignSpec, list[fl
     started = time.perf_counter()
     now, openings = time.monotonic(), spec.openings
     stop = inf if deadline == inf else now + SHARE_OF_TIME * max(deadline - now, 0.0)
-    worth = _Worth(spec, openings, stop)
-    middle = openings.polytope.centre()
-    assert middle is not None  # the spec has been checked
-    best = _search(worth, middle)
+    worth = Worth(spec.alone(), openings, stop)
+    middle = _middle(worth)
+    best = _found(worth, middle)
     numbers = openings.numbers(middle if best is None else best.u)
     freedom = openings.polytope.directions.shape[1]
     stage = Stage(
         "proportions", f"search over {freedom} of {len(numbers)} free numbers", "Clarabel",
         len(numbers), 0, worth.calls, time.perf_counter() - started,
         _ended(best, late=time.monotonic() >= stop),
-        "angles and lifts of the program, by cutting planes from several starts",
+        "angles and lifts by cutting planes from several starts, lengths one by one",
     )  # fmt: skip
     return spec.with_numbers(numbers), numbers, stage
+
+
+def _middle(worth: Worth) -> Array:
+    """Where to begin: in the middle of the box, with a machine that reaches its cam."""
+    middle = worth.openings.polytope.centre()
+    assert middle is not None  # the spec has been checked
+    for position in worth.openings.of_machine:
+        tried = [middle, *worth.openings.spread(middle, position, TRIED)]
+        middle = next((u for u in tried if worth.problem(u) is not None), middle)
+    return middle
 
 
 def _ended(best: Found | None, *, late: bool) -> str:
@@ -170,7 +76,19 @@ def _ended(best: Found | None, *, late: bool) -> str:
     return "out of time, with the best so far" if late else "searched"
 
 
-def _search(worth: _Worth, middle: Array) -> Found | None:
+def _found(worth: Worth, middle: Array) -> Found | None:
+    """The best point found: of the program's numbers, then of the machine's."""
+    machine, best = worth.openings.of_machine, None
+    if len(machine) < len(worth.openings.free):
+        best = _search(worth, middle)
+        middle = middle if best is None else best.u
+    for position in machine:
+        best = along(worth, middle, position) or best
+        middle = middle if best is None else best.u
+    return best
+
+
+def _search(worth: Worth, middle: Array) -> Found | None:
     """The best point found: samples, descents from the best of them, and a polish."""
     polytope = worth.openings.polytope
     corners = polytope.corners(CORNERS * polytope.directions.shape[1])
@@ -192,7 +110,7 @@ def _search(worth: _Worth, middle: Array) -> Found | None:
     return best
 
 
-def _possible(worth: _Worth, points: Iterable[Array]) -> list[Found]:
+def _possible(worth: Worth, points: Iterable[Array]) -> list[Found]:
     """Where everything fits, if at none of these: downhill from the nearest to it.
 
     Where nothing fits at all, the point that comes nearest to it, worth ∞.

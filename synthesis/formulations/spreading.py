@@ -21,35 +21,34 @@ from synthesis.formulations.floors import Wanted, switchings
 from synthesis.formulations.rows import Block
 from synthesis.numerics.piecewise import Array
 
-EACH = 14  # points between two rows
-
 
 @dataclass(frozen=True, eq=False)
 class Arcs:
     """Points of rows in order, and points between them.
 
     Attributes:
-        points: (r + EACH n,) those of the rows, then those between two of one part.
+        points: (r + each n,) those of the rows, then those between two of one part.
         left: (n,) number of the row before them. ahead, behind: (n,) shares of the rows before
-            and after that belong there.
+            and after that belong there. each: points between two rows.
     """
 
     points: Array
     left: NDArray[np.intp]
     ahead: Array
     behind: Array
+    each: int
 
     @classmethod
-    def of(cls, x: Array, parts: Sequence[tuple[float, float]]) -> Arcs:
+    def of(cls, x: Array, parts: Sequence[tuple[float, float]], each: int) -> Arcs:
         """For rows at x (r,), in order, on parts of a law."""
         part = np.searchsorted([low for low, _ in parts], x, "right")
         left = np.flatnonzero(part[1:] == part[:-1])
         gaps = np.zeros(len(x) + 1)
         gaps[left + 1] = x[left + 1] - x[left]
         reach = np.maximum(gaps[1:] + gaps[:-1], 1e-300)
-        between = x[left, None] + gaps[left + 1, None] * (np.arange(EACH) + 0.5) / EACH
+        between = x[left, None] + gaps[left + 1, None] * (np.arange(each) + 0.5) / each
         ahead, behind = gaps[left + 1] / reach[left], gaps[left + 1] / reach[left + 1]
-        return cls(np.concatenate([x, between.ravel()]), left, ahead, behind)
+        return cls(np.concatenate([x, between.ravel()]), left, ahead, behind, each)
 
     def spread(self, z: Array, chosen: NDArray[Any]) -> Array:
         """Multipliers (…, r) of the rows as masses at all points; spread in the n ``chosen``."""
@@ -58,7 +57,7 @@ class Arcs:
         kept = np.array(z)
         kept[..., self.left] -= own
         kept[..., self.left + 1] -= following
-        rising = (np.arange(EACH) + 0.5) * 2.0 / EACH**2
+        rising = (np.arange(self.each) + 0.5) * 2.0 / self.each**2
         masses = own[..., None] * rising[::-1] + following[..., None] * rising
         return np.concatenate([kept, masses.reshape(*z.shape[:-1], -1)], axis=-1)
 
@@ -82,14 +81,14 @@ class Spreading:
     arcs: tuple[Arcs | None, ...]
 
     @classmethod
-    def of(cls, plan: Plan, blocks: Sequence[Block], arcs: Sequence[Arcs]) -> Spreading:
+    def of(cls, plan: Plan, blocks: Sequence[Block], arcs: Sequence[Arcs], each: int) -> Spreading:
         """For a plan whose last blocks are these with fewer points.
 
         Of the others those that hold all along a law, with the same factors everywhere, too.
         """
         found = list[tuple[Block, Arcs | None]]()
         for block in plan.blocks[: len(plan.blocks) - len(blocks)]:
-            arc = _all_along(block)
+            arc = _all_along(block, each)
             found.append((block if arc is None else _alike(block, arc.points), arc))
         found += zip(blocks, arcs, strict=True)
         dense = tuple(block for block, _ in found)
@@ -129,7 +128,7 @@ class Spreading:
         for arc, block, here in zip(self.arcs, self.plan.blocks, chosen, strict=True):
             rows = len(block.rhs)
             if arc is not None and here is not None:
-                rows -= EACH * len(arc.left)
+                rows -= arc.each * len(arc.left)
                 parts.append(arc.spread(np.maximum(z[..., at : at + rows], 0.0), here))
             else:
                 parts.append(z[..., at : at + rows])
@@ -137,12 +136,12 @@ class Spreading:
         return np.concatenate([*parts, z[..., at:]], axis=-1)
 
 
-def _all_along(block: Block) -> Arcs | None:
+def _all_along(block: Block, each: int) -> Arcs | None:
     """The points of a limit that holds all along a law and reads the same everywhere."""
     everywhere = block.kind == "point" and block.alpha.ndim == 1 and block.spans is None
     if not everywhere or block.alpha[3] or not block.alpha[2] or block.exact or len(block.x) < 2:
         return None
-    return Arcs.of(block.x, ((0.0, 1.0),))
+    return Arcs.of(block.x, ((0.0, 1.0),), each)
 
 
 def _alike(block: Block, x: Array) -> Block:

@@ -6,7 +6,7 @@ from abc import ABC, abstractmethod
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from functools import lru_cache
-from typing import Annotated, ClassVar, Literal
+from typing import Annotated, ClassVar, Literal, Self
 
 import numpy as np
 from pydantic import BaseModel, ConfigDict, Field
@@ -108,6 +108,10 @@ class MotionLaw(BaseModel, ABC):
     def overshoots(self) -> bool:
         """Whether it may move backwards for the sake of its end states."""
         return False
+
+    def roughened(self) -> Self:
+        """Itself: only a spline has a choice."""
+        return self
 
     def free(self) -> FreeLaw | None:
         """None: a named law leaves nothing free."""

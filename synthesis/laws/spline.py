@@ -48,6 +48,10 @@ class SplineLaw(BaseModel):
         """Nothing yet: the states asked for are rows of the formulation."""
         return None
 
+    def roughened(self) -> SplineLaw:
+        """The same of class C2."""
+        return self.model_copy(update={"smoothness": 2}) if self.smoothness > 2 else self
+
     def free(self) -> FreeLaw:
         """The law's place in the formulation."""
         return FreeLaw(self.smoothness, self.overshoot)

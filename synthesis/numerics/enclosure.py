@@ -16,10 +16,13 @@ Indices = NDArray[np.intp]
 Model = Callable[[Indices, Array, Array], Taylor]
 
 SPLIT: Final = 16
+MOST_PARTS: Final = 64
+ROUND: Final = 256  # boxes that cost little more than one
 MOST_ROUNDS: Final = 12
 MOST_BOXES: Final = 100_000
 UNBOUNDED: Final = 1e300  # stands for "nothing is known on this box"
 ULPS: Final = 2.0**-50
+WIDENED: Final = 16.0 * 2.0**-53  # of |x|: by how much a model's box may be wider than it was asked
 
 
 @dataclass(frozen=True)
@@ -87,10 +90,12 @@ class _Boxes:
         return _Boxes(self.question[keep], self.piece[keep], self.lo[keep], self.hi[keep])
 
     def split(self) -> _Boxes:
-        parts = np.arange(SPLIT + 1) / SPLIT
+        """Each cut into equal parts: into many where there are few, for a round costs much."""
+        count = max(SPLIT, min(MOST_PARTS, ROUND // len(self.lo)))
+        parts = np.arange(count + 1) / count
         edges = self.lo[:, None] + (self.hi - self.lo)[:, None] * parts
         edges[:, -1] = self.hi
-        question, piece = np.repeat(self.question, SPLIT), np.repeat(self.piece, SPLIT)
+        question, piece = np.repeat(self.question, count), np.repeat(self.piece, count)
         return _Boxes(question, piece, edges[:, :-1].ravel(), edges[:, 1:].ravel())
 
     def and_points(self, others: _Boxes) -> _Boxes:
@@ -104,11 +109,13 @@ class _Seen:
 
     Attributes:
         excess: largest excess over a bound, up to ±``rem``. above: it is over the upper one.
+        spare: what of it may lie outside of the box, in the margin for roundings of its ends.
         value: the function's value there, as exact. where: the place.
     """
 
     excess: Array
     rem: Array
+    spare: Array
     above: NDArray[np.bool_]
     value: Array
     where: Array
@@ -117,6 +124,9 @@ class _Seen:
 def _look(boxes: _Boxes, model: Taylor, lower: Array, upper: Array) -> _Seen:
     """The nearer of two bounds on each box, and where the function comes nearest to it."""
     high, low, t_high, t_low = model.extremes()
+    points = boxes.lo == boxes.hi
+    if points.any():
+        high, low = np.where(points, model.c0, high), np.where(points, model.c0, low)
     rem = model.rem + ULPS * model.mag
     known = np.isfinite(high + low + rem)
     if not known.all():
@@ -127,7 +137,11 @@ def _look(boxes: _Boxes, model: Taylor, lower: Array, upper: Array) -> _Seen:
     t = np.where(above, t_high, t_low)
     where = 0.5 * (boxes.lo + boxes.hi) + t * (0.5 * (boxes.hi - boxes.lo))
     where = np.clip(where, boxes.lo, boxes.hi)
-    return _Seen(np.where(above, over, under), rem, above, np.where(above, high, low), where)
+    margin = WIDENED * (np.abs(boxes.lo) + np.abs(boxes.hi))
+    share = np.where(points, 0.0, margin / (0.5 * (boxes.hi - boxes.lo) + margin))
+    spare = np.where(known, share * (np.abs(model.c1) + 2.0 * np.abs(model.c2)), 0.0)
+    excess, value = np.where(above, over, under), np.where(above, high, low)
+    return _Seen(excess, rem, spare, above, value, where)
 
 
 class _Search:
@@ -154,7 +168,7 @@ class _Search:
         """
         self.boxes += len(boxes.lo)
         seen = _look(boxes, model, self.lower, self.upper)
-        sure = seen.excess - seen.rem
+        sure = seen.excess - seen.rem - seen.spare
         leaders = []
         for q in range(len(self.best)):
             mine = np.flatnonzero(boxes.question == q)

@@ -51,6 +51,11 @@ class Place(BaseModel, ABC):
     def size(self) -> int | None:
         """How many values it has; None: as many as the plan wants."""
 
+    @property
+    @abstractmethod
+    def numeric(self) -> bool:
+        """Whether all of its values are numbers."""
+
     @abstractmethod
     def shortened(self) -> Self:
         """The same fields, without a long list of values."""
@@ -76,6 +81,10 @@ class ListAxis(Place):
     @property
     def size(self) -> int | None:
         return len(self.values)
+
+    @property
+    def numeric(self) -> bool:
+        return all(type(value) in (int, float) for value in self.values)
 
     def shortened(self) -> Self:
         return self.model_copy(update={"values": self.values[:1]})
@@ -105,6 +114,10 @@ class Interval(Place):
     @property
     def size(self) -> int | None:
         return self.count
+
+    @property
+    def numeric(self) -> bool:
+        return True
 
     def shortened(self) -> Self:
         return self

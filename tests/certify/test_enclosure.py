@@ -1,11 +1,14 @@
 """Branch and bound on functions whose extremes are known."""
 
 import math
+from fractions import Fraction
 
 import numpy as np
 import pytest
 
 from synthesis.numerics.enclosure import MOST_BOXES, Question, enclose
+from synthesis.numerics.jets import Jets
+from synthesis.numerics.piecewise import Piecewise
 from synthesis.numerics.taylor import Taylor
 
 
@@ -100,3 +103,19 @@ def test_when_rounds_run_out_the_width_is_honest(monkeypatch):
     (answer,) = enclose(wave(33.0), BREAKS, COUNTS, [Question(EVERYWHERE, -math.inf, 1.0)])
     assert answer.extreme.lower <= 1.0 < answer.extreme.upper
     assert answer.extreme.width > 1e-9
+
+
+def test_what_is_reached_is_reached_inside() -> None:
+    """Models look a little over the ends of their boxes: on a steep slope that must not count."""
+    rng = np.random.default_rng(5)
+    for _ in range(40):
+        slope, start, width = (float(x) for x in rng.uniform([1e3, 3.0, 0.1], [1e5, 6.0, 0.7]))
+        line = Piecewise.of([start, start + width], [[1.0, slope]])
+        jets = Jets(line)
+        (answer,) = enclose(
+            lambda piece, lo, hi, jets=jets: jets.models(piece, lo, hi, 0)[0],
+            line.breaks, np.array([3]), [Question(np.array([0]), -math.inf, 0.0)],
+        )  # fmt: skip
+        low, high = Fraction(float(line.breaks[0])), Fraction(float(line.breaks[1]))
+        top = 1 + Fraction(slope) * (high - low)
+        assert Fraction(answer.extreme.lower) <= top <= Fraction(answer.extreme.upper)

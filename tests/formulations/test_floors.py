@@ -13,10 +13,12 @@ from synthesis.formulations.floors import Wanted, floors, integrals, pieces, sol
 from synthesis.formulations.grid import Grid, uniform
 from synthesis.formulations.problem import Held, Nothing, pose
 from synthesis.formulations.rows import Block
-from synthesis.formulations.spreading import EACH, Arcs
+from synthesis.formulations.spreading import Arcs
 from synthesis.solvers.clarabel import solve
 from synthesis.solvers.highs import LinearRows, least
 from synthesis.solvers.statuses import Stopped
+
+EACH = 7
 
 PROGRAMS = {
     "dwells between": (("rise", 61.0, 23.0), ("dwell", 30.0, 0.0), ("return", 55.0, 23.0)),
@@ -178,7 +180,7 @@ def test_the_switching_function_s_integral_by_plain_quadrature():
 
 def test_spreading_keeps_masses_and_stays_between_the_rows():
     x = np.array([0.1, 0.13, 0.2, 0.24, 0.6, 0.66])
-    arcs = Arcs.of(x, ((0.05, 0.3), (0.55, 0.7)))
+    arcs = Arcs.of(x, ((0.05, 0.3), (0.55, 0.7)), EACH)
     assert arcs.left.tolist() == [0, 1, 2, 4]
     between = arcs.points[len(x) :].reshape(4, EACH)
     assert np.all((between > x[arcs.left, None]) & (between < x[arcs.left + 1, None]))
@@ -189,7 +191,7 @@ def test_spreading_keeps_masses_and_stays_between_the_rows():
         assert masses.sum(axis=1) == pytest.approx(z.sum(axis=1))
     assert np.allclose(arcs.spread(z, np.zeros(4))[:, : len(x)], z)
     # of a law with even rows whose multipliers are even the density is even
-    even = Arcs.of(np.linspace(0.2, 0.6, 9), ((0.1, 0.7),))
+    even = Arcs.of(np.linspace(0.2, 0.6, 9), ((0.1, 0.7),), EACH)
     masses = even.spread(np.ones((1, 9)), np.ones(8))[0]
     inner = masses[9:].reshape(8, EACH)[1:-1]
     assert np.allclose(inner, 1.0 / EACH)
@@ -197,7 +199,7 @@ def test_spreading_keeps_masses_and_stays_between_the_rows():
 
 
 def test_what_lies_between_rows_is_summed_there():
-    arcs = Arcs.of(np.array([0.25, 0.5, 0.8]), ((0.0, 1.0),))
+    arcs = Arcs.of(np.array([0.25, 0.5, 0.8]), ((0.0, 1.0),), EACH)
     breaks = np.array([0.0, 0.25, 0.4, 0.5, 0.8, 1.0])
     amounts = np.array([[1.0, 2.0, 4.0, 8.0, 16.0]])
     assert arcs.between(breaks, amounts).tolist() == [[6.0, 8.0]]

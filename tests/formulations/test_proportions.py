@@ -9,8 +9,8 @@ import pytest
 
 from synthesis.formulations.grid import uniform
 from synthesis.formulations.problem import Problem, pose
-from synthesis.formulations.proportions import Mesh
 from synthesis.formulations.refine import estimate
+from synthesis.formulations.worth import Mesh
 from synthesis.spec import DesignSpec
 
 WINDOW = {"from_deg": 21.7, "to_deg": 36.3, "velocity_mm_per_s": 130.0}

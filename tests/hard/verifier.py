@@ -353,12 +353,12 @@ def rebuilt(spec: dict[str, Any], design: dict[str, Any]) -> Cam:
 
 
 def numbered(spec: dict[str, Any], design: dict[str, Any]) -> dict[str, Any]:
-    """The spec with the angles and lifts in place that it leaves free."""
-    program = [dict(segment) for segment in spec["program"]]
+    """The spec with the numbers in place that it leaves free."""
+    program, follower = [dict(segment) for segment in spec["program"]], dict(spec["follower"])
     for field, value in (design.get("chosen") or {}).items():
-        _, index, name = field.strip("/").split("/")
-        program[int(index)][name] = value
-    return spec | {"program": program}
+        *_, index, name = field.strip("/").split("/")
+        (follower if index == "follower" else program[int(index)])[name] = value
+    return spec | {"program": program, "follower": follower}
 
 
 def verify(spec: dict[str, Any], design: dict[str, Any]) -> list[str]:
@@ -463,7 +463,10 @@ def _motion(cam: Cam, spec: dict[str, Any], design: dict[str, Any]) -> Iterable[
 
 
 def _chosen(asked: dict[str, Any], spec: dict[str, Any]) -> Iterable[str]:
-    """What the program left free lies in its range, and the turn closes."""
+    """What was left free lies in its range, and the turn closes."""
+    arm = asked["follower"].get("arm_mm")
+    if isinstance(arm, dict) and not _within(spec["follower"]["arm_mm"], arm, 0.0):
+        yield f"arm_mm = {spec['follower']['arm_mm']}, asked {arm}"
     for i, (was, now) in enumerate(zip(asked["program"], spec["program"], strict=True)):
         for key in ("angle_deg", "lift_mm"):
             if isinstance(was.get(key), dict) and not _within(now[key], was[key], 1e-9):

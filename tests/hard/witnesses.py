@@ -187,6 +187,8 @@ def contradictions(spec: dict[str, Any], design: dict[str, Any]) -> list[str]:
     """Refusals and bounds that a cam of our own shows to be wrong."""
     if any(isinstance(s.get(k), dict) for s in spec["program"] for k in ("angle_deg", "lift_mm")):
         return []
+    if isinstance(spec["follower"].get("arm_mm"), dict):
+        return []
     if spec.get("continuity"):
         return []
     refused = design["status"] == "infeasible"

@@ -75,7 +75,7 @@ def wait_until_idle(client: httpx2.Client) -> None:
 def service(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Running]:
     """The service with the fake core."""
     settings = settings_for(
-        tmp_path_factory.mktemp("service"), grace_s=0.5, max_waiting=4, max_sweep_items=500
+        tmp_path_factory.mktemp("service"), grace_s=0.5, max_waiting=4, max_sweep_items=600
     )
     with Running(settings, real=False) as running:
         yield running

@@ -43,7 +43,10 @@ def synthesise(spec: DesignSpec, *, deadline: float | None = None) -> Design:
 
 
 def finished(spec: DesignSpec) -> Design:
+    """A cam of 50 mm with an offset of 20 mm, or as the name says: ``sized 37.5 4``."""
     fields: dict[str, Any] = {"stages": [], "seconds": 0.0}
+    words = spec.name.split() if spec.name.startswith("sized ") else ["", "50.0", "20.0"]
+    radius, offset = float(words[1]), float(words[2])
     return Design(
         id=design_id(spec),
         name=spec.name,
@@ -52,9 +55,9 @@ def finished(spec: DesignSpec) -> Design:
         rotation=spec.rotation,
         speed_rpm=spec.speed_rpm,
         follower=spec.follower.kind,
-        dimensions={"base_radius_mm": 50.0, "prime_radius_mm": 60.0, "offset_mm": 20.0},
+        dimensions={"base_radius_mm": radius, "prime_radius_mm": 60.0, "offset_mm": offset},
         size=[20.0, 56.5],
-        objectives={"base_radius_mm": 50.0},
+        objectives={"base_radius_mm": radius},
         motion=[],
         extremes=[],
         certificate=Certificate(

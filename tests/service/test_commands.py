@@ -95,6 +95,21 @@ def test_one_design_without_a_service(spec_file: Path, tmp_path: Path) -> None:
     assert "base_radius_mm" in done.output
 
 
+def test_a_design_is_confirmed(spec_file: Path, tmp_path: Path) -> None:
+    runner.invoke(cli.app, ["design", str(spec_file), "--out", str(tmp_path)])
+    written = tmp_path / "design.json"
+    done = runner.invoke(cli.app, ["confirm", str(written)])
+    assert done.exit_code == 0, done.output
+    assert "confirmed: every line" in done.output
+    assert "self_crossing" in done.output
+    design = Design.model_validate_json(written.read_bytes())
+    wrong = [e.model_copy(update={"holds": not e.holds}) for e in design.extremes]
+    written.write_text(design.model_copy(update={"extremes": wrong}).model_dump_json())
+    done = runner.invoke(cli.app, ["confirm", str(written), "--json"])
+    assert done.exit_code == 3
+    assert '"contradicted"' in done.output
+
+
 def test_a_groove_brings_a_file_for_each_flank(tmp_path: Path) -> None:
     value = examples()["grooved"]["value"]
     program = [s | ({"law": {"kind": "cycloidal"}} if "law" in s else {}) for s in value["program"]]

@@ -119,3 +119,18 @@ def test_the_process_that_answers_holds_no_solver(real_service: Running) -> None
     code = "import sys, service.app; print([m for m in ('cvxpy', 'casadi') if m in sys.modules])"
     run = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
     assert run.stdout.strip() == "[]"
+
+
+def test_a_design_is_confirmed_to_25_digits(client: httpx2.Client) -> None:
+    design = post(client, examples()["fixed-laws"]["value"]).json()
+    path = f"/v1/designs/{design['id']}/confirmation"
+    answer = client.get(path)
+    assert answer.status_code == 200, answer.text
+    found = answer.json()
+    assert (found["verdict"], found["id"]) == ("confirmed", design["id"])
+    assert [line["limit"] for line in found["lines"]] == [e["limit"] for e in design["extremes"]]
+    known = {"if-none-match": answer.headers["etag"]}
+    assert client.get(path, headers=known).status_code == 304
+    none = post(client, examples()["infeasible-on-purpose"]["value"]).json()
+    refused = client.get(f"/v1/designs/{none['id']}/confirmation")
+    assert (refused.status_code, refused.json()["type"]) == (409, "/problems/nothing-fits")

@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
+import csv
+import io
 import json
 import time
 from typing import Any
 
 import httpx2
+import pyarrow.parquet
 import pytest
 
 from tests.service.conftest import Running
@@ -176,7 +179,7 @@ def test_watching_goes_on_where_it_was_left(client: httpx2.Client) -> None:
 
 def test_a_sweep_that_is_stopped_keeps_what_is_done_and_can_go_on(service: Running) -> None:
     client = service.client
-    body = sweep_of([f"sleep 0.1{' ' * i}" for i in range(60)])
+    body = sweep_of([f"sleep 0.1{' ' * i}" for i in range(36)])
     where = posted(client, body)
     while client.get(where).json()["counts"]["done"] < 4:
         time.sleep(0.02)
@@ -186,14 +189,14 @@ def test_a_sweep_that_is_stopped_keeps_what_is_done_and_can_go_on(service: Runni
     assert answer.status_code == 200
     stopped = answer.json()
     assert stopped["state"] == "dismissed"
-    assert 4 <= stopped["counts"]["done"] < 60
+    assert 4 <= stopped["counts"]["done"] < 36
     time.sleep(0.5)
     assert client.get(where).json() == stopped
     assert len(items_at(client, where)) == stopped["counts"]["done"]
     print(f"stopped within {took:.2f} s")
     assert posted(client, body) == where
-    counted(over(client, where), items=60, done=60, optimal=60)
-    assert len({item["number"] for item in items_at(client, where)}) == 60
+    counted(over(client, where), items=36, done=36, optimal=36)
+    assert len({item["number"] for item in items_at(client, where)}) == 36
 
 
 def test_a_sweep_that_is_over_is_discarded_with_its_items(client: httpx2.Client) -> None:
@@ -211,3 +214,62 @@ def test_a_sweep_that_is_over_is_discarded_with_its_items(client: httpx2.Client)
 def test_wrong_questions_about_items(client: httpx2.Client, query: str) -> None:
     where = posted(client, sweep_of(["asked wrongly"]))
     is_problem(client.get(f"{where}/items?{query}"), 422, "invalid-parameter")
+
+
+def test_tables_hold_every_item_as_it_is(client: httpx2.Client) -> None:
+    axes = [
+        {"kind": "list", "pointer": "/name", "values": ["a, b", 'c "d"', "solver"]},
+        {"kind": "range", "pointer": "/limits/0/rise_deg", "start": 20, "stop": 40, "count": 167},
+    ]
+    where = posted(client, {"name": "table", "base": spec(), "axes": axes})
+    counted(over(client, where), items=501, done=501, optimal=334, failed=167)
+    answer = client.get(f"{where}/items.csv")
+    assert answer.headers["content-disposition"] == 'attachment; filename="table-items.csv"'
+    rows = list(csv.DictReader(io.StringIO(answer.text)))
+    assert [int(row["number"]) for row in rows] == list(range(501))
+    frame = pyarrow.parquet.read_table(io.BytesIO(client.get(f"{where}/items.parquet").content))
+    assert frame.num_rows == 501
+    assert frame.column_names == list(rows[0])
+    items = {item["number"]: item for item in items_at(client, where, limit=1000)}
+    for row, other in zip(rows, frame.to_pylist(), strict=True):
+        item = items[int(row["number"])]
+        assert row["status"] == other["status"] == item["status"]
+        assert row["/name"] == other["/name"] == item["values"]["/name"]
+        for name, value in {**item["values"], **item["quantities"]}.items():
+            if name != "/name":
+                assert float(row[name]) == other[name] == value
+        failed = item["problem"] is not None
+        assert (
+            row["problem"]
+            == (other["problem"] or "")
+            == (item["problem"]["detail"] if failed else "")
+        )
+        assert (row["base_radius_mm"] == "") == (other["base_radius_mm"] is None) == failed
+
+
+def test_the_front_of_a_sweep(client: httpx2.Client) -> None:
+    """The fake core's cams are all alike, but for the values that the name asks for."""
+    names = [f"sized {2.5 * a} {b}" for a, b in ((1, 9), (2, 4), (3, 4), (4, 1), (5, 2), (2, 4))]
+    where = posted(client, sweep_of([*names, "solver"]))
+    over(client, where)
+    query = {"minimise": ["base_radius_mm", "offset_mm"]}
+    front = client.get(f"{where}/pareto", params=query).json()
+    assert (front["considered"], front["left_out"], front["size"]) == (6, 1, 4)
+    assert [item["number"] for item in front["items"]] == [0, 1, 5, 3]
+    query = {"minimise": "offset_mm", "maximise": "base_radius_mm", "limit": "1"}
+    front = client.get(f"{where}/pareto", params=query).json()
+    assert front["axes"][1] == {"quantity": "base_radius_mm", "direction": "maximise"}
+    assert front["size"] == 2
+    assert [item["number"] for item in front["items"]] == [3]
+
+
+@pytest.mark.parametrize(
+    "query", ["", "minimise=weight_kg", "minimise=offset_mm&maximise=offset_mm"]
+)
+def test_a_front_of_nothing_is_refused_with_what_there_is(
+    client: httpx2.Client, query: str
+) -> None:
+    where = posted(client, sweep_of(["for a front"]))
+    over(client, where)
+    problem = is_problem(client.get(f"{where}/pareto?{query}"), 422, "invalid-parameter")
+    assert "base_radius_mm" in problem["detail"] or "twice" in problem["detail"]

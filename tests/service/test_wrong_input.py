@@ -103,6 +103,18 @@ TABLE: dict[str, tuple[Change, str, Any, str]] = {
     "an arm that is too short": (
         on_an_arm(arm_mm=10, base=90), "/follower", 10, "reaches radii from 90 to 110",
     ),
+    "an arm that is too short, where": (
+        on_an_arm(arm_mm=10, base=90), "/follower", 10, "at cam angle 0.0° (program/0)",
+    ),
+    "an arm that is too short at its longest": (
+        on_an_arm(arm_mm={"min": 5, "max": 11}, base=90), "/follower/arm_mm", 5, "Widen its range",
+    ),
+    "an arm between ends the wrong way round": (
+        on_an_arm(arm_mm={"min": 95, "max": 85}), "/follower/arm_mm", ..., "Exchange the two",
+    ),
+    "an arm with one end": (
+        on_an_arm(arm_mm={"min": 95}), "/follower/arm_mm/max", None, "Largest length allowed",
+    ),
     "an arm that is too long": (on_an_arm(arm_mm=250), "/follower", 250, "from 150 to 350"),
     "a roller over its own pivot": (
         on_an_arm(swing=20, arm_mm=25, base=60), "/follower/arm_mm", 25, "Take a longer arm",

@@ -5,12 +5,13 @@ from __future__ import annotations
 import math
 from abc import ABC, abstractmethod
 from collections.abc import Mapping
-from typing import Annotated, ClassVar
+from typing import Annotated, Any, ClassVar
 
 from pydantic import BaseModel, ConfigDict, Field
 
 from synthesis.followers.flank import Flank, Places
-from synthesis.followers.trace import Host
+from synthesis.followers.link import Tip
+from synthesis.followers.trace import Host, Vector2
 from synthesis.motion import Motion
 from synthesis.ranges import Range
 
@@ -39,6 +40,15 @@ class Closure(BaseModel, ABC):
     @abstractmethod
     def flanks(self, trace: Host, roller_radius: float) -> tuple[Flank, ...]:
         """The cam's flanks; the base radius is that of the first."""
+
+    def tips(self, at: Vector2, pivot: Vector2 | None, turn: int, degree: Any) -> tuple[Tip, ...]:
+        """The rollers' centres on the follower's link, see ``link``.
+
+        Args:
+            at: the main roller's. pivot: of the link, None where it slides.
+            turn: sense in which it turns. degree: π/180, in the arithmetic of the others.
+        """
+        return (Tip("", at),)
 
     def check(self, roller_radius: float, largest: float, gap: float) -> None:
         """Refuse a roller that it cannot hold.

@@ -5,15 +5,17 @@ from __future__ import annotations
 import math
 from abc import ABC, abstractmethod
 from collections.abc import Mapping
-from typing import Annotated, ClassVar, Literal, Self
+from typing import Annotated, Any, ClassVar, Literal, Self
 
+import numpy as np
 from pydantic import Field
 
 from synthesis.followers.closures.base import Closure
 from synthesis.followers.closures.counter_slide import CounterSlide
 from synthesis.followers.closures.force import Force
 from synthesis.followers.flank import Flank, Places
-from synthesis.followers.trace import Host, Trace
+from synthesis.followers.link import Tip
+from synthesis.followers.trace import Host, Trace, Vector2
 from synthesis.motion import Motion
 from synthesis.ranges import Dimension, Range, ends
 from synthesis.units import DEGREE
@@ -124,6 +126,10 @@ class ConjugateSlide(Conjugate):
     def counter(self, trace: Host) -> Trace:
         return CounterSlide(self.offset_mm, self.given)
 
+    def tips(self, at: Vector2, pivot: Vector2 | None, turn: int, degree: Any) -> tuple[Tip, ...]:
+        below = at[1] - self.given
+        return Tip("main", at), Tip("counter", (self.offset_mm + 0.0 * below, below), -1)
+
     def places(self, trace: Host, z: tuple[float, ...], s_max: float) -> Places:
         (_, height), *_ = trace.traced_point((s_max, 0.0, 0.0, 0.0), z)
         return Places(float(height), float(height) + FARTHEST * s_max, True)
@@ -155,6 +161,15 @@ class ConjugateArm(Conjugate):
     def counter(self, trace: Host) -> Trace:
         return trace.second_arm(self.arm_mm, self.given * DEGREE)
 
+    def tips(self, at: Vector2, pivot: Vector2 | None, turn: int, degree: Any) -> tuple[Tip, ...]:
+        # the main arm turned back over the line to the axis, by the angle between the two
+        assert pivot is not None
+        x, y, angle = at[0] - pivot[0], at[1] - pivot[1], self.given * degree
+        ratio = self.arm_mm / (x * x + y * y) ** 0.5
+        cos, sin = ratio * np.cos(angle), -turn * ratio * np.sin(angle)
+        there = pivot[0] + cos * x - sin * y, pivot[1] + sin * x + cos * y
+        return Tip("main", at), Tip("counter", there, -1)
+
     def places(self, trace: Host, z: tuple[float, ...], s_max: float) -> Places:
         return Places(trace.arm_angle(s_max, z) / DEGREE, 180.0, False)
 
@@ -173,3 +188,6 @@ class CounterAlone(Closure):
 
     def flanks(self, trace: Host, roller_radius: float) -> tuple[Flank, ...]:
         return self.pair.flanks(trace, roller_radius)[1:]
+
+    def tips(self, at: Vector2, pivot: Vector2 | None, turn: int, degree: Any) -> tuple[Tip, ...]:
+        return self.pair.tips(at, pivot, turn, degree)[1:]

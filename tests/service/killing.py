@@ -1,0 +1,103 @@
+"""The service, a scheduler and workers as processes of their own, to be killed without warning."""
+
+from __future__ import annotations
+
+import os
+import signal
+import socket
+import subprocess
+import sys
+import time
+from pathlib import Path
+
+import httpx2
+
+ROOT = Path(__file__).resolve().parents[2]
+SERVE = """
+import sys
+from service.app import create_app
+from service.observe import configure_logs
+from service.run import bound
+from service.settings import Settings
+from tests.service.conftest import _fake_engine
+import uvicorn
+if __name__ == "__main__":
+    configure_logs("error")
+    settings = Settings()
+    config = uvicorn.Config(create_app(settings, _fake_engine), log_config=None, access_log=False)
+    uvicorn.Server(config).run([bound(settings)])
+"""
+
+
+def free_port() -> int:
+    with socket.socket() as found:
+        found.bind(("127.0.0.1", 0))
+        port: int = found.getsockname()[1]
+        return port
+
+
+class Process:
+    """One process that can be killed and started again, with the same arguments."""
+
+    def __init__(self, *arguments: str, **environment: str) -> None:
+        self._command = [sys.executable, *arguments]
+        path = f"{ROOT}{os.pathsep}{os.environ.get('PYTHONPATH', '')}"
+        self._environment = {**os.environ, "PYTHONPATH": path, **environment}
+        self.start()
+
+    def start(self) -> None:
+        self.running = subprocess.Popen(
+            self._command, env=self._environment, cwd=ROOT, start_new_session=True
+        )
+
+    def kill(self) -> None:
+        """As kill -9 does: no goodbye."""
+        self.running.send_signal(signal.SIGKILL)
+        self.running.wait()
+
+    def stop(self) -> None:
+        self.running.terminate()
+        try:
+            self.running.wait(15.0)
+        except subprocess.TimeoutExpired:
+            self.kill()
+
+
+def service(folder: Path, port: int, scheduler: str | None = None) -> Process:
+    """The service with the fake core, on its own workers or on a scheduler."""
+    script = folder / "serve.py"
+    script.write_text(SERVE, encoding="utf-8")
+    more = {} if scheduler is None else {"CAMWRIGHT_SCHEDULER": scheduler}
+    return Process(
+        str(script),
+        CAMWRIGHT_PORT=str(port),
+        CAMWRIGHT_DATABASE_URL=f"sqlite:///{folder}/designs.db",
+        CAMWRIGHT_WORKERS="2",
+        **more,
+    )
+
+
+def answering(client: httpx2.Client) -> None:
+    """Until the service is there."""
+    for _ in range(1200):
+        try:
+            if client.get("/livez").status_code == 200:
+                return
+        except httpx2.TransportError:
+            pass
+        time.sleep(0.05)
+    raise AssertionError("the service did not come")
+
+
+def children(process: int) -> list[int]:
+    """Processes that this one has started and that do work: those of its workers."""
+    found = []
+    for entry in Path("/proc").glob("[0-9]*/stat"):
+        try:
+            fields = entry.read_text().rpartition(")")[2].split()
+            command = (entry.parent / "cmdline").read_text()
+        except OSError:
+            continue
+        if int(fields[1]) == process and "spawn_main" in command:
+            found.append(int(entry.parent.name))
+    return found
