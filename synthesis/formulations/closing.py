@@ -44,7 +44,7 @@ USABLE = (Stopped.SOLVED, Stopped.INACCURATE)
 TURNS = 8  # of hulls and rows in a box
 WORTH = 0.85  # of the hulls' width: what a turn must leave at most for another one
 ROUNDS = 5  # of finer knots
-MOST_BOXES = 31
+MOST_BOXES = 21
 SPREAD = 14  # points between two rows over which multipliers are spread
 RAYS = (1e2, 1e4, 1e6)
 
