@@ -9,6 +9,7 @@ from typing import Any
 
 from service.links import design_links, set_links
 from synthesis.camset_spec import CamSetSpec
+from synthesis.design import Design
 from synthesis.objectives import Objective
 from synthesis.spec import DesignSpec
 
@@ -23,6 +24,7 @@ class Answer:
         summary: the other fields of a list's row.
         seconds: time the core took.
         quantities: what a sweep trades: dimensions, objectives and what else was measured.
+        id: of a design, otherwise empty.
     """
 
     design: bytes
@@ -30,6 +32,7 @@ class Answer:
     summary: dict[str, Any]
     seconds: float
     quantities: dict[str, float] = field(default_factory=dict)
+    id: str = ""
 
 
 Task = Callable[[bytes, float], Answer]
@@ -47,7 +50,7 @@ def answered(
 ) -> Answer:
     """The core's answer to a spec, ready for the store."""
     started = time.monotonic()
-    asked = DesignSpec.model_validate_json(spec)
+    asked = DesignSpec.model_validate_json(spec, strict=True)
     design = synthesise(asked, deadline=started + budget_s)
     links = design_links(design.id, has_cam=bool(design.motion))
     design = design.model_copy(update={"links": links})
@@ -66,7 +69,7 @@ def answered(
     }
     body = design.model_dump_json().encode()
     seconds = time.monotonic() - started
-    return Answer(body, design.status, summary, seconds, quantities)
+    return Answer(body, design.status, summary, seconds, quantities, design.id)
 
 
 def solve_set(spec: bytes, budget_s: float) -> Answer:
@@ -113,6 +116,13 @@ def read_back(cam: bytes, budget_s: float) -> Answer:
     found = read(MeasuredCam.model_validate_json(cam))
     summary = {"dimensions": found.dimensions}
     return Answer(found.model_dump_json().encode(), "read", summary, time.monotonic() - started)
+
+
+def priced(design: bytes) -> bytes:
+    """What each limit of a finished design costs; runs in a worker process."""
+    from synthesis.sensitivity import sensitivities
+
+    return sensitivities(Design.model_validate_json(design)).model_dump_json().encode()
 
 
 def warm_up() -> None:

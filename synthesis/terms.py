@@ -72,6 +72,15 @@ class Norm:
         )
         return math.hypot(*image)
 
+    def floor(self, bounds: Sequence[tuple[float, float]]) -> float:
+        """A lower bound of the norm where every size variable lies between two ends [mm]."""
+        least = []
+        for row, m in zip(self.matrix, self.shift, strict=True):
+            ends = [sorted((a * low, a * high)) for a, (low, high) in zip(row, bounds, strict=True)]
+            low, high = (m + sum(end[k] for end in ends) for k in (0, 1))
+            least.append(max(low, -high, 0.0))
+        return math.hypot(*least)
+
 
 @dataclass(frozen=True)
 class Cone:

@@ -7,6 +7,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass
+from functools import cache
 from math import pi, sqrt
 from typing import Any
 
@@ -127,6 +128,7 @@ class Threshold:
     caps: tuple[tuple[int, float], ...]
     above: float
 
+    @cache  # noqa: B019 - there are three, for good
     def status(self, factor: float) -> str:
         """What becomes of a limit at that multiple of the least peak velocity."""
         caps = (*self.caps, (1, self.least * factor))
@@ -151,6 +153,7 @@ THRESHOLDS = (
 BELOW = 1e-4
 
 
+@cache
 def reached(case: Case, tolerance: float) -> tuple[Design, float, float]:
     """The design, its value above and its bound below the exact optimum (relative)."""
     design = synthesise(case.spec(tolerance))

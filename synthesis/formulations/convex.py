@@ -32,6 +32,7 @@ from synthesis.solvers.clarabel import ConeProgram
 
 Vector = tuple[float, ...]
 EXACT = Drawn()
+HALF = 0.5  # of the room between a cone and the nearest size that the bounds allow
 
 
 @dataclass(frozen=True, eq=False)
@@ -267,7 +268,10 @@ def _balls(
     """Cones of the sizing, of limits, of the objective's norm, of objectives held."""
     machine = problem.machine
     for cone in problem.cones:
-        yield writer.norm_ball(cone.norm, scales.size, cone.radius, tighten, cone.source)
+        # a ring no wider than the draw-in, a base radius that is given, must keep an inside
+        room = cone.radius - cone.norm.floor(problem.sizing.bounds)
+        drawn = min(tighten, HALF * max(room, 0.0) / max(cone.radius, 1e-300))
+        yield writer.norm_ball(cone.norm, scales.size, cone.radius, drawn, cone.source)
     norm = problem.objective.norm(machine)
     if norm is not None:
         yield writer.norm_ball(norm, scales.size, None)
