@@ -75,7 +75,9 @@ def search(
         return state
     if (state.limited_by_shape or state.short) and state.left() > 0.0:
         nonlinear(state)
-        if thorough:
+        if problem.rigid and problem.machine.follower.pinning() is None:
+            enclose(state, thorough=thorough)
+        elif thorough:
             close(state)
     return state
 

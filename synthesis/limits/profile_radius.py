@@ -39,6 +39,9 @@ class ProfileRadius(Limit):
         return tuple(replace(curve, source="profile_radius") for curve in curves)
 
     def implied(self, stretch: Stretch, machine: Machine) -> tuple[Implied, ...]:
+        curves = self.curved(stretch, machine)
+        if curves:
+            return tuple(curve for curve in curves if curve.implies)
         return tuple(
             replace(rows, source=labelled("profile_radius", flank.name))
             for flank in machine.follower.flanks
