@@ -11,7 +11,7 @@ from pydantic import Field
 from synthesis.followers.flank import labelled
 from synthesis.limits.base import Claim, Limit, Machine, where
 from synthesis.motion import Stretch
-from synthesis.terms import Curved, Implied, Row
+from synthesis.terms import Curved, Implied, Row, Traced
 
 
 class ProfileRadius(Limit):
@@ -39,9 +39,9 @@ class ProfileRadius(Limit):
         return tuple(replace(curve, source="profile_radius") for curve in curves)
 
     def implied(self, stretch: Stretch, machine: Machine) -> tuple[Implied, ...]:
-        curves = self.curved(stretch, machine)
-        if curves:
-            return tuple(curve for curve in curves if curve.implies)
+        return tuple(curve for curve in self.curved(stretch, machine) if curve.implies)
+
+    def traced(self, stretch: Stretch, machine: Machine) -> tuple[Traced, ...]:
         return tuple(
             replace(rows, source=labelled("profile_radius", flank.name))
             for flank in machine.follower.flanks
