@@ -44,6 +44,7 @@ PLACES = {
     "pressure_angle_given": ("objective",),
     "pressure_angle_not_weighed": ("objective",),
     "limit_does_not_suit": ("limits",),
+    "spline_too_rough": ("program", "{position}", "law"),
     "face_turns_with_cam": ("program",),
     "face_swings_too_far": ("follower", "centre_distance_mm"),
     "cam_off_the_shaft": ("cams", "{position}", "spec", "{field}"),

@@ -138,6 +138,9 @@ def pose(
 ) -> Problem:
     """The spec as a problem with one objective; ``stretches``: its own with tables smoothed."""
     placed = spec.stretches() if stretches is None else stretches
+    order = (held[0].objective if held else objective).energy_order()
+    if order is not None and not any(_caps(spec, s, order) for s in placed):
+        placed = tuple(_smoother(s, order) for s in placed)
     return Problem(
         tuple(s for s in placed if s.angle > 0.0),
         spec.machine(),
@@ -148,3 +151,23 @@ def pose(
         held,
         spec.base_radius_range(),
     )
+
+
+def _caps(spec: DesignSpec, stretch: Stretch, order: int) -> bool:
+    """Whether a limit speaks of this derivative alone."""
+    rows = (row for limit in spec.all_limits() for row in limit.rows(stretch, spec.machine()))
+    return any(row.coefficients[order] != 0.0 for row in rows)
+
+
+def _smoother(stretch: Stretch, order: int) -> Stretch:
+    """The law as a spline of class C^order at least, which joins its neighbours as it was asked to.
+
+    Where the mean square of a derivative is made small and nothing caps it, it is continuous on the
+    best law. Splines of that class come near it with the fourth power of the knots' distance,
+    those of one class less with the square.
+    """
+    law = stretch.free
+    if law is None or stretch.law is not None or law.smoothness >= order:
+        return stretch
+    joins = law.promised(at_start=True), law.promised(at_start=False)
+    return replace(stretch, free=replace(law, smoothness=order, joins=joins))
