@@ -36,15 +36,17 @@ help:  ## print this list
 run: $(RUN)  ## start the service (HOST=127.0.0.1 PORT=8000)
 	@CAMWRIGHT_HOST='$(HOST)' CAMWRIGHT_PORT='$(PORT)' $(PY) -m service
 
-# All tests at once: those of the service, which wait a good deal, beside those of the core.
+# All tests at once, in two halves that take about as long: those of the service, which wait a good
+# deal, and the hard cases beside all others.
+BESIDE := tests/service tests/hard
 test: lint  ## run everything: style, types, layers, then the tests (ARGS="-k name")
 ifneq ($(ARGS),)
 	$(PY) -m pytest $(ARGS)
 else
-	@$(PY) -m pytest tests/service >$(VENV)/service-tests.log 2>&1 & beside=$$!; \
-	$(PY) -m pytest --ignore=tests/service; core=$$?; \
-	wait $$beside; service=$$?; cat $(VENV)/service-tests.log; \
-	test $$core -eq 0 && test $$service -eq 0
+	@$(PY) -m pytest $(BESIDE) >$(VENV)/beside-tests.log 2>&1 & beside=$$!; \
+	$(PY) -m pytest $(BESIDE:%=--ignore=%); others=$$?; \
+	wait $$beside; beside=$$?; cat $(VENV)/beside-tests.log; \
+	test $$others -eq 0 && test $$beside -eq 0
 endif
 
 hard: $(DEV)  ## all 2000 random specs against the independent verifier (ARGS="0 2000 1": first, end, step)

@@ -12,6 +12,7 @@ from benchmarks.section import Section
 # In the order of the page.
 NAMES = (
     "main_job",
+    "solver_share",
     "tolerance",
     "knots",
     "solvers",

@@ -9,6 +9,7 @@ from typing import Any
 
 from service.links import design_links, set_links
 from synthesis.camset_spec import CamSetSpec
+from synthesis.design import Design
 from synthesis.objectives import Objective
 from synthesis.spec import DesignSpec
 
@@ -113,6 +114,13 @@ def read_back(cam: bytes, budget_s: float) -> Answer:
     found = read(MeasuredCam.model_validate_json(cam))
     summary = {"dimensions": found.dimensions}
     return Answer(found.model_dump_json().encode(), "read", summary, time.monotonic() - started)
+
+
+def priced(design: bytes) -> bytes:
+    """What each limit of a finished design costs; runs in a worker process."""
+    from synthesis.sensitivity import sensitivities
+
+    return sensitivities(Design.model_validate_json(design)).model_dump_json().encode()
 
 
 def warm_up() -> None:

@@ -30,8 +30,10 @@ if TYPE_CHECKING:
     from synthesis.design import Design
     from synthesis.findings import Analysis
     from synthesis.pipeline import synthesise
+    from synthesis.sensitivity import sensitivities
     from synthesis.set_synthesis import synthesise_set
     from synthesis.spec import DesignSpec
+    from synthesis.sweeps.spec import SweepSpec
 
 __all__ = [
     "Analysis",
@@ -40,8 +42,10 @@ __all__ = [
     "Confirmation",
     "Design",
     "DesignSpec",
+    "SweepSpec",
     "analyse",
     "confirm",
+    "sensitivities",
     "synthesise",
     "synthesise_set",
 ]
@@ -53,7 +57,9 @@ _HOMES = {
     "Confirmation": "synthesis.confirmation",
     "Design": "synthesis.design",
     "DesignSpec": "synthesis.spec",
+    "SweepSpec": "synthesis.sweeps",
     "analyse": "synthesis.analysis",
+    "sensitivities": "synthesis.sensitivity",
     "confirm": "synthesis.confirmation",
     "synthesise": "synthesis.pipeline",
     "synthesise_set": "synthesis.set_synthesis",

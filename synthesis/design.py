@@ -6,10 +6,10 @@ import hashlib
 import json
 from functools import cache, cached_property
 from importlib.metadata import version
-from typing import Any, Literal
+from typing import Annotated, Any, Literal
 
 import numpy as np
-from pydantic import BaseModel, ConfigDict, Field
+from pydantic import BaseModel, ConfigDict, Field, ValidatorFunctionWrapHandler, WrapValidator
 
 from synthesis.fields import Rotation
 from synthesis.motion import Motion, Stretch, StretchKind
@@ -161,6 +161,11 @@ class Conflict(Part):
     evidence: str = told("How the conflict is known, and whether it is proven.")
 
 
+def _checked_once(value: Any, check: ValidatorFunctionWrapHandler) -> Any:
+    """A spec that has been made is in order: placing its program once more would prove nothing."""
+    return value if type(value) is DesignSpec else check(value)
+
+
 class Design(Part):
     """The answer to a DesignSpec."""
 
@@ -185,7 +190,7 @@ class Design(Part):
     )
     conflict: Conflict | None = Field(None, description="Why nothing fits, where nothing does.")
     report: Report = told("What was modelled and what it cost.")
-    spec: DesignSpec = told("The question.")
+    spec: Annotated[DesignSpec, WrapValidator(_checked_once)] = told("The question.")
     chosen: dict[str, float] = Field(
         {}, description="Angles, lifts and lengths that the spec leaves free: path and number."
     )

@@ -121,3 +121,24 @@ class Analysis(Part):
     self_crossing: SelfCrossing | None = told("Crossing far parts; null where there are none.")
     mend: Mend | None = told("What would mend it; null where every limit holds.")
     spec: DesignSpec = told("The question.")
+
+
+class Sensitivity(Part):
+    """What one number of the spec is worth."""
+
+    field: str = told("JSON pointer to a limit, or to an end of a range, in the spec.")
+    asked: float = told("What the spec says there; the unit is in the field's name.")
+    per_unit: float = told(
+        "Change of the objective for one unit more there, to first order, everything else free to "
+        "follow; 0 where the number does not decide."
+    )
+    words: str = told("The same in words.")
+
+
+class Sensitivities(Part):
+    """What each limit costs: how the best value changes when the limit does."""
+
+    objective: str = told("The objective, with its unit.")
+    value: float | None = told("Its value on the finished cam; null: there is no cam.")
+    sensitivities: list[Sensitivity] = told("The dearest first; empty where they are not known.")
+    evidence: str = told("How they are known, or why they are not.")

@@ -4,11 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from functools import cached_property, lru_cache
 from typing import Literal
 
 import numpy as np
 from numpy.typing import ArrayLike
 
+from synthesis.numerics.peaks import peak
 from synthesis.numerics.piecewise import Array, Piecewise, Side, join
 from synthesis.units import FULL_TURN
 
@@ -133,6 +135,14 @@ class Stretch:
         """What g is multiplied by [mm]: the lift, of a table the range it runs through."""
         return self.lift if self.readings is None else float(np.ptp(self.readings.s))
 
+    @property
+    def highest(self) -> float:
+        """Largest displacement on it [mm]; of a free law that may overshoot, of its ends."""
+        ends = max(self.s_start, self.s_end)
+        if self.law is None:
+            return ends
+        return max(ends, self.s_start + self.unit * _extreme(self.law, self.unit > 0.0))
+
     def with_law(self, law: Piecewise) -> Stretch:
         """The same stretch with its law settled."""
         return replace(self, law=law)
@@ -141,7 +151,19 @@ class Stretch:
         """s(θ) on this stretch [mm over rad]; the law must be settled."""
         if self.law is None:
             raise ValueError(f"the law of stretch {self.index} is still free")
+        return self._placed
+
+    @cached_property
+    def _placed(self) -> Piecewise:
+        assert self.law is not None
         return self.law.placed(self.start, self.angle, self.s_start, self.unit)
+
+
+@lru_cache(maxsize=1024)
+def _extreme(law: Piecewise, largest: bool) -> float:
+    """Largest or smallest value of a normalised law."""
+    sign = 1.0 if largest else -1.0
+    return sign * peak(law, (sign, 0.0, 0.0, 0.0))[0]
 
 
 @dataclass(frozen=True, eq=False)

@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import math
 from abc import ABC, abstractmethod
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any, ClassVar
 
@@ -70,6 +71,15 @@ class Norm:
             for row, m in zip(self.matrix, self.shift, strict=True)
         )
         return math.hypot(*image)
+
+    def floor(self, bounds: Sequence[tuple[float, float]]) -> float:
+        """A lower bound of the norm where every size variable lies between two ends [mm]."""
+        least = []
+        for row, m in zip(self.matrix, self.shift, strict=True):
+            ends = [sorted((a * low, a * high)) for a, (low, high) in zip(row, bounds, strict=True)]
+            low, high = (m + sum(end[k] for end in ends) for k in (0, 1))
+            least.append(max(low, -high, 0.0))
+        return math.hypot(*least)
 
 
 @dataclass(frozen=True)

@@ -139,6 +139,7 @@ class Threshold:
     above: float
     smoothness: int = 2
 
+    @cache  # noqa: B019 - there are three, for good
     def status(self, factor: float) -> str:
         """What becomes of a limit at that multiple of the least peak velocity."""
         caps = (*self.caps, (1, self.least * factor))

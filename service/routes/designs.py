@@ -6,7 +6,8 @@ from typing import Annotated
 
 from fastapi import APIRouter, Query, Request, Response
 
-from service.documentation import problems, spec_body
+from service.documentation import problems, spec_body, tagged
+from service.etag import tag_of, unchanged
 from service.routes.kept import (
     CREATED,
     SHOWN,
@@ -17,13 +18,16 @@ from service.routes.kept import (
     Prefer,
     WithStatus,
     created,
+    done,
     forgotten,
     listed,
     shown,
 )  # fmt: skip
+from service.solve import priced
 from service.state import Parts
 from service.views import DesignPage
 from synthesis.design import Design
+from synthesis.findings import Sensitivities
 
 router = APIRouter(prefix="/v1/designs", tags=["designs"])
 
@@ -71,6 +75,31 @@ async def get_design(
     202 while it is being worked on; where it failed, the problem that the work ended with.
     """
     return await shown(request, parts.designs, design_id)
+
+
+@router.get(
+    "/{design_id}/sensitivities",
+    response_model=Sensitivities,
+    responses={**tagged(), **problems(404, 409, 500, 503, 504)},
+    summary="What each limit costs",
+)
+async def get_design_sensitivities(
+    request: Request, design_id: str, parts: Parts, if_none_match: KnownTag = None
+) -> Response:
+    """How the objective changes with every limit and range of the spec, to first order.
+
+    In the limit's own units, as in: 1 deg more pressure angle makes the base radius 0.8 mm smaller.
+    From the multipliers of a cone program; `evidence` says so, or why there are none: where a limit
+    that is not convex decides, or the follower is on an arm.
+    """
+    row, design = await done(parts.designs, design_id)
+    tag = tag_of(row.etag or "", "sensitivities")
+    known = unchanged(request, tag)
+    if known is not None:
+        return known
+    budget_s = parts.settings.time_budget_s
+    body = await parts.engine.run(priced, design, budget_s=budget_s)
+    return Response(body, 200, {"ETag": f'"{tag}"'}, "application/json")
 
 
 @router.delete("/{design_id}", status_code=204, responses=problems(404), summary="Forget a design")

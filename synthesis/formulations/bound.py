@@ -17,6 +17,7 @@ import numpy as np
 from synthesis.formulations.control import Control, controls
 from synthesis.formulations.convex import Plan
 from synthesis.formulations.ends import joint_rows
+from synthesis.formulations.family import over_family
 from synthesis.formulations.held import quietening
 from synthesis.formulations.prices import end_prices
 from synthesis.formulations.switching import Switching, spread, switching
@@ -24,6 +25,7 @@ from synthesis.numerics.piecewise import Array
 from synthesis.solvers.clarabel import ConeSolution
 
 ROUNDING = 1e-12  # relative allowance for the floating-point sums below
+SILENT = 1e-10  # of the largest: multipliers of rows that do not bind, all but noise
 NAMES = {2: "acceleration", 3: "jerk"}
 
 
@@ -80,7 +82,7 @@ def bound(plan: Plan, solution: ConeSolution) -> Bound:
     """The bound that these multipliers give: over all laws, else over the splines' family."""
     steering = controls(plan)
     if steering is None:
-        return Bound(in_core_units(plan, _over_family(plan, solution)), _family(plan))
+        return Bound(in_core_units(plan, over_family(plan, solution)), _family(plan))
     order = steering[0].order if steering else 3
     ledger = _add_up(plan, solution, steering, order)
     psi = _psi(ledger, order)
@@ -105,37 +107,6 @@ def in_core_units(plan: Plan, value: float) -> float:
     return value * plan.scales.level
 
 
-def _over_family(plan: Plan, solution: ConeSolution) -> float:
-    """The dual objective, less what its residual could gain with coefficients in a box."""
-    program, z = plan.program, solution.multipliers.copy()
-    first, count = program.equalities, program.inequalities
-    z[first : first + count] = np.maximum(z[first : first + count], 0.0)
-    at = first + count
-    for size in program.cones:
-        z[at] = max(z[at], float(np.linalg.norm(z[at + 1 : at + size])))
-        at += size
-    x = solution.x
-    full = program.quadratic + program.quadratic.T
-    full.setdiag(program.quadratic.diagonal())
-    curved = full @ x
-    residual = curved + program.linear + program.matrix.T @ z
-    box = np.maximum(10.0, 10.0 * np.abs(x))
-    value = -0.5 * x @ curved - _asked(plan) @ z - np.abs(residual) @ box
-    return float(value)
-
-
-def _asked(plan: Plan) -> Array:
-    """The right-hand sides as asked, before they were drawn in for the solver's sake."""
-    rhs, at = plan.program.rhs.copy(), plan.program.equalities
-    for block in plan.blocks:
-        rhs[at : at + len(block.rhs)] += block.tighten
-        at += len(block.rhs)
-    for ball in plan.balls:
-        rhs[at] += ball.radius * ball.tighten
-        at += 1 + len(ball.shift)
-    return rhs
-
-
 def _add_up(plan: Plan, solution: ConeSolution, steering: Sequence[Control], order: int) -> _Ledger:
     """All rows times their multipliers, as functionals of arbitrary laws."""
     laws = len(plan.grids)
@@ -149,15 +120,26 @@ def _add_up(plan: Plan, solution: ConeSolution, steering: Sequence[Control], ord
         spans=[[] for _ in range(laws)],
         heights=[[] for _ in range(laws)],
     )
-    _book_blocks(plan, solution, ledger, order)
-    _book_parts(plan, solution, ledger, order)
+    prices = _prices(plan, solution)
+    _book_blocks(plan, prices, ledger, order)
+    _book_parts(plan, solution, prices, ledger, order)
     _book_balls(plan, solution, ledger)
     _book_fixed(plan, solution, ledger)
-    psi = _psi(ledger, order)
-    guess = [_end_price(plan, solution, position, order) for position in range(laws)]
+    psi = _psi(ledger, order) if all(control.weight for control in steering) else ()
+    guess = [_end_price(plan, solution, prices, position, order) for position in range(laws)]
     _book_prices(plan, ledger, end_prices(plan, steering, psi, ledger.state, guess))
     _quieten(plan, ledger, order)
     return ledger
+
+
+def _prices(plan: Plan, solution: ConeSolution) -> list[Array]:
+    """The inequality multipliers, block by block, those that are noise left out.
+
+    An interior point gives every row one; most are of rows far from binding, and cost time only.
+    """
+    found = plan.multipliers(solution.multipliers)
+    loudest = max((float(np.max(z, initial=0.0)) for z in found), default=0.0)
+    return [np.where(z > SILENT * loudest, z, 0.0) for z in found]
 
 
 def _quieten(plan: Plan, ledger: _Ledger, order: int) -> None:
@@ -181,17 +163,19 @@ def _book_point(
     ledger.points[position].append(x)
     ledger.weights[position].append(weights)
     start = plan.settled[position].start
+    moments = np.stack([x**n / factorial(n) for n in range(order)]) @ weights
     for j in range(order):
-        powers = np.stack([x ** (j - k) / factorial(j - k) for k in range(j + 1)], axis=1)
-        share = float(np.sum(weights[:, : j + 1] * powers))
+        share = float(sum(moments[j - k, k] for k in range(j + 1)))
         if j < len(start):
             ledger.add(share * float(start[j]))
         else:
             ledger.state[position][j] += share
 
 
-def _book_blocks(plan: Plan, solution: ConeSolution, ledger: _Ledger, order: int) -> None:
-    for block, z in zip(plan.blocks, plan.multipliers(solution.multipliers), strict=True):
+def _book_blocks(plan: Plan, prices: Sequence[Array], ledger: _Ledger, order: int) -> None:
+    for block, z in zip(plan.blocks, prices, strict=True):
+        if not np.any(z):
+            continue
         if block.kind == "monotone" and block.stretch is not None:
             _book_monotone(plan, ledger, block.stretch, z, order)
         whole = block.spans is None
@@ -205,18 +189,22 @@ def _book_blocks(plan: Plan, solution: ConeSolution, ledger: _Ledger, order: int
             x, mass = block.x, z
             if block.alpha.ndim == 1 and block.alpha[order - 1] != 0.0:
                 x, mass = spread(block.x, z)
-            weights = mass[:, None] * block.alpha[:order].T
-            _book_point(plan, ledger, block.stretch, x, weights, order)
+            heard = mass > 0.0
+            alpha = block.alpha if block.alpha.ndim == 1 else block.alpha[:, heard]
+            weights = mass[heard, None] * alpha[:order].T
+            _book_point(plan, ledger, block.stretch, x[heard], weights, order)
 
 
-def _book_parts(plan: Plan, solution: ConeSolution, ledger: _Ledger, order: int) -> None:
+def _book_parts(
+    plan: Plan, solution: ConeSolution, shares: Sequence[Array], ledger: _Ledger, order: int
+) -> None:
     """Rows that hold on a part of a law, equalities among them.
 
     One of the steering derivative itself adds to ψ all along its part.
     """
     prices = [
         *zip(plan.exact, plan.exact_multipliers(solution.multipliers), strict=True),
-        *zip(plan.blocks, plan.multipliers(solution.multipliers), strict=True),
+        *zip(plan.blocks, shares, strict=True),
     ]
     for block, z in prices:
         if block.spans is None or block.stretch is None or np.any(block.alpha[order + 1 :]):
@@ -239,7 +227,8 @@ def _book_monotone(plan: Plan, ledger: _Ledger, position: int, z: Array, order: 
     """−g' ≤ 0: c_i − c_(i+1) is −gap/p times a coefficient of g', which stands for g' near by."""
     space = plan.grids[position].space
     p, knots = space.degree, space.knots
-    i = len(plan.settled[position].first) - 1 + np.arange(len(z))
+    heard = np.flatnonzero(z)
+    z, i = z[heard], len(plan.settled[position].first) - 1 + heard
     x = np.mean([knots[i + 2 + j] for j in range(p - 1)], axis=0)
     mass = z * (knots[i + p + 1] - knots[i + 1]) / p
     weights = np.zeros((len(z), order))
@@ -269,7 +258,9 @@ def _book_fixed(plan: Plan, solution: ConeSolution, ledger: _Ledger) -> None:
             ledger.add(-mu * low / plan.scales.size)
 
 
-def _end_price(plan: Plan, solution: ConeSolution, position: int, order: int) -> Array:
+def _end_price(
+    plan: Plan, solution: ConeSolution, prices: Sequence[Array], position: int, order: int
+) -> Array:
     """The solver's prices of g^(k)(1), k < order: of shared values those of the joints' rows.
 
     Those of known values are what makes the eliminated last coefficients stationary.
@@ -277,7 +268,7 @@ def _end_price(plan: Plan, solution: ConeSolution, position: int, order: int) ->
     end, space = plan.settled[position].end, plan.grids[position].space
     nu, gradient = np.zeros(max(order, len(end))), np.zeros(space.size)
     for block, z in (
-        *zip(plan.blocks, plan.multipliers(solution.multipliers), strict=True),
+        *zip(plan.blocks, prices, strict=True),
         *zip(plan.exact, plan.exact_multipliers(solution.multipliers), strict=True),
     ):
         if block.stretch == position and block.laws is not None:

@@ -15,6 +15,7 @@ from synthesis.formulations.smooth import grown
 
 Vector = tuple[float, ...]
 ALLOWED = 1e-9  # relative excess of a row that is solver noise
+OUTSIDE = 1e-7  # relative: what a solver may leave a cone by
 CLEARANCE = 1e-8  # relative: sizes and smooth limits stay this far off what binds them
 
 
@@ -57,6 +58,7 @@ def at_size(settled: Problem, laws: Sequence[SettledLaw], size: Vector) -> Candi
     follower = settled.machine.follower
     bounds = settled.sizing.bounds  # a solver keeps them to its tolerance only
     size = tuple(min(max(v, low), high) for v, (low, high) in zip(size, bounds, strict=True))
+    size = follower.raised(size, -_outside(settled, size))
     size = follower.reaching(size, settled.sizing.least)
     size = follower.raised(size, max((cone.short(size) for cone in settled.cones), default=0.0))
     clear = CLEARANCE * follower.prime_radius().value(size)
@@ -77,11 +79,24 @@ def grow(found: Candidate) -> Candidate | None:
     size = grown(found.problem, found.size, CLEARANCE)
     if size is None or (found.problem.machine.follower.companions and breaks(found.problem, size)):
         return None
-    if any(cone.norm.value(size) > cone.radius * (1.0 + ALLOWED) for cone in found.problem.cones):
-        return None  # what it was raised by for a least distance
+    if _pushed_out(found.problem, size):
+        return None
     return (
         found if size == found.size else replace(found, size=size, value=value(found.problem, size))
     )
+
+
+def _outside(settled: Problem, size: Vector) -> float:
+    """How far a size sticks out of a cone, if it is no more than a solver may leave it by [mm]."""
+    inwards = [(-cone.step(size), OUTSIDE * cone.radius) for cone in settled.cones]
+    return max((step for step, most in inwards if 0.0 < step <= most), default=0.0)
+
+
+def _pushed_out(settled: Problem, size: Vector) -> bool:
+    """Whether a size that was raised for a least distance has left another cone for it."""
+    if not any(cone.least > 0.0 for cone in settled.cones):
+        return False
+    return any(cone.norm.value(size) > cone.radius * (1.0 + OUTSIDE) for cone in settled.cones)
 
 
 def breaks(settled: Problem, size: Vector) -> bool:

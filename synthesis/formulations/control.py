@@ -42,8 +42,9 @@ def _control(plan: Plan, position: int, order: int) -> Control | None:
     caps, rates = {1: inf, -1: inf}, {1: inf, -1: inf}
     for block in plan.blocks:
         # one that holds on a part of the law caps nothing
-        alone = block.alpha.ndim == 1 and np.flatnonzero(block.alpha).tolist() == [order]
-        if block.stretch != position or not alone or block.spans is not None:
+        if block.stretch != position or block.alpha.ndim > 1 or block.spans is not None:
+            continue
+        if [k for k, a in enumerate(block.alpha.tolist()) if a != 0.0] != [order]:
             continue
         sign, scale = int(np.sign(block.alpha[order])), abs(float(block.alpha[order]))
         if block.level == 0.0:

@@ -32,6 +32,7 @@ from synthesis.solvers.clarabel import ConeProgram
 
 Vector = tuple[float, ...]
 EXACT = Drawn()
+HALF = 0.5  # of the room between a cone and the nearest size that the bounds allow
 
 
 @dataclass(frozen=True, eq=False)
@@ -231,7 +232,8 @@ def _blocks(
                 if block is not None:
                     yield block
             else:
-                yield rows.on_law(row, position, stretch, grids[position], scales, drawn)
+                grid, known = grids[position], settled[position]
+                yield rows.on_law(row, position, stretch, grid, known, scales, drawn)
         for curve in problem.curves_on(stretch):
             if stretch.law is not None:
                 yield from cuts.on_given(curve, stretch, scales, drawn.tighten)
@@ -266,7 +268,10 @@ def _balls(
     """Cones of the sizing, of limits, of the objective's norm, of objectives held."""
     machine = problem.machine
     for cone in problem.cones:
-        yield writer.norm_ball(cone.norm, scales.size, cone.radius, tighten, cone.source)
+        # a ring no wider than the draw-in, a base radius that is given, must keep an inside
+        room = cone.radius - cone.norm.floor(problem.sizing.bounds)
+        drawn = min(tighten, HALF * max(room, 0.0) / max(cone.radius, 1e-300))
+        yield writer.norm_ball(cone.norm, scales.size, cone.radius, drawn, cone.source)
     norm = problem.objective.norm(machine)
     if norm is not None:
         yield writer.norm_ball(norm, scales.size, None)
@@ -280,10 +285,10 @@ def _balls(
 
 def _objective(squares: slice, extra: int | None) -> tuple[sparse.csc_matrix, Array]:
     """P and q: the extra unknown alone, or the sum of squares of y."""
-    linear, diagonal = np.zeros(squares.stop), np.zeros(squares.stop)
-    diagonal[squares] = 2.0
+    width, linear = squares.stop, np.zeros(squares.stop)
     if extra is not None:
         linear[extra] = 1.0
-    quadratic = sparse.csc_matrix(sparse.diags(diagonal))
-    quadratic.eliminate_zeros()
+    at, count = np.arange(squares.start, width), width - squares.start
+    ends = np.append(np.zeros(squares.start, dtype=int), np.arange(count + 1))
+    quadratic = sparse.csc_matrix((np.full(count, 2.0), at, ends), shape=(width, width))
     return quadratic, linear

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import cached_property, lru_cache
 
 import numpy as np
 
@@ -25,7 +26,17 @@ class Grid:
 
     def with_points(self, more: Array) -> Grid:
         """The same knots with further points."""
-        return Grid(self.space, np.union1d(self.points, more))
+        return Grid(self.space, np.union1d(self.points, more)) if len(more) else self
+
+    def table(self, order: int) -> Array:
+        """The ``order``-th derivative of every basis function at the points, made once."""
+        if order not in self._tables:
+            self._tables[order] = self.space.basis(self.points, order)
+        return self._tables[order]
+
+    @cached_property
+    def _tables(self) -> dict[int, Array]:
+        return {}
 
 
 @dataclass(frozen=True, eq=False)
@@ -50,17 +61,26 @@ class SettledLaw:
 def uniform(stretch: Stretch, intervals: int) -> Grid:
     """Equal intervals, but for the knots that the law needs; points at every knot and between."""
     assert stretch.free is not None
-    needed = stretch.free.knots
-    beside = ramps(np.array(needed), stretch.free.smoothness - 2) if needed else np.zeros(0)
-    return over(stretch, merged(np.linspace(0.0, 1.0, intervals + 1), beside, needed))
+    return _uniform(stretch.free.smoothness, stretch.free.knots, intervals)
+
+
+@lru_cache(maxsize=64)
+def _uniform(smoothness: int, needed: tuple[float, ...], intervals: int) -> Grid:
+    """One grid for every law that begins alike: its tables, made once, serve all of them."""
+    beside = ramps(np.array(needed), smoothness - 2) if needed else np.zeros(0)
+    return _over(smoothness + 1, merged(np.linspace(0.0, 1.0, intervals + 1), beside, needed))
 
 
 def over(stretch: Stretch, breaks: Array) -> Grid:
     """A grid over given breaks: every interval is divided so that about SAMPLES points result."""
     assert stretch.free is not None
+    return _over(stretch.free.smoothness + 1, breaks)
+
+
+def _over(degree: int, breaks: Array) -> Grid:
     each = max(2, -(-SAMPLES // (len(breaks) - 1)))
     inner = breaks[:-1, None] + np.diff(breaks)[:, None] * (np.arange(each) / each)
-    return Grid(SplineSpace(stretch.free.smoothness + 1, breaks), np.append(inner.ravel(), 1.0))
+    return Grid(SplineSpace(degree, breaks), np.append(inner.ravel(), 1.0))
 
 
 def ramps(switches: Array, softer: int) -> Array:

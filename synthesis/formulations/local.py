@@ -18,13 +18,15 @@ from synthesis.objectives.rms_jerk import RmsJerk
 from synthesis.solvers.clarabel import solve
 from synthesis.solvers.statuses import Stopped
 
+FAR = 1.5  # of the bound: a cam this large is not taken for a start without a look at another
 EXCHANGES = 3  # of rows between whose points something was missed
 USABLE = (Stopped.SOLVED, Stopped.INACCURATE)
 
 
 def nonlinear(state: Search) -> None:
     """From the relaxation's cam grown out of the limits, or from a gentler one."""
-    gentle(state)
+    if state.best is None or state.best.value > FAR * state.lower:
+        gentle(state)
     start = state.best or state.relaxed or state.last
     if start is not None:
         improve_from(state, start)
@@ -51,7 +53,8 @@ def _improved(state: Search, start: Candidate) -> tuple[list[Array], float]:
     plan = formulate(state.problem, state.grids, 0.0, drawn, Region())  # smooth forms say more
     # rows drawn in by a little of what the caller allows save rounds: peaks may lie between them
     spare = float(np.clip(0.04 * state.tolerance, 1e-7, 1e-3))
-    solution = improve(plan, plan.point(start.laws, start.size), state.deadline, spare)
+    accuracy = float(np.clip(1e-5 * state.tolerance, 1e-9, 1e-7))
+    solution = improve(plan, plan.point(start.laws, start.size), state.deadline, spare, accuracy)
     laws, size = plan.recover(solution.x)
     least: tuple[list[Array], float] = [], inf
     for keep_hint in (True, False):
@@ -69,19 +72,24 @@ def _improved(state: Search, start: Candidate) -> tuple[list[Array], float]:
     return least
 
 
-def gentle(state: Search) -> None:
+def gentle(state: Search) -> Candidate | None:
     """Another cam to start from: the law of least mean square jerk, grown until limits hold.
+
+    Returns:
+        the cam as it was before that, whatever limits it breaks; None where there is no such law.
 
     The relaxation's own law uses its freedom to the full, and may be bent so sharply that only
     a huge cam could carry it.
     """
     if not state.problem.free:
-        return
+        return None
     quiet = state.problem.with_objective(RmsJerk())
     plan = formulate(quiet, state.grids, 0.0, Drawn(state.tighten, state.margin))
     solution = solve(plan.program, state.left())
-    if solution.stopped in USABLE:
-        laws, size = plan.recover(solution.x)
-        found = settle(state.problem, laws, size)
-        if misses(state, found)[1] <= ALLOWED:
-            state.accept(found)
+    if solution.stopped not in USABLE:
+        return None
+    laws, size = plan.recover(solution.x)
+    found = settle(state.problem, laws, size)
+    if misses(state, found)[1] <= ALLOWED:
+        state.accept(found)
+    return found

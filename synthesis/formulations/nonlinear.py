@@ -11,6 +11,7 @@ from __future__ import annotations
 import time
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field
+from itertools import pairwise
 from math import inf
 from typing import Any
 
@@ -21,12 +22,14 @@ from scipy import sparse
 from synthesis.formulations.convex import Plan
 from synthesis.formulations.matrix import Ball
 from synthesis.formulations.problem import Problem
+from synthesis.formulations.rows import Block
 from synthesis.formulations.spots import Spots, broken, spread
 from synthesis.numerics.piecewise import Array
 from synthesis.solvers.ipopt import Guess, SmoothProgram, solve
 from synthesis.solvers.statuses import Stopped
 
 ROUNDS = 6
+NOWHERE = 1e-24  # added to a norm's square, in the plan's units
 USABLE = (Stopped.SOLVED, Stopped.INACCURATE)
 
 
@@ -48,7 +51,11 @@ class NonlinearSolution:
 
 
 def improve(
-    plan: Plan, start: Array, deadline: float | None = None, tighten: float = 1e-6
+    plan: Plan,
+    start: Array,
+    deadline: float | None = None,
+    tighten: float = 1e-6,
+    accuracy: float = 1e-9,
 ) -> NonlinearSolution:
     """A local optimum under all limits, those that are not convex included.
 
@@ -58,6 +65,7 @@ def improve(
         deadline: ``time.monotonic()`` at which to stop.
         tighten: relative amount by which smooth limits are drawn in at the points where they are
             written; peaks between these may rise by as much, so a larger one saves rounds.
+        accuracy: of the optimum, relative.
     """
     began = time.perf_counter()
     spots = spread(*_settled(plan, start))
@@ -69,7 +77,7 @@ def improve(
             stopped, word = Stopped.OUT_OF_TIME, "deadline"
             break
         program = _Statement(plan, guess.x).stated(spots, tighten)
-        found = solve(program, guess, left)
+        found = solve(program, guess, left, accuracy)
         stopped, word, rows = found.stopped, found.word, len(program.lower)
         iterations += found.iterations
         if stopped not in USABLE:
@@ -140,7 +148,20 @@ class _Statement:
         upper = program.rhs[:last].copy()
         lower = np.where(np.arange(last) < program.equalities, upper, -inf)
         upper[self._implied()] = inf
-        self._put(casadi.mtimes(_constant(program.matrix[:last]), self.x), lower, upper)
+        kept = np.full(last, True)
+        for one, other in self._opposites():
+            lower[one], kept[other] = -upper[other], False
+        matrix = sparse.csr_matrix(program.matrix)[:last][kept]
+        self._put(casadi.mtimes(_constant(matrix), self.x), lower[kept], upper[kept])
+
+    def _opposites(self) -> Iterator[tuple[slice, slice]]:
+        """Rows of two blocks that bound the same from above and from below: one row for IPOPT."""
+        there, paired = self.plan.program.equalities, False
+        for before, block in pairwise(self.plan.blocks):
+            here, there = there, there + len(before.rhs)
+            paired = not paired and _opposite(before, block)
+            if paired:
+                yield slice(here, there), slice(there, there + len(block.rhs))
 
     def _implied(self) -> list[int]:
         """Bounds of the size that a ball implies: where it touches them, they leave no interior."""
@@ -214,13 +235,22 @@ class _Statement:
         for ball in self.plan.balls:
             if ball.head is not None:
                 image = casadi.mtimes(_constant(ball.matrix), self.x) + casadi.DM(ball.shift)
-                return casadi.norm_2(image)
+                # its slope is finite at 0 too, where IPOPT may pass
+                return casadi.sqrt(casadi.sumsqr(image) + NOWHERE)
         value = casadi.dot(casadi.DM(program.linear), self.x)
         if program.quadratic.nnz:
             upper = program.quadratic
             full = upper + upper.T - sparse.diags(upper.diagonal())
             value += 0.5 * casadi.bilin(_constant(full), self.x, self.x)
         return value
+
+
+def _opposite(one: Block, other: Block) -> bool:
+    """Whether two blocks bound the same derivatives of one law from above and from below."""
+    if one.stretch != other.stretch or one.laws is None or other.laws is None:
+        return False
+    alone = not any(block.level or block.size.any() for block in (one, other))
+    return alone and np.array_equal(one.laws, -other.laws)
 
 
 def _constant(matrix: Any) -> Any:

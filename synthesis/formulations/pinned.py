@@ -97,7 +97,7 @@ def pinned(state: Search, solve: Solver) -> None:
     started, trials = time.perf_counter(), _Pinned(state, pinning, solve)
     if not isfinite(state.lower):
         state.over = f"a local optimum: no bound over the {pinning.name} is known"
-    _as_it_moves(trials)
+    _as_it_moves(trials, state.relaxed, STARTS)
     if not state.close(state.best):
         (_jointly if state.problem.free else _one_by_one)(trials)
     state.infeasible = state.best is None
@@ -112,19 +112,18 @@ def pinned(state: Search, solve: Solver) -> None:
     )  # fmt: skip
 
 
-def _as_it_moves(trials: _Pinned) -> None:
-    """The motion of the relaxation on other sizes: its law may be the best, and its size not."""
+def _as_it_moves(trials: _Pinned, cam: Candidate | None, count: int) -> None:
+    """A cam's motion on other sizes: its law may be a good one, and its size not."""
     state = trials.state
-    if state.relaxed is None:
+    if cam is None:
         return
-    laws, stretches = state.relaxed.laws, state.relaxed.problem.stretches
-    for logarithm in trials.fan(STARTS):
+    for logarithm in trials.fan(count):
         at = trials.within(exp(logarithm))
-        problem = trials.problem(at).settled(stretches)
+        problem = trials.problem(at).settled(cam.problem.stretches)
         size = smallest(problem)
         if size is not None:
-            state.finish(trials.whole(at, at_size(problem, laws, size)))
-        if state.close(state.best):
+            state.finish(trials.whole(at, at_size(problem, cam.laws, size)))
+        if state.close(state.best) or state.left() <= 0.0:
             break
 
 
@@ -144,7 +143,9 @@ def _jointly(trials: _Pinned) -> None:
     """Free laws: all together from several starts, then the best laws for where that ended."""
     state = trials.state
     state.grids = tuple(uniform(stretch, KNOTS) for stretch in state.problem.free)
-    gentle(state)
+    quiet = gentle(state)
+    if state.best is None:
+        _as_it_moves(trials, quiet, FAN)
     for start in list(_starts(trials)):
         if state.left() > 0.0:
             improve_from(state, start)

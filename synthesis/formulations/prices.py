@@ -17,7 +17,7 @@ import numpy as np
 from synthesis.formulations.control import Control
 from synthesis.formulations.convex import Plan
 from synthesis.formulations.ends import joint_rows
-from synthesis.formulations.switching import Switching
+from synthesis.formulations.switching import NODES, SHARES, Switching
 from synthesis.numerics.piecewise import Array
 
 STEPS = 30
@@ -63,7 +63,7 @@ def end_prices(
     Args:
         plan: the plan.
         steering: of every law, each with a weight.
-        psi: of every law, from its rows alone.
+        psi: of every law, from its rows alone; not needed where no mean square is weighed.
         state: per law, (m,) factors of unknown initial values that its rows leave.
         guess: the solver's prices, good enough where no mean square is weighed.
     """
@@ -94,9 +94,8 @@ def end_prices(
 def _law(plan: Plan, position: int, control: Control, psi: Switching) -> _Law:
     order, known = control.order, plan.settled[position]
     cuts = np.union1d(psi.breaks, np.linspace(0.0, 1.0, 65))
-    nodes, shares = np.polynomial.legendre.leggauss(3)
     width = np.diff(cuts)[:, None]
-    tau = (cuts[:-1, None] + width * (nodes + 1.0) / 2.0).ravel()
+    tau = (cuts[:-1, None] + width * (NODES + 1.0) / 2.0).ravel()
     powers = [(1.0 - tau) ** (order - 1 - k) / factorial(order - 1 - k) for k in range(order)]
     constant = np.zeros(order)
     for k in range(order):
@@ -104,7 +103,7 @@ def _law(plan: Plan, position: int, control: Control, psi: Switching) -> _Law:
             constant[k] += known.start[j] / factorial(j - k)
     count = min(len(known.end), order)
     constant[:count] -= known.end[:count]
-    return _Law(control, (width * shares / 2.0).ravel(), psi(tau), np.stack(powers), constant)
+    return _Law(control, (width * SHARES / 2.0).ravel(), psi(tau), np.stack(powers), constant)
 
 
 def _shared(plan: Plan, order: int, state: Sequence[Array]) -> tuple[Array, Array]:

@@ -111,9 +111,19 @@ def sampled(row: Row, space: SplineSpace) -> bool:
 
 
 def on_law(
-    row: Row, position: int, stretch: Stretch, grid: Grid, scales: Scales, drawn: Drawn
+    row: Row,
+    position: int,
+    stretch: Stretch,
+    grid: Grid,
+    known: Ends,
+    scales: Scales,
+    drawn: Drawn,
 ) -> Block:
-    """The row on a free stretch: at its points, or on control points where these are exact."""
+    """The row on a free stretch: at its points, or on control points where these are exact.
+
+    ``known``: what is settled of the law's ends. A row that a law which never moves backwards
+    keeps all along once it keeps it at an end is written there alone.
+    """
     alpha, rhs = in_g(row, stretch)
     orders = np.flatnonzero(alpha)
     size = np.array(row.size) * scales.size if row.size else np.zeros(0)
@@ -131,9 +141,24 @@ def on_law(
         kind: Literal["point", "control"] = "point" if space.degree - order == 1 else "control"
     else:
         x, kind, tighten = grid.points, "point", tighten + drawn.margin
-        laws = sum((alpha[k] / scale) * space.basis(x, int(k)) for k in orders)
+        laws = sum((alpha[k] / scale) * grid.table(int(k)) for k in orders)
+        end = _settling_end(alpha, stretch, known)
+        if end is not None:
+            x, laws = x[end], laws[end]
     bound = np.full(len(laws), rhs / scale)
     return Block(kind, position, laws, x, alpha / scale, *common, bound, row.source, tighten)
+
+
+def _settling_end(alpha: Array, stretch: Stretch, known: Ends) -> slice | None:
+    """The end of a law at which α0 g + α1 g' is largest, whatever the law; None: any x may be.
+
+    With 0 ≤ g ≤ 1 and α1 g' ≤ 0 the end where α0 g is largest is the place, if g' = 0 there.
+    """
+    assert stretch.free is not None
+    if stretch.free.overshoot or np.any(alpha[2:]) or alpha[1] > 0.0:
+        return None
+    state, end = (known.start, slice(0, 1)) if alpha[0] <= 0.0 else (known.end, slice(-1, None))
+    return end if len(state) > 1 and state[1] == 0.0 else None
 
 
 def _on_part(

@@ -13,9 +13,11 @@ from math import comb, factorial
 
 import numpy as np
 
+from synthesis.numerics.peaks import quadratic_roots
 from synthesis.numerics.piecewise import Array
 
 SPREAD = 8  # parts of an interval over which a point multiplier is spread
+NODES, SHARES = np.polynomial.legendre.leggauss(3)  # exact to degree 5 between the cuts
 
 
 @dataclass(frozen=True, eq=False)
@@ -58,9 +60,8 @@ class Switching:
         edge = 2.0 * weight * cap
         values = (0.0,) if weight == 0.0 or not np.isfinite(edge) else (0.0, edge, -edge)
         cuts = self._cut(values)
-        nodes, shares = np.polynomial.legendre.leggauss(3)  # exact to degree 5 between the cuts
         width = np.diff(cuts)
-        tau = cuts[:-1, None] + width[:, None] * (nodes + 1.0) / 2.0
+        tau = cuts[:-1, None] + width[:, None] * (NODES + 1.0) / 2.0
         psi = np.abs(self(tau))
         if weight == 0.0:
             value = -cap * psi
@@ -68,7 +69,7 @@ class Switching:
             inner = -(psi**2) / (4.0 * weight)
             outer = -cap * psi + weight * cap**2 if np.isfinite(cap) else inner
             value = np.where(psi <= edge, inner, outer)
-        return float(np.sum(value * shares * width[:, None]) / 2.0)
+        return float(np.sum(value * SHARES * width[:, None]) / 2.0)
 
     def losses(
         self, knots: Array, law: Callable[[Array], Array], cap: float, weight: float
@@ -81,13 +82,12 @@ class Switching:
             cap, weight: as in ``least``.
         """
         cuts = np.union1d(self._cut((0.0,)), knots)
-        nodes, shares = np.polynomial.legendre.leggauss(3)
         width = np.diff(cuts)
-        tau = cuts[:-1, None] + width[:, None] * (nodes + 1.0) / 2.0
+        tau = cuts[:-1, None] + width[:, None] * (NODES + 1.0) / 2.0
         psi, w = self(tau), law(tau)
         paid = weight * w**2 + psi * w
         ideal = -cap * np.abs(psi) if weight == 0.0 else -(psi**2) / (4.0 * weight)
-        loss = np.sum((paid - ideal) * shares, axis=1) * width / 2.0
+        loss = np.sum((paid - ideal) * SHARES, axis=1) * width / 2.0
         interval = np.searchsorted(knots, 0.5 * (cuts[:-1] + cuts[1:]), "right") - 1
         sums = np.bincount(interval, np.maximum(loss, 0.0), minlength=len(knots) - 1)
         return np.asarray(sums, dtype=float)
@@ -99,18 +99,10 @@ class Switching:
         padded[:, : self.poly.shape[1]] = self.poly
         c, b, a = padded.T
         for value in values:
-            for root in _quadratic_roots(a, b, c - value):
+            for root in quadratic_roots(a, b, c - value):
                 inside = (root > self.breaks[:-1]) & (root < self.breaks[1:])
                 found.append(root[inside])
         return np.unique(np.concatenate(found))
-
-
-def _quadratic_roots(a: Array, b: Array, c: Array) -> tuple[Array, Array]:
-    """Real roots of a x² + b x + c, nan where there is none; stable for small a."""
-    with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
-        root = np.sqrt(b * b - 4.0 * a * c)
-        half = -0.5 * (b + np.where(b < 0.0, -1.0, 1.0) * root)
-        return half / a, c / half
 
 
 def switching(points: Array, weights: Array, order: int) -> Switching:
@@ -146,6 +138,8 @@ def spread(x: Array, mass: Array) -> tuple[Array, Array]:
     bound is met along an arc the true multiplier is a density, and ψ vanishes there. Any
     non-negative measure of any shape is valid, this one is closer to the truth.
     """
+    if len(x) < 2:
+        return x, mass  # nothing to spread over
     sorting = np.argsort(x)
     x, mass = x[sorting], mass[sorting]
     gaps = np.diff(x)

@@ -14,7 +14,7 @@ from synthesis.followers.flank import labelled, outer_gap
 from synthesis.followers.trace import Trace
 from synthesis.limits.base import Claim, Limit, Machine, where
 from synthesis.motion import Stretch
-from synthesis.terms import Cone, Curved
+from synthesis.terms import Cone, Curved, Row
 
 
 class OuterRadius(Limit):
@@ -43,19 +43,39 @@ class OuterRadius(Limit):
                 )
 
     def cones(self, stretches: Sequence[Stretch], machine: Machine) -> tuple[Cone, ...]:
-        highest = max(max(s.s_start, s.s_end) for s in stretches)
+        highest = max(stretch.highest for stretch in stretches)
         return tuple(
             Cone(norm, trace.value_of(self.max_mm + gap), labelled("outer_radius", path))
             for path, trace, gap in _edges(machine)
             if (norm := trace.outermost(highest)) is not None
         )
 
+    def rows(self, stretch: Stretch, machine: Machine) -> tuple[Row, ...]:
+        """Of a law that may overshoot the ends: what the norm's last component says."""
+        return tuple(self._rows(machine)) if _overshoots(stretch) else ()
+
+    def _rows(self, machine: Machine) -> Iterator[Row]:
+        for path, trace, gap in _edges(machine):
+            low, high = trace.outermost(0.0), trace.outermost(1.0)
+            if low is None or high is None or low.matrix != high.matrix:
+                continue
+            rise = high.shift[-1] - low.shift[-1]
+            if rise > 0.0:
+                most = trace.value_of(self.max_mm + gap) - low.shift[-1]
+                source = labelled("outer_radius", path)
+                yield Row((rise, 0.0, 0.0, 0.0), low.matrix[-1], most, source=source)
+
     def curved(self, stretch: Stretch, machine: Machine) -> tuple[Curved, ...]:
         curves = machine.follower.outer_radius_curves(self.max_mm)
         return tuple(replace(curve, source="outer_radius") for curve in curves)
 
     def smooth(self, stretch: Stretch, machine: Machine, s: Any, z: Any) -> tuple[Any, ...]:
-        return tuple(v for curve in self.curved(stretch, machine) for v in curve.excess(s, z))
+        found = [v for curve in self.curved(stretch, machine) for v in curve.excess(s, z)]
+        if _overshoots(stretch) and not found:
+            for _, trace, gap in _edges(machine):
+                (x, y), *_ = trace.traced_point(s, z)
+                found.append((x * x + y * y) / (self.max_mm + gap) ** 2 - 1.0)
+        return tuple(found)
 
     def claims(self, stretches: Sequence[Stretch], machine: Machine) -> tuple[Claim, ...]:
         return tuple(
@@ -72,6 +92,11 @@ class OuterRadius(Limit):
             )
             for path, trace, gap in _edges(machine)
         )
+
+
+def _overshoots(stretch: Stretch) -> bool:
+    """Whether the law is one of the answer's that may go beyond its ends."""
+    return stretch.free is not None and stretch.free.overshoot
 
 
 def _edges(machine: Machine) -> Iterator[tuple[str, Trace, float]]:

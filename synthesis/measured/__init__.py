@@ -5,6 +5,8 @@ points -> smooth outline -> postures of the follower -> motion -> ProfileAnalysi
 
 from __future__ import annotations
 
+from math import inf
+
 import numpy as np
 
 from synthesis.errors import InputError
@@ -29,7 +31,9 @@ def read_back(cam: MeasuredCam) -> ProfileAnalysis:
             points that are no closed curve round the axis, or scatter beyond the tolerance; a
             follower that does not reach them.
     """
-    for name, value in cam.follower.adjustable().items():
+    searched = cam.follower.left_open((-inf, inf)).items()
+    free = {**cam.follower.adjustable(), **{name: asked for name, (asked, _) in searched}}
+    for name, value in free.items():
         low, high = ends(value)
         if low != high:
             raise InputError(

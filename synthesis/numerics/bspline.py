@@ -50,12 +50,18 @@ class SplineSpace:
     @cached_property
     def _basis(self) -> BSpline:
         """All basis functions at once."""
-        return BSpline(self.knots, np.eye(self.size), self.degree)
+        return BSpline.construct_fast(self.knots, np.eye(self.size), self.degree)
 
     def boundary(self, x: float, count: int) -> Array:
         """Derivatives 0 to count − 1 of every basis function at an end of [0, 1]: (count, size)."""
-        at = np.array([x])
-        return np.vstack([self.basis(at, order) for order in range(count)])
+        return self._ends[0.0 if x <= 0.0 else 1.0][:count]
+
+    @cached_property
+    def _ends(self) -> dict[float, Array]:
+        """Derivatives at both ends of [0, 1], as many as there are and some zeros more."""
+        both = np.array([0.0, 1.0])
+        table = np.stack([self.basis(both, order) for order in range(max(self.degree, 5) + 1)])
+        return {0.0: _kept(table[:, 0]), 1.0: _kept(table[:, 1])}
 
     def control(self, order: int) -> Array:
         """Matrix to the B-spline coefficients of the derivative: (size − order, size).
@@ -63,17 +69,21 @@ class SplineSpace:
         A spline lies in the hull of its coefficients, so a bound on these bounds the
         derivative everywhere.
         """
-        matrix = np.eye(self.size)
-        knots = self.knots
-        for k in range(order):
+        return self._controls[order]
+
+    @cached_property
+    def _controls(self) -> tuple[Array, ...]:
+        """These matrices, for every order up to the degree."""
+        found, knots = [_kept(np.eye(self.size))], self.knots
+        for k in range(self.degree):
             p = self.degree - k
             rise = knots[k + p + 1 : len(knots) - k - 1] - knots[k + 1 : len(knots) - k - p - 1]
-            matrix = p * np.diff(matrix, axis=0) / rise[:, None]
-        return matrix
+            found.append(_kept(p * np.diff(found[-1], axis=0) / rise[:, None]))
+        return tuple(found)
 
     def curve(self, coefficients: Array) -> Piecewise:
         """The spline as polynomial pieces about their left ends."""
-        spline = BSpline(self.knots, coefficients, self.degree)
+        spline = BSpline.construct_fast(self.knots, coefficients, self.degree)
         left = self.breaks[:-1]
         factorial = 1.0
         columns = []
@@ -102,3 +112,9 @@ class SplineSpace:
             columns.append(share * BSpline(inner, table[0], p - order)(left))
         poly = np.stack(columns, axis=1)
         return Piecewise(self.breaks, left, poly, np.zeros((len(left), 0, 3)))
+
+
+def _kept(table: Array) -> Array:
+    """The table, to be read only: it is handed out again and again."""
+    table.setflags(write=False)
+    return table

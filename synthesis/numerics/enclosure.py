@@ -16,6 +16,8 @@ Indices = NDArray[np.intp]
 Model = Callable[[Indices, Array, Array], Taylor]
 
 SPLIT: Final = 16
+MOST_PARTS: Final = 64
+ROUND: Final = 256  # boxes that cost little more than one
 MOST_ROUNDS: Final = 12
 MOST_BOXES: Final = 100_000
 UNBOUNDED: Final = 1e300  # stands for "nothing is known on this box"
@@ -88,10 +90,12 @@ class _Boxes:
         return _Boxes(self.question[keep], self.piece[keep], self.lo[keep], self.hi[keep])
 
     def split(self) -> _Boxes:
-        parts = np.arange(SPLIT + 1) / SPLIT
+        """Each cut into equal parts: into many where there are few, for a round costs much."""
+        count = max(SPLIT, min(MOST_PARTS, ROUND // len(self.lo)))
+        parts = np.arange(count + 1) / count
         edges = self.lo[:, None] + (self.hi - self.lo)[:, None] * parts
         edges[:, -1] = self.hi
-        question, piece = np.repeat(self.question, SPLIT), np.repeat(self.piece, SPLIT)
+        question, piece = np.repeat(self.question, count), np.repeat(self.piece, count)
         return _Boxes(question, piece, edges[:, :-1].ravel(), edges[:, 1:].ravel())
 
     def and_points(self, others: _Boxes) -> _Boxes:

@@ -49,7 +49,8 @@ class Jets:
         """
         t = x - self.curve.origins[piece]
         table = self._table[..., piece]
-        both = np.stack([t, np.abs(t)])[:, None, :]
+        both = np.empty((2, 1, len(t)))
+        both[0], both[1] = t, np.abs(t)
         value = table[-1]
         for row in table[-2::-1]:
             value = value * both + row
@@ -84,28 +85,29 @@ class Jets:
         # so much wider that the roundings of the centre, and of its distance to the origin, fit in
         r = 0.5 * (hi - lo) + 8.0 * UNIT * (np.abs(centre) + np.abs(self.curve.origins[piece]))
         exact, error = self.derivatives(piece, centre)
-        power = [np.ones_like(r)]
-        for j in range(1, self.rows + 1):
-            power.append(power[-1] * r / j)
-        size = np.abs(exact) + error
-        return tuple(self._model(piece, k, exact, error, size, power) for k in range(highest + 1))
+        power = np.ones((max(self.rows, 2) + 1, len(r)))  # r^j / j!
+        for j in range(1, len(power)):
+            power[j] = power[j - 1] * (r / j)
+        return self._models(piece, exact, error, power, highest + 1)
 
-    def _model(
-        self,
-        piece: NDArray[np.intp],
-        k: int,
-        exact: Array,
-        error: Array,
-        size: Array,
-        power: list[Array],
-    ) -> Taylor:
-        """The model of f^(k); ``power[j]`` is r^j / j!."""
-        zero = np.zeros_like(power[0])
-        head = [exact[k + j] * power[j] if k + j < self.rows else zero for j in range(3)]
-        rem = zero
-        for m in range(k, self.rows):
-            rem = rem + (error if m < k + 3 else size)[m] * power[m - k]
+    def _models(
+        self, piece: NDArray[np.intp], exact: Array, error: Array, power: Array, count: int
+    ) -> tuple[Taylor, ...]:
+        """The models of f to f^(count−1), all in one go: row k is that of f^(k)."""
+        missing = max(count + 2 - self.rows, 0)
+        if missing:  # derivatives that vanish
+            nothing = np.zeros((missing, power.shape[1]))
+            exact, error = np.concatenate([exact, nothing]), np.concatenate([error, nothing])
+        size = np.abs(exact) + error
+        head = [exact[j : j + count] * power[j] for j in range(3)]
+        rem = error[:count] + error[1 : count + 1] * power[1] + error[2 : count + 2] * power[2]
+        for j in range(3, self.rows):
+            rest = min(count, self.rows - j)
+            rem[:rest] += size[j : j + rest] * power[j]
         if self.curve.waves.shape[1]:
             amplitude = np.sum(np.abs(self._amplitudes[self.rows, piece]), axis=-1)
-            rem = rem + amplitude * power[self.rows - k]
-        return Taylor.of(head[0], head[1], head[2], rem * (1.0 + 64.0 * UNIT))
+            for k in range(count):
+                rem[k] += amplitude * power[self.rows - k]
+        rem *= 1.0 + 64.0 * UNIT
+        mag = np.abs(head[0]) + np.abs(head[1]) + np.abs(head[2]) + rem
+        return tuple(Taylor(*model) for model in zip(*head, rem, mag, strict=True))

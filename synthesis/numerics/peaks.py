@@ -26,6 +26,10 @@ def peak(curve: Piecewise, coefficients: Sequence[float]) -> tuple[float, float]
     weights = [(k, c) for k, c in enumerate(coefficients) if c != 0.0]
     if not weights:
         return 0.0, float(curve.breaks[0])
+    if not curve.waves.shape[1]:
+        curve, weights = curve.combined(coefficients), [(0, 1.0)]
+        if curve.poly.shape[1] <= 4:
+            return _of_cubics(curve)
     samples = SAMPLES if curve.waves.shape[1] or curve.poly.shape[1] > 6 else 5
     left, width = curve.breaks[:-1], np.diff(curve.breaks)
     step = np.linspace(0.0, 1.0, samples)
@@ -33,31 +37,52 @@ def peak(curve: Piecewise, coefficients: Sequence[float]) -> tuple[float, float]
     piece = np.repeat(np.arange(curve.count), samples)
 
     def combined(at: Array, on: np.ndarray, raised: int) -> Array:
-        total = np.zeros_like(at)
-        for k, c in weights:
-            total += c * curve.at(at, on, k + raised)
-        return total
+        first, *others = (c * curve.at(at, on, k + raised) for k, c in weights)
+        return sum(others, start=first)
 
     value = combined(x, piece, 0)
     best = int(np.argmax(value))
     spread = float(value[best] - value.min())
     # a stationary point between two samples can top its neighbours by no more than their spread
     table = value.reshape(curve.count, samples)
-    rough = np.max(np.abs(np.diff(table, axis=1)), axis=1) + 1e-15 * spread
+    rough = np.max(np.abs(table[:, 1:] - table[:, :-1]), axis=1) + 1e-15 * spread
     keep = np.repeat(table.max(axis=1) + rough >= value[best], samples)
     y, on = x[keep], piece[keep]
     half = (width[on] / (samples - 1)) if samples > 1 else width[on]
     low, high = np.maximum(y - half, left[on]), np.minimum(y + half, left[on] + width[on])
-    for _ in range(4):
-        slope, bend = combined(y, on, 1), combined(y, on, 2)
-        with np.errstate(divide="ignore", invalid="ignore"):
+    with np.errstate(divide="ignore", invalid="ignore"):
+        for _ in range(4):
+            slope, bend = combined(y, on, 1), combined(y, on, 2)
             move = np.where(bend < 0.0, -slope / bend, 0.0)
-        y = np.clip(y + np.nan_to_num(move), low, high)
+            y = np.minimum(np.maximum(y + move, low), high)
     refined = combined(y, on, 0)
     top = int(np.argmax(refined))
     if refined[top] > value[best]:
         return float(refined[top]), float(y[top])
     return float(value[best]), float(x[best])
+
+
+def _of_cubics(curve: Piecewise) -> tuple[float, float]:
+    """The same of polynomials up to the third degree, whose stationary points have a formula."""
+    c0, c1, c2, c3 = [*curve.poly.T, *np.zeros((4 - curve.poly.shape[1], curve.count))]
+    left, right = curve.breaks[:-1] - curve.origins, curve.breaks[1:] - curve.origins
+    between = (
+        np.where((left < root) & (root < right), root, left)
+        for root in quadratic_roots(3.0 * c3, 2.0 * c2, c1)
+    )
+    t = np.stack([left, right, *between])
+    value = c0 + t * (c1 + t * (c2 + t * c3))
+    k, i = np.unravel_index(np.argmax(value), value.shape)
+    x = min(max(curve.origins[i] + t[k, i], curve.breaks[i]), curve.breaks[i + 1])
+    return float(value[k, i]), float(x)
+
+
+def quadratic_roots(a: Array, b: Array, c: Array) -> tuple[Array, Array]:
+    """Real roots of a x² + b x + c, nan where there is none; stable for small a."""
+    with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
+        root = np.sqrt(b * b - 4.0 * a * c)
+        half = -0.5 * (b + np.where(b < 0.0, -1.0, 1.0) * root)
+        return half / a, c / half
 
 
 FAN = np.linspace(-1.0, 1.0, 17)

@@ -115,6 +115,14 @@ class Piecewise:
         piece = self.piece_of(points, side)
         return np.stack([self.at(points, piece, order) for order in range(highest + 1)])
 
+    def combined(self, coefficients: Sequence[float]) -> Piecewise:
+        """Σ_k coefficients[k] f^(k) as a function of its own; of polynomials alone."""
+        poly = np.zeros_like(self.poly)
+        for factor, table in zip(coefficients, self._powers, strict=False):
+            if factor != 0.0:
+                poly[:, : table.shape[1]] += factor * table
+        return Piecewise(self.breaks, self.origins, poly, self.waves)
+
     def bound(self, piece: NDArray[np.intp], width: Array, order: int) -> Array:
         """Crude bound of |f^(order)| within ``width`` of the origin of each piece: (k,)."""
         value = np.zeros(len(piece))
@@ -158,12 +166,14 @@ def join(parts: Sequence[Piecewise]) -> Piecewise:
     """One function out of neighbours, each beginning where the one before ends."""
     degree = max(part.poly.shape[1] for part in parts)
     waves = max(part.waves.shape[1] for part in parts)
-    poly = [np.pad(p.poly, ((0, 0), (0, degree - p.poly.shape[1]))) for p in parts]
-    wave = [np.pad(p.waves, ((0, 0), (0, waves - p.waves.shape[1]), (0, 0))) for p in parts]
+    count = sum(part.count for part in parts)
+    poly, wave, at = np.zeros((count, degree)), np.zeros((count, waves, 3)), 0
+    for part in parts:
+        here = slice(at, at + part.count)
+        poly[here, : part.poly.shape[1]] = part.poly
+        wave[here, : part.waves.shape[1]] = part.waves
+        at = here.stop
     breaks = [part.breaks[:-1] for part in parts] + [parts[-1].breaks[-1:]]
     return Piecewise(
-        np.concatenate(breaks),
-        np.concatenate([part.origins for part in parts]),
-        np.concatenate(poly),
-        np.concatenate(wave),
+        np.concatenate(breaks), np.concatenate([part.origins for part in parts]), poly, wave
     )

@@ -35,10 +35,8 @@ OPTIONS: dict[str, Any] = {
     "ipopt.sb": "yes",
     "ipopt.print_level": 0,
     "ipopt.linear_solver": "mumps",
-    "ipopt.tol": 1e-9,
     "ipopt.constr_viol_tol": 1e-9,
     "ipopt.dual_inf_tol": 1e-6,
-    "ipopt.compl_inf_tol": 1e-8,
     "ipopt.bound_relax_factor": 1e-9,
     "ipopt.acceptable_constr_viol_tol": 1e-6,
     "ipopt.max_iter": 200,
@@ -99,10 +97,19 @@ class SmoothSolution:
     seconds: float
 
 
-def solve(program: SmoothProgram, guess: Guess, time_limit: float = math.inf) -> SmoothSolution:
-    """Solve from a guess; with multipliers it is a warm start."""
+def solve(
+    program: SmoothProgram, guess: Guess, time_limit: float = math.inf, accuracy: float = 1e-9
+) -> SmoothSolution:
+    """Solve from a guess; with multipliers it is a warm start.
+
+    Args:
+        program: the program. guess: where to begin.
+        time_limit: seconds after which the solver gives up.
+        accuracy: scaled optimality error; rows are kept to 1e-9 whatever it is.
+    """
     started = time.perf_counter()
     options = OPTIONS | (COLD if guess.rows is None else WARM)
+    options |= {"ipopt.tol": accuracy, "ipopt.compl_inf_tol": max(10.0 * accuracy, 1e-8)}
     if math.isfinite(time_limit):
         options["ipopt.max_wall_time"] = max(time_limit, 1e-3)
     start: dict[str, Any] = {"x0": guess.x, "lbx": program.low, "ubx": program.high}

@@ -13,6 +13,7 @@ from synthesis.formulations.reference import optimum
 from synthesis.solvers.clarabel import solve
 from synthesis.solvers.statuses import Stopped
 from synthesis.spec import DesignSpec
+from synthesis.terms import Norm
 from tests.formulations.scenes import (
     PLAIN,
     TURNING,
@@ -275,3 +276,18 @@ def test_random_scenes(drawn: tuple[DesignSpec, int]) -> None:
             assert optimum(asked, grids).value is None
         else:
             agree(spec, grids)
+
+
+@given(st.integers(0, 10_000))
+def test_no_size_in_its_box_has_a_norm_below_the_floor(seed: int) -> None:
+    rng = np.random.default_rng(seed)
+    matrix, shift = rng.uniform(-2.0, 2.0, (2, 2)), rng.uniform(-30.0, 30.0, 2)
+    ends = np.sort(rng.uniform(-20.0, 20.0, (2, 2)), axis=1)
+    norm = Norm(tuple(map(tuple, matrix)), tuple(shift))
+    z = ends[:, :1] + (ends[:, 1:] - ends[:, :1]) * rng.uniform(0.0, 1.0, (2, 200))
+    nearest = min(norm.value(tuple(point)) for point in z.T)
+    floor = norm.floor([tuple(pair) for pair in ends])
+    assert floor <= nearest
+    along = Norm(((1.0, 0.0), (0.0, -1.0)), tuple(shift))
+    clipped = np.clip([-shift[0], shift[1]], ends[:, 0], ends[:, 1])
+    assert along.floor([tuple(pair) for pair in ends]) == pytest.approx(along.value(tuple(clipped)))

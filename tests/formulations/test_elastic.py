@@ -110,6 +110,9 @@ CASES: dict[str, tuple[DesignSpec, set[str]]] = {
 }  # fmt: skip
 
 
+KEPT = 1e-8  # rows are of the order of one
+
+
 def changed(spec: DesignSpec, field: str, value: float) -> DesignSpec:
     """The spec with one field, named by its path, at another value."""
     body = copy.deepcopy(spec.model_dump())
@@ -137,7 +140,18 @@ def possible(spec: DesignSpec, intervals: int = 14) -> bool:
 
 
 def fits(asked: Problem, grids: list[Grid]) -> bool:
-    return solve(formulate(asked, grids).program).stopped is Stopped.SOLVED
+    """Whether the solver's point keeps every row, whatever it calls a point with so little room."""
+    program = formulate(asked, grids).program
+    found = solve(program)
+    if found.stopped not in (Stopped.SOLVED, Stopped.INACCURATE):
+        return False
+    slack = program.rhs - program.matrix @ found.x
+    first, stop = program.equalities, program.equalities + program.inequalities
+    kept = [abs(slack[:first]).max(initial=0.0), (-slack[first:stop]).max(initial=0.0)]
+    for size in program.cones:
+        kept.append(float(np.linalg.norm(slack[stop + 1 : stop + size])) - slack[stop])
+        stop += size
+    return max(kept) <= KEPT
 
 
 def why(spec: DesignSpec, intervals: int = 14) -> Conflict:

@@ -333,6 +333,27 @@ def test_a_larger_allowance_costs_no_more_than_itself(solved: Callable[[str], An
     assert quick.iterations < exact.found.iterations
 
 
+@pytest.mark.parametrize("factors", [(36.0, 45.0), (45.0, 36.0)])
+def test_limits_of_one_kind_all_count(factors: tuple[float, float]):
+    """From above and from below they are one row for IPOPT, each with its own opposite."""
+    caps = [jerk(factor, 71.7) for factor in factors]
+    program = (rise(71.7), dwell(23.9), fall(83.3), dwell(181.1))
+    found = answer(scene(program, angles(41.3, 39.7), *caps, radius(31.0)))
+    once = answer(scene(program, angles(41.3, 39.7), jerk(36.0, 71.7), radius(31.0)))
+    assert once.prime > 1.05 * once.relaxed
+    assert found.prime == pytest.approx(once.prime, rel=1e-6)
+    assert rows_broken(found.plan, found.found.x) < 1e-8
+
+
+def test_a_coarser_accuracy_saves_iterations_and_keeps_the_rows(solved: Callable[[str], Answer]):
+    exact = solved("unequal angles")
+    quick = improve(exact.plan, exact.start, accuracy=1e-6)
+    prime = float(np.hypot(*exact.plan.recover(quick.x)[1]))
+    assert prime == pytest.approx(exact.prime, rel=1e-4)
+    assert quick.iterations < exact.found.iterations
+    assert rows_broken(exact.plan, quick.x) < 1e-8
+
+
 def test_a_deadline_in_the_past_returns_the_start_at_once():
     plan, start, _ = planned(SCENES["unequal angles"])
     began = time.perf_counter()

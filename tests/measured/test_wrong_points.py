@@ -153,3 +153,9 @@ def meets(a: np.ndarray, b: np.ndarray, c: np.ndarray, d: np.ndarray) -> bool:
         return float((q[0] - p[0]) * (r[1] - p[1]) - (q[1] - p[1]) * (r[0] - p[0]))
 
     return side(a, b, c) * side(a, b, d) < 0.0 and side(c, d, a) * side(c, d, b) < 0.0
+
+
+def test_a_length_left_free_is_told_to_be_given(points: np.ndarray) -> None:
+    error = refused(points, ARM | {"arm_mm": {"min": 80.0, "max": 90.0}})
+    assert error.field == "/follower/arm_mm"
+    assert "number" in error.way_out

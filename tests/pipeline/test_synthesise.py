@@ -9,6 +9,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from pydantic import ValidationError
 
 from synthesis import Design, DesignSpec, synthesise
 from synthesis.errors import TimeBudgetExceeded
@@ -478,3 +479,12 @@ def test_a_bound_over_a_family_lies_below_the_value(tolerance: float) -> None:
     assert proof.value is not None
     assert proof.lower_bound <= proof.value
     assert design.status == "optimal"
+
+
+def test_a_design_read_back_has_its_spec_checked() -> None:
+    """One that is built here has not: its spec was checked when it was made."""
+    body = synthesise(spec()).model_dump(mode="json")
+    assert Design.model_validate(body).spec == spec()
+    body["spec"]["program"][0]["angle_deg"] += 1.0
+    with pytest.raises(ValidationError, match="sum to 361"):
+        Design.model_validate(body)

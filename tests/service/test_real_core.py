@@ -64,6 +64,19 @@ def links(client: httpx2.Client) -> dict[str, str]:
     return found
 
 
+def test_what_each_limit_costs(client: httpx2.Client, links: dict[str, str]) -> None:
+    answer = client.get(f"{links['self']}/sensitivities")
+    assert answer.status_code == 200, answer.text
+    dearest = answer.json()["sensitivities"][0]
+    assert dearest["per_unit"] < 0.0
+    assert "smaller" in dearest["words"]
+    known = {"If-None-Match": answer.headers["etag"]}
+    assert client.get(f"{links['self']}/sensitivities", headers=known).status_code == 304
+    nothing = post(client, examples()["infeasible-on-purpose"]["value"]).json()
+    told = client.get(f"{nothing['links']['self']}/sensitivities").json()
+    assert told["sensitivities"] == []
+
+
 def test_every_file(client: httpx2.Client, links: dict[str, str]) -> None:
     formats = client.get("/v1/formats").json()
     described = {
