@@ -8,10 +8,10 @@ ENV PATH=/opt/venv/bin:$PATH
 WORKDIR /src
 
 # The locked packages first: this layer changes only with the lock files. The PostgreSQL driver
-# is an extra; its version comes from the lock of everything.
+# and Parquet are extras; their versions come from the lock of everything.
 COPY requirements.lock requirements-dev.lock ./
 RUN pip install -r requirements.lock \
- && pip install -c requirements-dev.lock "psycopg[binary]"
+ && pip install -c requirements-dev.lock "psycopg[binary]" pyarrow
 
 COPY pyproject.toml README.md LICENSE ./
 COPY synthesis synthesis

@@ -17,7 +17,9 @@ from synthesis.exporters import svg_canvas as svg
 
 WIDTH, LEFT, RIGHT, TOP, HEIGHT = 160.0, 25.0, 9.0, 14.0, 84.0
 BELOW, ROW = 15.0, 4.8  # from the plot to the legend, and of its rows
-SAMPLE = 12.0  # length of a line in the legend
+COLUMN = 0.5 * (WIDTH - LEFT - RIGHT)  # of the legend
+EDGE = 5.5  # of title and name of the ordinate to the sheet's left edge
+SAMPLE = 9.0  # length of a line in the legend
 MARK = 1.15  # half the width of a mark
 APART = 0.15  # decades that stay free beyond the outermost points
 SERIES = (  # light, dark, dashes
@@ -78,12 +80,12 @@ class Diagram:
         foot = TOP + HEIGHT + BELOW
         body = [
             f"<style>{_style()}</style>",
-            svg.text("title", LEFT, 7.5, self.title),
+            svg.text("title", EDGE, 7.5, svg.shortened(self.title, WIDTH - 2.0 * EDGE, svg.TITLE)),
             *frame.grid(),
             *(line for k, one in enumerate(self.series) for line in frame.drawn(k, one)),
             *_legend(self.series, foot),
         ]
-        height = foot + ROW * ceil(len(self.series) / 2) + 2.0
+        height = foot + ROW * _rows(self.series) + 2.0
         return svg.document(WIDTH, height, 1.0, self.title, self.told, body)
 
 
@@ -128,7 +130,7 @@ class _Frame:
         body.append(svg.text("label", 0.5 * (LEFT + high), low + 9.5, self.x.name, "middle"))
         middle = svg.num(TOP + 0.5 * HEIGHT)
         turned = svg.text("label", 0.0, 0.0, self.y.name, "middle")
-        return [*body, f'<g transform="translate(5.5 {middle}) rotate(-90)">{turned}</g>']
+        return [*body, f'<g transform="translate({EDGE} {middle}) rotate(-90)">{turned}</g>']
 
     def drawn(self, k: int, series: Series) -> list[str]:
         """Line, spreads, marks and labels of one series."""
@@ -184,11 +186,17 @@ def _mark(k: int, x: float, y: float) -> str:
     return svg.path(f"mark s{k}", svg.steps(points[:, 0], points[:, 1], 3, closed=True))
 
 
+def _rows(series: Sequence[Series]) -> int:
+    """Rows of the legend."""
+    widest = max(svg.width_of(one.name, svg.LABEL) for one in series)
+    return ceil(len(series) / 2) if SAMPLE + 4.0 + widest <= COLUMN else len(series)
+
+
 def _legend(series: Sequence[Series], top: float) -> list[str]:
-    """Two columns."""
-    body, rows = [], ceil(len(series) / 2)
+    """In two columns if the names are short."""
+    body, rows = [], _rows(series)
     for k, one in enumerate(series):
-        x = LEFT + (k // rows) * 0.5 * (WIDTH - LEFT - RIGHT)
+        x = LEFT + (k // rows) * COLUMN
         y = top + (k % rows) * ROW
         body.append(svg.line(f"line s{k}", x, y, x + SAMPLE, y))
         body.append(_mark(k, x + 0.5 * SAMPLE, y))

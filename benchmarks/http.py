@@ -41,7 +41,7 @@ def run(effort: Effort = FULL) -> Section:
         "the same spec again, from the store": Timing(tuple(again)),
     }
     rows = [(name, str(time)) for name, time in times.items()]
-    added = ("HTTP, engine and store add", rows[2][1], "none")
+    added = ("HTTP, engine and store add", rows[2][1], "–")
     return Section("A design over HTTP", TEXT, [Table(("", ">time"), rows)], [added])
 
 

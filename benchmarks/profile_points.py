@@ -2,6 +2,7 @@
 
 import numpy as np
 
+from benchmarks.density import textbook
 from benchmarks.effort import FULL, Effort
 from benchmarks.section import Section, Table
 from benchmarks.timing import Call, in_turns
@@ -51,15 +52,24 @@ def run(effort: Effort = FULL) -> Section:
         for name, moving in motions().items()
     }
     times = in_turns(calls, effort.repeats(200), effort.warm_up(10))
+    place, curvature = errors(6 if effort.trial else 120)
     rows = [(name, str(time)) for name, time in times.items()]
     slowest = max(times.values(), key=lambda time: time.median)
-    front = (f"{POINTS} profile points with curvature, at most", str(slowest), "none")
-    return Section(
-        f"{POINTS} profile points",
-        TEXT,
-        [Table(("motion of rise and return", ">time"), rows)],
-        [front],
-    )
+    told = f"{place:.0e} mm, {curvature:.0e} of curvature"
+    note = f"With the cycloidal law, against the textbook in forty digits: {told} at most."
+    table = Table(("motion of rise and return", ">time"), rows, note)
+    front = (f"{POINTS} profile points with curvature, at most", str(slowest), told)
+    return Section(f"{POINTS} profile points", TEXT, [table], [front])
+
+
+def errors(angles: int) -> tuple[float, float]:
+    """Largest error of the cycloidal cam's places [mm] and curvature (of the largest)."""
+    truth = textbook(angles)
+    theta = np.radians(truth.degrees)
+    found = cam_profile(motions()["cycloidal"], FOLLOWER, SIZE, "ccw", theta)
+    away = np.hypot(found.x - truth.places[:, 0], found.y - truth.places[:, 1])
+    bent = np.abs(1.0 / found.radius - truth.curvature) / np.max(np.abs(truth.curvature))
+    return float(np.max(away)), float(np.max(bent))
 
 
 def motions() -> dict[str, Motion]:

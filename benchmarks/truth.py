@@ -83,7 +83,7 @@ BASE_RADIUS = Scene(
     "base radius of the main job", PRIME - 10.0, main_job, PRIME_KNOWN_TO / (PRIME - 10.0)
 )
 PEAK_ACCELERATION = Scene(
-    "peak acceleration under a jerk limit",
+    "peak acceleration, jerk limited",
     JERK / 4.0 * (1.0 - sqrt(1.0 - 32.0 / JERK)) * unit(2),
     lambda smoothness: motion_alone("peak_acceleration", smoothness, JERK),
 )

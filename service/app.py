@@ -18,6 +18,7 @@ from service.etag import TagEncodings
 from service.jobs import Jobs
 from service.metrics import Metrics
 from service.observe import Observe
+from service.ranges import Ranges
 from service.resource import RESOURCES
 from service.routes import (
     analyses,
@@ -41,7 +42,10 @@ ROUTES = (
     designs, confirmation, files, cam_sets, sweeps, sweep_items, analyses, profile_analyses,
     catalogue, operation,
 )  # fmt: skip
-EXPOSED = ("ETag", "Location", "Content-Location", "Retry-After", "X-Request-ID")
+EXPOSED = (
+    "Accept-Ranges", "Content-Location", "Content-Range", "ETag", "Location", "Retry-After",
+    "X-Request-ID",
+)  # fmt: skip
 
 
 def create_app(settings: Settings, engine_of: EngineOf = running_engine) -> FastAPI:
@@ -88,6 +92,7 @@ def _surround(app: FastAPI, settings: Settings, metrics: Metrics) -> None:
     app.add_middleware(BodyLimit, max_bytes=settings.max_body_bytes)
     app.add_middleware(CompressMiddleware, minimum_size=1000)
     app.add_middleware(TagEncodings)
+    app.add_middleware(Ranges)
     if settings.cors_origins:
         app.add_middleware(
             CORSMiddleware,

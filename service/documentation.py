@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 from typing import Any
 
 from fastapi import FastAPI
@@ -86,6 +87,20 @@ def tagged(status: int = 200, **more: Any) -> dict[int | str, dict[str, Any]]:
     }
 
 
+def in_parts(**more: Any) -> dict[int | str, dict[str, Any]]:
+    """A file: tagged, and to be had in parts by those who send Range."""
+    return {
+        **tagged(**more),
+        206: {
+            "description": "With `Range: bytes=…` and, if given, the file's tag in `If-Range`: the "
+            "part asked for, uncompressed.",
+            "headers": {"Content-Range": _header("Which bytes of how many.")},
+            **({"content": more["content"]} if "content" in more else {}),
+        },
+        **problems(416),
+    }
+
+
 def _header(description: str) -> dict[str, Any]:
     return {"description": description, "schema": {"type": "string"}}
 
@@ -131,9 +146,20 @@ def describe(app: FastAPI) -> dict[str, Any]:
                 schemas.setdefault(name, schema)
             schemas[model.__name__] = own
         _without_default_errors(document)
+        _without_default_objects(document)
         document["components"]["schemas"] = dict(sorted(schemas.items()))
         app.openapi_schema = document
     return app.openapi_schema
+
+
+def _without_default_objects(document: dict[str, Any]) -> None:
+    """A default that is an object is said in words: generators of clients drop its schema."""
+    for schema in document["components"]["schemas"].values():
+        for field in schema.get("properties", {}).values():
+            if isinstance(field.get("default"), dict):
+                default = json.dumps(field.pop("default"))
+                said = field.get("description", "")
+                field["description"] = f"{said} Left out, it is `{default}`.".strip()
 
 
 def _without_default_errors(document: dict[str, Any]) -> None:

@@ -131,6 +131,7 @@ PROBLEMS: dict[type[Exception], Kind] = {
 BY_STATUS: dict[int, Kind] = {
     404: Kind(404, "not-found", "Nothing is here"),
     405: Kind(405, "method-not-allowed", "This resource does not know the method"),
+    416: Kind(416, "no-such-bytes", "The file has no such bytes"),
     500: Kind(500, "internal", "Something went wrong in the service"),
 }
 

@@ -24,6 +24,7 @@ class Answer:
         summary: the other fields of a list's row.
         seconds: time the core took.
         quantities: what a sweep trades: dimensions, objectives and what else was measured.
+        id: of a design, otherwise empty.
     """
 
     design: bytes
@@ -31,6 +32,7 @@ class Answer:
     summary: dict[str, Any]
     seconds: float
     quantities: dict[str, float] = field(default_factory=dict)
+    id: str = ""
 
 
 Task = Callable[[bytes, float], Answer]
@@ -48,7 +50,7 @@ def answered(
 ) -> Answer:
     """The core's answer to a spec, ready for the store."""
     started = time.monotonic()
-    asked = DesignSpec.model_validate_json(spec)
+    asked = DesignSpec.model_validate_json(spec, strict=True)
     design = synthesise(asked, deadline=started + budget_s)
     links = design_links(design.id, has_cam=bool(design.motion))
     design = design.model_copy(update={"links": links})
@@ -67,7 +69,7 @@ def answered(
     }
     body = design.model_dump_json().encode()
     seconds = time.monotonic() - started
-    return Answer(body, design.status, summary, seconds, quantities)
+    return Answer(body, design.status, summary, seconds, quantities, design.id)
 
 
 def solve_set(spec: bytes, budget_s: float) -> Answer:

@@ -42,7 +42,6 @@ PLACES = {
     "swing_too_large": ("program",),
     "no_best_pressure_angle": ("objective",),
     "pressure_angle_given": ("objective",),
-    "pressure_angle_not_weighed": ("objective",),
     "limit_does_not_suit": ("limits",),
     "spline_too_rough": ("program", "{position}", "law"),
     "face_turns_with_cam": ("program",),

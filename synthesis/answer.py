@@ -85,7 +85,8 @@ def proofs(spec: DesignSpec, cam: Cam, bounds: Iterable[Bounded]) -> list[Proof]
         value = objective.to_wire(
             measure(objective.quantity, motion, machine, cam.size).upper, machine
         )
-        lower = _sound(objective.to_wire(bounded.lower, machine), value)
+        known = isfinite(bounded.lower)
+        lower = _sound(objective.to_wire(bounded.lower, machine), value) if known else None
         gap = None if lower is None else relative_gap(value, lower)
         found.append(
             Proof(

@@ -189,14 +189,8 @@ class DesignSpec(BaseModel):
         kinds = [objective.kind for objective in self.objectives()]
         if "peak_pressure_angle" not in kinds:
             return self
-        if self.follower.pressure_angle_curves(1.0):
-            raise PydanticCustomError(
-                "pressure_angle_not_weighed",
-                "objective peak_pressure_angle is not offered for a {kind} follower. Limit "
-                "pressure_angle instead, and lower its value while base_radius stays small enough.",
-                {"kind": self.follower.kind},
-            )
-        if all(row.constant for row in self.follower.pressure_angle_rows(1.0)):
+        curves = self.follower.pressure_angle_curves(1.0)
+        if not curves and all(row.constant for row in self.follower.pressure_angle_rows(1.0)):
             raise PydanticCustomError(
                 "pressure_angle_given",
                 "objective peak_pressure_angle is not offered for a {kind} follower: its face "
@@ -207,6 +201,7 @@ class DesignSpec(BaseModel):
             limit.kind == "outer_radius" for limit in self.limits
         )
         sized = sized or "base_radius" in kinds[: kinds.index("peak_pressure_angle") + 1]
+        sized = sized or self.base_radius_range()[1] < self._open_range()[1]  # by what it reaches
         if not sized:
             raise PydanticCustomError(
                 "no_best_pressure_angle",

@@ -14,7 +14,7 @@ from pydantic.config import JsonDict
 from pydantic.fields import FieldInfo
 from pydantic_core import PydanticCustomError
 
-from service.documentation import problems, spec_body, tagged
+from service.documentation import in_parts, problems, spec_body
 from service.errors import NothingFits
 from service.examples import CAM_SETS
 from service.routes.download import SVG, ChordTolerance, Download
@@ -159,7 +159,7 @@ async def delete_cam_set(set_id: str, parts: Parts) -> None:
     "/{set_id}/timing.svg",
     response_class=Response,
     responses={
-        **tagged(description="The diagram.", content={SVG: {"schema": {"type": "string"}}}),
+        **in_parts(description="The diagram.", content={SVG: {"schema": {"type": "string"}}}),
         **problems(404, 409),
     },
     summary="Timing diagram",
@@ -175,7 +175,7 @@ async def get_timing_svg(
     "/{set_id}/bundle.zip",
     response_class=Response,
     responses={
-        **tagged(
+        **in_parts(
             description="The archive.",
             content={MEDIA_TYPE: {"schema": {"type": "string", "format": "binary"}}},
         ),

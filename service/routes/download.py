@@ -12,6 +12,7 @@ from fastapi import Request, Response
 from pydantic import Field
 
 from service.etag import tag_of, unchanged
+from service.ranges import IN_PARTS
 from service.store import Row
 
 SVG = "image/svg+xml"
@@ -51,7 +52,7 @@ class Download:
         tag = tag_of(row.etag or "", *made_by)
         return unchanged(request, tag) or Response(
             await asyncio.to_thread(write),
-            headers={"ETag": f'"{tag}"', **self.headers(row.name)},
+            headers={"ETag": f'"{tag}"', **IN_PARTS, **self.headers(row.name)},
             media_type=self.media_type,
         )
 

@@ -10,7 +10,7 @@ from typing import Annotated, Any
 from fastapi import APIRouter, Query, Request, Response
 from pydantic import BaseModel, ConfigDict, Field
 
-from service.documentation import problems, tagged
+from service.documentation import in_parts, problems
 from service.errors import NothingFits
 from service.routes.download import ChordTolerance, Download
 from service.routes.kept import done
@@ -130,7 +130,7 @@ def _add(part: str, exporter: Exporter[Any], handler: Callable[..., Awaitable[Re
         summary=f"{part.capitalize()}: {exporter.title}",
         response_class=Response,
         responses={
-            **tagged(description=exporter.title, content=content),
+            **in_parts(description=exporter.title, content=content),
             **problems(404, 409, 422),
         },
     )  # fmt: skip

@@ -2,13 +2,16 @@
 
 from __future__ import annotations
 
+from collections.abc import AsyncIterator, Callable
 from typing import Annotated
 
-from fastapi import APIRouter, Query
+from fastapi import APIRouter, Query, Request, Response
 from fastapi.responses import StreamingResponse
 
-from service.documentation import problems
+from service.documentation import in_parts, problems
 from service.errors import UnknownSweep
+from service.etag import tag_of, unchanged
+from service.ranges import IN_PARTS
 from service.routes.download import stem_of
 from service.routes.sweeps import Known
 from service.state import Parts, State
@@ -66,42 +69,59 @@ async def get_sweep_item(sweep: Known, number: int, parts: Parts) -> SweepItem:
     "/items.csv",
     response_class=StreamingResponse,
     responses={
-        200: {"description": "The table.", "content": {CSV: {"schema": {"type": "string"}}}},
+        **in_parts(description="The table.", content={CSV: {"schema": {"type": "string"}}}),
         **problems(404),
     },
     summary="Finished items as CSV",
 )
-async def get_sweep_items_csv(sweep: Known, parts: Parts) -> StreamingResponse:
-    """A row an item, by number: status, axes, quantities, gap, seconds, design, problem."""
-    columns = Columns(sweep)
-    return _table(parts, sweep, columns, CsvWriter(columns), ("csv", CSV))
+async def get_sweep_items_csv(request: Request, sweep: Known, parts: Parts) -> Response:
+    """A row an item, by number: status, axes, quantities, gap, seconds, design, problem.
+
+    It has a tag, and can be had in parts, once the sweep is over.
+    """
+    return await _table(request, parts, sweep, CsvWriter, ("csv", CSV))
 
 
 @router.get(
     "/items.parquet",
     response_class=StreamingResponse,
     responses={
-        200: {
-            "description": "The table.",
-            "content": {PARQUET: {"schema": {"type": "string", "format": "binary"}}},
-        },
+        **in_parts(
+            description="The table.",
+            content={PARQUET: {"schema": {"type": "string", "format": "binary"}}},
+        ),
         **problems(404, 501),
     },
     summary="Finished items as Parquet",
 )
-async def get_sweep_items_parquet(sweep: Known, parts: Parts) -> StreamingResponse:
+async def get_sweep_items_parquet(request: Request, sweep: Known, parts: Parts) -> Response:
     """The same table for data frames; axes of numbers and quantities are doubles."""
-    columns = Columns(sweep)
-    return _table(parts, sweep, columns, ParquetWriter(columns), ("parquet", PARQUET))
+    return await _table(request, parts, sweep, ParquetWriter, ("parquet", PARQUET))
 
 
-def _table(
-    parts: State, sweep: SweepRow, columns: Columns, writer: Writer, kind: tuple[str, str]
-) -> StreamingResponse:
+async def _table(
+    request: Request,
+    parts: State,
+    sweep: SweepRow,
+    writer: Callable[[Columns], Writer],
+    kind: tuple[str, str],
+) -> Response:
+    def body() -> AsyncIterator[bytes]:
+        columns = Columns(sweep)
+        return written(parts.sweeps.store, sweep, columns, writer(columns))
+
     extension, media_type = kind
     name = f'attachment; filename="{stem_of(sweep.name)}-items.{extension}"'
-    body = written(parts.sweeps.store, sweep, columns, writer)
-    return StreamingResponse(body, 200, {"Content-Disposition": name}, media_type)
+    headers = {"Content-Disposition": name}
+    if sweep.state not in UNDER_WAY:  # until then the next one would have other bytes
+        tag = tag_of(sweep.id, sweep.created.isoformat(), str(sweep.done), extension)
+        known = unchanged(request, tag)
+        if known is not None:
+            return known
+        headers |= {"ETag": f'"{tag}"', **IN_PARTS}
+        if "range" in request.headers:  # a part says of how many bytes: written once to count
+            headers["Content-Length"] = str(sum([len(chunk) async for chunk in body()]))
+    return StreamingResponse(body(), 200, headers, media_type)
 
 
 @router.get("/pareto", summary="What is traded for what", responses=problems(404, 422))

@@ -113,15 +113,26 @@ async def get_sweep(row: Known, parts: Parts) -> Sweep:
     "/{sweep_id}",
     response_model=Sweep,
     responses={
-        200: {"description": "It was under way: stopped, and what is done is kept."},
+        200: {
+            "description": "It was under way: stopped, and what is done is kept. Or it was over, "
+            "and kept as `discard=false` asks."
+        },
         204: {"description": "It was over: discarded with all its items."},
         **problems(404),
     },
     summary="Stop or discard a sweep",
 )
-async def delete_sweep(row: Known, parts: Parts) -> Response:
+async def delete_sweep(
+    row: Known,
+    parts: Parts,
+    discard: Annotated[
+        bool, Query(description="false: stop it only. What is over by then stays as it is.")
+    ] = True,
+) -> Response:
     """Under way: dismissed within a second, and what is done is kept. Over: discarded."""
     stopped = await parts.sweeps.dismiss(row)
+    if stopped is None and not discard:
+        stopped = await parts.sweeps.store.find(row.id)
     if stopped is not None:
         return Response(_sweep(parts, stopped).model_dump_json(), 200, None, "application/json")
     await parts.sweeps.store.discard(row.sequence)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import asyncio
 from collections.abc import Sequence
 
 import numpy as np
@@ -36,7 +37,8 @@ async def front_of(
                 values.append(known)
         above = found[-1].number
     costs = np.array(values).reshape(len(values), len(axes)) * signs
-    best = [numbers[index] for index in non_dominated(costs)]
+    chosen = await asyncio.to_thread(non_dominated, costs)
+    best = [numbers[index] for index in chosen]
     rows = {item.number: item for item in await store.chosen(sweep.sequence, best[:most])}
     return ParetoFront(
         axes=list(axes),

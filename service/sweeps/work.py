@@ -79,35 +79,42 @@ def _answered(
 ) -> ItemAnswer:
     started = time.monotonic()
     try:
-        spec = item_spec(sweep, values)
-        answer = core(spec.model_dump_json().encode(), budget_s, tuple(sweep.quantities))
+        answer = _solved(sweep, values, budget_s, core)
     except TimeBudgetExceeded as error:
         return _late(number, error, time.monotonic() - started)
     except Exception as error:
         from service.problem import described  # rarely wanted, and it brings the web with it
 
         return ItemAnswer(number, "failed", time.monotonic() - started, problem=described(error))
-    found = json.loads(answer.design)["id"]
     return ItemAnswer(
         number, answer.status, answer.seconds, answer.quantities,  # type: ignore[arg-type]
-        answer.summary["gap"], found, zlib.compress(answer.design, 1),
+        answer.summary["gap"], answer.id, zlib.compress(answer.design, 1),
     )  # fmt: skip
+
+
+def _solved(sweep: SweepSpec, values: list[JsonValue], budget_s: float, core: Core) -> Answer:
+    body = _body(sweep, values)
+    try:
+        return core(body, budget_s, tuple(sweep.quantities))
+    except ValidationError:
+        item_spec(sweep, values)  # raises the same once more, as the service tells it
+        raise
 
 
 def item_spec(sweep: SweepSpec, values: list[JsonValue]) -> DesignSpec:
     """The spec of an item. Raises InvalidBody where its values make no sense."""
+    from service.body import validated
+
+    return validated(_body(sweep, values), DesignSpec)
+
+
+def _body(sweep: SweepSpec, values: list[JsonValue]) -> bytes:
     try:
-        body = json.dumps(sweep.item(values)).encode()
+        return json.dumps(sweep.item(values)).encode()
     except LookupError as error:
         raise InvalidBody(
             f"Another axis has replaced a field that an axis names: {error.args[0]}.", []
         ) from None
-    try:
-        return DesignSpec.model_validate_json(body, strict=True)
-    except ValidationError:
-        from service.body import validated  # the same once more, told as the service tells it
-
-        return validated(body, DesignSpec)
 
 
 def _late(number: int, error: TimeBudgetExceeded, seconds: float) -> ItemAnswer:

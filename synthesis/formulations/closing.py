@@ -17,7 +17,7 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 
 from synthesis.formulations import cuts
-from synthesis.formulations.bound import bound, in_core_units
+from synthesis.formulations.bound import Bound, bound, in_core_units
 from synthesis.formulations.candidate import Candidate, settle
 from synthesis.formulations.control import controls
 from synthesis.formulations.convex import Plan, formulate, with_rows
@@ -207,7 +207,7 @@ def climbed(state: Search, best: Candidate, known: Known) -> Known:
         relaxed = formulate(problem, known.grids)
         plan = with_rows(relaxed, list(_rows(relaxed, known)))
         solution = solve(plan.program, state.left())
-        if solution.stopped is Stopped.INFEASIBLE and _empty(known):
+        if solution.stopped is Stopped.INFEASIBLE and empty(known):
             return replace(known, lower=best.value)
         if solution.stopped not in USABLE:
             break
@@ -233,15 +233,18 @@ def climbed(state: Search, best: Candidate, known: Known) -> Known:
     return known
 
 
-def _empty(known: Known) -> bool:
-    """Whether no law at all keeps the implied rows: the least by which one is exceeded says it."""
+def empty(known: Known) -> Bound | None:
+    """What proves that no law at all keeps the implied rows; None where nothing does.
+
+    It is a positive lower bound of how far one of them is exceeded at least.
+    """
     asked = formulate(replace(known.problem, objective=Nothing()), known.grids)
     plan = with_rows(asked, [replace(row, level=-1.0) for row in _rows(asked, known)])
     solution = solve(plan.program)
     if solution.stopped not in USABLE:
-        return False
+        return None
     least = bound(plan, solution)
-    return bool(least.switching) and least.value > SPARE
+    return least if least.switching and least.value > SPARE else None
 
 
 def _rows(plan: Plan, known: Known) -> Iterator[Block]:

@@ -19,6 +19,7 @@ Indices = NDArray[np.intp]
 DENSITY = 24  # samples of a piece; a law of many pieces needs fewer on each
 LEAST_DENSITY = 8
 ZOOMS, NARROWER, FAN = 7, 8.0, np.linspace(-1.0, 1.0, 17)
+NEAR = 1e-6  # of the size: half-planes that are kept by more are of no interest
 TOPS = 4  # local maxima of a family that are looked at closely
 
 
@@ -34,10 +35,13 @@ class Planes:
 def tightest(problem: Problem, z: Vector) -> Planes:
     """Of every curved limit the half-planes that stand out at a size, on settled stretches.
 
-    ``excess`` is left less right side over the normal's length [mm].
+    Those that are clearly kept are left out. ``excess`` is left less right side over the normal's
+    length [mm].
     """
+    near = -NEAR * max(problem.length, *map(abs, z))
+    placed = {s.index: s.placed() for s in problem.stretches if s.law is not None}
     found = [
-        peaks(curve, stretch.placed(), np.array(z))
+        peaks(curve, placed[stretch.index], np.array(z), near)
         for stretch in problem.stretches
         if stretch.law is not None
         for curve in problem.curves_on(stretch)
@@ -50,8 +54,12 @@ def tightest(problem: Problem, z: Vector) -> Planes:
     )
 
 
-def peaks(curve: Curved, placed: Piecewise, z: Array) -> Planes:
-    """Half-planes at the few highest local maxima of every family of them."""
+def peaks(curve: Curved, placed: Piecewise, z: Array, above: float = -np.inf) -> Planes:
+    """Half-planes at the few highest local maxima of every family of them.
+
+    ``above``: excess [mm] that a maximum has to come to, or may, to be looked at: between two
+    samples there is none that tops them by more than they differ from the next.
+    """
     density = max(LEAST_DENSITY, min(DENSITY, 192 // placed.count))
     step = np.linspace(0.0, 1.0, density)
     theta = placed.breaks[:-1, None] + np.diff(placed.breaks)[:, None] * step
@@ -62,7 +70,11 @@ def peaks(curve: Curved, placed: Piecewise, z: Array) -> Planes:
     value = planes.excess.reshape(-1, *theta.shape)
     padded = np.pad(value, ((0, 0), (0, 0), (1, 1)), constant_values=-np.inf)
     top = (value >= padded[..., :-2]) & (value >= padded[..., 2:])
-    family, on, column = np.nonzero(top & _highest(value, top))
+    steps = np.maximum(value - padded[..., :-2], value - padded[..., 2:])
+    steps = np.where(np.isfinite(steps), steps, np.abs(value - _inner(value)))
+    family, on, column = np.nonzero(top & _highest(value, top) & (value + steps > above))
+    if not len(family):
+        return Planes(planes.normals[:0], planes.offsets[:0], planes.excess[:0])
     at, reach = theta[on, column], (np.diff(placed.breaks) / (density - 1))[on]
     low, high = placed.breaks[on], placed.breaks[on + 1]
     for _ in range(ZOOMS):
@@ -75,6 +87,11 @@ def peaks(curve: Curved, placed: Piecewise, z: Array) -> Planes:
     found = _planes(curve, placed, at, on, z)
     mine = family * len(at) + np.arange(len(at))
     return Planes(found.normals[mine], found.offsets[mine], found.excess[mine])
+
+
+def _inner(value: Array) -> Array:
+    """At the ends of pieces the sample next to them."""
+    return np.concatenate([value[..., 1:2], value[..., 1:-1], value[..., -2:-1]], axis=-1)
 
 
 def _highest(value: Array, top: NDArray[np.bool_]) -> NDArray[np.bool_]:

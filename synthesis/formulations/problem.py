@@ -36,6 +36,10 @@ class Held:
     objective: Objective
     value: float
 
+    def limits(self, machine: Machine) -> tuple[Limit, ...]:
+        """What says so where no row does."""
+        return self.objective.limits(self.value, machine)
+
 
 @dataclass(frozen=True, eq=False)
 class Problem:
@@ -137,11 +141,11 @@ def pose(
     stretches: Sequence[Stretch] | None = None,
 ) -> Problem:
     """The spec as a problem with one objective; ``stretches``: its own with tables smoothed."""
-    placed = spec.stretches() if stretches is None else stretches
+    placed, machine = spec.stretches() if stretches is None else stretches, spec.machine()
     return Problem(
         tuple(s for s in placed if s.angle > 0.0),
-        spec.machine(),
-        spec.all_limits(),
+        machine,
+        (*spec.all_limits(), *(limit for earlier in held for limit in earlier.limits(machine))),
         spec.follower.sizing(spec.base_radius_range()),
         objective,
         spec.stroke(),

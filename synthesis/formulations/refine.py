@@ -23,6 +23,7 @@ from synthesis.formulations.polish import polish
 from synthesis.formulations.problem import Problem
 from synthesis.formulations.rows import Drawn
 from synthesis.formulations.search import Search, Stage
+from synthesis.formulations.steepness import steepness
 from synthesis.formulations.tangency import turned
 from synthesis.numerics.piecewise import Array
 from synthesis.solvers.clarabel import ConeSolution, solve
@@ -57,6 +58,9 @@ def search(
         the search as it ended; without a best cam where no rung gave a usable point.
     """
     state = Search(problem, tolerance, deadline, tighten)
+    if problem.objective.limits(1.0, problem.machine):
+        steepness(state, search)
+        return state
     if _closed_form(state):
         pass
     elif problem.curved and problem.machine.follower.pinning() is not None:
@@ -123,7 +127,8 @@ def _closed_form(state: Search) -> bool:
         return False
     size = smallest(problem)
     if size is None:
-        return False
+        state.infeasible = problem.curved and nearest(problem) is None
+        return state.infeasible
     found = at_size(problem, (), size)
     norm = problem.objective.norm(problem.machine)
     if problem.curved:

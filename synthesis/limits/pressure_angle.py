@@ -11,6 +11,7 @@ from pydantic import Field, model_validator
 from pydantic_core import PydanticCustomError
 
 from synthesis.followers.flank import labelled
+from synthesis.followers.trace import Trace
 from synthesis.limits.base import Claim, Limit, Machine, times, where
 from synthesis.motion import Sense, Stretch
 from synthesis.terms import Curved, Implied, Row
@@ -70,12 +71,8 @@ class PressureAngle(Limit):
             path, slope = machine.follower.paths[label], min(slopes)
             if path.pressure_angle_rows(slope):
                 continue
-            (px, py), (dx, dy), *_ = path.traced_point(s, z)
-            nx, ny = path.normal((dx + py, dy - px), s, z)
-            (gx, gy), _ = path.direction(s, z)
-            length = (nx * nx + ny * ny) ** 0.5
-            across, along = gx * ny - gy * nx, slope * (gx * nx + gy * ny)
-            found += [(across - along) / length, (-across - along) / length]
+            across, along = leaning(path, s, z)
+            found += [across - slope * along, -across - slope * along]
         return tuple(found)
 
     def curved(self, stretch: Stretch, machine: Machine) -> tuple[Curved, ...]:
@@ -107,3 +104,16 @@ class PressureAngle(Limit):
             for kind in kinds
             if (largest := self._largest(kind)) is not None and where(stretches, kind)
         )
+
+
+def leaning(path: Trace, s: Any, z: Any) -> tuple[Any, Any]:
+    """Sine and cosine of the pressure angle on a traced curve.
+
+    Args:
+        s: s and three derivatives, of any arithmetic type [mm, per rad]. z: the size [mm].
+    """
+    (px, py), (dx, dy), *_ = path.traced_point(s, z)
+    nx, ny = path.normal((dx + py, dy - px), s, z)
+    (gx, gy), _ = path.direction(s, z)
+    length = (nx * nx + ny * ny) ** 0.5
+    return (gx * ny - gy * nx) / length, (gx * nx + gy * ny) / length

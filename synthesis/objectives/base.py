@@ -7,7 +7,7 @@ from typing import ClassVar
 
 from pydantic import BaseModel, ConfigDict
 
-from synthesis.limits.base import Machine
+from synthesis.limits.base import Limit, Machine
 from synthesis.motion import Stretch
 from synthesis.terms import Norm, Row
 
@@ -47,6 +47,14 @@ class Objective(BaseModel, ABC):
                 much the trial level is exceeded.
         """
         return ()
+
+    def limits(self, value: float, machine: Machine) -> tuple[Limit, ...]:
+        """What limits the value [core units] where no row does; () where rows or norms do."""
+        return ()
+
+    def worst(self, stretch: Stretch, machine: Machine, size: tuple[float, ...]) -> float:
+        """The value on one settled stretch, where ``limits`` say it."""
+        raise NotImplementedError(f"{self.kind} is not measured stretch by stretch")
 
     def name_on_wire(self, machine: Machine) -> str:
         """Name of its value on the wire, with the unit that such a follower has."""

@@ -6,8 +6,13 @@ from dataclasses import replace
 from math import atan, tan
 from typing import ClassVar, Literal
 
-from synthesis.limits.base import Machine
+import numpy as np
+
+from synthesis.limits.base import Limit, Machine
+from synthesis.limits.pressure_angle import PressureAngle, leaning
 from synthesis.motion import Stretch
+from synthesis.numerics.peaks import summit
+from synthesis.numerics.piecewise import Array
 from synthesis.objectives.base import Objective
 from synthesis.terms import Row
 from synthesis.units import DEGREE
@@ -18,6 +23,7 @@ class PeakPressureAngle(Objective):
 
     A ratio of two linear forms: for a trial slope t the rows ask how far
     |s' − e| − t (s0 + s) exceeds zero, and t is lowered until it no longer can be (Dinkelbach).
+    On an arm no fixed row says it: there the limit on the pressure angle is what is searched for.
     """
 
     kind: Literal["peak_pressure_angle"] = "peak_pressure_angle"
@@ -34,6 +40,25 @@ class PeakPressureAngle(Objective):
             for path in machine.follower.paths.values()
             for row in path.pressure_angle_rows(level)
         )
+
+    def limits(self, value: float, machine: Machine) -> tuple[Limit, ...]:
+        if not machine.follower.pressure_angle_curves(1.0):
+            return ()
+        most = self.to_wire(value, machine)
+        return (PressureAngle(rise_deg=most, return_deg=most),)
+
+    def worst(self, stretch: Stretch, machine: Machine, size: tuple[float, ...]) -> float:
+        if stretch.kind == "dwell" or stretch.angle <= 0.0:
+            return 0.0
+
+        def slope(s: Array) -> Array:
+            still = np.zeros_like(s[0])
+            parts = (leaning(path, [*s, still], size) for path in machine.follower.paths.values())
+            with np.errstate(divide="ignore"):
+                each = [np.where(n > 0.0, np.abs(g) / n, np.inf) for g, n in parts]
+            return np.asarray(np.max(each, axis=0))
+
+        return summit(stretch.placed(), slope, 2)
 
     def to_wire(self, value: float, machine: Machine) -> float:
         return atan(value) / DEGREE

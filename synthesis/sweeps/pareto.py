@@ -17,13 +17,13 @@ def non_dominated(costs: NDArray[np.float64]) -> NDArray[np.intp]:
     Returns:
         (m,) indices of the front, in ascending order of the first column, then the next ones.
     """
-    order = np.lexsort(costs.T[::-1])
-    front: list[int] = []
-    kept = np.empty_like(costs)  # its first rows are the front so far
-    for index in order:  # whoever beats a row comes before it in this order
-        row, so_far = costs[index], kept[: len(front)]
-        beaten = np.all(so_far <= row, axis=1) & np.any(so_far < row, axis=1)
-        if not beaten.any():
-            kept[len(front)] = row
-            front.append(int(index))
-    return np.array(front, dtype=np.intp)
+    distinct, kind = np.unique(costs, axis=0, return_inverse=True)  # in that order already
+    on_front = np.zeros(len(distinct), dtype=bool)
+    front = np.empty_like(distinct[:, 1:])  # without the first column: none has a smaller one there
+    size = 0
+    for index, row in enumerate(distinct[:, 1:]):  # whoever beats a row comes before it
+        if not np.all(front[:size] <= row, axis=1).any():
+            front[size], on_front[index] = row, True
+            size += 1
+    chosen = np.flatnonzero(on_front[kind.ravel()])
+    return chosen[np.argsort(kind.ravel()[chosen], kind="stable")]

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from benchmarks import density, knots, solvers, truth
+from benchmarks import density, knots, profile_points, solvers, truth
 from benchmarks.truth import SCENES, Scene
 from synthesis import synthesise
 
@@ -39,6 +39,12 @@ def test_points_read_back_are_the_textbook_cam() -> None:
     np.testing.assert_allclose(true, np.where(still, 0.0, cycloid), atol=1e-9 * density.PEAK)
     moved = density.Reading(reading.degrees, reading.places + np.array([1e-3, 0.0]))
     assert 0.9e-3 <= moved.errors(book)[0] <= 1e-3 + 1e-7
+
+
+def test_profile_points_are_the_textbook_s() -> None:
+    place, curvature = profile_points.errors(40)
+    assert 0.0 < place <= 1e-12
+    assert 0.0 < curvature <= 1e-12
 
 
 def test_all_solvers_end_at_the_same_cam() -> None:

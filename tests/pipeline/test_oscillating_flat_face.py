@@ -320,7 +320,6 @@ def test_every_format_is_written(rotation: str, offset: float) -> None:
         ({"limits": [{"kind": "face_width", "width_mm": 9.0}]}, "limit_does_not_suit"),
         ({"limits": [{"kind": "face_width", "near_mm": 9.0, "far_mm": 8.0}]}, "face_ends_crossed"),
         ({"limits": [{"kind": "jerk", "max_mm_per_s3": 9.0}]}, "limit_unit_does_not_suit"),
-        ({"objective": {"kind": "peak_pressure_angle"}}, "pressure_angle_not_weighed"),
     ],
 )
 def test_what_makes_no_sense_is_refused(change: dict[str, Any], rule: str) -> None:

@@ -8,7 +8,6 @@ from typing import Any
 import casadi
 import numpy as np
 import pytest
-from pydantic import ValidationError
 from scipy.optimize import differential_evolution
 
 from synthesis import Design, DesignSpec, synthesise
@@ -316,11 +315,3 @@ def test_infeasible_with_a_reason(name: str) -> None:
         eased["limits"][int(position)][field] = relaxation.needed * (1.0 + 1e-4)
         eased["tolerance"] = 0.05
         assert synthesise(DesignSpec.model_validate(eased)).status != "infeasible"
-
-
-def test_peak_pressure_angle_is_refused_in_words() -> None:
-    asked = body(distance=DISTANCE, base_radius_mm={"max": 60.0})
-    asked["objective"] = {"kind": "peak_pressure_angle"}
-    with pytest.raises(ValidationError, match="Limit pressure_angle instead") as refused:
-        DesignSpec.model_validate(asked)
-    assert refused.value.errors()[0]["type"] == "pressure_angle_not_weighed"
