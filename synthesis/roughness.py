@@ -33,10 +33,10 @@ def check_roughness(
         for name in _of_jerk(stretch, limits, objectives, machine):
             raise PydanticCustomError(
                 "spline_too_rough",
-                "program/{position} is a spline of smoothness {smoothness}, whose acceleration may "
+                "program/{position} is a spline of smoothness {value}, whose acceleration may "
                 "jump, but {name} speaks of jerk, which is infinite there. Take smoothness 2, or "
                 "leave {name} out.",
-                {"position": stretch.index, "smoothness": stretch.free.smoothness
+                {"position": stretch.index, "value": stretch.free.smoothness
                  if stretch.free is not None else 0, "name": name},
             )  # fmt: skip
 
