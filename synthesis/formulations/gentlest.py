@@ -41,12 +41,12 @@ class Share(Objective):
     """The largest share of some limits that the motion uses; 1 where it just meets them."""
 
     kind: Literal["share"] = "share"
-    limits: tuple[Any, ...] = ()
+    shared: tuple[Any, ...] = ()
 
     def rows(self, stretch: Stretch, machine: Machine, level: float) -> tuple[Row, ...]:
         return tuple(
             replace(row, coefficients=_over(row), upper=0.0, level=-1.0)
-            for limit in self.limits
+            for limit in self.shared
             for row in limit.rows(stretch, machine)
         )
 
@@ -102,7 +102,7 @@ def gentlest(
     if not steering:
         return None
     others = tuple(limit for limit in problem.limits if limit not in steering)
-    asked = replace(problem, limits=others, objective=Share(limits=steering), held=())
+    asked = replace(problem, limits=others, objective=Share(shared=steering), held=())
     names = tuple(dict.fromkeys(limit.kind for limit in steering))
     present, best = tuple(grids), None
     for _ in range(ROUNDS):
