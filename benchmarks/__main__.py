@@ -18,6 +18,7 @@ NAMES = (
     "solvers",
     "convex_stage",
     "curvature",
+    "proof",
     "camshape",
     "camshape_ipopt",
     "profile_points",

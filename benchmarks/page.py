@@ -10,7 +10,7 @@ from pathlib import Path
 
 from benchmarks.section import Section, Table
 
-PACKAGES = ("numpy", "scipy", "clarabel", "casadi", "cvxpy-base")
+PACKAGES = ("numpy", "scipy", "clarabel", "highspy", "casadi", "cvxpy-base")
 BEGIN, END = "<!-- figures: written by make bench -->", "<!-- figures end -->"
 HEAD = """# Speed and accuracy
 

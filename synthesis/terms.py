@@ -191,3 +191,56 @@ class Curved(Implied):
             rows without motion; where no size is allowed, rows that exclude each other; () where
             only a finished size can be asked.
         """
+
+
+@dataclass(frozen=True)
+class Seen:
+    """A traced point as its curve sees it: X = x + σ s + …, u = … + σ s', e = …, each with its z.
+
+    Attributes:
+        sign: σ, whether the point rises with the follower or sinks.
+        constants: of X, u and e [mm].
+        by: (3) rows of one factor per size variable, of X, u and e.
+    """
+
+    sign: int
+    constants: Vector
+    by: tuple[Vector, Vector, Vector]
+
+    def of(self, s: Any, z: Sequence[Any]) -> tuple[Any, Any, Any]:
+        """X, u and e of motions s, s', … at a size."""
+        shares = (sum(a * v for a, v in zip(row, z, strict=True)) for row in self.by)
+        motion = (self.sign * s[0], self.sign * s[1], 0.0 * s[0])
+        x, u, e = (m + c + a for m, c, a in zip(motion, self.constants, shares, strict=True))
+        return x, u, e
+
+    def offsets(self, sizes: Sequence[tuple[float, float]]) -> tuple[float, float]:
+        """Least and largest e for sizes in a box [mm]."""
+        ends = [
+            sorted((a * low, a * high)) for a, (low, high) in zip(self.by[2], sizes, strict=True)
+        ]
+        least, most = (self.constants[2] + sum(end[k] for end in ends) for k in (0, 1))
+        return least, most
+
+
+@dataclass(frozen=True)
+class Traced(ABC):
+    """A limit from which rows follow where a traced point's X, u and e lie in a range.
+
+    ``source``: as of a row. ``seen``: the point.
+    """
+
+    source: str
+    seen: Seen
+
+    @abstractmethod
+    def cuts(self, low: Array, high: Array, about: Array | None) -> Cuts | None:
+        """Rows implied wherever (X, u, e) is in a box, n points at once, tight about a place.
+
+        Args:
+            low, high: (3, n) the boxes.
+            about: (3, n) where the rows shall be tight; None: in the middles.
+
+        Returns:
+            None where no such rows are known.
+        """

@@ -1,11 +1,14 @@
-"""Rows implied by a bound on the curvature of a translating roller's pitch curve.
+"""Rows implied by a bound on the curvature that a point on a slide draws on the turning cam.
 
-With X = s0 + s and u = s' − e the bound σκ ≤ k, κ = [X² + u(2u + e) − X s''] / (X² + u²)^{3/2},
-reads σ s'' ≥ σ [X + 2(u + e/4)²/X] − σ e²/(8X) − k (X² + u²)^{3/2}/X for X > 0. Each of the four
-terms is convex or concave in (X, u, e) as a whole: squares over X, and (X² + u²)^{3/2}/X, are
-convex. So the right side is a difference A − B of convex functions, and over a box it is nowhere
-below the tangent of A anywhere, less the lowest plane of a given slope that is above B at every
-corner: linear in s, s', s'' and the size. The narrower the box, the less is lost.
+With the point's height X, its offset e and u = X' − e (of a roller X = s0 + s) the bound σκ ≤ k,
+κ = [X² + u(2u + e) − X X''] / (X² + u²)^{3/2}, reads for X > 0
+
+    σ X'' ≥ σ [X + 2(u + e/4)²/X] − σ e²/(8X) − k (X² + u²)^{3/2}/X
+
+Each of the four terms is convex or concave in (X, u, e) as a whole: squares over X, and
+(X² + u²)^{3/2}/X, are convex. So the right side is a difference A − B of convex functions, and over
+a box it is nowhere below the tangent of A anywhere, less the lowest plane of a given slope that is
+above B at every corner: linear in X, X', X'' and e. The narrower the box, the less is lost.
 """
 
 from __future__ import annotations
@@ -16,44 +19,38 @@ from itertools import product
 import numpy as np
 
 from synthesis.numerics.piecewise import Array
-from synthesis.terms import Cuts, Implied, Vector, Within
+from synthesis.terms import Cuts, Traced
 
 ROUNDING = 1e-13  # of the terms' size, by which a row is loosened
 Convex = tuple[Array, Array]  # a function's values (n,) and its slopes by X, u and e (3, n)
 
 
 @dataclass(frozen=True)
-class PitchCurvature(Implied):
-    """side · κ ≤ most [1/mm], most > 0, in the size variables (e, s0)."""
+class PitchCurvature(Traced):
+    """side · κ ≤ most [1/mm], most > 0, of the curve that a point draws."""
 
     side: int
     most: float
 
-    def cuts(self, within: Within, about: tuple[Array, Vector] | None) -> tuple[Cuts, ...]:
-        (e_low, e_high), (s0_low, s0_high) = within.sizes
-        one = np.ones_like(within.low)
-        low = np.stack([within.low + s0_low, within.slow - e_high, e_low * one])
-        high = np.stack([within.high + s0_high, within.fast - e_low, e_high * one])
+    def cuts(self, low: Array, high: Array, about: Array | None) -> Cuts | None:
         if not (np.all(low[0] > 0.0) and np.all(np.isfinite(low)) and np.all(np.isfinite(high))):
-            return ()
+            return None
         middle = 0.5 * (low + high)
-        if about is None:
-            at = middle
-        else:
-            (s, v), (e, s0) = about
-            at = np.clip(np.stack([s + s0, v - e, e * one]), low, high)
+        at = middle if about is None else np.clip(about, low, high)
         value, slopes = self._convex(at)
         _, other = self._subtracted(middle)
-        most = np.full(len(one), -np.inf)
+        most = np.full(low.shape[1], -np.inf)
         for ends in product((low, high), repeat=3):
             corner = np.stack([end[k] for k, end in enumerate(ends)])
             most = np.maximum(most, self._subtracted(corner)[0] - np.sum(other * corner, axis=0))
-        # side s'' ≥ least + by · (X, u, e) all over the box
+        # side X'' ≥ least + by · (X, u, e) all over the box
         by = slopes - other
         least = value - np.sum(slopes * at, axis=0) - most
         least -= ROUNDING * (np.abs(value) + np.abs(most) + np.sum(np.abs(slopes * at), axis=0))
-        coefficients = np.stack([by[0], by[1], -self.side * one, 0.0 * one])
-        return (Cuts(coefficients, np.stack([by[2] - by[1], by[0]]), -least),)
+        one, sign = np.ones_like(least), self.seen.sign
+        coefficients = np.stack([sign * by[0], sign * by[1], -self.side * sign * one, 0.0 * one])
+        known = np.array(self.seen.constants) @ by
+        return Cuts(coefficients, np.array(self.seen.by).T @ by, -least - known)
 
     def _convex(self, at: Array) -> Convex:
         """A."""

@@ -11,7 +11,7 @@ from __future__ import annotations
 from abc import ABC, abstractmethod
 from typing import Any
 
-from synthesis.terms import Implied, Norm, Row
+from synthesis.terms import Norm, Row, Traced
 
 Vector2 = tuple[Any, Any]
 
@@ -57,7 +57,7 @@ class Trace(ABC):
     def curvature_terms(self, s: Any, z: Any) -> tuple[Any, Any]:
         """Numerator N and squared speed W² of the traced curve: κ = N / W³."""
 
-    def curvature_implied(self, side: int, most: float) -> tuple[Implied, ...]:
+    def curvature_implied(self, side: int, most: float) -> tuple[Traced, ...]:
         """What rows are implied by side · κ ≤ most [1/mm], most > 0; () where none is known."""
         return ()
 

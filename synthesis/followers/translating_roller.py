@@ -23,7 +23,9 @@ from synthesis.followers.sizing import Sizing
 from synthesis.followers.trace import Vector2
 from synthesis.motion import Motion, Stretch
 from synthesis.ranges import Dimension, Range, ends
-from synthesis.terms import Cone, Implied, Norm, Row
+from synthesis.terms import Cone, Norm, Row, Seen, Traced
+
+ROLLER = Seen(1, (0.0, 0.0, 0.0), ((0.0, 1.0), (-1.0, 0.0), (1.0, 0.0)))  # of z = (e, s0)
 
 
 class TranslatingRoller(RollerFollower):
@@ -116,8 +118,8 @@ class TranslatingRoller(RollerFollower):
         x, u = s[0] + s0, s[1] - e
         return x * x + u * (2.0 * s[1] - e) - x * s[2], x * x + u * u
 
-    def curvature_implied(self, side: int, most: float) -> tuple[Implied, ...]:
-        return (PitchCurvature("", side, most),)
+    def curvature_implied(self, side: int, most: float) -> tuple[Traced, ...]:
+        return (PitchCurvature("", ROLLER, side, most),)
 
     def dimensions(self, z: tuple[float, ...]) -> Mapping[str, float]:
         e, s0 = z

@@ -78,13 +78,19 @@ class _Ledger:
         self.magnitude += abs(amount)
 
 
-def bound(plan: Plan, solution: ConeSolution) -> Bound:
-    """The bound that these multipliers give: over all laws, else over the splines' family."""
+def bound(plan: Plan, solution: ConeSolution, ends: Sequence[Array] | None = None) -> Bound:
+    """The bound that these multipliers give: over all laws, else over the splines' family.
+
+    ``ends``: prices of every law's end (``solved_prices``) where the rows at hand are not quite
+    those that were solved.
+    """
     steering = controls(plan)
     if steering is None:
         return Bound(in_core_units(plan, over_family(plan, solution)), _family(plan))
     order = steering[0].order if steering else 3
-    ledger = _add_up(plan, solution, steering, order)
+    if ends is None:
+        ends = solved_prices(plan, solution, order)
+    ledger = _add_up(plan, solution, steering, ends)
     psi = _psi(ledger, order)
     total = _minimum(plan, solution, ledger, steering, psi)
     over = f"all motion laws with a bounded {NAMES[order]}" if steering else _family(plan)
@@ -107,9 +113,17 @@ def in_core_units(plan: Plan, value: float) -> float:
     return value * plan.scales.level
 
 
-def _add_up(plan: Plan, solution: ConeSolution, steering: Sequence[Control], order: int) -> _Ledger:
+def solved_prices(plan: Plan, solution: ConeSolution, order: int) -> list[Array]:
+    """The solver's prices of g to g^(order − 1) at the end of every law: (order,) each."""
+    prices = _prices(plan, solution)
+    return [_end_price(plan, solution, prices, k, order) for k in range(len(plan.grids))]
+
+
+def _add_up(
+    plan: Plan, solution: ConeSolution, steering: Sequence[Control], ends: Sequence[Array]
+) -> _Ledger:
     """All rows times their multipliers, as functionals of arbitrary laws."""
-    laws = len(plan.grids)
+    laws, order = len(plan.grids), steering[0].order if steering else 3
     ledger = _Ledger(
         constant=0.0,
         size=np.zeros(len(plan.problem.sizing.bounds)),
@@ -126,8 +140,7 @@ def _add_up(plan: Plan, solution: ConeSolution, steering: Sequence[Control], ord
     _book_balls(plan, solution, ledger)
     _book_fixed(plan, solution, ledger)
     psi = _psi(ledger, order) if all(control.weight for control in steering) else ()
-    guess = [_end_price(plan, solution, prices, position, order) for position in range(laws)]
-    _book_prices(plan, ledger, end_prices(plan, steering, psi, ledger.state, guess))
+    _book_prices(plan, ledger, end_prices(plan, steering, psi, ledger.state, ends))
     _quieten(plan, ledger, order)
     return ledger
 

@@ -66,6 +66,23 @@ def at_size(settled: Problem, laws: Sequence[SettledLaw], size: Vector) -> Candi
     return Candidate(settled, tuple(laws), size, value(settled, size))
 
 
+def mended(found: Candidate) -> Candidate:
+    """The cam raised until rows hold that a solver kept at points only, where that mends them."""
+    settled, follower = found.problem, found.problem.machine.follower
+    unit = follower.raised(found.size, 1.0)
+    needed = 0.0
+    for stretch in settled.stretches:
+        for row in settled.limit_rows(stretch):
+            each = zip(row.size, unit, found.size, strict=False)
+            gain = -sum(a * (new - old) for a, new, old in each)
+            if gain > 0.0:
+                needed = max(needed, exceeded(row, stretch, found.size) / gain)
+    if needed == 0.0:
+        return found
+    size = follower.raised(found.size, min((1.0 + CLEARANCE) * needed, settled.room(found.size)))
+    return replace(found, size=size, value=value(settled, size))
+
+
 def given_size(problem: Problem) -> Candidate | None:
     """The cam that is given down to its size, whatever limits it breaks; None if any is free."""
     if problem.free or any(low != high for low, high in problem.sizing.bounds):

@@ -1,267 +1,293 @@
-"""The gap that limits leave which are not convex: rows that they imply where a better cam lies.
+"""The gap that curvature leaves: no better cam lies anywhere, shown box by box.
 
-The relaxation leaves such limits out, and its bound with them. But every cam better than the best
-so far keeps the relaxation's rows and the best value; so its size lies in a box and its laws in a
-tube, which the relaxation itself bounds, over all laws. Within these the limit implies rows (a
-nearly known curve is nearly linear), and with them the bound is a bound all the same: a cam that
-is no better than the best so far needs none. (mathematics: McCormick's under-estimators with
-bound tightening.)
+The relaxation leaves limits out that are not convex, and its bound with them. But a cam that is
+better by more than the tolerance keeps the relaxation's rows and its own value; so its size lies in
+a box and what draws its curves in hulls, which duality bounds over all laws. Within these the limit
+implies rows (a nearly known curve is nearly linear); they narrow box and hulls, and so on in turn,
+until nothing is left or nothing moves. Then the box is split. (McCormick's under-estimators with
+bound tightening, in a search that takes the worst box first.)
 """
 
 from __future__ import annotations
 
 import time
-from collections.abc import Iterator, Mapping
-from dataclasses import dataclass, field, replace
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
 
 import numpy as np
 
-from synthesis.formulations import cuts
-from synthesis.formulations.bound import Bound, bound, in_core_units
+from synthesis.formulations.bound import Bound, bound, solved_prices
 from synthesis.formulations.candidate import Candidate, settle
-from synthesis.formulations.control import controls
+from synthesis.formulations.control import Control, controls
 from synthesis.formulations.convex import Plan, formulate, with_rows
-from synthesis.formulations.cuts import About
-from synthesis.formulations.farther import farther
-from synthesis.formulations.grid import Grid, uniform
-from synthesis.formulations.knots import finer
+from synthesis.formulations.grid import Grid, SettledLaw, merged, over, uniform
+from synthesis.formulations.knots import all_halved, finer
+from synthesis.formulations.lair import Guess, Lair, Parts, narrowed, unknown
 from synthesis.formulations.local import improve_from
 from synthesis.formulations.problem import Held, Nothing, Problem
-from synthesis.formulations.rows import Block, Drawn
 from synthesis.formulations.search import Search, Stage
-from synthesis.formulations.tube import size_ends, tube_of
-from synthesis.formulations.tubing import Tube
 from synthesis.motion import Stretch
-from synthesis.solvers.clarabel import solve
+from synthesis.numerics.piecewise import Array
+from synthesis.solvers.clarabel import ConeSolution, solve
 from synthesis.solvers.statuses import Stopped
 
-COARSE = 20  # intervals of the laws that say how wide the tube is
-NODES = 7  # of a tube
+INTERVALS = 20  # of the first laws of every climb
+FEW = 2  # times at most that these are refined for the laws that say where better cams lie
+ENOUGH = 0.25  # of what rows must still gain: a loss to coarse knots that does not matter yet
+POLISHED = 48  # intervals of the laws of a better cam that a box gives rise to
 NEAR = -0.15  # a smooth limit above this, relative, is near to binding
 SAMPLES = 200
-ROUNDS = 5
-FEWEST = 40  # points of the rows along a tube
+CLOSE_BY = 0.08  # of a law: parts that are no farther apart are one
+AIM = 0.985  # of the tolerance: the gap that is to be proven
 SPARE = 1e-9
-REACHED = 1e-5  # beyond what laws on coarse knots reach, so that there is a choice left
 USABLE = (Stopped.SOLVED, Stopped.INACCURATE)
-TURNS = 4  # tubes narrowed with the rows that the wider ones gave
-WORTH = 0.15  # of the gap: what a turn must gain for another one
-KNOTS = 0.3  # of the gap: what knots must have to gain for finer ones
-MOST_BOXES = 15
-NEARLY = 3.0  # tolerances: a gap that a better cam may close
+TURNS = 8  # of hulls and rows in a box
+WORTH = 0.85  # of the hulls' width: what a turn must leave at most for another one
+ROUNDS = 5  # of finer knots
+MOST_BOXES = 21
+SPREAD = 14  # points between two rows over which multipliers are spread
+RAYS = (1e2, 1e4, 1e6)
 
 
 @dataclass(frozen=True, eq=False)
-class Known:
-    """What every better cam of a box of sizes keeps to.
+class Quest:
+    """What is to be proven: no cam is better than ``target`` [core units].
 
     Attributes:
-        problem: the question, its sizes in the box. lower: what none of these cams is below.
-        sizes, tubes: where they lie. about: the last answer, where rows are tight.
-        grids: the present knots.
+        problem: the question, its laws free to jump in their third derivative: all laws are.
+        best: the best cam. steering: caps of the free laws.
+        keeping: the same with nothing asked for, and the target's value held, or the best's.
     """
 
+    state: Search
     problem: Problem
+    best: Candidate
+    target: float
+    steering: tuple[Control, ...]
+    keeping: tuple[Problem, ...]
+
+
+@dataclass(frozen=True, eq=False)
+class Box:
+    """A box of sizes: what its better cams keep to, and what none of them is below.
+
+    ``grids``: few knots, where the bound asks for them.
+    """
+
+    lair: Lair
     lower: float
     over: str
-    grids: tuple[Grid, ...]
-    sizes: tuple[tuple[float, float], ...] = ()
-    tubes: Mapping[int, Tube] = field(default_factory=dict)
-    about: About | None = None
+    grids: tuple[Grid, ...] = ()
 
 
 def close(state: Search) -> None:
-    """Narrow the gap of a search that limits which are not convex have left open.
-
-    Raises the bound, by splitting the range of a size where rows over all of it lose too much;
-    and where that is nearly enough, looks for a better cam on the knots that the bound asks for.
-    """
+    """Narrow the gap of a search that limits which are not convex have left open."""
     best = state.best
     if best is None or state.close(best) or state.left() <= 0.0:
         return
     if state.problem.objective.fractional or not state.problem.free:
         return
-    near = {k: part for k, s in enumerate(state.problem.free) if (part := near_to_binding(best, s))}
-    if not near:
+    parts = {k: near for k, s in enumerate(state.problem.free) if (near := binding(state, s))}
+    quest = asked(state, best) if parts else None
+    if quest is None:
         return
     started = time.perf_counter()
-    root = explored(state, best, near, Known(state.problem, state.lower, state.over, state.grids))
-    leaves, boxes = [root], 1
-    while boxes < MOST_BOXES and root.sizes and state.left() > 0.0:
-        worst = min(leaves, key=lambda leaf: leaf.lower)
-        if state.close_to(best, worst.lower):
+    lair = unknown(quest.problem, quest.steering, parts)
+    boxes, count = [explored(quest, climbed(quest, Box(lair, state.lower, state.over)))], 1
+    while count < MOST_BOXES and state.left() > 0.0:
+        worst = min(boxes, key=lambda box: box.lower)
+        if worst.lower >= quest.target:
             break
-        leaves.remove(worst)
-        leaves += [explored(state, best, near, half) for half in _halves(worst)]
-        boxes += 2
-    lowest = min(leaves, key=lambda leaf: leaf.lower)
-    state.raise_to(lowest.lower, lowest.over)
+        if count == 3:
+            quest = improved(quest, worst)
+        boxes.remove(worst)
+        boxes += [explored(quest, half) for half in halves(worst)]
+        count += 2
+    lowest = min(boxes, key=lambda box: box.lower)
+    state.raise_to(min(lowest.lower, quest.target), lowest.over)
     state.stages.append(
         Stage(
-            "implied rows", f"cone programs in {len(leaves)} boxes", "Clarabel", 0, 0, 0,
-            time.perf_counter() - started, "solved",
-            "what a better cam keeps to, and the rows that its limits imply there",
+            "implied rows", f"linear and cone programs in {count} boxes", "HiGHS, Clarabel",
+            0, 0, 0, time.perf_counter() - started, "solved",
+            "what a better cam keeps to, and the rows that its curvature implies there",
         )
     )  # fmt: skip
-    if not state.close(best) and state.gap_of(best) < NEARLY * state.tolerance:
-        state.grids = lowest.grids
-        improve_from(state, best)
 
 
-def _halves(leaf: Known) -> list[Known]:
-    """The box cut in two across the widest of the sizes that its cams may have."""
-    widths = [high - low for low, high in leaf.sizes]
-    axis = int(np.argmax(widths[:-1] if len(widths) > 1 else widths))
-    low, high = leaf.sizes[axis]
+def binding(state: Search, free: Stretch) -> Parts:
+    """The parts of a free law on which limits with implied rows are near to binding, or broken.
+
+    In the best cam, or in that of the relaxation.
+    """
+    x = np.linspace(0.0, 1.0, SAMPLES + 1)
+    worst = np.full(len(x), -np.inf)
+    for cam in (state.best, state.relaxed):
+        if cam is None:
+            continue
+        (stretch,) = (s for s in cam.problem.stretches if s.index == free.index)
+        s = stretch.placed().derivatives(stretch.start + stretch.angle * x)
+        for limit in cam.problem.limits:
+            if limit.traced(stretch, cam.problem.machine):
+                for value in limit.smooth(stretch, cam.problem.machine, s, cam.size):
+                    worst = np.maximum(worst, value)
+    where = np.flatnonzero(worst > NEAR)
+    if not len(where):
+        return ()
+    runs = np.split(where, np.flatnonzero(np.diff(where) > CLOSE_BY * SAMPLES) + 1)
+    step = 2.0 / SAMPLES
+    return tuple(
+        (max(float(x[run[0]]) - step, 0.0), min(float(x[run[-1]]) + step, 1.0)) for run in runs
+    )
+
+
+def asked(state: Search, best: Candidate) -> Quest | None:
+    """What has to be shown about a cam; None where all laws are not bounded."""
+    problem = state.problem
+    free = {
+        s.index: replace(s, free=replace(s.free, smoothness=2))
+        for s in problem.free
+        if s.free is not None
+    }
+    problem = replace(problem, stretches=tuple(free.get(s.index, s) for s in problem.stretches))
+    objective, machine = problem.objective, problem.machine
+    wire = objective.to_wire(best.value, machine)
+    target = objective.from_wire(wire - AIM * state.tolerance * abs(wire), machine)
+    keeping = tuple(
+        replace(problem, objective=Nothing(), held=(*problem.held, Held(objective, value)))
+        for value in (target, best.value * (1.0 + SPARE))
+    )
+    coarse = [uniform(stretch, INTERVALS) for stretch in problem.free]
+    steering = controls(formulate(keeping[0], coarse))
+    if steering is None or not all(c.order == 3 and np.isfinite(c.cap) for c in steering):
+        return None
+    return Quest(state, problem, best, target, tuple(steering), keeping)
+
+
+def explored(quest: Quest, box: Box) -> Box:
+    """Hulls and rows in turn, each from what the other has shown, while it is worth it."""
+    for _ in range(TURNS):
+        if box.lower >= quest.target or not box.grids or quest.state.left() <= 0.0:
+            break
+        before, lair = box.lair.width, _narrower(quest, box)
+        if lair is None:
+            return climbed(quest, box)
+        if lair.empty:
+            return replace(box, lower=quest.target)
+        box = climbed(quest, replace(box, lair=lair))
+        if lair.width > WORTH * before:
+            break
+    return box
+
+
+def _narrower(quest: Quest, box: Box) -> Lair | None:
+    """The box's lair, narrowed with the best value held for which its few knots are enough."""
+    grids = box.grids
+    for problem in (*quest.keeping, quest.keeping[-1]):
+        bare = tuple(Grid(grid.space, grid.space.breaks) for grid in grids)
+        lair = narrowed(formulate(problem, bare), quest.steering, box.lair)
+        if lair is not None:
+            return lair
+        if problem is quest.keeping[-1]:
+            grids = all_halved(problem, grids, [np.zeros(0)] * len(grids))
+    return None
+
+
+def climbed(quest: Quest, box: Box) -> Box:
+    """Cone programs with the implied rows, on finer knots where these are what is missing."""
+    # a cam grows in its last size variable: left open above, there is a cam to every row
+    grown = (box.lair.sizes[-1][0], quest.problem.sizing.bounds[-1][1])
+    inside = replace(quest.problem.sizing, bounds=(*box.lair.sizes[:-1], grown))
+    problem = replace(quest.problem, sizing=inside)
+    grids = _coarse(quest, box)
+    for number in range(ROUNDS):
+        grids = tuple(Grid(grid.space, grid.space.breaks) for grid in grids)
+        relaxed = formulate(problem, grids)
+        plan = with_rows(relaxed, box.lair.rows(relaxed))
+        solution = solve(plan.program, quest.state.left())
+        between = box.lair.spread(plan, SPREAD)
+        ends = solved_prices(plan, solution, 3)
+        dense = replace(solution, multipliers=between.masses(solution.multipliers, ends))
+        if solution.stopped is Stopped.INFEASIBLE:
+            box = _raised(box, _excluded(between.plan, dense, ends))
+            if box.lower >= quest.target:
+                break
+            grids = all_halved(problem, grids, [np.zeros(0)] * len(grids))
+            continue
+        if solution.stopped not in USABLE:
+            return box
+        lower = bound(between.plan, dense, ends)
+        if not lower.switching:
+            return box
+        laws, size = plan.recover(solution.x)
+        box = replace(_raised(box, lower), lair=replace(box.lair, guess=Guess(tuple(laws), size)))
+        if number <= FEW:
+            box = replace(box, grids=grids)
+        found = settle(problem, laws, size, keep_hint=True)
+        # knots are what is missing where this family has no better cam any more
+        if box.lower >= quest.target or quest.state.left() <= 0.0:
+            break
+        left = quest.target - found.value
+        if left > 0.0 and (number >= FEW or found.value - lower.value < ENOUGH * left):
+            break
+        grids = finer(problem, grids, found, lower, [np.zeros(0)] * len(grids))
+    return box
+
+
+def _coarse(quest: Quest, box: Box) -> tuple[Grid, ...]:
+    """Few knots, some of them where rows begin and end."""
+    chosen = []
+    for position, stretch in enumerate(quest.problem.free):
+        hulls = (hull for (law, _), hull in box.lair.hulls.items() if law == position)
+        ends = np.unique([end for hull in hulls for part in hull.parts for end in part])
+        breaks = uniform(stretch, INTERVALS).space.breaks
+        chosen.append(
+            over(stretch, merged(breaks, ends, stretch.free.knots if stretch.free else ()))
+        )
+    return tuple(chosen)
+
+
+def _raised(box: Box, lower: Bound) -> Box:
+    return replace(box, lower=lower.value, over=lower.over) if lower.value > box.lower else box
+
+
+def _excluded(plan: Plan, solution: ConeSolution, ends: Sequence[Array]) -> Bound:
+    """What multipliers say that exclude every spline of a plan: as large as one likes."""
     found = []
-    for part in ((low, 0.5 * (low + high)), (0.5 * (low + high), high)):
-        bounds, sizes = list(leaf.problem.sizing.bounds), list(leaf.sizes)
-        bounds[axis] = sizes[axis] = part
-        inside = replace(leaf.problem.sizing, bounds=tuple(bounds))
-        problem = replace(leaf.problem, sizing=inside)
-        found.append(replace(leaf, problem=problem, sizes=tuple(sizes)))
+    for scale in RAYS:
+        ray = replace(solution, multipliers=scale * solution.multipliers)
+        found.append(bound(plan, ray, [scale * price for price in ends]))
+    return max(found, key=lambda lower: lower.value)
+
+
+def halves(box: Box) -> list[Box]:
+    """The box cut in two across the widest of its sizes."""
+    sizes = box.lair.sizes
+    axis = int(np.argmax([high - low for low, high in sizes]))
+    low, high = sizes[axis]
+    middle = 0.5 * (low + high)
+    found = []
+    for part in ((low, middle), (middle, high)):
+        inside = (*sizes[:axis], part, *sizes[axis + 1 :])
+        hulls = {
+            key: replace(hull, offsets=key[1].offsets(inside))
+            for key, hull in box.lair.hulls.items()
+        }
+        found.append(replace(box, lair=replace(box.lair, sizes=inside, hulls=hulls)))
     return found
 
 
-def near_to_binding(best: Candidate, free: Stretch) -> tuple[float, float] | None:
-    """The part of a free law on which a limit with implied rows is near to binding."""
-    problem = best.problem
-    (stretch,) = (s for s in problem.stretches if s.index == free.index)
-    x = np.linspace(0.0, 1.0, SAMPLES + 1)
-    s = stretch.placed().derivatives(stretch.start + stretch.angle * x)
-    worst = np.full(len(x), -np.inf)
-    for limit in problem.limits:
-        if limit.implied(stretch, problem.machine):
-            for value in limit.smooth(stretch, problem.machine, s, best.size):
-                worst = np.maximum(worst, value)
-    binding = x[worst > NEAR]
-    if not len(binding) or np.max(worst) < 0.1 * NEAR:
-        return None
-    step = 2.0 / SAMPLES
-    return max(float(binding[0]) - step, 0.0), min(float(binding[-1]) + step, 1.0)
-
-
-def explored(
-    state: Search, best: Candidate, near: Mapping[int, tuple[float, float]], known: Known
-) -> Known:
-    """Tubes and rows in turn, each from what the other has shown, while it is worth it."""
-    for _ in range(TURNS):
-        before = known.lower
-        lair = narrowed(state, best, near, known)
-        if lair is None:
-            break
-        known = climbed(state, best, lair)
-        gained = known.lower - before
-        if state.close_to(best, known.lower) or gained < WORTH * (best.value - before):
-            break
-    return known
-
-
-def narrowed(
-    state: Search, best: Candidate, near: Mapping[int, tuple[float, float]], known: Known
-) -> Known | None:
-    """The sizes and the tubes of all cams that are better; None where they are not bounded."""
-    problem = known.problem
-    coarse = (uniform(stretch, COARSE) for stretch in problem.free)
-    grids = tuple(Grid(g.space, g.space.breaks) for g in coarse)
-    held = Held(problem.objective, _reached(best, grids, known) * (1.0 + SPARE))
-    asked = replace(problem, objective=Nothing(), held=(*problem.held, held))
-    plan = formulate(asked, grids)
-    steering = controls(plan)
-    if steering is None or not all(np.isfinite(control.cap) for control in steering):
-        return None
-    if known.sizes:
-        plan = with_rows(plan, list(_rows(plan, known)))
-    ranges = known.sizes or problem.sizing.bounds
-    sizes = tuple(size_ends(plan, axis, ends) for axis, ends in enumerate(ranges))
-    tubes = {}
-    for position, (low, high) in near.items():
-        if state.left() <= 0.0:
-            return None
-        nodes = np.linspace(low, high, NODES)
-        former = known.tubes.get(position)
-        tubes[position] = tube_of(plan, position, steering[position], nodes, former)
-    return replace(known, sizes=sizes, tubes=tubes)
-
-
-def _reached(best: Candidate, grids: tuple[Grid, ...], known: Known) -> float:
-    """The best value, or what laws on coarse knots can reach: rows that nothing keeps say nothing.
-
-    What is bounded then are the laws of a few cams that are worse, too.
-    """
-    if not known.sizes or known.problem.objective.norm(known.problem.machine) is None:
-        return best.value
-    relaxed = formulate(known.problem, grids)
-    plan = with_rows(relaxed, list(_rows(relaxed, known)))
-    solution = solve(plan.program)
-    if solution.stopped not in USABLE:
-        return best.value
-    family = in_core_units(plan, plan.program.value(solution.x))
-    return max(best.value, family * (1.0 + REACHED))
-
-
-def climbed(state: Search, best: Candidate, known: Known) -> Known:
-    """Cone programs with the implied rows, on finer and finer knots."""
-    problem = known.problem
-    for _ in range(ROUNDS):
-        relaxed = formulate(problem, known.grids)
-        plan = with_rows(relaxed, list(_rows(relaxed, known)))
-        solution = solve(plan.program, state.left())
-        if solution.stopped is Stopped.INFEASIBLE and empty(known):
-            return replace(known, lower=best.value)
-        if solution.stopped not in USABLE:
-            break
-        lower = bound(plan, solution)
-        if not lower.switching:
-            break
-        laws, size = plan.recover(solution.x)
-        about = About(tuple(law.curve() for law in laws), size)
-        known = replace(known, about=about)
-        # above the best there is nothing left to bound: no cam of this box is better
-        value = min(lower.value, best.value)
-        if value > known.lower:
-            known = replace(known, lower=value, over=lower.over)
-        found = settle(problem, laws, size, keep_hint=True)
-        # what knots can still gain is what lies between this family's best and the bound
-        mine = found.value - lower.value
-        if state.close_to(best, lower.value) or state.left() <= 0.0:
-            break
-        if mine < KNOTS * (best.value - lower.value):
-            break
-        nothing = [np.zeros(0)] * len(known.grids)
-        known = replace(known, grids=finer(problem, known.grids, found, lower, nothing))
-    return known
-
-
-def empty(known: Known) -> Bound | None:
-    """What proves that no law at all keeps the implied rows; None where nothing does.
-
-    It is a positive lower bound of how far one of them is exceeded at least.
-    """
-    asked = formulate(replace(known.problem, objective=Nothing()), known.grids)
-    plan = with_rows(asked, [replace(row, level=-1.0) for row in _rows(asked, known)])
-    solution = solve(plan.program)
-    if solution.stopped not in USABLE:
-        return None
-    least = bound(plan, solution)
-    return least if least.switching and least.value > SPARE else None
-
-
-def _rows(plan: Plan, known: Known) -> Iterator[Block]:
-    """Rows that limits imply in the box and along the tubes: at its middle, and at the answer."""
-    yield from farther(known.problem, known.sizes, plan.scales)
-    for position, tube in known.tubes.items():
-        stretch, grid = known.problem.free[position], plan.grids[position]
-        low, high = tube.nodes[0], tube.nodes[-1]
-        points = grid.points[(grid.points >= low) & (grid.points <= high)]
-        x = np.union1d(points, np.linspace(low, high, FEWEST))
-        within = cuts.inside(tube, stretch, x, known.sizes)
-        places = [None] if known.about is None else [None, known.about.at(position, stretch, x)]
-        for limit in known.problem.limits:
-            for implied in limit.implied(stretch, known.problem.machine):
-                for place in places:
-                    for found in implied.cuts(within, place):
-                        yield cuts.block(
-                            found, implied.source, position, stretch, Grid(grid.space, x),
-                            plan.scales, Drawn(),
-                        )  # fmt: skip
+def improved(quest: Quest, box: Box) -> Quest:
+    """The quest about a better cam, if a local search from a box that resists finds one."""
+    state, guess = quest.state, box.lair.guess
+    if guess is None:
+        return quest
+    state.grids = tuple(uniform(stretch, POLISHED) for stretch in state.problem.free)
+    laws = [
+        SettledLaw(grid.space, law.on(grid.space))
+        for grid, law in zip(state.grids, guess.laws, strict=True)
+    ]
+    improve_from(state, settle(state.problem, laws, guess.size, keep_hint=True))
+    assert state.best is not None
+    if state.best.value >= quest.best.value:
+        return quest
+    return asked(state, state.best) or quest

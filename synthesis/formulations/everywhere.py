@@ -13,7 +13,7 @@ from collections.abc import Mapping
 from dataclasses import replace
 
 from synthesis.formulations.candidate import Candidate
-from synthesis.formulations.closing import Known, climbed, explored, narrowed, near_to_binding
+from synthesis.formulations.known import Known, climbed, explored, narrowed, near_to_binding
 from synthesis.formulations.local import improve_from
 from synthesis.formulations.search import Search, Stage
 

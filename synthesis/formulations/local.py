@@ -7,7 +7,7 @@ from math import inf
 
 import numpy as np
 
-from synthesis.formulations.candidate import Candidate, settle
+from synthesis.formulations.candidate import Candidate, mended, settle
 from synthesis.formulations.convex import formulate
 from synthesis.formulations.cuts import Region
 from synthesis.formulations.missed import ALLOWED, misses
@@ -59,6 +59,7 @@ def _improved(state: Search, start: Candidate) -> tuple[list[Array], float]:
     least: tuple[list[Array], float] = [], inf
     for keep_hint in (True, False):
         found = settle(state.problem, laws, size, keep_hint=keep_hint)
+        found = mended(found) if keep_hint and not state.problem.curved else found
         missed = misses(state, found)
         least = min(least, missed, key=lambda each: each[1])
         if missed[1] <= ALLOWED:

@@ -18,9 +18,9 @@ from math import exp, inf, isfinite, log
 from synthesis.formulations.bound import bound
 from synthesis.formulations.candidate import Candidate
 from synthesis.formulations.closed_form import nearest
-from synthesis.formulations.closing import USABLE, Known, empty, narrowed
 from synthesis.formulations.convex import formulate
 from synthesis.formulations.cuts import About
+from synthesis.formulations.known import USABLE, Known, empty, narrowed
 from synthesis.formulations.problem import Problem
 from synthesis.formulations.search import Search, Stage
 from synthesis.objectives.base_radius import BaseRadius

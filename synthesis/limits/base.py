@@ -11,7 +11,7 @@ from pydantic import BaseModel, ConfigDict
 
 from synthesis.followers.base import Follower
 from synthesis.motion import Stretch
-from synthesis.terms import Cone, Curved, Implied, Row
+from synthesis.terms import Cone, Curved, Implied, Row, Traced
 
 
 @dataclass(frozen=True)
@@ -96,6 +96,10 @@ class Limit(BaseModel, ABC):
 
     def implied(self, stretch: Stretch, machine: Machine) -> tuple[Implied, ...]:
         """What of its smooth form becomes rows once motion and size are known to lie in a range."""
+        return ()
+
+    def traced(self, stretch: Stretch, machine: Machine) -> tuple[Traced, ...]:
+        """What of it becomes rows once the points that draw the cam's curves lie in a range."""
         return ()
 
     def cones(self, stretches: Sequence[Stretch], machine: Machine) -> tuple[Cone, ...]:

@@ -11,7 +11,7 @@ from pydantic import Field
 from synthesis.followers.flank import Flank, labelled
 from synthesis.limits.base import Claim, Limit, Machine, where
 from synthesis.motion import Stretch
-from synthesis.terms import Implied
+from synthesis.terms import Traced
 
 
 class CutterRadius(Limit):
@@ -32,7 +32,7 @@ class CutterRadius(Limit):
             if self.radius_mm > flank.distance:
                 yield flank, self.radius_mm - flank.distance
 
-    def implied(self, stretch: Stretch, machine: Machine) -> tuple[Implied, ...]:
+    def traced(self, stretch: Stretch, machine: Machine) -> tuple[Traced, ...]:
         return tuple(
             replace(rows, source=labelled("cutter_radius", flank.name))
             for flank, radius in self._hollows(machine)

@@ -11,7 +11,7 @@ from pydantic import Field
 from synthesis.followers.flank import labelled
 from synthesis.limits.base import Claim, Limit, Machine, where
 from synthesis.motion import Stretch
-from synthesis.terms import Curved, Implied, Row
+from synthesis.terms import Curved, Row, Traced
 
 
 class ProfileRadius(Limit):
@@ -38,7 +38,7 @@ class ProfileRadius(Limit):
         curves = machine.follower.profile_radius_curves(self.min_mm)
         return tuple(replace(curve, source="profile_radius") for curve in curves)
 
-    def implied(self, stretch: Stretch, machine: Machine) -> tuple[Implied, ...]:
+    def traced(self, stretch: Stretch, machine: Machine) -> tuple[Traced, ...]:
         return tuple(
             replace(rows, source=labelled("profile_radius", flank.name))
             for flank in machine.follower.flanks

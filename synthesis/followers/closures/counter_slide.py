@@ -15,8 +15,9 @@ import math
 from dataclasses import dataclass
 from typing import Any
 
+from synthesis.followers.pitch_curvature import PitchCurvature
 from synthesis.followers.trace import Trace, Vector2
-from synthesis.terms import Norm, Row
+from synthesis.terms import Norm, Row, Seen, Traced
 
 
 @dataclass(frozen=True)
@@ -43,6 +44,11 @@ class CounterSlide(Trace):
     def curvature_terms(self, s: Any, z: Any) -> tuple[Any, Any]:
         y, v = self.distance - z[1] - s[0], self.offset - s[1]
         return y * y + v * (self.offset - 2.0 * s[1]) + y * s[2], y * y + v * v
+
+    def curvature_implied(self, side: int, most: float) -> tuple[Traced, ...]:
+        constants = (self.distance, self.offset, -self.offset)
+        seen = Seen(-1, constants, ((0.0, -1.0), (0.0, 0.0), (0.0, 0.0)))
+        return (PitchCurvature("", seen, side, most),)
 
     def pressure_angle_rows(self, slope: float) -> tuple[Row, ...]:
         # −slope (L − s0 − s) ≤ s' − e2 ≤ slope (L − s0 − s)
