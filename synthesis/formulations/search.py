@@ -39,10 +39,11 @@ class Search:
         margin: the same for rows written at points, against what they miss in between.
         best: best cam so far. relaxed: best cam of the convex relaxation.
         lower, over: best lower bound and the family that it covers.
-        infeasible: the cone program has no point.
+        infeasible: the cone program has no point. impossible: why no motion law at all would do.
         grids: the present knots and points of every free law.
         region: where curved limits are written; tangent: whether they are met there.
         improved: whether a local optimum was sought on the way.
+        wide: whether the bound covers every law, not the splines on the present knots alone.
         last: the last cam read from a cone program, whatever it is worth.
     """
 
@@ -56,11 +57,13 @@ class Search:
     lower: float = -inf
     over: str = ""
     infeasible: bool = False
+    impossible: str = ""
     stages: list[Stage] = field(default_factory=list)
     grids: tuple[Grid, ...] = ()
     region: Region | None = None
     tangent: bool = True
     improved: bool = False
+    wide: bool = True
     last: Candidate | None = None
 
     def left(self) -> float:
@@ -91,6 +94,7 @@ class Search:
         value = self._with_least(lower.value)
         if value > self.lower or not lower.switching:
             self.lower, self.over = value, lower.over
+            self.wide = bool(lower.switching) or not self.grids
             if self.problem.rigid:
                 self.over += "; limits of the face on free laws left out: the cam a local optimum"
 
