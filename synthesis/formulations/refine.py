@@ -14,6 +14,7 @@ from synthesis.formulations.closed_form import nearest
 from synthesis.formulations.closing import close
 from synthesis.formulations.convex import Plan, formulate
 from synthesis.formulations.everywhere import enclose
+from synthesis.formulations.gentlest import gentlest
 from synthesis.formulations.grid import Grid, uniform
 from synthesis.formulations.knots import all_halved, denser, finer
 from synthesis.formulations.local import nonlinear
@@ -157,6 +158,14 @@ def _climb(state: Search) -> None:
         if solution.stopped is Stopped.INFEASIBLE and (number > 1 or not state.grids):
             state.infeasible = state.relaxed is None
             return
+        if solution.stopped is Stopped.INFEASIBLE and not state.problem.curved:
+            eased = gentlest(state.problem, state.grids, state.tighten, state.deadline)
+            if eased is not None:
+                state.grids, state.impossible = eased.grids, eased.impossible
+                if eased.fits:
+                    continue
+                state.infeasible = True
+                return
         stuck = lower is None and number > 1
         if stuck or state.close(state.relaxed) or state.left() <= 0.0 or not state.grids:
             break

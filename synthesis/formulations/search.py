@@ -39,7 +39,7 @@ class Search:
         margin: the same for rows written at points, against what they miss in between.
         best: best cam so far. relaxed: best cam of the convex relaxation.
         lower, over: best lower bound and the family that it covers.
-        infeasible: the cone program has no point.
+        infeasible: the cone program has no point. impossible: why no motion law at all would do.
         grids: the present knots and points of every free law.
         region: where curved limits are written; tangent: whether they are met there.
         improved: whether a local optimum was sought on the way.
@@ -56,6 +56,7 @@ class Search:
     lower: float = -inf
     over: str = ""
     infeasible: bool = False
+    impossible: str = ""
     stages: list[Stage] = field(default_factory=list)
     grids: tuple[Grid, ...] = ()
     region: Region | None = None
