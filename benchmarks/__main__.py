@@ -25,6 +25,7 @@ NAMES = (
     "density",
     "scaling",
     "http",
+    "sweeps",
     "startup",
 )
 ROOT = Path(__file__).resolve().parents[1]

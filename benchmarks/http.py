@@ -28,11 +28,11 @@ in SQLite and solves in worker processes."""
 def run(effort: Effort = FULL) -> Section:
     """The whole, the core's share as the design reports it, the difference."""
     posts = effort.repeats(POSTS)
-    with _service() as port, closing(_connection(port, PATIENCE_S)) as connection:
+    with service() as port, closing(connection(port, PATIENCE_S)) as wire:
         for k in range(effort.warm_up(5)):
-            _post(connection, f"warm-up {k}")
-        measured = [_post(connection, f"measured {k}") for k in range(posts)]
-        again = [_post(connection, "measured 0")[0] for _ in range(posts)]
+            _post(wire, f"warm-up {k}")
+        measured = [_post(wire, f"measured {k}") for k in range(posts)]
+        again = [_post(wire, "measured 0")[0] for _ in range(posts)]
     whole, core = zip(*measured, strict=True)
     times = {
         "whole request": Timing(whole),
@@ -45,16 +45,16 @@ def run(effort: Effort = FULL) -> Section:
     return Section("A design over HTTP", TEXT, [Table(("", ">time"), rows)], [added])
 
 
-def _connection(port: int, patience: float) -> http.client.HTTPConnection:
+def connection(port: int, patience: float) -> http.client.HTTPConnection:
     return http.client.HTTPConnection("127.0.0.1", port, timeout=patience)
 
 
-def _post(connection: http.client.HTTPConnection, name: str) -> tuple[float, float]:
+def _post(wire: http.client.HTTPConnection, name: str) -> tuple[float, float]:
     """Seconds of the whole request and of the core."""
     body = json.dumps(CONVEX | {"name": name})
     started = time.perf_counter()
-    connection.request("POST", "/v1/designs", body, {"Content-Type": "application/json"})
-    answer = connection.getresponse()
+    wire.request("POST", "/v1/designs", body, {"Content-Type": "application/json"})
+    answer = wire.getresponse()
     content = answer.read()
     seconds = time.perf_counter() - started
     if answer.status != 200:
@@ -63,7 +63,7 @@ def _post(connection: http.client.HTTPConnection, name: str) -> tuple[float, flo
 
 
 @contextmanager
-def _service() -> Iterator[int]:
+def service() -> Iterator[int]:
     """A service of its own on a free port, with a store of its own."""
     with socket.socket() as free:
         free.bind(("127.0.0.1", 0))
@@ -93,9 +93,9 @@ def _await(port: int) -> None:
     end = time.monotonic() + PATIENCE_S
     while time.monotonic() < end:
         try:
-            with closing(_connection(port, 5.0)) as connection:
-                connection.request("GET", "/readyz")
-                if connection.getresponse().status == 200:
+            with closing(connection(port, 5.0)) as wire:
+                wire.request("GET", "/readyz")
+                if wire.getresponse().status == 200:
                     return
         except OSError:
             pass

@@ -43,6 +43,7 @@ PLACES = {
     "no_best_pressure_angle": ("objective",),
     "pressure_angle_given": ("objective",),
     "limit_does_not_suit": ("limits",),
+    "spline_too_rough": ("program", "{position}", "law"),
     "face_turns_with_cam": ("program",),
     "face_swings_too_far": ("follower", "centre_distance_mm"),
     "cam_off_the_shaft": ("cams", "{position}", "spec", "{field}"),

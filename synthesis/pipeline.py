@@ -26,7 +26,8 @@ from synthesis.design import (
 from synthesis.errors import SolverFailed, TimeBudgetExceeded
 from synthesis.formulations.candidate import Candidate, given_size, value
 from synthesis.formulations.companion import Settled, settled
-from synthesis.formulations.problem import Held, pose
+from synthesis.formulations.polish import FINEST
+from synthesis.formulations.problem import Held, calmer, pose
 from synthesis.formulations.refine import search
 from synthesis.formulations.search import Search
 from synthesis.formulations.smooth import reached
@@ -234,6 +235,8 @@ def _solved(spec: DesignSpec, tables: Tables, stop: float, tighten: float) -> _A
     for rank, objective in enumerate(objectives, start=1):
         share = spec.tolerance if rank == len(objectives) else 0.5 * spec.tolerance
         problem, thorough = pose(spec, objective, held, tables.stretches), spec.proof == "thorough"
+        if spec.tolerance <= FINEST:
+            problem = calmer(problem)
         tried = search(problem, share, stop, tighten, thorough=thorough)
         attempt.searches.append(tried)
         if tried.best is None:

@@ -22,6 +22,7 @@ from synthesis.openings import Filled, Openings
 from synthesis.placing import placed
 from synthesis.program import Segment
 from synthesis.ranges import Dimension, Range, ends
+from synthesis.roughness import check_roughness
 from synthesis.units import FULL_TURN, Pace, rad_per_s
 
 MAX_SEGMENTS = 100
@@ -175,6 +176,12 @@ class DesignSpec(BaseModel):
                     {"position": position, "limit": limit.kind, "kind": self.follower.kind},
                 )
             limit.check(self.follower)
+        return self
+
+    @model_validator(mode="after")
+    def _smooth_enough(self) -> DesignSpec:
+        named = [(getattr(limit, "place", limit.kind), limit) for limit in self.all_limits()]
+        check_roughness(self.stretches(), named, self.objectives(), self.machine())
         return self
 
     @model_validator(mode="after")

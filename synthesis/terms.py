@@ -171,6 +171,11 @@ class Curved(Implied):
 
     order: ClassVar[int] = 3
 
+    @property
+    def implies(self) -> bool:
+        """Whether rows follow from it where motion and size lie in narrow ranges."""
+        return True
+
     @abstractmethod
     def excess(self, s: Any, z: Any) -> tuple[Any, ...]:
         """Left less right sides over a natural length: ≤ 0 where the limit holds.

@@ -12,6 +12,8 @@ from typing import Any, ClassVar
 
 import numpy as np
 
+from synthesis.followers.face_planes import Below, Ends, bend_below
+from synthesis.followers.turned_arm import largest_above
 from synthesis.numerics.piecewise import Array
 from synthesis.terms import Curved, Cuts, Vector, Within
 
@@ -43,6 +45,10 @@ class OnPivot(Curved):
     known: float = 0.0
     first: float = 0.0
     cubed: float = 0.0
+
+    @property
+    def implies(self) -> bool:
+        return self.distance is not None and not self.lean
 
     def _terms(self, s: Any) -> tuple[Any, Any, Any]:
         """A, B and C."""
@@ -103,7 +109,60 @@ class OnPivot(Curved):
         return np.asarray(distance * (np.sin(inside) + angle - inside) - self.offset)
 
     def cuts(self, within: Within, about: tuple[Array, Vector] | None) -> tuple[Cuts, ...]:
-        return ()  # none are known that hold for every law
+        """Where the pivot is given: planes over what the face's angle and speed can be."""
+        if (
+            self.distance is None
+            or not self.implies
+            or not np.all(np.isfinite(within.fast - within.slow))
+        ):
+            return ()
+        ((low, high),) = within.sizes
+        start = (low + self.offset) / self.distance, (high + self.offset) / self.distance
+        if not 0.0 <= start[0] <= start[1] < 1.0:
+            return ()
+        swing = within.low / self.reference, within.high / self.reference
+        angle = Ends(swing[0] + math.asin(start[0]), swing[1] + math.asin(start[1]))
+        rate = self.sigma * np.stack([within.slow, within.fast]) / self.reference
+        below = self._below(angle, Ends(1.0 + np.min(rate, axis=0), 1.0 + np.max(rate, axis=0)))
+        if below is None:
+            return ()
+        # bend φ'' + by_angle (φ + ψ0) + by_speed (1 + σ φ') + height ≤ known
+        steep, level = _start_below(below.by_angle, start, angle)
+        none, one = np.zeros_like(angle.low), np.ones_like(angle.low)
+        rows = np.stack(
+            [below.by_angle, self.sigma * below.by_speed, self.bend * one, none]
+        ) / self.reference  # fmt: skip
+        upper = -(level + below.by_speed + below.height)
+        size = (steep / self.distance)[None, :]
+        return (Cuts(rows, size, upper - steep * self.offset / self.distance),)
+
+    def _below(self, angle: Ends, speed: Ends) -> Below | None:
+        """A plane below the left side less the right one, over d where there is no bend."""
+        assert self.distance is not None
+        if self.bend:
+            return bend_below(-self.cubed / self.distance, angle, speed)
+        middle = 0.5 * (angle.low + angle.high)
+        # along d cosψ is −along d cos(ψ + π) where along > 0
+        turn = math.pi if self.along > 0.0 else 0.0
+        reach = abs(self.along)
+        slope = -reach * np.sin(middle + turn)
+        height = largest_above(reach, turn, slope, angle.low, angle.high)
+        first = np.full_like(middle, -self.first / self.distance)
+        return Below(-slope, first, -height - self.known / self.distance)
+
+
+def _start_below(by_angle: Array, start: tuple[float, float], angle: Ends) -> tuple[Array, Array]:
+    """Slope and height of a line in sinψ0 below by_angle · ψ0, which is convex in it or concave."""
+    low, high = (math.asin(end) for end in start)
+    middle = 0.5 * (low + high)
+    tangent = 1.0 / math.cos(middle)
+    chord = (high - low) / (start[1] - start[0]) if start[1] > start[0] else tangent
+    touching = middle - tangent * math.sin(middle), low - chord * start[0]
+    convex = by_angle >= 0.0
+    return (
+        by_angle * np.where(convex, tangent, chord),
+        by_angle * np.where(convex, touching[0], touching[1]),
+    )
 
 
 @dataclass(frozen=True)
@@ -117,6 +176,10 @@ class NotNearer(Curved):
     turns: ClassVar[bool] = False
     least: float
     offset: float
+
+    @property
+    def implies(self) -> bool:
+        return False
 
     def excess(self, s: Any, z: Any) -> tuple[Any, ...]:
         p, q = z[0], z[1] + self.offset

@@ -44,7 +44,7 @@ def plane_above(
     size = np.stack([np.cos(phi), -np.sin(phi)])
     along = -p * np.sin(phi) - q * np.cos(phi)
     left = [
-        _largest(hypot(*corner), atan2(corner[1], corner[0]) + turn, along, *swing)
+        largest_above(hypot(*corner), atan2(corner[1], corner[0]) + turn, along, *swing)
         - (size[0] * corner[0] + size[1] * corner[1])
         for corner in corners
     ]
@@ -52,7 +52,7 @@ def plane_above(
     return Plane(along, size, np.max(left, axis=0) + ROUNDING * terms)
 
 
-def _largest(reach: float, start: float, slope: Array, low: Array, high: Array) -> Array:
+def largest_above(reach: float, start: float, slope: Array, low: Array, high: Array) -> Array:
     """The largest of reach · cos(φ + start) − slope · φ for φ between low and high."""
 
     def rest(phi: Array) -> Array:

@@ -1,9 +1,10 @@
-"""A bound over all laws and all sizes where the size itself makes the rows of a limit not convex.
+"""A bound over all laws and all sizes where motion and size together make limits not convex.
 
 With the pivot of an arm free, the pressure angle holds products of the size and of the swing's sine
-and cosine. Over a box of sizes and a tube of laws it implies rows; every better cam lies in such a
-box, bounded by the same rows, and where one box leaves too much it is cut in two. The knots that
-the bound asks for are those on which a better cam is looked for.
+and cosine; so do all limits of a face that swings. Over a box of sizes and a tube of laws they
+imply rows; every better cam lies in such a box, bounded by the same rows, and where one box leaves
+too much it is cut in two. The knots that the bound asks for are those on which a better cam is
+looked for.
 """
 
 from __future__ import annotations
@@ -11,6 +12,7 @@ from __future__ import annotations
 import time
 from collections.abc import Mapping
 from dataclasses import replace
+from math import isfinite
 
 from synthesis.formulations.candidate import Candidate
 from synthesis.formulations.known import Known, climbed, explored, narrowed, near_to_binding
@@ -18,6 +20,7 @@ from synthesis.formulations.local import improve_from
 from synthesis.formulations.search import Search, Stage
 
 TURNS = 4  # the region narrowed with the rows that the wider one gave
+QUICK = 2  # of them where a cam is at hand that is a local optimum already
 WORTH = 0.15  # of the gap: what a turn must gain for another one
 MOST_BOXES = 15
 Near = Mapping[int, tuple[float, float]]
@@ -35,7 +38,9 @@ def enclose(state: Search, *, thorough: bool) -> None:
         return
     started = time.perf_counter()
     near = {k: part for k, s in enumerate(state.problem.free) if (part := near_to_binding(best, s))}
-    root = _rooted(state, near)
+    if not near and isfinite(state.lower):
+        return  # nothing that is not convex binds
+    root = _rooted(state, near, QUICK if state.problem.rigid and not thorough else TURNS)
     leaves = _split(state, near, root) if thorough and root.sizes else [root]
     lowest = min(leaves, key=lambda leaf: leaf.lower)
     state.raise_to(lowest.lower, lowest.over)
@@ -48,10 +53,10 @@ def enclose(state: Search, *, thorough: bool) -> None:
     )  # fmt: skip
 
 
-def _rooted(state: Search, near: Near) -> Known:
+def _rooted(state: Search, near: Near, turns: int) -> Known:
     """All sizes at once: region and rows in turn, each from what the other has shown."""
     known = Known(state.problem, state.lower, state.over, state.grids)
-    for _ in range(TURNS):
+    for _ in range(turns):
         best, before = _best(state), known.lower
         lair = narrowed(state, best, near, known)
         if lair is None or state.left() <= 0.0:

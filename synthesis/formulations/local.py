@@ -14,6 +14,7 @@ from synthesis.formulations.missed import ALLOWED, misses
 from synthesis.formulations.rows import Drawn
 from synthesis.formulations.search import Search, Stage
 from synthesis.numerics.piecewise import Array
+from synthesis.objectives.rms_acceleration import RmsAcceleration
 from synthesis.objectives.rms_jerk import RmsJerk
 from synthesis.solvers.clarabel import solve
 from synthesis.solvers.statuses import Stopped
@@ -76,6 +77,8 @@ def _improved(state: Search, start: Candidate) -> tuple[list[Array], float]:
 def gentle(state: Search) -> Candidate | None:
     """Another cam to start from: the law of least mean square jerk, grown until limits hold.
 
+    Where accelerations may jump, of least mean square acceleration.
+
     Returns:
         the cam as it was before that, whatever limits it breaks; None where there is no such law.
 
@@ -84,7 +87,8 @@ def gentle(state: Search) -> Candidate | None:
     """
     if not state.problem.free:
         return None
-    quiet = state.problem.with_objective(RmsJerk())
+    roughest = min(stretch.free.smoothness for stretch in state.problem.free if stretch.free)
+    quiet = state.problem.with_objective(RmsJerk() if roughest > 1 else RmsAcceleration())
     plan = formulate(quiet, state.grids, 0.0, Drawn(state.tighten, state.margin))
     solution = solve(plan.program, state.left())
     if solution.stopped not in USABLE:

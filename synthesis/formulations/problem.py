@@ -152,3 +152,38 @@ def pose(
         held,
         spec.base_radius_range(),
     )
+
+
+def calmer(problem: Problem) -> Problem:
+    """The same, free laws as smooth inside as the best ones, where a mean square is made small.
+
+    Where nothing caps the derivative whose mean square is the first objective, and no window or
+    point bends the law, that derivative is continuous on the best law. Splines of that class come
+    near it with the fourth power of the knots' distance, those of one class less with the square.
+    They join their neighbours as they were asked to.
+    """
+    first = problem.held[0].objective if problem.held else problem.objective
+    order = first.energy_order()
+    if order is None or any(_bends(problem, stretch, order) for stretch in problem.free):
+        return problem
+    return replace(problem, stretches=tuple(_smoother(s, order) for s in problem.stretches))
+
+
+def _bends(problem: Problem, stretch: Stretch, order: int) -> bool:
+    """Whether something makes a free law's derivative of this order jump."""
+    assert stretch.free is not None
+    capped = any(
+        row.coefficients[order] != 0.0
+        for limit in problem.limits
+        for row in limit.rows(stretch, problem.machine)
+    )
+    return capped or bool(stretch.free.knots)
+
+
+def _smoother(stretch: Stretch, order: int) -> Stretch:
+    """A free law of class C^order at least inside, as smooth as asked at its ends."""
+    law = stretch.free
+    if law is None or stretch.law is not None or law.smoothness >= order:
+        return stretch
+    joins = law.promised(at_start=True), law.promised(at_start=False)
+    return replace(stretch, free=replace(law, smoothness=order, joins=joins))

@@ -20,6 +20,7 @@ from synthesis.formulations.knots import all_halved, denser, finer
 from synthesis.formulations.local import nonlinear
 from synthesis.formulations.missed import ALLOWED, misses
 from synthesis.formulations.pinned import pinned
+from synthesis.formulations.polish import polish
 from synthesis.formulations.problem import Problem
 from synthesis.formulations.rows import Drawn
 from synthesis.formulations.search import Search, Stage
@@ -71,12 +72,15 @@ def search(
         first = int(np.clip(3.7 / sqrt(tolerance), COARSE, CURVED if problem.curved else FINE))
         state.grids = tuple(uniform(stretch, first) for stretch in problem.free)
         _climb(state)
+        polish(state, _once)
     if _elsewhere(state):
         pinned(state, search)
         return state
     if (state.limited_by_shape or state.short) and state.left() > 0.0:
         nonlinear(state)
-        if thorough:
+        if problem.rigid and problem.machine.follower.pinning() is None:
+            enclose(state, thorough=thorough)
+        elif thorough:
             close(state)
     return state
 
@@ -176,6 +180,15 @@ def _climb(state: Search) -> None:
             state.grids = denser(state.grids)
         else:
             state.grids = finer(state.problem, state.grids, found, lower, missed)
+
+
+def _once(state: Search, number: int) -> Candidate | None:
+    """One cone program on the present grids, weighed and reported; its cam, if it has one."""
+    started = time.perf_counter()
+    plan, solution, lower = _round(state)
+    found, _ = _weigh(state, plan, solution, lower)
+    _report(state, number, plan, solution, time.perf_counter() - started)
+    return found
 
 
 def _weigh(

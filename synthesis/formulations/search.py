@@ -43,6 +43,7 @@ class Search:
         grids: the present knots and points of every free law.
         region: where curved limits are written; tangent: whether they are met there.
         improved: whether a local optimum was sought on the way.
+        wide: whether the bound covers every law, not the splines on the present knots alone.
         last: the last cam read from a cone program, whatever it is worth.
     """
 
@@ -62,6 +63,7 @@ class Search:
     region: Region | None = None
     tangent: bool = True
     improved: bool = False
+    wide: bool = True
     last: Candidate | None = None
 
     def left(self) -> float:
@@ -92,6 +94,7 @@ class Search:
         value = self._with_least(lower.value)
         if value > self.lower or not lower.switching:
             self.lower, self.over = value, lower.over
+            self.wide = bool(lower.switching) or not self.grids
             if self.problem.rigid:
                 self.over += "; limits of the face on free laws left out: the cam a local optimum"
 

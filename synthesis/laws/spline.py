@@ -13,19 +13,20 @@ from synthesis.motion import FreeLaw, StretchKind
 class SplineLaw(BaseModel):
     """Let the service find the motion: a spline, chosen together with the cam's size.
 
-    It joins its neighbours with continuous displacement, velocity and acceleration, and with as
-    many further derivatives as ``smoothness`` asks for.
+    It joins its neighbours with continuous displacement and velocity, and with as many further
+    derivatives as ``smoothness`` asks for: the acceleration, where nothing is said.
     """
 
     model_config = ConfigDict(frozen=True, extra="forbid")
 
     kind: Literal["spline"] = "spline"
     smoothness: Annotated[
-        Literal[2, 3, 4],
+        Literal[1, 2, 3, 4],
         Field(
-            description="Number of continuous derivatives. 2: the jerk is bounded and may jump "
-            "(cubic spline, the smallest cam); 3: the jerk is continuous (quartic); "
-            "4: its slope too (quintic)."
+            description="Number of continuous derivatives. 1: the acceleration may jump, inside "
+            "and at both ends, so that nothing may speak of jerk (quadratic spline); 2: the jerk "
+            "is bounded and may jump (cubic spline, the smallest cam); 3: the jerk is continuous "
+            "(quartic); 4: its slope too (quintic)."
         ),
     ] = 2
     overshoot: Annotated[

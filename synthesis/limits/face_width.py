@@ -12,7 +12,7 @@ from pydantic_core import PydanticCustomError
 from synthesis.followers.base import Follower
 from synthesis.limits.base import Claim, Limit, Machine, times, where
 from synthesis.motion import Stretch
-from synthesis.terms import Curved, Row
+from synthesis.terms import Curved, Implied, Row
 
 Width = Annotated[float, Field(gt=0.0, le=1e9)]
 
@@ -81,6 +81,9 @@ class FaceWidth(Limit):
 
     def smooth(self, stretch: Stretch, machine: Machine, s: Any, z: Any) -> tuple[Any, ...]:
         return tuple(v for curve in self.curved(stretch, machine) for v in curve.excess(s, z))
+
+    def implied(self, stretch: Stretch, machine: Machine) -> tuple[Implied, ...]:
+        return tuple(curve for curve in self.curved(stretch, machine) if curve.implies)
 
     def claims(self, stretches: Sequence[Stretch], machine: Machine) -> tuple[Claim, ...]:
         everywhere, found = where(stretches), list[Claim]()

@@ -84,7 +84,7 @@ class PressureAngle(Limit):
         )
 
     def implied(self, stretch: Stretch, machine: Machine) -> tuple[Implied, ...]:
-        return tuple(curve for curve in self.curved(stretch, machine) if curve.turns)
+        return tuple(curve for curve in self.curved(stretch, machine) if curve.implies)
 
     def claims(self, stretches: Sequence[Stretch], machine: Machine) -> tuple[Claim, ...]:
         kinds: tuple[Sense, ...] = ("rise", "return", "dwell")

@@ -11,7 +11,7 @@ from pydantic import Field
 from synthesis.followers.flank import labelled
 from synthesis.limits.base import Claim, Limit, Machine, where
 from synthesis.motion import Stretch
-from synthesis.terms import Curved, Row, Traced
+from synthesis.terms import Curved, Implied, Row, Traced
 
 
 class ProfileRadius(Limit):
@@ -37,6 +37,9 @@ class ProfileRadius(Limit):
     def curved(self, stretch: Stretch, machine: Machine) -> tuple[Curved, ...]:
         curves = machine.follower.profile_radius_curves(self.min_mm)
         return tuple(replace(curve, source="profile_radius") for curve in curves)
+
+    def implied(self, stretch: Stretch, machine: Machine) -> tuple[Implied, ...]:
+        return tuple(curve for curve in self.curved(stretch, machine) if curve.implies)
 
     def traced(self, stretch: Stretch, machine: Machine) -> tuple[Traced, ...]:
         return tuple(

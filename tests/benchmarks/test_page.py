@@ -18,7 +18,7 @@ from benchmarks.section import Section
 SUPPORT = {
     "__main__", "axis", "diagram", "effort", "memory", "page", "section", "timing", "truth",
 }  # fmt: skip
-SERVED = ("http",)  # starts a service: run in tests/service, beside these
+SERVED = ("http", "sweeps")  # start a service: run in tests/service, beside these
 LINK = re.compile(r"\]\(([^)#:]+)\)")
 
 

@@ -167,15 +167,15 @@ def test_at_a_given_distance_the_least_angle_is_found(
     assert design.certificate.lower_bound == pytest.approx(base, rel=1e-6)
 
 
-def test_a_free_law_is_smaller_than_every_given_one_and_honest_about_its_bound() -> None:
+def test_a_free_law_is_smaller_than_every_given_one_and_bounded_over_all_laws() -> None:
     limits = (RADIUS, PRESSURE, FACE)
     free = synthesise(asked(60.0, *limits, JERK, law="spline", tolerance=1e-2))
     named = synthesise(asked(60.0, *limits, law="polynomial_3_4_5"))
     assert free.certificate.certified
-    assert free.status == "feasible"  # a local optimum: the bound is that of a relaxation
+    assert free.status == "optimal"
     proof = free.certificate
     assert proof.lower_bound is not None
-    assert "local optimum" in proof.bound_over
+    assert proof.bound_over == "all motion laws with a bounded jerk"
     assert proof.lower_bound <= free.dimensions["base_radius_mm"]
     assert free.dimensions["base_radius_mm"] < 0.97 * named.dimensions["base_radius_mm"]
     s = free.curve.derivatives(np.linspace(0.0, 2.0 * math.pi, 20001)) / 60.0
@@ -237,13 +237,15 @@ def another_program(sense: str, pieces: int, start: float) -> float:
 
 @pytest.mark.parametrize("sense", ["opposite", "same"])
 def test_a_free_law_s_optimum_is_found_from_elsewhere_too(sense: str) -> None:
-    """No proof closes the gap here: other unknowns from other starts end in the same place."""
+    """Other unknowns from other starts end in the same place, above the bound over all laws."""
     limits = (RADIUS, PRESSURE, FACE, JERK)
     ours = synthesise(asked(60.0, *limits, sense=sense, law="spline", tolerance=1e-2))
     others = [another_program(sense, 40, start) for start in (0.4, 1.0)]
     assert others[0] == pytest.approx(others[1], rel=1e-6)
     assert ours.certificate.certified
-    assert ours.certificate.lower_bound <= min(others)
+    # the other's rows hold at 240 points only
+    assert ours.certificate.lower_bound <= min(others) * (1.0 + 1e-4)
+    assert ours.certificate.lower_bound >= 0.98 * min(others)
     # with 24, 40 and 64 pieces it falls by 1e-3 and by 2e-4 more
     assert ours.dimensions["base_radius_mm"] == pytest.approx(min(others), rel=1e-3)
 
