@@ -83,7 +83,7 @@ SCENES = (
     Scene("centred", 20.0, (45.0, 45.0), 2.0, radius=5.0, centred=True),
     Scene("unequal angles", 20.0, (30.0, 45.0), 2.0, radius=5.0),
     Scene("knife edge", 0.0, (45.0, 45.0), 2.0, radius=20.0),
-    Scene("unequal segments", 12.0, (28.0, 50.0), 6.075, 8.0, 0.0, 24.0, (75.0, 20.0, 50.0)),
+    Scene("unequal segments", 12.0, (28.0, 50.0), 1.8, 8.0, 0.0, 24.0, (50.0, 20.0, 75.0)),
     Scene("much jerk", 10.0, (35.0, 35.0), 4.0, radius=10.0),
     Scene("no dwell above", 9.0, (32.0, 38.0), 1.6, 14.0, segments=(72.0, 0.0, 66.0)),
     Scene("C3", 6.0, (33.0, 27.0), 1.6, 17.0, 0.0, 21.0, (66.0, 30.0, 58.0), 3),
