@@ -97,11 +97,15 @@ class Dismissed(ServiceError):
 
 @dataclass(frozen=True)
 class Kind:
-    """A type of problem: its HTTP status, its slug under /problems/, and its title."""
+    """A type of problem: its HTTP status, its slug under /problems/, and its title.
+
+    ``again_s`` is for Retry-After, where it passes by itself and the exception names no time [s].
+    """
 
     status: int
     slug: str
     title: str
+    again_s: int | None = None
 
 
 PROBLEMS: dict[type[Exception], Kind] = {
@@ -125,7 +129,7 @@ PROBLEMS: dict[type[Exception], Kind] = {
     ExtraMissing: Kind(501, "not-installed", "An optional part is not installed here"),
     WorkerLost: Kind(503, "worker-lost", "The worker was lost"),
     EngineUnreachable: Kind(503, "engine-unreachable", "No worker can be reached"),
-    SQLAlchemyError: Kind(503, "store-unreachable", "The store cannot be reached"),
+    SQLAlchemyError: Kind(503, "store-unreachable", "The store cannot be reached", again_s=2),
     TimeBudgetExceeded: Kind(504, "time-budget", "The time budget ended first"),
 }
 BY_STATUS: dict[int, Kind] = {

@@ -96,14 +96,16 @@ def respond(
 
 def answer(request: Request, error: Exception) -> Response:
     """Any exception as the answer to a request."""
-    if kind_of(error) is None:
+    kind = kind_of(error)
+    if kind is None:
         logging.getLogger("camwright").error("unexpected", exc_info=error)
     problem = described(error)
+    again = {"Retry-After": str(kind.again_s)} if kind is not None and kind.again_s else None
     if isinstance(error, InputError) and request.method == "GET":  # there is no body to point into
         (found,) = problem["errors"]
         parameter = found.pop("pointer").removeprefix("/")
         problem = document(PROBLEMS[BadQuery], str(error), [{"parameter": parameter, **found}])
-    return respond(request, problem, getattr(error, "headers", None))
+    return respond(request, problem, getattr(error, "headers", again))
 
 
 async def _known(request: Request, error: Exception) -> Response:

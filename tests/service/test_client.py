@@ -12,8 +12,11 @@ from typing import Any
 
 import httpx2
 import pytest
+from fastapi import Request
+from sqlalchemy.exc import OperationalError
 
 from service.client import AsyncClient, Client, Refused, Retries, Unreachable
+from service.problem import answer
 from tests.service.conftest import Running
 from tests.service.cutting import Cutting
 from tests.service.specs import spec
@@ -106,8 +109,8 @@ def test_a_wait_beyond_patience_is_left_to_the_caller(ask: Asking, as_date: bool
 
 def test_tries_are_counted(ask: Asking) -> None:
     busy = httpx2.Response(503, headers={**PROBLEM, "retry-after": "0"}, json={"detail": "no"})
-    for answer, error in ((busy, Refused), (httpx2.ConnectError("nobody there"), Unreachable)):
-        script = Scripted(answer)
+    for told, error in ((busy, Refused), (httpx2.ConnectError("nobody there"), Unreachable)):
+        script = Scripted(told)
         with pytest.raises(error, match="no"):
             ask("design", {}, transport=script.transport)
         assert len(script.asked) == QUICK.tries
@@ -236,3 +239,14 @@ def test_models_of_the_core_are_taken_as_they_are(service: Running) -> None:
     model = DesignSpec.model_validate(body)
     with Client(service.url) as client:
         assert client.design(model)["id"] == client.design(json.loads(json.dumps(body)))["id"]
+
+
+def test_a_store_that_is_away_for_a_moment_is_waited_for(ask: Asking) -> None:
+    """The service says when, so that a restart of the database stops no client."""
+    scope = {"type": "http", "method": "GET", "path": "/v1/designs", "headers": []}
+    told = answer(Request(scope), OperationalError("select", None, Exception("gone")))
+    assert (told.status_code, told.headers["retry-after"]) == (503, "2")
+    headers = {**PROBLEM, "retry-after": told.headers["retry-after"]}
+    away = httpx2.Response(told.status_code, headers=headers, content=bytes(told.body))
+    script = Scripted(away, httpx2.Response(200, json={"items": []}))
+    assert ask("get", "/v1/designs", transport=script.transport) == {"items": []}
