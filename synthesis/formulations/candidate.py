@@ -79,7 +79,10 @@ def mended(found: Candidate) -> Candidate:
                 needed = max(needed, exceeded(row, stretch, found.size) / gain)
     if needed == 0.0:
         return found
-    size = follower.raised(found.size, min((1.0 + CLEARANCE) * needed, settled.room(found.size)))
+    # and by more than the certificate's enclosures are wide, or that could not tell
+    clear = CLEARANCE * follower.prime_radius().value(found.size)
+    needed = (1.0 + CLEARANCE) * needed + clear
+    size = follower.raised(found.size, min(needed, settled.room(found.size)))
     return replace(found, size=size, value=value(settled, size))
 
 

@@ -30,6 +30,7 @@ from synthesis.numerics.piecewise import Array
 from synthesis.solvers.clarabel import ConeSolution, solve
 from synthesis.solvers.statuses import Stopped
 
+SHAPE = 0.05  # a gap below which rounds for the bound alone do not pay, where curvature decides
 ROUNDS = 8
 COARSE, FINE = 12, 96  # intervals of the first grid, by tolerance
 CURVED = 16  # the most of them while rows still have to turn
@@ -180,6 +181,8 @@ def _climb(state: Search) -> None:
             state.grids = denser(state.grids)
         else:
             state.grids = finer(state.problem, state.grids, found, lower, missed)
+        if state.limited_by_shape and state.gap < SHAPE:
+            break  # what comes next finds its cam on these knots, and far above this bound
 
 
 def _once(state: Search, number: int) -> Candidate | None:
