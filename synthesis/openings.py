@@ -144,11 +144,11 @@ class Openings:
         low, high = ends(self.free[position].asked)
         raise PydanticCustomError(
             "no_length_serves",
-            "{name} from {low} to {high} leaves no length that serves: with the shortest, "
-            "{shortest}; with the longest, {longest}. Widen its range, or change what it has to "
-            "reach.",
-            {"name": self.free[position].name, "low": low, "high": high, "shortest": why[0],
-             "longest": why[-1]},
+            "{name} from {low} to {high} leaves no length that serves: {why}. Widen its range, or "
+            "change what it has to reach.",
+            {"name": self.free[position].name, "low": low, "high": high,
+             "why": why[-1] if why[0] == why[-1]
+             else f"with the shortest, {why[0]}; with the longest, {why[-1]}"},
         )  # fmt: skip
 
     def tied_otherwise(self, name: str) -> bool:
