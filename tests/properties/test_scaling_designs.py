@@ -3,7 +3,7 @@
 Numbers are told on the wire in mm and s, and solved without either: scaling every length by 1e-6
 or 1e6, or the speed, may change no relative result beyond 1e-9. Of a flat face the optimum is that
 of a linear program and often not unique: other laws are as good, and the last bit decides which is
-found. There the value, the size and the verdict are compared, to what the solver settles them to.
+found. There the value and the verdict are compared.
 """
 
 from __future__ import annotations
@@ -38,7 +38,7 @@ CAMS: dict[str, dict[str, Any]] = {
         jerk(61.0), {"kind": "face_width", "width_mm": 95.0}, radius(2.0), follower=FACE
     ),
 }  # fmt: skip
-SETTLED = 1e-8
+SETTLED = 1e-9
 LENGTH = ("_mm", "_mm_per_s", "_mm_per_s2", "_mm_per_s3")
 POWER = {"velocity": 1, "acceleration": 2, "jerk": 3}
 
