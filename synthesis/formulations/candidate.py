@@ -163,6 +163,8 @@ def value(settled: Problem, size: Vector) -> float:
         return norm.value(size)
     if order is not None:
         return sqrt(sum(mean_square(s.placed(), order) for s in settled.stretches))
+    if objective.limits(1.0, machine):  # on an arm: no rows say it
+        return max(objective.worst(s, machine, size) for s in settled.stretches)
     return _fraction(settled, size) if objective.fractional else _level(settled, size, 0.0)
 
 
