@@ -27,7 +27,7 @@ from synthesis.formulations.problem import Problem, pose
 from synthesis.numerics.bspline import SplineSpace
 from synthesis.numerics.piecewise import Piecewise
 from synthesis.solvers.clarabel import ConeSolution, solve
-from synthesis.solvers.statuses import Stopped
+from synthesis.solvers.statuses import USABLE
 from synthesis.spec import DesignSpec
 
 STEP = 1e-5  # relative, for the matrices' change: rounding and curvature both below 1e-9
@@ -126,7 +126,7 @@ def sensitivities(design: Design) -> Sensitivities:
         return told([], "not known: this objective or follower leads to no single cone program")
     plan = family.stated(problem)
     solution = solve(plan.program)
-    if solution.stopped not in (Stopped.SOLVED, Stopped.INACCURATE):
+    if solution.stopped not in USABLE:
         return told([], f"not known: the solver stopped with {solution.word}")
     solved = _Solved(spec, family, plan, solution)
     if abs(solved.value() - proof.value) > AGREES * abs(proof.value):

@@ -15,7 +15,6 @@ from synthesis.units import DEGREE
 NAMES = ("displacement", "velocity", "acceleration", "jerk", "snap")
 REPORTED = 2  # jumps up to s'' are reported where they are allowed
 BACKWARD = 1e-9  # of the lift: travel against the sense of a stretch that counts as none
-BOXES = 8
 
 
 def joins(course: Course, machine: Machine, continuity: int | None = None) -> list[Extreme]:

@@ -29,7 +29,7 @@ from synthesis.formulations.search import Search, Stage
 from synthesis.motion import Stretch
 from synthesis.numerics.piecewise import Array
 from synthesis.solvers.clarabel import ConeSolution, solve
-from synthesis.solvers.statuses import Stopped
+from synthesis.solvers.statuses import USABLE, Stopped
 
 INTERVALS = 20  # of the first laws of every climb
 FEW = 2  # times at most that these are refined for the laws that say where better cams lie
@@ -40,7 +40,6 @@ SAMPLES = 200
 CLOSE_BY = 0.08  # of a law: parts that are no farther apart are one
 AIM = 0.985  # of the tolerance: the gap that is to be proven
 SPARE = 1e-9
-USABLE = (Stopped.SOLVED, Stopped.INACCURATE)
 TURNS = 8  # of hulls and rows in a box
 WORTH = 0.85  # of the hulls' width: what a turn must leave at most for another one
 ROUNDS = 5  # of finer knots

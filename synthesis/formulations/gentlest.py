@@ -27,7 +27,7 @@ from synthesis.limits import Limit, Machine
 from synthesis.motion import Stretch
 from synthesis.objectives import Objective
 from synthesis.solvers.clarabel import solve
-from synthesis.solvers.statuses import Stopped
+from synthesis.solvers.statuses import USABLE
 from synthesis.terms import Row
 
 ROUNDS = 8
@@ -108,7 +108,7 @@ def gentlest(
     for _ in range(ROUNDS):
         plan = formulate(asked, present, 0.0, Drawn(tighten))
         solution = solve(plan.program, deadline - time.monotonic())
-        if solution.stopped not in (Stopped.SOLVED, Stopped.INACCURATE):
+        if solution.stopped not in USABLE:
             break
         lower, found = bound(plan, solution), settle(asked, *plan.recover(solution.x))
         least = lower.value if lower.switching else -inf

@@ -31,7 +31,7 @@ from synthesis.formulations.tube import size_ends, tube_of
 from synthesis.formulations.tubing import Tube
 from synthesis.motion import Stretch
 from synthesis.solvers.clarabel import solve
-from synthesis.solvers.statuses import Stopped
+from synthesis.solvers.statuses import USABLE, Stopped
 
 COARSE = 20  # intervals of the laws that say how wide the tube is
 NODES = 7  # of a tube
@@ -41,7 +41,6 @@ ROUNDS = 5
 FEWEST = 40  # points of the rows along a tube
 SPARE = 1e-9
 REACHED = 1e-5  # beyond what laws on coarse knots reach, so that there is a choice left
-USABLE = (Stopped.SOLVED, Stopped.INACCURATE)
 TURNS = 4  # tubes narrowed with the rows that the wider ones gave
 WORTH = 0.15  # of the gap: what a turn must gain for another one
 KNOTS = 0.3  # of the gap: what knots must have to gain for finer ones

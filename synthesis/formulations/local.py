@@ -17,11 +17,10 @@ from synthesis.numerics.piecewise import Array
 from synthesis.objectives.rms_acceleration import RmsAcceleration
 from synthesis.objectives.rms_jerk import RmsJerk
 from synthesis.solvers.clarabel import solve
-from synthesis.solvers.statuses import Stopped
+from synthesis.solvers.statuses import USABLE
 
 FAR = 1.5  # of the bound: a cam this large is not taken for a start without a look at another
 EXCHANGES = 3  # of rows between whose points something was missed
-USABLE = (Stopped.SOLVED, Stopped.INACCURATE)
 
 
 def nonlinear(state: Search) -> None:

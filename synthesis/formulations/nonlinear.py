@@ -26,11 +26,10 @@ from synthesis.formulations.rows import Block
 from synthesis.formulations.spots import Spots, broken, spread
 from synthesis.numerics.piecewise import Array
 from synthesis.solvers.ipopt import Guess, SmoothProgram, solve
-from synthesis.solvers.statuses import Stopped
+from synthesis.solvers.statuses import USABLE, Stopped
 
 ROUNDS = 6
 NOWHERE = 1e-24  # added to a norm's square, in the plan's units
-USABLE = (Stopped.SOLVED, Stopped.INACCURATE)
 
 
 @dataclass(frozen=True, eq=False)

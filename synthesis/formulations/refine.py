@@ -28,7 +28,7 @@ from synthesis.formulations.steepness import steepness
 from synthesis.formulations.tangency import turned
 from synthesis.numerics.piecewise import Array
 from synthesis.solvers.clarabel import ConeSolution, solve
-from synthesis.solvers.statuses import Stopped
+from synthesis.solvers.statuses import USABLE, Stopped
 
 SHAPE = 0.05  # a gap below which rounds for the bound alone do not pay, where curvature decides
 ROUNDS = 8
@@ -36,7 +36,6 @@ COARSE, FINE = 12, 96  # intervals of the first grid, by tolerance
 CURVED = 16  # the most of them while rows still have to turn
 LEVELS = 20
 STAYS = 1e-7  # of the level: an estimate's slope is taken over steps a thousand times longer
-USABLE = (Stopped.SOLVED, Stopped.INACCURATE)
 
 
 def search(

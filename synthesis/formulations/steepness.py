@@ -20,12 +20,12 @@ from synthesis.formulations.candidate import Candidate
 from synthesis.formulations.closed_form import nearest
 from synthesis.formulations.convex import formulate
 from synthesis.formulations.cuts import About
-from synthesis.formulations.known import USABLE, Known, empty, narrowed
+from synthesis.formulations.known import Known, empty, narrowed
 from synthesis.formulations.problem import Problem
 from synthesis.formulations.search import Search, Stage
 from synthesis.objectives.base_radius import BaseRadius
 from synthesis.solvers.clarabel import solve
-from synthesis.solvers.statuses import Stopped
+from synthesis.solvers.statuses import USABLE, Stopped
 
 FIRST = 1.0  # 45°: where the search begins
 MARGIN = 0.05  # of what is between them: how near to an end the next limit may lie

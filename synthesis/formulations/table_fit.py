@@ -20,14 +20,13 @@ from scipy.sparse.linalg import splu
 from synthesis.numerics.bspline import SplineSpace
 from synthesis.numerics.piecewise import Array
 from synthesis.solvers.clarabel import ConeProgram, ConeSolution, solve
-from synthesis.solvers.statuses import Stopped
+from synthesis.solvers.statuses import USABLE, Stopped
 
 FIRST, MOST = 16, 2048  # intervals
 ENOUGH = 1e-2  # relative gain of halving the knots that is not worth it
 DRAWN = 1e-4  # of the tolerance: what the solver's accuracy may use up
 JERK = 3
 SPARE = 1.01  # of the least deviation there is, so that the jerk has something to gain
-USABLE = (Stopped.SOLVED, Stopped.INACCURATE)
 
 
 @dataclass(frozen=True, eq=False)

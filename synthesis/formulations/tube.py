@@ -20,9 +20,8 @@ from synthesis.formulations.rows import Block
 from synthesis.formulations.tubing import Tube
 from synthesis.numerics.piecewise import Array
 from synthesis.solvers.clarabel import solve
-from synthesis.solvers.statuses import Stopped
+from synthesis.solvers.statuses import USABLE
 
-USABLE = (Stopped.SOLVED, Stopped.INACCURATE)
 SPARE = 1e-9
 NODES = 12  # intervals of a law between the knots at which its tube is known
 

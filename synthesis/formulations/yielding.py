@@ -19,10 +19,9 @@ from synthesis.formulations.parts import Part, RangePart
 from synthesis.formulations.rows import Block
 from synthesis.numerics.piecewise import Array
 from synthesis.solvers.clarabel import ConeProgram, solve
-from synthesis.solvers.statuses import Stopped
+from synthesis.solvers.statuses import USABLE
 
 NOBODY = -1
-USABLE = (Stopped.SOLVED, Stopped.INACCURATE)
 
 
 @dataclass(frozen=True, eq=False)

@@ -15,3 +15,7 @@ class Stopped(Enum):
     OUT_OF_TIME = "out of time"
     OUT_OF_ITERATIONS = "out of iterations"
     FAILED = "failed"
+
+
+USABLE = (Stopped.SOLVED, Stopped.INACCURATE)
+"""Stops that leave a point worth looking at."""
