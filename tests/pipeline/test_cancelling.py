@@ -5,11 +5,13 @@ from __future__ import annotations
 from threading import Event, Thread
 from typing import Any
 
+import numpy as np
 import pytest
+from scipy import sparse
 
 from synthesis import clock, synthesise
 from synthesis.errors import Cancelled
-from synthesis.solvers import ipopt
+from synthesis.solvers import highs, ipopt
 from tests.pipeline.scenes import PRESSURE, jerk, spec
 
 RADIUS = {"kind": "profile_radius", "min_mm": 12.0}
@@ -65,6 +67,18 @@ def test_ipopt_stops_between_two_iterations(monkeypatch: pytest.MonkeyPatch) -> 
     with clock.cancelled_by(event), pytest.raises(Cancelled):
         synthesise(spec(**SCENES["IPOPT"]))
     assert told == ["asked"]
+
+
+def test_linear_programs_stop_between_two_objectives() -> None:
+    rows = highs.LinearRows(
+        sparse.csc_matrix([[1.0, 2.0]]), np.array([3.0]), 0, np.zeros(2), np.full(2, 5.0)
+    )
+    objectives = [np.array([-1.0, k]) for k in range(5)]
+    patience = Patience(3)
+    with clock.cancelled_by(patience), pytest.raises(Cancelled):
+        highs.least(rows, objectives)
+    assert patience.looks == 4
+    assert len(highs.least(rows, objectives)) == 5
 
 
 def test_it_is_the_threads_own_affair() -> None:
