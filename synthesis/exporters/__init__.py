@@ -11,11 +11,15 @@ from typing import Any
 
 from synthesis.exporters import (
     csv_table,
+    fidelity_json,
+    ibl_curve,
     json_table,
+    sldcrv_curve,
     svg_motion,
     svg_profile,
     txt_points,
     txt_table,
+    xlsx_points,
 )
 from synthesis.exporters.cam import profiles
 from synthesis.exporters.exporter import Exporter
@@ -31,7 +35,16 @@ from synthesis.exporters.options import (
 PROFILE_FORMATS: Mapping[str, Exporter[Any]] = MappingProxyType(
     {
         each.name: each
-        for each in (json_table.PROFILE, csv_table.PROFILE, txt_points.PROFILE, svg_profile.PROFILE)
+        for each in (
+            json_table.PROFILE,
+            csv_table.PROFILE,
+            txt_points.PROFILE,
+            svg_profile.PROFILE,
+            ibl_curve.PROFILE,
+            sldcrv_curve.PROFILE,
+            xlsx_points.PROFILE,
+            fidelity_json.PROFILE,
+        )
     }
 )
 MOTION_FORMATS: Mapping[str, Exporter[Any]] = MappingProxyType(
