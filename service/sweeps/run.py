@@ -7,7 +7,7 @@ import logging
 
 from sqlalchemy.exc import InterfaceError, OperationalError
 
-from service.engine import Engine
+from service.engine import Engine, new_name
 from service.errors import EngineUnreachable, WorkerLost
 from service.problem import described
 from service.settings import Settings
@@ -20,7 +20,6 @@ from synthesis.sweeps import SweepSpec
 
 log = logging.getLogger("camwright.sweeps")
 AGAIN_S = 0.5  # after the engine or the store was not there
-STOP_S = 0.5  # that chunks get to end in when the sweep is stopped; then their workers are
 
 
 class Run:
@@ -35,7 +34,7 @@ class Run:
         self._sent = self._spec.without_values().model_dump_json().encode()
         self._writing = asyncio.Lock()
         self._stopping = False
-        self._flights: set[asyncio.Task[None]] = set()
+        self._flights: dict[asyncio.Task[None], str] = {}  # chunks under way, by name
         self.progress = Progress()
 
     async def work(self) -> None:
@@ -58,12 +57,14 @@ class Run:
             self.progress.woken()
 
     async def stop(self) -> None:
-        """Send nothing more; give what is being worked on a moment, then stop it."""
+        """Send nothing more, and stop what is being worked on: what is done of it is kept."""
         self._stopping = True
-        if self._flights:
-            await asyncio.wait(self._flights, timeout=STOP_S)
-        for flight in self._flights:
-            flight.cancel()
+        if not self._flights:
+            return
+        landed = asyncio.gather(*self._flights, return_exceptions=True)
+        if not await self._engine.stop(list(self._flights.values()), landed):
+            for flight in self._flights:
+                flight.cancel()
 
     async def _sent_out(self, chunks: Chunks) -> None:
         while True:
@@ -73,23 +74,24 @@ class Run:
                 wanted = chunks.take()
                 if not wanted:
                     break
-                self._flights.add(asyncio.create_task(self._flown(chunks, wanted)))
+                name = new_name()
+                flight = asyncio.create_task(self._flown(chunks, wanted, name))
+                self._flights[flight] = name
             if not self._flights:
                 return
-            landed, self._flights = await asyncio.wait(
-                self._flights, return_when=asyncio.FIRST_COMPLETED
-            )
+            landed, _ = await asyncio.wait(self._flights, return_when=asyncio.FIRST_COMPLETED)
             for flight in landed:
+                del self._flights[flight]
                 if not flight.cancelled():
                     flight.result()
 
-    async def _flown(self, chunks: Chunks, numbers: list[int]) -> None:
+    async def _flown(self, chunks: Chunks, numbers: list[int], name: str) -> None:
         """One chunk: there, back, and into the store."""
         wanted = [(number, self._spec.picks(number)) for number in numbers]
         try:
             answers = await self._engine.run(
                 solve_items, self._sent, wanted, self._budget_s, self._engine.task,
-                budget_s=self._budget_s + SLICE_S, behind=True,
+                budget_s=self._budget_s + SLICE_S, behind=True, name=name,
             )  # fmt: skip
         except EngineUnreachable:
             chunks.back(numbers)
@@ -108,8 +110,12 @@ class Run:
     async def _kept(self, done: list[Done]) -> None:
         async with self._writing:  # their order in the store is the order in which they are seen
             while True:
+                writing = asyncio.ensure_future(self._store.record(self._row.sequence, done))
                 try:
-                    row = await self._store.record(self._row.sequence, done)
+                    row = await asyncio.shield(writing)
+                except asyncio.CancelledError:  # it is written, and only then stopped
+                    await asyncio.wait({writing})
+                    raise
                 except (InterfaceError, OperationalError):
                     log.exception("the store cannot be reached; finished items wait for it")
                     await asyncio.sleep(AGAIN_S)

@@ -19,6 +19,7 @@ import casadi
 import numpy as np
 from scipy import sparse
 
+from synthesis import clock
 from synthesis.formulations.convex import Plan
 from synthesis.formulations.matrix import Ball
 from synthesis.formulations.problem import Problem
@@ -71,7 +72,7 @@ def improve(
     guess, iterations, rows = Guess(start), 0, 0
     stopped, word = Stopped.OUT_OF_TIME, "deadline"
     for _ in range(ROUNDS):
-        left = inf if deadline is None else deadline - time.monotonic()
+        left = inf if deadline is None else deadline - clock.now()
         if left <= 0.0:
             stopped, word = Stopped.OUT_OF_TIME, "deadline"
             break

@@ -11,6 +11,7 @@ import numpy as np
 from scipy import sparse
 from scipy.sparse.linalg import splu
 
+from synthesis import clock
 from synthesis.numerics.piecewise import Array
 from synthesis.solvers.statuses import Stopped
 
@@ -101,6 +102,9 @@ def solve(program: ConeProgram, time_limit: float = math.inf) -> ConeSolution:
     Args:
         program: the matrices.
         time_limit: seconds after which the solver gives up.
+
+    Raises:
+        Cancelled: nobody waits for it any more.
     """
     settings = clarabel.DefaultSettings()
     settings.verbose = False
@@ -116,9 +120,14 @@ def solve(program: ConeProgram, time_limit: float = math.inf) -> ConeSolution:
         *(clarabel.SecondOrderConeT(size) for size in program.cones),
     ]
     started = time.perf_counter()
-    found = clarabel.DefaultSolver(
+    solver = clarabel.DefaultSolver(
         program.quadratic, program.linear, program.matrix, program.rhs, kinds, settings
-    ).solve()
+    )
+    asked = clock.interruption()
+    if asked is not None:
+        solver.set_termination_callback(lambda _: asked())
+    found = solver.solve()
+    clock.now()
     word = str(found.status)
     return ConeSolution(
         _closed(program, np.asarray(found.x)),

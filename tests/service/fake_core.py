@@ -9,6 +9,7 @@ from collections.abc import Sequence
 from typing import Any
 
 from service.solve import Answer, answered
+from synthesis import clock
 from synthesis.design import Certificate, Design, Report, design_id, engine_version
 from synthesis.errors import SolverFailed, TimeBudgetExceeded
 from synthesis.spec import DesignSpec
@@ -25,9 +26,13 @@ def task(spec: bytes, budget_s: float, also: Sequence[Any] = ()) -> Answer:
 def synthesise(spec: DesignSpec, *, deadline: float | None = None) -> Design:
     assert deadline is not None
     word, _, number = spec.name.partition(" ")
-    seconds = float(number) if word in ("sleep", "die") and number else 0.0
+    seconds = float(number) if word in ("sleep", "look", "die") and number.strip() else 0.0
     if word == "sleep":
         time.sleep(seconds)
+    elif word == "look":
+        until = clock.now() + seconds
+        while clock.now() < until:
+            time.sleep(0.01)
     elif word == "die":
         time.sleep(seconds)
         os.kill(os.getpid(), signal.SIGKILL)
