@@ -17,7 +17,7 @@ from pydantic_core import PydanticCustomError
 from service.documentation import in_parts, problems, spec_body
 from service.errors import NothingFits
 from service.examples import CAM_SETS
-from service.routes.download import SVG, ChordTolerance, Download
+from service.routes.download import SVG, Download
 from service.routes.kept import (
     CREATED,
     SHOWN,
@@ -38,6 +38,7 @@ from service.views import CamSetPage
 from synthesis.camset import CamSet
 from synthesis.exporters import MOTION_FORMATS, PROFILE_FORMATS, MotionOptions, ProfileOptions
 from synthesis.exporters.bundle import MEDIA_TYPE, BundleOptions, bundle
+from synthesis.exporters.options import ChordTolerance
 from synthesis.exporters.svg_timing import timing_diagram
 
 router = APIRouter(prefix="/v1/cam-sets", tags=["cam sets"])

@@ -6,10 +6,8 @@ import asyncio
 import re
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Annotated
 
 from fastapi import Request, Response
-from pydantic import Field
 
 from service.etag import tag_of, unchanged
 from service.ranges import IN_PARTS
@@ -17,15 +15,6 @@ from service.store import Row
 
 SVG = "image/svg+xml"
 NOTHING_RUNS = "default-src 'none'; style-src 'unsafe-inline'"
-
-ChordTolerance = Annotated[
-    float | None,
-    Field(
-        le=1e6,
-        description="Largest distance of a chord from the curve [µm]; decides instead of "
-        "points_per_degree.",
-    ),
-]
 
 
 @dataclass(frozen=True)

@@ -7,6 +7,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from types import MappingProxyType
+from typing import Any
 
 from synthesis.exporters import (
     csv_table,
@@ -18,15 +19,22 @@ from synthesis.exporters import (
 )
 from synthesis.exporters.cam import profiles
 from synthesis.exporters.exporter import Exporter
-from synthesis.exporters.options import CurveName, MotionOptions, ProfileOptions
+from synthesis.exporters.options import (
+    CurveName,
+    MotionOptions,
+    Options,
+    PointOptions,
+    ProfileOptions,
+    form,
+)
 
-PROFILE_FORMATS: Mapping[str, Exporter[ProfileOptions]] = MappingProxyType(
+PROFILE_FORMATS: Mapping[str, Exporter[Any]] = MappingProxyType(
     {
         each.name: each
         for each in (json_table.PROFILE, csv_table.PROFILE, txt_points.PROFILE, svg_profile.PROFILE)
     }
 )
-MOTION_FORMATS: Mapping[str, Exporter[MotionOptions]] = MappingProxyType(
+MOTION_FORMATS: Mapping[str, Exporter[Any]] = MappingProxyType(
     {
         each.name: each
         for each in (json_table.MOTION, csv_table.MOTION, txt_table.MOTION, svg_motion.MOTION)
@@ -39,6 +47,9 @@ __all__ = [
     "CurveName",
     "Exporter",
     "MotionOptions",
+    "Options",
+    "PointOptions",
     "ProfileOptions",
+    "form",
     "profiles",
 ]

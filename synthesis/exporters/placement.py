@@ -4,15 +4,15 @@ from __future__ import annotations
 
 import math
 
-from synthesis.exporters.chords import position
-from synthesis.exporters.options import ProfileOptions
+from synthesis.exporters.cam import Cam
+from synthesis.exporters.options import CurveOptions
 from synthesis.numerics.piecewise import Array
 from synthesis.profile import CamProfile
 
 
-def placed(options: ProfileOptions, cam: CamProfile) -> tuple[Array, Array]:
-    """x and y of the chosen curve [mm], turned by the options' angle."""
-    x, y = position(options.curve, cam)
+def placed(cam: Cam, options: CurveOptions, at: CamProfile) -> tuple[Array, Array]:
+    """x and y of the cam's curve [mm], turned by the options' angle."""
+    x, y = cam.place(at)
     if options.turn_deg == 0.0:
         return x, y
     cos, sin = _cos_sin(options.turn_deg)

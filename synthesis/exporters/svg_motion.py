@@ -115,4 +115,4 @@ def _angle_axis(bottom: float) -> list[str]:
     return [*body, svg.text("label", middle, bottom + 9.2, "Cam angle, degrees", "middle")]
 
 
-MOTION = Exporter("svg", "Diagrams of the motion", "image/svg+xml", ".svg", _motion)
+MOTION = Exporter("svg", "Diagrams of the motion", "image/svg+xml", ".svg", _motion, MotionOptions)

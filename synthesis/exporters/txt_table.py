@@ -20,4 +20,4 @@ def _motion(design: Design, options: MotionOptions) -> bytes:
 
 
 _TITLE = "Table, space separated, no header: the columns of csv in their order"
-MOTION = Exporter("txt", _TITLE, "text/plain; charset=us-ascii", ".txt", _motion)
+MOTION = Exporter("txt", _TITLE, "text/plain; charset=us-ascii", ".txt", _motion, MotionOptions)
