@@ -131,7 +131,7 @@ class Engine:
         future = self._client.submit(stoppable, key, work, *given, key=key, pure=False)
         result = asyncio.ensure_future(future.result())
         try:
-            answer: T = await self._answer(result, budget_s)
+            answer: T = await self._answer(future, result, budget_s)
             return answer
         finally:
             # A place is free again when its worker is: a lost one has to be replaced first.
@@ -172,8 +172,14 @@ class Engine:
                 self.waiting -= not behind
                 self._turn.notify_all()
 
-    async def _answer(self, result: asyncio.Task[Any], budget_s: float) -> Any:
-        done, _ = await asyncio.wait({result}, timeout=budget_s + self._settings.grace_s)
+    async def _answer(self, future: Any, result: asyncio.Task[Any], budget_s: float) -> Any:
+        allowed = budget_s + self._settings.grace_s
+        done, _ = await asyncio.wait({result}, timeout=allowed)
+        if not done and not await self._begun(future):  # another service's work was before it
+            while not done and not await self._begun(future):
+                done, _ = await asyncio.wait({result}, timeout=WATCH_S)
+            if not done:
+                done, _ = await asyncio.wait({result}, timeout=allowed)
         if not done:
             raise TimeBudgetExceeded(budget_s)
         try:
@@ -187,6 +193,14 @@ class Engine:
             ) from None
         except (CommClosedError, FutureCancelledError):
             raise EngineUnreachable("The engine was lost meanwhile. Try again.", RETRY) from None
+
+    async def _begun(self, future: Any) -> bool:
+        """Whether a worker has this task: several services may share the workers elsewhere."""
+        try:
+            at_work = await self._client.processing()
+        except (OSError, CommClosedError):
+            return False  # the result will say so
+        return any(future.key in keys for keys in at_work.values())
 
     async def _leave(self) -> None:
         async with self._turn:

@@ -42,6 +42,8 @@ OPTIONS: dict[str, Any] = {
     "ipopt.bound_relax_factor": 1e-9,
     "ipopt.acceptable_constr_viol_tol": 1e-6,
     "ipopt.max_iter": 200,
+    # a step that needs more of it is given up: MUMPS takes seconds over such a matrix
+    "ipopt.max_hessian_perturbation": 1e5,
 }
 COLD: dict[str, Any] = {"ipopt.mu_init": 1e-3}
 WARM: dict[str, Any] = {

@@ -107,6 +107,16 @@ def test_the_design_of_an_item_is_that_of_its_spec_alone(client: httpx2.Client) 
     assert (kept.content, kept.headers["etag"]) == (answer.content, answer.headers["etag"])
 
 
+def test_a_design_that_was_there_before_its_sweep_is_forgotten_alone(client: httpx2.Client) -> None:
+    body = sweep_of(["there before"])
+    answer = client.post("/v1/designs", json={**body["base"], "name": "there before"})
+    where = answer.headers["content-location"]
+    over(client, posted(client, body))
+    assert client.delete(where).status_code == 204
+    assert client.get(where).content == answer.content
+    is_problem(client.delete(where), 409, "part-of-sweep")
+
+
 def test_the_same_sweep_is_joined_and_a_key_goes_with_it(client: httpx2.Client) -> None:
     body, key = sweep_of(["sleep 0.3", "x"]), {"Idempotency-Key": "sweep-key-1"}
     first = client.post("/v1/sweeps", json=body, headers=key).json()
@@ -223,6 +233,10 @@ def test_a_sweep_that_is_over_is_discarded_with_its_items(client: httpx2.Client)
     where = posted(client, sweep_of(["one", "two"]))
     over(client, where)
     design = client.get(f"{where}/items/0").json()["links"]["design"]
+    told = is_problem(client.delete(design), 409, "part-of-sweep")["detail"]
+    assert f"item 0 of sweep {where.rpartition('/')[2]}" in told
+    assert f"DELETE {where} " in told
+    assert client.get(design).status_code == 200
     assert client.delete(where).status_code == 204
     for gone in (where, f"{where}/items", f"{where}/items/0", f"{where}/events"):
         is_problem(client.get(gone), 404, "unknown-sweep")
