@@ -11,7 +11,7 @@ from __future__ import annotations
 
 from synthesis.design import Design
 from synthesis.exporters.cutting import chosen
-from synthesis.exporters.exporter import Exporter
+from synthesis.exporters.exporter import Exporter, untold
 from synthesis.exporters.options import PointOptions
 from synthesis.exporters.sampling import written_points
 
@@ -26,6 +26,7 @@ def _profile(design: Design, options: PointOptions) -> bytes:
 
 
 PROFILE = Exporter(
-    "txt", "Points x y z for CAD", "text/plain; charset=us-ascii", ".txt", _profile, PointOptions,
+    "txt", "Points x y z for CAD", "text/plain; charset=us-ascii", ".txt",
+    untold(_profile), PointOptions,
     "Curve through points in most CAD systems and in coordinate measuring machines.",
 )  # fmt: skip
