@@ -11,10 +11,14 @@ from typing import Any
 
 from synthesis.exporters import (
     csv_table,
+    dxf_drawing,
     fidelity_json,
     ibl_curve,
+    iges_curve,
     json_table,
+    nurbs_json,
     sldcrv_curve,
+    step_curve,
     svg_motion,
     svg_profile,
     txt_points,
@@ -22,7 +26,8 @@ from synthesis.exporters import (
     xlsx_points,
 )
 from synthesis.exporters.cam import profiles
-from synthesis.exporters.exporter import Exporter
+from synthesis.exporters.exact_options import DrawingOptions, ExactOptions
+from synthesis.exporters.exporter import Exporter, Made
 from synthesis.exporters.options import (
     CurveName,
     MotionOptions,
@@ -44,6 +49,10 @@ PROFILE_FORMATS: Mapping[str, Exporter[Any]] = MappingProxyType(
             sldcrv_curve.PROFILE,
             xlsx_points.PROFILE,
             fidelity_json.PROFILE,
+            dxf_drawing.PROFILE,
+            step_curve.PROFILE,
+            iges_curve.PROFILE,
+            nurbs_json.PROFILE,
         )
     }
 )
@@ -58,7 +67,10 @@ __all__ = [
     "MOTION_FORMATS",
     "PROFILE_FORMATS",
     "CurveName",
+    "DrawingOptions",
+    "ExactOptions",
     "Exporter",
+    "Made",
     "MotionOptions",
     "Options",
     "PointOptions",

@@ -7,7 +7,7 @@ from dataclasses import asdict
 
 from synthesis.design import Design
 from synthesis.exporters.cutting import chosen
-from synthesis.exporters.exporter import Exporter
+from synthesis.exporters.exporter import Exporter, untold
 from synthesis.exporters.fidelity.block import fidelity_block
 from synthesis.exporters.options import PointOptions
 from synthesis.exporters.sampling import written_points
@@ -26,7 +26,7 @@ def _profile(design: Design, options: PointOptions) -> bytes:
 
 PROFILE = Exporter(
     "fidelity.json", "What readers make of the points", "application/json", ".fidelity.json",
-    _profile, PointOptions,
+    untold(_profile), PointOptions,
     "Before a point file goes to CAD: what straight lines and periodic, not-a-knot and natural "
     "splines through its rounded points do to the form and to the follower's acceleration.",
     usual=False,

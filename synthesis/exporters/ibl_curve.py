@@ -14,7 +14,8 @@ from pydantic import Field
 
 from synthesis.design import Design
 from synthesis.exporters.cutting import chosen
-from synthesis.exporters.exporter import Exporter
+from synthesis.exporters.exporter import Exporter, untold
+from synthesis.exporters.fidelity.told import fidelity_told
 from synthesis.exporters.options import PointOptions
 from synthesis.exporters.point_rows import point_rows
 from synthesis.exporters.sampling import written_points
@@ -56,6 +57,8 @@ def _profile(design: Design, options: IblOptions) -> bytes:
 
 
 PROFILE = Exporter(
-    "ibl", "Datum curve for Creo", "text/plain; charset=us-ascii", ".ibl", _profile, IblOptions,
+    "ibl", "Datum curve for Creo", "text/plain; charset=us-ascii", ".ibl",
+    untold(_profile), IblOptions,
     "Creo and Pro/ENGINEER: Get Data, Import, or a datum curve from a file.", usual=False,
+    measured=fidelity_told,
 )  # fmt: skip

@@ -12,7 +12,8 @@ import numpy as np
 from synthesis.design import Design
 from synthesis.errors import InputError
 from synthesis.exporters.cutting import chosen
-from synthesis.exporters.exporter import Exporter
+from synthesis.exporters.exporter import Exporter, untold
+from synthesis.exporters.fidelity.told import fidelity_told
 from synthesis.exporters.options import PointOptions
 from synthesis.exporters.point_rows import point_rows
 from synthesis.exporters.sampling import in_degrees, written_points
@@ -38,6 +39,7 @@ def _profile(design: Design, options: PointOptions) -> bytes:
 
 
 PROFILE = Exporter(
-    "sldcrv", "Curve for SOLIDWORKS", "text/plain; charset=us-ascii", ".sldcrv", _profile,
+    "sldcrv", "Curve for SOLIDWORKS", "text/plain; charset=us-ascii", ".sldcrv", untold(_profile),
     PointOptions, "SOLIDWORKS: Insert, Curve, Curve Through XYZ Points.", usual=False,
+    measured=fidelity_told,
 )  # fmt: skip

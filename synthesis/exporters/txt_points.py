@@ -11,7 +11,8 @@ from __future__ import annotations
 
 from synthesis.design import Design
 from synthesis.exporters.cutting import chosen
-from synthesis.exporters.exporter import Exporter
+from synthesis.exporters.exporter import Exporter, untold
+from synthesis.exporters.fidelity.told import fidelity_told
 from synthesis.exporters.options import PointOptions
 from synthesis.exporters.point_rows import point_rows
 from synthesis.exporters.sampling import written_points
@@ -24,6 +25,8 @@ def _profile(design: Design, options: PointOptions) -> bytes:
 
 
 PROFILE = Exporter(
-    "txt", "Points x y z for CAD", "text/plain; charset=us-ascii", ".txt", _profile, PointOptions,
+    "txt", "Points x y z for CAD", "text/plain; charset=us-ascii", ".txt",
+    untold(_profile), PointOptions,
     "Curve through points in most CAD systems and in coordinate measuring machines.",
+    measured=fidelity_told,
 )  # fmt: skip

@@ -12,7 +12,8 @@ import xlsxwriter
 
 from synthesis.design import Design
 from synthesis.exporters.cutting import chosen
-from synthesis.exporters.exporter import Exporter
+from synthesis.exporters.exporter import Exporter, untold
+from synthesis.exporters.fidelity.told import fidelity_told
 from synthesis.exporters.options import PointOptions
 from synthesis.exporters.sampling import written_points
 
@@ -38,6 +39,7 @@ def _profile(design: Design, options: PointOptions) -> bytes:
 
 PROFILE = Exporter(
     "xlsx", "Points for Inventor",
-    "application/vnd.openxmlformats-officedocument.spreadsheetml.sheet", ".xlsx", _profile,
+    "application/vnd.openxmlformats-officedocument.spreadsheetml.sheet", ".xlsx", untold(_profile),
     PointOptions, "Autodesk Inventor: Import Points in a sketch. Any spreadsheet.", usual=False,
+    measured=fidelity_told,
 )  # fmt: skip
