@@ -15,6 +15,7 @@ from math import inf
 
 import numpy as np
 
+from synthesis import clock
 from synthesis.formulations.convex import Plan
 from synthesis.formulations.problem import Problem
 from synthesis.formulations.spots import Spots, broken, spread
@@ -83,7 +84,7 @@ def exchanged(
     began, iterations, rows = time.perf_counter(), 0, 0
     stopped, word = Stopped.OUT_OF_TIME, "deadline"
     for _ in range(ROUNDS):
-        left = inf if deadline is None else deadline - time.monotonic()
+        left = inf if deadline is None else deadline - clock.now()
         if left <= 0.0:
             stopped, word = Stopped.OUT_OF_TIME, "deadline"
             break

@@ -98,8 +98,9 @@ def test_export_writes_what_the_core_does(tmp_path: Path, fixed: Design, kept: b
     assert run.exit_code == 0, run.output
     expected = ProfileOptions(points_per_degree=3.0, curve="pitch", turn_deg=17.5)
     for name in ("csv", "txt"):
+        known = PROFILE_FORMATS[name]
         content = (tmp_path / "files" / f"pitch.{name}").read_bytes()
-        assert content == PROFILE_FORMATS[name].write(fixed, expected)
+        assert content == known.write(fixed, known.adapted(expected))
     asked = ["export", file, "--part", "motion", "--format", "svg", "--out", str(tmp_path)]
     assert runner.invoke(cli.app, asked).exit_code == 0
     drawn = MOTION_FORMATS["svg"].write(fixed, MotionOptions())
@@ -111,7 +112,12 @@ def test_export_writes_what_the_core_does(tmp_path: Path, fixed: Design, kept: b
     [
         ("fixed-laws", ["--format", "doc"], "--format doc: a profile is written as json, csv"),
         ("fixed-laws", ["--curve", "outside"], "outside"),
-        ("fixed-laws", ["--points-per-degree", "0"], "above 0"),
+        ("fixed-laws", ["--points-per-degree", "0"], "above 0 and at most 100"),
+        (
+            "fixed-laws",
+            ["--decimals", "3"],
+            "--decimals: csv has no such option. It has --curve",
+        ),
         ("fixed-laws", ["--part", "shadow"], "shadow"),
         ("infeasible-on-purpose", [], "no cam fits its limits"),
     ],
