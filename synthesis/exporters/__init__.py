@@ -26,6 +26,8 @@ from synthesis.exporters import (
     xlsx_points,
 )
 from synthesis.exporters.cam import profiles
+from synthesis.exporters.drives import codesys, kollmorgen, plain, rockwell, sew, twincat
+from synthesis.exporters.drives import fidelity_json as drive_fidelity
 from synthesis.exporters.exact_options import DrawingOptions, ExactOptions
 from synthesis.exporters.exporter import Exporter, Made
 from synthesis.exporters.options import (
@@ -59,7 +61,19 @@ PROFILE_FORMATS: Mapping[str, Exporter[Any]] = MappingProxyType(
 MOTION_FORMATS: Mapping[str, Exporter[Any]] = MappingProxyType(
     {
         each.name: each
-        for each in (json_table.MOTION, csv_table.MOTION, txt_table.MOTION, svg_motion.MOTION)
+        for each in (
+            json_table.MOTION,
+            csv_table.MOTION,
+            txt_table.MOTION,
+            svg_motion.MOTION,
+            plain.MOTION,
+            twincat.MOTION,
+            codesys.MOTION,
+            rockwell.MOTION,
+            kollmorgen.MOTION,
+            sew.MOTION,
+            drive_fidelity.MOTION,
+        )
     }
 )
 
