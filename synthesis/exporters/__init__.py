@@ -30,6 +30,7 @@ from synthesis.exporters.drives import codesys, kollmorgen, plain, rockwell, sew
 from synthesis.exporters.drives import fidelity_json as drive_fidelity
 from synthesis.exporters.exact_options import DrawingOptions, ExactOptions
 from synthesis.exporters.exporter import Exporter, Made
+from synthesis.exporters.machining import grinding, milling
 from synthesis.exporters.options import (
     CurveName,
     MotionOptions,
@@ -50,6 +51,8 @@ PROFILE_FORMATS: Mapping[str, Exporter[Any]] = MappingProxyType(
             ibl_curve.PROFILE,
             sldcrv_curve.PROFILE,
             xlsx_points.PROFILE,
+            milling.PROFILE,
+            grinding.PROFILE,
             fidelity_json.PROFILE,
             dxf_drawing.PROFILE,
             step_curve.PROFILE,
