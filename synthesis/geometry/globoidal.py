@@ -11,13 +11,12 @@ direction m from the axis to the contact, across u as well, fulfils
 
     m = cos η w + sin η k,   ρψ' cos η = χ (C − ρ cos ψ) sin η
 
-and −m is the second contact. A crowned roller has the radius r(ρ): its normal at ρ meets the axis at
-ρ + r r', where the same condition holds, because a normal's line is a line through which no rotation
-moves it along itself. The walls of the cam are the contacts, seen by the cam.
+and −m is the second contact. A crowned roller has the radius r(ρ): its normal at ρ meets the axis
+at ρ + r r', where the same condition holds, because a turn about a normal's line moves nothing
+along it. The walls of the cam are the contacts, seen by the cam.
 
-Source: derived here; for cylindrical rollers as in Gonzalez-Palacios and Angeles, Cam Synthesis
-(1993), chapter 8, and Tsay and Lin, "Improving the geometry design of cylindrical cams" (2006), with
-whom the pressure angle tan α = ρ|ψ'|/(C − ρ cos ψ) agrees.
+Source: derived here; with cylindrical rollers the pressure angle is tan α = ρ|ψ'|/(C − ρ cos ψ), as
+in the literature on roller gear cams (Gonzalez-Palacios and Angeles, Cam Synthesis, 1993).
 """
 
 from __future__ import annotations
@@ -35,7 +34,8 @@ class Roller:
     """A roller on a turret, cylindrical or crowned.
 
     Attributes:
-        radius: Rr at the middle of its width [mm]. inner, outer: its ends from the turret's axis [mm].
+        radius: Rr at the middle of its width [mm].
+        inner, outer: its ends, from the turret's axis [mm].
         crown: radius of its bulging outline in a plane through its axis [mm]; 0: cylindrical.
     """
 
@@ -71,12 +71,12 @@ class Contacts:
     """One wall of the cam: contacts of one side of a roller, at cam angles θ by places ρ.
 
     Attributes:
-        point, normal: (3, n, m) contact and unit normal, from the roller's axis into the cam, in the
-            frame of the machine [mm].
+        point, normal: (3, n, m) contact and unit normal, from the roller's axis into the cam, in
+            the frame of the machine [mm].
         slip: (3, n, m) velocity of roller against cam there, per radian of cam [mm].
         pressure_angle: (n, m) angle between the normal and the roller's way, 0 to 90° [rad].
-        regular: (n, m) by how much of itself the wall moves on with the roller's axis, 1 for an axis
-            without a roller; 0 or less where the wall is undercut.
+        regular: (n, m) area of the wall to that of the surface which the roller's axis sweeps, (1 −
+            Rr κ1)(1 − Rr κ2) of a cylinder; 0 or less where the wall is undercut.
     """
 
     point: Array
@@ -100,7 +100,11 @@ class Globoidal:
     hand: int = 1
 
     def contacts(self, place: Place, rho: Array, side: int) -> Contacts:
-        """The contacts at all ``place`` (n,) and ``rho`` (m,) [rad, mm]; ``side`` +1 or −1 along w."""
+        """The contacts at all ``place`` (n,) and ``rho`` (m,) [rad, mm].
+
+        Args:
+            side: +1 for those in the direction of w, −1 for those against it.
+        """
         psi1 = place.psi1[:, None]
         radius, slope, bend = self.roller.profile(rho)
         foot = rho + radius * slope
@@ -117,7 +121,9 @@ class Globoidal:
             point=point,
             normal=normal,
             slip=psi1 * np.stack([-point[1], point[0], 0.0 * point[2]]) - self._carried(point),
-            pressure_angle=np.arccos(np.clip(np.abs(_dot(normal, w)), 0.0, 1.0)),
+            pressure_angle=np.arctan2(
+                np.hypot(_dot(normal, u), _dot(normal, k)), np.abs(_dot(normal, w))
+            ),
             regular=_dot(_cross(still - self._carried(point), along), normal)
             / _dot(_cross(axis, u), m),
         )
@@ -125,9 +131,12 @@ class Globoidal:
     def on_cam(self, theta: Array, point: Array) -> Array:
         """Points (3, n, …) of the machine's frame at θ (n,) [rad] as the cam has them.
 
-        The cam's frame has its origin on its axis, which is y, and at θ = 0 the machine's directions.
+        The cam's frame has its origin on its axis, which is y, and at θ = 0 the directions of the
+        machine's.
         """
-        return turned(point - np.array([self.distance, 0.0, 0.0])[:, None, None], -self.hand * theta)
+        return turned(
+            point - np.array([self.distance, 0.0, 0.0])[:, None, None], -self.hand * theta
+        )
 
     def _carried(self, point: Array) -> Array:
         """Velocity of the cam at points (3, n, m) of the machine, per radian of cam [mm]."""
@@ -149,7 +158,8 @@ def _dot(a: Array, b: Array) -> Array:
 
 
 def _cross(a: Array, b: Array) -> Array:
-    return np.cross(*np.broadcast_arrays(a, b), axis=0)
+    (ax, ay, az), (bx, by, bz) = a, b
+    return np.stack([ay * bz - az * by, az * bx - ax * bz, ax * by - ay * bx])
 
 
 def _directions(psi: Array) -> tuple[Array, Array, Array]:
