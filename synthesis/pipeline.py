@@ -214,7 +214,7 @@ def _attempt(spec: DesignSpec, tables: Tables, stop: float, tighten: float) -> _
     attempt = _solved(spec.alone(), tables, stop, tighten)
     if attempt.best is None:
         return attempt
-    place = settled(spec, attempt.best)
+    place = settled(spec, attempt.best, stop)
     if not place.holds:
         first, attempt = attempt, _solved(place.spec, tables, stop, tighten)
         attempt.searches = [*first.searches, *attempt.searches]
