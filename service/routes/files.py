@@ -11,14 +11,15 @@ from fastapi import APIRouter, Query, Request, Response
 
 from service.documentation import in_parts, problems
 from service.errors import NothingFits
-from service.routes.download import Download
+from service.routes.download import Download, in_thread
 from service.routes.kept import done
 from service.state import Parts, State
 from service.store import Row
 from synthesis.design import Design
-from synthesis.exporters import MOTION_FORMATS, PROFILE_FORMATS, Exporter, form
+from synthesis.exporters import MOTION_FORMATS, PROFILE_FORMATS, Exporter, Made, form
 
 router = APIRouter(prefix="/v1/designs/{design_id}", tags=["files"])
+PACKED = ("application/vnd.openxmlformats-officedocument.spreadsheetml.sheet",)
 FORMATS = {"profile": PROFILE_FORMATS, "motion": MOTION_FORMATS}
 
 
@@ -29,14 +30,16 @@ async def _file(
     row, design = await done(parts.designs, name)
     file = Download(f"{_part(part, row)}{exporter.extension}", exporter.media_type)
     made_by = (part, exporter.name, repr(asdict(options)))
-    return await file.sent(request, row, made_by, partial(_written, design, exporter, options))
+    return await file.sent(
+        request, row, made_by, in_thread(partial(_made, design, exporter, options))
+    )
 
 
-def _written(design: bytes, exporter: Exporter[Any], options: Any) -> bytes:
+def _made(design: bytes, exporter: Exporter[Any], options: Any) -> Made:
     finished = Design.model_validate_json(design)
     if not finished.motion:
         raise NothingFits("No cam fits these limits: see conflict in the design for what would.")
-    return exporter.write(finished, options)
+    return exporter.whole(finished, options)
 
 
 def _part(part: str, row: Row) -> str:
@@ -78,7 +81,10 @@ def _add(part: str, exporter: Exporter[Any]) -> None:
 
 
 def _schema(exporter: Exporter[Any]) -> dict[str, str]:
-    return {"type": "object"} if exporter.media_type == "application/json" else {"type": "string"}
+    if exporter.media_type == "application/json":
+        return {"type": "object"}
+    packed = exporter.media_type in PACKED
+    return {"type": "string", "format": "binary"} if packed else {"type": "string"}
 
 
 for _of, _formats in FORMATS.items():

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from synthesis.design import Design
 from synthesis.errors import InputError
-from synthesis.exporters.options import CURVES, CurveName, CurveOptions, is_cutter, is_pitch
+from synthesis.exporters.options import CURVES, CurveName, PlacedCurve, is_cutter, is_pitch
 from synthesis.fields import Rotation
 from synthesis.followers import Follower
 from synthesis.followers.flank import Flank, labelled
@@ -70,7 +70,7 @@ class Cam:
     gap: float
 
     @classmethod
-    def of(cls, design: Design, options: CurveOptions | None = None) -> Cam:
+    def of(cls, design: Design, options: PlacedCurve | None = None) -> Cam:
         """The cam of a design and the curve that is asked for, its first profile unless said.
 
         A given cam that breaks its limits is infeasible, and yet can be drawn.
@@ -189,7 +189,7 @@ def _flank(follower: Follower, curve: CurveName) -> Flank:
     )
 
 
-def _gap(flank: Flank, options: CurveOptions | None) -> float:
+def _gap(flank: Flank, options: PlacedCurve | None) -> float:
     """See ``Cam.gap``."""
     if options is not None and is_pitch(options.curve):
         return 0.0

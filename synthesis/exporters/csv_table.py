@@ -13,7 +13,7 @@ from synthesis.design import Design
 from synthesis.exporters.cam import Cam
 from synthesis.exporters.columns import Column, motion_columns, profile_columns
 from synthesis.exporters.cutting import chosen
-from synthesis.exporters.exporter import Exporter
+from synthesis.exporters.exporter import Exporter, untold
 from synthesis.exporters.options import MotionOptions, ProfileOptions
 from synthesis.exporters.shortest import WIDTH, Whole, joined, written
 from synthesis.numerics.piecewise import Array
@@ -54,5 +54,5 @@ def _motion(design: Design, options: MotionOptions) -> bytes:
 
 
 _TITLE, _MEDIA = "Table, comma separated", "text/csv; charset=utf-8; header=present"
-PROFILE = Exporter("csv", _TITLE, _MEDIA, ".csv", _profile, ProfileOptions)
-MOTION = Exporter("csv", _TITLE, _MEDIA, ".csv", _motion, MotionOptions)
+PROFILE = Exporter("csv", _TITLE, _MEDIA, ".csv", untold(_profile), ProfileOptions)
+MOTION = Exporter("csv", _TITLE, _MEDIA, ".csv", untold(_motion), MotionOptions)

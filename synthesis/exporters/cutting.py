@@ -19,7 +19,7 @@ import numpy as np
 from synthesis.design import Design
 from synthesis.errors import InputError
 from synthesis.exporters.cam import Cam
-from synthesis.exporters.options import CurveOptions
+from synthesis.exporters.options import PlacedCurve
 from synthesis.exporters.sampling import in_degrees
 from synthesis.numerics.piecewise import Array
 from synthesis.profile import CamProfile
@@ -42,7 +42,7 @@ class Fit:
     y: float
 
 
-def chosen(design: Design, options: CurveOptions) -> Cam:
+def chosen(design: Design, options: PlacedCurve) -> Cam:
     """The cam and the curve that the options ask for.
 
     Raises:

@@ -13,7 +13,7 @@ from synthesis.design import Design
 from synthesis.exporters.cam import Cam
 from synthesis.exporters.columns import Column, motion_columns, profile_columns
 from synthesis.exporters.cutting import chosen
-from synthesis.exporters.exporter import Exporter
+from synthesis.exporters.exporter import Exporter, untold
 from synthesis.exporters.options import MotionOptions, ProfileOptions
 from synthesis.exporters.sampling import in_degrees
 from synthesis.exporters.shortest import WIDTH, joined, written
@@ -90,5 +90,5 @@ def _text(body: dict[str, Any]) -> bytes:
 
 
 _TITLE, _MEDIA = "Columns with units and metadata", "application/json"
-PROFILE = Exporter("json", _TITLE, _MEDIA, ".json", _profile, ProfileOptions)
-MOTION = Exporter("json", _TITLE, _MEDIA, ".json", _motion, MotionOptions)
+PROFILE = Exporter("json", _TITLE, _MEDIA, ".json", untold(_profile), ProfileOptions)
+MOTION = Exporter("json", _TITLE, _MEDIA, ".json", untold(_motion), MotionOptions)

@@ -125,12 +125,10 @@ class Sampled(Options, ABC):
         """Largest distance of a chord from the curve, which then decides [mm]."""
 
 
-@dataclass(frozen=True)
-class CurveOptions(Sampled, ABC):
-    """Which curve of a cam, and how it is sampled."""
+@dataclass(frozen=True, kw_only=True)
+class PlacedCurve(Options):
+    """Which curve of a cam, and where it stands."""
 
-    points_per_degree: Density = 4.0
-    tolerance_um: ChordTolerance = None
     curve: Annotated[
         CurveName,
         Field(
@@ -158,7 +156,6 @@ class CurveOptions(Sampled, ABC):
             "left out), and a column z_mm of tables.",
         ),
     ] = None
-    points: Count = None
     cutter_diameter_mm: Annotated[
         float | None,
         Field(
@@ -168,14 +165,6 @@ class CurveOptions(Sampled, ABC):
             "outer_cutter and counter_cutter are the path of.",
         ),
     ] = None
-
-    @property
-    def count(self) -> float:
-        return 360.0 * self.points_per_degree if self.points is None else float(self.points)
-
-    @property
-    def chord_mm(self) -> float | None:
-        return None if self.tolerance_um is None else 1e-3 * self.tolerance_um
 
     def __post_init__(self) -> None:
         super().__post_init__()
@@ -187,6 +176,23 @@ class CurveOptions(Sampled, ABC):
                 "diameter.",
                 "Give both curve=cutter and cutter_diameter_mm, or leave the diameter out.",
             )
+
+
+@dataclass(frozen=True)
+class CurveOptions(Sampled, PlacedCurve, ABC):
+    """How a curve of a cam is sampled."""
+
+    points_per_degree: Density = 4.0
+    tolerance_um: ChordTolerance = None
+    points: Count = None
+
+    @property
+    def count(self) -> float:
+        return 360.0 * self.points_per_degree if self.points is None else float(self.points)
+
+    @property
+    def chord_mm(self) -> float | None:
+        return None if self.tolerance_um is None else 1e-3 * self.tolerance_um
 
 
 @dataclass(frozen=True)

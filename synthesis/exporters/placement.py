@@ -12,10 +12,14 @@ from synthesis.profile import CamProfile
 
 def placed(cam: Cam, options: CurveOptions, at: CamProfile) -> tuple[Array, Array]:
     """x and y of the cam's curve [mm], turned by the options' angle."""
-    x, y = cam.place(at)
-    if options.turn_deg == 0.0:
+    return turned(options.turn_deg, *cam.place(at))
+
+
+def turned(degrees: float, x: Array, y: Array) -> tuple[Array, Array]:
+    """Turned about the cam's axis, counter-clockwise positive."""
+    if degrees == 0.0:
         return x, y
-    cos, sin = _cos_sin(options.turn_deg)
+    cos, sin = _cos_sin(degrees)
     return cos * x - sin * y, sin * x + cos * y
 
 

@@ -13,7 +13,7 @@ import numpy as np
 from synthesis.design import Design
 from synthesis.exporters import svg_canvas as svg
 from synthesis.exporters.cam import Cam
-from synthesis.exporters.exporter import Exporter
+from synthesis.exporters.exporter import Exporter, untold
 from synthesis.exporters.options import ProfileOptions
 from synthesis.exporters.svg_cam import BELOW, Scene, shapes
 from synthesis.exporters.svg_heading import TURNS, heading
@@ -147,5 +147,11 @@ def _scale_bar(x: float, y: float, u: float, drawn: str) -> list[str]:
 
 
 PROFILE = Exporter(
-    "svg", "Drawing of the cam", "image/svg+xml", ".svg", _profile, ProfileOptions, placeable=False
+    "svg",
+    "Drawing of the cam",
+    "image/svg+xml",
+    ".svg",
+    untold(_profile),
+    ProfileOptions,
+    placeable=False,
 )

@@ -103,7 +103,7 @@ def test_a_curve_that_the_cam_has_not_is_refused_with_those_that_it_has(
 ) -> None:
     for exporter in PROFILE_FORMATS.values():  # the drawing too, though it shows all of them
         with pytest.raises(InputError, match="profile, pitch") as caught:
-            exporter.write(designs[name], exporter.adapted(ProfileOptions(curve=curve)))
+            exporter.write(designs[name], exporter.options(curve=curve))
         assert caught.value.field == "/curve"
         assert all(known in caught.value.rule for known in GAPS[name])
 

@@ -155,7 +155,7 @@ def test_export_writes_what_the_core_does(tmp_path: Path, fixed: Design, kept: b
         (
             "fixed-laws",
             ["--decimals", "3"],
-            "--decimals: csv has no such option. It has --points-per",
+            "--decimals: csv has no such option. It has --curve",
         ),
         ("fixed-laws", ["--part", "shadow"], "shadow"),
         ("infeasible-on-purpose", [], "no cam fits its limits"),
