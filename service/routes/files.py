@@ -19,6 +19,7 @@ from synthesis.design import Design
 from synthesis.exporters import MOTION_FORMATS, PROFILE_FORMATS, Exporter, Made, form
 
 router = APIRouter(prefix="/v1/designs/{design_id}", tags=["files"])
+PACKED = ("application/vnd.openxmlformats-officedocument.spreadsheetml.sheet",)
 FORMATS = {"profile": PROFILE_FORMATS, "motion": MOTION_FORMATS}
 
 
@@ -38,7 +39,7 @@ def _made(design: bytes, exporter: Exporter[Any], options: Any) -> Made:
     finished = Design.model_validate_json(design)
     if not finished.motion:
         raise NothingFits("No cam fits these limits: see conflict in the design for what would.")
-    return exporter.make(finished, options)
+    return exporter.whole(finished, options)
 
 
 def _part(part: str, row: Row) -> str:
@@ -80,7 +81,10 @@ def _add(part: str, exporter: Exporter[Any]) -> None:
 
 
 def _schema(exporter: Exporter[Any]) -> dict[str, str]:
-    return {"type": "object"} if exporter.media_type == "application/json" else {"type": "string"}
+    if exporter.media_type == "application/json":
+        return {"type": "object"}
+    packed = exporter.media_type in PACKED
+    return {"type": "string", "format": "binary"} if packed else {"type": "string"}
 
 
 for _of, _formats in FORMATS.items():

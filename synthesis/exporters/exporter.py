@@ -38,6 +38,7 @@ class Exporter(Generic[Wanted]):
         purpose: what it is for, in a sentence; "" where the title says it.
         placeable: whether a profile's points follow ``turn_deg`` and ``z_mm``.
         usual: whether it is written where nobody says which formats are wanted.
+        measured: what is told of a file besides and takes time to find; None: nothing.
     """
 
     name: str
@@ -49,6 +50,13 @@ class Exporter(Generic[Wanted]):
     purpose: str = ""
     placeable: bool = True
     usual: bool = True
+    measured: Callable[[Design, Wanted], Mapping[str, str]] | None = None
+
+    def whole(self, design: Design, options: Wanted) -> Made:
+        """The file with all that is told of it."""
+        made = self.make(design, options)
+        more = {} if self.measured is None else self.measured(design, options)
+        return Made(made.data, {**made.told, **more})
 
     def write(self, design: Design, options: Wanted) -> bytes:
         """The file's bytes."""
