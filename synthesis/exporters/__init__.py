@@ -11,6 +11,7 @@ from types import MappingProxyType
 from synthesis.exporters import (
     csv_table,
     json_table,
+    svg_contact,
     svg_motion,
     svg_profile,
     txt_points,
@@ -18,7 +19,7 @@ from synthesis.exporters import (
 )
 from synthesis.exporters.cam import profiles
 from synthesis.exporters.exporter import Exporter
-from synthesis.exporters.options import CurveName, MotionOptions, ProfileOptions
+from synthesis.exporters.options import CurveName, MotionOptions, PictureOptions, ProfileOptions
 
 PROFILE_FORMATS: Mapping[str, Exporter[ProfileOptions]] = MappingProxyType(
     {
@@ -32,13 +33,18 @@ MOTION_FORMATS: Mapping[str, Exporter[MotionOptions]] = MappingProxyType(
         for each in (json_table.MOTION, csv_table.MOTION, txt_table.MOTION, svg_motion.MOTION)
     }
 )
+PICTURES: Mapping[str, Exporter[PictureOptions]] = MappingProxyType(
+    {each.name: each for each in (svg_contact.CONTACT,)}
+)
 
 __all__ = [
     "MOTION_FORMATS",
+    "PICTURES",
     "PROFILE_FORMATS",
     "CurveName",
     "Exporter",
     "MotionOptions",
+    "PictureOptions",
     "ProfileOptions",
     "profiles",
 ]

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from typing import Literal, get_args
 
 from synthesis.errors import InputError
+from synthesis.exporters.theme import THEMES, Theme
 
 CurveName = Literal["profile", "pitch", "inner", "outer", "main", "counter", "counter_pitch"]
 
@@ -24,6 +25,13 @@ def _check_density(points_per_degree: float) -> None:
         )
 
 
+def _check_theme(theme: str) -> None:
+    if theme not in THEMES:
+        raise InputError(
+            "/theme", theme, f"The theme must be one of {', '.join(THEMES)}.", "Leave it out."
+        )
+
+
 @dataclass(frozen=True)
 class ProfileOptions:
     """How the cam's curve is sampled.
@@ -38,6 +46,7 @@ class ProfileOptions:
         turn_deg: angle by which points are turned about the cam's axis, counter-clockwise
             positive: the cam as it sits on a shaft with others.
         z_mm: position along that axis; None leaves tables without z, and is 0 in point files.
+        theme: colours of the drawing.
     """
 
     points_per_degree: float = 4.0
@@ -45,6 +54,7 @@ class ProfileOptions:
     curve: CurveName = "profile"
     turn_deg: float = 0.0
     z_mm: float | None = None
+    theme: Theme = "auto"
 
     def __post_init__(self) -> None:
         _check_density(self.points_per_degree)
@@ -65,6 +75,7 @@ class ProfileOptions:
         for field, value in (("/turn_deg", self.turn_deg), ("/z_mm", self.z_mm or 0.0)):
             if not math.isfinite(value):
                 raise InputError(field, value, "This must be a finite number.", "Leave it out.")
+        _check_theme(self.theme)
 
 
 @dataclass(frozen=True)
@@ -73,9 +84,26 @@ class MotionOptions:
 
     Attributes:
         points_per_degree: density, uniform in cam angle; not below one point in 10°.
+        theme: colours of the diagrams.
     """
 
     points_per_degree: float = 1.0
+    theme: Theme = "auto"
 
     def __post_init__(self) -> None:
         _check_density(self.points_per_degree)
+        _check_theme(self.theme)
+
+
+@dataclass(frozen=True)
+class PictureOptions:
+    """How a picture looks.
+
+    Attributes:
+        theme: its colours.
+    """
+
+    theme: Theme = "auto"
+
+    def __post_init__(self) -> None:
+        _check_theme(self.theme)

@@ -52,7 +52,7 @@ def _profile(design: Design, options: ProfileOptions) -> bytes:
         f"The cam's profile and pitch curve, drawn {ratio(scale)}, with the follower at cam "
         "angle 0. One unit of the coordinates is 1 mm of the cam."
     )
-    return svg.document(width, height, u, title, told, body, scale)
+    return svg.document(width, height, u, title, told, body, scale, options.theme)
 
 
 def shown_at(width: float) -> float:
