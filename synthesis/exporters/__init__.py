@@ -9,6 +9,8 @@ from collections.abc import Mapping
 from types import MappingProxyType
 
 from synthesis.exporters import (
+    animation_page,
+    animation_svg,
     csv_table,
     json_table,
     svg_contact,
@@ -34,7 +36,10 @@ MOTION_FORMATS: Mapping[str, Exporter[MotionOptions]] = MappingProxyType(
     }
 )
 PICTURES: Mapping[str, Exporter[PictureOptions]] = MappingProxyType(
-    {each.name: each for each in (svg_contact.CONTACT,)}
+    {
+        each.name: each
+        for each in (svg_contact.CONTACT, animation_svg.ANIMATION, animation_page.PAGE)
+    }
 )
 
 __all__ = [

@@ -20,6 +20,7 @@ class Exporter(Generic[Options]):
         media_type: for HTTP. extension: of the file, with its dot.
         write: design and options to the file's bytes; InputError where there is no cam to write.
         placeable: whether a profile's points follow ``turn_deg`` and ``z_mm``.
+        without_cam: whether it has something to write where no cam was found.
     """
 
     name: str
@@ -28,3 +29,4 @@ class Exporter(Generic[Options]):
     extension: str
     write: Callable[[Design, Options], bytes]
     placeable: bool = True
+    without_cam: bool = False

@@ -61,7 +61,6 @@ class Mechanism:
         theta: (n,) cam angles from 0 to 2π, both included [rad].
         s: (n,) displacement in the unit of travel.
         link: what moves. moved: (n,) by how much: along its slide [mm], or ccw at its pivot [rad].
-        face: on the link, None with rollers.
         contacts: one for each traced curve.
     """
 
@@ -70,6 +69,11 @@ class Mechanism:
     link: Link
     moved: Array
     contacts: tuple[Contact, ...]
+
+    @property
+    def face(self) -> Face | None:
+        """The flat face on the link; None with rollers."""
+        return self.link.face
 
     @classmethod
     def of(cls, cam: Cam, count: int) -> Mechanism:

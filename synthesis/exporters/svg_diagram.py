@@ -41,7 +41,7 @@ class Frame:
 
 def diagram(plot: Plot, frame: Frame) -> list[str]:
     """The elements of one diagram, its title line above the frame."""
-    frame = _ranged(frame, plot)
+    frame = ranged(frame, plot)
     labels = plot.labels(frame.low, frame.high)
     return [
         *_bad(frame, plot.bad),
@@ -54,7 +54,7 @@ def diagram(plot: Plot, frame: Frame) -> list[str]:
     ]
 
 
-def _ranged(frame: Frame, plot: Plot) -> Frame:
+def ranged(frame: Frame, plot: Plot) -> Frame:
     """The frame with a range that holds zero, the curve, and the limits that are not far away."""
     values = plot.fine.values
     peak = float(np.max(np.abs(values)))

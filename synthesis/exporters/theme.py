@@ -34,6 +34,7 @@ FILLS = {
     "several": ("#cfe0f0", "#24405c", "#cccccc"),
     "undercut": ("#f7e3e1", "#3a2222", "#e4e4e4"),
     "mark": ("#b34700", "#f5a65b", "#000000"),
+    "glass": ("#ffffff", "#15191e", "#ffffff"),
     "item": ("#8a939d", "#78828d", "#999999"),
 }
 # class: (light, dark, print, width, dashes)
@@ -68,7 +69,10 @@ def style(u: float, theme: Theme = "auto") -> str:
     sheet += _colours(COLUMN[theme])
     sheet += lines(u)
     sheet.append(".camwright path{stroke-linejoin:round;stroke-linecap:round}")
-    sheet.append(".camwright .line{fill:none}.camwright .body{fill-opacity:.08}")
+    sheet.append(
+        ".camwright .line{fill:none}.camwright .body{fill-opacity:.08}"
+        ".camwright .glass{fill-opacity:.55}"
+    )
     sheet.append(".camwright text{paint-order:stroke;stroke-linejoin:round}")
     if theme == "auto":
         dark = "".join(_colours(COLUMN["dark"]))
