@@ -65,7 +65,7 @@ def design(
     spec: Annotated[Path, typer.Argument(help="File with a DesignSpec, or a worked example.")],
     out_dir: Annotated[Path, typer.Option("--out", help="Folder for the results.")] = Path(),
 ) -> None:
-    """Synthesise one cam here, without a service; write design.json, profile.* and motion.*."""
+    """Synthesise one cam here, without a service; write design.json, profile.*, motion.* and pictures."""
     asked = read_spec(spec, DesignSpec)
     started = time.perf_counter()
     done: Design = synthesised(asked, synthesise)
@@ -190,8 +190,10 @@ def _analysed(spec: DesignSpec) -> Analysis:
 def _write(design: Design, folder: Path) -> list[str]:
     from synthesis.exporters import (
         MOTION_FORMATS,
+        PICTURES,
         PROFILE_FORMATS,
         MotionOptions,
+        PictureOptions,
         ProfileOptions,
         profiles,
     )
@@ -204,6 +206,9 @@ def _write(design: Design, folder: Path) -> list[str]:
                     files[f"{stem}.{name}"] = profile.write(design, ProfileOptions(curve=curve))
         for name, motion in MOTION_FORMATS.items():
             files[f"motion.{name}"] = motion.write(design, MotionOptions())
+    for name, picture in PICTURES.items():
+        if design.motion or picture.without_cam:
+            files[name] = picture.write(design, PictureOptions())
     save(files, folder)
     return list(files)
 

@@ -25,6 +25,7 @@ from synthesis.exporters import (
     MotionOptions,
     ProfileOptions,
 )  # fmt: skip
+from synthesis.exporters.theme import Theme
 
 router = APIRouter(prefix="/v1/designs/{design_id}", tags=["files"])
 MAX_POINTS_PER_DEGREE = 100.0
@@ -33,6 +34,13 @@ MIN_TOLERANCE_UM = 0.01
 Density = Annotated[
     float,
     Field(gt=0.0, le=MAX_POINTS_PER_DEGREE, description="Points per degree of cam angle."),
+]
+Colours = Annotated[
+    Theme,
+    Field(
+        description="Of drawings: `auto` is light, and dark on a screen that asks for it; `print` "
+        "is black on white. Files of points have no colours."
+    ),
 ]
 
 
@@ -69,6 +77,7 @@ class ProfileQuery(BaseModel):
             "left out), and a column z_mm of tables.",
         ),
     ] = None
+    theme: Colours = "auto"
 
 
 class MotionQuery(BaseModel):
@@ -77,26 +86,27 @@ class MotionQuery(BaseModel):
     model_config = ConfigDict(extra="forbid", allow_inf_nan=False)
 
     points_per_degree: Density = MotionOptions().points_per_degree
+    theme: Colours = "auto"
 
 
-async def _file(
+async def file_of(
     request: Request, parts: State, name: str, part: str, exporter: Exporter[Any], options: Any
 ) -> Response:
     """The file of a finished design, made in a thread, or 304."""
     row, design = await done(parts.designs, name)
-    file = Download(f"{_part(part, row)}{exporter.extension}", exporter.media_type)
+    file = Download(f"{named(part, row)}{exporter.extension}", exporter.media_type)
     made_by = (part, exporter.name, repr(asdict(options)))
     return await file.sent(request, row, made_by, partial(_written, design, exporter, options))
 
 
 def _written(design: bytes, exporter: Exporter[Any], options: Any) -> bytes:
     finished = Design.model_validate_json(design)
-    if not finished.motion:
+    if not (finished.motion or exporter.without_cam):
         raise NothingFits("No cam fits these limits: see conflict in the design for what would.")
     return exporter.write(finished, options)
 
 
-def _part(part: str, row: Row) -> str:
+def named(part: str, row: Row) -> str:
     """A cam that is given and breaks its limits may be looked at, but its files say so."""
     return f"not-certified-{part}" if row.status == "infeasible" else part
 
@@ -106,7 +116,7 @@ def _profile(exporter: Exporter[ProfileOptions]) -> Callable[..., Awaitable[Resp
         request: Request, design_id: str, parts: Parts, options: Annotated[ProfileQuery, Query()]
     ) -> Response:
         wanted = ProfileOptions(**options.model_dump())
-        return await _file(request, parts, design_id, "profile", exporter, wanted)
+        return await file_of(request, parts, design_id, "profile", exporter, wanted)
 
     return handler
 
@@ -116,7 +126,7 @@ def _motion(exporter: Exporter[MotionOptions]) -> Callable[..., Awaitable[Respon
         request: Request, design_id: str, parts: Parts, options: Annotated[MotionQuery, Query()]
     ) -> Response:
         wanted = MotionOptions(**options.model_dump())
-        return await _file(request, parts, design_id, "motion", exporter, wanted)
+        return await file_of(request, parts, design_id, "motion", exporter, wanted)
 
     return handler
 
