@@ -65,7 +65,7 @@ def design(
     spec: Annotated[Path, typer.Argument(help="File with a DesignSpec, or a worked example.")],
     out_dir: Annotated[Path, typer.Option("--out", help="Folder for the results.")] = Path(),
 ) -> None:
-    """Synthesise one cam here, without a service; write design.json, profile.*, motion.* and pictures."""
+    """Synthesise one cam here, without a service; write design.json, its files and pictures."""
     asked = read_spec(spec, DesignSpec)
     started = time.perf_counter()
     done: Design = synthesised(asked, synthesise)

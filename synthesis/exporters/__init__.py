@@ -22,6 +22,7 @@ from synthesis.exporters import (
 from synthesis.exporters.cam import profiles
 from synthesis.exporters.exporter import Exporter
 from synthesis.exporters.options import CurveName, MotionOptions, PictureOptions, ProfileOptions
+from synthesis.exporters.report import report
 
 PROFILE_FORMATS: Mapping[str, Exporter[ProfileOptions]] = MappingProxyType(
     {
@@ -38,7 +39,12 @@ MOTION_FORMATS: Mapping[str, Exporter[MotionOptions]] = MappingProxyType(
 PICTURES: Mapping[str, Exporter[PictureOptions]] = MappingProxyType(
     {
         each.name: each
-        for each in (svg_contact.CONTACT, animation_svg.ANIMATION, animation_page.PAGE)
+        for each in (
+            svg_contact.CONTACT,
+            animation_svg.ANIMATION,
+            animation_page.PAGE,
+            report(PROFILE_FORMATS, MOTION_FORMATS),
+        )
     }
 )
 

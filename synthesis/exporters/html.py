@@ -23,6 +23,11 @@ def plain(text: str) -> str:
     return escape(" ".join(NOT_XML.sub("\ufffd", text).split()))
 
 
+def plain_text(text: str) -> str:
+    """Text of several lines, its blanks as they are."""
+    return escape(NOT_XML.sub("\ufffd", text))
+
+
 def page(title: str, style: str, body: str, theme: Theme, script: str = "") -> bytes:
     """A whole page; its policy lets in pictures that it holds, its style and its script alone."""
     policy = "default-src 'none'; style-src 'unsafe-inline'; img-src data:"

@@ -8,6 +8,7 @@ from typing import Literal, get_args
 
 from synthesis.errors import InputError
 from synthesis.exporters.theme import THEMES, Theme
+from synthesis.findings import Sensitivities
 
 CurveName = Literal["profile", "pitch", "inner", "outer", "main", "counter", "counter_pitch"]
 
@@ -101,9 +102,11 @@ class PictureOptions:
 
     Attributes:
         theme: its colours.
+        sensitivities: what each limit costs, for a report that tells it.
     """
 
     theme: Theme = "auto"
+    sensitivities: Sensitivities | None = None
 
     def __post_init__(self) -> None:
         _check_theme(self.theme)
