@@ -70,7 +70,7 @@ def _rules(prefix: str, panels: Panels) -> Iterator[str]:
 
 def _runs(prefix: str, name: str, seconds: float) -> str:
     of = f"{prefix}-{name}"
-    return f".{of}{{animation:{of} {svg.num(seconds, 6)}s linear infinite}}"
+    return f".{of}{{animation:{of} {svg.num(seconds, 9)}s linear infinite}}"
 
 
 def _frames(part: Moving, decimals: int) -> Iterator[str]:

@@ -7,7 +7,7 @@ import hashlib
 from html import escape
 from importlib import resources
 
-from synthesis.exporters.svg_canvas import NOT_XML
+from synthesis.exporters.svg_canvas import NOT_XML, SPACE
 from synthesis.exporters.theme import FILLS, Theme
 
 COLUMN: dict[Theme, int] = {"auto": 0, "light": 0, "dark": 1, "print": 2}
@@ -20,7 +20,7 @@ def asset(name: str) -> str:
 
 def plain(text: str) -> str:
     """Any text as the content of an element or of a quoted attribute."""
-    return escape(" ".join(NOT_XML.sub("\ufffd", text).split()))
+    return escape(SPACE.sub(" ", NOT_XML.sub("\ufffd", text)).strip())
 
 
 def plain_text(text: str) -> str:

@@ -13,6 +13,7 @@ from synthesis.exporters.readings import Bound, Trace
 
 SUPERSCRIPTS = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
 CROWDED = 0.085  # of an axis: what lies between two numbers at least
+FEW = 3  # numbers at an axis, less is too few
 ROUNDING = 1e-12
 ROUND = (1.0, 2.0, 5.0, 3.0)
 
@@ -67,6 +68,8 @@ def radii(distance: float) -> Callable[[float, float], Labels]:
             apart = min((abs(bend - other) for other in taken), default=math.inf)
             if low <= bend <= high and apart >= CROWDED * (high - low):
                 taken.append(bend)
+        if len(taken) < FEW:  # all radii lie close to −D: far beyond a cusp
+            taken = svg.ticks(low, high, 4)
         return Labels([(bend, told(bend)) for bend in taken], "", told)
 
     return labelled

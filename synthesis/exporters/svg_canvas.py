@@ -15,6 +15,7 @@ __all__ = ["LABEL", "TICK", "TITLE", "num"]
 
 NARROW = frozenset("ijlftr.,:;'|!()[]· \u202f")
 SPACE = re.compile(r"[^\S\u202f]+")
+EXPONENT = re.compile(r"e\+?(-?)0*")
 NOT_XML = re.compile("[^\t\n\r\x20-\ud7ff\ue000-\ufffd\U00010000-\U0010ffff]")
 
 
@@ -58,7 +59,8 @@ def figure(value: float, digits: int = 4) -> str:
     """A number for people: so many significant digits, groups of three, a true minus sign."""
     rounded = float(f"{value:.{digits}g}") + 0.0
     text = f"{rounded:,.12g}" if abs(rounded) >= 1e5 else f"{rounded:.12g}"
-    return text.replace(",", "\u202f").replace("inf", "∞").replace("e+", "e").replace("-", "−")
+    text = EXPONENT.sub(r"e\1", text)
+    return text.replace(",", "\u202f").replace("inf", "∞").replace("-", "−")
 
 
 def unit(name: str) -> str:

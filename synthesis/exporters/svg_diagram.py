@@ -156,10 +156,9 @@ def _title(frame: Frame, plot: Plot, labels: Labels) -> list[str]:
     told += sorted({_limit_text(bound, labels) for bound in plot.limits})
     broken = any(exceeds(curve, bound).any() for bound in plot.limits)
     right, y = frame.left + frame.width, frame.top - 2.2
-    return [
-        svg.text("label", frame.left, y, f"{plot.title}, {labels.factor}{plot.unit}"),
-        svg.text("alarm" if broken else "quiet", right, y, " · ".join(told), "end"),
-    ]
+    title = svg.text("label", frame.left, y, f"{plot.title}, {labels.factor}{plot.unit}")
+    kind = "alarm" if broken else "quiet"
+    return [title, *([svg.text(kind, right, y, " · ".join(told), "end")] if told else [])]
 
 
 def _limit_text(bound: Bound, labels: Labels) -> str:

@@ -6,10 +6,18 @@ import pytest
 
 from synthesis.design import Design
 from synthesis.errors import InputError
-from synthesis.exporters import MOTION_FORMATS, PROFILE_FORMATS, MotionOptions, ProfileOptions
+from synthesis.exporters import (
+    MOTION_FORMATS,
+    PICTURES,
+    PROFILE_FORMATS,
+    MotionOptions,
+    PictureOptions,
+    ProfileOptions,
+)
 
 FILES = [(exporter, ProfileOptions()) for exporter in PROFILE_FORMATS.values()]
 FILES += [(exporter, MotionOptions()) for exporter in MOTION_FORMATS.values()]
+FILES += [(exporter, PictureOptions()) for exporter in PICTURES.values()]
 NAMED = pytest.mark.parametrize(
     ("exporter", "options"), FILES, ids=lambda v: getattr(v, "name", type(v).__name__)
 )
@@ -22,6 +30,9 @@ def test_names_are_keys_and_endings() -> None:
             assert exporter.extension == f".{name}"
             assert exporter.title
             assert "/" in exporter.media_type
+    for name, exporter in PICTURES.items():
+        assert exporter.name == name
+        assert name.endswith(exporter.extension)
 
 
 @NAMED
@@ -34,6 +45,9 @@ def test_same_design_same_bytes(exporter, options, unspecial: Design) -> None:
 
 @NAMED
 def test_an_infeasible_design_has_nothing_to_write(exporter, options, build) -> None:
+    if exporter.without_cam:
+        assert b"infeasible" in exporter.write(build(status="infeasible"), options)
+        return
     with pytest.raises(InputError, match=r"infeasible.*conflict"):
         exporter.write(build(status="infeasible"), options)
 
@@ -54,6 +68,12 @@ def test_densities_that_make_no_sense(options, density: float) -> None:
     assert error.value is density
     assert "1000" in error.rule
     assert error.way_out
+
+
+@pytest.mark.parametrize("options", [ProfileOptions, MotionOptions, PictureOptions])
+def test_an_unknown_theme(options) -> None:
+    with pytest.raises(InputError, match=r"'pink'.*auto, light, dark, print"):
+        options(theme="pink")
 
 
 @pytest.mark.parametrize("tolerance", [0.0, -1.0, float("nan"), float("inf")])
