@@ -28,7 +28,6 @@ from service.routes import (
     designs,
     files,
     operation,
-    pictures,
     profile_analyses,
     sweep_items,
     sweeps,
@@ -40,8 +39,8 @@ from service.sweeps.sweeps import Sweeps
 
 EngineOf = Callable[[Settings], AbstractAsyncContextManager[Engine]]
 ROUTES = (
-    designs, confirmation, files, pictures, cam_sets, sweeps, sweep_items, analyses,
-    profile_analyses, catalogue, operation,
+    designs, confirmation, files, cam_sets, sweeps, sweep_items, analyses, profile_analyses,
+    catalogue, operation,
 )  # fmt: skip
 EXPOSED = (
     "Accept-Ranges", "Content-Location", "Content-Range", "ETag", "Location", "Retry-After",

@@ -7,12 +7,17 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from types import MappingProxyType
+from typing import Any
 
 from synthesis.exporters import (
     animation_page,
     animation_svg,
     csv_table,
+    dxf_drawing,
+    iges_curve,
     json_table,
+    nurbs_json,
+    step_curve,
     svg_contact,
     svg_motion,
     svg_profile,
@@ -20,30 +25,48 @@ from synthesis.exporters import (
     txt_table,
 )
 from synthesis.exporters.cam import profiles
-from synthesis.exporters.exporter import Exporter
-from synthesis.exporters.options import CurveName, MotionOptions, PictureOptions, ProfileOptions
-from synthesis.exporters.report import report
+from synthesis.exporters.exact_options import DrawingOptions, ExactOptions
+from synthesis.exporters.exporter import Exporter, Made
+from synthesis.exporters.options import (
+    CurveName,
+    MotionOptions,
+    Options,
+    PointOptions,
+    ProfileOptions,
+    form,
+)
+from synthesis.exporters.picture_options import PictureOptions
+from synthesis.exporters.report import report_with
 
-PROFILE_FORMATS: Mapping[str, Exporter[ProfileOptions]] = MappingProxyType(
+PROFILE_FORMATS: Mapping[str, Exporter[Any]] = MappingProxyType(
     {
         each.name: each
-        for each in (json_table.PROFILE, csv_table.PROFILE, txt_points.PROFILE, svg_profile.PROFILE)
+        for each in (
+            json_table.PROFILE,
+            csv_table.PROFILE,
+            txt_points.PROFILE,
+            svg_profile.PROFILE,
+            dxf_drawing.PROFILE,
+            step_curve.PROFILE,
+            iges_curve.PROFILE,
+            nurbs_json.PROFILE,
+        )
     }
 )
-MOTION_FORMATS: Mapping[str, Exporter[MotionOptions]] = MappingProxyType(
+MOTION_FORMATS: Mapping[str, Exporter[Any]] = MappingProxyType(
     {
         each.name: each
         for each in (json_table.MOTION, csv_table.MOTION, txt_table.MOTION, svg_motion.MOTION)
     }
 )
-PICTURES: Mapping[str, Exporter[PictureOptions]] = MappingProxyType(
+PICTURES: Mapping[str, Exporter[Any]] = MappingProxyType(
     {
         each.name: each
         for each in (
             svg_contact.CONTACT,
             animation_svg.ANIMATION,
             animation_page.PAGE,
-            report(PROFILE_FORMATS, MOTION_FORMATS),
+            report_with(PROFILE_FORMATS, MOTION_FORMATS),
         )
     }
 )
@@ -53,9 +76,16 @@ __all__ = [
     "PICTURES",
     "PROFILE_FORMATS",
     "CurveName",
+    "DrawingOptions",
+    "ExactOptions",
     "Exporter",
+    "Made",
     "MotionOptions",
+    "Options",
     "PictureOptions",
+    "PointOptions",
     "ProfileOptions",
+    "form",
     "profiles",
+    "report_with",
 ]

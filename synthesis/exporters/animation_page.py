@@ -11,9 +11,9 @@ from synthesis.design import Design
 from synthesis.exporters import html
 from synthesis.exporters import svg_canvas as svg
 from synthesis.exporters.cam import Cam
-from synthesis.exporters.exporter import Exporter
-from synthesis.exporters.options import PictureOptions
+from synthesis.exporters.exporter import Exporter, untold
 from synthesis.exporters.panels import DIAGRAMS, MACHINE, Panels
+from synthesis.exporters.picture_options import PictureOptions
 from synthesis.exporters.svg_heading import TURNS
 from synthesis.exporters.svg_mechanism import Moving
 from synthesis.exporters.theme import style
@@ -129,5 +129,7 @@ def _json(data: object) -> str:
     return text.replace("<", "\\u003c")
 
 
-PAGE = Exporter("animation.html", "Animation to play, stop and read", "text/html; charset=utf-8",
-                ".html", _page)  # fmt: skip
+PAGE = Exporter(
+    "animation.html", "Animation to play, stop and read", "text/html; charset=utf-8", ".html",
+    untold(_page), PictureOptions, "One file that needs no network; by mouse, touch and keys.",
+)  # fmt: skip

@@ -12,9 +12,9 @@ import numpy as np
 
 from synthesis.design import Design
 from synthesis.exporters import svg_canvas as svg
-from synthesis.exporters.exporter import Exporter
-from synthesis.exporters.options import PictureOptions
+from synthesis.exporters.exporter import Exporter, untold
 from synthesis.exporters.panels import DIAGRAMS, MACHINE, Panels
+from synthesis.exporters.picture_options import PictureOptions
 from synthesis.exporters.svg_heading import heading
 from synthesis.exporters.svg_mechanism import Moving
 
@@ -88,5 +88,6 @@ def _frames(part: Moving, decimals: int) -> Iterator[str]:
 
 
 ANIMATION = Exporter(
-    "animation.svg", "Animation of cam and follower", "image/svg+xml", ".svg", _animation
-)
+    "animation.svg", "Animation of cam and follower", "image/svg+xml", ".svg", untold(_animation),
+    PictureOptions, "For a document or a web page; no script.",
+)  # fmt: skip

@@ -8,8 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from synthesis.exporters.cam import Cam
-from synthesis.exporters.chords import is_pitch
-from synthesis.exporters.options import MotionOptions, ProfileOptions
+from synthesis.exporters.options import MotionOptions, ProfileOptions, is_cutter, is_pitch
 from synthesis.exporters.placement import placed
 from synthesis.exporters.sampling import Rows, table_rows
 from synthesis.numerics.piecewise import Array
@@ -32,8 +31,8 @@ def profile_columns(cam: Cam, options: ProfileOptions) -> list[Column]:
     """The curve's points with the motion and the geometry there."""
     rows = table_rows(cam, options)
     at = cam.at(rows.theta, rows.left)
-    x, y = placed(options, at)
-    which = "pitch curve" if is_pitch(options.curve) else "profile"
+    x, y = placed(cam, options, at)
+    which = _which(options)
     if options.turn_deg == 0.0:
         frame = f"{which}, in the cam's frame"
     else:
@@ -58,6 +57,12 @@ def profile_columns(cam: Cam, options: ProfileOptions) -> list[Column]:
         ),
         _side(rows),
     ]  # fmt: skip
+
+
+def _which(options: ProfileOptions) -> str:
+    if is_cutter(options.curve):
+        return f"path of the centre of a cutter of {options.cutter_diameter_mm:.12g} mm diameter"
+    return "pitch curve" if is_pitch(options.curve) else "profile"
 
 
 def motion_columns(cam: Cam, options: MotionOptions) -> list[Column]:

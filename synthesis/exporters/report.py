@@ -9,24 +9,27 @@ from __future__ import annotations
 import base64
 import hashlib
 import json
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from typing import Any
 
 from synthesis.design import Conflict, Design, Extreme, Proof, SmoothnessPrice
-from synthesis.errors import ExtraMissing
 from synthesis.exporters import html
 from synthesis.exporters import svg_canvas as svg
 from synthesis.exporters.cam import profiles
-from synthesis.exporters.exporter import Exporter
-from synthesis.exporters.options import MotionOptions, PictureOptions, ProfileOptions
+from synthesis.exporters.exporter import Exporter, untold
+from synthesis.exporters.options import Options, ProfileOptions
+from synthesis.exporters.picture_options import (
+    CamDrawingOptions,
+    DiagramOptions,
+    PictureOptions,
+)
 from synthesis.exporters.svg_contact import CONTACT
 from synthesis.exporters.svg_heading import TURNS
 from synthesis.exporters.svg_motion import MOTION
 from synthesis.exporters.svg_profile import PROFILE
 from synthesis.findings import Sensitivities
 
-Profiles = Mapping[str, Exporter[ProfileOptions]]
-Motions = Mapping[str, Exporter[MotionOptions]]
+Formats = Mapping[str, Exporter[Any]]
 VERDICTS = {
     "optimal": "certified, and proven to be within the tolerance of the best possible",
     "feasible": "certified: every limit holds at every cam angle",
@@ -34,8 +37,10 @@ VERDICTS = {
 }
 
 
-def report(profile_formats: Profiles, motion_formats: Motions) -> Exporter[PictureOptions]:
-    """The report, which lists the files of these formats."""
+def report_with(
+    profile_formats: Formats, motion_formats: Formats, costs: Sensitivities | None = None
+) -> Exporter[PictureOptions]:
+    """The report, which lists the files of these formats, and tells what each limit costs."""
 
     def write(design: Design, options: PictureOptions) -> bytes:
         name = design.name.strip() or "Cam"
@@ -43,15 +48,18 @@ def report(profile_formats: Profiles, motion_formats: Motions) -> Exporter[Pictu
             _head(design, name),
             *([_conflict(design.conflict)] if design.conflict is not None else []),
             *(_cam(design, options) if design.motion else []),
-            *([_sensitivities(options.sensitivities)] if options.sensitivities else []),
+            *([_sensitivities(costs)] if costs is not None else []),
             _asked(design),
             *([_files(design, profile_formats, motion_formats)] if design.motion else []),
         ]
         body = "\n".join(parts)
         return html.page(f"{name}: report", html.asset("report.css"), body, options.theme)
 
-    return Exporter("report.html", "Report to print", "text/html; charset=utf-8", ".html", write,
-                    without_cam=True)  # fmt: skip
+    return Exporter(
+        "report.html", "Report to print", "text/html; charset=utf-8", ".html", untold(write),
+        PictureOptions, "What was asked, found and proven, with drawings and hashes of the files.",
+        without_cam=True,
+    )  # fmt: skip
 
 
 def _head(design: Design, name: str) -> str:
@@ -77,7 +85,7 @@ def _head(design: Design, name: str) -> str:
 def _cam(design: Design, options: PictureOptions) -> Iterator[str]:
     """Everything that is told of a cam, whether it keeps its limits or not."""
     theme = options.theme
-    drawing = PROFILE.write(design, ProfileOptions(theme=theme))
+    drawing = PROFILE.write(design, CamDrawingOptions(theme=theme))
     sizes = [(_words(name), _told(name, value)) for name, value in design.dimensions.items()]
     chosen = [(name, svg.figure(value, 8)) for name, value in design.chosen.items()]
     yield _section("Dimensions", _pairs([*sizes, *chosen]))
@@ -88,7 +96,7 @@ def _cam(design: Design, options: PictureOptions) -> Iterator[str]:
         yield _section("What smoothness costs", _smoothness(design.smoothness_price))
     yield _section("Program", _program(design))
     motion, contact = (
-        MOTION.write(design, MotionOptions(theme=theme)),
+        MOTION.write(design, DiagramOptions(theme=theme)),
         CONTACT.write(design, options),
     )
     yield _section("Motion", _image(motion, "Diagrams of the motion"))
@@ -192,7 +200,7 @@ def _dense(value: Any) -> str:
     return "[\n  " + ",\n  ".join(map(told, value)) + "]" if many else told(value)
 
 
-def _files(design: Design, profile_formats: Profiles, motion_formats: Motions) -> str:
+def _files(design: Design, profile_formats: Formats, motion_formats: Formats) -> str:
     """Names, sizes and SHA-256 of the files as they are without any parameters."""
     rows = [
         (
@@ -206,23 +214,19 @@ def _files(design: Design, profile_formats: Profiles, motion_formats: Motions) -
 
 
 def _written(
-    design: Design, profile_formats: Profiles, motion_formats: Motions
+    design: Design, profile_formats: Formats, motion_formats: Formats
 ) -> Iterator[tuple[str, bytes]]:
     for stem, curve in profiles(design).items():
         for name, profile in profile_formats.items():
-            if profile.placeable or stem == "profile":
-                content = _tried(profile, design, ProfileOptions(curve=curve))
-                yield from ((f"{stem}.{name}", each) for each in content)
+            if profile.usual and (profile.placeable or stem == "profile"):
+                yield f"{stem}.{name}", _file(profile, design, ProfileOptions(curve=curve))
     for name, motion in motion_formats.items():
-        yield from ((f"motion.{name}", each) for each in _tried(motion, design, MotionOptions()))
+        if motion.usual:
+            yield f"motion.{name}", _file(motion, design, motion.options())
 
 
-def _tried(exporter: Exporter[Any], design: Design, options: Any) -> Iterable[bytes]:
-    """The file, if what writes it is installed."""
-    try:
-        return (exporter.write(design, options),)
-    except ExtraMissing:
-        return ()
+def _file(exporter: Exporter[Any], design: Design, options: Options) -> bytes:
+    return exporter.write(design, exporter.adapted(options))
 
 
 def _section(title: str, content: str, kind: str = "") -> str:

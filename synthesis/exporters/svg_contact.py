@@ -13,8 +13,9 @@ import numpy as np
 
 from synthesis.design import Design
 from synthesis.exporters.cam import Cam
-from synthesis.exporters.exporter import Exporter
-from synthesis.exporters.options import MotionOptions, PictureOptions
+from synthesis.exporters.exporter import Exporter, untold
+from synthesis.exporters.options import MotionOptions
+from synthesis.exporters.picture_options import PictureOptions
 from synthesis.exporters.plot import NOWHERE, Plot, radii
 from synthesis.exporters.readings import Bound, Ends, Trace, claimed
 from synthesis.exporters.sampling import in_degrees, table_rows
@@ -142,5 +143,7 @@ def _infinite(theta: Array, sign: Array) -> Trace:
     return Trace(in_degrees(theta), np.zeros(len(theta), dtype=np.int64), np.inf * np.sign(sign))
 
 
-CONTACT = Exporter("contact.svg", "Pressure angle and profile radius", "image/svg+xml", ".svg",
-                   _contact)  # fmt: skip
+CONTACT = Exporter(
+    "contact.svg", "Pressure angle and profile radius", "image/svg+xml", ".svg", untold(_contact),
+    PictureOptions, "Diagrams over the cam angle, of every roller's path and every flank.",
+)  # fmt: skip

@@ -5,8 +5,9 @@ from __future__ import annotations
 from synthesis.design import Design
 from synthesis.exporters import svg_canvas as svg
 from synthesis.exporters.cam import Cam
-from synthesis.exporters.exporter import Exporter
+from synthesis.exporters.exporter import Exporter, untold
 from synthesis.exporters.options import MotionOptions
+from synthesis.exporters.picture_options import DiagramOptions
 from synthesis.exporters.plot import Plot
 from synthesis.exporters.readings import QUANTITIES, Quantity, bounds, impulses, trace
 from synthesis.exporters.svg_sheet import DRAWN_PER_DEGREE, sheet
@@ -14,9 +15,9 @@ from synthesis.exporters.svg_sheet import DRAWN_PER_DEGREE, sheet
 MEASURED_PER_DEGREE = 20.0  # at which the extremes are read
 
 
-def _motion(design: Design, options: MotionOptions) -> bytes:
+def _motion(design: Design, options: DiagramOptions) -> bytes:
     cam = Cam.of(design)
-    per_degree = MotionOptions(max(options.points_per_degree, DRAWN_PER_DEGREE))
+    per_degree = MotionOptions(max(options.count / 360.0, DRAWN_PER_DEGREE))
     plots = [motion_plot(design, cam, quantity, per_degree) for quantity in QUANTITIES]
     title = f"Motion of {design.name or design.id}"
     told = "Displacement, velocity, acceleration and jerk of the follower over the cam angle."
@@ -36,4 +37,6 @@ def motion_plot(design: Design, cam: Cam, quantity: Quantity, options: MotionOpt
     )
 
 
-MOTION = Exporter("svg", "Diagrams of the motion", "image/svg+xml", ".svg", _motion)
+MOTION = Exporter(
+    "svg", "Diagrams of the motion", "image/svg+xml", ".svg", untold(_motion), DiagramOptions
+)

@@ -7,13 +7,13 @@ leaves an irreducible set (Chinneck's deletion filter).
 
 from __future__ import annotations
 
-import time
 from collections.abc import Callable, Collection, Iterator, Sequence
 from dataclasses import replace
 from math import inf
 
 import numpy as np
 
+from synthesis import clock
 from synthesis.design import Conflict, Relaxation
 from synthesis.errors import SolverFailed
 from synthesis.formulations.convex import formulate
@@ -141,7 +141,7 @@ def _relaxations(
     part, needed = scene.parts[position], None
     block = given.get(position)
     alone = position in members and not set(given) - {position}
-    late = time.monotonic() >= deadline
+    late = clock.now() >= deadline
     if alone and not late and (block is None or block.value is not None):
         try:
             needed = least_value(scene, position)

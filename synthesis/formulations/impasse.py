@@ -8,12 +8,12 @@ have no common point, with free ones, by a relaxation that has none.
 
 from __future__ import annotations
 
-import time
 from collections.abc import Collection, Iterator, Mapping
 from dataclasses import dataclass
 from math import inf, isfinite
 from typing import Any
 
+from synthesis import clock
 from synthesis.design import Conflict, Relaxation
 from synthesis.followers import Follower
 from synthesis.formulations.given import blocked
@@ -70,7 +70,7 @@ def stalemate(spec: DesignSpec, deadline: float = inf) -> Conflict:
         return Conflict(limits=[], relaxations=[], evidence=REFUSED)
     kept, late = set(parts), False
     for part in parts:
-        if time.monotonic() >= deadline:
+        if clock.now() >= deadline:
             late = True
             break
         if _tried(spec, set(parts) - (kept - {part}), deadline).best is None:
@@ -220,11 +220,11 @@ def _least(spec: DesignSpec, part: _Part, deadline: float) -> float | None:
     eased = part.words.find("≥") < 0
     low, high = asked, (min(1.5 * asked, ceiling) if eased else 0.0)
     while not fits(high):
-        if high in (ceiling, 0.0) or time.monotonic() >= deadline or high > 1e6 * asked:
+        if high in (ceiling, 0.0) or clock.now() >= deadline or high > 1e6 * asked:
             return None
         low, high = high, min(2.0 * high, ceiling)
     for _ in range(HALVINGS):
-        if abs(high - low) <= ACCURATE * abs(high) or time.monotonic() >= deadline:
+        if abs(high - low) <= ACCURATE * abs(high) or clock.now() >= deadline:
             break
         middle = 0.5 * (low + high)
         low, high = (low, middle) if fits(middle) else (middle, high)

@@ -39,7 +39,8 @@ def misses(state: Search, found: Candidate) -> tuple[list[Array], float]:
         for curve in state.problem.curves_on(free):
             for value in curve.excess(s, found.size):
                 worst = max(worst, float(np.max(value)))
-                exceeding.append(x[value > ALLOWED])
+                if curve.turns:  # otherwise it has no rows that could be written there
+                    exceeding.append(x[value > ALLOWED])
         points.append(np.unique(np.concatenate(exceeding)))
     return points, max(worst, _outgrown(state, found))
 

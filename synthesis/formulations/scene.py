@@ -7,7 +7,6 @@ searched for.
 
 from __future__ import annotations
 
-import time
 from collections.abc import Callable, Collection, Iterator, Sequence
 from dataclasses import dataclass, replace
 from math import inf, sqrt
@@ -15,6 +14,7 @@ from math import inf, sqrt
 import numpy as np
 from scipy.optimize import minimize_scalar
 
+from synthesis import clock
 from synthesis.formulations.convex import Plan, formulate
 from synthesis.formulations.grid import Grid
 from synthesis.formulations.parts import Part, RangePart, limit_parts, open_size, range_parts
@@ -100,7 +100,7 @@ def yielded(
     """
 
     def towards(direction: Array | None) -> Yielded | None:
-        if time.monotonic() >= scene.deadline:
+        if clock.now() >= scene.deadline:
             raise OutOfTime
         stated, floor = state(plan, scene.parts, direction, scene.drawn), 0.0
         if rate is not None:

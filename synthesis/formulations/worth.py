@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import time
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from functools import cache
@@ -10,6 +9,7 @@ from functools import cache
 import numpy as np
 from pydantic_core import PydanticCustomError
 
+from synthesis import clock
 from synthesis.formulations.candidate import Candidate
 from synthesis.formulations.grid import Grid, over, uniform
 from synthesis.formulations.problem import Problem, pose
@@ -104,7 +104,7 @@ class Worth:
             self.level = found or self.level
             return None if found is None else told(problem, found)
 
-        return lambda u: None if time.monotonic() >= self.deadline else value(u.tobytes())
+        return lambda u: None if clock.now() >= self.deadline else value(u.tobytes())
 
     def solved(self, u: Array, tolerance: float, pin: float | None = None) -> Candidate | None:
         """The best cam that a whole search finds; None where it finds none.
@@ -113,7 +113,7 @@ class Worth:
             u: where. tolerance: of a search that has one; half-planes are met exactly.
             pin: a value for what can be pinned; None: free, as asked.
         """
-        problem = self.problem(u) if time.monotonic() < self.deadline else None
+        problem = self.problem(u) if clock.now() < self.deadline else None
         if problem is None:
             return None
         self.calls += 1
@@ -127,7 +127,7 @@ class Worth:
 
         def value(u: Array) -> float | None:
             problem = self.problem(u)
-            if problem is None or time.monotonic() >= self.deadline:
+            if problem is None or clock.now() >= self.deadline:
                 return None
             self.calls += 1
             spec = self.spec.with_numbers(self.openings.numbers(u))

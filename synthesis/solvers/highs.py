@@ -13,6 +13,7 @@ import highspy
 import numpy as np
 from scipy import sparse
 
+from synthesis import clock
 from synthesis.numerics.piecewise import Array
 from synthesis.solvers.statuses import Stopped
 
@@ -56,11 +57,15 @@ def least(rows: LinearRows, objectives: Sequence[Array]) -> list[Least]:
     """Minimise each objective (n,) in turn over the same rows.
 
     Ends early, with the answer that says so as the last, where a solve does not succeed.
+
+    Raises:
+        Cancelled: nobody waits for it any more.
     """
     solver = _passed(rows)
     columns = np.arange(rows.matrix.shape[1], dtype=np.int32)
     found = []
     for objective in objectives:
+        clock.now()
         solver.changeColsCost(len(columns), columns, objective)
         solver.run()
         solution = solver.getSolution()

@@ -13,9 +13,7 @@ from synthesis.exporters import (
     MOTION_FORMATS,
     PICTURES,
     PROFILE_FORMATS,
-    MotionOptions,
     PictureOptions,
-    ProfileOptions,
 )
 from synthesis.exporters.cam import Cam
 from synthesis.exporters.plot import linear, radii
@@ -33,14 +31,13 @@ from tests.exporters.test_drawings import (
 from tests.exporters.test_mechanism import drawn_cam
 from tests.followers.samples import CASES
 
-SHEETS = [
-    (PROFILE_FORMATS["svg"], ProfileOptions),
-    (MOTION_FORMATS["svg"], MotionOptions),
-    *((PICTURES[name], PictureOptions) for name in ("contact.svg", "animation.svg")),
-]
-SCENES = pytest.mark.parametrize(
-    ("exporter", "options"), SHEETS, ids=lambda v: getattr(v, "title", "")
+SHEETS = (
+    PROFILE_FORMATS["svg"],
+    MOTION_FORMATS["svg"],
+    PICTURES["contact.svg"],
+    PICTURES["animation.svg"],
 )
+SCENES = pytest.mark.parametrize("exporter", SHEETS, ids=lambda v: v.title)
 
 
 def sheet(design: Design, **options: str) -> ET.Element:
@@ -207,8 +204,8 @@ def test_numbers_of_an_even_axis() -> None:
 
 @SCENES
 @pytest.mark.parametrize("theme", THEMES)
-def test_every_theme_has_its_own_ground(exporter, options, theme: str, p1: Design) -> None:
-    root = ET.fromstring(exporter.write(p1, options(theme=theme)))
+def test_every_theme_has_its_own_ground(exporter, theme: str, p1: Design) -> None:
+    root = ET.fromstring(exporter.write(p1, exporter.options(theme=theme)))
     style = root.find(SVG + "style").text
     assert ("prefers-color-scheme:dark" in style) == (theme == "auto")
     ground = re.search(r"\.ground{fill:(#\w+)}", style).group(1)

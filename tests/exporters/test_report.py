@@ -16,9 +16,8 @@ from synthesis.exporters import (
     MOTION_FORMATS,
     PICTURES,
     PROFILE_FORMATS,
-    MotionOptions,
     PictureOptions,
-    ProfileOptions,
+    report_with,
 )
 from synthesis.exporters.svg_canvas import figure
 from synthesis.findings import Sensitivities, Sensitivity
@@ -104,8 +103,9 @@ def test_files_have_the_hashes_of_what_is_downloaded() -> None:
     design = drawn_cam("translating_roller", 3)
     rows = {name: digest for name, _, digest in page(design).tables["Files"][1:]}
     assert {"profile.csv", "profile-outer.csv", "motion.csv", "profile.svg"} <= set(rows)
-    outer = PROFILE_FORMATS["csv"].write(design, ProfileOptions(curve="outer"))
-    motion = MOTION_FORMATS["csv"].write(design, MotionOptions())
+    csv, table = PROFILE_FORMATS["csv"], MOTION_FORMATS["csv"]
+    outer = csv.write(design, csv.options(curve="outer"))
+    motion = table.write(design, table.options())
     assert rows["profile-outer.csv"] == hashlib.sha256(outer).hexdigest()
     assert rows["motion.csv"] == hashlib.sha256(motion).hexdigest()
 
@@ -175,10 +175,18 @@ def test_a_given_cam_says_what_it_breaks(judged: Design) -> None:
 
 
 def test_sensitivities_are_told_if_they_are_there(p1: Design) -> None:
-    one = Sensitivity(field="limits/0/rise_deg", asked=30.0, per_unit=-0.8, words="1 deg more: so")
+    one = Sensitivity(
+        field="limits/0/rise_deg",
+        asked=30.0,
+        per_unit=-0.8,
+        per_unit_more=-0.8,
+        per_unit_less=-0.8,
+        words="1 deg more: so",
+    )
     found = Sensitivities(
         objective="base_radius_mm", value=50.0, sensitivities=[one], evidence="LP"
     )
-    told = page(p1, sensitivities=found)
+    costs = report_with(PROFILE_FORMATS, MOTION_FORMATS, found)
+    told = Page(costs.write(p1, costs.options()))
     assert told.tables["What each limit costs"][1] == ["limits/0/rise_deg", "30", "1 deg more: so"]
     assert "What each limit costs" not in page(p1).headings

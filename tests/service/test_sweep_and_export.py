@@ -17,10 +17,10 @@ from synthesis.exporters import (
     MOTION_FORMATS,
     PICTURES,
     PROFILE_FORMATS,
-    MotionOptions,
     PictureOptions,
     ProfileOptions,
 )
+from synthesis.exporters.picture_options import DiagramOptions
 from synthesis.pipeline import synthesise
 from synthesis.spec import DesignSpec
 from tests.service.conftest import Running
@@ -105,11 +105,12 @@ def test_export_writes_what_the_core_does(tmp_path: Path, fixed: Design, kept: b
     assert run.exit_code == 0, run.output
     expected = ProfileOptions(points_per_degree=3.0, curve="pitch", turn_deg=17.5)
     for name in ("csv", "txt"):
+        known = PROFILE_FORMATS[name]
         content = (tmp_path / "files" / f"pitch.{name}").read_bytes()
-        assert content == PROFILE_FORMATS[name].write(fixed, expected)
+        assert content == known.write(fixed, known.adapted(expected))
     asked = ["export", file, "--part", "motion", "--format", "svg", "--out", str(tmp_path)]
     assert runner.invoke(cli.app, asked).exit_code == 0
-    drawn = MOTION_FORMATS["svg"].write(fixed, MotionOptions())
+    drawn = MOTION_FORMATS["svg"].write(fixed, DiagramOptions())
     assert (tmp_path / "motion.svg").read_bytes() == drawn
     asked = ["export", file, "--part", "picture", "--format", "contact.svg", "--theme", "print"]
     assert runner.invoke(cli.app, [*asked, "--out", str(tmp_path)]).exit_code == 0
@@ -124,7 +125,12 @@ def test_export_writes_what_the_core_does(tmp_path: Path, fixed: Design, kept: b
         ("fixed-laws", ["--part", "picture"], "--format csv: a picture is written as contact.svg"),
         ("fixed-laws", ["--theme", "pink"], "auto, light, dark, print"),
         ("fixed-laws", ["--curve", "outside"], "outside"),
-        ("fixed-laws", ["--points-per-degree", "0"], "above 0"),
+        ("fixed-laws", ["--points-per-degree", "0"], "above 0 and at most 100"),
+        (
+            "fixed-laws",
+            ["--decimals", "3"],
+            "--decimals: csv has no such option. It has --curve",
+        ),
         ("fixed-laws", ["--part", "shadow"], "shadow"),
         ("infeasible-on-purpose", [], "no cam fits its limits"),
     ],
