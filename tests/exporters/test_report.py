@@ -184,7 +184,7 @@ def test_sensitivities_are_told_if_they_are_there(p1: Design) -> None:
         words="1 deg more: so",
     )
     found = Sensitivities(
-        objective="base_radius_mm", value=50.0, sensitivities=[one], evidence="LP"
+        objective="base_radius_mm", value=50.0, sensitivities=[one], evidence="LP", unconfirmed=[]
     )
     costs = report_with(PROFILE_FORMATS, MOTION_FORMATS, found)
     told = Page(costs.write(p1, costs.options()))

@@ -123,7 +123,8 @@ def test_export_writes_what_the_core_does(tmp_path: Path, fixed: Design, kept: b
     [
         ("fixed-laws", ["--format", "doc"], "--format doc: a profile is written as json, csv"),
         ("fixed-laws", ["--part", "picture"], "--format csv: a picture is written as contact.svg"),
-        ("fixed-laws", ["--theme", "pink"], "auto, light, dark, print"),
+        ("fixed-laws", ["--format", "svg", "--theme", "pink"], "--theme"),
+        ("fixed-laws", ["--theme", "dark"], "csv has no such option"),
         ("fixed-laws", ["--curve", "outside"], "outside"),
         ("fixed-laws", ["--points-per-degree", "0"], "above 0 and at most 100"),
         (
