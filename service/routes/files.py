@@ -31,6 +31,7 @@ from synthesis.findings import Sensitivities
 
 router = APIRouter(prefix="/v1/designs/{design_id}", tags=["files"])
 Handler = Callable[..., Awaitable[Response]]
+PACKED = ("application/vnd.openxmlformats-officedocument.spreadsheetml.sheet",)
 FORMATS = {"profile": PROFILE_FORMATS, "motion": MOTION_FORMATS}
 
 
@@ -50,7 +51,7 @@ def _made(design: bytes, exporter: Exporter[Any], options: Any) -> Made:
     finished = Design.model_validate_json(design)
     if not (finished.motion or exporter.without_cam):
         raise NothingFits("No cam fits these limits: see conflict in the design for what would.")
-    return exporter.make(finished, options)
+    return exporter.whole(finished, options)
 
 
 def _part(part: str, row: Row) -> str:
@@ -115,7 +116,10 @@ FURTHER = {"report.html": (500, 503, 504)}
 
 
 def _schema(exporter: Exporter[Any]) -> dict[str, str]:
-    return {"type": "object"} if exporter.media_type == "application/json" else {"type": "string"}
+    if exporter.media_type == "application/json":
+        return {"type": "object"}
+    packed = exporter.media_type in PACKED
+    return {"type": "string", "format": "binary"} if packed else {"type": "string"}
 
 
 for _of, _formats in FORMATS.items():
