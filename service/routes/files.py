@@ -88,7 +88,8 @@ async def _reported(
     _, design = await done(parts.designs, design_id)
     costs = None
     if sensitivities:
-        told = await parts.engine.run(priced, design, budget_s=parts.settings.time_budget_s)
+        budget_s = parts.settings.time_budget_s
+        told = await parts.engine.run(priced, design, budget_s, budget_s=budget_s)
         costs = Sensitivities.model_validate_json(told)
     report = report_with(PROFILE_FORMATS, MOTION_FORMATS, costs)
     which = "report-costs" if costs else "report"
