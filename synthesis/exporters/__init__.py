@@ -15,6 +15,7 @@ from synthesis.exporters import (
     iges_curve,
     json_table,
     nurbs_json,
+    solid_step,
     step_curve,
     svg_motion,
     svg_profile,
@@ -48,6 +49,9 @@ PROFILE_FORMATS: Mapping[str, Exporter[Any]] = MappingProxyType(
         )
     }
 )
+SOLID_FORMATS: Mapping[str, Exporter[Any]] = MappingProxyType(
+    {each.name: each for each in (solid_step.SOLID,)}
+)
 MOTION_FORMATS: Mapping[str, Exporter[Any]] = MappingProxyType(
     {
         each.name: each
@@ -58,6 +62,7 @@ MOTION_FORMATS: Mapping[str, Exporter[Any]] = MappingProxyType(
 __all__ = [
     "MOTION_FORMATS",
     "PROFILE_FORMATS",
+    "SOLID_FORMATS",
     "CurveName",
     "DrawingOptions",
     "ExactOptions",
