@@ -91,8 +91,10 @@ async def get_design_sensitivities(
     """How the objective changes with every limit and range of the spec, to first order.
 
     In the limit's own units, as in: 1 deg more pressure angle makes the base radius 0.8 mm smaller.
-    From the multipliers of a cone program; `evidence` says so, or why there are none: where a limit
-    that is not convex decides, or the follower is on an arm.
+    For every follower and objective, curvature included: multipliers of the cone program, or of the
+    local optimum with every limit in it, each confirmed by seeking that again with the number a
+    little larger and smaller. Where the two sides differ, both are told; what is not confirmed is
+    listed as such, and what was not reached in time.
     """
     row, design = await done(parts.designs, design_id)
     tag = tag_of(row.etag or "", "sensitivities")
@@ -100,7 +102,7 @@ async def get_design_sensitivities(
     if known is not None:
         return known
     budget_s = parts.settings.time_budget_s
-    body = await parts.engine.run(priced, design, budget_s=budget_s)
+    body = await parts.engine.run(priced, design, budget_s, budget_s=budget_s)
     return Response(body, 200, {"ETag": f'"{tag}"'}, "application/json")
 
 
