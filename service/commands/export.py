@@ -19,7 +19,7 @@ from service.errors import ServiceError
 from service.terminal import out, read_spec, save, stop, synthesise, synthesised
 from synthesis.design import Design
 from synthesis.errors import CamwrightError
-from synthesis.exporters import MOTION_FORMATS, PROFILE_FORMATS, Exporter, form
+from synthesis.exporters import MOTION_FORMATS, PROFILE_FORMATS, SOLID_FORMATS, Exporter, form
 from synthesis.spec import DesignSpec
 
 
@@ -28,11 +28,13 @@ class Part(StrEnum):
 
     profile = "profile"
     motion = "motion"
+    solid = "solid"
 
 
 FORMATS: Mapping[Part, Mapping[str, Exporter[Any]]] = {
     Part.profile: PROFILE_FORMATS,
     Part.motion: MOTION_FORMATS,
+    Part.solid: SOLID_FORMATS,
 }
 
 
@@ -41,7 +43,9 @@ def _write(
     formats: Annotated[
         list[str], typer.Option("--format", help="csv, txt, …; may be repeated.")
     ] = ["csv"],  # noqa: B006 (never changed)
-    part: Annotated[Part, typer.Option(help="Its profile or its motion.")] = Part.profile,
+    part: Annotated[
+        Part, typer.Option(help="Its profile, its motion, or the cam itself.")
+    ] = Part.profile,
     out_dir: Annotated[Path, typer.Option("--out", help="Folder for the files.")] = Path(),
     **chosen: Any,
 ) -> None:
