@@ -135,7 +135,7 @@ def file_of(design: bytes, exporter: Exporter[Any], options: Any) -> Made:
     finished = Design.model_validate_json(design)
     if not finished.motion:
         raise NothingFits("No cam fits these limits: see conflict in the design for what would.")
-    return exporter.make(finished, options)
+    return exporter.whole(finished, options)
 
 
 def warm_up() -> None:

@@ -18,6 +18,7 @@ from service.store import Row
 from synthesis.exporters import MOTION_FORMATS, PROFILE_FORMATS, SOLID_FORMATS, Exporter, Made, form
 
 router = APIRouter(prefix="/v1/designs/{design_id}", tags=["files"])
+PACKED = ("application/vnd.openxmlformats-officedocument.spreadsheetml.sheet",)
 FORMATS = {"profile": PROFILE_FORMATS, "motion": MOTION_FORMATS, "solid": SOLID_FORMATS}
 ON_WORKERS = (429, 500, 501, 503, 504)
 
@@ -78,7 +79,10 @@ def _add(part: str, exporter: Exporter[Any]) -> None:
 
 
 def _schema(exporter: Exporter[Any]) -> dict[str, str]:
-    return {"type": "object"} if exporter.media_type == "application/json" else {"type": "string"}
+    if exporter.media_type == "application/json":
+        return {"type": "object"}
+    packed = exporter.media_type in PACKED
+    return {"type": "string", "format": "binary"} if packed else {"type": "string"}
 
 
 for _of, _formats in FORMATS.items():

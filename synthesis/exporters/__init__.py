@@ -12,15 +12,19 @@ from typing import Any
 from synthesis.exporters import (
     csv_table,
     dxf_drawing,
+    fidelity_json,
+    ibl_curve,
     iges_curve,
     json_table,
     nurbs_json,
+    sldcrv_curve,
     solid_step,
     step_curve,
     svg_motion,
     svg_profile,
     txt_points,
     txt_table,
+    xlsx_points,
 )
 from synthesis.exporters.cam import profiles
 from synthesis.exporters.exact_options import DrawingOptions, ExactOptions
@@ -42,6 +46,10 @@ PROFILE_FORMATS: Mapping[str, Exporter[Any]] = MappingProxyType(
             csv_table.PROFILE,
             txt_points.PROFILE,
             svg_profile.PROFILE,
+            ibl_curve.PROFILE,
+            sldcrv_curve.PROFILE,
+            xlsx_points.PROFILE,
+            fidelity_json.PROFILE,
             dxf_drawing.PROFILE,
             step_curve.PROFILE,
             iges_curve.PROFILE,

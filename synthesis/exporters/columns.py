@@ -91,7 +91,7 @@ def _side(rows: Rows) -> Column:
 def _physical(s: Array, cam: Cam) -> list[Column]:
     told = ("displacement from the lowest position", "velocity", "acceleration", "jerk")
     return [
-        Column(_named(letter, unit), unit, told[order], s[order] * cam.rate(order))
+        Column(named(letter, unit), unit, told[order], s[order] * cam.rate(order))
         for order, letter in enumerate("svaj")
         for unit in [cam.travel.told(order)]
     ]
@@ -101,7 +101,7 @@ def _per_radian(s: Array, cam: Cam) -> list[Column]:
     told = ("first", "second", "third")
     return [
         Column(
-            _named(letter, unit), unit, f"{told[order - 1]} derivative of s by the cam angle",
+            named(letter, unit), unit, f"{told[order - 1]} derivative of s by the cam angle",
             s[order] / cam.travel.per_unit,
         )
         for order, letter in enumerate(("ds", "d2s", "d3s"), start=1)
@@ -109,6 +109,6 @@ def _per_radian(s: Array, cam: Cam) -> list[Column]:
     ]  # fmt: skip
 
 
-def _named(letter: str, unit: str) -> str:
+def named(letter: str, unit: str) -> str:
     """A column's name: ``a_mm_per_s2`` for a in mm/s²."""
     return f"{letter}_{unit}".replace("/", "_per_").translate(POWERS)

@@ -39,6 +39,7 @@ class Exporter(Generic[Wanted]):
         placeable: whether a profile's points follow ``turn_deg`` and ``z_mm``.
         apart: whether it loads so much that a service has it made by a worker.
         usual: whether it is written where nobody says which formats are wanted.
+        measured: what is told of a file besides and takes time to find; None: nothing.
     """
 
     name: str
@@ -51,6 +52,13 @@ class Exporter(Generic[Wanted]):
     placeable: bool = True
     usual: bool = True
     apart: bool = False
+    measured: Callable[[Design, Wanted], Mapping[str, str]] | None = None
+
+    def whole(self, design: Design, options: Wanted) -> Made:
+        """The file with all that is told of it."""
+        made = self.make(design, options)
+        more = {} if self.measured is None else self.measured(design, options)
+        return Made(made.data, {**made.told, **more})
 
     def write(self, design: Design, options: Wanted) -> bytes:
         """The file's bytes."""

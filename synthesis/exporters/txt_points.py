@@ -12,21 +12,21 @@ from __future__ import annotations
 from synthesis.design import Design
 from synthesis.exporters.cutting import chosen
 from synthesis.exporters.exporter import Exporter, untold
+from synthesis.exporters.fidelity.told import fidelity_told
 from synthesis.exporters.options import PointOptions
+from synthesis.exporters.point_rows import point_rows
 from synthesis.exporters.sampling import written_points
 
 
 def _profile(design: Design, options: PointOptions) -> bytes:
     cam = chosen(design, options)
     points = written_points(cam, options).ended(options, closed=False)
-    places = options.decimals
-    z = round(options.z_mm or 0.0, places) + 0.0
-    row = f"%.{places}f %.{places}f {z:.{places}f}\n"
-    return (row * len(points) % tuple(points.ravel().tolist())).encode("ascii")
+    return point_rows(points, options, "{x} {y} {z}\n")
 
 
 PROFILE = Exporter(
     "txt", "Points x y z for CAD", "text/plain; charset=us-ascii", ".txt",
     untold(_profile), PointOptions,
     "Curve through points in most CAD systems and in coordinate measuring machines.",
+    measured=fidelity_told,
 )  # fmt: skip

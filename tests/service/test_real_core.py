@@ -114,6 +114,20 @@ def test_options_choose_the_points(client: httpx2.Client, links: dict[str, str])
     assert "pitch" in told["rule"]
 
 
+def test_point_files_tell_what_their_readers_make_of_them(
+    client: httpx2.Client, links: dict[str, str]
+) -> None:
+    answer = client.get(f"{links['profile.sldcrv']}?points=180&decimals=4")
+    block = client.get(f"{links['profile.fidelity.json']}?points=180&decimals=4").json()
+    told = dict(each.split(": ") for each in answer.headers["camwright-fidelity"].split("; "))
+    assert list(told) == [each["reader"] for each in block["readers"]]
+    for each in block["readers"]:
+        assert told[each["reader"]].startswith(f"form {each['form_um']:.3g} um, acceleration ")
+    close = client.get(f"{links['profile.sldcrv']}?points_per_degree=100")
+    assert (close.status_code, close.json()["type"]) == (422, "/problems/invalid-parameter")
+    assert "0.01 mm" in close.json()["detail"]
+
+
 def test_exact_curves_tell_how_true_they_are(client: httpx2.Client, links: dict[str, str]) -> None:
     answer = client.get(f"{links['profile.nurbs.json']}?tolerance_um=0.01&curve=pitch")
     assert answer.json()["error_mm"] <= 1e-5

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import csv
 import json
+import sqlite3
 from pathlib import Path
 from typing import Any
 
@@ -17,6 +18,8 @@ from synthesis.exporters import MOTION_FORMATS, PROFILE_FORMATS, MotionOptions, 
 from synthesis.pipeline import synthesise
 from synthesis.spec import DesignSpec
 from tests.service.conftest import Running
+from tests.service.killing import Process, children
+from tests.service.test_kills import alive, until
 from tests.service.test_sweeps import sweep_of
 
 runner = CliRunner()
@@ -86,6 +89,42 @@ def test_a_sweep_here_is_kept_in_its_folder(
              for row in csv.DictReader(tables[0].decode().splitlines())]  # fmt: skip
     assert len(radii) == 3
     assert radii == sorted(radii, reverse=True)
+
+
+def test_a_sweep_here_that_is_killed_goes_on_when_called_again(tmp_path: Path) -> None:
+    """kill -9 of the command; what was done is not done again, nothing is lost or there twice."""
+    count, folder = 60, tmp_path / "kept"
+    axis = {"kind": "range", "pointer": "/limits/0/rise_deg", "start": 26, "stop": 34}
+    base = examples()[SELF_CHECK]["value"]
+    body = {"name": "killed", "base": base, "axes": [axis | {"count": count}]}
+    asked = ["sweep", written(tmp_path, "asked.json", body), "--out", str(folder)]
+    command = Process("-m", "service.cli", *asked, CAMWRIGHT_WORKERS="1")
+    try:
+        until(lambda: (folder / "sweeps.db").exists() and len(kept(folder)) > 3)
+        workers = children(command.running.pid)
+    finally:
+        command.kill()
+    before = kept(folder)
+    assert 3 < len(before) < count, "it was over before it was killed"
+    until(lambda: not any(map(alive, workers)))
+    command.start()
+    assert command.running.wait(120.0) == 0
+    after = kept(folder)
+    assert after[: len(before)] == before
+    assert sorted(number for number, _ in after) == list(range(count))
+    rows = csv.DictReader((folder / "items.csv").read_text().splitlines())
+    assert [int(row["number"]) for row in rows] == list(range(count))
+
+
+def kept(folder: Path) -> list[tuple[int, float]]:
+    """Finished items in the order in which they were: number, and seconds in the core."""
+    with sqlite3.connect(folder / "sweeps.db") as database:
+        there = "select count(*) from sqlite_master where name = 'sweep_items'"
+        asked = "select number, seconds from sweep_items order by sequence"
+        made = database.execute(there).fetchone()[0]
+        found: list[tuple[int, float]] = database.execute(asked).fetchall() if made else []
+    database.close()
+    return found
 
 
 @pytest.mark.parametrize("kept", [False, True])
