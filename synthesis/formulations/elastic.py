@@ -77,8 +77,11 @@ def _conflict(scene: Scene, given: dict[int, Blocked], problem: Problem) -> tupl
     """The parts that cannot hold together, none if all can, and how that is known."""
     members = set(given)
     evidence = [f"{scene.parts[k].words}: {why.note}" for k, why in given.items()]
-    timeless = replace(scene, deadline=inf)
-    found = yielded(timeless, scene.plan(), range(len(scene.parts)), exact=False)
+    every = range(len(scene.parts))
+    try:
+        found = yielded(scene, scene.plan(), every, exact=False)
+    except OutOfTime:
+        return set(every), "; ".join([*evidence, LATE])
     if found is None and problem.curved:
         return members, "; ".join([*evidence, "no elastic program has a point"])
     if found is None:
@@ -103,6 +106,8 @@ def irreducible(scene: Scene, order: Sequence[int]) -> tuple[set[int], bool]:
     """
     kept = set(order)
     for part in order:
+        if clock.now() >= scene.deadline:
+            return kept, False
         try:
             if not holds(scene, kept - {part}):
                 kept.discard(part)
