@@ -67,7 +67,7 @@ def design(
     spec: Annotated[Path, typer.Argument(help="File with a DesignSpec, or a worked example.")],
     out_dir: Annotated[Path, typer.Option("--out", help="Folder for the results.")] = Path(),
 ) -> None:
-    """Synthesise one cam here, without a service; write design.json, profile.* and motion.*."""
+    """Synthesise one cam here, without a service; write design.json, its files and pictures."""
     asked = read_spec(spec, DesignSpec)
     started = time.perf_counter()
     done: Design = synthesised(asked, synthesise)
@@ -192,6 +192,7 @@ def _analysed(spec: DesignSpec) -> Analysis:
 def _write(design: Design, folder: Path) -> list[str]:
     from synthesis.exporters import (
         MOTION_FORMATS,
+        PICTURES,
         PROFILE_FORMATS,
         ProfileOptions,
         profiles,
@@ -207,6 +208,9 @@ def _write(design: Design, folder: Path) -> list[str]:
                     )
         for name, motion in _usual(MOTION_FORMATS):
             files[f"motion.{name}"] = motion.write(design, motion.options())
+    for name, picture in PICTURES.items():
+        if design.motion or picture.without_cam:
+            files[name] = picture.write(design, picture.options())
     save(files, folder)
     return list(files)
 

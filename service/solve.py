@@ -133,7 +133,7 @@ def priced(design: bytes, budget_s: float) -> bytes:
 def file_of(design: bytes, exporter: Exporter[Any], options: Any) -> Made:
     """A file of a finished design; in a thread of the service, or in a worker process."""
     finished = Design.model_validate_json(design)
-    if not finished.motion:
+    if not (finished.motion or exporter.without_cam):
         raise NothingFits("No cam fits these limits: see conflict in the design for what would.")
     return exporter.whole(finished, options)
 

@@ -39,6 +39,7 @@ class Exporter(Generic[Wanted]):
         placeable: whether a profile's points follow ``turn_deg`` and ``z_mm``.
         apart: whether it loads so much that a service has it made by a worker.
         usual: whether it is written where nobody says which formats are wanted.
+        without_cam: whether it has something to write where no cam was found.
         measured: what is told of a file besides and takes time to find; None: nothing.
     """
 
@@ -52,6 +53,7 @@ class Exporter(Generic[Wanted]):
     placeable: bool = True
     usual: bool = True
     apart: bool = False
+    without_cam: bool = False
     measured: Callable[[Design, Wanted], Mapping[str, str]] | None = None
 
     def whole(self, design: Design, options: Wanted) -> Made:
