@@ -20,6 +20,7 @@ from synthesis.exporters import (
     json_table,
     nurbs_json,
     sldcrv_curve,
+    solid_step,
     step_curve,
     svg_contact,
     svg_motion,
@@ -66,6 +67,9 @@ PROFILE_FORMATS: Mapping[str, Exporter[Any]] = MappingProxyType(
         )
     }
 )
+SOLID_FORMATS: Mapping[str, Exporter[Any]] = MappingProxyType(
+    {each.name: each for each in (solid_step.SOLID,)}
+)
 MOTION_FORMATS: Mapping[str, Exporter[Any]] = MappingProxyType(
     {
         each.name: each
@@ -100,6 +104,7 @@ __all__ = [
     "MOTION_FORMATS",
     "PICTURES",
     "PROFILE_FORMATS",
+    "SOLID_FORMATS",
     "CurveName",
     "DrawingOptions",
     "ExactOptions",
