@@ -23,7 +23,7 @@ def design(
     ] = Path(),
     url: Url = None,
 ) -> None:
-    """Size one cam; write design.json, profile.* and motion.*."""
+    """Size one cam; write design.json, its files and pictures."""
     question = read_spec(spec, DesignSpec)
     started = time.perf_counter()
     done = _done(question, spec, url)
@@ -46,7 +46,13 @@ def _done(question: DesignSpec, path: Path, url: str | None) -> Design:
 
 
 def _write(design: Design, folder: Path) -> list[str]:
-    from synthesis.exporters import MOTION_FORMATS, PROFILE_FORMATS, ProfileOptions, profiles
+    from synthesis.exporters import (
+        MOTION_FORMATS,
+        PICTURES,
+        PROFILE_FORMATS,
+        ProfileOptions,
+        profiles,
+    )
 
     files = {"design.json": design.model_dump_json(indent=1).encode()}
     if design.motion:
@@ -58,6 +64,9 @@ def _write(design: Design, folder: Path) -> list[str]:
                     )
         for name, motion in _usual(MOTION_FORMATS):
             files[f"motion.{name}"] = motion.write(design, motion.options())
+    for name, picture in PICTURES.items():
+        if design.motion or picture.without_cam:
+            files[name] = picture.write(design, picture.options())
     save(files, folder)
     return list(files)
 

@@ -27,8 +27,8 @@ take here."""
 DESIGN = """Size one cam: base radius, offset or pivot and motion laws together, and prove it.
 
 Writes design.json (dimensions, motion, every limit with its extreme in its own unit, cam angle
-and margin, the proven lower bound) and profile.* and motion.* in the usual formats, lengths in
-mm, angles in deg. `camwright export` writes others. By a service the files are the same;
+and margin, the proven lower bound), profile.* and motion.* in the usual formats, lengths in mm,
+angles in deg, and pictures. `camwright export` writes others. By a service the files are the same;
 design.json then has the links under which the design is kept there as well.
 
 \b
@@ -118,6 +118,7 @@ that it does not have is refused with those that it has.
   camwright export results/design.json --format txt --points-per-degree 10
   camwright export results/design.json --format csv --curve pitch --tolerance-um 2
   camwright export results/design.json --part motion --format svg
+  camwright export results/design.json --part picture --format contact.svg
 
 Exit codes: 0 written; 2 no such format, option or curve, or no cam fits."""
 

@@ -9,7 +9,7 @@ from pydantic import BaseModel, Field
 
 from service.state import Parts
 from synthesis.camset_spec import MAX_CAMS
-from synthesis.exporters import MOTION_FORMATS, PROFILE_FORMATS, Exporter, form
+from synthesis.exporters import MOTION_FORMATS, PICTURES, PROFILE_FORMATS, Exporter, form
 from synthesis.exporters.options import MAX_POINTS, MAX_POINTS_PER_DEGREE, MIN_TOLERANCE_UM
 from synthesis.followers import FOLLOWERS
 from synthesis.laws import LAWS, TASKS, Characteristics, Ends, SplineLaw, characteristics
@@ -81,6 +81,10 @@ class Formats(BaseModel):
 
     profile: Annotated[list[FormatEntry], Field(description="Of the cam's curve.")]
     motion: Annotated[list[FormatEntry], Field(description="Of the follower's motion.")]
+    pictures: Annotated[
+        list[FormatEntry],
+        Field(description="Pictures and pages; the name is the path's last part as it stands."),
+    ]
 
 
 class ServerLimits(BaseModel):
@@ -143,7 +147,9 @@ async def list_followers() -> list[FollowerEntry]:
 async def list_formats() -> Formats:
     """The files that a finished design can be had as."""
     profile = [_format(exporter) for exporter in PROFILE_FORMATS.values()]
-    return Formats(profile=profile, motion=[_format(each) for each in MOTION_FORMATS.values()])
+    motion = [_format(exporter) for exporter in MOTION_FORMATS.values()]
+    pictures = [_format(exporter) for exporter in PICTURES.values()]
+    return Formats(profile=profile, motion=motion, pictures=pictures)
 
 
 @router.get("/limits", summary="Limits and objectives, and what this server allows")

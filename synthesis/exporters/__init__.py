@@ -10,6 +10,8 @@ from types import MappingProxyType
 from typing import Any
 
 from synthesis.exporters import (
+    animation_page,
+    animation_svg,
     csv_table,
     dxf_drawing,
     fidelity_json,
@@ -19,6 +21,7 @@ from synthesis.exporters import (
     nurbs_json,
     sldcrv_curve,
     step_curve,
+    svg_contact,
     svg_motion,
     svg_profile,
     txt_points,
@@ -36,6 +39,8 @@ from synthesis.exporters.options import (
     ProfileOptions,
     form,
 )
+from synthesis.exporters.picture_options import PictureOptions
+from synthesis.exporters.report import report_with
 
 PROFILE_FORMATS: Mapping[str, Exporter[Any]] = MappingProxyType(
     {
@@ -62,9 +67,21 @@ MOTION_FORMATS: Mapping[str, Exporter[Any]] = MappingProxyType(
         for each in (json_table.MOTION, csv_table.MOTION, txt_table.MOTION, svg_motion.MOTION)
     }
 )
+PICTURES: Mapping[str, Exporter[Any]] = MappingProxyType(
+    {
+        each.name: each
+        for each in (
+            svg_contact.CONTACT,
+            animation_svg.ANIMATION,
+            animation_page.PAGE,
+            report_with(PROFILE_FORMATS, MOTION_FORMATS),
+        )
+    }
+)
 
 __all__ = [
     "MOTION_FORMATS",
+    "PICTURES",
     "PROFILE_FORMATS",
     "CurveName",
     "DrawingOptions",
@@ -73,8 +90,10 @@ __all__ = [
     "Made",
     "MotionOptions",
     "Options",
+    "PictureOptions",
     "PointOptions",
     "ProfileOptions",
     "form",
     "profiles",
+    "report_with",
 ]

@@ -38,6 +38,7 @@ class Exporter(Generic[Wanted]):
         purpose: what it is for, in a sentence; "" where the title says it.
         placeable: whether a profile's points follow ``turn_deg`` and ``z_mm``.
         usual: whether it is written where nobody says which formats are wanted.
+        without_cam: whether it has something to write where no cam was found.
         measured: what is told of a file besides and takes time to find; None: nothing.
     """
 
@@ -50,6 +51,7 @@ class Exporter(Generic[Wanted]):
     purpose: str = ""
     placeable: bool = True
     usual: bool = True
+    without_cam: bool = False
     measured: Callable[[Design, Wanted], Mapping[str, str]] | None = None
 
     def whole(self, design: Design, options: Wanted) -> Made:

@@ -17,15 +17,14 @@ SERVE = """
 import sys
 from service.app import create_app
 from service.observe import configure_logs
-from service.run import bound
+from service.run import bound, web
 from service.settings import Settings
 from tests.service.conftest import _fake_engine
 import uvicorn
 if __name__ == "__main__":
     configure_logs("error")
     settings = Settings()
-    config = uvicorn.Config(create_app(settings, _fake_engine), log_config=None, access_log=False)
-    uvicorn.Server(config).run([bound(settings)])
+    uvicorn.Server(web(create_app(settings, _fake_engine))).run([bound(settings)])
 """
 
 

@@ -2,15 +2,23 @@
 
 from __future__ import annotations
 
+import asyncio
 import os
 import signal
 import time
 from collections import Counter
+from datetime import UTC, datetime
 from pathlib import Path
 
 import httpx2
 import psycopg
+import pytest
 
+from service.store import Store
+from service.sweeps.lease import Leases
+from service.sweeps.store import Done, NotOurs, SweepRow, SweepStore
+from service.sweeps.work import ItemAnswer
+from tests.service.conftest import settings_for
 from tests.service.killing import answering, free_port, service
 from tests.service.postgres import PASSWORD, postgres
 from tests.service.test_kills import done, until
@@ -18,6 +26,55 @@ from tests.service.test_sweeps import counted, items_at, over, posted, sweep_of
 
 ITEMS = 160
 LEASE_S = 1.5
+
+
+def test_one_at_a_time_and_nobody_else_writes(tmp_path: Path) -> None:
+    """Two processes' leases on one store: what the second may do, and what the first may not."""
+
+    async def told(store: Store) -> None:
+        sweeps = SweepStore(store.do)
+        one, other = Leases(store.do, 60.0), Leases(store.do, 60.0)
+        row = await sweeps.accept(a_sweep())
+        number = row.sequence
+        assert [each.id for each in await one.nobodys()] == [row.id]
+        assert await one.take(number)
+        assert not await other.take(number)
+        assert await other.nobodys() == []
+        assert (await sweeps.record(number, one.owner, [an_item(0)])).done == 1
+        one.length_s = -1.0  # has run out as soon as it is renewed
+        assert await one.renew(number)
+        assert await other.take(number)
+        assert not await one.renew(number)
+        assert await one.nobodys() == []
+        with pytest.raises(NotOurs):
+            await sweeps.record(number, one.owner, [an_item(1)])
+        await one.release(number)  # not its own to give
+        assert await other.renew(number)
+        assert (await sweeps.record(number, other.owner, [an_item(0), an_item(1)])).done == 2
+        await sweeps.end(number, "dismissed", one.owner)  # by whoever does not work on it
+        with pytest.raises(NotOurs):
+            await sweeps.record(number, other.owner, [an_item(2)])
+        await sweeps.accept(a_sweep())
+        assert await one.take(number)
+        await sweeps.end(number, "dismissed", one.owner)
+        assert (await sweeps.record(number, one.owner, [an_item(2)])).done == 3  # at hand by then
+
+    store = Store(settings_for(tmp_path))
+    try:
+        asyncio.run(told(store))
+    finally:
+        store.dispose()
+
+
+def a_sweep() -> SweepRow:
+    return SweepRow(
+        id="s", name="", created=datetime.now(UTC), state="accepted", spec=b"{}", size=3, axes=[],
+        quantities=[], optimal=0, feasible=0, infeasible=0, failed=0,
+    )  # fmt: skip
+
+
+def an_item(number: int) -> Done:
+    return ItemAnswer(number, "optimal"), []
 
 
 def test_every_item_once_while_owners_die_and_stand_still(tmp_path: Path) -> None:
