@@ -2,7 +2,13 @@
 
 from __future__ import annotations
 
-from synthesis.exporters import DRAWINGS, MOTION_FORMATS, PICTURES, PROFILE_FORMATS
+from synthesis.exporters import (
+    DRAWINGS,
+    MOTION_FORMATS,
+    PICTURES,
+    PROFILE_FORMATS,
+    SOLID_FORMATS,
+)
 
 
 def design_links(design_id: str, *, has_cam: bool) -> dict[str, str]:
@@ -12,6 +18,7 @@ def design_links(design_id: str, *, has_cam: bool) -> dict[str, str]:
     if has_cam:
         links |= {f"profile.{name}": f"{self}/profile.{name}" for name in PROFILE_FORMATS}
         links |= {f"motion.{name}": f"{self}/motion.{name}" for name in MOTION_FORMATS}
+        links |= {f"solid.{name}": f"{self}/solid.{name}" for name in SOLID_FORMATS}
     shown = (name for name, each in PICTURES.items() if has_cam or each.without_cam)
     return links | {name: f"{self}/{name}" for name in shown}
 

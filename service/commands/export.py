@@ -19,7 +19,14 @@ from service.errors import ServiceError
 from service.terminal import out, read_spec, save, stop, synthesise, synthesised
 from synthesis.design import Design
 from synthesis.errors import CamwrightError
-from synthesis.exporters import MOTION_FORMATS, PICTURES, PROFILE_FORMATS, Exporter, form
+from synthesis.exporters import (
+    MOTION_FORMATS,
+    PICTURES,
+    PROFILE_FORMATS,
+    SOLID_FORMATS,
+    Exporter,
+    form,
+)
 from synthesis.spec import DesignSpec
 
 
@@ -28,12 +35,14 @@ class Part(StrEnum):
 
     profile = "profile"
     motion = "motion"
+    solid = "solid"
     picture = "picture"
 
 
 FORMATS: Mapping[Part, Mapping[str, Exporter[Any]]] = {
     Part.profile: PROFILE_FORMATS,
     Part.motion: MOTION_FORMATS,
+    Part.solid: SOLID_FORMATS,
     Part.picture: PICTURES,
 }
 
@@ -44,7 +53,7 @@ def _write(
         list[str], typer.Option("--format", help="csv, contact.svg, …; may be repeated.")
     ] = ["csv"],  # noqa: B006 (never changed)
     part: Annotated[
-        Part, typer.Option(help="Its profile, its motion, or pictures.")
+        Part, typer.Option(help="Its profile, its motion, the cam itself, or pictures.")
     ] = Part.profile,
     out_dir: Annotated[Path, typer.Option("--out", help="Folder for the files.")] = Path(),
     **chosen: Any,

@@ -1,4 +1,4 @@
-"""/v1/designs/{id}/profile.*, motion.* and pictures: a path for each entry of the registries."""
+"""/v1/designs/{id}/profile.*, motion.*, solid.* and pictures: a path for each in the registries."""
 
 from __future__ import annotations
 
@@ -10,17 +10,16 @@ from typing import Annotated, Any
 from fastapi import APIRouter, Query, Request, Response
 
 from service.documentation import in_parts, problems
-from service.errors import NothingFits
 from service.routes.download import Download, in_thread
 from service.routes.kept import done
-from service.solve import priced
+from service.solve import file_of, priced
 from service.state import Parts, State
 from service.store import Row
-from synthesis.design import Design
 from synthesis.exporters import (
     MOTION_FORMATS,
     PICTURES,
     PROFILE_FORMATS,
+    SOLID_FORMATS,
     Exporter,
     Made,
     form,
@@ -32,26 +31,25 @@ from synthesis.findings import Sensitivities
 router = APIRouter(prefix="/v1/designs/{design_id}", tags=["files"])
 Handler = Callable[..., Awaitable[Response]]
 PACKED = ("application/vnd.openxmlformats-officedocument.spreadsheetml.sheet",)
-FORMATS = {"profile": PROFILE_FORMATS, "motion": MOTION_FORMATS}
+FORMATS = {"profile": PROFILE_FORMATS, "motion": MOTION_FORMATS, "solid": SOLID_FORMATS}
+ON_WORKERS = (429, 500, 501, 503, 504)
 
 
 async def _file(
     request: Request, parts: State, name: str, part: str, exporter: Exporter[Any], options: Any
 ) -> Response:
-    """The file of a finished design, made in a thread, or 304."""
+    """The file of a finished design, made in a thread or by a worker, or 304."""
     row, design = await done(parts.designs, name)
     file = Download(f"{_part(part, row)}{exporter.extension}", exporter.media_type)
     made_by = (part, exporter.name, repr(asdict(options)))
-    return await file.sent(
-        request, row, made_by, in_thread(partial(_made, design, exporter, options))
-    )
+    work = partial(file_of, design, exporter, options)
+    make = partial(_by_worker, parts, work) if exporter.apart else in_thread(work)
+    return await file.sent(request, row, made_by, make)
 
 
-def _made(design: bytes, exporter: Exporter[Any], options: Any) -> Made:
-    finished = Design.model_validate_json(design)
-    if not (finished.motion or exporter.without_cam):
-        raise NothingFits("No cam fits these limits: see conflict in the design for what would.")
-    return exporter.whole(finished, options)
+async def _by_worker(parts: State, work: Callable[[], Made]) -> Made:
+    parts.engine.admit()
+    return await parts.engine.run(work, budget_s=parts.settings.budget_s(None))
 
 
 def _part(part: str, row: Row) -> str:
@@ -107,7 +105,7 @@ def _add(part: str, exporter: Exporter[Any], handler: Handler) -> None:
         response_class=Response,
         responses={
             **in_parts(description=exporter.title, content=content),
-            **problems(404, 409, 422, *FURTHER.get(part, ())),
+            **problems(404, 409, 422, *FURTHER.get(part, ON_WORKERS if exporter.apart else ())),
         },
     )  # fmt: skip
 

@@ -20,6 +20,7 @@ from synthesis.exporters import (
     json_table,
     nurbs_json,
     sldcrv_curve,
+    solid_step,
     step_curve,
     svg_contact,
     svg_motion,
@@ -29,8 +30,11 @@ from synthesis.exporters import (
     xlsx_points,
 )
 from synthesis.exporters.cam import profiles
+from synthesis.exporters.drives import codesys, kollmorgen, plain, rockwell, sew, twincat
+from synthesis.exporters.drives import fidelity_json as drive_fidelity
 from synthesis.exporters.exact_options import DrawingOptions, ExactOptions
 from synthesis.exporters.exporter import Exporter, Made
+from synthesis.exporters.machining import grinding, milling
 from synthesis.exporters.options import (
     CurveName,
     MotionOptions,
@@ -53,6 +57,8 @@ PROFILE_FORMATS: Mapping[str, Exporter[Any]] = MappingProxyType(
             ibl_curve.PROFILE,
             sldcrv_curve.PROFILE,
             xlsx_points.PROFILE,
+            milling.PROFILE,
+            grinding.PROFILE,
             fidelity_json.PROFILE,
             dxf_drawing.PROFILE,
             step_curve.PROFILE,
@@ -61,10 +67,25 @@ PROFILE_FORMATS: Mapping[str, Exporter[Any]] = MappingProxyType(
         )
     }
 )
+SOLID_FORMATS: Mapping[str, Exporter[Any]] = MappingProxyType(
+    {each.name: each for each in (solid_step.SOLID,)}
+)
 MOTION_FORMATS: Mapping[str, Exporter[Any]] = MappingProxyType(
     {
         each.name: each
-        for each in (json_table.MOTION, csv_table.MOTION, txt_table.MOTION, svg_motion.MOTION)
+        for each in (
+            json_table.MOTION,
+            csv_table.MOTION,
+            txt_table.MOTION,
+            svg_motion.MOTION,
+            plain.MOTION,
+            twincat.MOTION,
+            codesys.MOTION,
+            rockwell.MOTION,
+            kollmorgen.MOTION,
+            sew.MOTION,
+            drive_fidelity.MOTION,
+        )
     }
 )
 PICTURES: Mapping[str, Exporter[Any]] = MappingProxyType(
@@ -88,6 +109,7 @@ __all__ = [
     "MOTION_FORMATS",
     "PICTURES",
     "PROFILE_FORMATS",
+    "SOLID_FORMATS",
     "CurveName",
     "DrawingOptions",
     "ExactOptions",

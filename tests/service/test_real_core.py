@@ -81,7 +81,9 @@ def test_what_each_limit_costs(client: httpx2.Client, links: dict[str, str]) -> 
 def test_every_file(client: httpx2.Client, links: dict[str, str]) -> None:
     formats = client.get("/v1/formats").json()
     described = {
-        f"{part}.{each['name']}": each for part in ("profile", "motion") for each in formats[part]
+        f"{part}.{each['name']}": each
+        for part in ("profile", "motion", "solid")
+        for each in formats[part]
     } | {each["name"]: each for each in formats["pictures"]}
     assert set(links) == {"self", *described}
     for name, each in described.items():
@@ -179,6 +181,17 @@ def test_exact_curves_tell_how_true_they_are(client: httpx2.Client, links: dict[
         assert violation["way_out"]
 
 
+def test_a_worker_makes_the_solid(client: httpx2.Client, links: dict[str, str]) -> None:
+    answer = client.get(f"{links['solid.step']}?thickness_mm=8&bore_mm=14&keyway=true")
+    assert answer.status_code == 200, answer.text
+    assert float(answer.headers["camwright-volume-mm3"]) > 1e4
+    refused = client.get(f"{links['solid.step']}?bore_mm=1000")
+    assert (refused.status_code, refused.json()["type"]) == (422, "/problems/invalid-parameter")
+    (violation,) = refused.json()["errors"]
+    assert violation["parameter"] == "bore_mm"
+    assert "smaller bore" in violation["way_out"]
+
+
 def test_the_way_over_http_costs_little(client: httpx2.Client) -> None:
     """15 ms is what the service is made for (median); the test bears with busy machines."""
     body = dict(examples()["fixed-laws"]["value"])
@@ -192,11 +205,12 @@ def test_the_way_over_http_costs_little(client: httpx2.Client) -> None:
     assert min(over) < 0.030
 
 
-def test_the_process_that_answers_holds_no_solver(real_service: Running) -> None:
+def test_the_process_that_answers_holds_no_solver_and_no_kernel(real_service: Running) -> None:
     """In a process of its own, as this one may hold anything."""
     import subprocess
 
-    code = "import sys, service.app; print([m for m in ('cvxpy', 'casadi') if m in sys.modules])"
+    heavy = ("cvxpy", "casadi", "OCP", "ezdxf")
+    code = f"import sys, service.app; print([m for m in {heavy} if m in sys.modules])"
     run = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
     assert run.stdout.strip() == "[]"
 
