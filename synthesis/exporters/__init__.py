@@ -100,8 +100,13 @@ PICTURES: Mapping[str, Exporter[Any]] = MappingProxyType(
         )
     }
 )
+# Every drawing and page by the name of its file.
+DRAWINGS: Mapping[str, Exporter[Any]] = MappingProxyType(
+    {"profile.svg": PROFILE_FORMATS["svg"], "motion.svg": MOTION_FORMATS["svg"], **PICTURES}
+)
 
 __all__ = [
+    "DRAWINGS",
     "MOTION_FORMATS",
     "PICTURES",
     "PROFILE_FORMATS",
