@@ -26,7 +26,8 @@ def misses(state: Search, found: Candidate) -> tuple[list[Array], float]:
     settled = {stretch.index: stretch for stretch in found.problem.stretches}
     for free, grid in zip(state.problem.free, state.grids, strict=True):
         x = _between(grid.points)
-        s = settled[free.index].placed().derivatives(free.start + free.angle * x)
+        law, theta = settled[free.index].placed(), free.start + free.angle * x
+        s = law.jet(theta, law.piece_of(theta), 3)
         exceeding = [np.zeros(0)]
         for row in state.problem.limit_rows(free):
             if sampled(row, grid.space):

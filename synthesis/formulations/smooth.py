@@ -43,7 +43,7 @@ def sample(problem: Problem) -> list[Samples]:
         step = np.linspace(0.0, 1.0, density)
         theta = (curve.breaks[:-1, None] + np.diff(curve.breaks)[:, None] * step).ravel()
         piece = np.repeat(np.arange(curve.count), density)
-        s = np.stack([curve.at(theta, piece, order) for order in range(4)])
+        s = curve.jet(theta, piece, 3)
         found.append(Samples(stretch, theta, s, piece))
     return found
 
@@ -133,11 +133,11 @@ def _zoomed(problem: Problem, part: Samples, size: Vector, top: NDArray[np.intp]
         step = np.linspace(-1.0, 1.0, 9)
         tried = np.clip(theta[:, None] + reach[:, None] * step, left[:, None], right[:, None])
         on = np.repeat(piece, len(step))
-        s = np.stack([curve.at(tried.ravel(), on, order) for order in range(4)])
+        s = curve.jet(tried.ravel(), on, 3)
         value = _worst(problem, Samples(part.stretch, tried.ravel(), s, on), size)
         best = np.argmax(value.reshape(tried.shape), axis=1)
         theta, reach = tried[np.arange(len(theta)), best], reach / 4.0
-    s = np.stack([curve.at(theta, piece, order) for order in range(4)])
+    s = curve.jet(theta, piece, 3)
     return Samples(part.stretch, theta, s, piece)
 
 
