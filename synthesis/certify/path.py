@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable
 from dataclasses import dataclass
+from functools import cached_property
 from typing import Any, Final
 
 import numpy as np
@@ -91,6 +92,7 @@ class Drawn:
     tangent: Vector2
     distance: float
 
+    @cached_property
     def heading(self) -> tuple[Array, Array]:
         """Lower and upper end of the tangent's angle on the cam, clockwise positive [rad].
 

@@ -157,6 +157,8 @@ def infinite(
     part: tuple[float, float] | None = None,
 ) -> Jump | None:
     """The jump that makes a derivative infinite on these stretches, lowest order first."""
+    if course.joined(quantity.smooth):
+        return None
     joints = course.joints(stretches, part)
     for order in range(quantity.smooth):
         apart = course.breaches(order, joints)
@@ -169,7 +171,7 @@ def corner(
     quantity: Quantity, course: Course, machine: Machine, size: Size, claim: Claim
 ) -> Jump | None:
     """A jump of the velocity that turns the pitch curve's tangent the way the claim forbids."""
-    if not quantity.turns:
+    if not quantity.turns or course.joined(2):
         return None
     trace = traced(machine, claim.path)
     for joint in course.breaches(1, course.joints(claim.stretches, claim.part)):

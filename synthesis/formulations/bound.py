@@ -87,10 +87,10 @@ def bound(plan: Plan, solution: ConeSolution, ends: Sequence[Array] | None = Non
     steering = controls(plan)
     if steering is None:
         return Bound(in_core_units(plan, over_family(plan, solution)), _family(plan))
-    order = steering[0].order if steering else 3
+    order, prices = steering[0].order if steering else 3, _prices(plan, solution)
     if ends is None:
-        ends = solved_prices(plan, solution, order)
-    ledger = _add_up(plan, solution, steering, ends)
+        ends = _end_prices(plan, solution, prices, order)
+    ledger = _add_up(plan, solution, prices, steering, ends)
     psi = _psi(ledger, order)
     total = _minimum(plan, solution, ledger, steering, psi)
     over = f"all motion laws with a bounded {NAMES[order]}" if steering else _family(plan)
@@ -115,12 +115,21 @@ def in_core_units(plan: Plan, value: float) -> float:
 
 def solved_prices(plan: Plan, solution: ConeSolution, order: int) -> list[Array]:
     """The solver's prices of g to g^(order − 1) at the end of every law: (order,) each."""
-    prices = _prices(plan, solution)
+    return _end_prices(plan, solution, _prices(plan, solution), order)
+
+
+def _end_prices(
+    plan: Plan, solution: ConeSolution, prices: Sequence[Array], order: int
+) -> list[Array]:
     return [_end_price(plan, solution, prices, k, order) for k in range(len(plan.grids))]
 
 
 def _add_up(
-    plan: Plan, solution: ConeSolution, steering: Sequence[Control], ends: Sequence[Array]
+    plan: Plan,
+    solution: ConeSolution,
+    prices: Sequence[Array],
+    steering: Sequence[Control],
+    ends: Sequence[Array],
 ) -> _Ledger:
     """All rows times their multipliers, as functionals of arbitrary laws."""
     laws, order = len(plan.grids), steering[0].order if steering else 3
@@ -134,7 +143,6 @@ def _add_up(
         spans=[[] for _ in range(laws)],
         heights=[[] for _ in range(laws)],
     )
-    prices = _prices(plan, solution)
     _book_blocks(plan, prices, ledger, order)
     _book_parts(plan, solution, prices, ledger, order)
     _book_balls(plan, solution, ledger)
@@ -150,9 +158,9 @@ def _prices(plan: Plan, solution: ConeSolution) -> list[Array]:
 
     An interior point gives every row one; most are of rows far from binding, and cost time only.
     """
-    found = plan.multipliers(solution.multipliers)
-    loudest = max((float(np.max(z, initial=0.0)) for z in found), default=0.0)
-    return [np.where(z > SILENT * loudest, z, 0.0) for z in found]
+    z, first = solution.multipliers, plan.program.equalities
+    loudest = np.max(z[first : first + plan.program.inequalities], initial=0.0)
+    return plan.multipliers(np.where(z > SILENT * loudest, z, 0.0))
 
 
 def _quieten(plan: Plan, ledger: _Ledger, order: int) -> None:
@@ -279,13 +287,14 @@ def _end_price(
     Those of known values are what makes the eliminated last coefficients stationary.
     """
     end, space = plan.settled[position].end, plan.grids[position].space
-    nu, gradient = np.zeros(max(order, len(end))), np.zeros(space.size)
+    nu, gradient = np.zeros(max(order, len(end))), np.zeros(len(end))
+    last = slice(space.size - len(end), space.size)
     for block, z in (
         *zip(plan.blocks, prices, strict=True),
         *zip(plan.exact, plan.exact_multipliers(solution.multipliers), strict=True),
     ):
         if block.stretch == position and block.laws is not None:
-            gradient += block.laws.T @ z
+            gradient += z @ block.laws[:, last]
     at = 0
     for joint in plan.joints:
         before, after = joint_rows(joint, plan.problem.free, plan.grids)
@@ -293,13 +302,12 @@ def _end_price(
         at += len(mu)
         for side in (before, after):
             if side.position == position:
-                gradient += side.dense.T @ mu
+                gradient += mu @ side.dense[:, last]
         if before.position == position:
             shared = (mu * before.units)[: max(order - joint.lowest, 0)]
             nu[joint.lowest : joint.lowest + len(shared)] = shared
-    count = len(end)
-    rows = space.boundary(1.0, count)[:, space.size - count :]
-    nu[:count] = np.linalg.solve(rows.T, -gradient[space.size - count :])
+    rows = space.boundary(1.0, len(end))[:, last]
+    nu[: len(end)] = np.linalg.solve(rows.T, -gradient)
     return nu[:order]
 
 
