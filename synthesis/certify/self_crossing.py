@@ -89,12 +89,8 @@ def nearest(path: Path) -> Nearest:
             where = float(boxes.lo[np.argmax(unsteady)])
             return Nearest(math.inf, 0.0, where, where, 0)
         groups = _Groups.of(len(boxes))
-        together = ~groups.aside(*drawn.shadow())
-        if groups.all_near(low, high, together):
-            together[:] = False
-        else:
-            together &= ~groups.near(low, high)
-        return _Search(path, boxes).run(*groups.pairs(together))
+        apart = groups.near(low, high) | groups.aside(*drawn.shadow())
+        return _Search(path, boxes).run(*groups.pairs(~apart))
 
 
 def _boxes(path: Path) -> tuple[Boxes, Drawn]:
@@ -140,16 +136,6 @@ class _Groups:
         index = np.arange(len(self.first))
         forward: NDArray[np.bool_] = near[index[:, None], (index - index[:, None]) % len(index)]
         return forward | forward.T
-
-    def all_near(self, low: Array, high: Array, pairs: NDArray[np.bool_]) -> bool:
-        """Whether the shorter arc brings all of these pairs together: told at a glance."""
-        i, k = np.nonzero(pairs)
-        apart, n = np.abs(i - k), len(self.first)
-        reach = int(np.max(np.minimum(apart, n - apart), initial=0))
-        (bottom, top), turn = self._ends(low, high)
-        bottom = np.min(_round(bottom, turn)[:, : reach + 1], axis=1)
-        top = np.max(_round(top, turn)[:, : reach + 1], axis=1)
-        return bool(np.all(top - bottom < math.pi * (1.0 - ROUNDING)))
 
     def aside(self, low: Array, high: Array) -> NDArray[np.bool_]:
         """Pairs of which the one lies beside the other, seen from the cam's axis."""

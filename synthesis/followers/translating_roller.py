@@ -110,7 +110,8 @@ class TranslatingRoller(RollerFollower):
         return ends(self.offset_mm)[0], position
 
     def direction(self, s: Any, z: Any) -> tuple[Vector2, Vector2]:
-        return (0.0, 1.0), (0.0, 0.0)
+        zero = 0.0 * s[0]
+        return (zero, zero + 1.0), (zero, zero)
 
     def curvature_terms(self, s: Any, z: Any) -> tuple[Any, Any]:
         e, s0 = z
