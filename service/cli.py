@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import time
+from collections.abc import Mapping
 from pathlib import Path
 from typing import Annotated, Any
 
@@ -19,6 +20,7 @@ from synthesis.camset import CamSet
 from synthesis.camset_spec import CamSetSpec
 from synthesis.design import Design, engine_version
 from synthesis.errors import CamwrightError
+from synthesis.exporters.exporter import Exporter
 from synthesis.findings import Analysis
 from synthesis.spec import DesignSpec
 
@@ -191,21 +193,26 @@ def _write(design: Design, folder: Path) -> list[str]:
     from synthesis.exporters import (
         MOTION_FORMATS,
         PROFILE_FORMATS,
-        MotionOptions,
         ProfileOptions,
         profiles,
     )
 
     files = {"design.json": design.model_dump_json(indent=1).encode()}
     if design.motion:
-        for name, profile in PROFILE_FORMATS.items():
+        for name, profile in _usual(PROFILE_FORMATS):
             for stem, curve in profiles(design).items():
                 if profile.placeable or stem == "profile":  # a drawing shows every flank
-                    files[f"{stem}.{name}"] = profile.write(design, ProfileOptions(curve=curve))
-        for name, motion in MOTION_FORMATS.items():
-            files[f"motion.{name}"] = motion.write(design, MotionOptions())
+                    files[f"{stem}.{name}"] = profile.write(
+                        design, profile.adapted(ProfileOptions(curve=curve))
+                    )
+        for name, motion in _usual(MOTION_FORMATS):
+            files[f"motion.{name}"] = motion.write(design, motion.options())
     save(files, folder)
     return list(files)
+
+
+def _usual(formats: Mapping[str, Exporter[Any]]) -> list[tuple[str, Exporter[Any]]]:
+    return [(name, each) for name, each in formats.items() if each.usual]
 
 
 def main() -> None:

@@ -36,6 +36,7 @@ class Answer:
 
 
 Task = Callable[[bytes, float], Answer]
+PRICING = 0.8  # of the time there is, for what limits cost: then what is known by then is told
 
 
 def solve(spec: bytes, budget_s: float, also: Sequence[Objective] = ()) -> Answer:
@@ -118,11 +119,13 @@ def read_back(cam: bytes, budget_s: float) -> Answer:
     return Answer(found.model_dump_json().encode(), "read", summary, time.monotonic() - started)
 
 
-def priced(design: bytes) -> bytes:
+def priced(design: bytes, budget_s: float) -> bytes:
     """What each limit of a finished design costs; runs in a worker process."""
     from synthesis.sensitivity import sensitivities
 
-    return sensitivities(Design.model_validate_json(design)).model_dump_json().encode()
+    deadline = time.monotonic() + PRICING * budget_s
+    found = sensitivities(Design.model_validate_json(design), deadline)
+    return found.model_dump_json().encode()
 
 
 def warm_up() -> None:

@@ -6,10 +6,10 @@ curves, and where a limit is broken the ordinary synthesis says which size would
 
 from __future__ import annotations
 
-import time
 from math import inf
 from typing import Literal
 
+from synthesis import clock
 from synthesis.answer import Cam, dimensions, judged
 from synthesis.certify.curves import Curves
 from synthesis.design import Design, engine_version
@@ -54,7 +54,7 @@ def analyse(spec: DesignSpec, *, deadline: float | None = None) -> Analysis:
 
 def _stop(spec: DesignSpec, deadline: float | None) -> float:
     """The earlier of the caller's deadline and the end of the spec's own budget, from now on."""
-    own = inf if spec.time_budget_s is None else time.monotonic() + spec.time_budget_s
+    own = inf if spec.time_budget_s is None else clock.now() + spec.time_budget_s
     return min(own, inf if deadline is None else deadline)
 
 

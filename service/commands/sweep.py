@@ -75,13 +75,13 @@ def own_service(folder: Path) -> Iterator[str]:
 
     from service.app import create_app
     from service.observe import configure_logs
-    from service.run import bound
+    from service.run import bound, web
 
     configure_logs("error")
     store = f"sqlite:///{folder.resolve() / STORE}"
     settings = settings_from(host="127.0.0.1", port=0, database_url=store)
     app, listening = create_app(settings), bound(settings)
-    server = uvicorn.Server(uvicorn.Config(app, log_config=None, access_log=False))
+    server = uvicorn.Server(web(app))
     running = threading.Thread(target=lambda: asyncio.run(server.serve([listening])))
     running.start()
     try:

@@ -7,10 +7,10 @@ from typing import Annotated, Any
 from fastapi import APIRouter
 from pydantic import BaseModel, Field
 
-from service.routes.files import MAX_POINTS_PER_DEGREE, MIN_TOLERANCE_UM
 from service.state import Parts
 from synthesis.camset_spec import MAX_CAMS
-from synthesis.exporters import MOTION_FORMATS, PROFILE_FORMATS, Exporter
+from synthesis.exporters import MOTION_FORMATS, PROFILE_FORMATS, Exporter, form
+from synthesis.exporters.options import MAX_POINTS, MAX_POINTS_PER_DEGREE, MIN_TOLERANCE_UM
 from synthesis.followers import FOLLOWERS
 from synthesis.laws import LAWS, TASKS, Characteristics, Ends, SplineLaw, characteristics
 from synthesis.limits import LIMITS
@@ -70,6 +70,10 @@ class FormatEntry(BaseModel):
     title: Annotated[str, Field(description="Its name for people.")]
     media_type: Annotated[str, Field(description="Content-Type of the file.")]
     extension: Annotated[str, Field(description="Of the file's name, with its dot.")]
+    purpose: Annotated[str, Field(description="What it is for; empty where the title says it.")]
+    json_schema: Annotated[
+        dict[str, Any], Field(description="Its query parameters, as JSON Schema.")
+    ]
 
 
 class Formats(BaseModel):
@@ -88,6 +92,7 @@ class ServerLimits(BaseModel):
     max_cams: Annotated[int, Field(description="Cams on one shaft.")]
     max_segments: Annotated[int, Field(description="Segments in a program.")]
     max_points_per_degree: Annotated[float, Field(description="Density of exported points.")]
+    max_points: Annotated[int, Field(description="Points of a file.")]
     min_tolerance_um: Annotated[float, Field(description="Finest chord tolerance [µm].")]
     max_waiting: Annotated[int, Field(description="Designs that may wait for a worker.")]
     max_sweep_items: Annotated[int, Field(description="Items that a sweep may have.")]
@@ -155,6 +160,7 @@ async def list_limits(parts: Parts) -> Limits:
             max_cams=MAX_CAMS,
             max_segments=MAX_SEGMENTS,
             max_points_per_degree=MAX_POINTS_PER_DEGREE,
+            max_points=MAX_POINTS,
             min_tolerance_um=MIN_TOLERANCE_UM,
             max_waiting=settings.max_waiting,
             max_sweep_items=settings.max_sweep_items,
@@ -177,4 +183,6 @@ def _format(exporter: Exporter[Any]) -> FormatEntry:
         title=exporter.title,
         media_type=exporter.media_type,
         extension=exporter.extension,
+        purpose=exporter.purpose,
+        json_schema=form(exporter.options).model_json_schema(),
     )

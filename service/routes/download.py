@@ -4,28 +4,20 @@ from __future__ import annotations
 
 import asyncio
 import re
-from collections.abc import Callable
+from collections.abc import Awaitable, Callable
 from dataclasses import dataclass
-from typing import Annotated
+from functools import partial
 
 from fastapi import Request, Response
-from pydantic import Field
 
 from service.etag import tag_of, unchanged
 from service.ranges import IN_PARTS
 from service.store import Row
+from synthesis.exporters import Made
 
 SVG = "image/svg+xml"
+Make = Callable[[], Awaitable[Made]]
 NOTHING_RUNS = "default-src 'none'; style-src 'unsafe-inline'"
-
-ChordTolerance = Annotated[
-    float | None,
-    Field(
-        le=1e6,
-        description="Largest distance of a chord from the curve [µm]; decides instead of "
-        "points_per_degree.",
-    ),
-]
 
 
 @dataclass(frozen=True)
@@ -46,15 +38,25 @@ class Download:
         }
 
     async def sent(
-        self, request: Request, row: Row, made_by: tuple[str, ...], write: Callable[[], bytes]
+        self, request: Request, row: Row, made_by: tuple[str, ...], make: Make
     ) -> Response:
         """The file of a finished row, or 304; ``made_by`` decides on its bytes with the row."""
         tag = tag_of(row.etag or "", *made_by)
-        return unchanged(request, tag) or Response(
-            await asyncio.to_thread(write),
-            headers={"ETag": f'"{tag}"', **IN_PARTS, **self.headers(row.name)},
+        known = unchanged(request, tag)
+        if known is not None:
+            return known
+        made = await make()
+        told = {f"Camwright-{name}": value for name, value in made.told.items()}
+        return Response(
+            made.data,
+            headers={"ETag": f'"{tag}"', **IN_PARTS, **self.headers(row.name), **told},
             media_type=self.media_type,
         )
+
+
+def in_thread(make: Callable[[], Made]) -> Make:
+    """Made in a thread of this process."""
+    return partial(asyncio.to_thread, make)
 
 
 def stem_of(name: str) -> str:

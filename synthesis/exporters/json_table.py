@@ -12,7 +12,8 @@ import numpy as np
 from synthesis.design import Design
 from synthesis.exporters.cam import Cam
 from synthesis.exporters.columns import Column, motion_columns, profile_columns
-from synthesis.exporters.exporter import Exporter
+from synthesis.exporters.cutting import chosen
+from synthesis.exporters.exporter import Exporter, untold
 from synthesis.exporters.options import MotionOptions, ProfileOptions
 from synthesis.exporters.sampling import in_degrees
 from synthesis.exporters.shortest import WIDTH, joined, written
@@ -26,7 +27,7 @@ TURNED = " The points are turned from there by {turn:.12g}° about z, counter-cl
 
 
 def _profile(design: Design, options: ProfileOptions) -> bytes:
-    cam = Cam.of(design, options.curve)
+    cam = chosen(design, options)
     turns = ("counter-clockwise", "clockwise")
     turns = turns if design.rotation == "ccw" else turns[::-1]
     head = {
@@ -89,5 +90,5 @@ def _text(body: dict[str, Any]) -> bytes:
 
 
 _TITLE, _MEDIA = "Columns with units and metadata", "application/json"
-PROFILE = Exporter("json", _TITLE, _MEDIA, ".json", _profile)
-MOTION = Exporter("json", _TITLE, _MEDIA, ".json", _motion)
+PROFILE = Exporter("json", _TITLE, _MEDIA, ".json", untold(_profile), ProfileOptions)
+MOTION = Exporter("json", _TITLE, _MEDIA, ".json", untold(_motion), MotionOptions)

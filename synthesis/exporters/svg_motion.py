@@ -9,7 +9,7 @@ import numpy as np
 from synthesis.design import Design, SegmentMotion
 from synthesis.exporters import svg_canvas as svg
 from synthesis.exporters.cam import Cam
-from synthesis.exporters.exporter import Exporter
+from synthesis.exporters.exporter import Exporter, untold
 from synthesis.exporters.options import MotionOptions
 from synthesis.exporters.readings import QUANTITIES
 from synthesis.exporters.svg_diagram import Frame, diagram
@@ -115,4 +115,6 @@ def _angle_axis(bottom: float) -> list[str]:
     return [*body, svg.text("label", middle, bottom + 9.2, "Cam angle, degrees", "middle")]
 
 
-MOTION = Exporter("svg", "Diagrams of the motion", "image/svg+xml", ".svg", _motion)
+MOTION = Exporter(
+    "svg", "Diagrams of the motion", "image/svg+xml", ".svg", untold(_motion), MotionOptions
+)

@@ -13,7 +13,7 @@ import numpy as np
 from synthesis.design import Design
 from synthesis.exporters import svg_canvas as svg
 from synthesis.exporters.cam import Cam
-from synthesis.exporters.exporter import Exporter
+from synthesis.exporters.exporter import Exporter, untold
 from synthesis.exporters.options import ProfileOptions
 from synthesis.exporters.svg_cam import BELOW, Scene, shapes
 from synthesis.exporters.svg_heading import TURNS, heading
@@ -27,7 +27,7 @@ OPPOSITE = {"ccw": "cw", "cw": "ccw"}
 
 
 def _profile(design: Design, options: ProfileOptions) -> bytes:
-    Cam.of(design, options.curve)  # a curve that the cam has not is refused; all are drawn
+    Cam.of(design, options)  # a curve that the cam has not is refused; all are drawn
     scene = Scene.of(design, Cam.of(design), options)
     u, (left, bottom, right, top) = scene.u, scene.extent
     width = right - left + 2.0 * MARGIN * u
@@ -146,4 +146,12 @@ def _scale_bar(x: float, y: float, u: float, drawn: str) -> list[str]:
     return body
 
 
-PROFILE = Exporter("svg", "Drawing of the cam", "image/svg+xml", ".svg", _profile, placeable=False)
+PROFILE = Exporter(
+    "svg",
+    "Drawing of the cam",
+    "image/svg+xml",
+    ".svg",
+    untold(_profile),
+    ProfileOptions,
+    placeable=False,
+)

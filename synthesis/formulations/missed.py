@@ -31,17 +31,21 @@ def misses(state: Search, found: Candidate) -> tuple[list[Array], float]:
     settled = {stretch.index: stretch for stretch in found.problem.stretches}
     for free, grid in zip(state.problem.free, state.grids, strict=True):
         exceeding = [np.zeros(0)]
-        for x, excess in _excesses(state.problem, scales, free, settled[free.index], grid, found):
+        each = _excesses(state.problem, scales, free, settled[free.index], grid, found)
+        for x, excess, writable in each:
             worst = max(worst, float(np.max(excess)))
-            exceeding.append(x[excess > ALLOWED])
+            if writable:
+                exceeding.append(x[excess > ALLOWED])
         points.append(np.unique(np.concatenate(exceeding)))
     return points, max(worst, _outgrown(state, found))
 
 
 def _excesses(
     problem: Problem, scales: Scales, free: Stretch, law: Stretch, grid: Grid, found: Candidate
-) -> Iterator[tuple[Array, Array]]:
-    """Points between those of one law's rows, and by how much each row is exceeded there."""
+) -> Iterator[tuple[Array, Array, bool]]:
+    """Points between those of one law's rows, by how much each row is exceeded there, and whether
+    rows could be written there.
+    """
     rows = [row for row in problem.limit_rows(free) if _may_miss(row, grid, found)]
     curves = list(problem.curves_on(free))
     if not rows and not curves:
@@ -52,10 +56,10 @@ def _excesses(
     for row in rows:
         size = sum(a * v for a, v in zip(row.size, found.size, strict=False))
         excess = np.array(row.coefficients) @ s + (size - row.upper)
-        yield x, np.where(inside(row, x), excess / row_scale(row, free, scales), -inf)
+        yield x, np.where(inside(row, x), excess / row_scale(row, free, scales), -inf), True
     for limit in curves:
         for value in limit.excess(s, found.size):
-            yield x, value
+            yield x, value, limit.turns
 
 
 def _may_miss(row: Row, grid: Grid, found: Candidate) -> bool:

@@ -16,7 +16,7 @@ import pytest
 from service.examples import examples
 from synthesis import CamSet, synthesise_set
 from synthesis.errors import InputError
-from synthesis.exporters import PROFILE_FORMATS, MotionOptions, ProfileOptions
+from synthesis.exporters import PROFILE_FORMATS, MotionOptions, PointOptions, ProfileOptions
 from synthesis.exporters.bundle import BundleOptions, bundle, bundle_files, folders
 from synthesis.exporters.svg_timing import timing_diagram
 from tests.camsets.sets import INLET, PRESS, asked, body
@@ -100,7 +100,7 @@ def test_both_frames(found: CamSet) -> None:
     for folder, cam in zip(folders(found), found.cams, strict=True):
         own, shaft = (points(files[f"{folder}/{which}.txt"]) for which in
                       ("profile", "shaft-profile"))  # fmt: skip
-        alone = PROFILE_FORMATS["txt"].write(cam.design, ProfileOptions())
+        alone = PROFILE_FORMATS["txt"].write(cam.design, PointOptions())
         assert files[f"{folder}/profile.txt"] == alone
         assert np.all(own[:, 2] == 0.0)
         assert np.all(shaft[:, 2] == cam.axial_mm)
@@ -120,7 +120,7 @@ def test_options_reach_the_files(found: CamSet) -> None:
     )
     inside = [name.partition("/")[2] for name in files if name.startswith("01-")]
     assert inside == ["design.json", "pitch.txt", "shaft-pitch.txt", "profile.svg"]
-    pitch = PROFILE_FORMATS["txt"].write(found.cams[0].design, ProfileOptions(2.0, curve="pitch"))
+    pitch = PROFILE_FORMATS["txt"].write(found.cams[0].design, PointOptions(2.0, curve="pitch"))
     assert files["01-inlet/pitch.txt"] == pitch
     sampling = json.loads(files["manifest.json"])["sampling"]
     assert sampling["curve"] == "pitch"

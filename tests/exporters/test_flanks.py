@@ -13,7 +13,7 @@ import pytest
 
 from synthesis import Design, DesignSpec, synthesise
 from synthesis.errors import InputError
-from synthesis.exporters import PROFILE_FORMATS, ProfileOptions, profiles
+from synthesis.exporters import PROFILE_FORMATS, PointOptions, ProfileOptions, profiles
 from tests.exporters.test_drawings import drawn, text_boxes
 from tests.exporters.test_points import away
 
@@ -62,7 +62,7 @@ def designs(request: pytest.FixtureRequest) -> dict[str, Design]:
 
 
 def points(design: Design, curve: str, **options: Any) -> np.ndarray:
-    data = PROFILE_FORMATS["txt"].write(design, ProfileOptions(curve=curve, **options))
+    data = PROFILE_FORMATS["txt"].write(design, PointOptions(curve=curve, **options))
     return np.loadtxt(io.BytesIO(data))[:, :2]
 
 
@@ -103,7 +103,7 @@ def test_a_curve_that_the_cam_has_not_is_refused_with_those_that_it_has(
 ) -> None:
     for exporter in PROFILE_FORMATS.values():  # the drawing too, though it shows all of them
         with pytest.raises(InputError, match="profile, pitch") as caught:
-            exporter.write(designs[name], ProfileOptions(curve=curve))
+            exporter.write(designs[name], exporter.options(curve=curve))
         assert caught.value.field == "/curve"
         assert all(known in caught.value.rule for known in GAPS[name])
 

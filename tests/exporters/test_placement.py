@@ -11,13 +11,15 @@ import pytest
 
 from synthesis.design import Design
 from synthesis.errors import InputError
-from synthesis.exporters import PROFILE_FORMATS, ProfileOptions
+from synthesis.exporters import PROFILE_FORMATS, PointOptions, ProfileOptions
 
 TURN, Z = -63.7, 12.125
 
 
 def loaded(design: Design, options: ProfileOptions) -> np.ndarray:
-    return np.loadtxt(io.BytesIO(PROFILE_FORMATS["txt"].write(design, options)))
+    return np.loadtxt(
+        io.BytesIO(PROFILE_FORMATS["txt"].write(design, PROFILE_FORMATS["txt"].adapted(options)))
+    )
 
 
 def table(design: Design, options: ProfileOptions) -> np.ndarray:
@@ -83,7 +85,7 @@ def test_quarters_of_a_turn_are_exact(cam: Design, quarter: float) -> None:
 
 
 def test_negative_zero_is_not_written(cam: Design) -> None:
-    data = PROFILE_FORMATS["txt"].write(cam, ProfileOptions(z_mm=-1e-12))
+    data = PROFILE_FORMATS["txt"].write(cam, PointOptions(z_mm=-1e-12))
     assert b" -0.0000000000" not in data
 
 

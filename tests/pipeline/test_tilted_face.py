@@ -165,7 +165,7 @@ def test_the_tilt_leaves_nothing_to_choose_of_the_pressure_angle() -> None:
 def test_the_drawing_holds_the_face(rotation: str, tilt: float) -> None:
     design = synthesise(tilted(RADIUS, law="cycloidal", tilt=tilt, rotation=rotation))
     for exporter in PROFILE_FORMATS.values():
-        assert len(exporter.write(design, ProfileOptions())) > 1000
+        assert len(exporter.write(design, exporter.options())) > 1000
     drawing = PROFILE_FORMATS["svg"].write(design, ProfileOptions()).decode()
     assert "flat face, contact over" in drawing
 

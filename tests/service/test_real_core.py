@@ -112,6 +112,41 @@ def test_options_choose_the_points(client: httpx2.Client, links: dict[str, str])
     assert "pitch" in told["rule"]
 
 
+def test_point_files_tell_what_their_readers_make_of_them(
+    client: httpx2.Client, links: dict[str, str]
+) -> None:
+    answer = client.get(f"{links['profile.sldcrv']}?points=180&decimals=4")
+    block = client.get(f"{links['profile.fidelity.json']}?points=180&decimals=4").json()
+    told = dict(each.split(": ") for each in answer.headers["camwright-fidelity"].split("; "))
+    assert list(told) == [each["reader"] for each in block["readers"]]
+    for each in block["readers"]:
+        assert told[each["reader"]].startswith(f"form {each['form_um']:.3g} um, acceleration ")
+    close = client.get(f"{links['profile.sldcrv']}?points_per_degree=100")
+    assert (close.status_code, close.json()["type"]) == (422, "/problems/invalid-parameter")
+    assert "0.01 mm" in close.json()["detail"]
+
+
+def test_exact_curves_tell_how_true_they_are(client: httpx2.Client, links: dict[str, str]) -> None:
+    answer = client.get(f"{links['profile.nurbs.json']}?tolerance_um=0.01&curve=pitch")
+    assert answer.json()["error_mm"] <= 1e-5
+    told = answer.headers["camwright-curve-error-mm"]
+    assert float(told) == pytest.approx(answer.json()["error_mm"], rel=5e-3)
+    count = answer.headers["camwright-curve-control-points"]
+    assert int(count) == len(answer.json()["control_points_mm"])
+    for wrong, parameter in (
+        ("tolerance_um=-1", "tolerance_um"),
+        ("tolerance_um=1e-9", "tolerance_um"),
+        ("curve=cutter", "cutter_diameter_mm"),
+        ("curve=cutter&cutter_diameter_mm=1e5", "cutter_diameter_mm"),
+        ("points_per_degree=4", "points_per_degree"),
+    ):
+        refused = client.get(f"{links['profile.step']}?{wrong}")
+        assert (refused.status_code, refused.json()["type"]) == (422, "/problems/invalid-parameter")
+        (violation,) = refused.json()["errors"]
+        assert violation["parameter"] == parameter
+        assert violation["way_out"]
+
+
 def test_the_way_over_http_costs_little(client: httpx2.Client) -> None:
     """15 ms is what the service is made for (median); the test bears with busy machines."""
     body = dict(examples()["fixed-laws"]["value"])
