@@ -21,6 +21,7 @@ MOST_PARTS: Final = 64
 ROUND: Final = 256  # boxes that cost little more than one
 MOST_ROUNDS: Final = 12
 MOST_BOXES: Final = 100_000  # of each function
+VAGUE: Final = 1e-14  # of a value: more than that is not left open of it
 UNBOUNDED: Final = 1e300  # stands for "nothing is known on this box"
 ULPS: Final = 2.0**-50
 WIDENED: Final = 16.0 * 2.0**-53  # of |x|: by how much a model's box may be wider than it was asked
@@ -31,7 +32,7 @@ class Enclosed:
     """A quantity that is proven to lie in [lower, upper].
 
     Attributes:
-        value: what was found, the function's value at ``angle`` to within the width.
+        value: what was found, the function's value at ``angle`` to within rounding.
         lower, upper: proven ends; the value lies between them.
         angle: cam angle where it was found [rad].
     """
@@ -122,11 +123,13 @@ class _Reached:
     """What one box each has for several questions (q,): so much is reached inside of it.
 
     Attributes:
-        sure: excess over a bound, less all roundings. above: it is over the upper one.
-        value: the function's value at ``angle``, as exact as the model. piece: of the box.
+        sure: excess over a bound, less ``blur``. above: it is over the upper one.
+        blur: what the model leaves open of the value.
+        value: the function's value at ``angle``. piece: of the box.
     """
 
     sure: Array
+    blur: Array
     above: Mask
     value: Array
     angle: Array
@@ -149,6 +152,7 @@ class _Search:
         self.value = np.zeros(count)
         self.angle = np.zeros(count)
         self.piece = np.array([q.pieces[0] for q in questions])
+        self.blur = np.full(count, np.inf)
         self.boxes = np.zeros(count, dtype=int)
 
     def weigh(self, boxes: _Boxes, models: Models) -> tuple[Array, _Boxes]:
@@ -169,9 +173,13 @@ class _Search:
         return possible, self._points(live, leading.piece, leading.angle)
 
     def settle(self, points: _Boxes, models: Models) -> None:
-        """Take the values from points, where models are exact but for rounding."""
+        """Take values from points, where models are exact but for rounding, if they are vague."""
+        vague = self.blur > VAGUE * np.abs(self.value)
+        if not vague.any():
+            return
         tops = self._points(np.arange(len(self.best)), self.piece, self.angle)
         points = tops.joined(points)
+        points = points.left(points.asked & vague[:, None])
         live, function, model, excess = self._look(points, models)
         top = np.argmax(np.where(model.rem[function] < UNBOUNDED, excess, -np.inf), axis=1)
         found = self._reached(live, points.at(top), model.take(function, top))
@@ -208,8 +216,8 @@ class _Search:
         margin = WIDENED * (np.abs(box.lo) + np.abs(box.hi))
         share = np.where(half == 0.0, 0.0, margin / (half + margin))
         spare = share * (np.abs(model.c1) + 2.0 * np.abs(model.c2))
-        sure = np.where(above, over, under) - model.rem - spare
-        return _Reached(sure, above, value, where, box.piece)
+        blur = model.rem + spare
+        return _Reached(np.where(above, over, under) - blur, blur, above, value, where, box.piece)
 
     def _note(self, questions: Indices, found: _Reached, which: Mask) -> None:
         """Keep what was reached, for some of these questions."""
@@ -217,6 +225,7 @@ class _Search:
         self.best[q] = np.maximum(self.best[q], found.sure[which])
         self.above[q], self.value[q] = found.above[which], found.value[which]
         self.angle[q], self.piece[q] = found.angle[which], found.piece[which]
+        self.blur[q] = found.blur[which]
 
     def _points(self, questions: Indices, piece: Indices, at: Array) -> _Boxes:
         """Points, one for each of these questions."""
@@ -225,12 +234,15 @@ class _Search:
 
     def survivors(self, possible: Array) -> Mask:
         """Which boxes may still hold more than the target width above the best found."""
-        bound = np.where(self.above, self.upper, self.lower)
-        size = np.maximum(np.abs(self.value), np.where(np.isfinite(bound), np.abs(bound), 0.0))
-        target = self.best + np.maximum(self.absolute, self.relative * size)
-        keep: Mask = possible > target[:, None]
+        keep: Mask = possible > (self.best + self._enough())[:, None]
         self.exclude(~keep, possible)
         return keep
+
+    def _enough(self) -> Array:
+        """The width that is good enough for each question."""
+        bound = np.where(self.above, self.upper, self.lower)
+        size = np.maximum(np.abs(self.value), np.where(np.isfinite(bound), np.abs(bound), 0.0))
+        return np.asarray(np.maximum(self.absolute, self.relative * size))
 
     def exclude(self, which: Mask, possible: Array) -> None:
         """Leave these boxes: what is possible there stays in the proven bound."""
@@ -281,10 +293,9 @@ def enclose(
             left = np.count_nonzero(keep.any(axis=0))
             if left == 0 or seen + SPLIT * left > most or rounds_left == 1:
                 search.exclude(keep, possible)
-                if left:
-                    search.settle(points, models)
                 break
             boxes = boxes.left(keep).split().joined(points)
+        search.settle(points, models)
     return search.answers()
 
 
