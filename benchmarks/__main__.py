@@ -26,6 +26,7 @@ NAMES = (
     "scaling",
     "http",
     "sweeps",
+    "sweep_size",
     "startup",
 )
 ROOT = Path(__file__).resolve().parents[1]

@@ -64,7 +64,14 @@ def _post(wire: http.client.HTTPConnection, name: str) -> tuple[float, float]:
 
 @contextmanager
 def service() -> Iterator[int]:
-    """A service of its own on a free port, with a store of its own."""
+    """The port of a service of its own, with a store of its own."""
+    with started() as (port, _):
+        yield port
+
+
+@contextmanager
+def started() -> Iterator[tuple[int, int]]:
+    """The same, with the number of its process."""
     with socket.socket() as free:
         free.bind(("127.0.0.1", 0))
         port = free.getsockname()[1]
@@ -82,7 +89,7 @@ def service() -> Iterator[int]:
         )
         try:
             _await(port)
-            yield port
+            yield port, process.pid
         finally:
             process.terminate()
             process.wait(30.0)

@@ -30,7 +30,7 @@ def run(effort: Effort = FULL) -> Section:
         for size in effort.some(SIZES):
             asked = _asked(size)
             alone = _alone(asked, effort.repeats(min(size, ALONE)))
-            whole, first = _swept(wire, asked)
+            whole, first = swept(wire, asked)
             share = alone / WORKERS / (whole / size)
             rows.append(
                 (str(size), f"{1e3 * alone:.1f} ms", f"{1e3 * whole / size:.1f} ms",
@@ -58,12 +58,12 @@ def _alone(asked: dict[str, Any], count: int) -> float:
     return (time.perf_counter() - started) / len(specs)
 
 
-def _swept(wire: http.client.HTTPConnection, asked: dict[str, Any]) -> tuple[float, float]:
+def swept(wire: http.client.HTTPConnection, asked: dict[str, Any]) -> tuple[float, float]:
     """Seconds until all items are there, and until the first one is."""
     started, first = time.perf_counter(), 0.0
-    where = _answer(wire, "POST", "/v1/sweeps", json.dumps(asked))["links"]["self"]
+    where = answer(wire, "POST", "/v1/sweeps", json.dumps(asked))["links"]["self"]
     while True:
-        found = _answer(wire, "GET", where)
+        found = answer(wire, "GET", where)
         passed = time.perf_counter() - started
         if found["counts"]["done"] and not first:
             first = passed
@@ -72,13 +72,14 @@ def _swept(wire: http.client.HTTPConnection, asked: dict[str, Any]) -> tuple[flo
         time.sleep(0.5 if first and asked["axes"][0]["count"] > 100 else 0.02)
 
 
-def _answer(
+def answer(
     wire: http.client.HTTPConnection, method: str, path: str, body: str | None = None
 ) -> dict[str, Any]:
+    """What the service answers with."""
     wire.request(method, path, body, {"Content-Type": "application/json"})
-    answer = wire.getresponse()
-    content = answer.read()
-    if answer.status >= 300:
+    told = wire.getresponse()
+    content = told.read()
+    if told.status >= 300:
         raise RuntimeError(content.decode())
     found: dict[str, Any] = json.loads(content)
     return found

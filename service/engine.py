@@ -12,7 +12,7 @@ import contextlib
 import logging
 import signal
 import uuid
-from collections.abc import AsyncIterator, Awaitable, Callable
+from collections.abc import AsyncIterator, Awaitable, Callable, Sequence
 from contextlib import asynccontextmanager
 from functools import partial
 from typing import Any, TypeVar
@@ -26,6 +26,7 @@ from service.cluster import DIED, Keeper, OwnCluster
 from service.errors import Busy, EngineUnreachable, WorkerLost
 from service.settings import Settings
 from service.solve import Answer, Task, solve, warm_up
+from service.stopping import stop, stoppable
 from synthesis.errors import TimeBudgetExceeded
 
 log = logging.getLogger("camwright.engine")
@@ -47,6 +48,8 @@ CONFIGURATION = {
 }
 WATCH_S = 2.0
 REPAIR_S = 60.0
+ASK_S = 0.1  # between words to work that is to stop: it may not have begun at the first
+STOP_S = 0.5  # that work gets to stop in; then its worker is started anew
 BATCH_S = 0.001  # Dask gathers messages for 10 ms before it sends them: longer than many designs
 
 
@@ -106,33 +109,56 @@ class Engine:
         return await self.run(task or self.task, spec, budget_s, budget_s=budget_s)
 
     async def run(
-        self, work: Callable[..., T], *given: Any, budget_s: float, behind: bool = False
+        self,
+        work: Callable[..., T],
+        *given: Any,
+        budget_s: float,
+        behind: bool = False,
+        name: str = "",
     ) -> T:
-        """Run some work on a worker, stopped when it overruns its budget.
+        """Run some work on a worker, stopped when it overruns its budget or nobody waits for it.
 
         Args:
             work: a function that a worker can import. given: what it is called with.
             budget_s: time it has. behind: let everybody else go first.
+            name: to stop it by; nobody else's.
         """
         await self._enter(behind)
         if self._client.status != "running":
             await self._leave()
             raise EngineUnreachable("No worker can be reached. Try again shortly.", RETRY)
-        key = f"design-{uuid.uuid4().hex}"
-        future = self._client.submit(work, *given, key=key, pure=False)
+        key = name or new_name()
+        future = self._client.submit(stoppable, key, work, *given, key=key, pure=False)
         result = asyncio.ensure_future(future.result())
         try:
-            answer: T = await self._answer(result, budget_s)
+            answer: T = await self._answer(future, result, budget_s)
             return answer
         finally:
             # A place is free again when its worker is: a lost one has to be replaced first.
-            sound = result.done() and not isinstance(result.exception(), KilledWorker)
-            ending = self._leave() if sound else self._repaired(future, result)
+            if result.done() and _sound(result):
+                future.release()
+                ending = self._leave()
+            else:
+                ending = self._repaired(future, result)
             repair = asyncio.create_task(ending)
             self._repairs.add(repair)
             repair.add_done_callback(self._repairs.discard)
-            if sound:
-                future.release()
+
+    async def stop(self, names: Sequence[str], result: asyncio.Future[Any]) -> bool:
+        """Tell work of these names to stop, again and again; whether the result is there in time.
+
+        Args:
+            names: given to ``run``. result: what it leads to.
+        """
+        for _ in range(round(STOP_S / ASK_S)):
+            if self._client.status != "running":
+                break
+            told = asyncio.ensure_future(self._client.run(stop, list(names), on_error="ignore"))
+            told.add_done_callback(_heard)
+            done, _ = await asyncio.wait({result}, timeout=ASK_S)
+            if done:
+                return True
+        return result.done()
 
     async def _enter(self, behind: bool) -> None:
         async with self._turn:
@@ -146,8 +172,14 @@ class Engine:
                 self.waiting -= not behind
                 self._turn.notify_all()
 
-    async def _answer(self, result: asyncio.Task[Any], budget_s: float) -> Any:
-        done, _ = await asyncio.wait({result}, timeout=budget_s + self._settings.grace_s)
+    async def _answer(self, future: Any, result: asyncio.Task[Any], budget_s: float) -> Any:
+        allowed = budget_s + self._settings.grace_s
+        done, _ = await asyncio.wait({result}, timeout=allowed)
+        if not done and not await self._begun(future):  # another service's work was before it
+            while not done and not await self._begun(future):
+                done, _ = await asyncio.wait({result}, timeout=WATCH_S)
+            if not done:
+                done, _ = await asyncio.wait({result}, timeout=allowed)
         if not done:
             raise TimeBudgetExceeded(budget_s)
         try:
@@ -162,21 +194,30 @@ class Engine:
         except (CommClosedError, FutureCancelledError):
             raise EngineUnreachable("The engine was lost meanwhile. Try again.", RETRY) from None
 
+    async def _begun(self, future: Any) -> bool:
+        """Whether a worker has this task: several services may share the workers elsewhere."""
+        try:
+            at_work = await self._client.processing()
+        except (OSError, CommClosedError):
+            return False  # the result will say so
+        return any(future.key in keys for keys in at_work.values())
+
     async def _leave(self) -> None:
         async with self._turn:
             self.running -= 1
             self._turn.notify_all()
 
     async def _repaired(self, future: Any, result: asyncio.Task[Any]) -> None:
-        """Start the worker anew that is still at a task, and give its place back after that."""
-        result.cancel()
+        """Stop a task, start its worker anew if need be, and give its place back after that."""
         try:
-            if not self.closing:
+            if not self.closing and not (await self.stop([future.key], result) and _sound(result)):
                 await self._restart_whoever_runs(future)
                 await self._client.wait_for_workers(self.slots, timeout=REPAIR_S)
         except Exception:
             log.exception("a worker could not be started anew")
         finally:
+            result.cancel()
+            future.release()
             await self._leave()
 
     async def _restart_whoever_runs(self, future: Any) -> None:
@@ -212,6 +253,22 @@ class Engine:
 
 
 RETRY = {"Retry-After": "2"}
+
+
+def new_name() -> str:
+    """A name for some work that nothing else has."""
+    return f"design-{uuid.uuid4().hex}"
+
+
+def _sound(result: asyncio.Future[Any]) -> bool:
+    """Whether the worker that this finished result came from is still there."""
+    return not isinstance(result.exception(), KilledWorker)
+
+
+def _heard(told: asyncio.Future[Any]) -> None:
+    """Whether a word reached every worker is seen by what the work does."""
+    if not told.cancelled():
+        told.exception()
 
 
 async def _unseen(name: Any) -> str:

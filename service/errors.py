@@ -71,6 +71,10 @@ class NotDone(ServiceError):
     """The design is still being worked on: it has no files yet."""
 
 
+class PartOfSweep(ServiceError):
+    """The design is an item of a sweep and goes with it."""
+
+
 class NothingFits(ServiceError):
     """The design is infeasible: there is no cam to export."""
 
@@ -120,6 +124,7 @@ PROBLEMS: dict[type[Exception], Kind] = {
     FormatMissing: Kind(501, "format-missing", "This server does not write the format"),
     UnknownAnalysis: Kind(404, "unknown-analysis", "No such analysis"),
     NotDone: Kind(409, "not-done", "The design is not finished"),
+    PartOfSweep: Kind(409, "part-of-sweep", "The design belongs to a sweep"),
     NothingFits: Kind(409, "nothing-fits", "The design is infeasible and has no files"),
     Dismissed: Kind(409, "dismissed", "The design was dismissed"),
     BodyTooLarge: Kind(413, "body-too-large", "The body is too large"),

@@ -24,6 +24,8 @@ from service.state import State
 from service.store import Store
 from synthesis.spec import DesignSpec
 
+ENDS_S = 3  # that answers under way get to end in when the service is told to stop
+
 
 def serve(settings: Settings) -> None:
     """Run until told to stop; ends the process with one sentence where that cannot be."""
@@ -31,13 +33,24 @@ def serve(settings: Settings) -> None:
     listening = bound(settings)
     _usable(settings)
     app = create_app(settings)
-    config = uvicorn.Config(app, log_config=None, access_log=False, server_header=False)
+    config = web(app)
     logging.getLogger("uvicorn").setLevel(logging.WARNING)
     sys.stdout.write("Camwright is starting its workers ...\n")
     sys.stdout.flush()
     port = listening.getsockname()[1]
     with contextlib.suppress(KeyboardInterrupt):  # it has shut down in order by then
         _Server(config, app, f"http://{_reachable(settings.host)}:{port}").run([listening])
+
+
+def web(app: FastAPI) -> uvicorn.Config:
+    """How the service is served; told to stop, it does not wait for whoever watches a sweep."""
+    return uvicorn.Config(
+        app,
+        log_config=None,
+        access_log=False,
+        server_header=False,
+        timeout_graceful_shutdown=ENDS_S,
+    )
 
 
 def bound(settings: Settings) -> socket.socket:

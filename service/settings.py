@@ -40,6 +40,14 @@ class Settings(BaseSettings):
     max_sweep_items: Annotated[int, Field(ge=1, description="Items that a sweep may have.")] = (
         20_000
     )
+    sweep_lease_s: Annotated[
+        float,
+        Field(
+            gt=0.0,
+            description="Without a sign of life for so long, another process that shares the "
+            "database goes on with a sweep [s].",
+        ),
+    ] = 5.0
     max_sweeps: Annotated[int, Field(ge=1, description="Sweeps that may be under way.")] = 16
     idempotency_hours: Annotated[float, Field(gt=0.0)] = 24.0
     cors_origins: list[str] = []

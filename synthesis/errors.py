@@ -4,6 +4,7 @@ CamwrightError
 ├── InputError                the question makes no sense (wrong value, rule, way out)
 ├── SolverFailed              a solver stopped without a usable point
 ├── TimeBudgetExceeded        time ran out; carries the best certified design so far
+├── Cancelled                 nobody waits for the answer any more
 └── ExtraMissing              an optional part is not installed
 """
 
@@ -58,6 +59,16 @@ class TimeBudgetExceeded(CamwrightError):
 
     def __reduce__(self) -> tuple[type[TimeBudgetExceeded], tuple[float, Any]]:
         return type(self), (self.budget_s, self.best)
+
+
+class Cancelled(CamwrightError):
+    """Whoever asked has stopped the work; there is no answer."""
+
+    def __init__(self) -> None:
+        super().__init__("It was stopped while it was being worked on.")
+
+    def __reduce__(self) -> tuple[type[Cancelled], tuple[()]]:
+        return type(self), ()
 
 
 class ExtraMissing(CamwrightError):

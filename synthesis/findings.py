@@ -128,9 +128,17 @@ class Sensitivity(Part):
 
     field: str = told("JSON pointer to a limit, or to an end of a range, in the spec.")
     asked: float = told("What the spec says there; the unit is in the field's name.")
-    per_unit: float = told(
+    per_unit: float | None = told(
         "Change of the objective for one unit more there, to first order, everything else free to "
-        "follow; 0 where the number does not decide."
+        "follow; 0 where the number does not decide; null where more and less differ."
+    )
+    per_unit_more: float | None = told(
+        "The same for a change upwards alone; null: there the spec makes no sense, or no cam was "
+        "found beside this one."
+    )
+    per_unit_less: float | None = told(
+        "The same for a change downwards alone, per unit more as well: both are equal unless the "
+        "number stands where it just begins to decide."
     )
     words: str = told("The same in words.")
 
@@ -141,4 +149,7 @@ class Sensitivities(Part):
     objective: str = told("The objective, with its unit.")
     value: float | None = told("Its value on the finished cam; null: there is no cam.")
     sensitivities: list[Sensitivity] = told("The dearest first; empty where they are not known.")
+    unconfirmed: list[str] = told(
+        "Numbers of which nothing is told, because multipliers and seeking again disagree."
+    )
     evidence: str = told("How they are known, or why they are not.")

@@ -13,6 +13,7 @@ import time
 from dataclasses import asdict, dataclass, field, replace
 from math import inf
 
+from synthesis import clock
 from synthesis.answer import Bounded, Cam, design, judged, priced, proofs, with_chosen
 from synthesis.certify import CROSSING
 from synthesis.design import (
@@ -90,7 +91,7 @@ def synthesise(spec: DesignSpec, *, deadline: float | None = None) -> Design:
         TimeBudgetExceeded: time ran out before the tolerance was reached; carries the best.
         SolverFailed: no stage gave a usable point, and not even why could be found.
     """
-    clock, now = time.perf_counter(), time.monotonic()
+    began, now = time.perf_counter(), clock.now()
     budget = min(
         inf if spec.time_budget_s is None else spec.time_budget_s,
         inf if deadline is None else deadline - now,
@@ -102,12 +103,12 @@ def synthesise(spec: DesignSpec, *, deadline: float | None = None) -> Design:
     attempt = _drawn_in(spec, tables, now + budget, stages)
     if attempt.crosses:
         attempt = _grown(spec, tables, attempt, now + budget, stages)
-    late = time.monotonic() >= now + budget
+    late = clock.now() >= now + budget
     if not attempt.certified and late:
         raise TimeBudgetExceeded(budget)
     conflict = None if attempt.certified else _conflict(spec, attempt)
     proven = [] if attempt.cam is None else proofs(attempt.built, attempt.cam, attempt.bounds)
-    seconds = time.perf_counter() - clock
+    seconds = time.perf_counter() - began
     found = design(
         attempt.built, attempt.cam, attempt.extremes, proven, stages, seconds, conflict
     ).asked_as(spec)
@@ -125,7 +126,7 @@ def _price(found: Design, question: DesignSpec, stop: float) -> SmoothnessPrice:
     proof, rough = found.certificate, question.roughened()
     if rough is question:
         return priced(proof, proof, "no spline smoother than C2 is asked for")
-    if not found.motion or time.monotonic() >= stop:
+    if not found.motion or clock.now() >= stop:
         why = "this question has no cam" if not found.motion else "the time budget had ended"
         return priced(proof, None, why)
     try:
@@ -161,7 +162,7 @@ def _drawn_in(spec: DesignSpec, tables: Tables, stop: float, stages: list[StageR
         for tried in attempt.searches:
             stages += [StageReport(**asdict(stage)) for stage in tried.stages]
         settled = attempt.certified or attempt.crosses or attempt.hopeless
-        if settled or time.monotonic() >= stop:
+        if settled or clock.now() >= stop:
             break
     return attempt
 
@@ -179,7 +180,7 @@ def _grown(
     most, best, step = largest, crossing, FIRST_GROWTH * least
     for _ in range(GROWTHS):
         trial_radius = min(least + step, largest) if best is crossing else 0.5 * (least + most)
-        if time.monotonic() >= stop or trial_radius <= least * (1.0 + 0.1 * spec.tolerance):
+        if clock.now() >= stop or trial_radius <= least * (1.0 + 0.1 * spec.tolerance):
             break
         raised = Range(min=trial_radius, max=largest)
         larger = spec.model_copy(update={"base_radius_mm": raised})
@@ -204,8 +205,12 @@ def _base_radius(attempt: _Attempt) -> float:
     return attempt.built.follower.dimensions(attempt.cam.size)["base_radius_mm"]
 
 
-def _attempt(spec: DesignSpec, tables: Tables, stop: float, tighten: float) -> _Attempt:
+def _attempt(
+    spec: DesignSpec, tables: Tables, stop: float, tighten: float, *, closely: bool = False
+) -> _Attempt:
     """Solve the spec without what is settled after the size, then settle it.
+
+    ``closely``: the latter even where time is over, since its nearest value is what is asked.
 
     Where no place of a counter roller suits the cam so found, the cam is sought again with the
     farthest place given: the counter cam then has its say in the laws and the size.
@@ -213,7 +218,7 @@ def _attempt(spec: DesignSpec, tables: Tables, stop: float, tighten: float) -> _
     attempt = _solved(spec.alone(), tables, stop, tighten)
     if attempt.best is None:
         return attempt
-    place = settled(spec, attempt.best)
+    place = settled(spec, attempt.best, inf if closely else stop)
     if not place.holds:
         first, attempt = attempt, _solved(place.spec, tables, stop, tighten)
         attempt.searches = [*first.searches, *attempt.searches]
@@ -280,7 +285,7 @@ def _conflict(spec: DesignSpec, attempt: _Attempt) -> Conflict:
         low, high = reached(last.relaxed.problem, last.relaxed.size, claim.path)
         return high if claim.upper is not None else low
 
-    until = min(last.deadline, time.monotonic() + DIAGNOSIS_S)
+    until = min(last.deadline, clock.now() + DIAGNOSIS_S)
     found = diagnose(attempt.posed, last.problem, last.grids, largest, until)
     if last.impossible:
         found = found.model_copy(update={"evidence": f"{last.impossible}; {found.evidence}"})
@@ -301,7 +306,9 @@ def _farther(spec: DesignSpec, until: float) -> list[Relaxation]:
     opened = spec.opened()
     if opened == spec:
         return []
-    attempt = _attempt(opened, smooth_tables(opened.stretches(), until), until, DRAWN_IN[0])
+    attempt = _attempt(
+        opened, smooth_tables(opened.stretches(), until), until, DRAWN_IN[0], closely=True
+    )
     if not attempt.certified or attempt.cam is None:
         return []
     told, found = attempt.built.follower.dimensions(attempt.cam.size), []

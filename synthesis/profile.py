@@ -28,6 +28,7 @@ class CamProfile:
             convex: ρ_pitch − Rr, of a flank touched from inside −ρ_pitch − Rr; ∞ where straight;
             along a flat face negative where undercut.
         pressure_angle: signed α [rad]; positive where the cam pushes against a rise.
+        speed: of the traced curve [mm/rad]; negative where it runs backwards along a face.
     """
 
     theta: Array
@@ -41,6 +42,7 @@ class CamProfile:
     curvature: Array
     radius: Array
     pressure_angle: Array
+    speed: Array
 
 
 def cam_profile(
@@ -85,5 +87,5 @@ def cam_profile(
     y = pitch_y - gap * normal_y
     return CamProfile(
         theta, s, mirror * pitch_x, pitch_y, mirror * x, y, mirror * normal_x, normal_y,
-        curvature, radius, alpha,
+        curvature, radius, alpha, speed,
     )  # fmt: skip

@@ -5,6 +5,7 @@ from __future__ import annotations
 import time
 from math import inf
 
+from synthesis import clock
 from synthesis.camset import CamSet, assembled, mounted
 from synthesis.camset_spec import CamSetSpec
 from synthesis.design import Design
@@ -30,7 +31,7 @@ def synthesise_set(spec: CamSetSpec, *, deadline: float | None = None) -> CamSet
             has one.
         SolverFailed: as for a single cam.
     """
-    clock, now = time.perf_counter(), time.monotonic()
+    began, now = time.perf_counter(), clock.now()
     budget = min(
         inf if spec.time_budget_s is None else spec.time_budget_s,
         inf if deadline is None else deadline - now,
@@ -38,9 +39,9 @@ def synthesise_set(spec: CamSetSpec, *, deadline: float | None = None) -> CamSet
     designs: list[Design] = []
     late = False
     for position, cam in enumerate(spec.cams):
-        left = now + budget - time.monotonic()
+        left = now + budget - clock.now()
         try:
-            share = time.monotonic() + left / (len(spec.cams) - position)
+            share = clock.now() + left / (len(spec.cams) - position)
             designs.append(synthesise(cam.spec, deadline=share))
         except TimeBudgetExceeded as error:
             if error.best is None:
@@ -52,7 +53,7 @@ def synthesise_set(spec: CamSetSpec, *, deadline: float | None = None) -> CamSet
             raise SolverFailed(error.solver, error.status, advice) from None
     pairs = zip(spec.cams, designs, strict=True)
     cams = [mounted(i, cam, design) for i, (cam, design) in enumerate(pairs)]
-    found = assembled(spec, cams, timing_of(cams), time.perf_counter() - clock)
+    found = assembled(spec, cams, timing_of(cams), time.perf_counter() - began)
     if late:
         raise TimeBudgetExceeded(budget, found)
     return found

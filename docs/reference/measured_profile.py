@@ -12,7 +12,7 @@ import numpy as np
 
 from synthesis import DesignSpec, synthesise
 from synthesis.analysis import given
-from synthesis.exporters import PROFILE_FORMATS, ProfileOptions
+from synthesis.exporters import PROFILE_FORMATS, PointOptions
 from synthesis.measured import MeasuredCam, ProfileAnalysis, read_back
 
 EXAMPLE = (
@@ -51,7 +51,7 @@ def spec(follower: dict[str, Any], **changes: Any) -> DesignSpec:
 
 def measured(asked: DesignSpec, per_degree: float = 2.0, noise: float = 1e-3) -> list[list[float]]:
     """Points of the exported profile, rounded to 1 µm, each coordinate with noise [mm]."""
-    options = ProfileOptions(points_per_degree=per_degree)
+    options = PointOptions(points_per_degree=per_degree)
     text = PROFILE_FORMATS["txt"].write(synthesise(asked), options).decode()
     points = np.array([[float(cell) for cell in line.split()[:2]] for line in text.splitlines()])
     rng = np.random.default_rng(3)

@@ -1,13 +1,18 @@
-"""`camwright export`: files of one cam, chosen and sampled as wanted."""
+"""`camwright export`: files of one cam, chosen and sampled as wanted.
+
+The options are those of the formats, each once: a format that is added brings its own along.
+"""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+import inspect
+from collections.abc import Mapping
 from enum import StrEnum
 from pathlib import Path
 from typing import Annotated, Any
 
 import typer
+from pydantic.fields import FieldInfo
 
 from service.body import parsed
 from service.errors import ServiceError
@@ -16,10 +21,11 @@ from synthesis.design import Design
 from synthesis.errors import CamwrightError
 from synthesis.exporters import (
     MOTION_FORMATS,
+    PICTURES,
     PROFILE_FORMATS,
+    SOLID_FORMATS,
     Exporter,
-    MotionOptions,
-    ProfileOptions,
+    form,
 )
 from synthesis.spec import DesignSpec
 
@@ -29,53 +35,88 @@ class Part(StrEnum):
 
     profile = "profile"
     motion = "motion"
+    solid = "solid"
+    picture = "picture"
 
 
 FORMATS: Mapping[Part, Mapping[str, Exporter[Any]]] = {
     Part.profile: PROFILE_FORMATS,
     Part.motion: MOTION_FORMATS,
-}
-OPTIONS: Mapping[Part, Callable[..., Any]] = {
-    Part.profile: ProfileOptions,
-    Part.motion: MotionOptions,
+    Part.solid: SOLID_FORMATS,
+    Part.picture: PICTURES,
 }
 
 
-def export(
+def _write(
     design: Annotated[Path, typer.Argument(help="design.json, or a DesignSpec to size first.")],
     formats: Annotated[
-        list[str], typer.Option("--format", help="csv, txt, …; may be repeated.")
+        list[str], typer.Option("--format", help="csv, contact.svg, …; may be repeated.")
     ] = ["csv"],  # noqa: B006 (never changed)
-    part: Annotated[Part, typer.Option(help="Its profile or its motion.")] = Part.profile,
+    part: Annotated[
+        Part, typer.Option(help="Its profile, its motion, the cam itself, or pictures.")
+    ] = Part.profile,
     out_dir: Annotated[Path, typer.Option("--out", help="Folder for the files.")] = Path(),
-    points_per_degree: Annotated[
-        float | None, typer.Option(help="Points per degree of cam angle.")
-    ] = None,
-    tolerance_um: Annotated[
-        float | None, typer.Option(help="Chord tolerance [µm]; decides instead of the points.")
-    ] = None,
-    curve: Annotated[str, typer.Option(help="profile, pitch, inner, counter, …")] = "profile",
-    turn_deg: Annotated[float, typer.Option(help="Turn about the cam's axis [deg].")] = 0.0,
-    z_mm: Annotated[float | None, typer.Option(help="Position along the axis [mm].")] = None,
+    **chosen: Any,
 ) -> None:
     """Write files of one cam: of a design that was kept, or of a spec, sized now."""
     known = FORMATS[part]
     for name in formats:
         if name not in known:
             stop(f"--format {name}: a {part} is written as {', '.join(known)}.")
+    given = {name: value for name, value in chosen.items() if value is not None}
     try:
-        dense = {} if points_per_degree is None else {"points_per_degree": points_per_degree}
-        placed = {"tolerance_um": tolerance_um, "curve": curve, "turn_deg": turn_deg, "z_mm": z_mm}
-        options = OPTIONS[part](**dense, **({} if part is Part.motion else placed))
+        options = {name: _options(known[name], given) for name in formats}
         found = _design(design)
-        if not found.motion:
+        if not found.motion and not all(known[name].without_cam for name in formats):
             stop(f"{design}: no cam fits its limits, so there is nothing to export.")
-        stem = curve if part is Part.profile else str(part)
-        files = {f"{stem}.{name}": known[name].write(found, options) for name in formats}
+        stem = "" if part is Part.picture else f"{given.get('curve', part)}."
+        files = {f"{stem}{name}": known[name].write(found, options[name]) for name in formats}
     except CamwrightError as error:
         stop(str(error))
     save(files, out_dir)
     out.print(f"Written to {out_dir}: {', '.join(files)}")
+
+
+def _options(exporter: Exporter[Any], given: Mapping[str, Any]) -> Any:
+    fields = form(exporter.options).model_fields
+    for name in given:
+        if name not in fields:
+            known = ", ".join(f"--{each.replace('_', '-')}" for each in fields)
+            stop(f"--{name.replace('_', '-')}: {exporter.name} has no such option. It has {known}.")
+    return exporter.options(**given)
+
+
+def _parameters() -> list[inspect.Parameter]:
+    """One keyword for every option of any format; None is the format's own default."""
+    found: dict[str, inspect.Parameter] = {}
+    for formats in FORMATS.values():
+        for exporter in formats.values():
+            for name, field in form(exporter.options).model_fields.items():
+                found.setdefault(name, _keyword(name, field))
+    return list(found.values())
+
+
+def _keyword(name: str, field: FieldInfo) -> inspect.Parameter:
+    shape: Any = field.annotation
+    kind = Annotated[shape | None, typer.Option(help=field.description)]
+    return inspect.Parameter(name, inspect.Parameter.KEYWORD_ONLY, default=None, annotation=kind)
+
+
+def _with_options() -> Any:
+    """The command as a terminal knows it."""
+    own = inspect.signature(_write, eval_str=True)
+    named = [each for each in own.parameters.values() if each.kind is not each.VAR_KEYWORD]
+
+    def export(**given: Any) -> None:
+        _write(**given)
+
+    export.__doc__ = _write.__doc__
+    export.__signature__ = own.replace(parameters=[*named, *_parameters()])  # type: ignore[attr-defined]
+    export.__annotations__ = {each.name: each.annotation for each in (*named, *_parameters())}
+    return export
+
+
+export = _with_options()
 
 
 def _design(path: Path) -> Design:

@@ -17,7 +17,7 @@ from pydantic_core import PydanticCustomError
 from service.documentation import in_parts, problems, spec_body
 from service.errors import NothingFits
 from service.examples import CAM_SETS
-from service.routes.download import SVG, ChordTolerance, Download
+from service.routes.download import SVG, Download, in_thread
 from service.routes.kept import (
     CREATED,
     SHOWN,
@@ -36,8 +36,9 @@ from service.routes.kept import (
 from service.state import Parts, State
 from service.views import CamSetPage
 from synthesis.camset import CamSet
-from synthesis.exporters import MOTION_FORMATS, PROFILE_FORMATS, MotionOptions, ProfileOptions
+from synthesis.exporters import MOTION_FORMATS, PROFILE_FORMATS, Made, MotionOptions, ProfileOptions
 from synthesis.exporters.bundle import MEDIA_TYPE, BundleOptions, bundle
+from synthesis.exporters.options import ChordTolerance
 from synthesis.exporters.svg_timing import timing_diagram
 
 router = APIRouter(prefix="/v1/cam-sets", tags=["cam sets"])
@@ -98,7 +99,7 @@ class BundleQuery(BaseModel):
         return BundleOptions(
             tuple(self.profile),
             tuple(self.motion),
-            ProfileOptions(self.points_per_degree, self.tolerance_um, self.curve),
+            ProfileOptions(self.points_per_degree, self.tolerance_um, curve=self.curve),
             MotionOptions(self.motion_points_per_degree),
         )
 
@@ -214,11 +215,13 @@ async def _file(
 ) -> Response:
     """A file of a finished set, or 304."""
     row, body = await done(parts.cam_sets, name)
-    return await file.sent(request, row, (file.ending, *made_by), partial(_written, body, write))
+    return await file.sent(
+        request, row, (file.ending, *made_by), in_thread(partial(_made, body, write))
+    )
 
 
-def _written(body: bytes, write: Callable[[CamSet], bytes]) -> bytes:
+def _made(body: bytes, write: Callable[[CamSet], bytes]) -> Made:
     cams = CamSet.model_validate_json(body)
     if not cams.has_cams:
         raise NothingFits("No cam of this set fits its limits: see conflict in the designs.")
-    return write(cams)
+    return Made(write(cams))

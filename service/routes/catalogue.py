@@ -7,10 +7,17 @@ from typing import Annotated, Any
 from fastapi import APIRouter
 from pydantic import BaseModel, Field
 
-from service.routes.files import MAX_POINTS_PER_DEGREE, MIN_TOLERANCE_UM
 from service.state import Parts
 from synthesis.camset_spec import MAX_CAMS
-from synthesis.exporters import MOTION_FORMATS, PROFILE_FORMATS, Exporter
+from synthesis.exporters import (
+    MOTION_FORMATS,
+    PICTURES,
+    PROFILE_FORMATS,
+    SOLID_FORMATS,
+    Exporter,
+    form,
+)
+from synthesis.exporters.options import MAX_POINTS, MAX_POINTS_PER_DEGREE, MIN_TOLERANCE_UM
 from synthesis.followers import FOLLOWERS
 from synthesis.laws import LAWS, TASKS, Characteristics, Ends, SplineLaw, characteristics
 from synthesis.limits import LIMITS
@@ -70,6 +77,10 @@ class FormatEntry(BaseModel):
     title: Annotated[str, Field(description="Its name for people.")]
     media_type: Annotated[str, Field(description="Content-Type of the file.")]
     extension: Annotated[str, Field(description="Of the file's name, with its dot.")]
+    purpose: Annotated[str, Field(description="What it is for; empty where the title says it.")]
+    json_schema: Annotated[
+        dict[str, Any], Field(description="Its query parameters, as JSON Schema.")
+    ]
 
 
 class Formats(BaseModel):
@@ -77,6 +88,11 @@ class Formats(BaseModel):
 
     profile: Annotated[list[FormatEntry], Field(description="Of the cam's curve.")]
     motion: Annotated[list[FormatEntry], Field(description="Of the follower's motion.")]
+    pictures: Annotated[
+        list[FormatEntry],
+        Field(description="Pictures and pages; the name is the path's last part as it stands."),
+    ]
+    solid: Annotated[list[FormatEntry], Field(description="Of the cam as a body.")]
 
 
 class ServerLimits(BaseModel):
@@ -88,6 +104,7 @@ class ServerLimits(BaseModel):
     max_cams: Annotated[int, Field(description="Cams on one shaft.")]
     max_segments: Annotated[int, Field(description="Segments in a program.")]
     max_points_per_degree: Annotated[float, Field(description="Density of exported points.")]
+    max_points: Annotated[int, Field(description="Points of a file.")]
     min_tolerance_um: Annotated[float, Field(description="Finest chord tolerance [µm].")]
     max_waiting: Annotated[int, Field(description="Designs that may wait for a worker.")]
     max_sweep_items: Annotated[int, Field(description="Items that a sweep may have.")]
@@ -137,8 +154,12 @@ async def list_followers() -> list[FollowerEntry]:
 @router.get("/formats", summary="File formats")
 async def list_formats() -> Formats:
     """The files that a finished design can be had as."""
-    profile = [_format(exporter) for exporter in PROFILE_FORMATS.values()]
-    return Formats(profile=profile, motion=[_format(each) for each in MOTION_FORMATS.values()])
+    return Formats(
+        profile=[_format(each) for each in PROFILE_FORMATS.values()],
+        motion=[_format(each) for each in MOTION_FORMATS.values()],
+        pictures=[_format(each) for each in PICTURES.values()],
+        solid=[_format(each) for each in SOLID_FORMATS.values()],
+    )
 
 
 @router.get("/limits", summary="Limits and objectives, and what this server allows")
@@ -155,6 +176,7 @@ async def list_limits(parts: Parts) -> Limits:
             max_cams=MAX_CAMS,
             max_segments=MAX_SEGMENTS,
             max_points_per_degree=MAX_POINTS_PER_DEGREE,
+            max_points=MAX_POINTS,
             min_tolerance_um=MIN_TOLERANCE_UM,
             max_waiting=settings.max_waiting,
             max_sweep_items=settings.max_sweep_items,
@@ -177,4 +199,6 @@ def _format(exporter: Exporter[Any]) -> FormatEntry:
         title=exporter.title,
         media_type=exporter.media_type,
         extension=exporter.extension,
+        purpose=exporter.purpose,
+        json_schema=form(exporter.options).model_json_schema(),
     )

@@ -7,6 +7,7 @@ from typing import Annotated
 from fastapi import APIRouter, Query, Request, Response
 
 from service.documentation import problems, spec_body, tagged
+from service.errors import PartOfSweep
 from service.etag import tag_of, unchanged
 from service.routes.kept import (
     CREATED,
@@ -19,12 +20,13 @@ from service.routes.kept import (
     WithStatus,
     created,
     done,
-    forgotten,
     listed,
     shown,
+    unknown,
 )  # fmt: skip
 from service.solve import priced
 from service.state import Parts
+from service.sweeps.views import at
 from service.views import DesignPage
 from synthesis.design import Design
 from synthesis.findings import Sensitivities
@@ -89,8 +91,10 @@ async def get_design_sensitivities(
     """How the objective changes with every limit and range of the spec, to first order.
 
     In the limit's own units, as in: 1 deg more pressure angle makes the base radius 0.8 mm smaller.
-    From the multipliers of a cone program; `evidence` says so, or why there are none: where a limit
-    that is not convex decides, or the follower is on an arm.
+    For every follower and objective, curvature included: multipliers of the cone program, or of the
+    local optimum with every limit in it, each confirmed by seeking that again with the number a
+    little larger and smaller. Where the two sides differ, both are told; what is not confirmed is
+    listed as such, and what was not reached in time.
     """
     row, design = await done(parts.designs, design_id)
     tag = tag_of(row.etag or "", "sensitivities")
@@ -98,11 +102,27 @@ async def get_design_sensitivities(
     if known is not None:
         return known
     budget_s = parts.settings.time_budget_s
-    body = await parts.engine.run(priced, design, budget_s=budget_s)
+    body = await parts.engine.run(priced, design, budget_s, budget_s=budget_s)
     return Response(body, 200, {"ETag": f'"{tag}"'}, "application/json")
 
 
-@router.delete("/{design_id}", status_code=204, responses=problems(404), summary="Forget a design")
+@router.delete(
+    "/{design_id}", status_code=204, responses=problems(404, 409), summary="Forget a design"
+)
 async def delete_design(design_id: str, parts: Parts) -> None:
-    """A design being worked on is stopped; a finished one is discarded."""
-    await forgotten(parts.designs, design_id)
+    """A design being worked on is stopped; a finished one is discarded.
+
+    One that came out of a sweep is part of the sweep's result and goes with that: 409 names it.
+    Where the same design had been asked for by itself before, that is forgotten, and the sweep
+    keeps its own.
+    """
+    if await parts.designs.dismiss(design_id):
+        return
+    holder = await parts.sweeps.store.holder(design_id)
+    if holder is None:
+        raise unknown(parts.designs.kind, design_id)
+    sweep, number = holder
+    raise PartOfSweep(
+        f"Design {design_id} is item {number} of sweep {sweep}, and goes with it: "
+        f"DELETE {at(sweep)} discards both."
+    )

@@ -4,28 +4,26 @@ from __future__ import annotations
 
 import asyncio
 import re
-from collections.abc import Callable
+from collections.abc import Awaitable, Callable
 from dataclasses import dataclass
-from typing import Annotated
+from functools import partial
 
 from fastapi import Request, Response
-from pydantic import Field
 
 from service.etag import tag_of, unchanged
 from service.ranges import IN_PARTS
 from service.store import Row
+from synthesis.exporters import Made
 
 SVG = "image/svg+xml"
+Make = Callable[[], Awaitable[Made]]
 NOTHING_RUNS = "default-src 'none'; style-src 'unsafe-inline'"
-
-ChordTolerance = Annotated[
-    float | None,
-    Field(
-        le=1e6,
-        description="Largest distance of a chord from the curve [µm]; decides instead of "
-        "points_per_degree.",
-    ),
-]
+# A page runs its own script, which its own policy names, and is of no origin: it can reach nothing.
+ALONE = (
+    "default-src 'none'; style-src 'unsafe-inline'; img-src data:; script-src 'unsafe-inline'; "
+    "frame-ancestors 'self'; sandbox allow-scripts"
+)
+POLICIES = {SVG: NOTHING_RUNS, "text/html": ALONE}
 
 
 @dataclass(frozen=True)
@@ -36,25 +34,36 @@ class Download:
     media_type: str
 
     def headers(self, name: str) -> dict[str, str]:
-        """Pictures are shown (and run nothing), everything else is saved."""
+        """Pictures and pages are shown (and reach nothing), everything else is saved."""
         file_name = f'filename="{stem_of(name)}-{self.ending}"'
-        if self.media_type != SVG:
+        policy = POLICIES.get(self.media_type.partition(";")[0])
+        if policy is None:
             return {"Content-Disposition": f"attachment; {file_name}"}
         return {
             "Content-Disposition": f"inline; {file_name}",
-            "Content-Security-Policy": NOTHING_RUNS,
+            "Content-Security-Policy": policy,
         }
 
     async def sent(
-        self, request: Request, row: Row, made_by: tuple[str, ...], write: Callable[[], bytes]
+        self, request: Request, row: Row, made_by: tuple[str, ...], make: Make
     ) -> Response:
         """The file of a finished row, or 304; ``made_by`` decides on its bytes with the row."""
         tag = tag_of(row.etag or "", *made_by)
-        return unchanged(request, tag) or Response(
-            await asyncio.to_thread(write),
-            headers={"ETag": f'"{tag}"', **IN_PARTS, **self.headers(row.name)},
+        known = unchanged(request, tag)
+        if known is not None:
+            return known
+        made = await make()
+        told = {f"Camwright-{name}": value for name, value in made.told.items()}
+        return Response(
+            made.data,
+            headers={"ETag": f'"{tag}"', **IN_PARTS, **self.headers(row.name), **told},
             media_type=self.media_type,
         )
+
+
+def in_thread(make: Callable[[], Made]) -> Make:
+    """Made in a thread of this process."""
+    return partial(asyncio.to_thread, make)
 
 
 def stem_of(name: str) -> str:

@@ -1,4 +1,4 @@
-"""/v1/designs/{id}/profile.* and motion.*: one path for each format of the registries."""
+"""/v1/designs/{id}/profile.*, motion.*, solid.* and pictures: a path for each in the registries."""
 
 from __future__ import annotations
 
@@ -8,92 +8,48 @@ from functools import partial
 from typing import Annotated, Any
 
 from fastapi import APIRouter, Query, Request, Response
-from pydantic import BaseModel, ConfigDict, Field
 
 from service.documentation import in_parts, problems
-from service.errors import NothingFits
-from service.routes.download import ChordTolerance, Download
+from service.routes.download import Download, in_thread
 from service.routes.kept import done
+from service.solve import file_of, priced
 from service.state import Parts, State
 from service.store import Row
-from synthesis.design import Design
 from synthesis.exporters import (
     MOTION_FORMATS,
+    PICTURES,
     PROFILE_FORMATS,
-    CurveName,
+    SOLID_FORMATS,
     Exporter,
-    MotionOptions,
-    ProfileOptions,
-)  # fmt: skip
+    Made,
+    form,
+    report_with,
+)
+from synthesis.exporters.picture_options import Colours, PictureOptions
+from synthesis.findings import Sensitivities
 
 router = APIRouter(prefix="/v1/designs/{design_id}", tags=["files"])
-MAX_POINTS_PER_DEGREE = 100.0
-MIN_TOLERANCE_UM = 0.01
-
-Density = Annotated[
-    float,
-    Field(gt=0.0, le=MAX_POINTS_PER_DEGREE, description="Points per degree of cam angle."),
-]
-
-
-class ProfileQuery(BaseModel):
-    """How the curve is sampled."""
-
-    model_config = ConfigDict(extra="forbid", allow_inf_nan=False)
-
-    points_per_degree: Density = ProfileOptions().points_per_degree
-    tolerance_um: Annotated[ChordTolerance, Field(ge=MIN_TOLERANCE_UM)] = None
-    curve: Annotated[
-        CurveName,
-        Field(
-            description="The cam's profile, or the path of the roller's centre. A groove has an "
-            "inner and an outer profile, conjugate cams a main and a counter profile and a "
-            "counter pitch curve; `profile` is the first of them. The drawing (svg) shows all."
-        ),
-    ] = "profile"
-    turn_deg: Annotated[
-        float,
-        Field(
-            ge=-360.0,
-            le=360.0,
-            description="Turn the points about the cam's axis by this angle, counter-clockwise "
-            "positive: the cam as it sits on a shaft. The drawing (svg) stays as it is.",
-        ),
-    ] = 0.0
-    z_mm: Annotated[
-        float | None,
-        Field(
-            ge=-1e6,
-            le=1e6,
-            description="Position along the axis: the third column of point files (0 where it is "
-            "left out), and a column z_mm of tables.",
-        ),
-    ] = None
-
-
-class MotionQuery(BaseModel):
-    """How the motion is sampled."""
-
-    model_config = ConfigDict(extra="forbid", allow_inf_nan=False)
-
-    points_per_degree: Density = MotionOptions().points_per_degree
+Handler = Callable[..., Awaitable[Response]]
+PACKED = ("application/vnd.openxmlformats-officedocument.spreadsheetml.sheet",)
+FORMATS = {"profile": PROFILE_FORMATS, "motion": MOTION_FORMATS, "solid": SOLID_FORMATS}
+ON_WORKERS = (429, 500, 501, 503, 504)
 
 
 async def _file(
     request: Request, parts: State, name: str, part: str, exporter: Exporter[Any], options: Any
 ) -> Response:
-    """The file of a finished design, made in a thread, or 304."""
+    """The file of a finished design, made in a thread or by a worker, or 304."""
     row, design = await done(parts.designs, name)
     file = Download(f"{_part(part, row)}{exporter.extension}", exporter.media_type)
     made_by = (part, exporter.name, repr(asdict(options)))
-    return await file.sent(request, row, made_by, partial(_written, design, exporter, options))
+    work = partial(file_of, design, exporter, options)
+    make = partial(_by_worker, parts, work) if exporter.apart else in_thread(work)
+    return await file.sent(request, row, made_by, make)
 
 
-def _written(design: bytes, exporter: Exporter[Any], options: Any) -> bytes:
-    finished = Design.model_validate_json(design)
-    if not finished.motion:
-        raise NothingFits("No cam fits these limits: see conflict in the design for what would.")
-    return exporter.write(finished, options)
+async def _by_worker(parts: State, work: Callable[[], Made]) -> Made:
+    parts.engine.admit()
+    return await parts.engine.run(work, budget_s=parts.settings.budget_s(None))
 
 
 def _part(part: str, row: Row) -> str:
@@ -101,46 +57,73 @@ def _part(part: str, row: Row) -> str:
     return f"not-certified-{part}" if row.status == "infeasible" else part
 
 
-def _profile(exporter: Exporter[ProfileOptions]) -> Callable[..., Awaitable[Response]]:
-    async def handler(
-        request: Request, design_id: str, parts: Parts, options: Annotated[ProfileQuery, Query()]
-    ) -> Response:
-        wanted = ProfileOptions(**options.model_dump())
-        return await _file(request, parts, design_id, "profile", exporter, wanted)
+def _handler(part: str, exporter: Exporter[Any]) -> Handler:
+    query = form(exporter.options)
 
+    async def handler(
+        request: Request,
+        design_id: str,
+        parts: Parts,
+        options: Annotated[query, Query()],  # type: ignore[valid-type]
+    ) -> Response:
+        wanted = exporter.options(**dict(options))
+        return await _file(request, parts, design_id, part, exporter, wanted)
+
+    # texts of annotations would be looked up where ``query`` is unknown
+    handler.__annotations__["options"] = Annotated[query, Query()]
     return handler
 
 
-def _motion(exporter: Exporter[MotionOptions]) -> Callable[..., Awaitable[Response]]:
-    async def handler(
-        request: Request, design_id: str, parts: Parts, options: Annotated[MotionQuery, Query()]
-    ) -> Response:
-        wanted = MotionOptions(**options.model_dump())
-        return await _file(request, parts, design_id, "motion", exporter, wanted)
+async def _reported(
+    request: Request,
+    design_id: str,
+    parts: Parts,
+    theme: Annotated[Colours, Query()] = "auto",
+    sensitivities: Annotated[
+        bool, Query(description="Tell what each limit costs too: a few solves more.")
+    ] = False,
+) -> Response:
+    _, design = await done(parts.designs, design_id)
+    costs = None
+    if sensitivities:
+        budget_s = parts.settings.time_budget_s
+        told = await parts.engine.run(priced, design, budget_s, budget_s=budget_s)
+        costs = Sensitivities.model_validate_json(told)
+    report = report_with(PROFILE_FORMATS, MOTION_FORMATS, costs)
+    which = "report-costs" if costs else "report"
+    return await _file(request, parts, design_id, which, report, PictureOptions(theme))
 
-    return handler
 
-
-def _add(part: str, exporter: Exporter[Any], handler: Callable[..., Awaitable[Response]]) -> None:
+def _add(part: str, exporter: Exporter[Any], handler: Handler) -> None:
     content = {exporter.media_type.partition(";")[0]: {"schema": _schema(exporter)}}
     router.add_api_route(
-        f"/{part}.{exporter.name}",
+        f"/{part}",
         handler,
-        name=f"get_{part}_{exporter.name}",
-        summary=f"{part.capitalize()}: {exporter.title}",
+        name=f"get_{part.replace('.', '_')}",
+        summary=exporter.title,
+        description=exporter.purpose,
         response_class=Response,
         responses={
             **in_parts(description=exporter.title, content=content),
-            **problems(404, 409, 422),
+            **problems(404, 409, 422, *FURTHER.get(part, ON_WORKERS if exporter.apart else ())),
         },
     )  # fmt: skip
 
 
+OWN: dict[str, Handler] = {"report.html": _reported}
+FURTHER = {"report.html": (500, 503, 504)}
+
+
 def _schema(exporter: Exporter[Any]) -> dict[str, str]:
-    return {"type": "object"} if exporter.media_type == "application/json" else {"type": "string"}
+    if exporter.media_type == "application/json":
+        return {"type": "object"}
+    packed = exporter.media_type in PACKED
+    return {"type": "string", "format": "binary"} if packed else {"type": "string"}
 
 
-for _exporter in PROFILE_FORMATS.values():
-    _add("profile", _exporter, _profile(_exporter))
-for _exporter_of_motion in MOTION_FORMATS.values():
-    _add("motion", _exporter_of_motion, _motion(_exporter_of_motion))
+for _of, _formats in FORMATS.items():
+    for _exporter in _formats.values():
+        _add(f"{_of}.{_exporter.name}", _exporter, _handler(_of, _exporter))
+for _picture in PICTURES.values():
+    _stem = _picture.name.removesuffix(_picture.extension)
+    _add(_picture.name, _picture, OWN.get(_picture.name) or _handler(_stem, _picture))

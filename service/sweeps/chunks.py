@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections import Counter, deque
-from collections.abc import Collection
+from collections.abc import Collection, Mapping
 
 CHUNK_S = 0.4  # work in a chunk: long beside sending it, short beside a second
 MOST = 50
@@ -19,14 +19,17 @@ class Chunks:
     sent alone from then on, so that only the one that kills is blamed.
     """
 
-    def __init__(self, size: int, done: Collection[int], workers: int) -> None:
+    def __init__(
+        self, size: int, done: Collection[int], workers: int, strikes: Mapping[int, int]
+    ) -> None:
         self._size, self.workers = size, workers
         self._todo = bytearray(b"\1") * size
-        for number in done:
+        self._strikes = Counter(strikes)
+        suspects = sorted(set(strikes) - set(done))
+        for number in (*done, *suspects):
             self._todo[number] = 0
         self._next, self.left = 0, size - len(done)
-        self._back: deque[list[int]] = deque()
-        self._strikes: Counter[int] = Counter()
+        self._back: deque[list[int]] = deque([number] for number in suspects)
         self._seconds: float | None = None
         self._largest = 1
 
@@ -63,13 +66,9 @@ class Chunks:
             self._back.append(numbers)
             self.left += len(numbers)
 
-    def struck(self, numbers: list[int]) -> bool:
-        """The worker at these died; whether the item is to blame: then it does not come back."""
-        if len(numbers) == 1:
-            self._strikes[numbers[0]] += 1
-            if self._strikes[numbers[0]] >= STRIKES:
-                return True
+    def struck(self, numbers: list[int]) -> dict[int, int]:
+        """The worker at these died; their strikes now. They have to be sent back by the caller."""
         for number in numbers:
-            self._strikes[number] = max(self._strikes[number], 1)
-            self.back([number])
-        return False
+            alone = len(numbers) == 1
+            self._strikes[number] = max(self._strikes[number] + alone, 1)
+        return {number: self._strikes[number] for number in numbers}

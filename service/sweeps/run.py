@@ -4,66 +4,87 @@ from __future__ import annotations
 
 import asyncio
 import logging
+from collections.abc import Awaitable, Callable
+from typing import TypeVar
 
 from sqlalchemy.exc import InterfaceError, OperationalError
 
-from service.engine import Engine
+from service.engine import Engine, new_name
 from service.errors import EngineUnreachable, WorkerLost
 from service.problem import described
 from service.settings import Settings
 from service.sweeps.chunks import STRIKES, Chunks
+from service.sweeps.lease import Leases
 from service.sweeps.progress import Progress
-from service.sweeps.store import Discarded, Done, SweepRow, SweepStore
+from service.sweeps.store import Done, NotOurs, SweepRow, SweepStore
 from service.sweeps.work import SLICE_S, ItemAnswer, solve_items
 from synthesis.errors import TimeBudgetExceeded
 from synthesis.sweeps import SweepSpec
 
 log = logging.getLogger("camwright.sweeps")
 AGAIN_S = 0.5  # after the engine or the store was not there
-STOP_S = 0.5  # that chunks get to end in when the sweep is stopped; then their workers are
+LOOK_S = 0.5  # between looks whether the sweep is still ours to work on
+T = TypeVar("T")
 
 
 class Run:
-    """A sweep that this process works on."""
+    """A sweep that this process works on, and holds the lease of."""
 
     def __init__(
-        self, row: SweepRow, engine: Engine, store: SweepStore, settings: Settings
+        self, row: SweepRow, engine: Engine, store: SweepStore, leases: Leases, settings: Settings
     ) -> None:
-        self._row, self._engine, self._store = row, engine, store
+        self._row, self._engine, self._store, self._leases = row, engine, store, leases
         self._spec = SweepSpec.model_validate_json(row.spec)
         self._budget_s = settings.budget_s(self._spec.base.time_budget_s)
         self._sent = self._spec.without_values().model_dump_json().encode()
         self._writing = asyncio.Lock()
         self._stopping = False
-        self._flights: set[asyncio.Task[None]] = set()
+        self._flights: dict[asyncio.Task[None], str] = {}  # chunks under way, by name
         self.progress = Progress()
 
     async def work(self) -> None:
-        """Until every item is finished, or the sweep is stopped."""
+        """Until every item is finished, or the sweep is stopped, or not ours any more."""
         number = self._row.sequence
-        done = await self._store.done_numbers(number)
-        chunks = Chunks(self._row.size, done, self._engine.slots)
-        await self._store.start(number)
-        self.progress.advanced(len(done))
-        del done
+        held = asyncio.create_task(self._held())
         try:
+            done = await self._store.done_numbers(number)
+            strikes = await self._store.strikes(number)
+            chunks = Chunks(self._row.size, done, self._engine.slots, strikes)
+            await self._store.start(number)
+            self.progress.advanced(len(done))
+            del done
             await self._sent_out(chunks)
             if not self._stopping:
                 await self._ended()
-        except Discarded:
-            pass
+        except NotOurs:
+            log.info("a sweep is left to others")
         finally:
+            held.cancel()
             for flight in self._flights:
                 flight.cancel()
             self.progress.woken()
 
+    async def _held(self) -> None:
+        """Renew the lease, until it is gone: then the sweep was dismissed, or is another's."""
+        while True:
+            await asyncio.sleep(min(LOOK_S, 0.25 * self._leases.length_s))
+            try:
+                ours = await self._leases.renew(self._row.sequence)
+            except (InterfaceError, OperationalError):
+                continue  # nobody else can take it either
+            if not ours:
+                await self.stop()
+                return
+
     async def stop(self) -> None:
-        """Send nothing more; give what is being worked on a moment, then stop it."""
+        """Send nothing more, and stop what is being worked on: what is done of it is kept."""
         self._stopping = True
-        if self._flights:
-            await asyncio.wait(self._flights, timeout=STOP_S)
-        for flight in self._flights:
-            flight.cancel()
+        if not self._flights:
+            return
+        landed = asyncio.gather(*self._flights, return_exceptions=True)
+        if not await self._engine.stop(list(self._flights.values()), landed):
+            for flight in self._flights:
+                flight.cancel()
 
     async def _sent_out(self, chunks: Chunks) -> None:
         while True:
@@ -73,30 +94,31 @@ class Run:
                 wanted = chunks.take()
                 if not wanted:
                     break
-                self._flights.add(asyncio.create_task(self._flown(chunks, wanted)))
+                name = new_name()
+                flight = asyncio.create_task(self._flown(chunks, wanted, name))
+                self._flights[flight] = name
             if not self._flights:
                 return
-            landed, self._flights = await asyncio.wait(
-                self._flights, return_when=asyncio.FIRST_COMPLETED
-            )
+            landed, _ = await asyncio.wait(self._flights, return_when=asyncio.FIRST_COMPLETED)
             for flight in landed:
+                del self._flights[flight]
                 if not flight.cancelled():
                     flight.result()
 
-    async def _flown(self, chunks: Chunks, numbers: list[int]) -> None:
+    async def _flown(self, chunks: Chunks, numbers: list[int], name: str) -> None:
         """One chunk: there, back, and into the store."""
         wanted = [(number, self._spec.picks(number)) for number in numbers]
         try:
             answers = await self._engine.run(
                 solve_items, self._sent, wanted, self._budget_s, self._engine.task,
-                budget_s=self._budget_s + SLICE_S, behind=True,
+                budget_s=self._budget_s + SLICE_S, behind=True, name=name,
             )  # fmt: skip
         except EngineUnreachable:
             chunks.back(numbers)
             await asyncio.sleep(AGAIN_S)
             return
         except (WorkerLost, TimeBudgetExceeded) as error:
-            if not chunks.struck(numbers):
+            if not await self._to_blame(chunks, numbers):
                 return
             answers = [_blamed(numbers[0], error)]
         for answer in answers:
@@ -105,23 +127,40 @@ class Run:
         values = dict(wanted)
         await self._kept([(answer, values[answer.number]) for answer in answers])
 
+    async def _to_blame(self, chunks: Chunks, numbers: list[int]) -> bool:
+        """Keep that a worker was lost at these; whether for the last time, else they come again."""
+        strikes = chunks.struck(numbers)
+        await self._written(lambda: self._store.note_strikes(self._row.sequence, strikes))
+        if max(strikes.values()) >= STRIKES:
+            return True
+        for number in numbers:
+            chunks.back([number])
+        return False
+
     async def _kept(self, done: list[Done]) -> None:
+        number, owner = self._row.sequence, self._leases.owner
         async with self._writing:  # their order in the store is the order in which they are seen
-            while True:
-                try:
-                    row = await self._store.record(self._row.sequence, done)
-                except (InterfaceError, OperationalError):
-                    log.exception("the store cannot be reached; finished items wait for it")
-                    await asyncio.sleep(AGAIN_S)
-                else:
-                    self.progress.advanced(row.done)
-                    return
+            row = await self._written(lambda: self._store.record(number, owner, done))
+            self.progress.advanced(row.done)
+
+    async def _written(self, write: Callable[[], Awaitable[T]]) -> T:
+        """Write to the store, when it is there again if need be; what is begun is waited for."""
+        while True:
+            writing = asyncio.ensure_future(write())
+            try:
+                return await asyncio.shield(writing)
+            except asyncio.CancelledError:
+                await asyncio.wait({writing})
+                raise
+            except (InterfaceError, OperationalError):
+                log.exception("the store cannot be reached; finished items wait for it")
+                await asyncio.sleep(AGAIN_S)
 
     async def _ended(self) -> None:
         row = await self._store.find(self._row.id)
         if row is not None:
             state = "failed" if row.failed == row.size else "successful"
-            await self._store.end(row.sequence, state)
+            await self._store.end(row.sequence, state, self._leases.owner)
 
 
 def _blamed(number: int, error: Exception) -> ItemAnswer:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import hashlib
 import json
 import zlib
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from datetime import UTC, datetime
 from typing import Any
 
@@ -56,6 +56,8 @@ class SweepRow(Base):
     feasible: Mapped[int] = mapped_column(Integer, default=0)
     infeasible: Mapped[int] = mapped_column(Integer, default=0)
     failed: Mapped[int] = mapped_column(Integer, default=0)
+    owner: Mapped[str | None] = mapped_column(String(64))
+    leased_until: Mapped[float | None] = mapped_column(Float)
 
     @property
     def done(self) -> int:
@@ -88,12 +90,22 @@ class ItemRow(Base):
     problem: Mapped[dict[str, Any] | None] = mapped_column(JSON)
 
 
+class StrikeRow(Base):
+    """How many workers an item has taken with it."""
+
+    __tablename__ = "sweep_strikes"
+
+    sweep: Mapped[int] = mapped_column(BigInteger, primary_key=True, autoincrement=False)
+    number: Mapped[int] = mapped_column(Integer, primary_key=True, autoincrement=False)
+    strikes: Mapped[int] = mapped_column(Integer)
+
+
 UNREAD = defer(SweepRow.spec)
 LISTED = defer(ItemRow.design)
 
 
-class Discarded(Exception):
-    """The sweep is not in the store any more."""
+class NotOurs(Exception):
+    """The sweep is another process's now, was dismissed elsewhere, or is gone."""
 
 
 class SweepStore:
@@ -134,15 +146,25 @@ class SweepStore:
             asked = asked.filter_by(state=state)
         return await self._do(lambda session: session.scalars(asked).all())
 
-    async def unfinished(self) -> Sequence[SweepRow]:
-        """What was accepted and has not come to an end."""
-        asked = select(SweepRow).where(SweepRow.state.in_(UNDER_WAY)).order_by(SweepRow.sequence)
-        return await self._do(lambda session: session.scalars(asked).all())
-
     async def done_numbers(self, sweep: int) -> set[int]:
         """Which items of a sweep are finished."""
         asked = select(ItemRow.number).filter_by(sweep=sweep)
         return await self._do(lambda session: set(session.scalars(asked)))
+
+    async def strikes(self, sweep: int) -> dict[int, int]:
+        """Items of a sweep that have taken workers with them, and how many."""
+        asked = select(StrikeRow).filter_by(sweep=sweep)
+        found = await self._do(lambda session: session.scalars(asked).all())
+        return {row.number: row.strikes for row in found}
+
+    async def note_strikes(self, sweep: int, strikes: Mapping[int, int]) -> None:
+        """Keep how many workers these items have taken with them."""
+
+        def work(session: Session) -> None:
+            for number, count in strikes.items():
+                session.merge(StrikeRow(sweep=sweep, number=number, strikes=count))
+
+        await self._do(work)
 
     async def start(self, sweep: int) -> None:
         """Note that a sweep is being worked on."""
@@ -150,18 +172,18 @@ class SweepStore:
         now = datetime.now(UTC)
         await self._do(lambda s: s.execute(change.values(state="running", started=now)))
 
-    async def record(self, sweep: int, done: Iterable[Done]) -> SweepRow:
+    async def record(self, sweep: int, owner: str, done: Iterable[Done]) -> SweepRow:
         """Keep finished items and count them, in one transaction; those kept already stay.
 
         Raises:
-            Discarded: there is no such sweep any more.
+            NotOurs: the sweep is not this owner's any more.
         """
         rows = {answer.number: _row(sweep, answer, values) for answer, values in done}
 
         def work(session: Session) -> SweepRow:
             whole = session.get(SweepRow, sweep, options=[UNREAD], with_for_update=True)
-            if whole is None:
-                raise Discarded
+            if whole is None or whole.owner != owner:
+                raise NotOurs
             there = select(ItemRow.number).where(
                 ItemRow.sweep == sweep, ItemRow.number.in_(list(rows))
             )
@@ -184,14 +206,19 @@ class SweepStore:
         except IntegrityError:  # another process has kept one of them meanwhile
             return await self._do(work)
 
-    async def end(self, sweep: int, state: str) -> SweepRow | None:
-        """Note how a sweep that was under way ended; None where it was not, or is gone."""
+    async def end(self, sweep: int, state: str, owner: str | None = None) -> SweepRow | None:
+        """Note how a sweep that was under way ended; None where it was not, or is gone.
+
+        Whoever else than ``owner`` works on it writes nothing more.
+        """
 
         def work(session: Session) -> SweepRow | None:
             whole = session.get(SweepRow, sweep, with_for_update=True)
             if whole is None or whole.state not in UNDER_WAY:
                 return None
             whole.state, whole.finished = state, datetime.now(UTC)
+            if whole.owner != owner:
+                whole.owner = whole.leased_until = None
             return whole
 
         return await self._do(work)
@@ -200,7 +227,8 @@ class SweepStore:
         """Forget a sweep and its items."""
 
         def work(session: Session) -> None:
-            session.execute(delete(ItemRow).filter_by(sweep=sweep))
+            for rows in (ItemRow, StrikeRow):
+                session.execute(delete(rows).filter_by(sweep=sweep))
             session.execute(delete(SweepRow).filter_by(sequence=sweep))
 
         await self._do(work)
@@ -231,6 +259,15 @@ class SweepStore:
         """One finished item with its design."""
         asked = select(ItemRow).filter_by(sweep=sweep, number=number)
         return await self._do(lambda session: session.scalar(asked))
+
+    async def holder(self, design_id: str) -> tuple[str, int] | None:
+        """The sweep that has this design, and as which item; None where no sweep has."""
+        asked = select(SweepRow.id, ItemRow.number).join(
+            ItemRow, ItemRow.sweep == SweepRow.sequence
+        )
+        asked = asked.where(ItemRow.design_id == design_id).limit(1)
+        found = await self._do(lambda session: session.execute(asked).first())
+        return None if found is None else (found[0], found[1])
 
 
 def _row(sweep: int, answer: ItemAnswer, values: list[Any]) -> dict[str, Any]:

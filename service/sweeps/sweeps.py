@@ -6,19 +6,23 @@ import asyncio
 import logging
 from datetime import UTC, datetime
 
+from sqlalchemy.exc import InterfaceError, OperationalError
+
 from service.engine import Engine
 from service.errors import Busy, InvalidBody
 from service.settings import Settings
 from service.store import Store
+from service.sweeps.lease import Leases
 from service.sweeps.progress import Progress
 from service.sweeps.run import Run
-from service.sweeps.store import UNDER_WAY, SweepRow, SweepStore
+from service.sweeps.store import SweepRow, SweepStore
 from service.sweeps.work import item_spec
 from synthesis.design import engine_version
 from synthesis.sweeps import SweepSpec
 from synthesis.sweeps.spec import sweep_id
 
 log = logging.getLogger("camwright.sweeps")
+LOOK_S = 1.0  # between looks for sweeps that nobody works on
 TRIED = 8  # items looked at before a sweep is taken on
 
 
@@ -27,6 +31,8 @@ class Sweeps:
 
     def __init__(self, engine: Engine, store: Store, settings: Settings) -> None:
         self.engine, self.store, self._settings = engine, SweepStore(store.do), settings
+        self._leases = Leases(store.do, settings.sweep_lease_s)
+        self._looking: asyncio.Task[None] | None = None
         self._runs: dict[str, Run] = {}
         self._tasks: dict[str, asyncio.Task[None]] = {}
 
@@ -77,18 +83,32 @@ class Sweeps:
             optimal=0, feasible=0, infeasible=0, failed=0,
         )  # fmt: skip
         kept = await self.store.accept(row)
-        self._begin(kept)
+        await self._begin(kept)
         return kept
 
     async def resume(self) -> None:
-        """Go on with what a process before this one had not finished."""
-        for row in await self.store.unfinished():
-            self._begin(row)
+        """Go on with what nobody works on: now, and whenever another process has died."""
+        await self._adopt()
+        self._looking = asyncio.create_task(self._look())
 
-    def _begin(self, row: SweepRow) -> None:
-        if row.state not in UNDER_WAY or row.id in self._runs:
+    async def _look(self) -> None:
+        while True:
+            await asyncio.sleep(min(LOOK_S, 0.5 * self._settings.sweep_lease_s))
+            try:
+                await self._adopt()
+            except (InterfaceError, OperationalError):
+                log.warning("the store cannot be reached")
+
+    async def _adopt(self) -> None:
+        for row in await self._leases.nobodys():
+            await self._begin(row)
+
+    async def _begin(self, row: SweepRow) -> None:
+        if row.id in self._runs or not await self._leases.take(row.sequence):
             return
-        run = Run(row, self.engine, self.store, self._settings)
+        if row.id in self._runs:  # begun meanwhile
+            return
+        run = Run(row, self.engine, self.store, self._leases, self._settings)
         self._runs[row.id] = run
         self._tasks[row.id] = asyncio.create_task(self._worked(row, run))
 
@@ -97,9 +117,14 @@ class Sweeps:
             await run.work()
         except Exception:
             log.exception("a sweep cannot go on")
-            await self.store.end(row.sequence, "failed")
+            await self.store.end(row.sequence, "failed", self._leases.owner)
         finally:
-            del self._runs[row.id], self._tasks[row.id]
+            try:
+                await self._leases.release(row.sequence)
+            except (InterfaceError, OperationalError):
+                log.warning("the store cannot be reached; a lease runs out by itself")
+            finally:
+                del self._runs[row.id], self._tasks[row.id]
 
     def progress(self, name: str) -> Progress | None:
         """How one that is under way here gets on."""
@@ -108,8 +133,9 @@ class Sweeps:
 
     async def dismiss(self, row: SweepRow) -> SweepRow | None:
         """Stop one that is under way and keep what is done; None where it was over already."""
-        ended = await self.store.end(row.sequence, "dismissed")
         run, task = self._runs.get(row.id), self._tasks.get(row.id)
+        here = None if run is None else self._leases.owner
+        ended = await self.store.end(row.sequence, "dismissed", here)
         if run is not None and task is not None:
             await run.stop()
             await asyncio.wait({task})
@@ -117,6 +143,8 @@ class Sweeps:
 
     async def close(self) -> None:
         """Stop everything; it is gone on with at the next start."""
+        if self._looking is not None:
+            self._looking.cancel()
         tasks = list(self._tasks.values())
         for task in tasks:
             task.cancel()

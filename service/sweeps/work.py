@@ -15,7 +15,7 @@ from pydantic import JsonValue, ValidationError
 from service.errors import InvalidBody
 from service.solve import Answer
 from synthesis.design import Status
-from synthesis.errors import TimeBudgetExceeded
+from synthesis.errors import Cancelled, TimeBudgetExceeded
 from synthesis.objectives import Objective
 from synthesis.spec import DesignSpec
 from synthesis.sweeps import SweepSpec
@@ -56,6 +56,8 @@ def solve_items(
 ) -> list[ItemAnswer]:
     """Items of a sweep in the order they were wanted, as many as the time slice has room for.
 
+    Stopped, it returns those that are done.
+
     Args:
         sweep: the SweepSpec, of whose axes only the fields matter here.
         wanted: the items. budget_s: for each. core: what solves one.
@@ -65,7 +67,10 @@ def solve_items(
     for number, values in wanted:
         if answers and time.monotonic() - started > SLICE_S:
             break
-        answers.append(_answered(spec, number, values, budget_s, core))
+        try:
+            answers.append(_answered(spec, number, values, budget_s, core))
+        except Cancelled:  # what is done counts
+            break
     return answers
 
 
@@ -80,6 +85,8 @@ def _answered(
     started = time.monotonic()
     try:
         answer = _solved(sweep, values, budget_s, core)
+    except Cancelled:
+        raise
     except TimeBudgetExceeded as error:
         return _late(number, error, time.monotonic() - started)
     except Exception as error:

@@ -26,11 +26,12 @@ from typing import Any, cast
 from zipfile import ZIP_DEFLATED, ZipFile, ZipInfo
 
 from synthesis.camset import CamSet, MountedCam
+from synthesis.design import Design
 from synthesis.errors import InputError
 from synthesis.exporters import MOTION_FORMATS, PROFILE_FORMATS
 from synthesis.exporters.cam import profiles
 from synthesis.exporters.exporter import Exporter
-from synthesis.exporters.options import CurveName, MotionOptions, ProfileOptions
+from synthesis.exporters.options import CurveName, MotionOptions, Options, ProfileOptions
 from synthesis.exporters.svg_timing import timing_diagram
 from synthesis.followers.flank import labelled
 
@@ -137,16 +138,20 @@ def _files_of(cam: MountedCam, options: BundleOptions) -> Iterator[tuple[str, by
     curves = _curves(cam, options.profile.curve)
     for profile in _chosen(PROFILE_FORMATS, options.profile_formats):
         if not profile.placeable:
-            yield f"profile{profile.extension}", profile.write(cam.design, options.profile)
+            yield f"profile{profile.extension}", _file(profile, cam.design, options.profile)
             continue
         for stem, curve in curves.items():
             own = replace(options.profile, curve=curve)
             on_shaft = replace(own, turn_deg=cam.turn_deg, z_mm=cam.axial_mm)
             name = f"{stem}{profile.extension}"
-            yield name, profile.write(cam.design, own)
-            yield f"shaft-{name}", profile.write(cam.design, on_shaft)
+            yield name, _file(profile, cam.design, own)
+            yield f"shaft-{name}", _file(profile, cam.design, on_shaft)
     for motion in _chosen(MOTION_FORMATS, options.motion_formats):
-        yield f"motion{motion.extension}", motion.write(cam.design, options.motion)
+        yield f"motion{motion.extension}", _file(motion, cam.design, options.motion)
+
+
+def _file(exporter: Exporter[Any], design: Design, options: Options) -> bytes:
+    return exporter.write(design, exporter.adapted(options))
 
 
 def _curves(cam: MountedCam, wanted: CurveName) -> dict[str, CurveName]:

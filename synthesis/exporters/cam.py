@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from synthesis.design import Design
 from synthesis.errors import InputError
-from synthesis.exporters.options import CURVES, CurveName
+from synthesis.exporters.options import CURVES, CurveName, PlacedCurve, is_cutter, is_pitch
 from synthesis.fields import Rotation
 from synthesis.followers import Follower
 from synthesis.followers.flank import Flank, labelled
@@ -52,7 +52,14 @@ class Joints:
 
 @dataclass(frozen=True, eq=False)
 class Cam:
-    """A design's cam. ``omega`` is its speed [rad/s]; the rest as in ``cam_profile``."""
+    """A design's cam and one of its curves.
+
+    Attributes:
+        omega: its speed [rad/s]. flank: the flank that the curve is, or belongs to.
+        gap: of the curve inwards from the traced one, along its outward normal [mm]: σD of the
+            flank itself, 0 of the pitch curve, σ(D − Rc) of the path of a cutter of radius Rc.
+        the rest as in ``cam_profile``.
+    """
 
     motion: Motion
     follower: Follower
@@ -60,12 +67,16 @@ class Cam:
     rotation: Rotation
     omega: float
     flank: Flank
+    gap: float
 
     @classmethod
-    def of(cls, design: Design, curve: CurveName = "profile") -> Cam:
-        """The cam of a design, as far as a curve of it goes; InputError where it holds none.
+    def of(cls, design: Design, options: PlacedCurve | None = None) -> Cam:
+        """The cam of a design and the curve that is asked for, its first profile unless said.
 
         A given cam that breaks its limits is infeasible, and yet can be drawn.
+
+        Raises:
+            InputError: the design found no cam, or its cam has no such curve.
         """
         if not design.motion:
             raise InputError(
@@ -75,15 +86,16 @@ class Cam:
                 "Make the least change that its field `conflict` names, and ask again.",
             )
         follower = design.built.follower
+        flank = _flank(follower, options.curve if options else "profile")
         return cls(
             design.curve, follower, tuple(design.size), design.rotation,
-            rad_per_s(design.speed_rpm), _flank(follower, curve),
+            rad_per_s(design.speed_rpm), flank, _gap(flank, options),
         )  # fmt: skip
 
     def flanks(self) -> Iterator[Cam]:
         """The same cam once for each of its flanks."""
         for flank in self.follower.flanks:
-            yield replace(self, flank=flank)
+            yield replace(self, flank=flank, gap=_gap(flank, None))
 
     @property
     def travel(self) -> Travel:
@@ -103,6 +115,10 @@ class Cam:
                 if field.name != "theta":
                     getattr(found, field.name)[..., left] = getattr(other, field.name)
         return found
+
+    def place(self, at: CamProfile) -> tuple[Array, Array]:
+        """x and y of the curve [mm], in the cam's frame."""
+        return at.pitch_x - self.gap * at.normal_x, at.pitch_y - self.gap * at.normal_y
 
     def derivatives(self, theta: Array, left: Mask) -> Array:
         """s and its derivatives (4, n) at θ [mm, per radian], one-sided likewise."""
@@ -156,14 +172,28 @@ def _flank(follower: Follower, curve: CurveName) -> Flank:
     flanks = follower.flanks
     if curve in ("profile", "pitch"):
         return flanks[0]
+    if curve == "cutter":
+        return flanks[0]
     for flank in flanks:
-        if curve in (flank.name, labelled(flank.path, "pitch")) and flank.name:
+        names = flank.name, labelled(flank.path, "pitch"), f"{flank.name}_cutter"
+        if flank.name and curve in names:
             return flank
     known = [flank.name for flank in flanks if flank.name]
     known += [labelled(path, "pitch") for path in follower.companions]
+    known += ["cutter", *(f"{flank.name}_cutter" for flank in flanks[1:])]
     raise InputError(
         "/curve",
         curve,
         f"This cam has no such curve. Its curves are {', '.join(['profile', 'pitch', *known])}.",
         "Choose one of these.",
     )
+
+
+def _gap(flank: Flank, options: PlacedCurve | None) -> float:
+    """See ``Cam.gap``."""
+    if options is not None and is_pitch(options.curve):
+        return 0.0
+    cutter = 0.0
+    if options is not None and is_cutter(options.curve) and options.cutter_diameter_mm is not None:
+        cutter = 0.5 * options.cutter_diameter_mm
+    return flank.side * (flank.distance - cutter)

@@ -9,62 +9,48 @@ from numpy.typing import NDArray
 
 from synthesis.errors import InputError
 from synthesis.exporters.cam import Cam
-from synthesis.exporters.options import MAX_POINTS_PER_DEGREE, CurveName
+from synthesis.exporters.options import MAX_POINTS
 from synthesis.numerics.piecewise import Array
-from synthesis.profile import CamProfile
 from synthesis.units import DEGREE
 
-MOST_POINTS = int(360 * MAX_POINTS_PER_DEGREE)
 COARSEST = 10.0 * DEGREE  # no two points further apart than this
 FINEST = 0.5 * DEGREE  # spacing at which the curvature is looked at
 PROBES = np.arange(1, 8) / 8.0  # where a chord is measured
 MARGIN = 0.93  # measured at the probes, a lobe's top is missed by at most (1/8)² · 4 of its height
 
 
-def position(curve: CurveName, cam: CamProfile) -> tuple[Array, Array]:
-    """x and y of the chosen curve [mm]."""
-    return (cam.pitch_x, cam.pitch_y) if is_pitch(curve) else (cam.x, cam.y)
-
-
-def is_pitch(curve: CurveName) -> bool:
-    """Whether a curve is the path of a roller's centre."""
-    return curve.endswith("pitch")
-
-
-def chord_angles(cam: Cam, ends: Array, curve: CurveName, tolerance: float) -> Array:
+def chord_angles(cam: Cam, ends: Array, tolerance: float) -> Array:
     """Angles from the first of ``ends`` to the last, all of ``ends`` among them.
 
     On each span between two ends the spacing follows the curvature, so that all chords depart
     about alike; then every chord is measured, and spans that exceed are sampled more densely.
 
     Args:
-        cam: the cam. curve: which of its curves.
+        cam: the cam and its curve.
         ends: (m,) increasing angles [rad], between which the curve is smooth.
         tolerance: largest distance of the curve from its chord [mm].
     """
-    density = [_density(cam, a, b, curve, tolerance) for a, b in pairwise(ends.tolist())]
+    density = [_density(cam, a, b, tolerance) for a, b in pairwise(ends.tolist())]
     most = np.array([max(1.0, np.ceil(total[-1])) for _, total in density])
     while True:
-        if not most.sum() <= MOST_POINTS:
+        if not most.sum() <= MAX_POINTS:
             raise InputError(
                 "/tolerance_um",
                 tolerance * 1e3,
-                f"This chord tolerance would need more than {MOST_POINTS} points.",
+                f"This chord tolerance would need more than {MAX_POINTS} points.",
                 "Allow a larger one.",
             )
         spans = [
             np.interp(np.linspace(0.0, total[-1], int(n) + 1), total, angle)
             for (angle, total), n in zip(density, most, strict=True)
         ]
-        excess = np.array([_departure(cam, span, curve) for span in spans]) / (MARGIN * tolerance)
+        excess = np.array([_departure(cam, span) for span in spans]) / (MARGIN * tolerance)
         if np.all(excess <= 1.0):
             return np.concatenate([span[:-1] for span in spans] + [ends[-1:]])
         most = np.where(excess > 1.0, np.ceil(most * np.clip(np.sqrt(excess), 1.02, 4.0)), most)
 
 
-def _density(
-    cam: Cam, start: float, end: float, curve: CurveName, tolerance: float
-) -> tuple[Array, Array]:
+def _density(cam: Cam, start: float, end: float, tolerance: float) -> tuple[Array, Array]:
     """Angles on a span and the number of chords needed from its start up to them, (k,) each.
 
     A chord over dθ departs by κ (v dθ)²/8 from a curve of curvature κ run through at v = ds/dθ.
@@ -73,19 +59,18 @@ def _density(
     middle = 0.5 * (angle[1:] + angle[:-1])
     at = cam.at(middle)
     speed_squared = cam.flank.trace.curvature_terms(at.s, cam.size)[1]
-    bend = np.abs(at.curvature)
-    if not is_pitch(curve):  # v shrinks by 1 − σκ D, κ grows by its inverse
-        bend = bend * np.abs(1.0 - at.curvature * (cam.flank.side * cam.flank.distance))
+    # along a curve at the gap g, v shrinks by 1 − κ g, and κ grows by its inverse
+    bend = np.abs(at.curvature * (1.0 - at.curvature * cam.gap))
     needed = np.sqrt(bend * speed_squared / (8.0 * MARGIN * tolerance))
     needed = np.maximum(needed, max(0.1 * float(np.mean(needed)), 1.0 / COARSEST))
     return angle, np.concatenate([[0.0], np.cumsum(needed * np.diff(angle))])
 
 
-def _departure(cam: Cam, span: Array, curve: CurveName) -> float:
+def _departure(cam: Cam, span: Array) -> float:
     """Largest distance of the curve from the chords of one span [mm]."""
-    x, y = position(curve, cam.at(span, _last(span)))
+    x, y = cam.place(cam.at(span, _last(span)))
     probe = span[:-1, None] + PROBES * np.diff(span)[:, None]
-    px, py = (value.reshape(probe.shape) for value in position(curve, cam.at(probe.ravel())))
+    px, py = (value.reshape(probe.shape) for value in cam.place(cam.at(probe.ravel())))
     dx, dy = np.diff(x)[:, None], np.diff(y)[:, None]
     rx, ry = px - x[:-1, None], py - y[:-1, None]
     length = np.maximum(dx * dx + dy * dy, np.finfo(float).tiny)

@@ -8,8 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from synthesis.exporters.cam import Cam
-from synthesis.exporters.chords import is_pitch
-from synthesis.exporters.options import MotionOptions, ProfileOptions
+from synthesis.exporters.options import CurveOptions, MotionOptions, is_cutter, is_pitch
 from synthesis.exporters.placement import placed
 from synthesis.exporters.sampling import Rows, table_rows
 from synthesis.numerics.piecewise import Array
@@ -28,12 +27,12 @@ class Column:
     values: Array | NDArray[np.int64]
 
 
-def profile_columns(cam: Cam, options: ProfileOptions) -> list[Column]:
+def profile_columns(cam: Cam, options: CurveOptions) -> list[Column]:
     """The curve's points with the motion and the geometry there."""
     rows = table_rows(cam, options)
     at = cam.at(rows.theta, rows.left)
-    x, y = placed(options, at)
-    which = "pitch curve" if is_pitch(options.curve) else "profile"
+    x, y = placed(cam, options, at)
+    which = _which(options)
     if options.turn_deg == 0.0:
         frame = f"{which}, in the cam's frame"
     else:
@@ -58,6 +57,12 @@ def profile_columns(cam: Cam, options: ProfileOptions) -> list[Column]:
         ),
         _side(rows),
     ]  # fmt: skip
+
+
+def _which(options: CurveOptions) -> str:
+    if is_cutter(options.curve):
+        return f"path of the centre of a cutter of {options.cutter_diameter_mm:.12g} mm diameter"
+    return "pitch curve" if is_pitch(options.curve) else "profile"
 
 
 def motion_columns(cam: Cam, options: MotionOptions) -> list[Column]:
@@ -86,7 +91,7 @@ def _side(rows: Rows) -> Column:
 def _physical(s: Array, cam: Cam) -> list[Column]:
     told = ("displacement from the lowest position", "velocity", "acceleration", "jerk")
     return [
-        Column(_named(letter, unit), unit, told[order], s[order] * cam.rate(order))
+        Column(named(letter, unit), unit, told[order], s[order] * cam.rate(order))
         for order, letter in enumerate("svaj")
         for unit in [cam.travel.told(order)]
     ]
@@ -96,7 +101,7 @@ def _per_radian(s: Array, cam: Cam) -> list[Column]:
     told = ("first", "second", "third")
     return [
         Column(
-            _named(letter, unit), unit, f"{told[order - 1]} derivative of s by the cam angle",
+            named(letter, unit), unit, f"{told[order - 1]} derivative of s by the cam angle",
             s[order] / cam.travel.per_unit,
         )
         for order, letter in enumerate(("ds", "d2s", "d3s"), start=1)
@@ -104,6 +109,6 @@ def _per_radian(s: Array, cam: Cam) -> list[Column]:
     ]  # fmt: skip
 
 
-def _named(letter: str, unit: str) -> str:
+def named(letter: str, unit: str) -> str:
     """A column's name: ``a_mm_per_s2`` for a in mm/s²."""
     return f"{letter}_{unit}".replace("/", "_per_").translate(POWERS)

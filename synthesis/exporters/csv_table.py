@@ -12,7 +12,8 @@ import numpy as np
 from synthesis.design import Design
 from synthesis.exporters.cam import Cam
 from synthesis.exporters.columns import Column, motion_columns, profile_columns
-from synthesis.exporters.exporter import Exporter
+from synthesis.exporters.cutting import chosen
+from synthesis.exporters.exporter import Exporter, untold
 from synthesis.exporters.options import MotionOptions, ProfileOptions
 from synthesis.exporters.shortest import WIDTH, Whole, joined, written
 from synthesis.numerics.piecewise import Array
@@ -45,7 +46,7 @@ def _lines(values: Sequence[Array | Whole]) -> bytes:
 
 
 def _profile(design: Design, options: ProfileOptions) -> bytes:
-    return _written(profile_columns(Cam.of(design, options.curve), options))
+    return _written(profile_columns(chosen(design, options), options))
 
 
 def _motion(design: Design, options: MotionOptions) -> bytes:
@@ -53,5 +54,5 @@ def _motion(design: Design, options: MotionOptions) -> bytes:
 
 
 _TITLE, _MEDIA = "Table, comma separated", "text/csv; charset=utf-8; header=present"
-PROFILE = Exporter("csv", _TITLE, _MEDIA, ".csv", _profile)
-MOTION = Exporter("csv", _TITLE, _MEDIA, ".csv", _motion)
+PROFILE = Exporter("csv", _TITLE, _MEDIA, ".csv", untold(_profile), ProfileOptions)
+MOTION = Exporter("csv", _TITLE, _MEDIA, ".csv", untold(_motion), MotionOptions)

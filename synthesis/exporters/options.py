@@ -1,31 +1,204 @@
-"""What a caller may choose about a file, and what makes sense."""
+"""What a caller may choose about a file, and what makes sense.
+
+Each field stands once, with its rule and its meaning: query parameters, the command line and the
+catalogue are made from it.
+"""
 
 from __future__ import annotations
 
-import math
-from dataclasses import dataclass
-from typing import Literal, get_args
+from abc import ABC, abstractmethod
+from collections.abc import Callable
+from dataclasses import dataclass, fields
+from functools import cache
+from typing import Annotated, Any, Literal, get_args, get_type_hints
+
+from pydantic import BaseModel, ConfigDict, Field, ValidationError, create_model
 
 from synthesis.errors import InputError
 
-CurveName = Literal["profile", "pitch", "inner", "outer", "main", "counter", "counter_pitch"]
+CurveName = Literal[
+    "profile", "pitch", "cutter", "inner", "outer", "outer_cutter",
+    "main", "counter", "counter_pitch", "counter_cutter",
+]  # fmt: skip
 
-MAX_POINTS_PER_DEGREE = 1000.0
+MAX_POINTS_PER_DEGREE = 100.0
+MAX_POINTS = 36_000
+MIN_TOLERANCE_UM = 1e-4
 CURVES: tuple[CurveName, ...] = get_args(CurveName)
 
+Density = Annotated[
+    float, Field(gt=0.0, le=MAX_POINTS_PER_DEGREE, description="Points per degree of cam angle.")
+]
+Count = Annotated[
+    int | None,
+    Field(
+        ge=36,
+        le=MAX_POINTS,
+        description="Points in a turn, evenly over the cam angle; decides instead of "
+        "points_per_degree.",
+    ),
+]
+ChordTolerance = Annotated[
+    float | None,
+    Field(
+        ge=MIN_TOLERANCE_UM,
+        le=1e6,
+        description="Largest distance of a chord from the curve [µm]; decides instead of points "
+        "and points_per_degree.",
+    ),
+]
+StartAngle = Annotated[
+    float | None,
+    Field(
+        ge=-360.0,
+        le=360.0,
+        description="Cam angle of the first point; left out: the middle of the longest dwell, "
+        "where the ends of a spline do least harm.",
+    ),
+]
+Turn = Annotated[
+    float,
+    Field(
+        ge=-360.0,
+        le=360.0,
+        description="Turn the points about the cam's axis by this angle, counter-clockwise "
+        "positive: the cam as it sits on a shaft. The drawing (svg) stays as it is.",
+    ),
+]
+Axial = Annotated[
+    float | None,
+    Field(
+        ge=-1e6,
+        le=1e6,
+        description="Position along the axis: the third column of point files (0 where it is "
+        "left out), and a column z_mm of tables.",
+    ),
+]
+Decimals = Annotated[int, Field(ge=0, le=15, description="Decimals of a coordinate in mm.")]
 
-def _check_density(points_per_degree: float) -> None:
-    if not 0.0 < points_per_degree <= MAX_POINTS_PER_DEGREE:
-        raise InputError(
-            "/points_per_degree",
-            points_per_degree,
-            f"The density must be above 0 and at most {MAX_POINTS_PER_DEGREE:g} points per degree.",
-            "Leave it out, or give a number such as 4.",
-        )
+
+def _form(options: type[Options]) -> type[BaseModel]:
+    hints = get_type_hints(options, include_extras=True)
+    found: dict[str, Any] = {
+        each.name: (hints[each.name], each.default) for each in fields(options)
+    }
+    settings = ConfigDict(extra="forbid", allow_inf_nan=False, frozen=True)
+    return create_model(options.__name__, __config__=settings, __doc__=options.__doc__, **found)
+
+
+# A class of options as a model: for query parameters and for JSON Schema.
+form: Callable[[Any], type[BaseModel]] = cache(_form)
 
 
 @dataclass(frozen=True)
-class ProfileOptions:
+class Options:
+    """What may be chosen about a file; the fields are checked where it is made."""
+
+    def __post_init__(self) -> None:
+        model = form(type(self))
+        try:
+            model.model_validate({each.name: getattr(self, each.name) for each in fields(self)})
+        except ValidationError as wrong:
+            error = wrong.errors()[0]
+            name = str(error["loc"][0])
+            schema = model.model_json_schema()["properties"][name]
+            raise InputError(
+                f"/{name}", error["input"], _rule(schema), f"Leave it out for {_default(schema)}."
+            ) from None
+
+
+def _rule(schema: dict[str, Any]) -> str:
+    """What a field has to satisfy, in words."""
+    told = {k: v for each in (schema, *schema.get("anyOf", ())) for k, v in each.items()}
+    if "enum" in told:
+        return f"This must be one of {', '.join(map(str, told['enum']))}."
+    whole = told.get("type") == "integer" or {"type": "integer"} in schema.get("anyOf", [])
+    bounds = (
+        ("exclusiveMinimum", "above"),
+        ("minimum", "at least"),
+        ("exclusiveMaximum", "below"),
+        ("maximum", "at most"),
+    )
+    words = [f"{word} {told[key]:g}" for key, word in bounds if key in told]
+    kind = "a whole number" if whole else "a finite number"
+    return f"This must be {kind}{', ' if words else ''}{' and '.join(words)}."
+
+
+def _default(schema: dict[str, Any]) -> str:
+    return "none" if schema["default"] is None else repr(schema["default"])
+
+
+@dataclass(frozen=True)
+class Sampled(Options, ABC):
+    """Options that say where points are taken."""
+
+    @property
+    @abstractmethod
+    def count(self) -> float:
+        """Points in a turn, evenly over the cam angle."""
+
+    @property
+    @abstractmethod
+    def chord_mm(self) -> float | None:
+        """Largest distance of a chord from the curve, which then decides [mm]."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class PlacedCurve(Options):
+    """Which curve of a cam, and where it stands."""
+
+    curve: Annotated[
+        CurveName,
+        Field(
+            description="The cam's profile, the path of the roller's centre, or the path of a "
+            "cutter's or grinding wheel's centre (with cutter_diameter_mm). A groove has an inner "
+            "and an outer profile, conjugate cams a main and a counter profile and a counter pitch "
+            "curve; `profile` is the first of them. The drawing (svg) shows all."
+        ),
+    ] = "profile"
+    turn_deg: Turn = 0.0
+    z_mm: Axial = None
+    cutter_diameter_mm: Annotated[
+        float | None,
+        Field(
+            gt=0.0,
+            le=1e6,
+            description="Of the cutter or grinding wheel whose centre the curves cutter, "
+            "outer_cutter and counter_cutter are the path of.",
+        ),
+    ] = None
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        if is_cutter(self.curve) != (self.cutter_diameter_mm is not None):
+            raise InputError(
+                "/cutter_diameter_mm",
+                self.cutter_diameter_mm,
+                f"The path of a cutter's centre, and no other curve ({self.curve}), has a cutter "
+                "diameter.",
+                "Give both curve=cutter and cutter_diameter_mm, or leave the diameter out.",
+            )
+
+
+@dataclass(frozen=True)
+class CurveOptions(Sampled, PlacedCurve, ABC):
+    """How a curve of a cam is sampled."""
+
+    points_per_degree: Density = 4.0
+    tolerance_um: ChordTolerance = None
+    points: Count = None
+
+    @property
+    def count(self) -> float:
+        return 360.0 * self.points_per_degree if self.points is None else float(self.points)
+
+    @property
+    def chord_mm(self) -> float | None:
+        return None if self.tolerance_um is None else 1e-3 * self.tolerance_um
+
+
+@dataclass(frozen=True)
+class ProfileOptions(CurveOptions):
     """How the cam's curve is sampled.
 
     Attributes:
@@ -38,44 +211,77 @@ class ProfileOptions:
         turn_deg: angle by which points are turned about the cam's axis, counter-clockwise
             positive: the cam as it sits on a shaft with others.
         z_mm: position along that axis; None leaves tables without z, and is 0 in point files.
+        points: number of points in a turn, instead of the density.
+        cutter_diameter_mm: of the cutter whose centre's path is asked for.
     """
-
-    points_per_degree: float = 4.0
-    tolerance_um: float | None = None
-    curve: CurveName = "profile"
-    turn_deg: float = 0.0
-    z_mm: float | None = None
-
-    def __post_init__(self) -> None:
-        _check_density(self.points_per_degree)
-        if self.tolerance_um is not None and not 0.0 < self.tolerance_um < math.inf:
-            raise InputError(
-                "/tolerance_um",
-                self.tolerance_um,
-                "The chord tolerance must be a positive number of micrometres.",
-                "Leave it out to sample by points_per_degree, or give a number such as 1.",
-            )
-        if self.curve not in CURVES:
-            raise InputError(
-                "/curve",
-                self.curve,
-                f"The curve must be one of {', '.join(CURVES)}.",
-                "Leave it out for the profile.",
-            )
-        for field, value in (("/turn_deg", self.turn_deg), ("/z_mm", self.z_mm or 0.0)):
-            if not math.isfinite(value):
-                raise InputError(field, value, "This must be a finite number.", "Leave it out.")
 
 
 @dataclass(frozen=True)
-class MotionOptions:
+class PointOptions(CurveOptions):
+    """How the points of a curve are written for the readers of point files.
+
+    Attributes:
+        start_deg: cam angle of the first point; None: in the middle of the longest dwell.
+        closed: whether the first point is repeated at the end; None: as the format's readers
+            expect it.
+        overlap_points: further points past the end, which repeat the first ones.
+        direction: in which sense the points run round the cam. decimals: of a coordinate in mm.
+        the rest as of ``ProfileOptions``.
+    """
+
+    start_deg: StartAngle = None
+    closed: Annotated[
+        bool | None,
+        Field(
+            description="Repeat the first point at the end. Left out: as readers of the format "
+            "expect it."
+        ),
+    ] = None
+    overlap_points: Annotated[
+        int,
+        Field(
+            ge=0,
+            le=MAX_POINTS,
+            description="Run on past the end by so many points, which repeat the first ones: a "
+            "spline that is not closed then has its ends where they are cut off.",
+        ),
+    ] = 0
+    direction: Annotated[
+        Literal["cam_angle", "ccw", "cw"],
+        Field(
+            description="Sense in which the points run round the cam: with rising cam angle "
+            "(against the cam's rotation), counter-clockwise, or clockwise."
+        ),
+    ] = "cam_angle"
+    decimals: Decimals = 10
+
+
+@dataclass(frozen=True)
+class MotionOptions(Sampled):
     """How the motion is sampled.
 
     Attributes:
         points_per_degree: density, uniform in cam angle; not below one point in 10°.
+        points: number of points in a turn, instead of the density.
     """
 
-    points_per_degree: float = 1.0
+    points_per_degree: Density = 1.0
+    points: Count = None
 
-    def __post_init__(self) -> None:
-        _check_density(self.points_per_degree)
+    @property
+    def count(self) -> float:
+        return 360.0 * self.points_per_degree if self.points is None else float(self.points)
+
+    @property
+    def chord_mm(self) -> float | None:
+        return None
+
+
+def is_pitch(curve: CurveName) -> bool:
+    """Whether a curve is the path of a roller's centre."""
+    return curve.endswith("pitch")
+
+
+def is_cutter(curve: CurveName) -> bool:
+    """Whether a curve is the path of a cutter's centre."""
+    return curve.endswith("cutter")

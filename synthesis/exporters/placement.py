@@ -4,18 +4,22 @@ from __future__ import annotations
 
 import math
 
-from synthesis.exporters.chords import position
-from synthesis.exporters.options import ProfileOptions
+from synthesis.exporters.cam import Cam
+from synthesis.exporters.options import CurveOptions
 from synthesis.numerics.piecewise import Array
 from synthesis.profile import CamProfile
 
 
-def placed(options: ProfileOptions, cam: CamProfile) -> tuple[Array, Array]:
-    """x and y of the chosen curve [mm], turned by the options' angle."""
-    x, y = position(options.curve, cam)
-    if options.turn_deg == 0.0:
+def placed(cam: Cam, options: CurveOptions, at: CamProfile) -> tuple[Array, Array]:
+    """x and y of the cam's curve [mm], turned by the options' angle."""
+    return turned(options.turn_deg, *cam.place(at))
+
+
+def turned(degrees: float, x: Array, y: Array) -> tuple[Array, Array]:
+    """Turned about the cam's axis, counter-clockwise positive."""
+    if degrees == 0.0:
         return x, y
-    cos, sin = _cos_sin(options.turn_deg)
+    cos, sin = _cos_sin(degrees)
     return cos * x - sin * y, sin * x + cos * y
 
 

@@ -14,9 +14,10 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from synthesis.errors import InputError
 from synthesis.exporters.cam import Cam, Mask
 from synthesis.exporters.chords import COARSEST, chord_angles
-from synthesis.exporters.options import MotionOptions, ProfileOptions
+from synthesis.exporters.options import CurveOptions, PointOptions, Sampled
 from synthesis.exporters.placement import placed
 from synthesis.numerics.piecewise import Array
 from synthesis.profile import CamProfile
@@ -24,7 +25,8 @@ from synthesis.units import DEGREE, FULL_TURN
 
 SAME_ANGLE = 1e-9  # [rad]
 CROWDED = 0.25  # in a ring, a point nearer to a joint than this part of the step gives way to it
-RING_DECIMALS = 10  # points that agree so far [mm] are one point
+LEAST_RING = 3
+RUNS = {"ccw": "cw", "cw": "ccw"}  # how cam angles run round a cam, by its rotation
 
 
 @dataclass(frozen=True, eq=False)
@@ -43,14 +45,13 @@ class Rows:
     left: Mask
 
 
-def table_rows(cam: Cam, options: ProfileOptions | MotionOptions) -> Rows:
+def table_rows(cam: Cam, options: Sampled) -> Rows:
     """Rows of a table: cam angle 0 to 360°."""
     joints = cam.joints.marked(3)
-    if isinstance(options, ProfileOptions) and options.tolerance_um is not None:
-        ends = np.append(joints, FULL_TURN)
-        theta = chord_angles(cam, ends, options.curve, options.tolerance_um * 1e-3)
+    if options.chord_mm is not None:
+        theta = chord_angles(cam, np.append(joints, FULL_TURN), options.chord_mm)
     else:
-        theta = _merged(_uniform(options.points_per_degree), joints, SAME_ANGLE)
+        theta = _merged(_uniform(options.count), joints, SAME_ANGLE)
         theta = np.append(theta, FULL_TURN)
     jumps = cam.joints.breaking(3)
     twice = np.isin(theta, jumps[jumps > 0.0])
@@ -63,9 +64,12 @@ def table_rows(cam: Cam, options: ProfileOptions | MotionOptions) -> Rows:
     return Rows(rows, in_degrees(rows), side, left)
 
 
-def ring(cam: Cam, options: ProfileOptions) -> CamProfile:
-    """The closed curve from its seam, in the order of rising cam angle, not yet closed."""
-    theta = _ring_angles(cam, options)
+def ring(cam: Cam, options: CurveOptions, start: float | None = None) -> CamProfile:
+    """The closed curve in the order of rising cam angle, not yet closed.
+
+    It begins at the cam angle ``start`` [rad], without one at the seam.
+    """
+    theta = _ring_angles(cam, options, cam.seam if start is None else start % FULL_TURN)
     # Only where s' jumps does the point itself have two sides.
     twice = np.isin(theta, cam.joints.breaking(1))
     rows = np.repeat(theta, 1 + twice)
@@ -73,16 +77,55 @@ def ring(cam: Cam, options: ProfileOptions) -> CamProfile:
     return cam.at(rows, left)
 
 
-def ring_points(cam: Cam, options: ProfileOptions) -> Array:
-    """Points (n, 2) of the closed curve [mm] from its seam; none is repeated, the first neither.
+@dataclass(frozen=True, eq=False)
+class Written:
+    """The points of a curve as a file holds them.
 
-    They are turned as the options ask.
+    Attributes:
+        theta: (n,) cam angles [rad]. points: (n, 2) turned as asked and rounded [mm]; no two
+            neighbours are the same, nor are the last and the first.
     """
-    points = np.column_stack(placed(options, ring(cam, options)))
-    rounded = np.round(points, RING_DECIMALS)
+
+    theta: Array
+    points: Array
+
+    def ended(self, options: PointOptions, closed: bool) -> Array:
+        """The points (m, 2) with what is repeated past the end.
+
+        Args:
+            closed: whether the format's readers expect the first point at the end once more.
+        """
+        wanted = closed if options.closed is None else options.closed
+        more = options.overlap_points + (wanted or options.overlap_points > 0)
+        count = len(self.points)
+        if more > count:
+            raise InputError(
+                "/overlap_points", options.overlap_points,
+                f"Of {count} points no more than {count - 1} can be repeated.", "Ask for fewer.",
+            )  # fmt: skip
+        return np.vstack([self.points, self.points[:more]])
+
+
+def written_points(cam: Cam, options: PointOptions) -> Written:
+    """The points of the cam's curve, in the order and with the decimals that are asked for."""
+    start = None if options.start_deg is None else options.start_deg * DEGREE
+    at = ring(cam, options, start)
+    exact = np.column_stack(placed(cam, options, at))
+    rounded: Array = np.round(exact, options.decimals) + 0.0  # no −0
     new = np.any(rounded != np.roll(rounded, 1, axis=0), axis=1)
     new[0] = True
-    return points[new]
+    apart = np.flatnonzero(np.any(rounded != rounded[0], axis=1))
+    new[int(apart[-1]) + 1 if len(apart) else 1 :] = False  # what repeats the first
+    if np.count_nonzero(new) < LEAST_RING:
+        raise InputError(
+            "/decimals", options.decimals,
+            f"So rounded, fewer than {LEAST_RING} different points are left of the curve.",
+            "Keep more decimals.",
+        )  # fmt: skip
+    theta, points = at.theta[new], rounded[new]
+    if options.direction not in ("cam_angle", RUNS[cam.rotation]):
+        theta, points = (np.roll(each[::-1], 1, axis=0) for each in (theta, points))
+    return Written(theta, points)
 
 
 def in_degrees(theta: Array) -> Array:
@@ -92,10 +135,10 @@ def in_degrees(theta: Array) -> Array:
     return np.where(np.abs(exact - short) < 1e-12, short, exact)
 
 
-def _uniform(points_per_degree: float) -> Array:
+def _uniform(wanted: float) -> Array:
     """Angles k · 360°/N in [0, 360°) [rad], N rounded up to a whole number."""
     least = 360.0 / (COARSEST / DEGREE)
-    count = math.ceil(max(360.0 * points_per_degree - 1e-9, least))
+    count = math.ceil(max(wanted - 1e-9, least))
     return np.arange(count) * 360.0 / count * DEGREE
 
 
@@ -107,16 +150,15 @@ def _merged(grid: Array, joints: Array, apart: float) -> Array:
     return np.sort(np.concatenate([grid[gap > apart], joints]))
 
 
-def _ring_angles(cam: Cam, options: ProfileOptions) -> Array:
-    """Angles of a ring in [0, 2π) [rad], the seam first; joints and the seam are exact."""
+def _ring_angles(cam: Cam, options: CurveOptions, start: float) -> Array:
+    """Angles of a ring in [0, 2π) [rad], from its start; joints and the start are exact."""
     joints = cam.joints.marked(2)
-    nearest = float(joints[np.argmin(np.abs(joints - cam.seam))])
-    seam = nearest if abs(nearest - cam.seam) <= SAME_ANGLE else cam.seam
+    nearest = float(joints[np.argmin(np.abs(joints - start))])
+    seam = nearest if abs(nearest - start) <= SAME_ANGLE else start
     marks = np.union1d(joints, [seam])
-    if options.tolerance_um is not None:
-        ends = np.append(marks, FULL_TURN)
-        theta = chord_angles(cam, ends, options.curve, options.tolerance_um * 1e-3)[:-1]
+    if options.chord_mm is not None:
+        theta = chord_angles(cam, np.append(marks, FULL_TURN), options.chord_mm)[:-1]
     else:
-        grid = (seam + _uniform(options.points_per_degree)) % FULL_TURN
+        grid = (seam + _uniform(options.count)) % FULL_TURN
         theta = _merged(grid, marks, CROWDED * FULL_TURN / len(grid))
     return np.roll(theta, -int(np.searchsorted(theta, seam)))

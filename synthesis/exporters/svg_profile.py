@@ -13,8 +13,8 @@ import numpy as np
 from synthesis.design import Design
 from synthesis.exporters import svg_canvas as svg
 from synthesis.exporters.cam import Cam
-from synthesis.exporters.exporter import Exporter
-from synthesis.exporters.options import ProfileOptions
+from synthesis.exporters.exporter import Exporter, untold
+from synthesis.exporters.picture_options import CamDrawingOptions
 from synthesis.exporters.svg_cam import BELOW, Scene, shapes
 from synthesis.exporters.svg_heading import TURNS, heading
 from synthesis.exporters.svg_labels import labels
@@ -26,8 +26,8 @@ NARROW, WIDE, SHOWN = 110.0, 420.0, 300.0  # of a sheet [mm]: see ``shown_at``
 OPPOSITE = {"ccw": "cw", "cw": "ccw"}
 
 
-def _profile(design: Design, options: ProfileOptions) -> bytes:
-    Cam.of(design, options.curve)  # a curve that the cam has not is refused; all are drawn
+def _profile(design: Design, options: CamDrawingOptions) -> bytes:
+    Cam.of(design, options)  # a curve that the cam has not is refused; all are drawn
     scene = Scene.of(design, Cam.of(design), options)
     u, (left, bottom, right, top) = scene.u, scene.extent
     width = right - left + 2.0 * MARGIN * u
@@ -52,7 +52,7 @@ def _profile(design: Design, options: ProfileOptions) -> bytes:
         f"The cam's profile and pitch curve, drawn {ratio(scale)}, with the follower at cam "
         "angle 0. One unit of the coordinates is 1 mm of the cam."
     )
-    return svg.document(width, height, u, title, told, body, scale)
+    return svg.document(width, height, u, title, told, body, scale, options.theme)
 
 
 def shown_at(width: float) -> float:
@@ -146,4 +146,12 @@ def _scale_bar(x: float, y: float, u: float, drawn: str) -> list[str]:
     return body
 
 
-PROFILE = Exporter("svg", "Drawing of the cam", "image/svg+xml", ".svg", _profile, placeable=False)
+PROFILE = Exporter(
+    "svg",
+    "Drawing of the cam",
+    "image/svg+xml",
+    ".svg",
+    untold(_profile),
+    CamDrawingOptions,
+    placeable=False,
+)

@@ -2,27 +2,31 @@
 
 z is 0, or what is asked for: the cam's position along its shaft.
 
-A closed ring: the last point joins the first, which is not repeated. The seam lies in the middle
-of the longest dwell, where the natural end of a CAD spline does least harm. No header.
+A closed ring: the last point joins the first, which is not repeated unless it is asked for. The
+seam lies in the middle of the longest dwell, where the natural end of a CAD spline does least harm.
+No header.
 """
 
 from __future__ import annotations
 
-import numpy as np
-
 from synthesis.design import Design
-from synthesis.exporters.cam import Cam
-from synthesis.exporters.exporter import Exporter
-from synthesis.exporters.options import ProfileOptions
-from synthesis.exporters.sampling import RING_DECIMALS, ring_points
+from synthesis.exporters.cutting import chosen
+from synthesis.exporters.exporter import Exporter, untold
+from synthesis.exporters.fidelity.told import fidelity_told
+from synthesis.exporters.options import PointOptions
+from synthesis.exporters.point_rows import point_rows
+from synthesis.exporters.sampling import written_points
 
 
-def _profile(design: Design, options: ProfileOptions) -> bytes:
-    cam = Cam.of(design, options.curve)
-    points = np.round(ring_points(cam, options), RING_DECIMALS) + 0.0  # no −0
-    z = round(options.z_mm or 0.0, RING_DECIMALS) + 0.0
-    row = f"%.{RING_DECIMALS}f %.{RING_DECIMALS}f {z:.{RING_DECIMALS}f}\n"
-    return (row * len(points) % tuple(points.ravel().tolist())).encode("ascii")
+def _profile(design: Design, options: PointOptions) -> bytes:
+    cam = chosen(design, options)
+    points = written_points(cam, options).ended(options, closed=False)
+    return point_rows(points, options, "{x} {y} {z}\n")
 
 
-PROFILE = Exporter("txt", "Points x y z for CAD", "text/plain; charset=us-ascii", ".txt", _profile)
+PROFILE = Exporter(
+    "txt", "Points x y z for CAD", "text/plain; charset=us-ascii", ".txt",
+    untold(_profile), PointOptions,
+    "Curve through points in most CAD systems and in coordinate measuring machines.",
+    measured=fidelity_told,
+)  # fmt: skip

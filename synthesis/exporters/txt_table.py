@@ -9,7 +9,7 @@ from __future__ import annotations
 from synthesis.design import Design
 from synthesis.exporters.cam import Cam
 from synthesis.exporters.columns import motion_columns
-from synthesis.exporters.exporter import Exporter
+from synthesis.exporters.exporter import Exporter, untold
 from synthesis.exporters.options import MotionOptions
 
 
@@ -20,4 +20,6 @@ def _motion(design: Design, options: MotionOptions) -> bytes:
 
 
 _TITLE = "Table, space separated, no header: the columns of csv in their order"
-MOTION = Exporter("txt", _TITLE, "text/plain; charset=us-ascii", ".txt", _motion)
+MOTION = Exporter(
+    "txt", _TITLE, "text/plain; charset=us-ascii", ".txt", untold(_motion), MotionOptions
+)

@@ -16,12 +16,11 @@ import numpy as np
 
 from synthesis.formulations.control import Control, controls
 from synthesis.formulations.convex import Plan
-from synthesis.formulations.ends import joint_rows
 from synthesis.formulations.family import over_family
-from synthesis.formulations.grid import SettledLaw
 from synthesis.formulations.held import quietening
 from synthesis.formulations.ledger import Ledger
 from synthesis.formulations.multiplied import further, said
+from synthesis.formulations.multipliers import ends_priced, heard
 from synthesis.formulations.prices import end_prices
 from synthesis.formulations.switching import Switching
 from synthesis.formulations.tangents import tangents
@@ -29,7 +28,6 @@ from synthesis.numerics.piecewise import Array
 from synthesis.solvers.clarabel import ConeSolution
 
 ROUNDING = 1e-12  # relative allowance for the floating-point sums below
-SILENT = 1e-10  # of the largest: multipliers of rows that do not bind, all but noise
 NAMES = {2: "acceleration", 3: "jerk"}
 
 
@@ -57,19 +55,20 @@ class Bound:
 def bound(plan: Plan, solution: ConeSolution, ends: Sequence[Array] | None = None) -> Bound:
     """The bound that these multipliers give: over all laws, else over the splines' family.
 
-    ``ends``: prices of every law's end (``solved_prices``) where the rows at hand are not quite
+    ``ends``: prices of every law's end (``ends_priced``) where the rows at hand are not quite
     those that were solved.
     """
     steering = controls(plan)
     if steering is None:
         return Bound(in_core_units(plan, over_family(plan, solution)), _family(plan))
     order = steering[0].order if steering else 3
+    z = heard(plan, solution)
     if ends is None:
-        ends = solved_prices(plan, solution, order)
+        ends = ends_priced(plan, solution, z, order)
     ledger = Ledger(plan, order)
     for rows, mass in tangents(plan, solution, order):
         ledger.book(rows, mass)
-    _book_rows(plan, ledger, _heard(plan, solution.multipliers))
+    _book_rows(plan, ledger, z)
     psi = ledger.psi() if all(control.weight for control in steering) else ()
     ledger.book_ends(end_prices(plan, steering, psi, ledger.state, ends))
     _quieten(plan, ledger)
@@ -102,24 +101,6 @@ def in_core_units(plan: Plan, value: float) -> float:
     return value * plan.scales.level
 
 
-def solved_prices(plan: Plan, solution: ConeSolution, order: int) -> list[Array]:
-    """The solver's prices of g to g^(order − 1) at the end of every law: (order,) each."""
-    z = _heard(plan, solution.multipliers)
-    laws, _ = plan.recover(solution.x)
-    return [_end_price(plan, z, law, k, order) for k, law in enumerate(laws)]
-
-
-def _heard(plan: Plan, multipliers: Array) -> Array:
-    """The multipliers, those of inequalities without what is noise.
-
-    An interior point gives every row one; most are of rows far from binding, and cost time only.
-    """
-    z, first = multipliers.copy(), plan.program.equalities
-    own = z[first : first + plan.program.inequalities]
-    own[own <= SILENT * max(float(np.max(own, initial=0.0)), 0.0)] = 0.0
-    return z
-
-
 def _book_rows(plan: Plan, ledger: Ledger, z: Array) -> None:
     """All rows times their multipliers."""
     for one in said(plan, ledger.order, z):
@@ -144,38 +125,6 @@ def _quieten(plan: Plan, ledger: Ledger) -> None:
         x, mass = quietening(psi, block.x, part, float(block.alpha[k]), order - 1 - k)
         ledger.add(-float(np.sum(mass) * block.rhs[0]))
         ledger.act(block.stretch, x, mass[:, None] * block.alpha[:order])
-
-
-def _end_price(plan: Plan, z: Array, law: SettledLaw, position: int, order: int) -> Array:
-    """The solver's prices of g^(k)(1), k < order: of shared values those of the joints' rows.
-
-    Those of known values are what makes the eliminated last coefficients stationary.
-    """
-    end, space = plan.settled[position].end, plan.grids[position].space
-    nu, gradient = np.zeros(max(order, len(end))), np.zeros(space.size)
-    at = plan.program.equalities - sum(len(block.rhs) for block in plan.exact)
-    for block in (*plan.exact, *plan.blocks):
-        if block.stretch == position and block.laws is not None:
-            gradient += block.laws.T @ z[at : at + len(block.rhs)]
-        at += len(block.rhs)
-    if plan.energy is not None:
-        factor = plan.energy.factors[position]
-        gradient += 2.0 / plan.energy.unit * (factor.T @ (factor @ law.coefficients))
-    at = 0
-    for joint in plan.joints:
-        before, after = joint_rows(joint, plan.problem.free, plan.grids)
-        mu = z[at : at + len(before.units)]
-        at += len(mu)
-        for side in (before, after):
-            if side.position == position:
-                gradient += side.dense.T @ mu
-        if before.position == position:
-            shared = (mu * before.units)[: max(order - joint.lowest, 0)]
-            nu[joint.lowest : joint.lowest + len(shared)] = shared
-    count = len(end)
-    rows = space.boundary(1.0, count)[:, space.size - count :]
-    nu[:count] = np.linalg.solve(rows.T, -gradient[space.size - count :])
-    return nu[:order]
 
 
 def _minimum(

@@ -16,7 +16,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from synthesis.formulations.bound import Bound, bound, solved_prices
+from synthesis.formulations.bound import Bound, bound
 from synthesis.formulations.candidate import Candidate, settle
 from synthesis.formulations.control import Control, controls
 from synthesis.formulations.convex import Plan, formulate, with_rows
@@ -24,6 +24,7 @@ from synthesis.formulations.grid import Grid, SettledLaw, merged, over, snapped,
 from synthesis.formulations.knots import all_halved, finer
 from synthesis.formulations.lair import Guess, Lair, Parts, narrowed, unknown
 from synthesis.formulations.local import improve_from
+from synthesis.formulations.multipliers import ends_priced, heard
 from synthesis.formulations.problem import Held, Nothing, Problem
 from synthesis.formulations.search import Search, Stage
 from synthesis.motion import Stretch
@@ -168,7 +169,7 @@ def explored(quest: Quest, box: Box) -> Box:
             break
         before, lair = box.lair.width, _narrower(quest, box)
         if lair is None:
-            return climbed(quest, box)
+            return climbed(quest, box) if quest.state.left() > 0.0 else box
         if lair.empty:
             return replace(box, lower=quest.target)
         box = climbed(quest, replace(box, lair=lair))
@@ -182,7 +183,10 @@ def _narrower(quest: Quest, box: Box) -> Lair | None:
     grids = box.grids
     for problem in (*quest.keeping, quest.keeping[-1]):
         bare = tuple(Grid(grid.space, grid.space.breaks) for grid in grids)
-        lair = narrowed(formulate(problem, bare), quest.steering, box.lair)
+        left = quest.state.left()
+        if left <= 0.0:
+            break
+        lair = narrowed(formulate(problem, bare), quest.steering, box.lair, left)
         if lair is not None:
             return lair
         if problem is quest.keeping[-1]:
@@ -203,11 +207,11 @@ def climbed(quest: Quest, box: Box) -> Box:
         plan = with_rows(relaxed, box.lair.rows(relaxed))
         solution = solve(plan.program, quest.state.left())
         between = box.lair.spread(plan, SPREAD)
-        ends = solved_prices(plan, solution, 3)
+        ends = ends_priced(plan, solution, heard(plan, solution), 3)
         dense = replace(solution, multipliers=between.masses(solution.multipliers, ends))
         if solution.stopped is Stopped.INFEASIBLE:
             box = _raised(box, _excluded(between.plan, dense, ends))
-            if box.lower >= quest.target:
+            if box.lower >= quest.target or quest.state.left() <= 0.0:
                 break
             grids = all_halved(problem, grids, [np.zeros(0)] * len(grids))
             continue

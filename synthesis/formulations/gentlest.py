@@ -8,7 +8,6 @@ If it comes below 1, there are the knots; if its bound over all laws lies above 
 
 from __future__ import annotations
 
-import time
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from math import inf
@@ -16,6 +15,7 @@ from typing import Any, Literal
 
 import numpy as np
 
+from synthesis import clock
 from synthesis.formulations.bound import bound
 from synthesis.formulations.candidate import settle
 from synthesis.formulations.convex import formulate
@@ -107,7 +107,7 @@ def gentlest(
     present, best = tuple(grids), None
     for _ in range(ROUNDS):
         plan = formulate(asked, present, 0.0, Drawn(tighten))
-        solution = solve(plan.program, deadline - time.monotonic())
+        solution = solve(plan.program, deadline - clock.now())
         if solution.stopped not in USABLE:
             break
         lower, found = bound(plan, solution), settle(asked, *plan.recover(solution.x))
@@ -118,7 +118,7 @@ def gentlest(
             best = replace(best, grids=present, share=found.value)
         gained = before.share - best.share > GAIN * best.share
         done = best.fits or best.share - best.least <= SETTLED or (best.impossible and not gained)
-        if done or time.monotonic() >= deadline:
+        if done or clock.now() >= deadline:
             break
         present = finer(asked, present, found, lower, [np.zeros(0)] * len(present))
     return best

@@ -13,6 +13,7 @@ from math import inf
 
 import numpy as np
 
+from synthesis import clock
 from synthesis.formulations.lengths import along
 from synthesis.formulations.search import Stage
 from synthesis.formulations.worth import Worth
@@ -43,7 +44,7 @@ def chosen(spec: DesignSpec, deadline: float = inf) -> tuple[DesignSpec, list[fl
         the spec, the numbers in the order of its openings, and what it took.
     """
     started = time.perf_counter()
-    now, openings = time.monotonic(), spec.openings
+    now, openings = clock.now(), spec.openings
     stop = inf if deadline == inf else now + SHARE_OF_TIME * max(deadline - now, 0.0)
     worth = Worth(spec.alone(), openings, stop)
     middle = _middle(worth)
@@ -53,7 +54,7 @@ def chosen(spec: DesignSpec, deadline: float = inf) -> tuple[DesignSpec, list[fl
     stage = Stage(
         "proportions", f"search over {freedom} of {len(numbers)} free numbers", "Clarabel",
         len(numbers), 0, worth.calls, time.perf_counter() - started,
-        _ended(best, late=time.monotonic() >= stop),
+        _ended(best, late=clock.now() >= stop),
         "angles and lifts by cutting planes from several starts, lengths one by one",
     )  # fmt: skip
     return spec.with_numbers(numbers), numbers, stage

@@ -35,6 +35,7 @@ SHAPE = 0.05  # a gap below which rounds for the bound alone do not pay, where c
 ROUNDS = 8
 COARSE, FINE = 12, 96  # intervals of the first grid, by tolerance
 CURVED = 16  # the most of them while rows still have to turn
+RIGID = 150  # the most of them, of all laws together, where limits of a face are left out
 LEVELS = 20
 MARGIN_BITS = 16  # what a cam misses between points is known no better
 STAYS = 1e-7  # of the level: an estimate's slope is taken over steps a thousand times longer
@@ -172,8 +173,10 @@ def _climb(state: Search) -> None:
                     continue
                 state.infeasible = True
                 return
+        if state.problem.rigid and state.best is None and number == 1:
+            nonlinear(state)  # a cam at once: these rounds are of the bound alone
         stuck = lower is None and number > 1
-        if stuck or state.close(state.relaxed) or state.left() <= 0.0 or not state.grids:
+        if stuck or _climbed(state, plan, solution, lower):
             break
         if state.gap > 0.9 * before and state.gap < inf:
             break  # finer knots no longer help
@@ -184,6 +187,21 @@ def _climb(state: Search) -> None:
             state.grids = finer(state.problem, state.grids, found, lower, missed)
         if state.limited_by_shape and state.gap < SHAPE:
             break  # what comes next finds its cam on these knots, and far above this bound
+
+
+def _climbed(state: Search, plan: Plan, solution: ConeSolution, lower: Bound | None) -> bool:
+    """Whether finer knots are not needed, or there is no time for them.
+
+    Where limits of the face are left out, no cam of these rounds says so: the rows' own value does.
+    There too many knots make the local search slow.
+    """
+    if state.close(state.relaxed) or state.left() <= 0.0 or not state.grids:
+        return True
+    if not state.problem.rigid or lower is None:
+        return False
+    value = in_core_units(plan, plan.program.value(solution.x))
+    known = value - lower.value <= 0.5 * state.tolerance * abs(value)
+    return known or sum(len(grid.space.breaks) for grid in state.grids) > RIGID
 
 
 def _once(state: Search, number: int) -> Candidate | None:

@@ -7,7 +7,6 @@ searched for.
 
 from __future__ import annotations
 
-import time
 from collections.abc import Callable, Collection, Iterator, Sequence
 from dataclasses import dataclass, replace
 from math import inf, sqrt
@@ -15,6 +14,7 @@ from math import inf, sqrt
 import numpy as np
 from scipy.optimize import minimize_scalar
 
+from synthesis import clock
 from synthesis.formulations.convex import Plan, formulate
 from synthesis.formulations.grid import Grid
 from synthesis.formulations.parts import Part, RangePart, limit_parts, open_size, range_parts
@@ -40,7 +40,7 @@ class Scene:
     """The problem with its size open, and everything that may give way.
 
     ``drawn``: relative amount by which all limits are drawn in. ``deadline``: ``time.monotonic()``
-    after which no further cone program is begun; ``OutOfTime`` then.
+    after which no second cone program is begun; ``OutOfTime`` then.
     """
 
     problem: Problem
@@ -96,11 +96,11 @@ def yielded(
         exact: False where it is enough to know whether the least is nothing.
 
     Raises:
-        OutOfTime: the scene's deadline has passed.
+        OutOfTime: the scene's deadline has passed, and one cone program is not enough.
     """
 
     def towards(direction: Array | None) -> Yielded | None:
-        if time.monotonic() >= scene.deadline:
+        if direction is not None and clock.now() >= scene.deadline:
             raise OutOfTime
         stated, floor = state(plan, scene.parts, direction, scene.drawn), 0.0
         if rate is not None:

@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-import time
 from dataclasses import dataclass, field
 from math import inf, isfinite
 
+from synthesis import clock
 from synthesis.formulations.bound import Bound
 from synthesis.formulations.candidate import Candidate, grow
 from synthesis.formulations.convex import Plan
@@ -72,7 +72,7 @@ class Search:
 
     def left(self) -> float:
         """Seconds left."""
-        return self.deadline - time.monotonic()
+        return self.deadline - clock.now()
 
     def offer(self, found: Candidate) -> None:
         """Look at a cam of the relaxation, and at what it becomes under the other limits."""

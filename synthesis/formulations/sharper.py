@@ -8,7 +8,6 @@ one cone program; its answer is one more set of multipliers, and as little trust
 
 from __future__ import annotations
 
-import time
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import cached_property
@@ -18,6 +17,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy import sparse
 
+from synthesis import clock
 from synthesis.formulations.bound import Bound, concluded
 from synthesis.formulations.control import Control, controls
 from synthesis.formulations.convex import Plan
@@ -56,14 +56,14 @@ def sharper(
     if not steering or any(control.weight for control in steering):
         return known  # of a weighed derivative the end prices alone make the bound exact
     task = _Task.of(plan, solution, steering)
-    best, found, until = known, known, time.monotonic() + seconds
+    best, found, until = known, known, clock.now() + seconds
     turns = [_steps(law, task.order) for law in plan.recover(solution.x)[0]]
     for _ in range(ROUNDS):
         turns = [
             np.union1d(before, psi.turns(NOISE))
             for before, psi in zip(turns, found.switching, strict=True)
         ]
-        latest, value = task.solved(turns, until - time.monotonic()), found.value
+        latest, value = task.solved(turns, until - clock.now()), found.value
         if latest is None:
             break
         found = latest

@@ -42,14 +42,19 @@ def spread(settled: Problem, size: Vector) -> list[Spots]:
     return found
 
 
-def broken(settled: Problem, size: Vector, above: float = 0.0) -> list[Spots]:
-    """Peaks at which a smooth limit's value is above a threshold, refined by a parabola."""
-    found = []
+def broken(settled: Problem, size: Vector, eased: int = 0, above: float = 0.0) -> list[Spots]:
+    """Peaks at which a smooth limit is exceeded, refined by a parabola.
+
+    Args:
+        settled: the question, laws settled. size: the size [mm].
+        eased: how many of the last limits may be exceeded, and by how much (``above``).
+    """
+    found, firm = [], len(settled.limits) - eased
     for limit, position, samples, values in _traces(settled, size):
         theta, piece = _peaks(samples.theta.reshape(values.shape), values)
         curve = samples.stretch.placed()
-        s = np.stack([curve.at(theta, piece, order) for order in range(4)])
-        kept = _value(settled, limit, position, s, size) > above
+        s = curve.jet(theta, piece, 3)
+        kept = _value(settled, limit, position, s, size) > above * (limit >= firm)
         found += _distinct(limit, position, samples, theta[kept], s[:, kept])
     return found
 

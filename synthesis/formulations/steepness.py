@@ -146,7 +146,7 @@ class _Steepness:
             region = narrowed(self.state, replace(best, value=self.largest), near, known)
             if region is None:
                 return False
-            proof = empty(replace(region, problem=self.limited(slope)))
+            proof = empty(replace(region, problem=self.limited(slope)), self.state.left())
             if proof is not None:
                 self._prove(slope, proof.over)
                 return True
@@ -184,10 +184,9 @@ def steepness(state: Search, searched: Solver) -> None:
 
 def _bracketed(trials: _Steepness) -> None:
     """A slope that is possible, and one below at which no cam was found."""
-    slope = FIRST
-    while trials.found is None and slope < STEEPEST and trials.state.left() > 0.0:
-        trials.tried(slope)
-        slope *= 4.0
+    for slope in (FIRST, STEEPEST):  # where a cam as steep as can be is not found, none is
+        if trials.found is None and trials.state.left() > 0.0:
+            trials.tried(slope)
     while not trials.doubtful and trials.possible > 1e-6 and trials.state.left() > 0.0:
         if trials.found is None:
             return

@@ -9,6 +9,7 @@ from math import inf
 
 import numpy as np
 
+from synthesis import clock
 from synthesis.formulations.search import Stage
 from synthesis.formulations.table_fit import Fit, Rows, smoothed
 from synthesis.motion import Stretch
@@ -42,7 +43,7 @@ def smooth_tables(stretches: Sequence[Stretch], deadline: float = inf) -> Tables
         started = time.perf_counter()
         left, right = found[turning[place - 1]], found[turning[(place + 1) % len(turning)]]
         rows = _rows(found[i], left, right)
-        left_s = max(deadline - time.monotonic(), 1e-3)
+        left_s = max(deadline - clock.now(), 1e-3)
         fit = smoothed(rows, free.smoothness + 1, left_s)
         found[i] = found[i].with_law(fit.space.curve(fit.coefficients))
         splines[i] = (fit.space, fit.coefficients)

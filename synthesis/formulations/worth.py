@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import time
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from functools import cache
@@ -10,11 +9,12 @@ from functools import cache
 import numpy as np
 from pydantic_core import PydanticCustomError
 
+from synthesis import clock
 from synthesis.formulations.candidate import Candidate
 from synthesis.formulations.grid import Grid, over, uniform
 from synthesis.formulations.problem import Problem, pose
 from synthesis.formulations.refine import estimate, search
-from synthesis.formulations.scene import Scene, yielded
+from synthesis.formulations.scene import OutOfTime, Scene, yielded
 from synthesis.formulations.tables import smooth_tables
 from synthesis.numerics.descent import Function
 from synthesis.numerics.piecewise import Array
@@ -104,7 +104,7 @@ class Worth:
             self.level = found or self.level
             return None if found is None else told(problem, found)
 
-        return lambda u: None if time.monotonic() >= self.deadline else value(u.tobytes())
+        return lambda u: None if clock.now() >= self.deadline else value(u.tobytes())
 
     def solved(self, u: Array, tolerance: float, pin: float | None = None) -> Candidate | None:
         """The best cam that a whole search finds; None where it finds none.
@@ -113,7 +113,7 @@ class Worth:
             u: where. tolerance: of a search that has one; half-planes are met exactly.
             pin: a value for what can be pinned; None: free, as asked.
         """
-        problem = self.problem(u) if time.monotonic() < self.deadline else None
+        problem = self.problem(u) if clock.now() < self.deadline else None
         if problem is None:
             return None
         self.calls += 1
@@ -127,12 +127,16 @@ class Worth:
 
         def value(u: Array) -> float | None:
             problem = self.problem(u)
-            if problem is None or time.monotonic() >= self.deadline:
+            if problem is None or clock.now() >= self.deadline:
                 return None
             self.calls += 1
             spec = self.spec.with_numbers(self.openings.numbers(u))
-            scene = replace(Scene.of(spec, problem, mesh.grids(problem)), drawn=INSIDE)
-            found = yielded(scene, scene.plan(), range(len(scene.parts)), exact=False)
+            scene = Scene.of(spec, problem, mesh.grids(problem))
+            scene = replace(scene, drawn=INSIDE, deadline=self.deadline)
+            try:
+                found = yielded(scene, scene.plan(), range(len(scene.parts)), exact=False)
+            except OutOfTime:
+                return None
             return None if found is None else max(found.total, 0.0)
 
         return value

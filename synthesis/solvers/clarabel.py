@@ -9,7 +9,9 @@ from dataclasses import dataclass
 import clarabel
 import numpy as np
 from scipy import sparse
+from scipy.sparse.linalg import splu
 
+from synthesis import clock
 from synthesis.numerics.piecewise import Array
 from synthesis.solvers.statuses import Stopped
 
@@ -24,6 +26,8 @@ STATUSES = {
     "MaxIterations": Stopped.OUT_OF_ITERATIONS,
     "InsufficientProgress": Stopped.INACCURATE,
 }
+MOST_DENSE = 60  # equalities that are closed by dense algebra
+DAMPED, REPEATED = 1e-10, 4  # share of the largest diagonal; steps
 
 
 @dataclass(frozen=True, eq=False)
@@ -71,10 +75,25 @@ def _closed(program: ConeProgram, x: Array) -> Array:
     """
     if program.equalities == 0 or not np.all(np.isfinite(x)):
         return x
-    rows = program.matrix[: program.equalities]
-    missed = program.rhs[: program.equalities] - rows @ x
-    weights, *_ = np.linalg.lstsq((rows @ rows.T).toarray(), missed, rcond=1e-13)
+    rows, rhs = program.matrix[: program.equalities], program.rhs[: program.equalities]
+    if program.equalities > MOST_DENSE:
+        return _closed_sparsely(rows, rhs, x)
+    weights, *_ = np.linalg.lstsq((rows @ rows.T).toarray(), rhs - rows @ x, rcond=1e-13)
     return np.asarray(x + rows.T @ weights)
+
+
+def _closed_sparsely(rows: sparse.csc_matrix, rhs: Array, x: Array) -> Array:
+    """The same for many equalities, in time that grows with their number, not with its cube.
+
+    Equalities may depend on each other, so that the normal equations are singular; a little added
+    to their diagonal, and the step done again on what is left, comes to the same point.
+    """
+    normal = (rows @ rows.T).tocsc()
+    spare = DAMPED * float(normal.diagonal().max())
+    solver = splu(normal + spare * sparse.eye_array(len(rhs), format="csc"))
+    for _ in range(REPEATED):
+        x = np.asarray(x + rows.T @ solver.solve(rhs - rows @ x))
+    return x
 
 
 def solve(program: ConeProgram, time_limit: float = math.inf) -> ConeSolution:
@@ -83,6 +102,9 @@ def solve(program: ConeProgram, time_limit: float = math.inf) -> ConeSolution:
     Args:
         program: the matrices.
         time_limit: seconds after which the solver gives up.
+
+    Raises:
+        Cancelled: nobody waits for it any more.
     """
     settings = clarabel.DefaultSettings()
     settings.verbose = False
@@ -98,9 +120,14 @@ def solve(program: ConeProgram, time_limit: float = math.inf) -> ConeSolution:
         *(clarabel.SecondOrderConeT(size) for size in program.cones),
     ]
     started = time.perf_counter()
-    found = clarabel.DefaultSolver(
+    solver = clarabel.DefaultSolver(
         program.quadratic, program.linear, program.matrix, program.rhs, kinds, settings
-    ).solve()
+    )
+    asked = clock.interruption()
+    if asked is not None:
+        solver.set_termination_callback(lambda _: asked())
+    found = solver.solve()
+    clock.now()
     word = str(found.status)
     return ConeSolution(
         _closed(program, np.asarray(found.x)),

@@ -5,12 +5,14 @@ from __future__ import annotations
 import math
 import threading
 import time
+from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any
 
 import casadi
 import numpy as np
 
+from synthesis import clock
 from synthesis.numerics.piecewise import Array
 from synthesis.solvers.statuses import Stopped
 
@@ -40,6 +42,8 @@ OPTIONS: dict[str, Any] = {
     "ipopt.bound_relax_factor": 1e-9,
     "ipopt.acceptable_constr_viol_tol": 1e-6,
     "ipopt.max_iter": 200,
+    # a step that needs more of it is given up: MUMPS takes seconds over such a matrix
+    "ipopt.max_hessian_perturbation": 1e5,
 }
 COLD: dict[str, Any] = {"ipopt.mu_init": 1e-3}
 WARM: dict[str, Any] = {
@@ -106,6 +110,9 @@ def solve(
         program: the program. guess: where to begin.
         time_limit: seconds after which the solver gives up.
         accuracy: scaled optimality error; rows are kept to 1e-9 whatever it is.
+
+    Raises:
+        Cancelled: nobody waits for it any more.
     """
     started = time.perf_counter()
     options = OPTIONS | (COLD if guess.rows is None else WARM)
@@ -116,16 +123,42 @@ def solve(
     if guess.rows is not None:
         rows = np.pad(guess.rows, (0, len(program.lower) - len(guess.rows)))
         start |= {"lam_g0": rows, "lam_x0": guess.bounds}
+    asked = clock.interruption()
+    if asked is not None:
+        options["iteration_callback"] = _Look(len(guess.x), len(program.lower), asked)
     stated = {"x": program.x, "f": program.objective, "g": program.rows}
     solver: Any = casadi.nlpsol("nonlinear", "ipopt", stated, options)
     with ONE_AT_A_TIME:
         found = solver(**start, lbg=program.lower, ubg=program.upper)
+    clock.now()
     stats = solver.stats()
     word = str(stats["return_status"])
     return SmoothSolution(
         _column(found["x"]), _column(found["lam_g"]), _column(found["lam_x"]), reason(word), word,
         int(stats["iter_count"]), time.perf_counter() - started,
     )  # fmt: skip
+
+
+class _Look(casadi.Callback):
+    """Asks between iterations whether to stop; IPOPT hands it the point, (n, 1) and (m, 1)."""
+
+    def __init__(self, n: int, m: int, asked: Callable[[], bool]) -> None:
+        casadi.Callback.__init__(self)
+        self._asked, self._sizes = asked, {"f": 1, "x": n, "lam_x": n, "g": m, "lam_g": m}
+        self.construct("look", {})
+
+    def get_n_in(self) -> int:
+        return int(casadi.nlpsol_n_out())
+
+    def get_n_out(self) -> int:
+        return 1
+
+    def get_sparsity_in(self, position: int) -> Any:
+        size = self._sizes.get(casadi.nlpsol_out(position), 0)
+        return casadi.Sparsity.dense(size, 1)
+
+    def eval(self, _point: Any) -> list[float]:
+        return [float(self._asked())]
 
 
 def reason(word: str) -> Stopped:

@@ -16,9 +16,10 @@ from benchmarks.effort import TRIAL
 from benchmarks.section import Section
 
 SUPPORT = {
-    "__main__", "axis", "diagram", "effort", "memory", "page", "section", "timing", "truth",
+    "__main__", "axis", "diagram", "effort", "memory", "page", "processes", "section", "timing",
+    "truth",
 }  # fmt: skip
-SERVED = ("http", "sweeps")  # start a service: run in tests/service, beside these
+SERVED = ("http", "sweeps", "sweep_size")  # start a service: run in tests/service, beside these
 LINK = re.compile(r"\]\(([^)#:]+)\)")
 
 

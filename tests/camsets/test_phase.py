@@ -10,7 +10,7 @@ import pytest
 
 from synthesis import CamSet, synthesise_set
 from synthesis.camset import MountedCam
-from synthesis.exporters import PROFILE_FORMATS, ProfileOptions
+from synthesis.exporters import PROFILE_FORMATS, PointOptions
 from tests.camsets.sets import asked
 from tests.geometry import touch
 
@@ -24,7 +24,7 @@ def found(request: pytest.FixtureRequest) -> CamSet:
 
 def on_the_shaft(cam: MountedCam) -> np.ndarray:
     """Points (n, 2) as the file for the shaft's frame has them."""
-    options = ProfileOptions(8.0, turn_deg=cam.turn_deg, z_mm=cam.axial_mm)
+    options = PointOptions(8.0, turn_deg=cam.turn_deg, z_mm=cam.axial_mm)
     points = np.loadtxt(io.BytesIO(PROFILE_FORMATS["txt"].write(cam.design, options)))
     assert np.all(points[:, 2] == cam.axial_mm)
     return points[:, :2]
@@ -59,7 +59,7 @@ def test_every_follower_moves_at_its_phase(found: CamSet, position: int) -> None
 
 def test_the_measurement_would_notice_one_degree(found: CamSet) -> None:
     cam = found.cams[1]
-    options = ProfileOptions(8.0, turn_deg=cam.turn_deg + 1.0)
+    options = PointOptions(8.0, turn_deg=cam.turn_deg + 1.0)
     points = np.loadtxt(io.BytesIO(PROFILE_FORMATS["txt"].write(cam.design, options)))[:, :2]
     assert np.max(np.abs(lifts(found, cam, points) - law(cam))) > 0.05
 

@@ -16,7 +16,7 @@ import pytest
 from service.examples import examples
 from synthesis import CamSet, synthesise_set
 from synthesis.errors import InputError
-from synthesis.exporters import PROFILE_FORMATS, MotionOptions, ProfileOptions
+from synthesis.exporters import PROFILE_FORMATS, MotionOptions, PointOptions, ProfileOptions
 from synthesis.exporters.bundle import BundleOptions, bundle, bundle_files, folders
 from synthesis.exporters.svg_timing import timing_diagram
 from tests.camsets.sets import INLET, PRESS, asked, body
@@ -100,7 +100,7 @@ def test_both_frames(found: CamSet) -> None:
     for folder, cam in zip(folders(found), found.cams, strict=True):
         own, shaft = (points(files[f"{folder}/{which}.txt"]) for which in
                       ("profile", "shaft-profile"))  # fmt: skip
-        alone = PROFILE_FORMATS["txt"].write(cam.design, ProfileOptions())
+        alone = PROFILE_FORMATS["txt"].write(cam.design, PointOptions())
         assert files[f"{folder}/profile.txt"] == alone
         assert np.all(own[:, 2] == 0.0)
         assert np.all(shaft[:, 2] == cam.axial_mm)
@@ -120,12 +120,25 @@ def test_options_reach_the_files(found: CamSet) -> None:
     )
     inside = [name.partition("/")[2] for name in files if name.startswith("01-")]
     assert inside == ["design.json", "pitch.txt", "shaft-pitch.txt", "profile.svg"]
-    pitch = PROFILE_FORMATS["txt"].write(found.cams[0].design, ProfileOptions(2.0, curve="pitch"))
+    pitch = PROFILE_FORMATS["txt"].write(found.cams[0].design, PointOptions(2.0, curve="pitch"))
     assert files["01-inlet/pitch.txt"] == pitch
     sampling = json.loads(files["manifest.json"])["sampling"]
     assert sampling["curve"] == "pitch"
     assert sampling["points_per_degree"] == 2.0
     assert sampling["motion_points_per_degree"] == 5.0
+
+
+def test_exact_curves_stand_on_the_shaft_too(found: CamSet) -> None:
+    files = opened(found, profile_formats=("dxf", "nurbs.json"), motion_formats=())
+    cam = found.cams[1]
+    own, shaft = (
+        np.array(json.loads(files[f"02-press/{name}.nurbs.json"])["control_points_mm"])
+        for name in ("profile", "shaft-profile")
+    )
+    turn = np.exp(1j * math.radians(cam.turn_deg))
+    np.testing.assert_allclose(shaft @ [1.0, 1j, 0.0], turn * (own @ [1.0, 1j, 0.0]), atol=1e-11)
+    assert np.all(shaft[:, 2] == cam.axial_mm)
+    assert b"CAM_PROFILE" in files["02-press/shaft-profile.dxf"]
 
 
 def test_the_timing_table(found: CamSet) -> None:

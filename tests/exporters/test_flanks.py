@@ -13,7 +13,8 @@ import pytest
 
 from synthesis import Design, DesignSpec, synthesise
 from synthesis.errors import InputError
-from synthesis.exporters import PROFILE_FORMATS, ProfileOptions, profiles
+from synthesis.exporters import PROFILE_FORMATS, JsonOptions, PointOptions, profiles
+from synthesis.exporters.picture_options import CamDrawingOptions
 from tests.exporters.test_drawings import drawn, text_boxes
 from tests.exporters.test_points import away
 
@@ -62,7 +63,7 @@ def designs(request: pytest.FixtureRequest) -> dict[str, Design]:
 
 
 def points(design: Design, curve: str, **options: Any) -> np.ndarray:
-    data = PROFILE_FORMATS["txt"].write(design, ProfileOptions(curve=curve, **options))
+    data = PROFILE_FORMATS["txt"].write(design, PointOptions(curve=curve, **options))
     return np.loadtxt(io.BytesIO(data))[:, :2]
 
 
@@ -103,7 +104,7 @@ def test_a_curve_that_the_cam_has_not_is_refused_with_those_that_it_has(
 ) -> None:
     for exporter in PROFILE_FORMATS.values():  # the drawing too, though it shows all of them
         with pytest.raises(InputError, match="profile, pitch") as caught:
-            exporter.write(designs[name], ProfileOptions(curve=curve))
+            exporter.write(designs[name], exporter.options(curve=curve))
         assert caught.value.field == "/curve"
         assert all(known in caught.value.rule for known in GAPS[name])
 
@@ -119,7 +120,7 @@ def test_every_flank_has_a_file_of_its_own(designs) -> None:
 
 def test_tables_tell_the_flank_s_own_radius(designs) -> None:
     for curve, side in (("inner", 1.0), ("outer", -1.0)):
-        data = PROFILE_FORMATS["json"].write(designs["groove"], ProfileOptions(curve=curve))
+        data = PROFILE_FORMATS["json"].write(designs["groove"], JsonOptions(curve=curve))
         table = json.loads(data)
         assert table["curve"] == curve
         columns = {c["name"]: np.array(c["values"], float) for c in table["columns"]}
@@ -144,7 +145,7 @@ def area(ring: np.ndarray) -> float:
 def test_the_drawing_shows_every_flank(designs) -> None:
     shown = {}
     for name, design in designs.items():
-        drawing = PROFILE_FORMATS["svg"].write(design, ProfileOptions()).decode()
+        drawing = PROFILE_FORMATS["svg"].write(design, CamDrawingOptions()).decode()
         shown[name] = paths(drawing, "body"), paths(drawing, "curve"), drawing
         for told in re.findall(r"(\w*) ?profile, radius", drawing):
             assert told in ("", "inner", "outer", "main", "counter")

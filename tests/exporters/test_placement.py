@@ -11,13 +11,15 @@ import pytest
 
 from synthesis.design import Design
 from synthesis.errors import InputError
-from synthesis.exporters import PROFILE_FORMATS, ProfileOptions
+from synthesis.exporters import PROFILE_FORMATS, JsonOptions, PointOptions, ProfileOptions
 
 TURN, Z = -63.7, 12.125
 
 
 def loaded(design: Design, options: ProfileOptions) -> np.ndarray:
-    return np.loadtxt(io.BytesIO(PROFILE_FORMATS["txt"].write(design, options)))
+    return np.loadtxt(
+        io.BytesIO(PROFILE_FORMATS["txt"].write(design, PROFILE_FORMATS["txt"].adapted(options)))
+    )
 
 
 def table(design: Design, options: ProfileOptions) -> np.ndarray:
@@ -47,9 +49,10 @@ def test_tables_and_point_files_agree(cam: Design) -> None:
     points = np.column_stack([rows["x_mm"], rows["y_mm"], rows["z_mm"]])
     for point in loaded(cam, ProfileOptions(1.0, turn_deg=TURN, z_mm=Z))[::17]:
         assert np.min(np.max(np.abs(points - point), axis=1)) < 3e-10
+    tables = PROFILE_FORMATS["json"]
     columns = {
         column["name"]: column
-        for column in json.loads(PROFILE_FORMATS["json"].write(cam, options))["columns"]
+        for column in json.loads(tables.write(cam, tables.adapted(options)))["columns"]
     }
     assert columns["x_mm"]["values"] == rows["x_mm"].tolist()
     assert columns["z_mm"]["values"] == rows["z_mm"].tolist()
@@ -65,8 +68,8 @@ def test_what_belongs_to_the_cam_is_not_turned(cam: Design) -> None:
 
 def test_without_a_place_nothing_changes(cam: Design) -> None:
     assert "z_mm" not in table(cam, ProfileOptions()).dtype.names
-    frame = json.loads(PROFILE_FORMATS["json"].write(cam, ProfileOptions()))["frame"]
-    turned = json.loads(PROFILE_FORMATS["json"].write(cam, ProfileOptions(turn_deg=TURN)))["frame"]
+    frame = json.loads(PROFILE_FORMATS["json"].write(cam, JsonOptions()))["frame"]
+    turned = json.loads(PROFILE_FORMATS["json"].write(cam, JsonOptions(turn_deg=TURN)))["frame"]
     assert "turned" not in frame
     assert turned == f"{frame} The points are turned from there by -63.7° about z, " + (
         "counter-clockwise positive."
@@ -83,7 +86,7 @@ def test_quarters_of_a_turn_are_exact(cam: Design, quarter: float) -> None:
 
 
 def test_negative_zero_is_not_written(cam: Design) -> None:
-    data = PROFILE_FORMATS["txt"].write(cam, ProfileOptions(z_mm=-1e-12))
+    data = PROFILE_FORMATS["txt"].write(cam, PointOptions(z_mm=-1e-12))
     assert b" -0.0000000000" not in data
 
 

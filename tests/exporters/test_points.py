@@ -10,14 +10,15 @@ import numpy as np
 import pytest
 
 from synthesis.design import Design
-from synthesis.exporters import PROFILE_FORMATS, ProfileOptions
+from synthesis.errors import InputError
+from synthesis.exporters import PROFILE_FORMATS, PointOptions, ProfileOptions
 
 CURVES = pytest.mark.parametrize("curve", ["profile", "pitch"])
 
 
 def points(design: Design, **options: Any) -> np.ndarray:
     """(n, 2), read by NumPy."""
-    data = PROFILE_FORMATS["txt"].write(design, ProfileOptions(**options))
+    data = PROFILE_FORMATS["txt"].write(design, PointOptions(**options))
     table = np.loadtxt(io.BytesIO(data))
     assert table.shape[1] == 3
     assert not table[:, 2].any()
@@ -63,13 +64,13 @@ def test_written_digits(curve: str, cam: Design, truth) -> None:
 def test_zero_has_no_sign(build) -> None:
     """At cam angle 0 and 180° x is 0 but for rounding, of either sign."""
     for rotation in ("ccw", "cw"):
-        data = PROFILE_FORMATS["txt"].write(build(rotation=rotation, offset=0.0), ProfileOptions())
+        data = PROFILE_FORMATS["txt"].write(build(rotation=rotation, offset=0.0), PointOptions())
         assert b"\n0.0000000000 " in data
         assert b"-0.0000000000" not in data
 
 
 def test_form(cam: Design) -> None:
-    data = PROFILE_FORMATS["txt"].write(cam, ProfileOptions())
+    data = PROFILE_FORMATS["txt"].write(cam, PointOptions())
     text = data.decode("ascii")
     assert "\r" not in text
     assert text.endswith("\n")
@@ -183,3 +184,43 @@ def test_tables_keep_the_tolerance_too(cam: Design, truth) -> None:
 def test_a_clockwise_cam_is_the_mirror_image(build) -> None:
     one, other = (points(build(rotation=r, offset=13.7)) for r in ("ccw", "cw"))
     np.testing.assert_array_equal(other, one * [-1.0, 1.0])
+
+
+def test_the_ring_begins_where_it_is_told_to(cam: Design, truth) -> None:
+    ring = points(cam, start_deg=77.7, points=361)
+    right = truth(cam).points(np.array([77.7, 77.7 + 360.0 / 361.0]))
+    np.testing.assert_allclose(ring[:2], right, rtol=0.0, atol=1e-9)
+    np.testing.assert_array_equal(points(cam, start_deg=77.7 - 360.0, points=361), ring)
+
+
+def test_points_past_the_end_are_the_first_ones(cam: Design) -> None:
+    ring = points(cam, points=500)
+    closed = points(cam, points=500, closed=True)
+    np.testing.assert_array_equal(closed, np.vstack([ring, ring[:1]]))
+    over = points(cam, points=500, overlap_points=17)
+    np.testing.assert_array_equal(over, np.vstack([ring, ring[:18]]))
+    with pytest.raises(InputError, match="no more than"):
+        points(cam, points=500, overlap_points=len(ring))
+
+
+@pytest.mark.parametrize("rotation", ["ccw", "cw"])
+def test_points_run_round_as_asked(build, rotation: str) -> None:
+    design = build(rotation=rotation)
+    rings = {sense: points(design, direction=sense, points=400) for sense in ("ccw", "cw")}
+    for sense, ring in rings.items():
+        x, y = ring.T
+        turned = np.sum(x * np.roll(y, -1) - y * np.roll(x, -1))
+        assert (turned > 0.0) == (sense == "ccw")
+    np.testing.assert_array_equal(rings["ccw"][0], rings["cw"][0])
+    np.testing.assert_array_equal(rings["ccw"][1:], rings["cw"][:0:-1])
+    plain = points(design, points=400)
+    np.testing.assert_array_equal(plain, rings["cw" if rotation == "ccw" else "ccw"])
+
+
+def test_decimals(cam: Design) -> None:
+    text = PROFILE_FORMATS["txt"].write(cam, PointOptions(decimals=3, points=360)).decode()
+    assert all(len(n.split(".")[1]) == 3 for line in text.splitlines() for n in line.split())
+    ring, exact = points(cam, decimals=3, points=360), points(cam, points=360)
+    assert np.max(np.abs(ring - exact)) <= 0.5e-3
+    coarse = points(cam, decimals=0, points=3000)  # many fall together
+    assert np.all(np.any(coarse != np.roll(coarse, 1, axis=0), axis=1))

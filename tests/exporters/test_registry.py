@@ -6,12 +6,20 @@ import pytest
 
 from synthesis.design import Design
 from synthesis.errors import InputError
-from synthesis.exporters import MOTION_FORMATS, PROFILE_FORMATS, MotionOptions, ProfileOptions
+from synthesis.exporters import (
+    MOTION_FORMATS,
+    PICTURES,
+    PROFILE_FORMATS,
+    MotionOptions,
+    PictureOptions,
+    ProfileOptions,
+)
+from synthesis.exporters.options import CurveOptions
 
-FILES = [(exporter, ProfileOptions()) for exporter in PROFILE_FORMATS.values()]
-FILES += [(exporter, MotionOptions()) for exporter in MOTION_FORMATS.values()]
+ALL = [*PROFILE_FORMATS.values(), *MOTION_FORMATS.values(), *PICTURES.values()]
+FILES = [(exporter, exporter.options()) for exporter in ALL]
 NAMED = pytest.mark.parametrize(
-    ("exporter", "options"), FILES, ids=lambda v: getattr(v, "name", type(v).__name__)
+    ("exporter", "options"), FILES, ids=lambda v: getattr(v, "extension", type(v).__name__)
 )
 
 
@@ -22,6 +30,9 @@ def test_names_are_keys_and_endings() -> None:
             assert exporter.extension == f".{name}"
             assert exporter.title
             assert "/" in exporter.media_type
+    for name, exporter in PICTURES.items():
+        assert exporter.name == name
+        assert name.endswith(exporter.extension)
 
 
 @NAMED
@@ -34,6 +45,9 @@ def test_same_design_same_bytes(exporter, options, unspecial: Design) -> None:
 
 @NAMED
 def test_an_infeasible_design_has_nothing_to_write(exporter, options, build) -> None:
+    if exporter.without_cam:
+        assert b"infeasible" in exporter.write(build(status="infeasible"), options)
+        return
     with pytest.raises(InputError, match=r"infeasible.*conflict"):
         exporter.write(build(status="infeasible"), options)
 
@@ -44,7 +58,7 @@ def test_a_cam_that_breaks_its_limits_can_be_looked_at(exporter, options, p1: De
     assert len(exporter.write(broken, options)) > 1000
 
 
-@pytest.mark.parametrize("density", [0.0, -4.0, float("nan"), float("inf"), 1000.5])
+@pytest.mark.parametrize("density", [0.0, -4.0, float("nan"), float("inf"), 100.5])
 @pytest.mark.parametrize("options", [ProfileOptions, MotionOptions])
 def test_densities_that_make_no_sense(options, density: float) -> None:
     with pytest.raises(InputError) as caught:
@@ -52,7 +66,7 @@ def test_densities_that_make_no_sense(options, density: float) -> None:
     error = caught.value
     assert error.field == "/points_per_degree"
     assert error.value is density
-    assert "1000" in error.rule
+    assert "above 0 and at most 100." in error.rule
     assert error.way_out
 
 
@@ -64,12 +78,27 @@ def test_tolerances_that_make_no_sense(tolerance: float) -> None:
     assert caught.value.way_out
 
 
+def test_an_unknown_theme() -> None:
+    with pytest.raises(InputError, match=r"'pink'.*auto, light, dark, print"):
+        PictureOptions(theme="pink")  # type: ignore[arg-type]
+
+
 def test_an_unknown_curve() -> None:
-    with pytest.raises(InputError, match=r"cutter.*profile, pitch"):
-        ProfileOptions(curve="cutter")  # type: ignore[arg-type]
+    with pytest.raises(InputError, match=r"shadow.*profile, pitch"):
+        ProfileOptions(curve="shadow")  # type: ignore[arg-type]
 
 
-@pytest.mark.parametrize("name", list(PROFILE_FORMATS))
+def test_a_cutter_and_its_diameter_go_together() -> None:
+    for wrong in ({"curve": "cutter"}, {"cutter_diameter_mm": 12.5}):
+        with pytest.raises(InputError, match="both curve=cutter and cutter_diameter_mm"):
+            ProfileOptions(**wrong)
+
+
+SAMPLED = [name for name, each in PROFILE_FORMATS.items() if issubclass(each.options, CurveOptions)]
+
+
+@pytest.mark.parametrize("name", SAMPLED)
 def test_a_tolerance_beyond_all_points(name: str, p1: Design) -> None:
-    with pytest.raises(InputError, match="360000 points"):
-        PROFILE_FORMATS[name].write(p1, ProfileOptions(tolerance_um=1e-9))
+    exporter = PROFILE_FORMATS[name]
+    with pytest.raises(InputError, match=r"36000 points|no straight line"):
+        exporter.write(p1, exporter.adapted(ProfileOptions(tolerance_um=1e-4)))

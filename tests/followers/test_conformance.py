@@ -12,7 +12,7 @@ import pytest
 
 from synthesis import DesignSpec, analyse, synthesise
 from synthesis.analysis import given
-from synthesis.exporters import MOTION_FORMATS, PROFILE_FORMATS, MotionOptions, ProfileOptions
+from synthesis.exporters import MOTION_FORMATS, PROFILE_FORMATS
 from synthesis.findings import Over
 from synthesis.followers import FOLLOWERS
 from synthesis.profile import CamProfile, cam_profile
@@ -126,8 +126,8 @@ def test_motion_is_told_in_the_unit_of_its_travel(kind: str, sample: int) -> Non
 def test_every_format_writes_it(kind: str, sample: int) -> None:
     asked = spec(kind, sample)
     unit, design = asked.follower.travel.unit, synthesise(asked)
-    profiles = {n: f.write(design, ProfileOptions()) for n, f in PROFILE_FORMATS.items()}
-    motions = {n: f.write(design, MotionOptions()) for n, f in MOTION_FORMATS.items()}
+    profiles = {n: f.write(design, f.options()) for n, f in PROFILE_FORMATS.items()}
+    motions = {n: f.write(design, f.options()) for n, f in MOTION_FORMATS.items()}
     for name, content in {**profiles, **{f"motion {n}": c for n, c in motions.items()}}.items():
         assert content, name
     header, *rows = list(csv.reader(io.StringIO(motions["csv"].decode())))

@@ -10,12 +10,13 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from synthesis.formulations.bound import concluded, solved_prices
+from synthesis.formulations.bound import concluded
 from synthesis.formulations.control import controls
 from synthesis.formulations.densities import Hats, shared
 from synthesis.formulations.grid import uniform
 from synthesis.formulations.ledger import Ledger, at_start
 from synthesis.formulations.multiplied import further, said
+from synthesis.formulations.multipliers import ends_priced, heard
 from synthesis.formulations.prices import end_prices
 from synthesis.formulations.switching import Switching, switching
 from synthesis.formulations.tangents import tangents
@@ -117,7 +118,7 @@ def test_any_density_gives_a_bound(name: str, seed: int, magnitude: float) -> No
         if one.alike:
             noise = 10.0**magnitude * np.max(own) * rng.exponential(size=2 * (one.count - 1))
             ledger.book(one.hats(np.full(len(noise), True)), noise)
-    near = solved_prices(plan, solution, order)
+    near = ends_priced(plan, solution, heard(plan, solution), order)
     psi = ledger.psi() if all(control.weight for control in steering) else ()
     ledger.book_ends(end_prices(plan, steering, psi, ledger.state, near))
     assert not concluded(plan, solution, ledger, steering).value > fine * (1.0 + 1e-9)
@@ -137,7 +138,7 @@ def test_a_tangent_is_below_the_square_wherever_it_is_taken() -> None:
         ledger = Ledger(answer.plan, 3)
         for rows, mass in tangents(answer.plan, moved, 3):
             ledger.book(rows, mass)
-        near = solved_prices(answer.plan, moved, 3)
+        near = ends_priced(answer.plan, moved, heard(answer.plan, moved), 3)
         ledger.book_ends(end_prices(answer.plan, steering, (), ledger.state, near))
         values.append(concluded(answer.plan, moved, ledger, steering).value)
     assert 0.9 * best.value < values[0] <= fine * (1.0 + 1e-9)

@@ -10,7 +10,7 @@ from scipy.interpolate import BSpline
 
 from synthesis import DesignSpec, synthesise
 from synthesis.analysis import given
-from synthesis.exporters import PROFILE_FORMATS, ProfileOptions
+from synthesis.exporters import PROFILE_FORMATS, PointOptions
 from synthesis.measured import ProfileAnalysis
 from synthesis.profile import cam_profile
 from tests.measured.cams import ARM, EDGE, FACE, ROLLER, motion_of, profile, read, spec
@@ -27,7 +27,7 @@ def names(follower: dict[str, Any]) -> str:
 
 def exported(asked: DesignSpec) -> np.ndarray:
     """What the point file holds, rounded to 1 µm, with 1 µm of noise in each coordinate."""
-    text = PROFILE_FORMATS["txt"].write(synthesise(asked), ProfileOptions(points_per_degree=2.5))
+    text = PROFILE_FORMATS["txt"].write(synthesise(asked), PointOptions(points_per_degree=2.5))
     points = np.array([[float(cell) for cell in row.split()[:2]] for row in text.splitlines()])
     return np.round(points, 3) + 1e-3 * np.random.default_rng(5).standard_normal(points.shape)
 

@@ -13,7 +13,8 @@ from pydantic import ValidationError
 from scipy.optimize import minimize_scalar
 
 from synthesis.design import Design, Extreme
-from synthesis.exporters import MOTION_FORMATS, PROFILE_FORMATS, MotionOptions, ProfileOptions
+from synthesis.exporters import MOTION_FORMATS, PROFILE_FORMATS, ProfileOptions
+from synthesis.exporters.picture_options import CamDrawingOptions
 from synthesis.laws import LAWS
 from synthesis.pipeline import synthesise
 from tests.formulations.scenes import LIFT, acceleration, jerk
@@ -122,11 +123,13 @@ def test_a_jump_of_the_velocity_is_no_cam() -> None:
 def test_every_format_is_written(rotation: str) -> None:
     design = synthesise(asked(RADIUS, law="polynomial_3_4_5", rotation=rotation))
     for exporter in PROFILE_FORMATS.values():
-        assert len(exporter.write(design, ProfileOptions())) > 1000
-        assert len(exporter.write(design, ProfileOptions(tolerance_um=5.0))) > 1000
+        assert len(exporter.write(design, exporter.options())) > 1000
+        assert (
+            len(exporter.write(design, exporter.adapted(ProfileOptions(tolerance_um=5.0)))) > 1000
+        )
     for exporter in MOTION_FORMATS.values():
-        assert len(exporter.write(design, MotionOptions())) > 1000
-    drawing = PROFILE_FORMATS["svg"].write(design, ProfileOptions()).decode()
+        assert len(exporter.write(design, exporter.options())) > 1000
+    drawing = PROFILE_FORMATS["svg"].write(design, CamDrawingOptions()).decode()
     assert "flat face, contact over" in drawing
     assert "knife edge" not in drawing
 

@@ -13,7 +13,7 @@ from scipy.optimize import differential_evolution
 
 from synthesis import Design, DesignSpec, analyse, synthesise
 from synthesis.errors import InputError
-from synthesis.exporters import PROFILE_FORMATS, ProfileOptions
+from synthesis.exporters import PROFILE_FORMATS
 from tests.formulations.arms import ARM, FALL, HOLD, RISE, SENSES, angles, body, jerk, slope
 from tests.pipeline.test_oscillating_roller import dense
 
@@ -152,7 +152,7 @@ def test_the_answer_survives_the_wire_and_makes_files(pair: Design) -> None:
     assert back.built.follower.travel == pair.built.follower.travel
     assert np.array_equal(back.curve.derivatives([1.3]), pair.curve.derivatives([1.3]))
     for exporter in PROFILE_FORMATS.values():
-        assert exporter.write(back, ProfileOptions()) == exporter.write(pair, ProfileOptions())
+        assert exporter.write(back, exporter.options()) == exporter.write(pair, exporter.options())
 
 
 def test_where_nothing_fits_the_length_tried_is_named() -> None:

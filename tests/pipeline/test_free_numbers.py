@@ -13,7 +13,7 @@ from pydantic import ValidationError
 from synthesis import DesignSpec, analyse, synthesise
 from synthesis.design import Design
 from synthesis.errors import InputError
-from synthesis.exporters import MOTION_FORMATS, PROFILE_FORMATS, MotionOptions, ProfileOptions
+from synthesis.exporters import MOTION_FORMATS, PROFILE_FORMATS
 
 OMEGA = 9.3
 RPM = OMEGA * 30.0 / pi
@@ -175,8 +175,8 @@ def test_the_answer_survives_the_wire(chosen: Design) -> None:
     assert not back.numbered.openings.free
 
 
-FILES = [(exporter, ProfileOptions()) for exporter in PROFILE_FORMATS.values()]
-FILES += [(exporter, MotionOptions()) for exporter in MOTION_FORMATS.values()]
+ALL = [*PROFILE_FORMATS.values(), *MOTION_FORMATS.values()]
+FILES = [(exporter, exporter.options()) for exporter in ALL]
 
 
 @pytest.mark.parametrize(("exporter", "options"), FILES)

@@ -14,7 +14,7 @@ from scipy.optimize import differential_evolution, linprog
 
 from synthesis.analysis import analyse
 from synthesis.design import Design
-from synthesis.exporters import MOTION_FORMATS, PROFILE_FORMATS, MotionOptions, ProfileOptions
+from synthesis.exporters import MOTION_FORMATS, PROFILE_FORMATS
 from synthesis.motion import Motion
 from synthesis.pipeline import synthesise
 from synthesis.spec import DesignSpec
@@ -306,9 +306,9 @@ def test_every_format_is_written(rotation: str, offset: float) -> None:
     design = synthesise(asked(83.3, RADIUS, offset=offset, rotation=rotation))
     assert design.status == "optimal"
     for exporter in PROFILE_FORMATS.values():
-        assert len(exporter.write(design, ProfileOptions())) > 1000
+        assert len(exporter.write(design, exporter.options())) > 1000
     for exporter in MOTION_FORMATS.values():
-        assert len(exporter.write(design, MotionOptions())) > 1000
+        assert len(exporter.write(design, exporter.options())) > 1000
 
 
 @pytest.mark.parametrize(

@@ -16,9 +16,12 @@ import uvicorn
 from service.app import create_app
 from service.engine import Engine, running_engine
 from service.observe import configure_logs
-from service.run import bound
+from service.run import bound, web
 from service.settings import Settings
 from tests.service import fake_core
+from tests.service.browsing import browser, closed
+
+__all__ = ["browser", "closed"]
 
 
 class Running:
@@ -29,8 +32,7 @@ class Running:
         self.app = create_app(settings, running_engine if real else _fake_engine)
         self._socket = bound(settings)
         self.url = f"http://127.0.0.1:{self._socket.getsockname()[1]}"
-        config = uvicorn.Config(self.app, log_config=None, access_log=False)
-        self.server = uvicorn.Server(config)
+        self.server = uvicorn.Server(web(self.app))
         self.client = httpx2.Client(base_url=self.url, timeout=60.0)
         self._thread = threading.Thread(target=self._run)
 

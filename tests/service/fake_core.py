@@ -6,12 +6,16 @@ import os
 import signal
 import time
 from collections.abc import Sequence
+from pathlib import Path
 from typing import Any
 
 from service.solve import Answer, answered
+from synthesis import clock
 from synthesis.design import Certificate, Design, Report, design_id, engine_version
 from synthesis.errors import SolverFailed, TimeBudgetExceeded
 from synthesis.spec import DesignSpec
+
+LOG = "FAKE_CORE_LOG"
 
 
 def prepare() -> None:
@@ -24,10 +28,15 @@ def task(spec: bytes, budget_s: float, also: Sequence[Any] = ()) -> Answer:
 
 def synthesise(spec: DesignSpec, *, deadline: float | None = None) -> Design:
     assert deadline is not None
+    _log(spec.name)
     word, _, number = spec.name.partition(" ")
-    seconds = float(number) if word in ("sleep", "die") and number else 0.0
+    seconds = float(number) if word in ("sleep", "look", "die") and number.strip() else 0.0
     if word == "sleep":
         time.sleep(seconds)
+    elif word == "look":
+        until = clock.now() + seconds
+        while clock.now() < until:
+            time.sleep(0.01)
     elif word == "die":
         time.sleep(seconds)
         os.kill(os.getpid(), signal.SIGKILL)
@@ -40,6 +49,13 @@ def synthesise(spec: DesignSpec, *, deadline: float | None = None) -> Design:
     elif word == "bug":
         raise RuntimeError("the secret text of an exception")
     return finished(spec)
+
+
+def _log(name: str) -> None:
+    """A line for every design that is begun, where somebody wants to know."""
+    if LOG in os.environ:
+        with Path(os.environ[LOG]).open("a", encoding="utf-8") as log:
+            log.write(f"{name}\n")
 
 
 def finished(spec: DesignSpec) -> Design:

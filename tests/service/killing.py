@@ -17,15 +17,14 @@ SERVE = """
 import sys
 from service.app import create_app
 from service.observe import configure_logs
-from service.run import bound
+from service.run import bound, web
 from service.settings import Settings
 from tests.service.conftest import _fake_engine
 import uvicorn
 if __name__ == "__main__":
     configure_logs("error")
     settings = Settings()
-    config = uvicorn.Config(create_app(settings, _fake_engine), log_config=None, access_log=False)
-    uvicorn.Server(config).run([bound(settings)])
+    uvicorn.Server(web(create_app(settings, _fake_engine))).run([bound(settings)])
 """
 
 
@@ -63,18 +62,20 @@ class Process:
             self.kill()
 
 
-def service(folder: Path, port: int, scheduler: str | None = None) -> Process:
+def service(folder: Path, port: int, scheduler: str | None = None, **more: str) -> Process:
     """The service with the fake core, on its own workers or on a scheduler."""
     script = folder / "serve.py"
     script.write_text(SERVE, encoding="utf-8")
-    more = {} if scheduler is None else {"CAMWRIGHT_SCHEDULER": scheduler}
-    return Process(
-        str(script),
-        CAMWRIGHT_PORT=str(port),
-        CAMWRIGHT_DATABASE_URL=f"sqlite:///{folder}/designs.db",
-        CAMWRIGHT_WORKERS="2",
+    environment = {
+        "CAMWRIGHT_PORT": str(port),
+        "CAMWRIGHT_DATABASE_URL": f"sqlite:///{folder}/designs.db",
+        "CAMWRIGHT_WORKERS": "2",
+        "CAMWRIGHT_SWEEP_LEASE_S": "1.5",
         **more,
-    )
+    }
+    if scheduler is not None:
+        environment["CAMWRIGHT_SCHEDULER"] = scheduler
+    return Process(str(script), **environment)
 
 
 def answering(client: httpx2.Client) -> None:

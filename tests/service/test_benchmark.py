@@ -2,6 +2,7 @@
 
 from benchmarks.__main__ import section
 from benchmarks.effort import TRIAL
+from benchmarks.section import Table
 
 
 def test_the_benchmark_of_http_runs() -> None:
@@ -14,3 +15,16 @@ def test_the_benchmark_of_sweeps_runs() -> None:
     table = section("sweeps", TRIAL).parts[0].markdown()
     assert "an item of the sweep" in table
     assert "| 10 |" in table
+
+
+def test_the_benchmark_of_large_sweeps_runs() -> None:
+    """Every process of the service is seen, with sizes that can be."""
+    times, memory = section("sweep_size", TRIAL).parts
+    assert isinstance(times, Table)
+    assert isinstance(memory, Table)
+    assert times.rows[0][0] == "10"
+    for _, *told in memory.rows:
+        now, peak, worker, most, share = (float(size.removesuffix(" MiB")) for size in told)
+        assert 50.0 < now <= peak
+        assert 50.0 < worker <= most
+        assert worker < share < 1000.0

@@ -10,11 +10,13 @@ from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
+import dask
 import httpx2
 import psycopg
 import pytest
 
 from service.client import Client
+from service.engine import CONFIGURATION
 from service.examples import SELF_CHECK, examples
 from service.settings import Settings
 from tests.service.killing import ROOT, Process, answering
@@ -40,6 +42,15 @@ def test_every_variable_is_a_setting() -> None:
     assert settings.database.username == database["POSTGRES_USER"]
     assert settings.database.database == database["POSTGRES_DB"]
     assert settings.database.password == SECRET.sub(PASSWORD, database["POSTGRES_PASSWORD"])
+
+
+def test_a_scheduler_elsewhere_is_set_as_one_of_our_own() -> None:
+    """Dask reads its settings from variables; what they come to is what the engine sets."""
+    declared = dask.config.collect_env(SERVICES["scheduler"]["environment"])
+    for name, value in declared["distributed"]["scheduler"].items():
+        asked = CONFIGURATION[f"distributed.scheduler.{name.replace('_', '-')}"]
+        assert (value, type(value)) == (asked, type(asked)), name
+    assert len(declared["distributed"]["scheduler"]) == 3
 
 
 @pytest.mark.parametrize("name", SERVICES)
@@ -88,13 +99,17 @@ def sweep() -> dict[str, Any]:
 
 
 def test_a_sweep_while_workers_come_and_go(database: int, tmp_path: Path) -> None:
-    """Two workers, a third joins, the first two die: it alone finishes, and nothing is lost."""
+    """A third worker joins, the first two die, then service and scheduler: nothing is lost.
+
+    What Docker would do is done here: whatever has ended is started again, but for the workers.
+    """
     here = Topology(tmp_path, database)
     running = [here.started("scheduler")]
     try:
         until(lambda: here.healthy("scheduler"))
         workers = [here.started("worker", f"worker {i}") for i in (1, 2)]
-        running += [*workers, here.started("api")]
+        api = here.started("api")
+        running += [*workers, api]
         url = f"http://127.0.0.1:{here.api}"
         with Client(url, timeout_s=30.0) as client, httpx2.Client(base_url=url) as plain:
             answering(plain)
@@ -113,7 +128,14 @@ def test_a_sweep_while_workers_come_and_go(database: int, tmp_path: Path) -> Non
             signalled(workers[0], signal.SIGKILL)
             assert done(client, where) < ITEMS, "it was over before a worker was killed"
             signalled(workers[1], signal.SIGKILL)
+            api.kill()
+            running[0].kill()
             assert not here.healthy("worker", "worker 1")
+            until(lambda: running[-1].running.poll() is not None)  # it has no scheduler any more
+            for process in running[0], running[-1], api:
+                process.start()
+            answering(plain)
+            assert done(client, where) < ITEMS, "it was over before the service was killed"
             until(lambda: ready(plain, 1))
             over = client.wait(where.rpartition("/")[2])
             assert (over["state"], over["counts"]["failed"]) == ("successful", 0)

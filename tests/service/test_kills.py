@@ -122,6 +122,59 @@ def test_items_that_kill_their_worker_are_blamed_alone(service: Running) -> None
         assert "signal 9" in item["problem"]["detail"]
 
 
+def test_strikes_outlive_the_service(tmp_path: Path) -> None:
+    """Killed after an item has taken two workers with it, the service gives it one more only."""
+    port, log = free_port(), tmp_path / "log"
+    running = service(tmp_path, port, FAKE_CORE_LOG=str(log), CAMWRIGHT_WORKERS="1")
+    with httpx2.Client(base_url=f"http://127.0.0.1:{port}", timeout=30.0) as client:
+        try:
+            answering(client)
+            where = posted(client, sweep_of(["die 0.3", "fine", "fine too"]))
+            until(lambda: strikes(tmp_path) == [(0, 2)])
+            running.kill()
+            running.start()
+            answering(client)
+            counted(over(client, where), items=3, done=3, optimal=2, failed=1)
+            begun = log.read_text().splitlines().count("die 0.3")
+            print(f"strikes {strikes(tmp_path)}, begun {begun} times")
+            assert strikes(tmp_path) == [(0, 3)]
+            assert begun <= 4  # once more where the service was killed in the middle of it
+        finally:
+            running.stop()
+
+
+def test_told_to_stop_it_leaves_its_sweeps_to_others(tmp_path: Path) -> None:
+    """SIGTERM while somebody watches: the stream is ended, the lease given back, and soon."""
+    port = free_port()
+    running = service(tmp_path, port, CAMWRIGHT_WORKERS="1", CAMWRIGHT_SWEEP_LEASE_S="600")
+    with httpx2.Client(base_url=f"http://127.0.0.1:{port}", timeout=30.0) as client:
+        try:
+            answering(client)
+            where = posted(client, sweep_of([f"look 600{' ' * i}" for i in range(3)]))
+            with client.stream("GET", f"{where}/events") as watched:
+                assert next(watched.iter_lines())
+                until(lambda: bool(lease(tmp_path)[1]))
+                running.running.terminate()
+                running.running.wait(30.0)
+            assert lease(tmp_path) == ("running", None)
+        finally:
+            running.stop()
+
+
+def lease(folder: Path) -> tuple[str, str | None]:
+    with sqlite3.connect(folder / "designs.db") as database:
+        state, owner = database.execute("select state, owner from sweeps").fetchone()
+    database.close()
+    return state, owner
+
+
+def strikes(folder: Path) -> list[tuple[int, int]]:
+    with sqlite3.connect(folder / "designs.db") as database:
+        found = database.execute("select number, strikes from sweep_strikes").fetchall()
+    database.close()
+    return found
+
+
 def test_an_item_that_nothing_stops_is_stopped(service: Running) -> None:
     names = ["sleep 3600", *(f"item {i}" for i in range(9))]
     body = sweep_of(names)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import csv
 import json
+import sqlite3
 from pathlib import Path
 from typing import Any
 
@@ -13,10 +14,19 @@ from typer.testing import CliRunner
 from service import cli
 from service.examples import SELF_CHECK, examples
 from synthesis.design import Design
-from synthesis.exporters import MOTION_FORMATS, PROFILE_FORMATS, MotionOptions, ProfileOptions
+from synthesis.exporters import (
+    MOTION_FORMATS,
+    PICTURES,
+    PROFILE_FORMATS,
+    PictureOptions,
+    ProfileOptions,
+)
+from synthesis.exporters.picture_options import DiagramOptions
 from synthesis.pipeline import synthesise
 from synthesis.spec import DesignSpec
 from tests.service.conftest import Running
+from tests.service.killing import Process, children
+from tests.service.test_kills import alive, until
 from tests.service.test_sweeps import sweep_of
 
 runner = CliRunner()
@@ -88,6 +98,42 @@ def test_a_sweep_here_is_kept_in_its_folder(
     assert radii == sorted(radii, reverse=True)
 
 
+def test_a_sweep_here_that_is_killed_goes_on_when_called_again(tmp_path: Path) -> None:
+    """kill -9 of the command; what was done is not done again, nothing is lost or there twice."""
+    count, folder = 60, tmp_path / "kept"
+    axis = {"kind": "range", "pointer": "/limits/0/rise_deg", "start": 26, "stop": 34}
+    base = examples()[SELF_CHECK]["value"]
+    body = {"name": "killed", "base": base, "axes": [axis | {"count": count}]}
+    asked = ["sweep", written(tmp_path, "asked.json", body), "--out", str(folder)]
+    command = Process("-m", "service.cli", *asked, CAMWRIGHT_WORKERS="1")
+    try:
+        until(lambda: (folder / "sweeps.db").exists() and len(kept(folder)) > 3)
+        workers = children(command.running.pid)
+    finally:
+        command.kill()
+    before = kept(folder)
+    assert 3 < len(before) < count, "it was over before it was killed"
+    until(lambda: not any(map(alive, workers)))
+    command.start()
+    assert command.running.wait(120.0) == 0
+    after = kept(folder)
+    assert after[: len(before)] == before
+    assert sorted(number for number, _ in after) == list(range(count))
+    rows = csv.DictReader((folder / "items.csv").read_text().splitlines())
+    assert [int(row["number"]) for row in rows] == list(range(count))
+
+
+def kept(folder: Path) -> list[tuple[int, float]]:
+    """Finished items in the order in which they were: number, and seconds in the core."""
+    with sqlite3.connect(folder / "sweeps.db") as database:
+        there = "select count(*) from sqlite_master where name = 'sweep_items'"
+        asked = "select number, seconds from sweep_items order by sequence"
+        made = database.execute(there).fetchone()[0]
+        found: list[tuple[int, float]] = database.execute(asked).fetchall() if made else []
+    database.close()
+    return found
+
+
 @pytest.mark.parametrize("kept", [False, True])
 def test_export_writes_what_the_core_does(tmp_path: Path, fixed: Design, kept: bool) -> None:
     body = json.loads(fixed.model_dump_json()) if kept else examples()["fixed-laws"]
@@ -98,20 +144,33 @@ def test_export_writes_what_the_core_does(tmp_path: Path, fixed: Design, kept: b
     assert run.exit_code == 0, run.output
     expected = ProfileOptions(points_per_degree=3.0, curve="pitch", turn_deg=17.5)
     for name in ("csv", "txt"):
+        known = PROFILE_FORMATS[name]
         content = (tmp_path / "files" / f"pitch.{name}").read_bytes()
-        assert content == PROFILE_FORMATS[name].write(fixed, expected)
+        assert content == known.write(fixed, known.adapted(expected))
     asked = ["export", file, "--part", "motion", "--format", "svg", "--out", str(tmp_path)]
     assert runner.invoke(cli.app, asked).exit_code == 0
-    drawn = MOTION_FORMATS["svg"].write(fixed, MotionOptions())
+    drawn = MOTION_FORMATS["svg"].write(fixed, DiagramOptions())
     assert (tmp_path / "motion.svg").read_bytes() == drawn
+    asked = ["export", file, "--part", "picture", "--format", "contact.svg", "--theme", "print"]
+    assert runner.invoke(cli.app, [*asked, "--out", str(tmp_path)]).exit_code == 0
+    drawn = PICTURES["contact.svg"].write(fixed, PictureOptions(theme="print"))
+    assert (tmp_path / "contact.svg").read_bytes() == drawn
 
 
 @pytest.mark.parametrize(
     ("name", "options", "said"),
     [
         ("fixed-laws", ["--format", "doc"], "--format doc: a profile is written as json, csv"),
+        ("fixed-laws", ["--part", "picture"], "--format csv: a picture is written as contact.svg"),
+        ("fixed-laws", ["--format", "svg", "--theme", "pink"], "--theme"),
+        ("fixed-laws", ["--theme", "dark"], "csv has no such option"),
         ("fixed-laws", ["--curve", "outside"], "outside"),
-        ("fixed-laws", ["--points-per-degree", "0"], "above 0"),
+        ("fixed-laws", ["--points-per-degree", "0"], "above 0 and at most 100"),
+        (
+            "fixed-laws",
+            ["--decimals", "3"],
+            "--decimals: csv has no such option. It has --curve",
+        ),
         ("fixed-laws", ["--part", "shadow"], "shadow"),
         ("infeasible-on-purpose", [], "no cam fits its limits"),
     ],

@@ -5,6 +5,7 @@ from __future__ import annotations
 import csv
 import io
 import json
+import os
 import time
 from typing import Any
 
@@ -12,7 +13,8 @@ import httpx2
 import pyarrow.parquet
 import pytest
 
-from tests.service.conftest import Running
+from tests.service.conftest import Running, wait_until_idle
+from tests.service.killing import children
 from tests.service.specs import spec
 from tests.service.test_trouble import is_problem
 
@@ -105,6 +107,16 @@ def test_the_design_of_an_item_is_that_of_its_spec_alone(client: httpx2.Client) 
     assert (kept.content, kept.headers["etag"]) == (answer.content, answer.headers["etag"])
 
 
+def test_a_design_that_was_there_before_its_sweep_is_forgotten_alone(client: httpx2.Client) -> None:
+    body = sweep_of(["there before"])
+    answer = client.post("/v1/designs", json={**body["base"], "name": "there before"})
+    where = answer.headers["content-location"]
+    over(client, posted(client, body))
+    assert client.delete(where).status_code == 204
+    assert client.get(where).content == answer.content
+    is_problem(client.delete(where), 409, "part-of-sweep")
+
+
 def test_the_same_sweep_is_joined_and_a_key_goes_with_it(client: httpx2.Client) -> None:
     body, key = sweep_of(["sleep 0.3", "x"]), {"Idempotency-Key": "sweep-key-1"}
     first = client.post("/v1/sweeps", json=body, headers=key).json()
@@ -177,23 +189,41 @@ def test_watching_goes_on_where_it_was_left(client: httpx2.Client) -> None:
     assert [event["id"] for event in later[:-1]] == [event["id"] for event in told[25:]]
 
 
-def test_a_sweep_that_is_stopped_keeps_what_is_done_and_can_go_on(service: Running) -> None:
+@pytest.mark.parametrize("long", ["look", "sleep"])
+def test_a_sweep_is_stopped_in_the_middle_of_its_items(service: Running, long: str) -> None:
+    """An item that looks at the clock ends there, and its worker stays; another one's does not.
+
+    What of a chunk is done is kept, nothing after the answer; asked again, the sweep goes on.
+    """
     client = service.client
-    body = sweep_of([f"sleep 0.1{' ' * i}" for i in range(36)])
-    where = posted(client, body)
-    while client.get(where).json()["counts"]["done"] < 4:
+    wait_until_idle(client)
+    workers = children(os.getpid())
+    endless = [f"{long} 3600{' ' * i}" for i in range(20)]
+    where = posted(client, sweep_of(["quick", *endless], base=spec(time_budget_s=300)))
+    while not client.get(where).json()["counts"]["done"]:
         time.sleep(0.02)
     started = time.monotonic()
     answer = client.delete(where)
     took = time.monotonic() - started
+    print(f"{long}: stopped within {took:.2f} s")
     assert answer.status_code == 200
     stopped = answer.json()
-    assert stopped["state"] == "dismissed"
-    assert 4 <= stopped["counts"]["done"] < 36
-    time.sleep(0.5)
+    assert (stopped["state"], stopped["counts"]["done"]) == ("dismissed", 1)
+    assert took < 5.0
+    wait_until_idle(client)
     assert client.get(where).json() == stopped
+    assert (set(workers) == set(children(os.getpid()))) == (long == "look")
+
+
+def test_a_sweep_that_was_stopped_goes_on(service: Running) -> None:
+    client = service.client
+    body = sweep_of([f"look 0.1{' ' * i}" for i in range(36)])
+    where = posted(client, body)
+    while client.get(where).json()["counts"]["done"] < 4:
+        time.sleep(0.02)
+    stopped = client.delete(where).json()
+    assert 4 <= stopped["counts"]["done"] < 36
     assert len(items_at(client, where)) == stopped["counts"]["done"]
-    print(f"stopped within {took:.2f} s")
     assert posted(client, body) == where
     counted(over(client, where), items=36, done=36, optimal=36)
     assert len({item["number"] for item in items_at(client, where)}) == 36
@@ -203,6 +233,10 @@ def test_a_sweep_that_is_over_is_discarded_with_its_items(client: httpx2.Client)
     where = posted(client, sweep_of(["one", "two"]))
     over(client, where)
     design = client.get(f"{where}/items/0").json()["links"]["design"]
+    told = is_problem(client.delete(design), 409, "part-of-sweep")["detail"]
+    assert f"item 0 of sweep {where.rpartition('/')[2]}" in told
+    assert f"DELETE {where} " in told
+    assert client.get(design).status_code == 200
     assert client.delete(where).status_code == 204
     for gone in (where, f"{where}/items", f"{where}/items/0", f"{where}/events"):
         is_problem(client.get(gone), 404, "unknown-sweep")
@@ -261,6 +295,16 @@ def test_the_front_of_a_sweep(client: httpx2.Client) -> None:
     assert front["axes"][1] == {"quantity": "base_radius_mm", "direction": "maximise"}
     assert front["size"] == 2
     assert [item["number"] for item in front["items"]] == [3]
+    drawn = client.get(f"{where}/pareto.svg", params={**query, "theme": "print"})
+    assert drawn.headers["content-type"] == "image/svg+xml"
+    assert drawn.headers["content-disposition"] == 'inline; filename="many-pareto.svg"'
+    assert "6 certified designs, 2 of them on the front" in drawn.text
+    assert "not shown: 1 failed" in drawn.text
+    same = {"If-None-Match": drawn.headers["etag"]}
+    again = client.get(f"{where}/pareto.svg", params={**query, "theme": "print"}, headers=same)
+    assert again.status_code == 304
+    alone = client.get(f"{where}/pareto.svg?minimise=offset_mm")
+    assert "Name two to 4" in is_problem(alone, 422, "invalid-parameter")["detail"]
 
 
 @pytest.mark.parametrize(

@@ -16,7 +16,7 @@ import pytest
 
 from service.examples import ANALYSES, examples
 from synthesis import Analysis, DesignSpec, analyse, synthesise
-from synthesis.exporters import PROFILE_FORMATS, ProfileOptions
+from synthesis.exporters import PROFILE_FORMATS, PointOptions
 
 DOCS = Path(__file__).resolve().parents[2] / "docs" / "reference"
 L, D, RB, RR, GAMMA = 85.0, 100.0, 80.0, 30.0, radians(30.0)
@@ -105,7 +105,7 @@ def test_every_point_of_both_curves(sense: str) -> None:
     design = synthesise(spec(sense))
     assert design.certificate.certified
     for curve, truth in (("pitch", centre), ("profile", profile)):
-        options = ProfileOptions(points_per_degree=1.0, curve=curve)
+        options = PointOptions(points_per_degree=1.0, curve=curve)
         text = PROFILE_FORMATS["txt"].write(design, options).decode()
         points = np.array([line.split() for line in text.splitlines()], dtype=float)
         assert points.shape == (360, 3)

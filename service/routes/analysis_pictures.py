@@ -1,0 +1,55 @@
+"""/v1/analyses/{id}/motion.svg, report.html, …: pictures of a given cam and of what it breaks."""
+
+from __future__ import annotations
+
+from collections.abc import Awaitable, Callable
+from functools import partial
+from typing import Annotated, Any
+
+from fastapi import APIRouter, Query, Request, Response
+
+from service.documentation import in_parts, problems
+from service.routes.download import Download
+from service.routes.kept import done
+from service.solve import pictured
+from service.state import Parts, State
+from synthesis.exporters import DRAWINGS, Exporter, Made
+from synthesis.exporters.picture_options import Colours
+
+router = APIRouter(prefix="/v1/analyses/{analysis_id}", tags=["analyses"])
+
+
+async def _made(parts: State, analysis: bytes, name: str, theme: str) -> Made:
+    """Made by a worker: a table's law is smoothed once more, and solvers are not at home here."""
+    budget_s = parts.settings.time_budget_s
+    return Made(await parts.engine.run(pictured, analysis, name, theme, budget_s=budget_s))
+
+
+def _handler(name: str, exporter: Exporter[Any]) -> Callable[..., Awaitable[Response]]:
+    async def handler(
+        request: Request,
+        analysis_id: str,
+        parts: Parts,
+        theme: Annotated[Colours, Query()] = "auto",
+    ) -> Response:
+        row, analysis = await done(parts.analyses, analysis_id)
+        ending = name if row.status == "holds" else f"not-certified-{name}"
+        make = partial(_made, parts, analysis, name, theme)
+        return await Download(ending, exporter.media_type).sent(request, row, (name, theme), make)
+
+    return handler
+
+
+for _name, _exporter in DRAWINGS.items():
+    _content = {_exporter.media_type.partition(";")[0]: {"schema": {"type": "string"}}}
+    router.add_api_route(
+        f"/{_name}",
+        _handler(_name, _exporter),
+        name=f"get_analysis_{_name.replace('.', '_')}",
+        summary=f"{_exporter.title}, of an analysis",
+        response_class=Response,
+        responses={
+            **in_parts(description=_exporter.title, content=_content),
+            **problems(404, 409, 422, 500, 503, 504),
+        },
+    )

@@ -1,0 +1,81 @@
+"""Who works on a sweep: one process at a time, for as long as it says that it is alive.
+
+Several services may share a database. The one that works on a sweep holds a lease on its row and
+renews it; where the lease has run out, the process is taken for dead and another goes on. If it was
+only slow, it finds its lease gone, and what it still had in hand is not written.
+"""
+
+from __future__ import annotations
+
+import uuid
+from collections.abc import Sequence
+from typing import Any
+
+from sqlalchemy import ColumnElement, Float, or_, select, update
+from sqlalchemy.ext.compiler import compiles
+from sqlalchemy.sql.functions import FunctionElement
+
+from service.store import Do
+from service.sweeps.store import UNDER_WAY, SweepRow
+
+
+class _Now(FunctionElement[float]):
+    """Seconds since 1970 by the database's clock, the only one that all processes share."""
+
+    type = Float()
+    inherit_cache = True
+    name = "seconds_now"
+
+
+@compiles(_Now, "postgresql")
+def _in_postgresql(*_: Any, **__: Any) -> str:
+    return "cast(extract(epoch from clock_timestamp()) as double precision)"
+
+
+@compiles(_Now, "sqlite")
+def _in_sqlite(*_: Any, **__: Any) -> str:
+    return "(julianday('now') - 2440587.5) * 86400.0"
+
+
+class Leases:
+    """The leases that this process holds; every method is one transaction of the store's."""
+
+    def __init__(self, do: Do, length_s: float) -> None:
+        self._do, self.length_s = do, length_s
+        self.owner = uuid.uuid4().hex
+
+    async def take(self, sweep: int) -> bool:
+        """Take a sweep that is under way and nobody's; whether it is ours now."""
+        return await self._changed(
+            SweepRow.sequence == sweep,
+            or_(SweepRow.owner == self.owner, _nobodys()),
+            owner=self.owner,
+            leased_until=_Now() + self.length_s,
+        )
+
+    async def renew(self, sweep: int) -> bool:
+        """Hold it for longer; False where it has ended or is another's."""
+        return await self._changed(
+            SweepRow.sequence == sweep,
+            SweepRow.owner == self.owner,
+            leased_until=_Now() + self.length_s,
+        )
+
+    async def _changed(self, *where: ColumnElement[bool], **values: Any) -> bool:
+        change = update(SweepRow).where(SweepRow.state.in_(UNDER_WAY), *where).values(**values)
+        change = change.returning(SweepRow.sequence)
+        return await self._do(lambda session: session.scalar(change)) is not None
+
+    async def release(self, sweep: int) -> None:
+        """Leave it to whoever comes next."""
+        mine = update(SweepRow).filter_by(sequence=sweep, owner=self.owner)
+        await self._do(lambda session: session.execute(mine.values(owner=None, leased_until=None)))
+
+    async def nobodys(self) -> Sequence[SweepRow]:
+        """Sweeps under way that no living process works on."""
+        asked = select(SweepRow).where(SweepRow.state.in_(UNDER_WAY), _nobodys())
+        return await self._do(lambda s: s.scalars(asked.order_by(SweepRow.sequence)).all())
+
+
+def _nobodys() -> ColumnElement[bool]:
+    return or_(SweepRow.owner.is_(None), SweepRow.leased_until < _Now())

@@ -1,0 +1,33 @@
+"""What the readers of point files make of the points, as JSON, with the options of these files."""
+
+from __future__ import annotations
+
+import json
+from dataclasses import asdict
+
+from synthesis.design import Design
+from synthesis.exporters.cutting import chosen
+from synthesis.exporters.exporter import Exporter, untold
+from synthesis.exporters.fidelity.block import fidelity_block
+from synthesis.exporters.options import PointOptions
+from synthesis.exporters.sampling import written_points
+
+
+def _profile(design: Design, options: PointOptions) -> bytes:
+    cam = chosen(design, options)
+    body = {
+        "kind": "fidelity",
+        "design": {"id": design.id, "name": design.name, "engine_version": design.engine_version},
+        "sampling": asdict(options),
+        **fidelity_block(cam, written_points(cam, options), options),
+    }
+    return json.dumps(body, ensure_ascii=False, allow_nan=False, indent=1).encode() + b"\n"
+
+
+PROFILE = Exporter(
+    "fidelity.json", "What readers make of the points", "application/json", ".fidelity.json",
+    untold(_profile), PointOptions,
+    "Before a point file goes to CAD: what straight lines and periodic, not-a-knot and natural "
+    "splines through its rounded points do to the form and to the follower's acceleration.",
+    usual=False,
+)  # fmt: skip

@@ -1,0 +1,94 @@
+"""A design that nobody waits for ends wherever it is; being stoppable changes nothing else."""
+
+from __future__ import annotations
+
+from threading import Event, Thread
+from typing import Any
+
+import numpy as np
+import pytest
+from scipy import sparse
+
+from synthesis import clock, synthesise
+from synthesis.errors import Cancelled
+from synthesis.solvers import highs, ipopt
+from tests.pipeline.scenes import PRESSURE, jerk, spec
+
+RADIUS = {"kind": "profile_radius", "min_mm": 12.0}
+SCENES: dict[str, dict[str, Any]] = {
+    "cone programs": {"limits": [PRESSURE, jerk(48.0)], "tolerance": 1e-3},
+    "IPOPT": {"limits": [PRESSURE, jerk(48.0), RADIUS], "proof": "quick"},
+    "hulls": {"limits": [PRESSURE, jerk(48.0), RADIUS], "proof": "thorough"},
+}
+
+
+class Patience(Event):
+    """Set, as by whoever stops it, once it has been looked at so many times."""
+
+    def __init__(self, looks: int) -> None:
+        super().__init__()
+        self.looks, self._most = 0, looks
+
+    def is_set(self) -> bool:
+        self.looks += 1
+        return self.looks > self._most
+
+
+@pytest.mark.parametrize("scene", SCENES)
+def test_it_ends_at_the_next_look(scene: str) -> None:
+    """A solver's iteration is a look, and so is the step after it: two, and nothing goes on."""
+    asked = spec(**SCENES[scene])
+    endless = Patience(10**9)
+    with clock.cancelled_by(endless):
+        design = synthesise(asked)
+    assert endless.looks > 20
+    for looks in range(0, endless.looks, max(1, endless.looks // 6)):
+        patience = Patience(looks)
+        with clock.cancelled_by(patience), pytest.raises(Cancelled):
+            synthesise(asked)
+        assert patience.looks <= looks + 2
+    alone = synthesise(asked)
+    assert (alone.size, alone.motion) == (design.size, design.motion)
+    assert alone.certificate == design.certificate
+
+
+def test_ipopt_stops_between_two_iterations(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Stopped in its callback, it says so itself; the clock raises only after that."""
+    told: list[str] = []
+    event = Event()
+
+    class Stopping(ipopt._Look):
+        def eval(self, point: Any) -> list[float]:
+            event.set()
+            told.append("asked")
+            return super().eval(point)
+
+    monkeypatch.setattr(ipopt, "_Look", Stopping)
+    with clock.cancelled_by(event), pytest.raises(Cancelled):
+        synthesise(spec(**SCENES["IPOPT"]))
+    assert told == ["asked"]
+
+
+def test_linear_programs_stop_between_two_objectives() -> None:
+    rows = highs.LinearRows(
+        sparse.csc_matrix([[1.0, 2.0]]), np.array([3.0]), 0, np.zeros(2), np.full(2, 5.0)
+    )
+    objectives = [np.array([-1.0, k]) for k in range(5)]
+    patience = Patience(3)
+    with clock.cancelled_by(patience), pytest.raises(Cancelled):
+        highs.least(rows, objectives)
+    assert patience.looks == 4
+    assert len(highs.least(rows, objectives)) == 5
+
+
+def test_it_is_the_threads_own_affair() -> None:
+    """What runs beside a stopped design, in another thread, goes on."""
+    event, seen = Event(), list[float]()
+    event.set()
+    with clock.cancelled_by(event):
+        beside = Thread(target=lambda: seen.append(clock.now()))
+        beside.start()
+        beside.join()
+        with pytest.raises(Cancelled):
+            clock.now()
+    assert seen[0] <= clock.now()
