@@ -11,6 +11,7 @@ from fastapi import APIRouter, Query, Request, Response
 
 from service.documentation import in_parts, problems
 from service.routes.download import Download
+from service.routes.files import schema_of
 from service.routes.kept import done
 from service.solve import pictured
 from service.state import Parts, State
@@ -47,7 +48,7 @@ def _handler(name: str, exporter: Exporter[Any]) -> Callable[..., Awaitable[Resp
 
 
 for _name, _exporter in DRAWINGS.items():
-    _content = {_exporter.media_type.partition(";")[0]: {"schema": {"type": "string"}}}
+    _content = {_exporter.media_type.partition(";")[0]: {"schema": schema_of(_exporter)}}
     router.add_api_route(
         f"/{_name}",
         _handler(_name, _exporter),
