@@ -51,6 +51,7 @@ def test_it_is_as_near_to_the_true_curve_as_it_says(cam, truth, curve, tolerance
     assert told["error_mm"] <= told["tolerance_mm"] == pytest.approx(1e-3 * tolerance_um)
     assert np.max(found) <= told["error_mm"]
     assert np.max(found) > 0.2 * told["error_mm"]
+    assert len(told["control_points_mm"]) < {1.0: 60, 1e-3: 120, 1e-6: 300}[tolerance_um]
 
 
 def test_a_cutter_runs_beside_the_profile(cam, truth) -> None:
@@ -130,6 +131,8 @@ def test_iges_records_are_eighty_columns_and_counted(unspecial: Design) -> None:
     counts = dict(re.findall(r"([SGDP]) +(\d+)", sections["T"][0][:72]))
     assert {k: int(v) for k, v in counts.items()} == {k: len(sections[k]) for k in "SGDP"}
     assert unspecial.id in "".join(line[:72] for line in sections["S"])
+    count = len(body(unspecial)["control_points_mm"]) - 1
+    assert sections["P"][0].startswith(f"126,{count},5,1,1,1,0,")  # plane, closed, no weights
 
 
 def entities(data: bytes, kind: str) -> list[list[tuple[int, str]]]:
