@@ -150,6 +150,9 @@ def test_the_same_bytes_and_the_design_s_own_header(unspecial: Design) -> None:
         ("groove", {"groove_depth_mm": 10.0}, "/groove_depth_mm"),
         ("groove", {"outer_diameter_mm": 100.0}, "/outer_diameter_mm"),
         ("ring", {"bore_mm": 10.0}, "/bore_mm"),
+        ("ring", {"groove_depth_mm": 3.0}, "/groove_depth_mm"),
+        ("pair", {"outer_diameter_mm": 200.0}, "/outer_diameter_mm"),
+        ("pair", {"groove_depth_mm": 3.0}, "/groove_depth_mm"),
         ("ring", {"curve": "counter"}, "/curve"),
     ],
 )  # fmt: skip
