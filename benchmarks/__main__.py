@@ -23,6 +23,7 @@ NAMES = (
     "camshape_ipopt",
     "profile_points",
     "density",
+    "exports",
     "scaling",
     "http",
     "sweeps",
