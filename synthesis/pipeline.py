@@ -205,8 +205,12 @@ def _base_radius(attempt: _Attempt) -> float:
     return attempt.built.follower.dimensions(attempt.cam.size)["base_radius_mm"]
 
 
-def _attempt(spec: DesignSpec, tables: Tables, stop: float, tighten: float) -> _Attempt:
+def _attempt(
+    spec: DesignSpec, tables: Tables, stop: float, tighten: float, *, closely: bool = False
+) -> _Attempt:
     """Solve the spec without what is settled after the size, then settle it.
+
+    ``closely``: the latter even where time is over, since its nearest value is what is asked.
 
     Where no place of a counter roller suits the cam so found, the cam is sought again with the
     farthest place given: the counter cam then has its say in the laws and the size.
@@ -214,7 +218,7 @@ def _attempt(spec: DesignSpec, tables: Tables, stop: float, tighten: float) -> _
     attempt = _solved(spec.alone(), tables, stop, tighten)
     if attempt.best is None:
         return attempt
-    place = settled(spec, attempt.best)
+    place = settled(spec, attempt.best, inf if closely else stop)
     if not place.holds:
         first, attempt = attempt, _solved(place.spec, tables, stop, tighten)
         attempt.searches = [*first.searches, *attempt.searches]
@@ -302,7 +306,9 @@ def _farther(spec: DesignSpec, until: float) -> list[Relaxation]:
     opened = spec.opened()
     if opened == spec:
         return []
-    attempt = _attempt(opened, smooth_tables(opened.stretches(), until), until, DRAWN_IN[0])
+    attempt = _attempt(
+        opened, smooth_tables(opened.stretches(), until), until, DRAWN_IN[0], closely=True
+    )
     if not attempt.certified or attempt.cam is None:
         return []
     told, found = attempt.built.follower.dimensions(attempt.cam.size), []

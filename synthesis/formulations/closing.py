@@ -169,7 +169,7 @@ def explored(quest: Quest, box: Box) -> Box:
             break
         before, lair = box.lair.width, _narrower(quest, box)
         if lair is None:
-            return climbed(quest, box)
+            return climbed(quest, box) if quest.state.left() > 0.0 else box
         if lair.empty:
             return replace(box, lower=quest.target)
         box = climbed(quest, replace(box, lair=lair))
@@ -183,7 +183,10 @@ def _narrower(quest: Quest, box: Box) -> Lair | None:
     grids = box.grids
     for problem in (*quest.keeping, quest.keeping[-1]):
         bare = tuple(Grid(grid.space, grid.space.breaks) for grid in grids)
-        lair = narrowed(formulate(problem, bare), quest.steering, box.lair)
+        left = quest.state.left()
+        if left <= 0.0:
+            break
+        lair = narrowed(formulate(problem, bare), quest.steering, box.lair, left)
         if lair is not None:
             return lair
         if problem is quest.keeping[-1]:
@@ -208,7 +211,7 @@ def climbed(quest: Quest, box: Box) -> Box:
         dense = replace(solution, multipliers=between.masses(solution.multipliers, ends))
         if solution.stopped is Stopped.INFEASIBLE:
             box = _raised(box, _excluded(between.plan, dense, ends))
-            if box.lower >= quest.target:
+            if box.lower >= quest.target or quest.state.left() <= 0.0:
                 break
             grids = all_halved(problem, grids, [np.zeros(0)] * len(grids))
             continue

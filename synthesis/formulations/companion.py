@@ -15,6 +15,7 @@ from math import inf, isnan
 import numpy as np
 from scipy.optimize import brentq
 
+from synthesis import clock
 from synthesis.formulations.candidate import Candidate
 from synthesis.formulations.problem import Problem
 from synthesis.formulations.rows import exceeded
@@ -43,12 +44,13 @@ class Settled:
     farthest: bool = False
 
 
-def settled(spec: DesignSpec, found: Candidate) -> Settled:
+def settled(spec: DesignSpec, found: Candidate, deadline: float = inf) -> Settled:
     """Settle what the size leaves open, for a finished main cam.
 
     Args:
         spec: what was asked.
         found: the main cam: laws settled, size known.
+        deadline: ``clock.now()`` after which the nearest place is not sought any closer.
 
     Returns:
         the nearest place that works; where none does, the one at which least is exceeded, but not
@@ -62,7 +64,7 @@ def settled(spec: DesignSpec, found: Candidate) -> Settled:
     if not free:
         return Settled(spec, True)
     ((name, (low, high)),) = free
-    scene = _Scene(spec, found, name)
+    scene = _Scene(spec, found, name, deadline)
     stretches = found.problem.stretches
     highest = max(max(s.s_start, s.s_end) for s in stretches)
     places = spec.follower.places(found.size, highest)
@@ -85,11 +87,13 @@ class _Scene:
 
     Attributes:
         spec: what was asked. found: the main cam. name: of the distance among the dimensions.
+        deadline: after which places are no longer closed in on.
     """
 
     spec: DesignSpec
     found: Candidate
     name: str
+    deadline: float
 
     def at(self, distance: float) -> Problem:
         """The question put to the counter cam alone."""
@@ -119,8 +123,8 @@ class _Scene:
         for place in _spread(low, high):
             if self.excess(place, samples) > 0.0:
                 before = place
-            elif place == low:
-                return low
+            elif place == low or clock.now() >= self.deadline:
+                return place
             else:
                 root = brentq(self.excess, before, place, args=(samples,), xtol=1e-300, rtol=1e-13)
                 return min(float(root) * (1.0 + CLEARANCE), high)

@@ -35,6 +35,7 @@ LATE = "the time budget ended before this was known"
 ALONE = "relaxing this limit alone cannot help"
 BEST = "what the best cam found comes to, not proven least"
 EACH = "leaving out any one of those named, the others can hold"
+ENOUGH = 2e-6  # relative: by how much what is needed is told larger than the cone program has it
 SPARE = 2e-3  # relative: what limits that just touch must leave for a cam to be found and proven
 
 
@@ -77,8 +78,11 @@ def _conflict(scene: Scene, given: dict[int, Blocked], problem: Problem) -> tupl
     """The parts that cannot hold together, none if all can, and how that is known."""
     members = set(given)
     evidence = [f"{scene.parts[k].words}: {why.note}" for k, why in given.items()]
-    timeless = replace(scene, deadline=inf)
-    found = yielded(timeless, scene.plan(), range(len(scene.parts)), exact=False)
+    every = range(len(scene.parts))
+    try:
+        found = yielded(scene, scene.plan(), every, exact=False)
+    except OutOfTime:
+        return set(every), "; ".join([*evidence, LATE])
     if found is None and problem.curved:
         return members, "; ".join([*evidence, "no elastic program has a point"])
     if found is None:
@@ -103,6 +107,8 @@ def irreducible(scene: Scene, order: Sequence[int]) -> tuple[set[int], bool]:
     """
     kept = set(order)
     for part in order:
+        if clock.now() >= scene.deadline:
+            return kept, False
         try:
             if not holds(scene, kept - {part}):
                 kept.discard(part)
@@ -149,6 +155,8 @@ def _relaxations(
             late = True
     if needed is not None and scene.drawn == SPARE:
         needed = part.eased(needed, 2.0 * SPARE)
+    elif needed is not None and block is None:  # asked for as it is told, it must do
+        needed = part.eased(needed, ENOUGH)
     tight = [m for m in part.members if needed is None or _tighter(part, m.asked, needed)]
     note = (
         block.note

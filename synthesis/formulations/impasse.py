@@ -66,26 +66,44 @@ def stalemate(spec: DesignSpec, deadline: float = inf) -> Conflict:
     if alone_broken is not None:
         return alone_broken
     parts = list(_parts(spec))
-    if _tried(spec, (), deadline).best is not None:
+    whole = _tried(spec, (), deadline)
+    if whole.best is not None:
         return Conflict(limits=[], relaxations=[], evidence=REFUSED)
-    kept, late = set(parts), False
-    for part in parts:
-        if clock.now() >= deadline:
-            late = True
-            break
-        if _tried(spec, set(parts) - (kept - {part}), deadline).best is None:
-            kept.discard(part)  # without it the others still do not fit
-    alone = {part: _tried(spec, {part}, deadline) for part in parts if part in kept and not late}
+    kept, proven, late = _irreducible(spec, parts, whole, deadline)
+    alone = {
+        part: _tried(spec, {part}, deadline)
+        for part in parts
+        if part in kept and clock.now() < deadline
+    }
     relaxations = [
         _relaxation(spec, part, alone[part], deadline) for part in parts if part in alone
     ]
     named = [part for part in parts if part in kept]
-    proven = _tried(spec, set(parts) - kept, deadline)
     return Conflict(
         limits=[part.words for part in named],
         relaxations=relaxations,
         evidence=_evidence(proven, late),
     )
+
+
+def _irreducible(
+    spec: DesignSpec, parts: list[_Part], whole: Search, deadline: float
+) -> tuple[set[_Part], Search, bool]:
+    """Parts that do not fit together, the search that showed it, and whether time ended first.
+
+    ``whole``: the search with all of them.
+    """
+    kept, shown = set(parts), whole
+    for part in parts:
+        if clock.now() >= deadline:
+            return kept, shown, True
+        tried = _tried(spec, set(parts) - (kept - {part}), deadline)
+        if tried.best is None and not tried.infeasible and clock.now() >= deadline:
+            return kept, shown, True  # it might have found a cam
+        if tried.best is None:
+            kept.discard(part)  # without it the others still do not fit
+            shown = tried
+    return kept, shown, False
 
 
 def _by_given_laws(spec: DesignSpec) -> Conflict | None:
@@ -201,7 +219,7 @@ def _relaxation(spec: DesignSpec, part: _Part, alone: Search, deadline: float) -
         dimensions = alone.problem.machine.follower.dimensions(alone.best.size)
         needed, note = dimensions.get(part.attribute), ELSEWHERE
     elif alone.best is not None:
-        needed = _least(spec, part, deadline)
+        needed = _least(spec, part, deadline) if clock.now() < deadline else None
         note = LATE if needed is None else FOUND
     return Relaxation(
         limit=part.name, field=part.field, unit=part.unit, asked=part.asked, needed=needed,

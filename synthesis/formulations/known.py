@@ -106,7 +106,7 @@ def narrowed(
     problem = known.problem
     coarse = (uniform(stretch, COARSE) for stretch in problem.free)
     grids = tuple(Grid(g.space, g.space.breaks) for g in coarse)
-    held = Held(problem.objective, _reached(best, grids, known) * (1.0 + SPARE))
+    held = Held(problem.objective, _reached(state, best, grids, known) * (1.0 + SPARE))
     asked = replace(problem, objective=Nothing(), held=(*problem.held, held))
     plan = formulate(asked, grids)
     steering = controls(plan)
@@ -122,11 +122,11 @@ def narrowed(
             return None
         nodes = np.linspace(low, high, NODES)
         former = known.tubes.get(position)
-        tubes[position] = tube_of(plan, position, steering[position], nodes, former)
+        tubes[position] = tube_of(plan, position, steering[position], nodes, former, state.deadline)
     return replace(known, sizes=sizes, tubes=tubes)
 
 
-def _reached(best: Candidate, grids: tuple[Grid, ...], known: Known) -> float:
+def _reached(state: Search, best: Candidate, grids: tuple[Grid, ...], known: Known) -> float:
     """The best value, or what laws on coarse knots can reach: rows that nothing keeps say nothing.
 
     What is bounded then are the laws of a few cams that are worse, too.
@@ -135,7 +135,7 @@ def _reached(best: Candidate, grids: tuple[Grid, ...], known: Known) -> float:
         return best.value
     relaxed = formulate(known.problem, grids)
     plan = with_rows(relaxed, list(_rows(relaxed, known)))
-    solution = solve(plan.program)
+    solution = solve(plan.program, state.left())
     if solution.stopped not in USABLE:
         return best.value
     family = in_core_units(plan, plan.program.value(solution.x))
@@ -149,7 +149,7 @@ def climbed(state: Search, best: Candidate, known: Known) -> Known:
         relaxed = formulate(problem, known.grids)
         plan = with_rows(relaxed, list(_rows(relaxed, known)))
         solution = solve(plan.program, state.left())
-        if solution.stopped is Stopped.INFEASIBLE and empty(known):
+        if solution.stopped is Stopped.INFEASIBLE and empty(known, state.left()):
             return replace(known, lower=best.value)
         if solution.stopped not in USABLE:
             break
@@ -175,14 +175,14 @@ def climbed(state: Search, best: Candidate, known: Known) -> Known:
     return known
 
 
-def empty(known: Known) -> Bound | None:
+def empty(known: Known, time_limit: float) -> Bound | None:
     """What proves that no law at all keeps the implied rows; None where nothing does.
 
-    It is a positive lower bound of how far one of them is exceeded at least.
+    It is a positive lower bound of how far one of them is exceeded at least. ``time_limit``: [s].
     """
     asked = formulate(replace(known.problem, objective=Nothing()), known.grids)
     plan = with_rows(asked, [replace(row, level=-1.0) for row in _rows(asked, known)])
-    solution = solve(plan.program)
+    solution = solve(plan.program, time_limit)
     if solution.stopped not in USABLE:
         return None
     least = bound(plan, solution)

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
+from math import inf
 
 import numpy as np
 
@@ -137,15 +138,19 @@ def unknown(problem: Problem, steering: Sequence[Control], parts: Mapping[int, P
     return Lair(sizes, hulls)
 
 
-def narrowed(plan: Plan, steering: Sequence[Control], lair: Lair) -> Lair | None:
+def narrowed(
+    plan: Plan, steering: Sequence[Control], lair: Lair, time_limit: float = inf
+) -> Lair | None:
     """The lair, narrowed under the plan's rows and those that it implies itself.
 
     Args:
         plan: rows that every better cam keeps, and nothing asked for.
         steering: caps of the free laws' third derivatives.
+        time_limit: seconds after which nothing more is bounded.
 
     Returns:
-        None where the rows leave no spline of the plan's, which says nothing of other laws.
+        None where the rows leave no spline of the plan's, which says nothing of other laws, and
+        where time ended.
     """
     fans = [fan for ball in plan.balls for fan in _fan(plan, ball, lair.sizes)]
     full = with_rows(plan, [*fans, *lair.rows(plan)])
@@ -157,7 +162,7 @@ def narrowed(plan: Plan, steering: Sequence[Control], lair: Lair) -> Lair | None
     rows = LinearRows(
         full.program.matrix[:count], full.program.rhs[:count], full.program.equalities, low, high
     )
-    found = least(rows, wanted.costs(full))
+    found = least(rows, wanted.costs(full), time_limit)
     if found[-1].stopped is not Stopped.SOLVED:
         return None
     z = np.stack([each.multipliers for each in found])

@@ -28,6 +28,7 @@ STARTS = 9  # values from which starts are made
 KNOTS = 24  # intervals of the first knots
 FAN, FEW = 49, 17  # values tried first where laws are given, evenly in their logarithm
 ROUGHLY = 0.01  # tolerance from which on few of them do
+NOTHING = 1e30  # worth of a value at which nothing fits
 REACH = 16.0  # an open end is so many times its unit away
 ASIDE = (0.8, 1.25)  # of the value of a start: others
 ROUGH = 0.05  # tolerance where only a start is wanted
@@ -65,10 +66,12 @@ class _Pinned:
 
     def worth(self, logarithm: float) -> float:
         """The objective on the wire with the laws given; a large number where nothing fits."""
+        if self.state.left() <= 0.0:
+            return NOTHING
         at = self.within(exp(logarithm))
         tried = self.solved(at, self.state.tolerance)
         if tried.best is None:
-            return 1e30
+            return NOTHING
         return tried.problem.objective.to_wire(tried.best.value, tried.problem.machine)
 
     def solved(self, at: float, tolerance: float) -> Search:
@@ -132,7 +135,7 @@ def _one_by_one(trials: _Pinned) -> None:
     fan = trials.fan(FAN if trials.state.tolerance < ROUGHLY else FEW)
     values = [trials.worth(x) for x in fan if trials.state.left() > 0.0]
     best = int(np.argmin(values)) if values else 0
-    if not values or values[best] >= 1e30 or len(values) == 1:
+    if not values or values[best] >= NOTHING or len(values) == 1:
         return
     around = fan[max(best - 1, 0)], fan[min(best + 1, len(values) - 1)]
     accuracy = max(min(0.1 * trials.state.tolerance**0.5, 1e-3), 1e-7)
@@ -164,6 +167,8 @@ def _starts(trials: _Pinned) -> Iterator[Candidate]:
     state = trials.state
     if state.best is None:
         for logarithm in trials.fan(STARTS):
+            if state.left() <= 0.0:
+                return
             at = trials.within(exp(logarithm))
             tried = trials.solved(at, ROUGH)
             if tried.best is not None:

@@ -12,11 +12,12 @@ from math import inf
 
 import numpy as np
 
+from synthesis import clock
 from synthesis.formulations.convex import Plan
 from synthesis.formulations.parts import CEILING, LimitPart
 from synthesis.formulations.problem import Problem
 from synthesis.formulations.rows import inside, row_scale, sampled
-from synthesis.formulations.scene import NOTHING, Rate, Scene, yielded
+from synthesis.formulations.scene import NOTHING, OutOfTime, Rate, Scene, yielded
 from synthesis.numerics.piecewise import Array
 
 ALLOWED, SETTLED, NEAR = 1e-9, 1e-7, 1e-2
@@ -25,10 +26,16 @@ STEP = 1e-4
 
 
 def least_value(scene: Scene, part: int) -> float | None:
-    """The least relaxation of one part [wire]; None where it alone cannot help."""
+    """The least relaxation of one part [wire]; None where it alone cannot help.
+
+    Raises:
+        OutOfTime: the scene's deadline has passed.
+    """
     asked = scene.parts[part]
     value, rate = asked.asked, None
     for _ in range(ROUNDS):
+        if clock.now() >= scene.deadline:
+            raise OutOfTime
         plan = scene.plan(part, value)
         found = yielded(scene, plan, (part,), (), rate)
         ceiling = CEILING.get(asked.unit, inf)

@@ -40,7 +40,7 @@ class Scene:
     """The problem with its size open, and everything that may give way.
 
     ``drawn``: relative amount by which all limits are drawn in. ``deadline``: ``time.monotonic()``
-    after which no further cone program is begun; ``OutOfTime`` then.
+    after which no second cone program is begun; ``OutOfTime`` then.
     """
 
     problem: Problem
@@ -96,11 +96,11 @@ def yielded(
         exact: False where it is enough to know whether the least is nothing.
 
     Raises:
-        OutOfTime: the scene's deadline has passed.
+        OutOfTime: the scene's deadline has passed, and one cone program is not enough.
     """
 
     def towards(direction: Array | None) -> Yielded | None:
-        if clock.now() >= scene.deadline:
+        if direction is not None and clock.now() >= scene.deadline:
             raise OutOfTime
         stated, floor = state(plan, scene.parts, direction, scene.drawn), 0.0
         if rate is not None:

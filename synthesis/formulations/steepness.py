@@ -146,7 +146,7 @@ class _Steepness:
             region = narrowed(self.state, replace(best, value=self.largest), near, known)
             if region is None:
                 return False
-            proof = empty(replace(region, problem=self.limited(slope)))
+            proof = empty(replace(region, problem=self.limited(slope)), self.state.left())
             if proof is not None:
                 self._prove(slope, proof.over)
                 return True

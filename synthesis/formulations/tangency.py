@@ -129,7 +129,7 @@ def _narrowed(state: Search, plan: Plan, lower: Bound, loose: set[int]) -> bool:
     steering = controls(free)
     if steering is None or any(not isfinite(control.cap) for control in steering):
         return False
-    state.region = replace(region, tubes=tubes(free, steering, region.tubes, loose))
+    state.region = replace(region, tubes=tubes(free, steering, region.tubes, loose, state.deadline))
     return True
 
 

@@ -13,6 +13,7 @@ from math import inf
 
 import numpy as np
 
+from synthesis import clock
 from synthesis.formulations.bound import bound
 from synthesis.formulations.control import Control
 from synthesis.formulations.convex import Plan, with_rows
@@ -27,7 +28,11 @@ NODES = 12  # intervals of a law between the knots at which its tube is known
 
 
 def tubes(
-    plan: Plan, steering: Sequence[Control], former: Sequence[Tube], wanted: Collection[int]
+    plan: Plan,
+    steering: Sequence[Control],
+    former: Sequence[Tube],
+    wanted: Collection[int],
+    deadline: float = inf,
 ) -> tuple[Tube, ...]:
     """The tube of every free law, at knots of the plan.
 
@@ -36,19 +41,26 @@ def tubes(
         steering: what caps the laws.
         former: tubes known so far, () at first.
         wanted: positions of the laws whose tube shall be narrowed.
+        deadline: ``clock.now()`` after which what is known already has to do.
     """
     found = []
     for position, control in enumerate(steering):
         known = former[position] if former else _widest(plan, position, control)
-        found.append(_narrowed(plan, position, known) if position in wanted else known)
+        found.append(_narrowed(plan, position, known, deadline) if position in wanted else known)
     return tuple(found)
 
 
 def tube_of(
-    plan: Plan, position: int, control: Control, nodes: Array, former: Tube | None = None
+    plan: Plan,
+    position: int,
+    control: Control,
+    nodes: Array,
+    former: Tube | None = None,
+    deadline: float = inf,
 ) -> Tube:
     """The tube of one free law between chosen nodes; a former one has the same."""
-    return _narrowed(plan, position, former or _unknown(plan, position, control, nodes))
+    known = former or _unknown(plan, position, control, nodes)
+    return _narrowed(plan, position, known, deadline)
 
 
 def size_ends(plan: Plan, axis: int, known: tuple[float, float]) -> tuple[float, float]:
@@ -83,9 +95,11 @@ def _unknown(plan: Plan, position: int, control: Control, nodes: Array) -> Tube:
     return Tube(nodes, zero, zero + 1.0, zero, fast, control.order, control.cap)
 
 
-def _narrowed(plan: Plan, position: int, known: Tube) -> Tube:
+def _narrowed(plan: Plan, position: int, known: Tube, deadline: float) -> Tube:
     low, high, slow, fast = (a.copy() for a in (known.low, known.high, known.slow, known.fast))
     for at, x in enumerate(known.nodes):
+        if clock.now() >= deadline:
+            break
         slow[at] = max(slow[at], _least(plan, position, float(x), 1, 1.0))
         fast[at] = min(fast[at], -_least(plan, position, float(x), 1, -1.0))
         if x in (0.0, 1.0):

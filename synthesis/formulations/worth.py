@@ -14,7 +14,7 @@ from synthesis.formulations.candidate import Candidate
 from synthesis.formulations.grid import Grid, over, uniform
 from synthesis.formulations.problem import Problem, pose
 from synthesis.formulations.refine import estimate, search
-from synthesis.formulations.scene import Scene, yielded
+from synthesis.formulations.scene import OutOfTime, Scene, yielded
 from synthesis.formulations.tables import smooth_tables
 from synthesis.numerics.descent import Function
 from synthesis.numerics.piecewise import Array
@@ -131,8 +131,12 @@ class Worth:
                 return None
             self.calls += 1
             spec = self.spec.with_numbers(self.openings.numbers(u))
-            scene = replace(Scene.of(spec, problem, mesh.grids(problem)), drawn=INSIDE)
-            found = yielded(scene, scene.plan(), range(len(scene.parts)), exact=False)
+            scene = Scene.of(spec, problem, mesh.grids(problem))
+            scene = replace(scene, drawn=INSIDE, deadline=self.deadline)
+            try:
+                found = yielded(scene, scene.plan(), range(len(scene.parts)), exact=False)
+            except OutOfTime:
+                return None
             return None if found is None else max(found.total, 0.0)
 
         return value

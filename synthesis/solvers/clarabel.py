@@ -26,7 +26,7 @@ STATUSES = {
     "MaxIterations": Stopped.OUT_OF_ITERATIONS,
     "InsufficientProgress": Stopped.INACCURATE,
 }
-MOST_DENSE = 300  # equalities that are closed by dense algebra
+MOST_DENSE = 60  # equalities that are closed by dense algebra
 DAMPED, REPEATED = 1e-10, 4  # share of the largest diagonal; steps
 
 

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from math import inf, isfinite
 
 import highspy
 import numpy as np
@@ -53,19 +54,25 @@ class Least:
     stopped: Stopped
 
 
-def least(rows: LinearRows, objectives: Sequence[Array]) -> list[Least]:
+def least(rows: LinearRows, objectives: Sequence[Array], time_limit: float = inf) -> list[Least]:
     """Minimise each objective (n,) in turn over the same rows.
 
     Ends early, with the answer that says so as the last, where a solve does not succeed.
 
+    Args:
+        rows: what holds. objectives: (n,) each.
+        time_limit: seconds after which no further objective is begun.
+
     Raises:
         Cancelled: nobody waits for it any more.
     """
-    solver = _passed(rows)
+    solver, deadline = _passed(rows), clock.now() + time_limit
     columns = np.arange(rows.matrix.shape[1], dtype=np.int32)
     found = []
     for objective in objectives:
-        clock.now()
+        left = deadline - clock.now()
+        if isfinite(left):
+            solver.setOptionValue("time_limit", solver.getRunTime() + max(left, 1e-3))
         solver.changeColsCost(len(columns), columns, objective)
         solver.run()
         solution = solver.getSolution()

@@ -14,6 +14,7 @@ import pytest
 from synthesis import Design, DesignSpec, synthesise
 from synthesis.errors import InputError
 from synthesis.exporters import PROFILE_FORMATS, PointOptions, ProfileOptions, profiles
+from synthesis.exporters.picture_options import CamDrawingOptions
 from tests.exporters.test_drawings import drawn, text_boxes
 from tests.exporters.test_points import away
 
@@ -144,7 +145,7 @@ def area(ring: np.ndarray) -> float:
 def test_the_drawing_shows_every_flank(designs) -> None:
     shown = {}
     for name, design in designs.items():
-        drawing = PROFILE_FORMATS["svg"].write(design, ProfileOptions()).decode()
+        drawing = PROFILE_FORMATS["svg"].write(design, CamDrawingOptions()).decode()
         shown[name] = paths(drawing, "body"), paths(drawing, "curve"), drawing
         for told in re.findall(r"(\w*) ?profile, radius", drawing):
             assert told in ("", "inner", "outer", "main", "counter")
