@@ -35,6 +35,7 @@ from synthesis.exporters.drives import codesys, kollmorgen, plain, rockwell, sew
 from synthesis.exporters.drives import fidelity_json as drive_fidelity
 from synthesis.exporters.exact_options import DrawingOptions, ExactOptions
 from synthesis.exporters.exporter import Exporter, Made
+from synthesis.exporters.json_table import JsonOptions
 from synthesis.exporters.machining import grinding, milling
 from synthesis.exporters.options import (
     CurveName,
@@ -116,6 +117,7 @@ __all__ = [
     "DrawingOptions",
     "ExactOptions",
     "Exporter",
+    "JsonOptions",
     "Made",
     "MotionOptions",
     "Options",
