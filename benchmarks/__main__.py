@@ -24,6 +24,7 @@ NAMES = (
     "camshape_ipopt",
     "profile_points",
     "density",
+    "exports",
     "scaling",
     "http",
     "sweeps",

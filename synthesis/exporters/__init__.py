@@ -19,6 +19,7 @@ from synthesis.exporters import (
     iges_curve,
     json_table,
     nurbs_json,
+    png_picture,
     sldcrv_curve,
     solid_step,
     step_curve,
@@ -34,6 +35,7 @@ from synthesis.exporters.drives import codesys, kollmorgen, plain, rockwell, sew
 from synthesis.exporters.drives import fidelity_json as drive_fidelity
 from synthesis.exporters.exact_options import DrawingOptions, ExactOptions
 from synthesis.exporters.exporter import Exporter, Made
+from synthesis.exporters.json_table import JsonOptions
 from synthesis.exporters.machining import grinding, milling
 from synthesis.exporters.options import (
     CurveName,
@@ -95,12 +97,18 @@ PICTURES: Mapping[str, Exporter[Any]] = MappingProxyType(
             svg_contact.CONTACT,
             animation_svg.ANIMATION,
             animation_page.PAGE,
+            *png_picture.PIXELS,
             report_with(PROFILE_FORMATS, MOTION_FORMATS),
         )
     }
 )
+# Every drawing and page by the name of its file.
+DRAWINGS: Mapping[str, Exporter[Any]] = MappingProxyType(
+    {"profile.svg": PROFILE_FORMATS["svg"], "motion.svg": MOTION_FORMATS["svg"], **PICTURES}
+)
 
 __all__ = [
+    "DRAWINGS",
     "MOTION_FORMATS",
     "PICTURES",
     "PROFILE_FORMATS",
@@ -109,6 +117,7 @@ __all__ = [
     "DrawingOptions",
     "ExactOptions",
     "Exporter",
+    "JsonOptions",
     "Made",
     "MotionOptions",
     "Options",
