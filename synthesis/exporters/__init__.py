@@ -19,6 +19,7 @@ from synthesis.exporters import (
     iges_curve,
     json_table,
     nurbs_json,
+    png_picture,
     sldcrv_curve,
     solid_step,
     step_curve,
@@ -96,6 +97,7 @@ PICTURES: Mapping[str, Exporter[Any]] = MappingProxyType(
             svg_contact.CONTACT,
             animation_svg.ANIMATION,
             animation_page.PAGE,
+            *png_picture.PIXELS,
             report_with(PROFILE_FORMATS, MOTION_FORMATS),
         )
     }
