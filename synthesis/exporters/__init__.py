@@ -20,6 +20,7 @@ from synthesis.exporters import (
     iges_curve,
     json_table,
     nurbs_json,
+    png_picture,
     sldcrv_curve,
     solid_step,
     step_curve,
@@ -97,7 +98,11 @@ PICTURES: Mapping[str, Exporter[Any]] = MappingProxyType(
             svg_contact.CONTACT,
             animation_svg.ANIMATION,
             animation_page.PAGE,
+<<<<<<< HEAD
             animation_json.DATA,
+=======
+            *png_picture.PIXELS,
+>>>>>>> main
             report_with(PROFILE_FORMATS, MOTION_FORMATS),
         )
     }
