@@ -67,10 +67,11 @@ class Exporter(Generic[Wanted]):
         return self.make(design, options).data
 
     def adapted(self, given: Options) -> Wanted:
-        """This format's options with what they share with another's."""
+        """This format's options with what they share with another's and is not left open there."""
         own = {each.name for each in fields(self.options)}
-        shared = [each.name for each in fields(given) if each.name in own]
-        return self.options(**{name: getattr(given, name) for name in shared})
+        shared = {each.name: getattr(given, each.name) for each in fields(given)}
+        told = {name: value for name, value in shared.items() if value is not None}
+        return self.options(**{name: value for name, value in told.items() if name in own})
 
 
 def untold(write: Callable[[Design, Wanted], bytes]) -> Callable[[Design, Wanted], Made]:

@@ -142,15 +142,16 @@ def pose(
 ) -> Problem:
     """The spec as a problem with one objective; ``stretches``: its own with tables smoothed."""
     placed, machine = spec.stretches() if stretches is None else stretches, spec.machine()
+    radii = spec.base_radius_range()
     return Problem(
         tuple(s for s in placed if s.angle > 0.0),
         machine,
         (*spec.all_limits(), *(limit for earlier in held for limit in earlier.limits(machine))),
-        spec.follower.sizing(spec.base_radius_range()),
+        spec.follower.sizing(radii),
         objective,
         spec.stroke(),
         held,
-        spec.base_radius_range(),
+        radii,
     )
 
 
