@@ -19,6 +19,7 @@ NAMES = (
     "convex_stage",
     "curvature",
     "proof",
+    "neighbours",
     "camshape",
     "camshape_ipopt",
     "profile_points",

@@ -232,6 +232,21 @@ def test_every_curve_of_every_machine(kind: str, sample: int) -> None:
         assert np.max(found) <= spline.error <= 1e-7
 
 
+@pytest.mark.parametrize("room", [1e-9, 1e-3])
+def test_a_profile_that_nearly_has_a_corner(room: float) -> None:
+    """As the smallest flat-face cams have: the radius of curvature all but vanishes."""
+    asked = spec("translating_flat_face")
+    motion = given(asked).motion
+    s, _, bend, _ = motion.derivatives(np.linspace(0.0, 2.0 * np.pi, 200_001))
+    size = (float(-np.min(s + bend)) + room,)
+    cam = Cam(motion, asked.follower, size, asked.rotation, 1.0, asked.follower.flanks[0], 0.0)
+    spline = closed_spline(Contour.of(cam), 1e-6)
+    at = cam.at(np.radians(SOME))
+    found = away(np.column_stack([at.x, at.y]), BSpline(spline.knots, spline.points, 5))
+    assert np.max(found) <= spline.error <= 1e-6
+    assert len(spline.points) < 300
+
+
 def bent(steps: tuple[float, float], roller: float) -> Cam:
     """A cam whose velocity jumps at 0° and at 360° · 0.37, and nowhere else."""
     first, second = 0.37 * 2.0 * np.pi, 0.63 * 2.0 * np.pi
