@@ -10,6 +10,7 @@ from types import MappingProxyType
 from typing import Any
 
 from synthesis.exporters import (
+    animation_json,
     animation_page,
     animation_svg,
     csv_table,
@@ -97,6 +98,7 @@ PICTURES: Mapping[str, Exporter[Any]] = MappingProxyType(
             svg_contact.CONTACT,
             animation_svg.ANIMATION,
             animation_page.PAGE,
+            animation_json.DATA,
             *png_picture.PIXELS,
             report_with(PROFILE_FORMATS, MOTION_FORMATS),
         )
