@@ -16,6 +16,8 @@ from synthesis.objectives import Objective
 from synthesis.spec import DesignSpec
 from synthesis.terms import Cone, Curved, Row
 
+RESTS = 1e-12  # of the stroke: what rounding may leave of the lowest position
+
 
 class Nothing(Objective):
     """No objective: only whether the limits can hold."""
@@ -142,16 +144,29 @@ def pose(
 ) -> Problem:
     """The spec as a problem with one objective; ``stretches``: its own with tables smoothed."""
     placed, machine = spec.stretches() if stretches is None else stretches, spec.machine()
+    radii = _radii(spec, placed)
     return Problem(
         tuple(s for s in placed if s.angle > 0.0),
         machine,
         (*spec.all_limits(), *(limit for earlier in held for limit in earlier.limits(machine))),
-        spec.follower.sizing(spec.base_radius_range()),
+        spec.follower.sizing(radii),
         objective,
         spec.stroke(),
         held,
-        spec.base_radius_range(),
+        radii,
     )
+
+
+def _radii(spec: DesignSpec, stretches: Sequence[Stretch]) -> tuple[float, float]:
+    """Smallest and largest base radius [mm]: a dwell below is a part of the base circle."""
+    low, high = spec.base_radius_range()
+    resting = any(
+        s.kind == "dwell" and s.angle > 0.0 and s.s_start <= RESTS * spec.stroke()
+        for s in stretches
+    )
+    if resting and spec.follower.base_gap >= 0.0:
+        low = max(low, *(limit.least_circle for limit in spec.limits), 0.0)
+    return min(low, high), high
 
 
 def calmer(problem: Problem) -> Problem:
