@@ -22,6 +22,7 @@ from service.ranges import Ranges
 from service.resource import RESOURCES
 from service.routes import (
     analyses,
+    analysis_pictures,
     cam_sets,
     catalogue,
     confirmation,
@@ -39,8 +40,8 @@ from service.sweeps.sweeps import Sweeps
 
 EngineOf = Callable[[Settings], AbstractAsyncContextManager[Engine]]
 ROUTES = (
-    designs, confirmation, files, cam_sets, sweeps, sweep_items, analyses, profile_analyses,
-    catalogue, operation,
+    designs, confirmation, files, cam_sets, sweeps, sweep_items, analyses,
+    analysis_pictures, profile_analyses, catalogue, operation,
 )  # fmt: skip
 EXPOSED = (
     "Accept-Ranges", "Content-Location", "Content-Range", "ETag", "Location", "Retry-After",

@@ -2,7 +2,13 @@
 
 from __future__ import annotations
 
-from synthesis.exporters import MOTION_FORMATS, PROFILE_FORMATS
+from synthesis.exporters import (
+    DRAWINGS,
+    MOTION_FORMATS,
+    PICTURES,
+    PROFILE_FORMATS,
+    SOLID_FORMATS,
+)
 
 
 def design_links(design_id: str, *, has_cam: bool) -> dict[str, str]:
@@ -12,7 +18,15 @@ def design_links(design_id: str, *, has_cam: bool) -> dict[str, str]:
     if has_cam:
         links |= {f"profile.{name}": f"{self}/profile.{name}" for name in PROFILE_FORMATS}
         links |= {f"motion.{name}": f"{self}/motion.{name}" for name in MOTION_FORMATS}
-    return links
+        links |= {f"solid.{name}": f"{self}/solid.{name}" for name in SOLID_FORMATS}
+    shown = (name for name, each in PICTURES.items() if has_cam or each.without_cam)
+    return links | {name: f"{self}/{name}" for name in shown}
+
+
+def analysis_links(analysis_id: str) -> dict[str, str]:
+    """Where the analysis and its pictures are."""
+    self = f"/v1/analyses/{analysis_id}"
+    return {"self": self, **{name: f"{self}/{name}" for name in DRAWINGS}}
 
 
 def set_links(set_id: str, *, has_cams: bool) -> dict[str, str]:

@@ -8,7 +8,7 @@ from operator import attrgetter
 from typing import Any
 
 from service.errors import ServiceError, UnknownAnalysis, UnknownCamSet, UnknownDesign
-from service.links import design_links, set_links
+from service.links import analysis_links, design_links, set_links
 from service.solve import Task, analyse, read_back, solve_set
 from service.store import AnalysisRow, CamSetRow, DesignRow, Lookup, ProfileAnalysisRow, Row
 from service.sweeps.store import design_of_item
@@ -77,7 +77,7 @@ ANALYSES = Resource(
     spec=DesignSpec,
     name_of=lambda spec: question_id(spec, "analysis"),
     task=analyse,
-    links=lambda name, _: {"self": f"/v1/analyses/{name}"},
+    links=lambda name, _: analysis_links(name),
     unknown=UnknownAnalysis,
 )
 PROFILE_ANALYSES = Resource(

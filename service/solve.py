@@ -7,9 +7,12 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 from typing import Any
 
+from service.errors import NothingFits
 from service.links import design_links, set_links
 from synthesis.camset_spec import CamSetSpec
 from synthesis.design import Design
+from synthesis.exporters import DRAWINGS, Exporter, Made, Options
+from synthesis.findings import Analysis
 from synthesis.objectives import Objective
 from synthesis.spec import DesignSpec
 
@@ -98,6 +101,15 @@ def analyse(spec: bytes, budget_s: float) -> Answer:
     return Answer(found.model_dump_json().encode(), status, summary, time.monotonic() - started)
 
 
+def pictured(analysis: bytes, name: str, options: Options) -> bytes:
+    """A picture of an analysed cam; runs in a worker process."""
+    from synthesis.analysis import as_design
+
+    exporter = DRAWINGS[name]
+    found = Analysis.model_validate_json(analysis)
+    return exporter.write(as_design(found), options)
+
+
 def confirm(design: bytes, budget_s: float) -> Answer:
     """Confirm a finished design; runs in a worker process."""
     from synthesis.confirmation import confirm as confirmed
@@ -126,6 +138,14 @@ def priced(design: bytes, budget_s: float) -> bytes:
     deadline = time.monotonic() + PRICING * budget_s
     found = sensitivities(Design.model_validate_json(design), deadline)
     return found.model_dump_json().encode()
+
+
+def file_of(design: bytes, exporter: Exporter[Any], options: Any) -> Made:
+    """A file of a finished design; in a thread of the service, or in a worker process."""
+    finished = Design.model_validate_json(design)
+    if not (finished.motion or exporter.without_cam):
+        raise NothingFits("No cam fits these limits: see conflict in the design for what would.")
+    return exporter.whole(finished, options)
 
 
 def warm_up() -> None:

@@ -10,9 +10,9 @@ from math import inf
 from typing import Literal
 
 from synthesis import clock
-from synthesis.answer import Cam, dimensions, judged
+from synthesis.answer import Cam, design, dimensions, judged
 from synthesis.certify.curves import Curves
-from synthesis.design import Design, engine_version
+from synthesis.design import Conflict, Design, engine_version
 from synthesis.errors import InputError, SolverFailed, TimeBudgetExceeded
 from synthesis.findings import Analysis, Mend, SizeChange
 from synthesis.formulations.tables import smooth_tables
@@ -56,6 +56,20 @@ def _stop(spec: DesignSpec, deadline: float | None) -> float:
     """The earlier of the caller's deadline and the end of the spec's own budget, from now on."""
     own = inf if spec.time_budget_s is None else clock.now() + spec.time_budget_s
     return min(own, inf if deadline is None else deadline)
+
+
+def as_design(found: Analysis) -> Design:
+    """The cam of an analysis as a design, with what was found of it: for drawings and reports.
+
+    Nothing is solved. What it breaks stands in its extremes, what mends it as its conflict.
+    """
+    mend, conflict = found.mend, None
+    if mend is not None and mend.limits:
+        conflict = Conflict(
+            limits=mend.limits, relaxations=mend.relaxations, evidence=mend.evidence
+        )
+    cam = given(found.spec)
+    return design(found.spec, cam, found.extremes, [], [], 0.0, conflict)
 
 
 def given(spec: DesignSpec) -> Cam:

@@ -163,6 +163,26 @@ class Stretch:
         assert self.law is not None
         return self.law.placed(self.start, self.angle, self.s_start, self.unit)
 
+    def beside(self, highest: int, *, at_start: bool) -> Array:
+        """s to s^(highest) just inside one end [mm per rad^k]: (highest + 1,); the law is settled.
+
+        At the end its displacement is ``s_end``, to the last digit.
+        """
+        assert self.law is not None
+        value = self.unit * _at_ends(self.law)[0 if at_start else 1, : highest + 1]
+        value /= self.angle ** np.arange(len(value))
+        value[0] += self.s_start
+        return np.asarray(value)
+
+
+@lru_cache(maxsize=1024)
+def _at_ends(law: Piecewise) -> Array:
+    """g and its derivatives, more than any joint asks for, at both ends: (2, 6)."""
+    start, end = law.breaks[:1], law.breaks[-1:]
+    return np.stack(
+        [law.derivatives(start, 5, "right")[:, 0], law.derivatives(end, 5, "left")[:, 0]]
+    )
+
 
 @lru_cache(maxsize=1024)
 def _extreme(law: Piecewise, largest: bool) -> float:

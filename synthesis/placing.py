@@ -113,9 +113,7 @@ def _given(neighbour: Stretch, asked: EndState, *, at_end: bool, heard: bool) ->
 
 def _own(stretch: Stretch, *, at_end: bool) -> EndState:
     """s' and s'' just inside one end of a settled stretch."""
-    curve = stretch.placed()
-    x = curve.breaks[-1:] if at_end else curve.breaks[:1]
-    _, v, a = curve.derivatives(x, 2, "left" if at_end else "right")[:, 0]
+    _, v, a = stretch.beside(2, at_start=not at_end)
     return EndState(float(v), float(a))
 
 

@@ -19,7 +19,14 @@ from service.errors import ServiceError
 from service.terminal import out, read_spec, save, stop, synthesise, synthesised
 from synthesis.design import Design
 from synthesis.errors import CamwrightError
-from synthesis.exporters import MOTION_FORMATS, PROFILE_FORMATS, Exporter, form
+from synthesis.exporters import (
+    MOTION_FORMATS,
+    PICTURES,
+    PROFILE_FORMATS,
+    SOLID_FORMATS,
+    Exporter,
+    form,
+)
 from synthesis.spec import DesignSpec
 
 
@@ -28,20 +35,26 @@ class Part(StrEnum):
 
     profile = "profile"
     motion = "motion"
+    solid = "solid"
+    picture = "picture"
 
 
 FORMATS: Mapping[Part, Mapping[str, Exporter[Any]]] = {
     Part.profile: PROFILE_FORMATS,
     Part.motion: MOTION_FORMATS,
+    Part.solid: SOLID_FORMATS,
+    Part.picture: PICTURES,
 }
 
 
 def _write(
     design: Annotated[Path, typer.Argument(help="design.json, or a DesignSpec to size first.")],
     formats: Annotated[
-        list[str], typer.Option("--format", help="csv, txt, …; may be repeated.")
+        list[str], typer.Option("--format", help="csv, contact.svg, …; may be repeated.")
     ] = ["csv"],  # noqa: B006 (never changed)
-    part: Annotated[Part, typer.Option(help="Its profile or its motion.")] = Part.profile,
+    part: Annotated[
+        Part, typer.Option(help="Its profile, its motion, the cam itself, or pictures.")
+    ] = Part.profile,
     out_dir: Annotated[Path, typer.Option("--out", help="Folder for the files.")] = Path(),
     **chosen: Any,
 ) -> None:
@@ -54,10 +67,10 @@ def _write(
     try:
         options = {name: _options(known[name], given) for name in formats}
         found = _design(design)
-        if not found.motion:
+        if not found.motion and not all(known[name].without_cam for name in formats):
             stop(f"{design}: no cam fits its limits, so there is nothing to export.")
-        stem = given.get("curve", str(part))
-        files = {f"{stem}.{name}": known[name].write(found, options[name]) for name in formats}
+        stem = "" if part is Part.picture else f"{given.get('curve', part)}."
+        files = {f"{stem}{name}": known[name].write(found, options[name]) for name in formats}
     except CamwrightError as error:
         stop(str(error))
     save(files, out_dir)

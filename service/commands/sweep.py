@@ -19,8 +19,9 @@ from rich.progress import (
     TimeRemainingColumn,
 )
 
-from service.client import Client, ClientError, Refused
+from service.client import Client, Refused
 from service.client.download import Told
+from service.commands.asking import STAYS, Url, checked, refusals
 from service.settings import settings_from
 from service.terminal import err, out, read_spec, save, stop
 from synthesis.sweeps import SweepSpec
@@ -32,33 +33,26 @@ STORE = "sweeps.db"  # what a sweep here has done so far, in the folder of its r
 def sweep(
     spec: Annotated[Path, typer.Argument(help="File with a SweepSpec, or a worked example.")],
     out_dir: Annotated[Path, typer.Option("--out", help="Folder for the results.")] = Path(),
-    url: Annotated[
-        str | None, typer.Option(help="Service to ask; left out, it is done here.")
-    ] = None,
+    url: Url = None,
 ) -> None:
     """Run a sweep; write sweep.json and its table. Stopped or killed, it goes on when asked again.
 
     Here its progress is kept in the folder of the results, by a service there.
     """
     asked = read_spec(spec, SweepSpec)
+    kept = "What is done is kept; the same command joins it again."
     try:
         out_dir.mkdir(parents=True, exist_ok=True)
-        at: AbstractContextManager[str] = own_service(out_dir) if url is None else nullcontext(url)
-        with at as address, Client(address) as client, _progress() as progress:
+        with (
+            refusals(spec, url, STAYS if url else kept),
+            _at(url, out_dir) as address,
+            Client(address) as client,
+            _progress() as progress,
+        ):
             over = _done(client, client.sweep(asked), progress)
             files = [name for name in FILES if _fetched(client, over, name, out_dir, progress)]
-    except Refused as error:
-        for wrong in error.errors:
-            err.print(f"{spec}: {wrong['pointer']}: {wrong['rule']}. {wrong['way_out']}")
-        stop(str(error))
-    except ClientError as error:
-        stop(str(error))
     except OSError as error:
         stop(f"{out_dir} cannot be written to: {error.strerror}.")
-    except KeyboardInterrupt:
-        where = "It goes on there" if url else "What is done is kept"
-        err.print(f"Stopped waiting. {where}; the same command joins it again.")
-        raise typer.Exit(130) from None
     save({"sweep.json": json.dumps(over, indent=1, ensure_ascii=False).encode()}, out_dir)
     counts = over["counts"]
     told = ", ".join(f"{counts[name]} {name}" for name in list(counts)[2:] if counts[name])
@@ -66,6 +60,11 @@ def sweep(
     out.print(f"Written to {out_dir}: {', '.join(['sweep.json', *files])}")
     if over["state"] != "successful":
         raise typer.Exit(3)
+
+
+def _at(url: str | None, folder: Path) -> AbstractContextManager[str]:
+    """Address of the service to ask: the one named, or one of our own."""
+    return own_service(folder) if url is None else nullcontext(checked(url))
 
 
 @contextmanager

@@ -43,7 +43,8 @@ async def create_analysis(
     The laws, the base radius and the offset must be given; what is left free is a problem (422).
     A limit that is broken is a result, not an error: `holds` is false, `broken` names it,
     `extremes` says by how much and where, `mend` which size would help. The same spec gives the
-    same bytes. For the files of such a cam, send the same spec to `POST /v1/designs`.
+    same bytes. Its pictures and its report are at `/v1/analyses/{id}/motion.svg`, `contact.svg`, …;
+    for files of points, send the same spec to `POST /v1/designs`.
     """
     return await created(request, parts, parts.analyses, prefer, idempotency_key)
 

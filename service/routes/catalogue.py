@@ -9,7 +9,14 @@ from pydantic import BaseModel, Field
 
 from service.state import Parts
 from synthesis.camset_spec import MAX_CAMS
-from synthesis.exporters import MOTION_FORMATS, PROFILE_FORMATS, Exporter, form
+from synthesis.exporters import (
+    MOTION_FORMATS,
+    PICTURES,
+    PROFILE_FORMATS,
+    SOLID_FORMATS,
+    Exporter,
+    form,
+)
 from synthesis.exporters.options import MAX_POINTS, MAX_POINTS_PER_DEGREE, MIN_TOLERANCE_UM
 from synthesis.followers import FOLLOWERS
 from synthesis.laws import LAWS, TASKS, Characteristics, Ends, SplineLaw, characteristics
@@ -81,6 +88,11 @@ class Formats(BaseModel):
 
     profile: Annotated[list[FormatEntry], Field(description="Of the cam's curve.")]
     motion: Annotated[list[FormatEntry], Field(description="Of the follower's motion.")]
+    pictures: Annotated[
+        list[FormatEntry],
+        Field(description="Pictures and pages; the name is the path's last part as it stands."),
+    ]
+    solid: Annotated[list[FormatEntry], Field(description="Of the cam as a body.")]
 
 
 class ServerLimits(BaseModel):
@@ -142,8 +154,12 @@ async def list_followers() -> list[FollowerEntry]:
 @router.get("/formats", summary="File formats")
 async def list_formats() -> Formats:
     """The files that a finished design can be had as."""
-    profile = [_format(exporter) for exporter in PROFILE_FORMATS.values()]
-    return Formats(profile=profile, motion=[_format(each) for each in MOTION_FORMATS.values()])
+    return Formats(
+        profile=[_format(each) for each in PROFILE_FORMATS.values()],
+        motion=[_format(each) for each in MOTION_FORMATS.values()],
+        pictures=[_format(each) for each in PICTURES.values()],
+        solid=[_format(each) for each in SOLID_FORMATS.values()],
+    )
 
 
 @router.get("/limits", summary="Limits and objectives, and what this server allows")

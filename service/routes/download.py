@@ -18,6 +18,12 @@ from synthesis.exporters import Made
 SVG = "image/svg+xml"
 Make = Callable[[], Awaitable[Made]]
 NOTHING_RUNS = "default-src 'none'; style-src 'unsafe-inline'"
+# A page runs its own script, which its own policy names, and is of no origin: it can reach nothing.
+ALONE = (
+    "default-src 'none'; style-src 'unsafe-inline'; img-src data:; script-src 'unsafe-inline'; "
+    "frame-ancestors 'self'; sandbox allow-scripts"
+)
+POLICIES = {SVG: NOTHING_RUNS, "image/png": NOTHING_RUNS, "text/html": ALONE}
 
 
 @dataclass(frozen=True)
@@ -28,13 +34,14 @@ class Download:
     media_type: str
 
     def headers(self, name: str) -> dict[str, str]:
-        """Pictures are shown (and run nothing), everything else is saved."""
+        """Pictures and pages are shown (and reach nothing), everything else is saved."""
         file_name = f'filename="{stem_of(name)}-{self.ending}"'
-        if self.media_type != SVG:
+        policy = POLICIES.get(self.media_type.partition(";")[0])
+        if policy is None:
             return {"Content-Disposition": f"attachment; {file_name}"}
         return {
             "Content-Disposition": f"inline; {file_name}",
-            "Content-Security-Policy": NOTHING_RUNS,
+            "Content-Security-Policy": policy,
         }
 
     async def sent(

@@ -1,4 +1,4 @@
-"""/v1/designs/{id}/profile.* and motion.*: one path for each format of the registries."""
+"""/v1/designs/{id}/profile.*, motion.*, solid.* and pictures: a path for each in the registries."""
 
 from __future__ import annotations
 
@@ -10,36 +10,46 @@ from typing import Annotated, Any
 from fastapi import APIRouter, Query, Request, Response
 
 from service.documentation import in_parts, problems
-from service.errors import NothingFits
 from service.routes.download import Download, in_thread
 from service.routes.kept import done
+from service.solve import file_of, priced
 from service.state import Parts, State
 from service.store import Row
-from synthesis.design import Design
-from synthesis.exporters import MOTION_FORMATS, PROFILE_FORMATS, Exporter, Made, form
+from synthesis.exporters import (
+    MOTION_FORMATS,
+    PICTURES,
+    PROFILE_FORMATS,
+    SOLID_FORMATS,
+    Exporter,
+    Made,
+    form,
+    report_with,
+)
+from synthesis.exporters.picture_options import Colours, PictureOptions
+from synthesis.findings import Sensitivities
 
 router = APIRouter(prefix="/v1/designs/{design_id}", tags=["files"])
-PACKED = ("application/vnd.openxmlformats-officedocument.spreadsheetml.sheet",)
-FORMATS = {"profile": PROFILE_FORMATS, "motion": MOTION_FORMATS}
+Handler = Callable[..., Awaitable[Response]]
+PACKED = ("application/vnd.openxmlformats-officedocument.spreadsheetml.sheet", "image/png")
+FORMATS = {"profile": PROFILE_FORMATS, "motion": MOTION_FORMATS, "solid": SOLID_FORMATS}
+ON_WORKERS = (429, 500, 501, 503, 504)
 
 
 async def _file(
     request: Request, parts: State, name: str, part: str, exporter: Exporter[Any], options: Any
 ) -> Response:
-    """The file of a finished design, made in a thread, or 304."""
+    """The file of a finished design, made in a thread or by a worker, or 304."""
     row, design = await done(parts.designs, name)
     file = Download(f"{_part(part, row)}{exporter.extension}", exporter.media_type)
     made_by = (part, exporter.name, repr(asdict(options)))
-    return await file.sent(
-        request, row, made_by, in_thread(partial(_made, design, exporter, options))
-    )
+    work = partial(file_of, design, exporter, options)
+    make = partial(_by_worker, parts, work) if exporter.apart else in_thread(work)
+    return await file.sent(request, row, made_by, make)
 
 
-def _made(design: bytes, exporter: Exporter[Any], options: Any) -> Made:
-    finished = Design.model_validate_json(design)
-    if not finished.motion:
-        raise NothingFits("No cam fits these limits: see conflict in the design for what would.")
-    return exporter.whole(finished, options)
+async def _by_worker(parts: State, work: Callable[[], Made]) -> Made:
+    parts.engine.admit()
+    return await parts.engine.run(work, budget_s=parts.settings.budget_s(None))
 
 
 def _part(part: str, row: Row) -> str:
@@ -47,7 +57,7 @@ def _part(part: str, row: Row) -> str:
     return f"not-certified-{part}" if row.status == "infeasible" else part
 
 
-def _handler(part: str, exporter: Exporter[Any]) -> Callable[..., Awaitable[Response]]:
+def _handler(part: str, exporter: Exporter[Any]) -> Handler:
     query = form(exporter.options)
 
     async def handler(
@@ -64,23 +74,48 @@ def _handler(part: str, exporter: Exporter[Any]) -> Callable[..., Awaitable[Resp
     return handler
 
 
-def _add(part: str, exporter: Exporter[Any]) -> None:
-    content = {exporter.media_type.partition(";")[0]: {"schema": _schema(exporter)}}
+async def _reported(
+    request: Request,
+    design_id: str,
+    parts: Parts,
+    theme: Annotated[Colours, Query()] = "auto",
+    sensitivities: Annotated[
+        bool, Query(description="Tell what each limit costs too: a few solves more.")
+    ] = False,
+) -> Response:
+    _, design = await done(parts.designs, design_id)
+    costs = None
+    if sensitivities:
+        budget_s = parts.settings.time_budget_s
+        told = await parts.engine.run(priced, design, budget_s, budget_s=budget_s)
+        costs = Sensitivities.model_validate_json(told)
+    report = report_with(PROFILE_FORMATS, MOTION_FORMATS, costs)
+    which = "report-costs" if costs else "report"
+    return await _file(request, parts, design_id, which, report, PictureOptions(theme))
+
+
+def _add(part: str, exporter: Exporter[Any], handler: Handler) -> None:
+    content = {exporter.media_type.partition(";")[0]: {"schema": schema_of(exporter)}}
     router.add_api_route(
-        f"/{part}.{exporter.name}",
-        _handler(part, exporter),
-        name=f"get_{part}_{exporter.name.replace('.', '_')}",
-        summary=f"{part.capitalize()}: {exporter.title}",
+        f"/{part}",
+        handler,
+        name=f"get_{part.replace('.', '_')}",
+        summary=exporter.title,
         description=exporter.purpose,
         response_class=Response,
         responses={
             **in_parts(description=exporter.title, content=content),
-            **problems(404, 409, 422),
+            **problems(404, 409, 422, *FURTHER.get(part, ON_WORKERS if exporter.apart else ())),
         },
     )  # fmt: skip
 
 
-def _schema(exporter: Exporter[Any]) -> dict[str, str]:
+OWN: dict[str, Handler] = {"report.html": _reported}
+FURTHER = {"report.html": (500, 503, 504)}
+
+
+def schema_of(exporter: Exporter[Any]) -> dict[str, str]:
+    """What its body is, for the contract."""
     if exporter.media_type == "application/json":
         return {"type": "object"}
     packed = exporter.media_type in PACKED
@@ -89,4 +124,7 @@ def _schema(exporter: Exporter[Any]) -> dict[str, str]:
 
 for _of, _formats in FORMATS.items():
     for _exporter in _formats.values():
-        _add(_of, _exporter)
+        _add(f"{_of}.{_exporter.name}", _exporter, _handler(_of, _exporter))
+for _picture in PICTURES.values():
+    _stem = _picture.name.removesuffix(_picture.extension)
+    _add(_picture.name, _picture, OWN.get(_picture.name) or _handler(_stem, _picture))

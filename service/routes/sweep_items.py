@@ -2,20 +2,21 @@
 
 from __future__ import annotations
 
+import asyncio
 from collections.abc import AsyncIterator, Callable
 from typing import Annotated
 
 from fastapi import APIRouter, Query, Request, Response
 from fastapi.responses import StreamingResponse
 
-from service.documentation import in_parts, problems
-from service.errors import UnknownSweep
+from service.documentation import in_parts, problems, tagged
+from service.errors import BadQuery, UnknownSweep
 from service.etag import tag_of, unchanged
 from service.ranges import IN_PARTS
-from service.routes.download import stem_of
+from service.routes.download import SVG, Download, stem_of
 from service.routes.sweeps import Known
 from service.state import Parts, State
-from service.sweeps.front import front_of
+from service.sweeps.front import front_of, weighed
 from service.sweeps.store import UNDER_WAY, SweepRow
 from service.sweeps.table import Columns, CsvWriter, ParquetWriter, Writer, written
 from service.sweeps.views import (
@@ -28,10 +29,12 @@ from service.sweeps.views import (
     items_of,
 )
 from service.views import cursor_at, position_of
+from synthesis.exporters.picture_options import Colours
+from synthesis.exporters.svg_tradeoff import Aim, TradeOff, trade_off
 
 router = APIRouter(prefix="/v1/sweeps/{sweep_id}", tags=["sweeps"])
 CSV, PARQUET = "text/csv; charset=utf-8", "application/vnd.apache.parquet"
-MAX_FRONT = 2000
+MAX_FRONT, MAX_DRAWN = 2000, 4
 
 
 @router.get("/items", summary="Finished items", responses=problems(404, 422))
@@ -124,16 +127,20 @@ async def _table(
     return StreamingResponse(body(), 200, headers, media_type)
 
 
+Small = Annotated[
+    list[str], Query(max_length=8, description="Quantity to be small; may be repeated.")
+]
+Large = Annotated[
+    list[str], Query(max_length=8, description="Quantity to be large; may be repeated.")
+]
+
+
 @router.get("/pareto", summary="What is traded for what", responses=problems(404, 422))
 async def get_sweep_pareto(
     sweep: Known,
     parts: Parts,
-    minimise: Annotated[
-        list[str], Query(max_length=8, description="Quantity to be small; may be repeated.")
-    ] = [],  # noqa: B006 (never changed)
-    maximise: Annotated[
-        list[str], Query(max_length=8, description="Quantity to be large; may be repeated.")
-    ] = [],  # noqa: B006
+    minimise: Small = [],  # noqa: B006 (never changed)
+    maximise: Large = [],  # noqa: B006
     limit: Annotated[int, Query(ge=1, le=MAX_FRONT, description="Most items of the front.")] = 500,
 ) -> ParetoFront:
     """The Pareto front: certified designs that none of the others beats in everything named.
@@ -141,8 +148,52 @@ async def get_sweep_pareto(
     `quantities` of the sweep says what can be named. `size` tells how many are on the front where
     there are more than `limit`.
     """
-    axes = [
+    return await front_of(parts.sweeps.store, sweep, _axes(minimise, maximise), limit)
+
+
+@router.get(
+    "/pareto.svg",
+    response_class=Response,
+    responses={
+        **tagged(description="The drawing.", content={SVG: {"schema": {"type": "string"}}}),
+        **problems(404, 422),
+    },
+    summary="The same, drawn",
+)
+async def get_sweep_pareto_svg(
+    request: Request,
+    sweep: Known,
+    parts: Parts,
+    minimise: Small = [],  # noqa: B006 (never changed)
+    maximise: Large = [],  # noqa: B006
+    theme: Annotated[Colours, Query()] = "auto",
+) -> Response:
+    """The front among all certified designs: two to four quantities, a panel for every pair.
+
+    What is not shown, as infeasible designs are, is counted. It has a tag once the sweep is over.
+    """
+    axes = _axes(minimise, maximise)
+    if not 2 <= len(axes) <= MAX_DRAWN:
+        raise BadQuery(
+            f"minimise, maximise: {len(axes)} named. Name two to {MAX_DRAWN} quantities to draw."
+        )
+    headers = Download("pareto.svg", SVG).headers(sweep.name)
+    if sweep.state not in UNDER_WAY:
+        asked = ("pareto.svg", repr(axes), theme)
+        tag = tag_of(sweep.id, sweep.created.isoformat(), str(sweep.done), *asked)
+        known = unchanged(request, tag)
+        if known is not None:
+            return known
+        headers |= {"ETag": f'"{tag}"'}
+    found = await weighed(parts.sweeps.store, sweep, axes)
+    aims = [Aim(axis.quantity, axis.direction == "maximise") for axis in axes]
+    drawn = TradeOff(sweep.name, aims, found.numbers, found.values, found.front, found.left_out)
+    content = await asyncio.to_thread(trade_off, drawn, theme)
+    return Response(content, 200, headers, SVG)
+
+
+def _axes(minimise: list[str], maximise: list[str]) -> list[ParetoAxis]:
+    return [
         *(ParetoAxis(quantity=name, direction="minimise") for name in minimise),
         *(ParetoAxis(quantity=name, direction="maximise") for name in maximise),
     ]
-    return await front_of(parts.sweeps.store, sweep, axes, limit)

@@ -3,9 +3,12 @@
 from __future__ import annotations
 
 import asyncio
-from collections.abc import Sequence
+from collections import Counter
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import NDArray
 
 from service.errors import BadQuery
 from service.sweeps.store import SweepRow, SweepStore
@@ -15,10 +18,23 @@ from synthesis.sweeps.pareto import non_dominated
 PAGE = 2000
 
 
-async def front_of(
-    store: SweepStore, sweep: SweepRow, axes: Sequence[ParetoAxis], most: int
-) -> ParetoFront:
-    """What no other certified design of the sweep beats in all of these quantities.
+@dataclass(frozen=True, eq=False)
+class Weighed:
+    """The certified designs of a sweep that have every quantity of the axes.
+
+    Attributes:
+        numbers: (n,) of the items. values: (n, k). front: indices of those that none beats,
+            ascending in the first quantity. left_out: other finished items, by why.
+    """
+
+    numbers: Sequence[int]
+    values: NDArray[np.float64]
+    front: NDArray[np.intp]
+    left_out: Mapping[str, int]
+
+
+async def weighed(store: SweepStore, sweep: SweepRow, axes: Sequence[ParetoAxis]) -> Weighed:
+    """Every design of a sweep in the quantities that are traded, and which none of them beats.
 
     Raises:
         BadQuery: a quantity that no design of the sweep has, or none at all.
@@ -27,23 +43,36 @@ async def front_of(
     signs = np.array([1.0 if axis.direction == "minimise" else -1.0 for axis in axes])
     numbers: list[int] = []
     values: list[list[float]] = []
+    left_out: Counter[str] = Counter()
     above = -1
     while found := await store.numbered(sweep.sequence, above, PAGE):
         for item in found:
             told = [item.quantities.get(axis.quantity) for axis in axes]
             known = [value for value in told if value is not None]
-            if item.status in ("optimal", "feasible") and len(known) == len(told):
+            if item.status not in ("optimal", "feasible"):
+                left_out[item.status] += 1
+            elif len(known) < len(told):
+                left_out["without one of these"] += 1
+            else:
                 numbers.append(item.number)
                 values.append(known)
         above = found[-1].number
-    costs = np.array(values).reshape(len(values), len(axes)) * signs
-    chosen = await asyncio.to_thread(non_dominated, costs)
-    best = [numbers[index] for index in chosen]
+    table = np.array(values).reshape(len(values), len(axes))
+    front = await asyncio.to_thread(non_dominated, table * signs)
+    return Weighed(numbers, table, front, left_out)
+
+
+async def front_of(
+    store: SweepStore, sweep: SweepRow, axes: Sequence[ParetoAxis], most: int
+) -> ParetoFront:
+    """What no other certified design of the sweep beats in all of these quantities; ``weighed``."""
+    found = await weighed(store, sweep, axes)
+    best = [found.numbers[index] for index in found.front]
     rows = {item.number: item for item in await store.chosen(sweep.sequence, best[:most])}
     return ParetoFront(
         axes=list(axes),
-        considered=len(numbers),
-        left_out=sweep.done - len(numbers),
+        considered=len(found.numbers),
+        left_out=sweep.done - len(found.numbers),
         size=len(best),
         items=[item_of(sweep, rows[number]) for number in best[:most] if number in rows],
     )

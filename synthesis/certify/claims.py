@@ -50,11 +50,7 @@ def certify(
     claims = [claim for claim in asked if len(course.pieces(claim.stretches))]
     if not (course.finite and all(math.isfinite(value) for value in size)):
         return [_not_a_number(machine), *(_unknown(claim, 0.0, NOT_A_NUMBER) for claim in claims)]
-    found: dict[int, Extreme] = {}
-    for subject in dict.fromkeys((c.quantity, c.path, c.exact) for c in claims):
-        mine = [i for i, c in enumerate(claims) if (c.quantity, c.path, c.exact) == subject]
-        extremes = _judge(*subject, course, machine, size, [claims[i] for i in mine])
-        found.update(zip(mine, extremes, strict=True))
+    found = _judged(claims, course, machine, size)
     cam = [*stands(course, machine, size), *crosses(course, machine, size)]
     promised = [
         *joins(course, machine, continuity),
@@ -62,50 +58,47 @@ def certify(
         *tables(course, machine),
     ]
     return [
-        *(found[i] for i in range(len(claims))),
+        *found,
         *cam,
         *promised,
         *overshoot(course, machine),
     ]
 
 
-def _judge(
-    name: str,
-    path: str,
-    exact: bool,
-    course: Course,
-    machine: Machine,
-    size: Size,
-    claims: Sequence[Claim],
-) -> list[Extreme]:
-    """The extremes of all claims about one quantity on one path, all of them exact or none."""
-    quantity = QUANTITIES[name]
-    jumps = [
-        infinite(quantity, course, claim.stretches, claim.part)
-        or corner(quantity, course, machine, size, claim)
-        for claim in claims
-    ]
+def _judged(claims: Sequence[Claim], course: Course, machine: Machine, size: Size) -> list[Extreme]:
+    """The extremes of all claims, in their order; all quantities are enclosed at once."""
+    subjects = list(dict.fromkeys((claim.quantity, claim.path) for claim in claims))
+    jumps = [_jump(claim, course, machine, size) for claim in claims]
     questions = [
-        _question(course, claim) for claim, jump in zip(claims, jumps, strict=True) if jump is None
+        _question(course, claim, subjects.index((claim.quantity, claim.path)))
+        for claim, jump in zip(claims, jumps, strict=True)
+        if jump is None
     ]
-    width = FINE if exact else ENOUGH
-    answers = iter(
-        enclose_all(quantity, course, machine, size, questions, path, width) if questions else ()
-    )
+    measured = [(QUANTITIES[name], path) for name, path in subjects]
+    answers = iter(enclose_all(measured, course, machine, size, questions))
     return [
         _extreme(claim, next(answers)) if jump is None else _infinite(claim, jump, machine)
         for claim, jump in zip(claims, jumps, strict=True)
     ]
 
 
-def _question(course: Course, claim: Claim) -> Question:
+def _jump(claim: Claim, course: Course, machine: Machine, size: Size) -> Jump | None:
+    """What makes the quantity of a claim infinite."""
+    quantity = QUANTITIES[claim.quantity]
+    jump = infinite(quantity, course, claim.stretches, claim.part)
+    return jump or corner(quantity, course, machine, size, claim)
+
+
+def _question(course: Course, claim: Claim, function: int) -> Question:
     """What a claim asks of its part of the turn."""
     pieces, spans = course.spans(claim.stretches, claim.part)
     return Question(
         pieces,
         -math.inf if claim.lower is None else claim.lower,
         math.inf if claim.upper is None else claim.upper,
-        spans,
+        None if claim.part is None else spans,
+        function,
+        FINE if claim.exact else ENOUGH,
     )
 
 

@@ -172,6 +172,10 @@ class Course:
         angle = float(self.curve.breaks[i + 1])
         return Jump(order, i, angle, float(sizes[order, i]), float(allowed[order, i]))
 
+    def joined(self, order: int) -> bool:
+        """Whether derivatives below this one jump nowhere by more than rounding."""
+        return not self._jumps[2][:order].any()
+
     def breaches(self, order: int, joints: Indices) -> Indices:
         """Those of the joints at which a derivative jumps by more than rounding."""
         apart: Indices = joints[self._jumps[2][order, joints]]

@@ -203,7 +203,8 @@ class Curves:
         """The largest value (side 1) or the smallest (−1) on these stretches."""
         lower, upper = (-math.inf, 0.0) if side > 0 else (0.0, math.inf)
         question = Question(self.course.pieces(stretches), lower, upper)
-        (answer,) = enclose_all(quantity, self.course, self.machine, self.size, [question], path)
+        subjects = [(quantity, path)]
+        (answer,) = enclose_all(subjects, self.course, self.machine, self.size, [question])
         return answer.extreme
 
     def _peak(

@@ -53,7 +53,7 @@ def _largest(
 ) -> Enclosed:
     """Largest |quantity| on these stretches."""
     question = Question(course.pieces(stretches), 0.0, 0.0)
-    (answer,) = enclose_all(QUANTITIES[name], course, machine, size, [question], path)
+    (answer,) = enclose_all([(QUANTITIES[name], path)], course, machine, size, [question])
     found = answer.extreme
     if answer.side > 0:
         return found

@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable
 from dataclasses import dataclass
+from functools import cached_property
 from typing import Any, Final
 
 import numpy as np
@@ -11,10 +13,11 @@ import numpy as np
 from synthesis.certify.course import Course, Indices
 from synthesis.followers.trace import Vector2
 from synthesis.numerics.piecewise import Array
-from synthesis.numerics.taylor import Taylor
+from synthesis.numerics.taylor import ROUNDING, Taylor
 
 Trace = Callable[[Any], tuple[Vector2, ...]]  # s to s''' -> the traced point and its derivatives
 ANGLE_ROUNDING: Final = 2.0**-48  # of the angle of a box's centre and of its half width
+ARCSINE: Final = 1e-12  # relative: more than the roundings of its argument, which it magnifies
 
 
 @dataclass(frozen=True, eq=False)
@@ -81,6 +84,59 @@ class Strokes:
 
 
 @dataclass(frozen=True, eq=False)
+class Drawn:
+    """What a path draws on boxes, as models: θ, and p and T = D p in the machine frame."""
+
+    theta: Taylor
+    p: Vector2
+    tangent: Vector2
+    distance: float
+
+    @cached_property
+    def heading(self) -> tuple[Array, Array]:
+        """Lower and upper end of the tangent's angle on the cam, clockwise positive [rad].
+
+        Each box by itself, in the half turn to either side of its own centre: not yet continued
+        from box to box.
+        """
+        tx, ty = self.tangent
+        return _ends(self.theta - ty.arctan2(tx))
+
+    def shadow(self) -> tuple[Array, Array]:
+        """Between which polar angles on the cam the roller lies, seen from the axis [rad].
+
+        Both the roller and the profile point that it touches do, wherever it is in a box. A whole
+        turn where the axis may lie in the roller.
+        """
+        px, py = self.p
+        low, high = _ends(py.arctan2(px) - self.theta)
+        square = px * px + py * py
+        least = square.least() - ROUNDING * square.mag
+        nearest = np.sqrt(np.where(least > 0.0, least, np.nan))
+        share = (1.0 + ARCSINE) * abs(self.distance) / nearest
+        half = np.arcsin(np.where(share < 1.0, share, np.nan)) + ANGLE_ROUNDING
+        known = np.isfinite(low + high + half)
+        return np.where(known, low - half, -math.pi), np.where(known, high + half, math.pi)
+
+    def strokes(self) -> tuple[Strokes, Strokes]:
+        """The profile and the traced curve."""
+        (px, py), (tx, ty) = self.p, self.tangent
+        share = self.distance / np.sqrt(tx * tx + ty * ty)
+        cos, sin = np.cos(self.theta), np.sin(self.theta)
+        profile, traced = (
+            Strokes.of(x * cos + y * sin, y * cos - x * sin)  # as seen from the cam
+            for x, y in ((px + ty * share, py - tx * share), (px, py))  # n = (−ty, tx)/|T|
+        )
+        return profile, traced
+
+
+def _ends(angle: Taylor) -> tuple[Array, Array]:
+    """Between what an angle lies on each box."""
+    reach = np.abs(angle.c1) + np.abs(angle.c2) + angle.rem
+    return angle.c0 - reach, angle.c0 + reach
+
+
+@dataclass(frozen=True, eq=False)
 class Path:
     """The traced curve P on the cam, and the profile O = P − d n at a signed distance.
 
@@ -92,33 +148,11 @@ class Path:
     trace: Trace
     distance: float
 
-    def _models(self, boxes: Boxes) -> tuple[Any, Vector2, Vector2]:
-        """θ, p and T = D p in the machine frame."""
+    def on(self, boxes: Boxes) -> Drawn:
+        """Both curves on boxes."""
         centre, half = 0.5 * (boxes.lo + boxes.hi), 0.5 * (boxes.hi - boxes.lo)
         rounding = ANGLE_ROUNDING * (np.abs(centre) + half)
         theta = Taylor.of(centre, half, np.zeros_like(half), rounding)
         s = self.course.jets.models(boxes.piece, boxes.lo, boxes.hi, 1)
         (px, py), (dx, dy), *_ = self.trace((*s, 0.0, 0.0))
-        return theta, (px, py), (dx + py, dy - px)
-
-    def heading(self, boxes: Boxes) -> tuple[Array, Array]:
-        """Lower and upper end of the tangent's angle on the cam, clockwise positive [rad].
-
-        Each box by itself, in the half turn to either side of its own centre: not yet continued
-        from box to box.
-        """
-        theta, _, (tx, ty) = self._models(boxes)
-        found = theta - ty.arctan2(tx)
-        reach = np.abs(found.c1) + np.abs(found.c2) + found.rem
-        return found.c0 - reach, found.c0 + reach
-
-    def strokes(self, boxes: Boxes) -> tuple[Strokes, Strokes]:
-        """The profile and the traced curve."""
-        theta, (px, py), (tx, ty) = self._models(boxes)
-        share = self.distance / np.sqrt(tx * tx + ty * ty)
-        cos, sin = np.cos(theta), np.sin(theta)
-        profile, traced = (
-            Strokes.of(x * cos + y * sin, y * cos - x * sin)  # as seen from the cam
-            for x, y in ((px + ty * share, py - tx * share), (px, py))  # n = (−ty, tx)/|T|
-        )
-        return profile, traced
+        return Drawn(theta, (px, py), (dx + py, dy - px), self.distance)

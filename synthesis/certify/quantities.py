@@ -8,7 +8,7 @@ machine frame. Nothing here comes from the closed forms that the formulations us
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -94,6 +94,12 @@ class Quantity:
     share: float = 0.0
     turns: bool = False
 
+    def at(self, trace: Trace, size: Size, s: tuple[Taylor, ...]) -> Taylor:
+        """Its model, from those of s and at least as many derivatives as it uses."""
+        found = self.formula(trace, size, s[: self.order + 1] + (0.0,) * (3 - self.order))
+        assert isinstance(found, Taylor)
+        return found
+
 
 QUANTITIES = {
     "travel": Quantity(_derivative(0), 0, share=1e-14),
@@ -118,28 +124,30 @@ def traced(machine: Machine, path: str = "") -> Trace:
 
 
 def enclose_all(
-    quantity: Quantity,
+    subjects: Sequence[tuple[Quantity, str]],
     course: Course,
     machine: Machine,
     size: Size,
     questions: Sequence[Question],
-    path: str = "",
-    relative: float = 1e-10,
 ) -> list[Answer]:
-    """Answers about one quantity on one path, one-sided at joints, to a relative width."""
-    trace = traced(machine, path)
+    """Answers about quantities, each on a path, one-sided at joints.
 
-    def model(piece: Indices, lo: Array, hi: Array) -> Taylor:
-        s = course.jets.models(piece, lo, hi, quantity.order)
-        found = quantity.formula(trace, size, s + (0.0,) * (3 - quantity.order))
-        assert isinstance(found, Taylor)
-        return found
+    Args:
+        subjects: quantity, and name of its path; the functions that the questions speak of.
+        course, machine, size: the cam.
+        questions: what is asked, to the width that each says and what is good enough anyway.
+    """
+    traces = [traced(machine, path) for _, path in subjects]
+    scale = machine.follower.radius(size)
 
-    breaks, counts = course.curve.breaks, course.counts
-    enough = quantity.absolute
-    if quantity.share > 0.0:
-        enough += quantity.share * machine.follower.radius(size)
-    return enclose(model, breaks, counts, questions, relative, absolute=enough)
+    def models(piece: Indices, lo: Array, hi: Array, wanted: Sequence[int]) -> list[Taylor]:
+        highest = max(subjects[k][0].order for k in wanted)
+        s = course.jets.models(piece, lo, hi, highest)
+        return [subjects[k][0].at(traces[k], size, s) for k in wanted]
+
+    enough = [quantity.absolute + quantity.share * scale for quantity, _ in subjects]
+    asked = [replace(q, absolute=q.absolute + enough[q.function]) for q in questions]
+    return enclose(models, course.curve.breaks, course.counts, asked)
 
 
 def infinite(
@@ -149,6 +157,8 @@ def infinite(
     part: tuple[float, float] | None = None,
 ) -> Jump | None:
     """The jump that makes a derivative infinite on these stretches, lowest order first."""
+    if course.joined(quantity.smooth):
+        return None
     joints = course.joints(stretches, part)
     for order in range(quantity.smooth):
         apart = course.breaches(order, joints)
@@ -161,7 +171,7 @@ def corner(
     quantity: Quantity, course: Course, machine: Machine, size: Size, claim: Claim
 ) -> Jump | None:
     """A jump of the velocity that turns the pitch curve's tangent the way the claim forbids."""
-    if not quantity.turns:
+    if not quantity.turns or course.joined(2):
         return None
     trace = traced(machine, claim.path)
     for joint in course.breaches(1, course.joints(claim.stretches, claim.part)):

@@ -18,9 +18,13 @@ the circle's own upper arc reaches, and beyond it lies beside the circle. The ce
 circle is O(θ). Corners that turn away from the circle only help. The curvature is the business
 of the limit ``profile_radius``, which every spec of a roller has.
 
-**Far pairs** are excluded by branch and bound over pairs of boxes: two strokes with midpoints
-apart by D lie apart by at least |D| − |a·D̂| − |b·D̂| less their thickness, a and b their half
-vectors. Where two curves come nearest they are square to D, so this converges quadratically.
+**Pairs aside** of each other need none either: seen from the cam's axis, the roller at φ fills the
+angle ± arcsin R/|P(φ)| about its centre, and O(θ) lies in the same about P(θ). Where these do not
+overlap, the point is outside of the roller. On most cams that leaves no far pair at all.
+
+**Far pairs** that are left are excluded by branch and bound over pairs of boxes: two strokes with
+midpoints apart by D lie apart by at least |D| − |a·D̂| − |b·D̂| less their thickness, a and b their
+half vectors. Where two curves come nearest they are square to D, so this converges quadratically.
 """
 
 from __future__ import annotations
@@ -34,7 +38,7 @@ from numpy.lib.stride_tricks import sliding_window_view
 from numpy.typing import NDArray
 
 from synthesis.certify.course import Indices
-from synthesis.certify.path import Boxes, Path
+from synthesis.certify.path import Boxes, Drawn, Path
 from synthesis.numerics.piecewise import Array
 from synthesis.units import FULL_TURN
 
@@ -49,6 +53,7 @@ ROUNDS: Final = 10
 TOUCHING: Final = 1e-9  # of the roller: so deep a crossing counts as none
 FINE: Final = 1e-9  # of the roller: width of an enclosure that is good enough
 ROUNDING: Final = 2.0**-46  # of the distances compared
+BESIDE: Final = 1e-12  # rad: roundings of the angles compared
 
 
 @dataclass(frozen=True)
@@ -77,51 +82,91 @@ class Nearest:
 def nearest(path: Path) -> Nearest:
     """The nearest far pair, closely only where it is nearer than the roller's radius."""
     with np.errstate(all="ignore"):
-        boxes, low, high = _boxes(path)
+        boxes, drawn = _boxes(path)
+        low, high = drawn.heading
         unsteady = ~(high - low < UNSTEADY)
         if unsteady.any():
             where = float(boxes.lo[np.argmax(unsteady)])
             return Nearest(math.inf, 0.0, where, where, 0)
-        return _Search(path, boxes).run(*_far(low, high))
+        groups = _Groups.of(len(boxes))
+        apart = groups.near(low, high) | groups.aside(*drawn.shadow())
+        return _Search(path, boxes).run(*groups.pairs(~apart))
 
 
-def _boxes(path: Path) -> tuple[Boxes, Array, Array]:
-    """Boxes on which the tangent turns little, and the range of its angle there."""
+def _boxes(path: Path) -> tuple[Boxes, Drawn]:
+    """Boxes on which the tangent turns little, and what is drawn there."""
     boxes = Boxes.of(path.course, WIDEST)
-    low, high = path.heading(boxes)
-    while len(boxes) < MOST_BOXES:
+    while True:
+        drawn = path.on(boxes)
+        low, high = drawn.heading
         wide = ~(high - low <= TURNING)
         if not wide.any() or np.min((boxes.hi - boxes.lo)[wide]) < 1e-12:
-            break
-        finer = boxes.take(wide).split(SPLIT)
-        lows, highs = path.heading(finer)
-        kept = boxes.take(~wide)
+            return boxes, drawn
+        if len(boxes) >= MOST_BOXES:
+            return boxes, drawn
+        finer, kept = boxes.take(wide).split(SPLIT), boxes.take(~wide)
         order = np.lexsort((np.append(kept.lo, finer.lo), np.append(kept.piece, finer.piece)))
         boxes = kept.joined(finer).take(order)
-        low = np.append(low[~wide], lows)[order]
-        high = np.append(high[~wide], highs)[order]
-    return boxes, low, high
 
 
-def _far(low: Array, high: Array) -> tuple[Indices, Indices]:
-    """Pairs of boxes that neither arc between them brings together: of profile, of roller.
+@dataclass(frozen=True, eq=False)
+class _Groups:
+    """Neighbouring boxes are looked at in groups: two boxes are in order where their groups are.
 
-    Neighbouring boxes are looked at in groups: two boxes are near where their groups are.
+    Attributes:
+        first: (n,) the first box of every group. counts: (n,) how many it has.
     """
-    # neighbours meet in a point: their angles differ by a corner's, less than half a turn
-    middle = 0.5 * (low + high)
-    steady = np.unwrap(np.append(middle, middle[0]))
-    shift, turn = steady[:-1] - middle, float(steady[-1] - steady[0])
-    first = np.arange(0, len(low), math.ceil(len(low) / GROUPS))
-    bottom = np.minimum.accumulate(_round(np.minimum.reduceat(low + shift, first), turn), axis=1)
-    top = np.maximum.accumulate(_round(np.maximum.reduceat(high + shift, first), turn), axis=1)
-    near = top - bottom < math.pi * (1.0 - ROUNDING)  # [i, k]: the arc from group i over k more
-    index = np.arange(len(first))
-    forward: NDArray[np.bool_] = near[index[:, None], (index - index[:, None]) % len(first)]
-    counts = np.diff(np.append(first, len(low)))
-    far = np.repeat(np.repeat(~(forward | forward.T), counts, axis=0), counts, axis=1)
-    profile, roller = np.nonzero(far)
-    return profile, roller
+
+    first: Indices
+    counts: Indices
+
+    @classmethod
+    def of(cls, boxes: int) -> _Groups:
+        """A limited number of about equal groups."""
+        first = np.arange(0, boxes, math.ceil(boxes / GROUPS))
+        return cls(first, np.diff(np.append(first, boxes)))
+
+    def near(self, low: Array, high: Array) -> NDArray[np.bool_]:
+        """Pairs that one of the arcs between them brings together, by the tangent's angle."""
+        # neighbours meet in a point: their angles differ by a corner's, less than half a turn
+        (bottom, top), turn = self._ends(low, high)
+        bottom = np.minimum.accumulate(_round(bottom, turn), axis=1)
+        top = np.maximum.accumulate(_round(top, turn), axis=1)
+        near = top - bottom < math.pi * (1.0 - ROUNDING)  # [i, k]: the arc from i over k more
+        index = np.arange(len(self.first))
+        forward: NDArray[np.bool_] = near[index[:, None], (index - index[:, None]) % len(index)]
+        return forward | forward.T
+
+    def aside(self, low: Array, high: Array) -> NDArray[np.bool_]:
+        """Pairs of which the one lies beside the other, seen from the cam's axis."""
+        (bottom, top), _ = self._ends(low, high)
+        middle, half = 0.5 * (bottom + top), 0.5 * (top - bottom)
+        between = middle[:, None] - middle
+        between -= FULL_TURN * np.round(between / FULL_TURN)
+        apart: NDArray[np.bool_] = np.abs(between) > half[:, None] + half + BESIDE
+        return apart
+
+    def _ends(self, low: Array, high: Array) -> tuple[tuple[Array, Array], float]:
+        """Least and largest angle in every group, continued from box to box, and its gain in all.
+
+        Of a group that is continued wrongly the range is too wide, never too narrow.
+        """
+        middle = 0.5 * (low + high)
+        steady = np.unwrap(np.append(middle, middle[0]))
+        shift, turn = steady[:-1] - middle, float(steady[-1] - steady[0])
+        ends = (
+            np.minimum.reduceat(low + shift, self.first),
+            np.maximum.reduceat(high + shift, self.first),
+        )
+        return ends, turn
+
+    def pairs(self, chosen: NDArray[np.bool_]) -> tuple[Indices, Indices]:
+        """The pairs of boxes in these pairs of groups: of profile, of roller."""
+        if not chosen.any():
+            return np.zeros(0, dtype=np.intp), np.zeros(0, dtype=np.intp)
+        each = np.repeat(np.repeat(chosen, self.counts, axis=0), self.counts, axis=1)
+        profile, roller = np.nonzero(each)
+        return profile, roller
 
 
 def _round(angle: Array, turn: float) -> Array:
@@ -165,7 +210,7 @@ class _Search:
     def _look(self, i: Indices, j: Indices) -> Array:
         """Lower bounds of the distances; takes in the nearest pair of centres."""
         self.pairs += len(i)
-        profile, traced = self.path.strokes(self.boxes)
+        profile, traced = self.path.on(self.boxes).strokes()
         dx, dy = profile.mid[:, i] - traced.mid[:, j]
         apart = _length(dx, dy)
         a, b = profile.half[:, i], traced.half[:, j]

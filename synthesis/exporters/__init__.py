@@ -10,6 +10,9 @@ from types import MappingProxyType
 from typing import Any
 
 from synthesis.exporters import (
+    animation_json,
+    animation_page,
+    animation_svg,
     csv_table,
     dxf_drawing,
     fidelity_json,
@@ -17,8 +20,11 @@ from synthesis.exporters import (
     iges_curve,
     json_table,
     nurbs_json,
+    png_picture,
     sldcrv_curve,
+    solid_step,
     step_curve,
+    svg_contact,
     svg_motion,
     svg_profile,
     txt_points,
@@ -26,8 +32,12 @@ from synthesis.exporters import (
     xlsx_points,
 )
 from synthesis.exporters.cam import profiles
+from synthesis.exporters.drives import codesys, kollmorgen, plain, rockwell, sew, twincat
+from synthesis.exporters.drives import fidelity_json as drive_fidelity
 from synthesis.exporters.exact_options import DrawingOptions, ExactOptions
 from synthesis.exporters.exporter import Exporter, Made
+from synthesis.exporters.json_table import JsonOptions
+from synthesis.exporters.machining import grinding, milling
 from synthesis.exporters.options import (
     CurveName,
     MotionOptions,
@@ -36,6 +46,8 @@ from synthesis.exporters.options import (
     ProfileOptions,
     form,
 )
+from synthesis.exporters.picture_options import PictureOptions
+from synthesis.exporters.report import report_with
 
 PROFILE_FORMATS: Mapping[str, Exporter[Any]] = MappingProxyType(
     {
@@ -48,6 +60,8 @@ PROFILE_FORMATS: Mapping[str, Exporter[Any]] = MappingProxyType(
             ibl_curve.PROFILE,
             sldcrv_curve.PROFILE,
             xlsx_points.PROFILE,
+            milling.PROFILE,
+            grinding.PROFILE,
             fidelity_json.PROFILE,
             dxf_drawing.PROFILE,
             step_curve.PROFILE,
@@ -56,25 +70,63 @@ PROFILE_FORMATS: Mapping[str, Exporter[Any]] = MappingProxyType(
         )
     }
 )
+SOLID_FORMATS: Mapping[str, Exporter[Any]] = MappingProxyType(
+    {each.name: each for each in (solid_step.SOLID,)}
+)
 MOTION_FORMATS: Mapping[str, Exporter[Any]] = MappingProxyType(
     {
         each.name: each
-        for each in (json_table.MOTION, csv_table.MOTION, txt_table.MOTION, svg_motion.MOTION)
+        for each in (
+            json_table.MOTION,
+            csv_table.MOTION,
+            txt_table.MOTION,
+            svg_motion.MOTION,
+            plain.MOTION,
+            twincat.MOTION,
+            codesys.MOTION,
+            rockwell.MOTION,
+            kollmorgen.MOTION,
+            sew.MOTION,
+            drive_fidelity.MOTION,
+        )
     }
+)
+PICTURES: Mapping[str, Exporter[Any]] = MappingProxyType(
+    {
+        each.name: each
+        for each in (
+            svg_contact.CONTACT,
+            animation_svg.ANIMATION,
+            animation_page.PAGE,
+            animation_json.DATA,
+            *png_picture.PIXELS,
+            report_with(PROFILE_FORMATS, MOTION_FORMATS),
+        )
+    }
+)
+# Every drawing and page by the name of its file.
+DRAWINGS: Mapping[str, Exporter[Any]] = MappingProxyType(
+    {"profile.svg": PROFILE_FORMATS["svg"], "motion.svg": MOTION_FORMATS["svg"], **PICTURES}
 )
 
 __all__ = [
+    "DRAWINGS",
     "MOTION_FORMATS",
+    "PICTURES",
     "PROFILE_FORMATS",
+    "SOLID_FORMATS",
     "CurveName",
     "DrawingOptions",
     "ExactOptions",
     "Exporter",
+    "JsonOptions",
     "Made",
     "MotionOptions",
     "Options",
+    "PictureOptions",
     "PointOptions",
     "ProfileOptions",
     "form",
     "profiles",
+    "report_with",
 ]

@@ -37,7 +37,9 @@ class Exporter(Generic[Wanted]):
         options: what may be chosen; all of it has a default.
         purpose: what it is for, in a sentence; "" where the title says it.
         placeable: whether a profile's points follow ``turn_deg`` and ``z_mm``.
+        apart: whether it loads so much that a service has it made by a worker.
         usual: whether it is written where nobody says which formats are wanted.
+        without_cam: whether it has something to write where no cam was found.
         measured: what is told of a file besides and takes time to find; None: nothing.
     """
 
@@ -50,6 +52,8 @@ class Exporter(Generic[Wanted]):
     purpose: str = ""
     placeable: bool = True
     usual: bool = True
+    apart: bool = False
+    without_cam: bool = False
     measured: Callable[[Design, Wanted], Mapping[str, str]] | None = None
 
     def whole(self, design: Design, options: Wanted) -> Made:
@@ -63,10 +67,11 @@ class Exporter(Generic[Wanted]):
         return self.make(design, options).data
 
     def adapted(self, given: Options) -> Wanted:
-        """This format's options with what they share with another's."""
+        """This format's options with what they share with another's and is not left open there."""
         own = {each.name for each in fields(self.options)}
-        shared = [each.name for each in fields(given) if each.name in own]
-        return self.options(**{name: getattr(given, name) for name in shared})
+        shared = {each.name: getattr(given, each.name) for each in fields(given)}
+        told = {name: value for name, value in shared.items() if value is not None}
+        return self.options(**{name: value for name, value in told.items() if name in own})
 
 
 def untold(write: Callable[[Design, Wanted], bytes]) -> Callable[[Design, Wanted], Made]:

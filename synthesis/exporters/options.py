@@ -56,6 +56,24 @@ StartAngle = Annotated[
         "where the ends of a spline do least harm.",
     ),
 ]
+Turn = Annotated[
+    float,
+    Field(
+        ge=-360.0,
+        le=360.0,
+        description="Turn the points about the cam's axis by this angle, counter-clockwise "
+        "positive: the cam as it sits on a shaft. The drawing (svg) stays as it is.",
+    ),
+]
+Axial = Annotated[
+    float | None,
+    Field(
+        ge=-1e6,
+        le=1e6,
+        description="Position along the axis: the third column of point files (0 where it is "
+        "left out), and a column z_mm of tables.",
+    ),
+]
 Decimals = Annotated[int, Field(ge=0, le=15, description="Decimals of a coordinate in mm.")]
 
 
@@ -138,24 +156,8 @@ class PlacedCurve(Options):
             "curve; `profile` is the first of them. The drawing (svg) shows all."
         ),
     ] = "profile"
-    turn_deg: Annotated[
-        float,
-        Field(
-            ge=-360.0,
-            le=360.0,
-            description="Turn the points about the cam's axis by this angle, counter-clockwise "
-            "positive: the cam as it sits on a shaft. The drawing (svg) stays as it is.",
-        ),
-    ] = 0.0
-    z_mm: Annotated[
-        float | None,
-        Field(
-            ge=-1e6,
-            le=1e6,
-            description="Position along the axis: the third column of point files (0 where it is "
-            "left out), and a column z_mm of tables.",
-        ),
-    ] = None
+    turn_deg: Turn = 0.0
+    z_mm: Axial = None
     cutter_diameter_mm: Annotated[
         float | None,
         Field(

@@ -34,7 +34,7 @@ class Entities:
         return (f"#{i}={text};" for i, text in enumerate(self._lines, start=1))
 
 
-def exchange_file(design: Design, title: str, schema: str, data: Entities) -> bytes:
+def exchange_file(design: Design, title: str, schema: str, data: Iterable[str]) -> bytes:
     """A whole file, which says what made it and from which design."""
     version = f"Camwright {design.engine_version}"
     lines = [
@@ -46,7 +46,7 @@ def exchange_file(design: Design, title: str, schema: str, data: Entities) -> by
         f"FILE_SCHEMA(({text(schema)}));",
         "ENDSEC;",
         "DATA;",
-        *data.lines(),
+        *data,
         "ENDSEC;",
         "END-ISO-10303-21;",
         "",

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -16,6 +17,7 @@ from synthesis.limits import Claim
 from synthesis.motion import Stretch
 from synthesis.numerics.piecewise import Array
 
+Ends = tuple[float | None, float | None]  # lower and upper
 EXACT = 1e-9  # a limit that is reached is not broken
 
 
@@ -87,19 +89,30 @@ def impulses(cam: Cam, quantity: Quantity) -> Trace:
 
 def bounds(design: Design, quantity: Quantity) -> list[Bound]:
     """What the spec's limits claim of this quantity; neighbours with one bound are joined."""
+    return claimed(design, lambda claim: claim.quantity == quantity.name, _on_wire)
+
+
+def claimed(
+    design: Design, wanted: Callable[[Claim], bool], ends: Callable[[Claim], Ends]
+) -> list[Bound]:
+    """The bounds of those claims that are wanted, with the ends that are made of each."""
     stretches, machine = design.numbered.stretches(), design.built.machine()
-    claims = [c for limit in design.built.all_limits() for c in limit.claims(stretches, machine)]
     found: list[Bound] = []
-    for claim in claims:
-        if claim.quantity == quantity.name:
+    for limit in design.built.all_limits():
+        for claim in filter(wanted, limit.claims(stretches, machine)):
             for index in claim.stretches:
-                _join(found, _bound(claim, stretches[index]))
+                _join(found, _bound(claim, stretches[index], ends(claim)))
     return found
 
 
-def _bound(claim: Claim, stretch: Stretch) -> Bound:
+def _on_wire(claim: Claim) -> Ends:
     lower = None if claim.lower is None else claim.to_wire(claim.lower)
     upper = None if claim.upper is None else claim.to_wire(claim.upper)
+    return lower, upper
+
+
+def _bound(claim: Claim, stretch: Stretch, between: Ends) -> Bound:
+    lower, upper = between
     ends = stretch.start + stretch.angle * np.array(claim.part or (0.0, 1.0))
     start, end = in_degrees(ends).tolist()
     return Bound(

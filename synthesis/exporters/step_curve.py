@@ -25,7 +25,7 @@ def _profile(design: Design, options: ExactOptions) -> Made:
     )
     data.add("SHAPE_DEFINITION_REPRESENTATION", _product(data, design), shape)
     title = f"Cam curve {curve.name}, within {curve.spline.error:.2g} mm of the true curve"
-    return Made(exchange_file(design, title, SCHEMA, data), facts(curve))
+    return Made(exchange_file(design, title, SCHEMA, data.lines()), facts(curve))
 
 
 def _spline(data: Entities, curve: ExactCurve) -> str:

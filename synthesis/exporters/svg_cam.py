@@ -12,18 +12,23 @@ from synthesis.exporters import svg_canvas as svg
 from synthesis.exporters.cam import Cam
 from synthesis.exporters.options import ProfileOptions
 from synthesis.exporters.sampling import ring
-from synthesis.followers.flank import Flank
+from synthesis.exporters.svg_parts import (
+    HUB,
+    PIVOT,
+    STEM,
+    Flanks,
+    bar,
+    half_width,
+    outline,
+    point_from,
+    rim_of,
+)  # fmt: skip
 from synthesis.profile import CamProfile
 
-STEM, BELOW, HUB, TICK, ARC_SPAN = 15.0, 13.5, 1.1, 2.0, math.radians(105.0)
+BELOW, TICK, ARC_SPAN = 13.5, 2.0, math.radians(105.0)
 UNITS_ACROSS = 160.0
-RIM = 0.6  # of the roller: wall that is drawn where none was asked for
-
-PIVOT = 0.25  # radius of a pivot's eye, of the stem's length
 
 Box = tuple[float, float, float, float]
-Lines = list[str]
-Flanks = tuple[tuple[Flank, CamProfile], ...]
 
 
 @dataclass(frozen=True, eq=False)
@@ -77,7 +82,7 @@ class Scene:
         face = (shape.left, shape.right) if sign > 0.0 else (shape.right, shape.left)
         along = shape.along[0], sign * shape.along[1]
         flanks = tuple((one.flank, ring(one, options)) for one in cam.flanks())
-        rim = _rim(flanks)
+        rim = rim_of(flanks)
         pivot = None if shape.pivot is None else (sign * shape.pivot[0], shape.pivot[1])
         drive = _stem(cam, start, sign, centre, pivot)
         across = max(2.0 * prime, 2.0 * rim, *(_across(one) for _, one in flanks))
@@ -124,16 +129,6 @@ class Scene:
 def _across(curve: CamProfile) -> float:
     """Extent of a pitch curve [mm]."""
     return max(float(np.ptp(curve.pitch_x)), float(np.ptp(curve.pitch_y)))
-
-
-def _rim(flanks: Flanks) -> float:
-    """Radius of the material around flanks that are touched from inside [mm]; 0 without any."""
-    around = [
-        float(np.hypot(curve.x, curve.y).max()) + (flank.rim or RIM * flank.distance)
-        for flank, curve in flanks
-        if flank.side < 0
-    ]
-    return max(around, default=0.0)
 
 
 def _stem(
@@ -187,23 +182,10 @@ def shapes(scene: Scene) -> list[str]:
         body.append(svg.circle("line prime", 0.0, 0.0, scene.prime))
         steps = svg.steps(ring.pitch_x, ring.pitch_y, decimals, closed=True)
         body.append(svg.path("line pitch", steps))
-    body += [_outline(scene), *_counters(scene)]
+    body.append(outline(scene.flanks, scene.rim, scene.rotation, scene.decimals))
+    body += _counters(scene)
     body.append(svg.circle("outline metal", 0.0, 0.0, HUB * scene.u))
     return [*body, *_border_ticks(scene), *_rotation(scene), *_follower(scene)]
-
-
-def _outline(scene: Scene) -> str:
-    """The cam as an area: its profile, or a rim, less what an outer flank leaves open."""
-    first = scene.flanks[0][0]
-    mine = [(flank, curve) for flank, curve in scene.flanks if flank.path == first.path]
-    steps = ""
-    for flank, curve in mine:
-        x, y = curve.x[:: flank.side], curve.y[:: flank.side]  # holes run the other way round
-        steps += svg.steps(x, y, scene.decimals, closed=True)
-    if scene.rim > 0.0:
-        r, sweep = svg.num(scene.rim), int(scene.rotation < 0.0)
-        steps += f"M{r} 0A{r} {r} 0 0 {sweep} -{r} 0A{r} {r} 0 0 {sweep} {r} 0Z"
-    return svg.path("outline body", steps)
 
 
 def _counters(scene: Scene) -> list[str]:
@@ -217,24 +199,8 @@ def _counters(scene: Scene) -> list[str]:
         centre = float(start.pitch_x[0]), float(start.pitch_y[0])
         body.append(svg.circle("line outline", *centre, flank.distance))
         if scene.pivot is not None:
-            body += _bar(centre, scene.pivot, flank.distance, scene.u)
+            body += bar(centre, scene.pivot, flank.distance, scene.u)
     return body
-
-
-def _bar(centre: tuple[float, float], pivot: tuple[float, float], roller: float, u: float) -> Lines:
-    """The two edges of an arm, from a roller's rim to the eye at the pivot."""
-    (x, y), eye = centre, PIVOT * STEM * u
-    length, half = math.hypot(pivot[0] - x, pivot[1] - y), _half_width(roller, u)
-    up = (pivot[0] - x) / length, (pivot[1] - y) / length
-    foot = math.sqrt(max(roller**2 - half**2, 0.0))
-    end = length - math.sqrt(max(eye**2 - half**2, 0.0))
-    edges = [(_from(centre, up, end, s), _from(centre, up, foot, s)) for s in (-half, half)]
-    return [svg.path("line outline", f"M{outer}L{inner}") for outer, inner in edges]
-
-
-def _half_width(roller: float, u: float) -> float:
-    """Half the width of a stem or an arm [mm]."""
-    return min(max(0.3 * roller, 1.2 * u), 2.5 * u, 0.8 * roller or math.inf)
 
 
 def _centre_lines(scene: Scene) -> list[str]:
@@ -303,7 +269,7 @@ def _flat_face(scene: Scene) -> list[str]:
     plate = (-ty, tx), [(0.0, -left), (0.0, right), (2.0 * u, right), (2.0 * u, -left)]
     return [
         svg.path(
-            "outline metal", "M" + "L".join(_from(scene.centre, up, *c) for c in corners) + "Z"
+            "outline metal", "M" + "L".join(point_from(scene.centre, up, *c) for c in corners) + "Z"
         )
         for up, corners in (stem, plate)
     ]
@@ -315,7 +281,7 @@ def _swinging_face(scene: Scene) -> list[str]:
     assert pivot is not None
     eye, left, right = PIVOT * STEM * u, max(left, 0.0), max(right, 0.0)
     plate = [(0.0, -left), (0.0, right), (2.0 * u, right), (2.0 * u, -left)]
-    steps = "M" + "L".join(_from(scene.centre, (-ty, tx), *corner) for corner in plate) + "Z"
+    steps = "M" + "L".join(point_from(scene.centre, (-ty, tx), *corner) for corner in plate) + "Z"
     return [
         svg.line("line outline", *scene.centre, *pivot),
         svg.path("outline metal", steps),
@@ -324,17 +290,11 @@ def _swinging_face(scene: Scene) -> list[str]:
     ]
 
 
-def _from(centre: tuple[float, float], up: tuple[float, float], along: float, across: float) -> str:
-    """A point so far along a direction, and across it to the right."""
-    (x, y), (gx, gy) = centre, up
-    return f"{svg.num(x + along * gx + across * gy)} {svg.num(y + along * gy - across * gx)}"
-
-
 def _arm(scene: Scene) -> list[str]:
     """Roller, arm and the eye at its pivot."""
     u, (x, y), pivot = scene.u, scene.centre, scene.pivot
     assert pivot is not None
-    body = _bar(scene.centre, pivot, scene.roller, u)
+    body = bar(scene.centre, pivot, scene.roller, u)
     if scene.roller > 0.0:
         body.append(svg.circle("line outline", x, y, scene.roller))
         body.append(svg.circle("line axis", x, y, min(0.25 * scene.roller, HUB * u)))
@@ -348,11 +308,11 @@ def _arm(scene: Scene) -> list[str]:
 def _follower(scene: Scene) -> list[str]:
     """Roller and stem, a flat face or a knife edge, at cam angle 0."""
     u, (x, y) = scene.u, scene.centre
-    half = _half_width(scene.roller, u)
+    half = half_width(scene.roller, u)
     end, foot = scene.roller + STEM * u, math.sqrt(max(scene.roller**2 - half**2, 0.0))
 
     def at(along: float, across: float) -> str:
-        return _from(scene.centre, scene.drive, along, across)
+        return point_from(scene.centre, scene.drive, along, across)
 
     if any(scene.face):
         return _flat_face(scene) if scene.pivot is None else _swinging_face(scene)

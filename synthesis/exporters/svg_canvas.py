@@ -1,8 +1,4 @@
-"""SVG by hand: elements, numbers, text that fits, ticks, and one style for all drawings.
-
-No ids and no CSS variables, so that drawings can stand side by side in one page and plain viewers
-show them as well as browsers do. Lengths in the style are multiples of a sheet's unit u.
-"""
+"""SVG by hand: elements, numbers, text that fits, ticks."""
 
 from __future__ import annotations
 
@@ -12,65 +8,15 @@ from collections.abc import Sequence
 from unicodedata import east_asian_width
 from xml.sax.saxutils import escape
 
+from synthesis.exporters.theme import LABEL, TICK, TITLE, Theme, num, style
 from synthesis.numerics.piecewise import Array
 
-FONT = "'Helvetica Neue',Helvetica,Arial,'Liberation Sans','DejaVu Sans',sans-serif"
-TITLE, LABEL, TICK = 4.4, 2.9, 2.6  # heights of letters, in u
+__all__ = ["LABEL", "TICK", "TITLE", "num"]
+
 NARROW = frozenset("ijlftr.,:;'|!()[]· \u202f")
 SPACE = re.compile(r"[^\S\u202f]+")
+EXPONENT = re.compile(r"e\+?(-?)0*")
 NOT_XML = re.compile("[^\t\n\r\x20-\ud7ff\ue000-\ufffd\U00010000-\U0010ffff]")
-
-# class: (light, dark)
-FILLS = {
-    "ground": ("#ffffff", "#15191e"),
-    "title": ("#14181d", "#f0f3f6"),
-    "label": ("#14181d", "#f0f3f6"),
-    "quiet": ("#565e68", "#a4adb8"),
-    "tick": ("#565e68", "#a4adb8"),
-    "alarm": ("#b3261e", "#ff8f85"),
-    "body": ("#0b57a4", "#82bbf5"),
-    "metal": ("#ffffff", "#15191e"),
-    "rest": ("#f1f3f5", "#1d2228"),
-    "solid": ("#14181d", "#f0f3f6"),
-    "start": ("#0b57a4", "#82bbf5"),
-    "several": ("#cfe0f0", "#24405c"),
-}
-STROKES = {
-    "outline": ("#14181d", "#f0f3f6", 0.5, ""),
-    "curve": ("#0b57a4", "#82bbf5", 0.5, ""),
-    "pitch": ("#0b57a4", "#82bbf5", 0.3, ""),
-    "circle": ("#565e68", "#a4adb8", 0.25, "1.6 1"),
-    "prime": ("#565e68", "#a4adb8", 0.25, "4 1.2"),
-    "axis": ("#565e68", "#a4adb8", 0.2, ""),
-    "centre": ("#8a939d", "#78828d", 0.15, "5 1 1 1"),
-    "grid": ("#dde2e7", "#2b323a", 0.15, ""),
-    "border": ("#8a939d", "#78828d", 0.2, ""),
-    "jump": ("#0b57a4", "#82bbf5", 0.2, "0.6 0.6"),
-    "phase": ("#0b57a4", "#82bbf5", 0.3, "1.6 0.8"),
-    "limit": ("#b3261e", "#ff8f85", 0.3, "2.4 1.2"),
-    "broken": ("#b3261e", "#ff8f85", 1.1, ""),
-    "halo": ("#ffffff", "#15191e", 1.2, ""),
-    "inner": ("#ebf2f8", "#202831", 1.2, ""),
-}
-
-
-def style(u: float) -> str:
-    """The style sheet for a sheet whose unit is ``u`` mm; dark only on a dark screen."""
-    light = [f".camwright text{{font-family:{FONT};font-variant-numeric:tabular-nums}}"]
-    sizes = {"title": TITLE, "label": LABEL, "quiet": LABEL, "tick": TICK, "alarm": LABEL}
-    light += [f".camwright .{name}{{font-size:{num(k * u)}px}}" for name, k in sizes.items()]
-    light.append(".camwright .title{font-weight:600}")
-    light += [f".camwright .{name}{{fill:{fill[0]}}}" for name, fill in FILLS.items()]
-    dark = [f".camwright .{name}{{fill:{fill[1]}}}" for name, fill in FILLS.items()]
-    for name, (day, night, width, pattern) in STROKES.items():
-        dashes = " ".join(num(float(k) * u) for k in pattern.split())
-        dashed = f";stroke-dasharray:{dashes}" if dashes else ""
-        light.append(f".camwright .{name}{{stroke:{day};stroke-width:{num(width * u)}{dashed}}}")
-        dark.append(f".camwright .{name}{{stroke:{night}}}")
-    light.append(".camwright path{stroke-linejoin:round;stroke-linecap:round}")
-    light.append(".camwright .line{fill:none}.camwright .body{fill-opacity:.08}")
-    light.append(".camwright text{paint-order:stroke;stroke-linejoin:round}")
-    return "".join(light) + f"@media screen and (prefers-color-scheme:dark){{{''.join(dark)}}}"
 
 
 def document(
@@ -81,10 +27,12 @@ def document(
     description: str,
     body: Sequence[str],
     scale: float = 1.0,
+    theme: Theme = "auto",
+    rules: str = "",
 ) -> bytes:
     """A sheet of the given size [mm], shown ``scale`` times as large; coordinates stay as they are.
 
-    The origin is its upper left corner.
+    The origin is its upper left corner. ``rules`` are added to the style.
     """
     w, h = num(width), num(height)
     lines = [
@@ -94,7 +42,7 @@ def document(
         f'viewBox="0 0 {w} {h}">',
         f"<title>{plain(title)}</title>",
         f"<desc>{plain(description)}</desc>",
-        f"<style>{style(u)}</style>",
+        f"<style>{style(u, theme)}{rules}</style>",
         f'<rect class="ground" width="{w}" height="{h}"/>',
         *body,
         "</svg>",
@@ -107,17 +55,12 @@ def plain(text: str) -> str:
     return escape(SPACE.sub(" ", NOT_XML.sub("\ufffd", text)).strip())
 
 
-def num(value: float, decimals: int = 4) -> str:
-    """A coordinate without trailing zeros."""
-    text = f"{value:.{decimals}f}".rstrip("0").rstrip(".")
-    return "0" if text in ("-0", "") else text
-
-
 def figure(value: float, digits: int = 4) -> str:
     """A number for people: so many significant digits, groups of three, a true minus sign."""
     rounded = float(f"{value:.{digits}g}") + 0.0
     text = f"{rounded:,.12g}" if abs(rounded) >= 1e5 else f"{rounded:.12g}"
-    return text.replace(",", "\u202f").replace("inf", "∞").replace("e+", "e").replace("-", "−")
+    text = EXPONENT.sub(r"e\1", text)
+    return text.replace(",", "\u202f").replace("inf", "∞").replace("-", "−")
 
 
 def unit(name: str) -> str:

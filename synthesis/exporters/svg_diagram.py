@@ -3,30 +3,20 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
 
 import numpy as np
 
-from synthesis.design import Design
 from synthesis.exporters import svg_canvas as svg
-from synthesis.exporters.cam import Cam
-from synthesis.exporters.options import MotionOptions
-from synthesis.exporters.readings import (
-    EXACT,
-    Bound,
-    Quantity,
-    Trace,
-    bounds,
-    exceeds,
-    impulses,
-    trace,
-)
+from synthesis.exporters.plot import Labels, Plot
+from synthesis.exporters.readings import EXACT, Bound, Trace, exceeds
 from synthesis.numerics.piecewise import Array
 
-SUPERSCRIPTS = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
-MEASURED_PER_DEGREE = 20.0  # at which the extremes are read
 PLATEAU = 1e-13  # values that differ by less are one plateau
 FAR = 1.6  # a limit further out than this many times the peak is told, not drawn
+HATCH = 1.1  # [mm] between the lines that fill what exceeds a limit
+LEGIBLE = 4.0  # [mm], height of a strip in which a word fits
 
 
 @dataclass(frozen=True)
@@ -49,57 +39,60 @@ class Frame:
         return self.top + self.height * (self.high - value) / (self.high - self.low)
 
 
-def diagram(
-    design: Design, cam: Cam, quantity: Quantity, frame: Frame, options: MotionOptions
-) -> list[str]:
+def diagram(plot: Plot, frame: Frame) -> list[str]:
     """The elements of one diagram, its title line above the frame."""
-    curve, infinite = trace(cam, quantity, options), impulses(cam, quantity)
-    fine = trace(cam, quantity, MotionOptions(MEASURED_PER_DEGREE))
-    limits, unit = bounds(design, quantity), svg.unit(cam.travel.told(quantity.order))
-    frame = _ranged(frame, fine.values, limits)
+    frame = ranged(frame, plot)
+    labels = plot.labels(frame.low, frame.high)
     return [
-        *_axes(frame, _exponent(frame)),
-        *_limit_lines(frame, limits),
-        *_curve(frame, curve),
-        *_arrows(frame, infinite, bool(limits)),
-        *_broken(frame, fine, limits),
-        *_title(frame, quantity, unit, fine.followed_by(infinite), limits),
+        *_bad(frame, plot.bad),
+        *_axes(frame, labels),
+        *_limit_lines(frame, plot.limits),
+        *_curve(frame, plot.curve),
+        *_arrows(frame, plot.infinite, bool(plot.limits)),
+        *_broken(frame, plot.fine, plot.limits),
+        *_title(frame, plot, labels),
     ]
 
 
-def _ranged(frame: Frame, values: Array, limits: list[Bound]) -> Frame:
+def ranged(frame: Frame, plot: Plot) -> Frame:
     """The frame with a range that holds zero, the curve, and the limits that are not far away."""
+    values = plot.fine.values
     peak = float(np.max(np.abs(values)))
-    ends = [end for bound in limits for end in (bound.lower, bound.upper)]
+    ends = [end for bound in plot.limits for end in (bound.lower, bound.upper)]
     shown = [0.0, float(values.min()), float(values.max())]
     shown += [end for end in ends if abs(end) <= FAR * peak]
     if max(shown) == min(shown):
         shown = [-1.0, 1.0]
     pad = 0.06 * (max(shown) - min(shown))
     low = min(shown) - pad if min(shown) < -EXACT * max(shown) else 0.0
-    return Frame(frame.left, frame.top, frame.width, frame.height, low, max(shown) + pad)
+    return replace(frame, low=low, high=max(shown) + pad)
 
 
-def _exponent(frame: Frame) -> int:
-    """Power of ten taken out of the numbers at the axis: 0 or a multiple of three."""
-    size = math.floor(math.log10(max(abs(frame.low), abs(frame.high))))
-    return 0 if -2 <= size <= 3 else 3 * (size // 3)
+def _bad(frame: Frame, ends: Sequence[float]) -> list[str]:
+    """A ground for values that no cam has."""
+    if not ends or max(ends) <= frame.low or min(ends) >= frame.high:
+        return []
+    top, bottom = frame.y(np.clip([max(ends), min(ends)], frame.low, frame.high)).tolist()
+    body = [svg.box("undercut", frame.left, top, frame.width, bottom - top)]
+    if bottom - top >= LEGIBLE:
+        right = frame.left + frame.width - 1.5
+        body.append(svg.text("tick", right, 0.5 * (top + bottom) + 0.9, "undercut", "end"))
+    return body
 
 
-def _axes(frame: Frame, exponent: int) -> list[str]:
+def _axes(frame: Frame, labels: Labels) -> list[str]:
     right, bottom = frame.left + frame.width, frame.top + frame.height
     across = frame.x(np.arange(30.0, 360.0, 30.0)).tolist()
     body = [svg.line("grid", x, frame.top, x, bottom) for x in across]
-    for value in svg.ticks(frame.low, frame.high, 6):
+    for value, told in labels.ticks:
         y = float(frame.y(np.array(value)))
         body.append(svg.line("axis" if value == 0.0 else "grid", frame.left, y, right, y))
-        shown = svg.figure(value / 10.0**exponent, 6)
-        body.append(svg.text("tick", frame.left - 1.6, y + 0.9, shown, "end"))
+        body.append(svg.text("tick", frame.left - 1.6, y + 0.9, told, "end"))
     body.append(svg.line("axis", frame.left, frame.top, frame.left, bottom))
     return [*body, svg.line("axis", frame.left, bottom, right, bottom)]
 
 
-def _limit_lines(frame: Frame, limits: list[Bound]) -> list[str]:
+def _limit_lines(frame: Frame, limits: Sequence[Bound]) -> list[str]:
     body = []
     for bound in limits:
         x1, x2 = frame.x(np.array([bound.start, bound.end])).tolist()
@@ -131,46 +124,49 @@ def _arrows(frame: Frame, infinite: Trace, limited: bool) -> list[str]:
     return body
 
 
-def _broken(frame: Frame, curve: Trace, limits: list[Bound]) -> list[str]:
-    """The curve once more, where it breaks a limit."""
+def _broken(frame: Frame, curve: Trace, limits: Sequence[Bound]) -> list[str]:
+    """The curve once more where it breaks a limit, and what lies between the two hatched."""
     body = []
     x, y = frame.x(curve.degrees), frame.y(curve.values)
     for bound in limits:
         wrong = np.flatnonzero(exceeds(curve, bound))
         runs = np.split(wrong, np.flatnonzero(np.diff(wrong) > 1) + 1)
-        body += [svg.path("line broken", svg.steps(x[r], y[r], 3)) for r in runs if len(r)]
+        for run in (run for run in runs if len(run)):
+            over = curve.values[run[0]] > bound.upper
+            level = float(frame.y(np.array(bound.upper if over else bound.lower)))
+            body += _hatched(x[run], y[run], level)
+            body.append(svg.path("line broken", svg.steps(x[run], y[run], 3)))
     return body
 
 
-def _title(
-    frame: Frame, quantity: Quantity, unit: str, curve: Trace, limits: list[Bound]
-) -> list[str]:
+def _hatched(x: Array, y: Array, level: float) -> list[str]:
+    """Upright lines from a curve to a level."""
+    at = np.arange(math.ceil(x[0] / HATCH), math.floor(x[-1] / HATCH) + 1) * HATCH
+    feet = np.interp(at, x, y)
+    return [svg.line("hatch", a, b, a, level) for a, b in zip(at.tolist(), feet, strict=True)]
+
+
+def _title(frame: Frame, plot: Plot, labels: Labels) -> list[str]:
     """Name and unit on the left; extremes and limits on the right, in alarm if broken."""
-    exponent = _exponent(frame)
-    factor = f"10{str(exponent).translate(SUPERSCRIPTS)} " if exponent else ""
-    ends = [("max", curve.values.max())]
-    ends += [("min", curve.values.min())] if quantity.order else []
-    told = []
-    for word, value in ends:  # on a plateau, its beginning
+    curve, told = plot.fine.followed_by(plot.infinite), []
+    for word, largest in plot.ends:  # on a plateau, its beginning
+        value = curve.values.max() if largest else curve.values.min()
         first = np.argmax(np.isclose(curve.values, value, rtol=PLATEAU, atol=0.0))
-        angle = svg.figure(curve.degrees[first], 5)
-        told.append(f"{word} {svg.figure(value / 10.0**exponent)} at {angle}°")
-    told += sorted({_limit_text(bound, exponent) for bound in limits})
-    broken = any(exceeds(curve, bound).any() for bound in limits)
-    title = f"{quantity.title} {quantity.symbol}, {factor}{unit}"
+        told.append(f"{word} {labels.told(value)} at {svg.figure(curve.degrees[first], 5)}°")
+    told += sorted({_limit_text(bound, labels) for bound in plot.limits})
+    broken = any(exceeds(curve, bound).any() for bound in plot.limits)
     right, y = frame.left + frame.width, frame.top - 2.2
-    return [
-        svg.text("label", frame.left, y, title),
-        svg.text("alarm" if broken else "quiet", right, y, " · ".join(told), "end"),
-    ]
+    title = svg.text("label", frame.left, y, f"{plot.title}, {labels.factor}{plot.unit}")
+    kind = "alarm" if broken else "quiet"
+    return [title, *([svg.text(kind, right, y, " · ".join(told), "end")] if told else [])]
 
 
-def _limit_text(bound: Bound, exponent: int) -> str:
-    ends = [svg.figure(end / 10.0**exponent) for end in (bound.lower, bound.upper)]
+def _limit_text(bound: Bound, labels: Labels) -> str:
+    lower, upper = labels.told(bound.lower), labels.told(bound.upper)
     if bound.lower == -bound.upper:
-        return f"limit ±{ends[1]}"
-    if ends[0] == ends[1]:  # a window that asks for one value
-        return f"limit {ends[0]}"
+        return f"limit ±{upper}"
+    if lower == upper:  # a window that asks for one value
+        return f"limit {lower}"
     if math.isinf(bound.lower) or math.isinf(bound.upper):
-        return f"limit {ends[1] if math.isinf(bound.lower) else ends[0]}"
-    return f"limits {ends[0]} and {ends[1]}"
+        return f"limit {upper if math.isinf(bound.lower) else lower}"
+    return f"limits {lower} and {upper}"

@@ -9,7 +9,8 @@ import numpy as np
 from synthesis.design import Design
 from synthesis.exporters import svg_canvas as svg
 from synthesis.exporters.sampling import in_degrees
-from synthesis.exporters.svg_cam import BELOW, STEM, TICK, Box, Scene
+from synthesis.exporters.svg_cam import BELOW, TICK, Box, Scene
+from synthesis.exporters.svg_parts import STEM
 
 Text = tuple[str, float, float, str]  # kind, x, y, what it says
 

@@ -14,7 +14,7 @@ from synthesis.design import Design
 from synthesis.exporters import svg_canvas as svg
 from synthesis.exporters.cam import Cam
 from synthesis.exporters.exporter import Exporter, untold
-from synthesis.exporters.options import ProfileOptions
+from synthesis.exporters.picture_options import CamDrawingOptions
 from synthesis.exporters.svg_cam import BELOW, Scene, shapes
 from synthesis.exporters.svg_heading import TURNS, heading
 from synthesis.exporters.svg_labels import labels
@@ -26,7 +26,7 @@ NARROW, WIDE, SHOWN = 110.0, 420.0, 300.0  # of a sheet [mm]: see ``shown_at``
 OPPOSITE = {"ccw": "cw", "cw": "ccw"}
 
 
-def _profile(design: Design, options: ProfileOptions) -> bytes:
+def _profile(design: Design, options: CamDrawingOptions) -> bytes:
     Cam.of(design, options)  # a curve that the cam has not is refused; all are drawn
     scene = Scene.of(design, Cam.of(design), options)
     u, (left, bottom, right, top) = scene.u, scene.extent
@@ -52,7 +52,7 @@ def _profile(design: Design, options: ProfileOptions) -> bytes:
         f"The cam's profile and pitch curve, drawn {ratio(scale)}, with the follower at cam "
         "angle 0. One unit of the coordinates is 1 mm of the cam."
     )
-    return svg.document(width, height, u, title, told, body, scale)
+    return svg.document(width, height, u, title, told, body, scale, options.theme)
 
 
 def shown_at(width: float) -> float:
@@ -152,6 +152,6 @@ PROFILE = Exporter(
     "image/svg+xml",
     ".svg",
     untold(_profile),
-    ProfileOptions,
+    CamDrawingOptions,
     placeable=False,
 )

@@ -19,13 +19,13 @@ from synthesis.formulations.convex import Plan
 from synthesis.formulations.ends import joint_rows
 from synthesis.formulations.family import over_family
 from synthesis.formulations.held import quietening
+from synthesis.formulations.multipliers import ends_priced, heard
 from synthesis.formulations.prices import end_prices
 from synthesis.formulations.switching import Switching, spread, switching
 from synthesis.numerics.piecewise import Array
 from synthesis.solvers.clarabel import ConeSolution
 
 ROUNDING = 1e-12  # relative allowance for the floating-point sums below
-SILENT = 1e-10  # of the largest: multipliers of rows that do not bind, all but noise
 NAMES = {2: "acceleration", 3: "jerk"}
 
 
@@ -81,16 +81,16 @@ class _Ledger:
 def bound(plan: Plan, solution: ConeSolution, ends: Sequence[Array] | None = None) -> Bound:
     """The bound that these multipliers give: over all laws, else over the splines' family.
 
-    ``ends``: prices of every law's end (``solved_prices``) where the rows at hand are not quite
+    ``ends``: prices of every law's end (``ends_priced``) where the rows at hand are not quite
     those that were solved.
     """
     steering = controls(plan)
     if steering is None:
         return Bound(in_core_units(plan, over_family(plan, solution)), _family(plan))
-    order = steering[0].order if steering else 3
+    order, prices = steering[0].order if steering else 3, heard(plan, solution)
     if ends is None:
-        ends = solved_prices(plan, solution, order)
-    ledger = _add_up(plan, solution, steering, ends)
+        ends = ends_priced(plan, solution, prices, order)
+    ledger = _add_up(plan, solution, prices, steering, ends)
     psi = _psi(ledger, order)
     total = _minimum(plan, solution, ledger, steering, psi)
     over = f"all motion laws with a bounded {NAMES[order]}" if steering else _family(plan)
@@ -113,14 +113,12 @@ def in_core_units(plan: Plan, value: float) -> float:
     return value * plan.scales.level
 
 
-def solved_prices(plan: Plan, solution: ConeSolution, order: int) -> list[Array]:
-    """The solver's prices of g to g^(order − 1) at the end of every law: (order,) each."""
-    prices = _prices(plan, solution)
-    return [_end_price(plan, solution, prices, k, order) for k in range(len(plan.grids))]
-
-
 def _add_up(
-    plan: Plan, solution: ConeSolution, steering: Sequence[Control], ends: Sequence[Array]
+    plan: Plan,
+    solution: ConeSolution,
+    prices: Sequence[Array],
+    steering: Sequence[Control],
+    ends: Sequence[Array],
 ) -> _Ledger:
     """All rows times their multipliers, as functionals of arbitrary laws."""
     laws, order = len(plan.grids), steering[0].order if steering else 3
@@ -134,7 +132,6 @@ def _add_up(
         spans=[[] for _ in range(laws)],
         heights=[[] for _ in range(laws)],
     )
-    prices = _prices(plan, solution)
     _book_blocks(plan, prices, ledger, order)
     _book_parts(plan, solution, prices, ledger, order)
     _book_balls(plan, solution, ledger)
@@ -143,16 +140,6 @@ def _add_up(
     _book_prices(plan, ledger, end_prices(plan, steering, psi, ledger.state, ends))
     _quieten(plan, ledger, order)
     return ledger
-
-
-def _prices(plan: Plan, solution: ConeSolution) -> list[Array]:
-    """The inequality multipliers, block by block, those that are noise left out.
-
-    An interior point gives every row one; most are of rows far from binding, and cost time only.
-    """
-    found = plan.multipliers(solution.multipliers)
-    loudest = max((float(np.max(z, initial=0.0)) for z in found), default=0.0)
-    return [np.where(z > SILENT * loudest, z, 0.0) for z in found]
 
 
 def _quieten(plan: Plan, ledger: _Ledger, order: int) -> None:
@@ -269,38 +256,6 @@ def _book_fixed(plan: Plan, solution: ConeSolution, ledger: _Ledger) -> None:
             at += 1
             ledger.size[j] += mu
             ledger.add(-mu * low / plan.scales.size)
-
-
-def _end_price(
-    plan: Plan, solution: ConeSolution, prices: Sequence[Array], position: int, order: int
-) -> Array:
-    """The solver's prices of g^(k)(1), k < order: of shared values those of the joints' rows.
-
-    Those of known values are what makes the eliminated last coefficients stationary.
-    """
-    end, space = plan.settled[position].end, plan.grids[position].space
-    nu, gradient = np.zeros(max(order, len(end))), np.zeros(space.size)
-    for block, z in (
-        *zip(plan.blocks, prices, strict=True),
-        *zip(plan.exact, plan.exact_multipliers(solution.multipliers), strict=True),
-    ):
-        if block.stretch == position and block.laws is not None:
-            gradient += block.laws.T @ z
-    at = 0
-    for joint in plan.joints:
-        before, after = joint_rows(joint, plan.problem.free, plan.grids)
-        mu = solution.multipliers[at : at + len(before.units)]
-        at += len(mu)
-        for side in (before, after):
-            if side.position == position:
-                gradient += side.dense.T @ mu
-        if before.position == position:
-            shared = (mu * before.units)[: max(order - joint.lowest, 0)]
-            nu[joint.lowest : joint.lowest + len(shared)] = shared
-    count = len(end)
-    rows = space.boundary(1.0, count)[:, space.size - count :]
-    nu[:count] = np.linalg.solve(rows.T, -gradient[space.size - count :])
-    return nu[:order]
 
 
 def _book_prices(plan: Plan, ledger: _Ledger, prices: Sequence[Array]) -> None:

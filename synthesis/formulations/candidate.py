@@ -28,12 +28,15 @@ class Candidate:
         laws: one per free stretch.
         size: size variables [mm].
         value: the objective in core units.
+        fitted: the size meets every row that speaks of it, all along the laws, but for what
+            growing costs in the last size variable.
     """
 
     problem: Problem
     laws: tuple[SettledLaw, ...]
     size: Vector
     value: float
+    fitted: bool = False
 
 
 def settle(
@@ -50,7 +53,10 @@ def settle(
     placed = [s.with_law(law.curve()) for s, law in zip(problem.free, laws, strict=True)]
     settled = problem.settled(placed)
     size = None if keep_hint or needs_size(problem) else smallest(settled)
-    return at_size(settled, laws, hint if size is None else size)
+    found = at_size(settled, laws, hint if size is None else size)
+    # it may have grown since: that eases some rows, and others are looked at again
+    grown = size is not None and found.size[:-1] == size[:-1] and found.size[-1] >= size[-1]
+    return replace(found, fitted=grown)
 
 
 def at_size(settled: Problem, laws: Sequence[SettledLaw], size: Vector) -> Candidate:

@@ -16,7 +16,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from synthesis.formulations.bound import Bound, bound, solved_prices
+from synthesis.formulations.bound import Bound, bound
 from synthesis.formulations.candidate import Candidate, settle
 from synthesis.formulations.control import Control, controls
 from synthesis.formulations.convex import Plan, formulate, with_rows
@@ -24,6 +24,7 @@ from synthesis.formulations.grid import Grid, SettledLaw, merged, over, uniform
 from synthesis.formulations.knots import all_halved, finer
 from synthesis.formulations.lair import Guess, Lair, Parts, narrowed, unknown
 from synthesis.formulations.local import improve_from
+from synthesis.formulations.multipliers import ends_priced, heard
 from synthesis.formulations.problem import Held, Nothing, Problem
 from synthesis.formulations.search import Search, Stage
 from synthesis.motion import Stretch
@@ -207,7 +208,7 @@ def climbed(quest: Quest, box: Box) -> Box:
         plan = with_rows(relaxed, box.lair.rows(relaxed))
         solution = solve(plan.program, quest.state.left())
         between = box.lair.spread(plan, SPREAD)
-        ends = solved_prices(plan, solution, 3)
+        ends = ends_priced(plan, solution, heard(plan, solution), 3)
         dense = replace(solution, multipliers=between.masses(solution.multipliers, ends))
         if solution.stopped is Stopped.INFEASIBLE:
             box = _raised(box, _excluded(between.plan, dense, ends))

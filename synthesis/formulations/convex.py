@@ -98,9 +98,9 @@ class Plan:
 
     def multipliers(self, z: Array) -> list[Array]:
         """The inequality multipliers, block by block, none negative."""
-        found, at = [], self.program.equalities
+        z, found, at = np.maximum(z, 0.0), [], self.program.equalities
         for block in self.blocks:
-            found.append(np.maximum(z[at : at + len(block.rhs)], 0.0))
+            found.append(z[at : at + len(block.rhs)])
             at += len(block.rhs)
         return found
 

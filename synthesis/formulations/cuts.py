@@ -141,7 +141,7 @@ def on_given(curve: Curved, stretch: Stretch, scales: Scales, tighten: float) ->
     step = np.linspace(0.0, 1.0, each)
     theta = (placed.breaks[:-1, None] + np.diff(placed.breaks)[:, None] * step).ravel()
     piece = np.repeat(np.arange(placed.count), each)
-    s = np.stack([placed.at(theta, piece, order) for order in range(4)])
+    s = placed.jet(theta, piece, 3)
     families = curve.half_planes(s)
     if not families:
         return

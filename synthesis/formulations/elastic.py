@@ -35,6 +35,7 @@ LATE = "the time budget ended before this was known"
 ALONE = "relaxing this limit alone cannot help"
 BEST = "what the best cam found comes to, not proven least"
 EACH = "leaving out any one of those named, the others can hold"
+ENOUGH = 2e-6  # relative: by how much what is needed is told larger than the cone program has it
 SPARE = 2e-3  # relative: what limits that just touch must leave for a cam to be found and proven
 
 
@@ -154,6 +155,8 @@ def _relaxations(
             late = True
     if needed is not None and scene.drawn == SPARE:
         needed = part.eased(needed, 2.0 * SPARE)
+    elif needed is not None and block is None:  # asked for as it is told, it must do
+        needed = part.eased(needed, ENOUGH)
     tight = [m for m in part.members if needed is None or _tighter(part, m.asked, needed)]
     note = (
         block.note

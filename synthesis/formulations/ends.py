@@ -136,10 +136,9 @@ def _in_g(value: float, known: EndState, stretch: Stretch) -> Array:
 def _settled(free: Stretch, given: Stretch, *, at_start: bool) -> Array:
     """Derivatives of g where a free law meets a given one: those asked for, else the given's."""
     assert free.free is not None
-    placed, highest = given.placed(), free.free.promised(at_start=at_start)
-    x = placed.breaks[-1:] if at_start else placed.breaks[:1]
-    values = placed.derivatives(x, max(highest, 2), "left" if at_start else "right")
-    known = values[:, 0] * free.angle ** np.arange(len(values)) / free.lift
+    highest = free.free.promised(at_start=at_start)
+    values = given.beside(max(highest, 2), at_start=not at_start)
+    known = values * free.angle ** np.arange(len(values)) / free.lift
     known[0] = 0.0 if at_start else 1.0
     asked = (free.at_start if at_start else free.at_end).normalised(free.angle, free.lift)
     count = highest + 1

@@ -2,15 +2,20 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from math import inf
 
 import numpy as np
 
 from synthesis.formulations.candidate import Candidate
 from synthesis.formulations.convex import natural_scales
-from synthesis.formulations.rows import inside, row_scale, sampled
+from synthesis.formulations.grid import Grid
+from synthesis.formulations.problem import Problem
+from synthesis.formulations.rows import Scales, inside, row_scale, sampled
 from synthesis.formulations.search import Search
+from synthesis.motion import Stretch
 from synthesis.numerics.piecewise import Array
+from synthesis.terms import Row
 
 ALLOWED = 1e-9  # relative excess of a row that is solver noise: the certificate decides
 
@@ -25,24 +30,42 @@ def misses(state: Search, found: Candidate) -> tuple[list[Array], float]:
     points = []
     settled = {stretch.index: stretch for stretch in found.problem.stretches}
     for free, grid in zip(state.problem.free, state.grids, strict=True):
-        x = _between(grid.points)
-        s = settled[free.index].placed().derivatives(free.start + free.angle * x)
         exceeding = [np.zeros(0)]
-        for row in state.problem.limit_rows(free):
-            if sampled(row, grid.space):
-                size = sum(a * v for a, v in zip(row.size, found.size, strict=False))
-                excess = np.array(row.coefficients) @ s + (size - row.upper)
-                excess /= row_scale(row, free, scales)
-                excess = np.where(inside(row, x), excess, -inf)
-                worst = max(worst, float(np.max(excess)))
+        each = _excesses(state.problem, scales, free, settled[free.index], grid, found)
+        for x, excess, writable in each:
+            worst = max(worst, float(np.max(excess)))
+            if writable:
                 exceeding.append(x[excess > ALLOWED])
-        for curve in state.problem.curves_on(free):
-            for value in curve.excess(s, found.size):
-                worst = max(worst, float(np.max(value)))
-                if curve.turns:  # otherwise it has no rows that could be written there
-                    exceeding.append(x[value > ALLOWED])
         points.append(np.unique(np.concatenate(exceeding)))
     return points, max(worst, _outgrown(state, found))
+
+
+def _excesses(
+    problem: Problem, scales: Scales, free: Stretch, law: Stretch, grid: Grid, found: Candidate
+) -> Iterator[tuple[Array, Array, bool]]:
+    """Points between those of one law's rows, by how much each row is exceeded there, and whether
+    rows could be written there.
+    """
+    rows = [row for row in problem.limit_rows(free) if _may_miss(row, grid, found)]
+    curves = list(problem.curves_on(free))
+    if not rows and not curves:
+        return
+    x, curve = _between(grid.points), law.placed()
+    theta = free.start + free.angle * x
+    s = curve.jet(theta, curve.piece_of(theta), 3)
+    for row in rows:
+        size = sum(a * v for a, v in zip(row.size, found.size, strict=False))
+        excess = np.array(row.coefficients) @ s + (size - row.upper)
+        yield x, np.where(inside(row, x), excess / row_scale(row, free, scales), -inf), True
+    for limit in curves:
+        for value in limit.excess(s, found.size):
+            yield x, value, limit.turns
+
+
+def _may_miss(row: Row, grid: Grid, found: Candidate) -> bool:
+    """Whether a row is kept at points only: the size was not fitted to it, or has outgrown it."""
+    met = found.fitted and bool(row.size) and row.size[-1] <= 0.0
+    return not met and sampled(row, grid.space)
 
 
 def _outgrown(state: Search, found: Candidate) -> float:

@@ -9,7 +9,6 @@ solving it again from x* is the change itself.
 
 from __future__ import annotations
 
-import time
 from abc import ABC, abstractmethod
 from dataclasses import dataclass, replace
 from functools import cached_property
@@ -18,6 +17,7 @@ from math import inf
 import casadi
 import numpy as np
 
+from synthesis import clock
 from synthesis.formulations.bound import in_core_units
 from synthesis.formulations.convex import Plan
 from synthesis.formulations.nonlinear import NonlinearSolution, exchanged, improve, settled
@@ -74,7 +74,7 @@ class Convex(Nearby):
     @staticmethod
     def sought(plan: Plan, deadline: float = inf) -> Convex | None:
         """The optimum, where cone programs say all that matters."""
-        solution = clarabel.solve(plan.program, deadline - time.monotonic())
+        solution = clarabel.solve(plan.program, deadline - clock.now())
         if solution.stopped not in USABLE:
             return None
         problem, size = settled(plan, solution.x)

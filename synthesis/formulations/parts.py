@@ -150,7 +150,7 @@ class LimitPart(Part):
         step = np.linspace(0.0, 1.0, max(SAMPLES // placed.count, 3))
         theta = (placed.breaks[:-1, None] + np.diff(placed.breaks)[:, None] * step).ravel()
         piece = np.repeat(np.arange(placed.count), len(step))
-        s = np.stack([placed.at(theta, piece, order) for order in range(4)])
+        s = placed.jet(theta, piece, 3)
         for curve in limit.curved(stretch, settled.machine):
             if curve.source == self.name:
                 yield from (float(np.max(value)) for value in curve.excess(s, size))

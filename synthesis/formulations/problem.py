@@ -160,13 +160,12 @@ def pose(
 def _radii(spec: DesignSpec, stretches: Sequence[Stretch]) -> tuple[float, float]:
     """Smallest and largest base radius [mm]: a dwell below is a part of the base circle."""
     low, high = spec.base_radius_range()
-    resting = any(
-        s.kind == "dwell" and s.angle > 0.0 and s.s_start <= RESTS * spec.stroke()
-        for s in stretches
-    )
-    if resting and spec.follower.base_gap >= 0.0:
-        low = max(low, *(limit.least_circle for limit in spec.limits), 0.0)
-    return min(low, high), high
+    circle = max((limit.least_circle for limit in spec.limits), default=0.0)
+    if circle <= low or spec.follower.base_gap < 0.0:
+        return low, high
+    lowest = RESTS * spec.stroke()
+    resting = any(s.kind == "dwell" and s.angle > 0.0 and s.s_start <= lowest for s in stretches)
+    return (min(circle, high) if resting else low), high
 
 
 def calmer(problem: Problem) -> Problem:

@@ -13,7 +13,7 @@ from synthesis.motion import Stretch
 from synthesis.numerics.piecewise import Array
 
 Vector = tuple[float, ...]
-DENSITY = 16  # points on every piece of a law, ends included
+DENSITY, LEAST_DENSITY = 192, 8  # points on a law, and on every piece of it, ends included
 PEAK_ROUNDS = 4
 NEAR = -0.1  # samples slacker than this have no peak beside them that matters
 ZOOMS = 5  # each narrows a peak to a quarter of the interval
@@ -39,11 +39,11 @@ def sample(problem: Problem) -> list[Samples]:
     found = []
     for stretch in problem.stretches:
         curve = stretch.placed()
-        density = 2 if stretch.kind == "dwell" else max(DENSITY, 192 // curve.count)
+        density = 2 if stretch.kind == "dwell" else max(LEAST_DENSITY, DENSITY // curve.count)
         step = np.linspace(0.0, 1.0, density)
         theta = (curve.breaks[:-1, None] + np.diff(curve.breaks)[:, None] * step).ravel()
         piece = np.repeat(np.arange(curve.count), density)
-        s = np.stack([curve.at(theta, piece, order) for order in range(4)])
+        s = curve.jet(theta, piece, 3)
         found.append(Samples(stretch, theta, s, piece))
     return found
 
@@ -74,8 +74,8 @@ def grown(problem: Problem, size: Vector, margin: float) -> Vector | None:
         found = _grown(problem, samples, size, margin)
         if found is None:
             return None
-        missed = peaks(problem, samples, found)
-        size = found
+        size, values = found
+        missed = peaks(problem, samples, size, values)
         if violation(problem, missed, size) <= -0.5 * margin:
             return size
         samples = [*samples, *missed]
@@ -83,8 +83,10 @@ def grown(problem: Problem, size: Vector, margin: float) -> Vector | None:
     return follower.raised(size, min(clear, problem.room(size)))
 
 
-def _grown(problem: Problem, samples: list[Samples], size: Vector, margin: float) -> Vector | None:
-    """The same at given samples alone."""
+def _grown(
+    problem: Problem, samples: list[Samples], size: Vector, margin: float
+) -> tuple[Vector, list[Array]] | None:
+    """The same at given samples alone; with the largest expression at every one of them."""
     follower, room = problem.machine.follower, problem.room(size)
 
     def excess(raised: float) -> float:
@@ -95,7 +97,7 @@ def _grown(problem: Problem, samples: list[Samples], size: Vector, margin: float
         at = follower.raised(size, high)
         value = [_worst(problem, part, at) for part in samples]
         if max(float(np.max(v)) for v in value) + margin <= 0.0:
-            return at
+            return at, value
         # points that were slack so far may come to bind on a larger cam: watch them from now on
         keep = [k | (v > WATCHED) for k, v in zip(keep, value, strict=True)]
         watched = [p.at(k) for p, k in zip(samples, keep, strict=True) if np.any(k)]
@@ -108,11 +110,19 @@ def _grown(problem: Problem, samples: list[Samples], size: Vector, margin: float
     return None
 
 
-def peaks(problem: Problem, samples: list[Samples], size: Vector) -> list[Samples]:
-    """Local maxima of the smooth expressions between the samples, closed in on by zooming."""
-    found = []
-    for part in samples[: len(problem.stretches)]:
-        value = _worst(problem, part, size)
+def peaks(
+    problem: Problem, samples: list[Samples], size: Vector, values: list[Array] | None = None
+) -> list[Samples]:
+    """Local maxima of the smooth expressions between the samples, closed in on by zooming.
+
+    ``values``: the largest expression at every sample, where it is known already.
+    """
+    found, parts = [], samples[: len(problem.stretches)]
+    if values is None:
+        values = [_worst(problem, part, size) for part in parts]
+    for part, value in zip(parts, values, strict=False):
+        if np.max(value) <= NEAR:
+            continue
         same = part.piece[1:] == part.piece[:-1]
         rises = np.concatenate([[False], same & (value[1:] >= value[:-1])])
         falls = np.concatenate([same & (value[:-1] >= value[1:]), [False]])
@@ -133,11 +143,11 @@ def _zoomed(problem: Problem, part: Samples, size: Vector, top: NDArray[np.intp]
         step = np.linspace(-1.0, 1.0, 9)
         tried = np.clip(theta[:, None] + reach[:, None] * step, left[:, None], right[:, None])
         on = np.repeat(piece, len(step))
-        s = np.stack([curve.at(tried.ravel(), on, order) for order in range(4)])
+        s = curve.jet(tried.ravel(), on, 3)
         value = _worst(problem, Samples(part.stretch, tried.ravel(), s, on), size)
         best = np.argmax(value.reshape(tried.shape), axis=1)
         theta, reach = tried[np.arange(len(theta)), best], reach / 4.0
-    s = np.stack([curve.at(theta, piece, order) for order in range(4)])
+    s = curve.jet(theta, piece, 3)
     return Samples(part.stretch, theta, s, piece)
 
 

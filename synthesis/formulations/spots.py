@@ -53,7 +53,7 @@ def broken(settled: Problem, size: Vector, eased: int = 0, above: float = 0.0) -
     for limit, position, samples, values in _traces(settled, size):
         theta, piece = _peaks(samples.theta.reshape(values.shape), values)
         curve = samples.stretch.placed()
-        s = np.stack([curve.at(theta, piece, order) for order in range(4)])
+        s = curve.jet(theta, piece, 3)
         kept = _value(settled, limit, position, s, size) > above * (limit >= firm)
         found += _distinct(limit, position, samples, theta[kept], s[:, kept])
     return found

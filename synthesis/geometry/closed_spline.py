@@ -22,14 +22,16 @@ from scipy.interpolate import BSpline
 
 from synthesis.errors import InputError
 from synthesis.geometry.course import ClosedCurve, Course
-from synthesis.geometry.mesh import Mesh
+from synthesis.geometry.joined import joined
+from synthesis.geometry.mesh import AIM, Mesh
 from synthesis.numerics.blossom import control_points, knots_of
 from synthesis.numerics.piecewise import Array
 from synthesis.numerics.quintic import Ends, coefficients, completed
 
 DEGREE = 5
 MOST_NODES = 20_000
-ROUNDS = 40
+ROUNDS, PATIENCE = 40, 20  # tries, with every span by itself and with some of them joined
+WIDEST = 1.0 / 24.0  # of the curve: spacing of nodes
 FREELY = 4  # rounds in which spans may lose pieces too
 SAME = 1e-8  # a step of the tangent [rad], or of the curvature against its size: rounding
 ROUNDING = 2.0**-46  # of the curve's size: no tolerance is below it
@@ -105,22 +107,44 @@ def closed_spline(curve: ClosedCurve, tolerance: float) -> ClosedSpline:
     Raises:
         InputError: the tolerance is below what numbers of 16 digits can tell at this size.
     """
-    mesh = Mesh.first(curve.sizes)
-    for turn in range(ROUNDS):
-        found, departures = _through(curve, mesh, tolerance)
-        if turn and found.error <= tolerance:
+    gentle = _joined(curve, tolerance)
+    if gentle is not curve:
+        found = _fitted(gentle, tolerance, PATIENCE)
+        if found.error <= tolerance:
             return found
-        if len(mesh.span) > MOST_NODES:
-            break
-        mesh = mesh.spread(departures / tolerance, DEGREE + 1, growing=turn >= FREELY)
+    found = _fitted(curve, tolerance, ROUNDS)
+    if found.error <= tolerance:
+        return found
     size = float(np.max(np.abs(found.points)))
     raise InputError(
         "/tolerance_um",
-        tolerance * 1e3,
-        f"The curve came as near as {found.error * 1e3:.3g} µm with {len(mesh.span)} pieces; "
+        float(f"{tolerance * 1e3:.12g}"),
+        f"The curve came as near as {found.error * 1e3:.3g} µm with {found.nodes} pieces; "
         f"rounding alone is {size * ROUNDING * 1e3:.1g} µm at this size.",
         "Allow a larger tolerance.",
     )
+
+
+def _fitted(curve: ClosedCurve, tolerance: float, rounds: int) -> ClosedSpline:
+    """The first spline within the tolerance, or the last that was tried."""
+    mesh = Mesh.first(curve.sizes)
+    for turn in range(rounds):
+        found, departures = _through(curve, mesh, tolerance)
+        if (turn and found.error <= tolerance) or len(mesh.span) > MOST_NODES:
+            break
+        mesh = mesh.spread(departures / tolerance, DEGREE + 1, growing=turn >= FREELY)
+    return found
+
+
+def _joined(curve: ClosedCurve, tolerance: float) -> ClosedCurve:
+    """The curve with the spans joined whose joint is too gentle to matter."""
+    mesh = Mesh.first(curve.sizes)
+    lengths, _ = _lengths(curve, mesh)
+    _, departures = _through(curve, mesh, tolerance)
+    pieces = np.clip(departures / (AIM * tolerance), 1e-9, None) ** (1.0 / (DEGREE + 1))
+    spacing = np.full(len(curve.sizes), np.inf)
+    np.minimum.at(spacing, mesh.span, lengths / pieces)
+    return joined(curve, np.minimum(spacing, WIDEST * float(np.sum(lengths))), tolerance)
 
 
 def _through(curve: ClosedCurve, mesh: Mesh, tolerance: float) -> tuple[ClosedSpline, Array]:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import cached_property
+from itertools import pairwise
 
 import numpy as np
 from scipy.interpolate import BSpline
@@ -83,15 +84,14 @@ class SplineSpace:
 
     def curve(self, coefficients: Array) -> Piecewise:
         """The spline as polynomial pieces about their left ends."""
-        spline = BSpline.construct_fast(self.knots, coefficients, self.degree)
-        left = self.breaks[:-1]
-        factorial = 1.0
-        columns = []
+        table, columns, share = coefficients, list[Array](), 1.0
         for order in range(self.degree + 1):
-            factorial *= max(order, 1)
-            columns.append(np.asarray(spline(left, nu=order)) / factorial)
-        poly = np.stack(columns, axis=1)
-        return Piecewise(self.breaks, left, poly, np.zeros((len(left), 0, 3)))
+            if order:
+                high, low = self._apart(order)
+                table = np.diff(table) / (high - low)
+                share *= (self.degree - order + 1) / order
+            columns.append(share * self._at_left(table, order))
+        return self._pieces(columns)
 
     def delivered(self, coefficients: Array) -> Piecewise:
         """The same curve, its polynomials right to the last digits: what is judged and handed out.
@@ -99,19 +99,38 @@ class SplineSpace:
         Differences of neighbouring coefficients over close knots lose digits, most in the highest
         derivative; here they are taken in doubled precision, and rounded once.
         """
-        p, left = self.degree, self.breaks[:-1]
         table: Twofold = (coefficients, np.zeros_like(coefficients))
-        columns, share = [], 1.0
-        for order in range(p + 1):
+        columns, share = list[Array](), 1.0
+        for order in range(self.degree + 1):
             if order:
-                knots = self.knots[order:-order]
-                gaps = difference(knots[p - order + 1 :], knots[: -(p - order + 1)])
-                table = quotient(differences(table), (gaps[0], gaps[1]))
-                share *= (p - order + 1) / order
-            inner = self.knots[order : len(self.knots) - order]
-            columns.append(share * BSpline(inner, table[0], p - order)(left))
-        poly = np.stack(columns, axis=1)
-        return Piecewise(self.breaks, left, poly, np.zeros((len(left), 0, 3)))
+                table = quotient(differences(table), difference(*self._apart(order)))
+                share *= (self.degree - order + 1) / order
+            columns.append(share * self._at_left(table[0], order))
+        return self._pieces(columns)
+
+    def _pieces(self, columns: list[Array]) -> Piecewise:
+        left = self.breaks[:-1]
+        return Piecewise(self.breaks, left, np.stack(columns, axis=1), np.zeros((len(left), 0, 3)))
+
+    def _apart(self, order: int) -> tuple[Array, Array]:
+        """Upper and lower knots by whose distance the differences for a derivative are divided."""
+        knots, p = self.knots[order : len(self.knots) - order], self.degree - order + 1
+        return knots[p:], knots[:-p]
+
+    def _at_left(self, table: Array, order: int) -> Array:
+        """Values, where each interval begins, of a derivative that has these coefficients: (n,).
+
+        De Boor's recurrence in terms of blossoms: one argument of each is that knot already.
+        """
+        u, q, n = self.knots[order:], self.degree - order, len(self.breaks) - 1
+        x, values = u[q : q + n], [table[m : m + n] for m in range(max(q, 1))]
+        for r in range(1, q):
+            values = [
+                here + (x - u[m + r : m + r + n]) * (there - here)
+                / (u[m + q + 1 : m + q + 1 + n] - u[m + r : m + r + n])
+                for m, (here, there) in enumerate(pairwise(values))
+            ]  # fmt: skip
+        return values[0]
 
 
 def _kept(table: Array) -> Array:

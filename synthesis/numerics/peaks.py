@@ -104,7 +104,7 @@ def summit(curve: Piecewise, formula: Callable[[Array], Array], highest: int) ->
     def at(x: Array) -> Array:
         """The formula at (pieces, k) points."""
         on = np.repeat(piece, x.shape[1])
-        f = np.stack([curve.at(x.ravel(), on, order) for order in range(highest + 1)])
+        f = curve.jet(x.ravel(), on, highest)
         return np.asarray(formula(f)).reshape(x.shape)
 
     x = left[:, None] + (right - left)[:, None] * np.linspace(0.0, 1.0, 65)

@@ -9,6 +9,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
+from math import factorial
 from typing import Literal
 
 import numpy as np
@@ -114,6 +115,35 @@ class Piecewise:
         points = np.asarray(x, dtype=float).ravel()
         piece = self.piece_of(points, side)
         return np.stack([self.at(points, piece, order) for order in range(highest + 1)])
+
+    def jet(self, x: Array, piece: NDArray[np.intp], highest: int) -> Array:
+        """f, f', …, f^(highest) at x by the formulas of the given pieces: (highest+1, k).
+
+        The values of ``at`` but for roundings, in half of the time.
+        """
+        t = x - self.origins[piece]
+        first, *others = self._falling[:, piece]
+        rows = [first]  # f^(k) / k! of what Horner's scheme has come to, for all k at once
+        for coefficient in others:
+            pairs = zip(rows, (coefficient, *rows), strict=False)
+            rows = [*(row * t + below for row, below in pairs), rows[-1]][: highest + 1]
+        value = np.zeros((highest + 1, len(t)))
+        value[: len(rows)] = rows
+        value *= np.array([factorial(order) for order in range(highest + 1)])[:, None]
+        if self.waves.shape[1]:
+            amplitude, frequency, phase = np.moveaxis(self.waves[piece], -1, 0)
+            angle = frequency * t[:, None] + phase
+            sine, cosine = np.sin(angle), np.cos(angle)
+            for order in range(highest + 1):
+                # sin differentiated: without π/2 added to the phase, so that exact zeros stay
+                wave = (sine, cosine, -sine, -cosine)[order % 4]
+                value[order] += np.sum(amplitude * frequency**order * wave, axis=1)
+        return value
+
+    @cached_property
+    def _falling(self) -> Array:
+        """Coefficients, highest power first: (d+1, n)."""
+        return np.ascontiguousarray(self.poly.T[::-1])
 
     def combined(self, coefficients: Sequence[float]) -> Piecewise:
         """Σ_k coefficients[k] f^(k) as a function of its own; of polynomials alone."""

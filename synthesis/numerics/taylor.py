@@ -43,6 +43,11 @@ class Taylor:
     def __init__(self, c0: Array, c1: Array, c2: Array, rem: Array, mag: Array) -> None:
         self.c0, self.c1, self.c2, self.rem, self.mag = c0, c1, c2, rem, mag
 
+    @property
+    def parts(self) -> tuple[Array, Array, Array, Array, Array]:
+        """Coefficients, remainder and magnitude, as they are given to make one."""
+        return self.c0, self.c1, self.c2, self.rem, self.mag
+
     @classmethod
     def of(cls, c0: Array, c1: Array, c2: Array, rem: Array) -> Taylor:
         """A model from its coefficients and remainder."""
@@ -153,6 +158,18 @@ class Taylor:
         """Where the model says something."""
         finite: NDArray[np.bool_] = np.isfinite(self.c0 + self.c1 + self.c2 + self.rem)
         return finite
+
+    def take(self, *which: NDArray[np.intp]) -> Taylor:
+        """Some of the models."""
+        return Taylor(*(part[which] for part in self.parts))
+
+    def range(self) -> tuple[Array, Array]:
+        """Largest and smallest value of the quadratic over t in [−1, 1], as in ``extremes``."""
+        ends = np.where(self.c2 == 0.0, 1.0, self.c2)
+        vertex = np.minimum(np.maximum(-0.5 * self.c1 / ends, -1.0), 1.0)
+        there = self.c0 + vertex * (self.c1 + vertex * self.c2)
+        middle, slope = self.c0 + self.c2, np.abs(self.c1)
+        return np.maximum(middle + slope, there), np.minimum(middle - slope, there)
 
     def extremes(self) -> tuple[Array, Array, Array, Array]:
         """Largest and smallest value of the quadratic over t in [−1, 1], and the t of each.

@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-import time
 from collections.abc import Iterable
 from math import inf
 
+from synthesis import clock
 from synthesis.design import Design
 from synthesis.findings import Sensitivities, Sensitivity
 from synthesis.sensitivity.beside import Beside, besides
@@ -45,7 +45,7 @@ def sensitivities(design: Design, deadline: float = inf) -> Sensitivities:
     kinks = [each for each in chosen(design) if not _at_rest(beside, each, deadline)]
     known, unconfirmed = list[Sensitivity](), list[str]()
     for number in asked(design.numbered):
-        each = None if time.monotonic() >= deadline else slopes(beside, number, deadline)
+        each = None if clock.now() >= deadline else slopes(beside, number, deadline)
         if each is None or (each.steepest > 0.0 and kinks):
             unconfirmed.append(number.pointer)
         else:

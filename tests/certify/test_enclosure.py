@@ -15,14 +15,21 @@ from synthesis.numerics.taylor import Taylor
 def wave(frequency: float, phase: float = 0.3):
     """sin(frequency · x + phase) as a model."""
 
-    def model(piece, lo, hi):
-        centre, r = 0.5 * (lo + hi), 0.5 * (hi - lo) + 1e-15
-        angle = Taylor.of(
-            frequency * centre + phase, frequency * r, np.zeros_like(r), np.zeros_like(r)
-        )
-        return np.sin(angle)
+    return waves((frequency, phase))
 
-    return model
+
+def waves(*terms: tuple[float, float]):
+    """sin(frequency · x + phase) of every pair as models."""
+
+    def models(piece, lo, hi, wanted):
+        centre, r = 0.5 * (lo + hi), 0.5 * (hi - lo) + 1e-15
+        zero = np.zeros_like(r)
+        return [
+            np.sin(Taylor.of(frequency * centre + phase, frequency * r, zero, zero))
+            for frequency, phase in (terms[k] for k in wanted)
+        ]
+
+    return models
 
 
 BREAKS = np.array([0.0, 1.0, 2.5, 3.0])
@@ -61,11 +68,40 @@ def test_many_equal_peaks_are_all_excluded():
     assert answer.extreme.lower <= answer.side <= answer.extreme.upper
 
 
+def test_questions_about_several_functions_do_not_disturb_each_other():
+    """Asked together or one by one: the same extremes, each within what is true of it."""
+    terms = (2.0, 0.3), (120.0, 0.1), (9.0, -1.7)
+    part = np.array([[0.2, 0.7], [1.3, 2.1]])
+    questions = [
+        Question(EVERYWHERE, -1.3, 1.2, function=1),
+        Question(np.array([0, 2]), -math.inf, 0.9, function=0),
+        Question(np.array([0, 1]), -0.4, math.inf, spans=part, function=2, relative=1e-14),
+        Question(np.array([2]), -math.inf, 3.0, function=1, absolute=1e-3),
+    ]
+    together = enclose(waves(*terms), BREAKS, COUNTS, questions)
+    x = np.linspace(0.0, 3.0, 3_000_01)
+    for question, answer in zip(questions, together, strict=True):
+        (alone,) = enclose(waves(*terms), BREAKS, COUNTS, [question])
+        assert answer.side == alone.side
+        width = answer.extreme.width + alone.extreme.width
+        assert answer.extreme.value == pytest.approx(alone.extreme.value, abs=width)
+        assert answer.extreme.width < (2e-3 if question.absolute else 3e-10)
+        spans = question.spans
+        if spans is None:
+            spans = np.stack([BREAKS[question.pieces], BREAKS[question.pieces + 1]], axis=1)
+        frequency, phase = terms[question.function]
+        inside = np.any([(low <= x) & (x <= high) for low, high in spans], axis=0)
+        reached = answer.side * np.sin(frequency * x[inside] + phase)
+        found = (answer.side * answer.extreme.lower, answer.side * answer.extreme.upper)
+        assert max(reached) <= max(found) + 1e-15
+        assert max(reached) == pytest.approx(max(found), abs=1e-6 + question.absolute)
+
+
 def test_a_pole_is_reported_as_unknown():
-    def model(piece, lo, hi):
+    def model(piece, lo, hi, wanted):
         centre, r = 0.5 * (lo + hi), 0.5 * (hi - lo)
         zero = np.zeros_like(r)
-        return 1.0 / Taylor.of(centre - 1.234, r, zero, zero)
+        return [1.0 / Taylor.of(centre - 1.234, r, zero, zero)]
 
     (answer,) = enclose(model, BREAKS, COUNTS, [Question(EVERYWHERE, -math.inf, 7.0)])
     assert answer.extreme.upper == math.inf
@@ -73,9 +109,9 @@ def test_a_pole_is_reported_as_unknown():
 
 
 def test_nothing_but_nan_is_unknown():
-    def model(piece, lo, hi):
+    def model(piece, lo, hi, wanted):
         bad = np.full_like(lo, np.nan)
-        return Taylor(bad, bad, bad, bad, bad)
+        return [Taylor(bad, bad, bad, bad, bad)]
 
     (answer,) = enclose(model, BREAKS, COUNTS, [Question(EVERYWHERE, -1.0, 1.0)])
     assert math.isnan(answer.extreme.value)
@@ -113,7 +149,7 @@ def test_what_is_reached_is_reached_inside() -> None:
         line = Piecewise.of([start, start + width], [[1.0, slope]])
         jets = Jets(line)
         (answer,) = enclose(
-            lambda piece, lo, hi, jets=jets: jets.models(piece, lo, hi, 0)[0],
+            lambda piece, lo, hi, wanted, jets=jets: jets.models(piece, lo, hi, 0),
             line.breaks, np.array([3]), [Question(np.array([0]), -math.inf, 0.0)],
         )  # fmt: skip
         low, high = Fraction(float(line.breaks[0])), Fraction(float(line.breaks[1]))

@@ -7,7 +7,7 @@ import pytest
 
 from synthesis.certify import certify
 from synthesis.certify.course import Course
-from synthesis.certify.path import Path
+from synthesis.certify.path import Boxes, Path
 from synthesis.certify.self_crossing import Nearest, nearest
 from synthesis.design import Extreme
 from synthesis.followers import TranslatingFlatFace, TranslatingRoller
@@ -209,3 +209,31 @@ def test_every_flank_is_judged_by_itself() -> None:
     assert found["self_crossing_inner"].value == alone.value
     assert not found["self_crossing_inner"].holds
     assert found["self_crossing_outer"].holds
+
+
+@pytest.mark.parametrize("side", [1.0, -1.0])
+def test_the_roller_and_its_profile_point_lie_in_the_shadow(side: float) -> None:
+    """Seen from the axis, on every box; a roller that covers the axis fills the whole turn."""
+    rng = np.random.default_rng(31)
+    motion, R = thin_lobed(rng), 8.3
+    e, s0 = 1.7, math.sqrt((0.9 + R) ** 2 - 1.7**2)
+    follower = TranslatingRoller(roller_radius_mm=R, offset_mm=e)
+    path = Path(Course(motion), lambda s: follower.traced_point(s, (e, s0)), side * R)
+    boxes = Boxes.of(path.course, 0.13)
+    low, high = path.on(boxes).shadow()
+    share = np.linspace(0.0, 1.0, 9)
+    theta = (boxes.lo[:, None] + (boxes.hi - boxes.lo)[:, None] * share).ravel()
+    s, v = motion.derivatives(theta, 1)
+    x, y, tx, ty = np.full_like(s, e), s0 + s, s0 + s, v - e
+    rim = R * np.exp(1j * np.linspace(0.0, 2.0 * np.pi, 60))
+    roller = (x + 1j * y)[:, None] + rim
+    touched = x + 1j * y - side * R * (-ty + 1j * tx) / np.hypot(tx, ty)
+    points = np.column_stack([roller, touched]) * np.exp(-1j * theta)[:, None]
+    middle, half = (np.repeat(v, len(share))[:, None] for v in (0.5 * (low + high), high - low))
+    off = np.abs(np.angle(points * np.exp(-1j * middle)))
+    assert np.all(off <= 0.5 * half + 1e-12)
+    filled = np.max(off, axis=1) / (0.5 * half[:, 0])
+    assert np.max(filled) > 0.999  # no wider than need be
+    low, high = Path(path.course, path.trace, side * 40.0).on(boxes).shadow()
+    assert np.any(high - low == 2.0 * np.pi)
+    assert np.any(high - low < 5.0)

@@ -128,6 +128,19 @@ def test_options_reach_the_files(found: CamSet) -> None:
     assert sampling["motion_points_per_degree"] == 5.0
 
 
+def test_exact_curves_stand_on_the_shaft_too(found: CamSet) -> None:
+    files = opened(found, profile_formats=("dxf", "nurbs.json"), motion_formats=())
+    cam = found.cams[1]
+    own, shaft = (
+        np.array(json.loads(files[f"02-press/{name}.nurbs.json"])["control_points_mm"])
+        for name in ("profile", "shaft-profile")
+    )
+    turn = np.exp(1j * math.radians(cam.turn_deg))
+    np.testing.assert_allclose(shaft @ [1.0, 1j, 0.0], turn * (own @ [1.0, 1j, 0.0]), atol=1e-11)
+    assert np.all(shaft[:, 2] == cam.axial_mm)
+    assert b"CAM_PROFILE" in files["02-press/shaft-profile.dxf"]
+
+
 def test_the_timing_table(found: CamSet) -> None:
     lines = opened(found)["timing.csv"].decode().splitlines()
     assert lines[0] == "shaft_deg,cam,folder,ends,starts"

@@ -14,7 +14,8 @@ from matplotlib.font_manager import FontProperties
 from matplotlib.textpath import TextPath
 
 from synthesis.design import Design
-from synthesis.exporters import MOTION_FORMATS, PROFILE_FORMATS, MotionOptions, ProfileOptions
+from synthesis.exporters import MOTION_FORMATS, PROFILE_FORMATS
+from synthesis.exporters.picture_options import CamDrawingOptions, DiagramOptions
 from synthesis.exporters.svg_profile import shown_at
 from tests.exporters.conftest import P1_PROGRAM
 
@@ -27,8 +28,8 @@ Box = tuple[float, float, float, float]
 
 def drawn(sheet: str, design: Design, **options: Any) -> ET.Element:
     if sheet == "profile":
-        return ET.fromstring(PROFILE_FORMATS["svg"].write(design, ProfileOptions(**options)))
-    return ET.fromstring(MOTION_FORMATS["svg"].write(design, MotionOptions(**options)))
+        return ET.fromstring(PROFILE_FORMATS["svg"].write(design, CamDrawingOptions(**options)))
+    return ET.fromstring(MOTION_FORMATS["svg"].write(design, DiagramOptions(**options)))
 
 
 def of_class(root: ET.Element, tag: str, *names: str) -> list[ET.Element]:

@@ -190,3 +190,20 @@ def test_ragged_rows_are_filled_with_zeros():
     assert f(2.0) == 5.0 + 2.0 * np.sin(1.0)
     assert f(0.5, 3) == 0.0
     assert f(0.5, 9) == 0.0
+
+
+def test_all_derivatives_at_once_are_those_one_by_one() -> None:
+    """By a scheme of their own: the same to rounding, for polynomials, waves and beyond both."""
+    rng = np.random.default_rng(7)
+    curve = Piecewise.of(
+        [0.0, 0.7, 1.9],
+        [rng.normal(size=6), [0.3, -1.2]],
+        [[(0.4, 5.0, 0.2), (0.1, 17.0, -0.6)], []],
+        origins=[0.7, 0.7],
+    )
+    x = rng.uniform(0.0, 1.9, 40)
+    piece = curve.piece_of(x)
+    for highest in (0, 1, 3, 7):
+        each = np.stack([curve.at(x, piece, order) for order in range(highest + 1)])
+        size = np.max(np.abs(each), axis=1)[:, None]
+        assert np.all(np.abs(curve.jet(x, piece, highest) - each) <= 4e-15 * size)

@@ -14,6 +14,7 @@ from scipy.optimize import minimize_scalar
 
 from synthesis.design import Design, Extreme
 from synthesis.exporters import MOTION_FORMATS, PROFILE_FORMATS, ProfileOptions
+from synthesis.exporters.picture_options import CamDrawingOptions
 from synthesis.laws import LAWS
 from synthesis.pipeline import synthesise
 from tests.formulations.scenes import LIFT, acceleration, jerk
@@ -128,7 +129,7 @@ def test_every_format_is_written(rotation: str) -> None:
         )
     for exporter in MOTION_FORMATS.values():
         assert len(exporter.write(design, exporter.options())) > 1000
-    drawing = PROFILE_FORMATS["svg"].write(design, ProfileOptions()).decode()
+    drawing = PROFILE_FORMATS["svg"].write(design, CamDrawingOptions()).decode()
     assert "flat face, contact over" in drawing
     assert "knife edge" not in drawing
 

@@ -14,7 +14,8 @@ from scipy.optimize import differential_evolution, linprog, minimize_scalar
 
 from synthesis.analysis import analyse
 from synthesis.design import Design
-from synthesis.exporters import PROFILE_FORMATS, ProfileOptions
+from synthesis.exporters import PROFILE_FORMATS
+from synthesis.exporters.picture_options import CamDrawingOptions
 from synthesis.pipeline import synthesise
 from synthesis.spec import DesignSpec
 from tests.formulations.scenes import LIFT, jerk
@@ -166,7 +167,7 @@ def test_the_drawing_holds_the_face(rotation: str, tilt: float) -> None:
     design = synthesise(tilted(RADIUS, law="cycloidal", tilt=tilt, rotation=rotation))
     for exporter in PROFILE_FORMATS.values():
         assert len(exporter.write(design, exporter.options())) > 1000
-    drawing = PROFILE_FORMATS["svg"].write(design, ProfileOptions()).decode()
+    drawing = PROFILE_FORMATS["svg"].write(design, CamDrawingOptions()).decode()
     assert "flat face, contact over" in drawing
 
 

@@ -19,6 +19,9 @@ from service.observe import configure_logs
 from service.run import bound, web
 from service.settings import Settings
 from tests.service import fake_core
+from tests.service.browsing import browser, closed
+
+__all__ = ["browser", "closed"]
 
 
 class Running:

@@ -13,6 +13,8 @@ from typer.testing import CliRunner
 from service import cli
 from service.examples import ANALYSES, examples
 from synthesis import Analysis, DesignSpec, analyse
+from synthesis.analysis import as_design
+from synthesis.exporters import DRAWINGS
 from tests.service.specs import spec
 from tests.service.test_openapi import DOCUMENT
 
@@ -48,6 +50,26 @@ def test_a_broken_limit_is_a_result(client: httpx2.Client) -> None:
     assert {size["offset"] for size in found["mend"]["sizes"]} == {"kept", "free"}
     assert again.content == answer.content
     assert again.headers["etag"] == answer.headers["etag"]
+
+
+def test_an_analysis_has_the_pictures_of_a_design(client: httpx2.Client) -> None:
+    value = examples(ANALYSES)["p2-as-given"]["value"]
+    answer = client.post("/v1/analyses", json=value)
+    where = answer.headers["content-location"]
+    listed = client.get("/v1/analyses").json()["items"]
+    links = next(each["links"] for each in listed if each["links"]["self"] == where)
+    assert set(links) == {"self", *DRAWINGS}
+    design = as_design(Analysis.model_validate_json(answer.content))
+    for name in ("motion.svg", "contact.svg", "report.html"):
+        drawn = client.get(links[name], params={"theme": "print"})
+        assert drawn.content == DRAWINGS[name].write(design, DRAWINGS[name].options(theme="print"))
+        told = drawn.headers["content-disposition"]
+        assert told.endswith(f'-not-certified-{name}"')
+        assert told.startswith("inline")
+        same = {"If-None-Match": drawn.headers["etag"]}
+        assert client.get(links[name], params={"theme": "print"}, headers=same).status_code == 304
+    assert 'class="hatch"' in client.get(links["contact.svg"]).text
+    assert client.get(f"{where}/contact.svg?theme=pink").status_code == 422
 
 
 def test_an_analysis_is_no_design(client: httpx2.Client) -> None:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import hashlib
 import statistics
 import sys
 import time
@@ -32,7 +33,7 @@ def test_worked_examples(client: httpx2.Client, name: str) -> None:
     if name.startswith("infeasible"):
         assert design["status"] == "infeasible"
         assert design["conflict"]["relaxations"]
-        assert list(design["links"]) == ["self"]
+        assert list(design["links"]) == ["self", "report.html"]
         return
     assert design["certificate"]["certified"]
     assert all(extreme["holds"] for extreme in design["extremes"])
@@ -80,18 +81,51 @@ def test_what_each_limit_costs(client: httpx2.Client, links: dict[str, str]) -> 
 def test_every_file(client: httpx2.Client, links: dict[str, str]) -> None:
     formats = client.get("/v1/formats").json()
     described = {
-        f"{part}.{each['name']}": each for part in ("profile", "motion") for each in formats[part]
-    }
+        f"{part}.{each['name']}": each
+        for part in ("profile", "motion", "solid")
+        for each in formats[part]
+    } | {each["name"]: each for each in formats["pictures"]}
     assert set(links) == {"self", *described}
     for name, each in described.items():
         answer = client.get(links[name])
         assert answer.status_code == 200
         assert answer.headers["content-type"] == each["media_type"]
         how, _, file_name = answer.headers["content-disposition"].partition("; filename=")
-        assert how == ("inline" if each["name"] == "svg" else "attachment")
+        shown = each["extension"] in (".svg", ".html", ".png")
+        assert how == ("inline" if shown else "attachment")
+        policy = answer.headers.get("content-security-policy", "")
+        assert policy.startswith("default-src 'none'") == shown
+        assert ("sandbox" in policy) == (each["extension"] == ".html")
         assert file_name.strip('"') == f"example-13-6-{name}"
         known = {"If-None-Match": answer.headers["etag"]}
         assert client.get(links[name], headers=known).status_code == 304
+
+
+def test_themes_of_pictures(client: httpx2.Client, links: dict[str, str]) -> None:
+    for name in ("profile.svg", "motion.svg", "contact.svg", "animation.html"):
+        dark, light = (client.get(f"{links[name]}?theme={theme}") for theme in ("dark", "print"))
+        assert dark.headers["etag"] != light.headers["etag"]
+        assert "#15191e" in dark.text
+        assert "#15191e" not in light.text
+    wrong = client.get(f"{links['contact.svg']}?theme=pink")
+    assert (wrong.status_code, wrong.json()["errors"][0]["parameter"]) == (422, "theme")
+
+
+def test_reports(client: httpx2.Client, links: dict[str, str]) -> None:
+    plain = client.get(links["report.html"])
+    costs = client.get(f"{links['report.html']}?sensitivities=true")
+    assert "What each limit costs" in costs.text
+    assert "What each limit costs" not in plain.text
+    assert plain.headers["etag"] != costs.headers["etag"]
+    csv = client.get(links["profile.csv"]).content
+    assert hashlib.sha256(csv).hexdigest() in plain.text
+    nothing = post(client, examples()["infeasible-on-purpose"]["value"]).json()
+    assert set(nothing["links"]) == {"self", "report.html"}
+    told = client.get(nothing["links"]["report.html"])
+    assert told.status_code == 200
+    assert "Why nothing fits" in told.text
+    drawing = client.get(f"{nothing['links']['self']}/animation.svg")
+    assert (drawing.status_code, drawing.json()["type"]) == (409, "/problems/nothing-fits")
 
 
 def test_options_choose_the_points(client: httpx2.Client, links: dict[str, str]) -> None:
@@ -147,6 +181,17 @@ def test_exact_curves_tell_how_true_they_are(client: httpx2.Client, links: dict[
         assert violation["way_out"]
 
 
+def test_a_worker_makes_the_solid(client: httpx2.Client, links: dict[str, str]) -> None:
+    answer = client.get(f"{links['solid.step']}?thickness_mm=8&bore_mm=14&keyway=true")
+    assert answer.status_code == 200, answer.text
+    assert float(answer.headers["camwright-volume-mm3"]) > 1e4
+    refused = client.get(f"{links['solid.step']}?bore_mm=1000")
+    assert (refused.status_code, refused.json()["type"]) == (422, "/problems/invalid-parameter")
+    (violation,) = refused.json()["errors"]
+    assert violation["parameter"] == "bore_mm"
+    assert "smaller bore" in violation["way_out"]
+
+
 def test_the_way_over_http_costs_little(client: httpx2.Client) -> None:
     """15 ms is what the service is made for (median); the test bears with busy machines."""
     body = dict(examples()["fixed-laws"]["value"])
@@ -160,11 +205,12 @@ def test_the_way_over_http_costs_little(client: httpx2.Client) -> None:
     assert min(over) < 0.030
 
 
-def test_the_process_that_answers_holds_no_solver(real_service: Running) -> None:
+def test_the_process_that_answers_holds_no_solver_and_no_kernel(real_service: Running) -> None:
     """In a process of its own, as this one may hold anything."""
     import subprocess
 
-    code = "import sys, service.app; print([m for m in ('cvxpy', 'casadi') if m in sys.modules])"
+    heavy = ("cvxpy", "casadi", "OCP", "ezdxf")
+    code = f"import sys, service.app; print([m for m in {heavy} if m in sys.modules])"
     run = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
     assert run.stdout.strip() == "[]"
 

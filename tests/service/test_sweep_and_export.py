@@ -14,7 +14,14 @@ from typer.testing import CliRunner
 from service import cli
 from service.examples import SELF_CHECK, examples
 from synthesis.design import Design
-from synthesis.exporters import MOTION_FORMATS, PROFILE_FORMATS, MotionOptions, ProfileOptions
+from synthesis.exporters import (
+    MOTION_FORMATS,
+    PICTURES,
+    PROFILE_FORMATS,
+    PictureOptions,
+    ProfileOptions,
+)
+from synthesis.exporters.picture_options import DiagramOptions
 from synthesis.pipeline import synthesise
 from synthesis.spec import DesignSpec
 from tests.service.conftest import Running
@@ -142,14 +149,21 @@ def test_export_writes_what_the_core_does(tmp_path: Path, fixed: Design, kept: b
         assert content == known.write(fixed, known.adapted(expected))
     asked = ["export", file, "--part", "motion", "--format", "svg", "--out", str(tmp_path)]
     assert runner.invoke(cli.app, asked).exit_code == 0
-    drawn = MOTION_FORMATS["svg"].write(fixed, MotionOptions())
+    drawn = MOTION_FORMATS["svg"].write(fixed, DiagramOptions())
     assert (tmp_path / "motion.svg").read_bytes() == drawn
+    asked = ["export", file, "--part", "picture", "--format", "contact.svg", "--theme", "print"]
+    assert runner.invoke(cli.app, [*asked, "--out", str(tmp_path)]).exit_code == 0
+    drawn = PICTURES["contact.svg"].write(fixed, PictureOptions(theme="print"))
+    assert (tmp_path / "contact.svg").read_bytes() == drawn
 
 
 @pytest.mark.parametrize(
     ("name", "options", "said"),
     [
         ("fixed-laws", ["--format", "doc"], "--format doc: a profile is written as json, csv"),
+        ("fixed-laws", ["--part", "picture"], "--format csv: a picture is written as contact.svg"),
+        ("fixed-laws", ["--format", "svg", "--theme", "pink"], "--theme"),
+        ("fixed-laws", ["--theme", "dark"], "csv has no such option"),
         ("fixed-laws", ["--curve", "outside"], "outside"),
         ("fixed-laws", ["--points-per-degree", "0"], "above 0 and at most 100"),
         (

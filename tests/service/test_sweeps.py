@@ -295,6 +295,16 @@ def test_the_front_of_a_sweep(client: httpx2.Client) -> None:
     assert front["axes"][1] == {"quantity": "base_radius_mm", "direction": "maximise"}
     assert front["size"] == 2
     assert [item["number"] for item in front["items"]] == [3]
+    drawn = client.get(f"{where}/pareto.svg", params={**query, "theme": "print"})
+    assert drawn.headers["content-type"] == "image/svg+xml"
+    assert drawn.headers["content-disposition"] == 'inline; filename="many-pareto.svg"'
+    assert "6 certified designs, 2 of them on the front" in drawn.text
+    assert "not shown: 1 failed" in drawn.text
+    same = {"If-None-Match": drawn.headers["etag"]}
+    again = client.get(f"{where}/pareto.svg", params={**query, "theme": "print"}, headers=same)
+    assert again.status_code == 304
+    alone = client.get(f"{where}/pareto.svg?minimise=offset_mm")
+    assert "Name two to 4" in is_problem(alone, 422, "invalid-parameter")["detail"]
 
 
 @pytest.mark.parametrize(

@@ -55,14 +55,14 @@ def _told(cam: Cam, found: Fidelity, peaks: Any) -> dict[str, Any]:
     for order, name in ((1, "velocity"), (2, "acceleration")):
         worst: Worst = getattr(found, name)
         body |= _worst(named(name, cam.travel.told(order)), name, worst, cam.rate(order))
-        body[f"{name}_part"] = _figure(worst.value / max(peaks[order], np.finfo(float).tiny))
-    return body | {"seam_corner_deg": _figure(found.corner / DEGREE)}
+        body[f"{name}_part"] = figure(worst.value / max(peaks[order], np.finfo(float).tiny))
+    return body | {"seam_corner_deg": figure(found.corner / DEGREE)}
 
 
 def _worst(key: str, name: str, worst: Worst, unit: float) -> dict[str, Any]:
-    return {key: _figure(worst.value * unit), f"{name}_at_deg": worst.angle_deg}
+    return {key: figure(worst.value * unit), f"{name}_at_deg": worst.angle_deg}
 
 
-def _figure(value: float) -> float | None:
+def figure(value: float) -> float | None:
     """Four digits, which is more than an error deserves; None where it is infinite."""
     return float(f"{value:.4g}") if math.isfinite(value) else None

@@ -1,0 +1,49 @@
+"""`camwright cam-set`: the cams of one shaft and their files."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from service.commands.asking import Url, asked
+from service.terminal import out, read_spec, save, synthesised
+from synthesis.camset import CamSet
+from synthesis.camset_spec import CamSetSpec
+
+
+def cam_set(
+    spec: Annotated[Path, typer.Argument(help="File with a CamSetSpec, or a worked example.")],
+    out_dir: Annotated[
+        Path, typer.Option("--out", help="Folder for the results; made where it is missing.")
+    ] = Path(),
+    url: Url = None,
+) -> None:
+    """Size the cams of one shaft; write the set, its timing and a folder for each cam."""
+    from synthesis.exporters.bundle import BundleOptions, bundle_files
+
+    found = _done(read_spec(spec, CamSetSpec), spec, url)
+    out.print(f"{found.status}, {1e3 * found.seconds:.0f} ms: {len(found.cams)} cams on one shaft")
+    for cam in found.cams:
+        sizes = ", ".join(f"{name} {value:.4f}" for name, value in cam.design.dimensions.items())
+        out.print(
+            f"  {cam.name}: {cam.design.status}, phase {cam.phase_deg:g}°, keyway at "
+            f"{cam.keyway_deg:g}°{': ' if sizes else ''}{sizes}"
+        )
+    files = {"cam-set.json": found.model_dump_json(indent=1).encode()}
+    if found.has_cams:
+        files = dict(bundle_files(found, BundleOptions()))
+    save(files, out_dir)
+    out.print(f"Written to {out_dir}: {len(files)} files")
+    if found.status == "infeasible":
+        raise typer.Exit(3)
+
+
+def _done(question: CamSetSpec, path: Path, url: str | None) -> CamSet:
+    if url is not None:
+        return asked(url, path, CamSet, lambda client: client.cam_set(question))
+    from synthesis.set_synthesis import synthesise_set
+
+    found: CamSet = synthesised(question, synthesise_set)
+    return found

@@ -1,0 +1,35 @@
+"""`camwright costs`: what each limit of a design costs."""
+
+from __future__ import annotations
+
+import time
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from service.commands.showing import AsJson, as_document
+from service.settings import settings_from
+from service.terminal import out, read_spec
+from synthesis.design import Design
+
+
+def costs(
+    design: Annotated[Path, typer.Argument(help="File with a Design, as `design` writes it.")],
+    as_json: AsJson = False,
+) -> None:
+    """Say what each limit of a design costs, in the limit's own units."""
+    from synthesis.sensitivity import sensitivities
+
+    known = read_spec(design, Design)
+    found = sensitivities(known, time.monotonic() + settings_from().budget_s(None))
+    if as_json:
+        as_document(found)
+    else:
+        for each in found.sensitivities:
+            out.print(each.words)
+        for pointer in found.unconfirmed:
+            out.print(f"{pointer}: not confirmed")
+        out.print(f"Evidence: {found.evidence}.")
+    if not found.sensitivities:
+        raise typer.Exit(3)

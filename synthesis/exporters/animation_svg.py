@@ -1,0 +1,93 @@
+"""The cam in motion as one SVG: CSS keyframes, no script; it stands still where that is wanted.
+
+A roller turns by its mean speed and around it: the one repeats after a whole turn of the roller,
+the other after one of the cam, so that it never jumps.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+import numpy as np
+
+from synthesis.design import Design
+from synthesis.exporters import svg_canvas as svg
+from synthesis.exporters.exporter import Exporter, untold
+from synthesis.exporters.panels import DIAGRAMS, MACHINE, Panels
+from synthesis.exporters.picture_options import PictureOptions
+from synthesis.exporters.svg_heading import heading
+from synthesis.exporters.svg_mechanism import Moving
+
+FRAMES = 240
+TURN_S = 8.0  # what one turn takes on the screen
+EDGE, HEADER, FOOTER = 8.0, 16.0, 8.0
+FULL = 360.0
+
+
+def _animation(design: Design, options: PictureOptions) -> bytes:
+    panels, prefix = Panels.of(design, FRAMES), f"cw{design.id[:8]}"
+    width = 2.0 * EDGE + MACHINE[0] + DIAGRAMS[0]
+    height = HEADER + max(MACHINE[1], DIAGRAMS[1]) + FOOTER
+
+    def tag(part: str) -> str:
+        return f'class="{prefix}-{part}"'
+
+    told = f"One turn is shown in {TURN_S:g} s; it takes {svg.figure(60.0 / design.speed_rpm)} s."
+    body = [
+        *heading(design, EDGE, width - EDGE, 1.0),
+        f'<g transform="translate({svg.num(EDGE)} {svg.num(HEADER)})">',
+        *panels.machine(tag),
+        "</g>",
+        f'<g transform="translate({svg.num(EDGE + MACHINE[0])} {svg.num(HEADER)})">',
+        *panels.diagrams(design, tag),
+        "</g>",
+        svg.text("tick", EDGE, height - 3.5, told),
+    ]
+    rules = panels.rules() + "".join(_rules(prefix, panels))
+    title = f"{design.name or design.id} in motion"
+    described = "The cam turns, the follower with its roller moves, and points run on its diagrams."
+    return svg.document(
+        width, height, 1.0, title, described, body, theme=options.theme, rules=rules
+    )
+
+
+def _rules(prefix: str, panels: Panels) -> Iterator[str]:
+    """Keyframes of everything that moves, unless less motion is asked for."""
+    decimals = panels.stage.decimals
+    yield "@media (prefers-reduced-motion:no-preference){"
+    for part in panels.moving():
+        total = float(part.values[-1, 0] - part.values[0, 0])
+        if part.kind == "turn" and abs(total) > 1e-6 and part.name != "cam":
+            yield _runs(prefix, f"{part.name}-mean", TURN_S * FULL / abs(total))
+            end = FULL if total > 0.0 else -FULL
+            yield f"@keyframes {prefix}-{part.name}-mean{{to{{transform:rotate({end:g}deg)}}}}"
+            mean = np.linspace(0.0, total, len(part.values))[:, None]
+            part = Moving(part.name, part.kind, part.values - mean)
+        yield _runs(prefix, part.name, TURN_S)
+        yield f"@keyframes {prefix}-{part.name}{{{''.join(_frames(part, decimals))}}}"
+    yield "}"
+
+
+def _runs(prefix: str, name: str, seconds: float) -> str:
+    of = f"{prefix}-{name}"
+    return f".{of}{{animation:{of} {svg.num(seconds, 9)}s linear infinite}}"
+
+
+def _frames(part: Moving, decimals: int) -> Iterator[str]:
+    """One state after the other; those between which nothing changes are left out."""
+    values = np.round(part.values, 3 if part.kind == "turn" else decimals)
+    same = np.all(values[1:] == values[:-1], axis=1)
+    for k, row in enumerate(values.tolist()):
+        if 0 < k < len(values) - 1 and same[k - 1] and same[k]:
+            continue
+        if part.kind == "turn":
+            state = f"rotate({svg.num(row[0])}deg)"
+        else:
+            state = f"translate({svg.num(row[0], decimals)}px,{svg.num(row[1], decimals)}px)"
+        yield f"{svg.num(100.0 * k / (len(values) - 1))}%{{transform:{state}}}"
+
+
+ANIMATION = Exporter(
+    "animation.svg", "Animation of cam and follower", "image/svg+xml", ".svg", untold(_animation),
+    PictureOptions, "For a document or a web page; no script.",
+)  # fmt: skip

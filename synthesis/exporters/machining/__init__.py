@@ -1,0 +1,1 @@
+"""Programs for machine tools: paths of cutters and wheels with a feed (ISO 6983, "G-code")."""

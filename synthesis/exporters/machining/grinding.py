@@ -1,0 +1,116 @@
+"""A program that turns the cam (C) and shifts the wheel (X): cam grinding, polar milling.
+
+The wheel's centre lies on the machine's X axis at the distance X from the cam's axis, and the cam
+turns by C, counter-clockwise positive, so that point after point of the centre's path comes there.
+C runs on beyond 360 degrees. Every block bears 1 over its time (G93), so that the contact runs
+along the profile with constant speed; C and X have no common feed otherwise.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from typing import Annotated
+
+import numpy as np
+from pydantic import Field
+
+from synthesis.design import Design
+from synthesis.errors import InputError
+from synthesis.exporters.cutting import chosen
+from synthesis.exporters.exporter import Exporter, untold
+from synthesis.exporters.machining.program import (
+    Feed,
+    LineNumbers,
+    feed_word,
+    heading,
+    minutes,
+    numbered,
+    remark,
+    tool,
+    whole_path,
+    word,
+)
+from synthesis.exporters.options import CurveName, Decimals, PointOptions
+from synthesis.exporters.sampling import written_points
+
+CDECIMALS = 6  # of C, in degrees
+EXACT = 12  # of the path, before it is turned into pairs
+
+
+@dataclass(frozen=True)
+class GrindingOptions(PointOptions):
+    """As ``PointOptions``, and how the wheel runs.
+
+    Attributes:
+        curve: the path of the wheel's centre: with cutter_diameter_mm, or as large as the roller.
+        feed_mm_per_min: of the contact along the profile.
+        x_is_diameter: whether X is twice the distance. line_numbers: whether blocks are numbered.
+    """
+
+    curve: Annotated[
+        CurveName,
+        Field(
+            description="Path of the wheel's centre: cutter, outer_cutter, counter_cutter with "
+            "cutter_diameter_mm, or pitch, counter_pitch: a wheel as large as the roller."
+        ),
+    ] = "pitch"
+    decimals: Decimals = 5
+    feed_mm_per_min: Feed = 1000.0
+    x_is_diameter: Annotated[
+        bool, Field(description="Write X as a diameter, twice the distance from the axis.")
+    ] = False
+    line_numbers: LineNumbers = False
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        if self.tolerance_um is not None:
+            raise InputError(
+                "/tolerance_um", self.tolerance_um,
+                "Between pairs of C and X the wheel runs on no straight line, to which a chord "
+                "tolerance could be measured.",
+                "Ask for points or points_per_degree.",
+            )  # fmt: skip
+
+
+def _profile(design: Design, options: GrindingOptions) -> bytes:
+    cam = chosen(design, options)
+    written = written_points(cam, replace(options, decimals=EXACT))
+    path = whole_path(written, options)
+    x, y = path.T
+    turned = np.degrees(np.unwrap(-np.arctan2(y, x)))
+    distance = np.hypot(x, y) * (2.0 if options.x_is_diameter else 1.0)
+    pairs = [
+        f"{word('C', c, CDECIMALS)} {word('X', r, options.decimals)}"
+        for c, r in zip(turned.tolist(), distance.tolist(), strict=True)
+    ]
+    time = minutes(cam, written, path, options.feed_mm_per_min)
+    rows = [
+        f"{pair} {feed_word(feed)}"
+        for pair, feed in zip(pairs[1:], (1.0 / time).tolist(), strict=True)
+    ]
+    blocks = [
+        *heading(design, options, len(path)),
+        remark(tool(cam, options)),
+        remark(
+            f"C TURNS THE CAM, X IS THE {'DOUBLE ' if options.x_is_diameter else ''}DISTANCE OF "
+            "THE WHEEL CENTRE FROM THE CAM AXIS"
+        ),
+        remark(f"CONTACT RUNS AT {options.feed_mm_per_min:.12g} MM/MIN"),
+        "G21 G90 G40",
+        f"G0 {pairs[0]}",
+        "G93",
+        f"G1 {rows[0]}",
+        *rows[1:],
+        "G94",
+        "M30",
+    ]
+    return numbered(blocks, options.line_numbers)
+
+
+PROFILE = Exporter(
+    "grinding.nc", "Program for grinding, C and X", "text/plain; charset=us-ascii", ".grinding.nc",
+    untold(_profile), GrindingOptions,
+    "Cam grinding: pairs of the cam's angle and the wheel's distance, feed constant along the "
+    "profile.",
+    usual=False,
+)  # fmt: skip

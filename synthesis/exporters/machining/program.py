@@ -1,0 +1,114 @@
+"""Blocks of a program in what all dialects of ISO 6983 share.
+
+Millimetres (G21), absolute (G90), no cutter compensation (G40): the path is that of the centre. G1
+and coordinates as words; comments in parentheses, ASCII capitals.
+"""
+
+from __future__ import annotations
+
+import re
+import unicodedata
+from collections.abc import Iterable
+from typing import Annotated, Literal
+
+import numpy as np
+from pydantic import Field
+
+from synthesis.design import Design
+from synthesis.errors import InputError
+from synthesis.exporters.cam import Cam
+from synthesis.exporters.options import CurveOptions, PointOptions, is_cutter, is_pitch
+from synthesis.exporters.sampling import Written
+from synthesis.numerics.piecewise import Array
+from synthesis.units import FULL_TURN
+
+FASTEST = 10.0  # times the feed: most that a centre is moved at, round a corner say
+LONGEST_NAME = 40
+
+Feed = Annotated[
+    float,
+    Field(
+        gt=0.0,
+        le=1e6,
+        description="Speed at which the contact runs along the profile [mm/min], the same "
+        "everywhere; a centre that is farther out moves faster, at most ten times.",
+    ),
+]
+FeedMode = Literal["per_minute", "inverse_time"]
+LineNumbers = Annotated[bool, Field(description="Number the blocks: N10, N20, …")]
+
+
+def remark(text: str) -> str:
+    """A comment; what could end it, or is not ASCII, is left out."""
+    plain = unicodedata.normalize("NFKD", text).encode("ascii", "ignore").decode().upper()
+    return f"({' '.join(re.sub(r'[^A-Z0-9 .,:;=+/_-]', ' ', plain).split())})"
+
+
+def heading(design: Design, options: CurveOptions, count: int) -> list[str]:
+    """What a program is of."""
+    return [
+        remark(f"CAMWRIGHT {design.engine_version}, DESIGN {design.id}"),
+        remark(f"NAME {design.name[:LONGEST_NAME]}"),
+        remark(f"PATH {options.curve.replace('_', ' ')}, {count} POINTS"),
+    ]
+
+
+def numbered(blocks: Iterable[str], wanted: bool) -> bytes:
+    """The program's bytes; comments bear no number."""
+    lines, number = [], 0
+    for block in blocks:
+        if wanted and not block.startswith("("):
+            number += 10
+            block = f"N{number} {block}"
+        lines.append(block)
+    return ("\n".join(lines) + "\n").encode("ascii")
+
+
+def word(letter: str, value: float, decimals: int) -> str:
+    """A coordinate, always with a point: X12. means millimetres everywhere, X12 not."""
+    text = f"{round(value, decimals) + 0.0:.{decimals}f}"
+    return letter + (text if decimals else text + ".")
+
+
+def feed_word(value: float) -> str:
+    """A feed of five digits, without an exponent."""
+    text = np.format_float_positional(value, precision=5, unique=False, fractional=False, trim="-")
+    return f"F{text}"
+
+
+def minutes(cam: Cam, written: Written, path: Array, feed: float) -> Array:
+    """(k,) time of each step of a path whose contact runs along the profile at the feed [min].
+
+    Args:
+        written: the points of the path, of which it may repeat the first ones at its end.
+        path: (k + 1, 2) the centre [mm]. feed: [mm/min].
+    """
+    at = cam.at(written.theta % FULL_TURN)
+    contact = np.column_stack([at.x, at.y])
+    contact = np.vstack([contact, contact[: len(path) - len(contact)]])
+    touched = np.hypot(*np.diff(contact, axis=0).T)
+    moved = np.hypot(*np.diff(path, axis=0).T)
+    return np.asarray(np.maximum(touched / feed, moved / (FASTEST * feed)))
+
+
+def reach(cam: Cam) -> float:
+    """Distance of the path from the profile: the radius of the cutter or wheel [mm]."""
+    return abs(cam.flank.side * cam.flank.distance - cam.gap)
+
+
+def whole_path(written: Written, options: PointOptions) -> Array:
+    """The centre's path (k, 2): once round, back to the first point, and on as asked [mm]."""
+    if options.closed is False and options.overlap_points == 0:
+        raise InputError(
+            "/closed", False, "A tool goes round the cam to where it began.", "Leave it out."
+        )
+    return written.ended(options, closed=True)
+
+
+def tool(cam: Cam, options: CurveOptions) -> str:
+    """The tool in words."""
+    if is_pitch(options.curve):
+        return f"TOOL AS LARGE AS THE ROLLER, DIAMETER {2.0 * reach(cam):.12g} MM"
+    if is_cutter(options.curve):
+        return f"TOOL DIAMETER {options.cutter_diameter_mm:.12g} MM"
+    return "THE PATH IS THE PROFILE ITSELF: COMPENSATE FOR THE TOOL"

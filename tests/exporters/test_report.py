@@ -1,0 +1,192 @@
+"""The report, read back: its numbers, its pictures, its files, and texts that are not elements."""
+
+from __future__ import annotations
+
+import base64
+import hashlib
+import json
+import re
+import xml.etree.ElementTree as ET
+from html.parser import HTMLParser
+
+import pytest
+
+from synthesis.design import Conflict, Design, Relaxation
+from synthesis.exporters import (
+    MOTION_FORMATS,
+    PICTURES,
+    PROFILE_FORMATS,
+    PictureOptions,
+    report_with,
+)
+from synthesis.exporters.svg_canvas import figure
+from synthesis.findings import Sensitivities, Sensitivity
+from synthesis.spec import DesignSpec
+from tests.exporters.conftest import extreme
+from tests.exporters.test_mechanism import drawn_cam
+
+NASTY = "</td><script>alert(1)</script><img src=x onerror=alert(1)> \x07 & \"quoted\" 'so'"
+VOID = {"meta", "img", "link"}
+
+
+class Page(HTMLParser):
+    """Elements in order, tables by the heading above them, and nothing left open."""
+
+    def __init__(self, content: bytes) -> None:
+        super().__init__()
+        self.open: list[str] = []
+        self.tags: list[tuple[str, dict[str, str]]] = []
+        self.headings: list[str] = []
+        self.tables: dict[str, list[list[str]]] = {}
+        self.text = ""
+        self.feed(content.decode())
+        self.close()
+        assert not self.open
+
+    def handle_starttag(self, tag: str, attrs: list) -> None:
+        self.tags.append((tag, dict(attrs)))
+        if tag not in VOID:
+            self.open.append(tag)
+        if tag == "h2":
+            self.headings.append("")
+        if tag == "tr":
+            self.tables.setdefault(self.headings[-1], []).append([])
+        if tag in ("td", "th"):
+            self.tables[self.headings[-1]][-1].append("")
+
+    def handle_endtag(self, tag: str) -> None:
+        assert self.open.pop() == tag
+
+    def handle_data(self, data: str) -> None:
+        if "style" in self.open:
+            return
+        self.text += data
+        if self.open and self.open[-1] == "h2":
+            self.headings[-1] += data
+        if self.open and self.open[-1] in ("td", "th"):
+            self.tables[self.headings[-1]][-1][-1] += data
+
+
+def page(design: Design, **options: object) -> Page:
+    return Page(PICTURES["report.html"].write(design, PictureOptions(**options)))
+
+
+@pytest.fixture(scope="module")
+def judged(build) -> Design:
+    held = extreme("pressure_angle_rise", "deg", 28.75, 21.4, 30.0, "pressure_angle/rise_deg")
+    missed = extreme("jerk", "mm/s³", 1.5e6, 12.5, 1.2e6, "jerk/max_mm_per_s3")
+    return build(extremes=[held, missed], name="lifter")
+
+
+def test_numbers_of_the_design(judged: Design) -> None:
+    told = page(judged)
+    assert told.headings == [
+        "Dimensions", "The cam", "Limits", "Certificate", "Program", "Motion",
+        "Pressure angle and profile radius", "What was asked", "Files",
+    ]  # fmt: skip
+    for name, value in judged.dimensions.items():
+        assert f"{name.replace('_', ' ')}{figure(value, 8)} mm" in told.text
+    _, held, missed = told.tables["Limits"]
+    assert held == ["pressure angle rise", "28.75°", "21.4°", "30°", "1.25°", "±1e−9", "holds"]
+    assert missed[1:5] == ["1\u202f500\u202f000 mm/s³", "12.5°", "1\u202f200\u202f000 mm/s³",
+                           "−300\u202f000 mm/s³"]  # fmt: skip
+    assert missed[-1] == "broken"
+    rows = [given["class"] for tag, given in told.tags if tag == "tr" and given.get("class")]
+    assert rows == ["holds", "broken"]
+    program = told.tables["Program"]
+    assert program[1] == ["rise", "0°", "60°", "0 mm", "30 mm", "cycloidal"]
+    assert program[4] == ["dwell", "150°", "210°", "0 mm", "0 mm", "–"]
+    assert judged.id in told.text
+
+
+def test_files_have_the_hashes_of_what_is_downloaded() -> None:
+    design = drawn_cam("translating_roller", 3)
+    rows = {name: digest for name, _, digest in page(design).tables["Files"][1:]}
+    assert {"profile.csv", "profile-outer.csv", "motion.csv", "profile.svg"} <= set(rows)
+    csv, table = PROFILE_FORMATS["csv"], MOTION_FORMATS["csv"]
+    outer = csv.write(design, csv.options(curve="outer"))
+    motion = table.write(design, table.options())
+    assert rows["profile-outer.csv"] == hashlib.sha256(outer).hexdigest()
+    assert rows["motion.csv"] == hashlib.sha256(motion).hexdigest()
+
+
+def test_pictures_are_inside(p1: Design) -> None:
+    pictures = [given["src"] for tag, given in page(p1, theme="dark").tags if tag == "img"]
+    assert len(pictures) == 3
+    for source in pictures:
+        kind, _, data = source.partition(",")
+        assert kind == "data:image/svg+xml;base64"
+        root = ET.fromstring(base64.b64decode(data))
+        assert "#15191e" in root.find("{http://www.w3.org/2000/svg}style").text
+
+
+def test_what_was_asked_can_be_asked_again(unspecial: Design) -> None:
+    text = page(unspecial).text
+    spec = re.search(r"What was asked\s*({.*?\n})", text, re.S).group(1)
+    assert DesignSpec.model_validate(json.loads(spec)) == unspecial.spec
+
+
+@pytest.mark.parametrize("infeasible", [False, True])
+def test_no_text_becomes_an_element(build, infeasible: bool) -> None:
+    design = build(name=NASTY)
+    if infeasible:
+        change = Relaxation(limit=NASTY, field=NASTY, unit="mm", asked=1.0, needed=None, note=NASTY)
+        conflict = Conflict(limits=[NASTY], relaxations=[change], evidence=NASTY)
+        design = design.model_copy(update={"conflict": conflict})
+    told = page(design)
+    names = {tag for tag, _ in told.tags}
+    assert "script" not in names
+    assert all(given["src"].startswith("data:") for tag, given in told.tags if tag == "img")
+    assert not [given for _, given in told.tags if any(key.startswith("on") for key in given)]
+    assert "alert(1)" in told.text
+    assert "\x07" not in told.text
+
+
+def test_nothing_reaches_outside(p1: Design) -> None:
+    content = PICTURES["report.html"].write(p1, PictureOptions()).decode()
+    assert not re.search(r"https?:|@import|url\(|href=", content)
+    policy = next(given["content"] for tag, given in page(p1).tags if "http-equiv" in given)
+    assert policy == "default-src 'none'; style-src 'unsafe-inline'; img-src data:"
+
+
+def test_where_nothing_fits_it_says_what_would(build) -> None:
+    helps = Relaxation(
+        limit="jerk", field="limits/1/max_mm_per_s3", unit="mm/s³", asked=6e5, needed=8.3596e5
+    )
+    idle = helps.model_copy(update={"limit": "pressure_angle_rise", "needed": None, "unit": "deg"})
+    conflict = Conflict(limits=["jerk"], relaxations=[helps, idle], evidence="proven")
+    none = build(status="infeasible").model_copy(update={"conflict": conflict})
+    told = page(none)
+    assert told.headings == ["Why nothing fits", "What was asked"]
+    _, first, second = told.tables["Why nothing fits"]
+    assert first[:4] == [
+        "jerk",
+        "600\u202f000 mm/s³",
+        "835\u202f960 mm/s³",
+        "limits/1/max_mm_per_s3",
+    ]
+    assert second[2] == "–"
+    assert not [tag for tag, _ in told.tags if tag == "img"]
+
+
+def test_a_given_cam_says_what_it_breaks(judged: Design) -> None:
+    told = page(judged.model_copy(update={"status": "infeasible"}))
+    assert "this cam was given, and breaks jerk." in told.text
+
+
+def test_sensitivities_are_told_if_they_are_there(p1: Design) -> None:
+    one = Sensitivity(
+        field="limits/0/rise_deg",
+        asked=30.0,
+        per_unit=-0.8,
+        per_unit_more=-0.8,
+        per_unit_less=-0.8,
+        words="1 deg more: so",
+    )
+    found = Sensitivities(
+        objective="base_radius_mm", value=50.0, sensitivities=[one], evidence="LP", unconfirmed=[]
+    )
+    costs = report_with(PROFILE_FORMATS, MOTION_FORMATS, found)
+    told = Page(costs.write(p1, costs.options()))
+    assert told.tables["What each limit costs"][1] == ["limits/0/rise_deg", "30", "1 deg more: so"]
+    assert "What each limit costs" not in page(p1).headings
