@@ -85,14 +85,21 @@ class Stage:
     decimals: int
 
     @classmethod
-    def of(cls, cam: Cam, base: float, count: int) -> Stage:
-        """The stage of a cam with its base radius [mm], at ``count`` + 1 angles."""
+    def of(cls, cam: Cam, base: float, count: int, in_mm: bool = False) -> Stage:
+        """The stage of a cam with its base radius [mm], at ``count`` + 1 angles.
+
+        ``in_mm``: of any size in millimetres, not in a power of ten of them.
+        """
         mirror = -1.0 if cam.rotation == "cw" else 1.0
         cam = replace(cam, rotation="ccw")
         flanks = tuple((one.flank, ring(one, DRAWN)) for one in cam.flanks())
         reach = max(rim_of(flanks), *(_reach(curve) for _, curve in flanks))
         # browsers draw what is scaled by a thousand coarsely, and SVG has no small numbers
-        by = 1.0 if NEAR[0] < reach < NEAR[1] else 10.0 ** -round(math.log10(reach / NEAR[0]) - 1.0)
+        by = (
+            1.0
+            if in_mm or NEAR[0] < reach < NEAR[1]
+            else 10.0 ** -round(math.log10(reach / NEAR[0]) - 1.0)
+        )
         mechanism, reach = Mechanism.of(cam, count).magnified(by), by * reach
         u = 2.0 * reach / ACROSS
         prime = cam.follower.radius(cam.size) if mechanism.contacts[0].roller > 0.0 else 0.0
