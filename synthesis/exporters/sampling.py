@@ -9,7 +9,7 @@ between two segments exactly.
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -109,7 +109,7 @@ class Written:
 def written_points(cam: Cam, options: PointOptions) -> Written:
     """The points of the cam's curve, in the order and with the decimals that are asked for."""
     start = None if options.start_deg is None else options.start_deg * DEGREE
-    at = ring(cam, options, start)
+    at = ring(cam, _leaving_room(options), start)
     exact = np.column_stack(placed(cam, options, at))
     rounded: Array = np.round(exact, options.decimals) + 0.0  # no −0
     new = np.any(rounded != np.roll(rounded, 1, axis=0), axis=1)
@@ -126,6 +126,20 @@ def written_points(cam: Cam, options: PointOptions) -> Written:
     if options.direction not in ("cam_angle", RUNS[cam.rotation]):
         theta, points = (np.roll(each[::-1], 1, axis=0) for each in (theta, points))
     return Written(theta, points)
+
+
+def _leaving_room(options: PointOptions) -> PointOptions:
+    """With a chord tolerance that the rounded points keep too: a chord moves as its ends do."""
+    moved = math.sqrt(0.5) * 10.0 ** (3 - options.decimals)  # [µm]
+    if options.tolerance_um is None:
+        return options
+    if options.tolerance_um < 2.0 * moved:
+        raise InputError(
+            "/decimals", options.decimals,
+            f"Rounding alone moves points by up to {moved:.3g} µm, too much for a chord tolerance "
+            f"of {options.tolerance_um:.6g} µm.", "Keep more decimals, or allow more.",
+        )  # fmt: skip
+    return replace(options, tolerance_um=options.tolerance_um - moved)
 
 
 def in_degrees(theta: Array) -> Array:
