@@ -10,6 +10,7 @@ from types import MappingProxyType
 from typing import Any
 
 from synthesis.exporters import (
+    animation_json,
     animation_page,
     animation_svg,
     csv_table,
@@ -19,6 +20,7 @@ from synthesis.exporters import (
     iges_curve,
     json_table,
     nurbs_json,
+    png_picture,
     sldcrv_curve,
     solid_step,
     step_curve,
@@ -96,6 +98,11 @@ PICTURES: Mapping[str, Exporter[Any]] = MappingProxyType(
             svg_contact.CONTACT,
             animation_svg.ANIMATION,
             animation_page.PAGE,
+<<<<<<< HEAD
+            animation_json.DATA,
+=======
+            *png_picture.PIXELS,
+>>>>>>> main
             report_with(PROFILE_FORMATS, MOTION_FORMATS),
         )
     }

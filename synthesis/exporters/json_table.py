@@ -88,13 +88,7 @@ def _written(
 ) -> bytes:
     body = {
         **head,
-        "design": {
-            "id": design.id,
-            "name": design.name,
-            "engine_version": design.engine_version,
-            "status": design.status,
-            "certified": design.certificate.certified,
-        },
+        "design": origin(design),
         "rotation": design.rotation,
         "speed_rpm": design.speed_rpm,
         "follower": design.follower,
@@ -104,6 +98,17 @@ def _written(
     }
     inside = b",".join(_column(column) for column in columns)
     return _text(body)[:-1] + b',"columns":[' + inside + b"]}\n"
+
+
+def origin(design: Design) -> dict[str, Any]:
+    """Which design a file is of, and what it is worth."""
+    return {
+        "id": design.id,
+        "name": design.name,
+        "engine_version": design.engine_version,
+        "status": design.status,
+        "certified": design.certificate.certified,
+    }
 
 
 def _column(column: Column) -> bytes:
