@@ -98,11 +98,8 @@ PICTURES: Mapping[str, Exporter[Any]] = MappingProxyType(
             svg_contact.CONTACT,
             animation_svg.ANIMATION,
             animation_page.PAGE,
-<<<<<<< HEAD
             animation_json.DATA,
-=======
             *png_picture.PIXELS,
->>>>>>> main
             report_with(PROFILE_FORMATS, MOTION_FORMATS),
         )
     }
