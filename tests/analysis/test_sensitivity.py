@@ -125,6 +125,16 @@ def test_what_would_move_a_chosen_number_is_not_told() -> None:
     assert "would move with these" in found.evidence
 
 
+def test_a_radius_that_is_given_is_itself_whatever_else_may_move() -> None:
+    """No cone program knows that it may not be smaller: the offset would seem to decide."""
+    body = {**examples()["fixed-laws"]["value"], "base_radius_mm": 493.0}
+    found = sensitivities(synthesise(DesignSpec.model_validate(body)))
+    told = {each.field: each.per_unit for each in found.sensitivities}
+    assert told.pop("/base_radius_mm") == pytest.approx(1.0, rel=1e-6)
+    assert set(told.values()) == {0.0}
+    assert found.unconfirmed == []
+
+
 def test_without_a_cam_there_are_none() -> None:
     body = examples()["infeasible-on-purpose"]["value"]
     found = sensitivities(synthesise(DesignSpec.model_validate({**body, "tolerance": 0.05})))
