@@ -31,6 +31,7 @@ from synthesis.solvers.clarabel import ConeSolution, solve
 from synthesis.solvers.statuses import USABLE, Stopped
 
 SHAPE = 0.05  # a gap below which rounds for the bound alone do not pay, where curvature decides
+KNOTS = 2.0  # tolerances: a gap at which knots are good enough for what curvature leaves
 ROUNDS = 8
 COARSE, FINE = 12, 96  # intervals of the first grid, by tolerance
 CURVED = 16  # the most of them while rows still have to turn
@@ -178,6 +179,8 @@ def _climb(state: Search) -> None:
             break
         if state.gap > 0.9 * before and state.gap < inf:
             break  # finer knots no longer help
+        if number > 1 and state.limited_by_shape and state.gap <= KNOTS * state.tolerance:
+            break  # knots that the bound has asked for once are good enough for what comes next
         usable = state.grids if lower is not None else ()
         if state.relaxed is not None and lower is not None and not lower.switching:
             state.grids = denser(state.grids)
