@@ -11,7 +11,7 @@ from fastapi.routing import APIRoute
 
 from service.errors import BY_STATUS, PROBLEMS
 from service.examples import examples
-from service.problem import MEDIA_TYPE, Problem
+from service.problem import MEDIA_TYPE, LateProblem, Problem
 from synthesis.design import engine_version
 from synthesis.measured import MeasuredCam
 from synthesis.sweeps import SweepSpec
@@ -73,10 +73,16 @@ def problems(*statuses: int) -> dict[int | str, dict[str, Any]]:
     """Responses that are problem documents, by reference."""
     titles = {kind.status: kind.title for kind in (*PROBLEMS.values(), *BY_STATUS.values())}
     titles |= SEVERAL
-    content = {MEDIA_TYPE: {"schema": {"$ref": "#/components/schemas/Problem"}}}
     return {
-        status: {"description": f"{titles[status]}.", "content": content} for status in statuses
+        status: {"description": f"{titles[status]}.", "content": _problem(status)}
+        for status in statuses
     }
+
+
+def _problem(status: int) -> dict[str, Any]:
+    """The form of a problem; only what comes too late has a design in it: a large schema."""
+    model = LateProblem if status == 504 else Problem
+    return {MEDIA_TYPE: {"schema": {"$ref": f"#/components/schemas/{model.__name__}"}}}
 
 
 def tagged(status: int = 200, **more: Any) -> dict[int | str, dict[str, Any]]:
@@ -140,7 +146,12 @@ def describe(app: FastAPI) -> dict[str, Any]:
         )
         schemas = document["components"]["schemas"]
         reference = "#/components/schemas/{model}"
-        for model in (Problem, MeasuredCam, SweepSpec):  # no handler's signature names them
+        for model in (
+            Problem,
+            LateProblem,
+            MeasuredCam,
+            SweepSpec,
+        ):  # no handler's signature names them
             own = model.model_json_schema(ref_template=reference)
             for name, schema in own.pop("$defs").items():
                 schemas.setdefault(name, schema)

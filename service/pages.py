@@ -20,6 +20,7 @@ POLICY = (
     "default-src 'self'; script-src 'self' 'unsafe-inline'; style-src 'self' 'unsafe-inline'; "
     "img-src 'self' data:; font-src 'self' data:; worker-src 'self' blob:; frame-ancestors 'self'"
 )
+STUDIO_POLICY = "default-src 'self'; img-src 'self' data:; frame-ancestors 'self'"
 SWAGGER_SETTINGS = {
     "syntaxHighlight": False,  # hangs near 1 MB of JSON
     "tryItOutEnabled": True,
@@ -34,9 +35,10 @@ router = APIRouter(include_in_schema=False)
 
 
 @router.get("/")
-async def show_start() -> Response:
-    """What this is, and where to go."""
-    return _page((HERE / "assets" / "start.html").read_bytes())
+async def show_studio() -> Response:
+    """The studio: a page that uses nothing but the public API."""
+    page = (HERE / "studio" / "index.html").read_bytes()
+    return HTMLResponse(page, headers={"Content-Security-Policy": STUDIO_POLICY})
 
 
 @router.get("/docs")
@@ -73,5 +75,6 @@ def _page(html: bytes) -> Response:
 def install(app: FastAPI) -> None:
     """Add the pages and their assets."""
     app.include_router(router)
+    app.mount("/studio", StaticFiles(directory=HERE / "studio"), name="studio")
     app.mount("/assets/swagger", StaticFiles(directory=SWAGGER), name="swagger")
     app.mount("/assets/redoc", StaticFiles(directory=HERE / "assets" / "redoc"), name="redoc")

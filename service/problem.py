@@ -34,11 +34,16 @@ class Problem(BaseModel):
     errors: Annotated[
         list[Violation], Field(description="Each wrong field: where, value, rule, way out.")
     ] = []
+
+
+class LateProblem(Problem):
+    """The time budget ended: a problem document with the best that was found by then."""
+
     best: Annotated[
         Design | CamSet | None,
         Field(
-            description="With status 504: the best certified design found in time, if any; of "
-            "a set all cams, each as good as it became."
+            description="The best certified design found in time, if any; of a set all cams, each "
+            "as good as it became."
         ),
     ] = None
 

@@ -11,8 +11,7 @@ from service.errors import NothingFits
 from service.links import design_links, set_links
 from synthesis.camset_spec import CamSetSpec
 from synthesis.design import Design
-from synthesis.exporters import DRAWINGS, Exporter, Made
-from synthesis.exporters.theme import Theme
+from synthesis.exporters import DRAWINGS, Exporter, Made, Options
 from synthesis.findings import Analysis
 from synthesis.objectives import Objective
 from synthesis.spec import DesignSpec
@@ -102,13 +101,13 @@ def analyse(spec: bytes, budget_s: float) -> Answer:
     return Answer(found.model_dump_json().encode(), status, summary, time.monotonic() - started)
 
 
-def pictured(analysis: bytes, name: str, theme: Theme) -> bytes:
+def pictured(analysis: bytes, name: str, options: Options) -> bytes:
     """A picture of an analysed cam; runs in a worker process."""
     from synthesis.analysis import as_design
 
     exporter = DRAWINGS[name]
     found = Analysis.model_validate_json(analysis)
-    return exporter.write(as_design(found), exporter.options(theme=theme))
+    return exporter.write(as_design(found), options)
 
 
 def confirm(design: bytes, budget_s: float) -> Answer:

@@ -64,7 +64,7 @@ def _write(design: Design, folder: Path) -> list[str]:
                     )
         for name, motion in _usual(MOTION_FORMATS):
             files[f"motion.{name}"] = motion.write(design, motion.options())
-    for name, picture in PICTURES.items():
+    for name, picture in _usual(PICTURES):
         if design.motion or picture.without_cam:
             files[name] = picture.write(design, picture.options())
     save(files, folder)

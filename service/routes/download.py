@@ -23,7 +23,7 @@ ALONE = (
     "default-src 'none'; style-src 'unsafe-inline'; img-src data:; script-src 'unsafe-inline'; "
     "frame-ancestors 'self'; sandbox allow-scripts"
 )
-POLICIES = {SVG: NOTHING_RUNS, "text/html": ALONE}
+POLICIES = {SVG: NOTHING_RUNS, "image/png": NOTHING_RUNS, "text/html": ALONE}
 
 
 @dataclass(frozen=True)

@@ -30,7 +30,7 @@ from synthesis.findings import Sensitivities
 
 router = APIRouter(prefix="/v1/designs/{design_id}", tags=["files"])
 Handler = Callable[..., Awaitable[Response]]
-PACKED = ("application/vnd.openxmlformats-officedocument.spreadsheetml.sheet",)
+PACKED = ("application/vnd.openxmlformats-officedocument.spreadsheetml.sheet", "image/png")
 FORMATS = {"profile": PROFILE_FORMATS, "motion": MOTION_FORMATS, "solid": SOLID_FORMATS}
 ON_WORKERS = (429, 500, 501, 503, 504)
 
@@ -95,7 +95,7 @@ async def _reported(
 
 
 def _add(part: str, exporter: Exporter[Any], handler: Handler) -> None:
-    content = {exporter.media_type.partition(";")[0]: {"schema": _schema(exporter)}}
+    content = {exporter.media_type.partition(";")[0]: {"schema": schema_of(exporter)}}
     router.add_api_route(
         f"/{part}",
         handler,
@@ -114,7 +114,8 @@ OWN: dict[str, Handler] = {"report.html": _reported}
 FURTHER = {"report.html": (500, 503, 504)}
 
 
-def _schema(exporter: Exporter[Any]) -> dict[str, str]:
+def schema_of(exporter: Exporter[Any]) -> dict[str, str]:
+    """What its body is, for the contract."""
     if exporter.media_type == "application/json":
         return {"type": "object"}
     packed = exporter.media_type in PACKED

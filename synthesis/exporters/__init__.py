@@ -10,6 +10,7 @@ from types import MappingProxyType
 from typing import Any
 
 from synthesis.exporters import (
+    animation_json,
     animation_page,
     animation_svg,
     csv_table,
@@ -19,6 +20,7 @@ from synthesis.exporters import (
     iges_curve,
     json_table,
     nurbs_json,
+    png_picture,
     sldcrv_curve,
     solid_step,
     step_curve,
@@ -34,6 +36,7 @@ from synthesis.exporters.drives import codesys, kollmorgen, plain, rockwell, sew
 from synthesis.exporters.drives import fidelity_json as drive_fidelity
 from synthesis.exporters.exact_options import DrawingOptions, ExactOptions
 from synthesis.exporters.exporter import Exporter, Made
+from synthesis.exporters.json_table import JsonOptions
 from synthesis.exporters.machining import grinding, milling
 from synthesis.exporters.options import (
     CurveName,
@@ -95,6 +98,8 @@ PICTURES: Mapping[str, Exporter[Any]] = MappingProxyType(
             svg_contact.CONTACT,
             animation_svg.ANIMATION,
             animation_page.PAGE,
+            animation_json.DATA,
+            *png_picture.PIXELS,
             report_with(PROFILE_FORMATS, MOTION_FORMATS),
         )
     }
@@ -114,6 +119,7 @@ __all__ = [
     "DrawingOptions",
     "ExactOptions",
     "Exporter",
+    "JsonOptions",
     "Made",
     "MotionOptions",
     "Options",

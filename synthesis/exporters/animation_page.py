@@ -43,7 +43,7 @@ def _page(design: Design, options: PictureOptions) -> bytes:
     panels = Panels.of(design, FRAMES)
     name = design.name.strip() or "Cam"
     readings = _readings(design, panels)
-    data = {"parts": [_part(part, panels.stage.decimals) for part in panels.moving()],
+    data = {"parts": [told_part(part, panels.stage.decimals) for part in panels.moving()],
             "readings": readings}  # fmt: skip
     told = (
         f"{design.follower.replace('_', ' ')} follower · the cam turns {TURNS[design.rotation]} at "
@@ -54,8 +54,8 @@ def _page(design: Design, options: PictureOptions) -> bytes:
         [
             f"<h1>{html.plain(name)}</h1>\n<p>{html.plain(told)}</p>",
             "<main>",
-            _inline("Cam and follower", MACHINE, panels.machine(_tag)),
-            _inline("Displacement and pressure angle", DIAGRAMS, panels.diagrams(design, _tag)),
+            _inline("Cam and follower", MACHINE, panels.machine(tag)),
+            _inline("Displacement and pressure angle", DIAGRAMS, panels.diagrams(design, tag)),
             "</main>",
             CONTROLS,
             _told(readings),
@@ -67,7 +67,8 @@ def _page(design: Design, options: PictureOptions) -> bytes:
     return html.page(f"{name} in motion", sheet, body, options.theme, html.asset("animation.js"))
 
 
-def _tag(part: str) -> str:
+def tag(part: str) -> str:
+    """The attribute that names a part."""
     return f'data-part="{part}"'
 
 
@@ -109,7 +110,8 @@ def _reading(name: str, title: str, unit: str, values: Array) -> Reading:
     return {"name": name, "title": title, "unit": unit, "digits": digits, "column": rounded}
 
 
-def _part(part: Moving, decimals: int) -> dict[str, Any]:
+def told_part(part: Moving, decimals: int) -> dict[str, Any]:
+    """Its name, and its columns over one turn; two values are a straight line."""
     digits = 3 if part.kind == "turn" else decimals
     columns = [_column(values, digits) for values in part.values.T]
     return {"name": part.name, "kind": part.kind, "columns": columns}

@@ -97,10 +97,12 @@ def blank(design: Design, options: SolidOptions) -> Blank:
         _check_room(options, bore, within.radii[0])
     if around is None:
         assert within is not None
+        _refuse(options, ("outer_diameter_mm", "groove_depth_mm"), "a plate, with nothing round it")
         return Blank((Slab(within, bore, low, high), *_hub(options, bore, low)), error)
     wall = Circle(_outer_radius(options, cam, around))
     if within is None:
-        _refuse_shaft(options)
+        shaft = ("bore_mm", "hub_diameter_mm", "groove_depth_mm")
+        _refuse(options, shaft, "a ring, with no material around its axis and no groove")
         return Blank((Slab(wall, [around], low, high),), error)
     depth = options.groove_depth_mm or 0.5 * options.thickness_mm
     floor = high - depth
@@ -163,19 +165,18 @@ def _check_room(options: SolidOptions, bore: list[Bore], room: float) -> None:
     if bore and bore[0].reach >= room:
         raise InputError(
             "/bore_mm", options.bore_mm,
-            f"With its keyway the bore reaches {bore[0].reach:.6g} mm from the axis, where the "
-            f"cam or its hub has {room:.6g} mm at its narrowest.",
+            f"The bore{' with its keyway' * bool(bore[0].width)} reaches {bore[0].reach:.6g} mm "
+            f"from the axis, where the cam or its hub has {room:.6g} mm at its narrowest.",
             "Take a smaller bore or hub, or ask for a larger base radius.",
         )  # fmt: skip
 
 
-def _refuse_shaft(options: SolidOptions) -> None:
-    """A ring has its axis in the open."""
-    for name in ("bore_mm", "hub_diameter_mm"):
+def _refuse(options: SolidOptions, names: Sequence[str], kind: str) -> None:
+    """What this kind of cam has not."""
+    for name in names:
         value = getattr(options, name)
         if value is not None:
-            rule = "The cam is a ring: there is no material around its axis."
-            raise InputError(f"/{name}", value, rule, "Leave it out.")
+            raise InputError(f"/{name}", value, f"The cam is {kind}.", "Leave it out.")
 
 
 def _outer_radius(options: SolidOptions, cam: Cam, around: Edge) -> float:

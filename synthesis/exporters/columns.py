@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from synthesis.exporters.cam import Cam
-from synthesis.exporters.options import MotionOptions, ProfileOptions, is_cutter, is_pitch
+from synthesis.exporters.options import CurveOptions, MotionOptions, is_cutter, is_pitch
 from synthesis.exporters.placement import placed
 from synthesis.exporters.sampling import Rows, table_rows
 from synthesis.numerics.piecewise import Array
@@ -27,7 +27,7 @@ class Column:
     values: Array | NDArray[np.int64]
 
 
-def profile_columns(cam: Cam, options: ProfileOptions) -> list[Column]:
+def profile_columns(cam: Cam, options: CurveOptions) -> list[Column]:
     """The curve's points with the motion and the geometry there."""
     rows = table_rows(cam, options)
     at = cam.at(rows.theta, rows.left)
@@ -59,7 +59,7 @@ def profile_columns(cam: Cam, options: ProfileOptions) -> list[Column]:
     ]  # fmt: skip
 
 
-def _which(options: ProfileOptions) -> str:
+def _which(options: CurveOptions) -> str:
     if is_cutter(options.curve):
         return f"path of the centre of a cutter of {options.cutter_diameter_mm:.12g} mm diameter"
     return "pitch curve" if is_pitch(options.curve) else "profile"

@@ -4,18 +4,21 @@ from __future__ import annotations
 
 import json
 from collections.abc import Sequence
-from dataclasses import asdict
-from typing import Any
+from dataclasses import asdict, dataclass, fields
+from typing import Annotated, Any
 
 import numpy as np
+from pydantic import Field
 
 from synthesis.design import Design
 from synthesis.exporters.cam import Cam
 from synthesis.exporters.columns import Column, motion_columns, profile_columns
 from synthesis.exporters.cutting import chosen
 from synthesis.exporters.exporter import Exporter, untold
-from synthesis.exporters.options import MotionOptions, ProfileOptions
-from synthesis.exporters.sampling import in_degrees
+from synthesis.exporters.fidelity.block import fidelity_block
+from synthesis.exporters.fidelity.told import MOST
+from synthesis.exporters.options import CurveOptions, MotionOptions, PointOptions
+from synthesis.exporters.sampling import in_degrees, written_points
 from synthesis.exporters.shortest import WIDTH, joined, written
 
 FRAME = (
@@ -23,10 +26,29 @@ FRAME = (
     "the machine's frame, y along the follower of an upward slide. Seen with z towards the viewer "
     "the cam turns {turns}; the rows run round it {runs}.{placed}"
 )
+EXACT = 15  # decimals
 TURNED = " The points are turned from there by {turn:.12g}° about z, counter-clockwise positive."
 
 
-def _profile(design: Design, options: ProfileOptions) -> bytes:
+@dataclass(frozen=True)
+class JsonOptions(CurveOptions):
+    """As ``ProfileOptions``, and what else stands in the file.
+
+    Attributes:
+        fidelity: whether it is said what readers make of the curve's points.
+    """
+
+    fidelity: Annotated[
+        bool,
+        Field(
+            description="Say what straight lines and splines through the curve's points, taken "
+            "once round as for point files and not rounded, do to the form and to the follower's "
+            f"acceleration. Left out of more than {MOST} points."
+        ),
+    ] = True
+
+
+def _profile(design: Design, options: JsonOptions) -> bytes:
     cam = chosen(design, options)
     turns = ("counter-clockwise", "clockwise")
     turns = turns if design.rotation == "ccw" else turns[::-1]
@@ -35,11 +57,23 @@ def _profile(design: Design, options: ProfileOptions) -> bytes:
         "curve": options.curve,
         "frame": FRAME.format(turns=turns[0], runs=turns[1], placed=_placed(options)),
         "seam_deg": float(in_degrees(np.array(cam.seam))),
+        **_fidelity(cam, options),
     }
     return _written(design, head, asdict(options), profile_columns(cam, options))
 
 
-def _placed(options: ProfileOptions) -> str:
+def _fidelity(cam: Cam, options: JsonOptions) -> dict[str, Any]:
+    if not options.fidelity:
+        return {}
+    shared = {each.name: getattr(options, each.name) for each in fields(CurveOptions)}
+    whole = PointOptions(decimals=EXACT, **shared)
+    points = written_points(cam, whole)
+    if len(points.theta) > MOST:
+        return {}
+    return {"fidelity": fidelity_block(cam, points, whole)}
+
+
+def _placed(options: CurveOptions) -> str:
     return TURNED.format(turn=options.turn_deg) if options.turn_deg else ""
 
 
@@ -54,13 +88,7 @@ def _written(
 ) -> bytes:
     body = {
         **head,
-        "design": {
-            "id": design.id,
-            "name": design.name,
-            "engine_version": design.engine_version,
-            "status": design.status,
-            "certified": design.certificate.certified,
-        },
+        "design": origin(design),
         "rotation": design.rotation,
         "speed_rpm": design.speed_rpm,
         "follower": design.follower,
@@ -70,6 +98,17 @@ def _written(
     }
     inside = b",".join(_column(column) for column in columns)
     return _text(body)[:-1] + b',"columns":[' + inside + b"]}\n"
+
+
+def origin(design: Design) -> dict[str, Any]:
+    """Which design a file is of, and what it is worth."""
+    return {
+        "id": design.id,
+        "name": design.name,
+        "engine_version": design.engine_version,
+        "status": design.status,
+        "certified": design.certificate.certified,
+    }
 
 
 def _column(column: Column) -> bytes:
@@ -90,5 +129,5 @@ def _text(body: dict[str, Any]) -> bytes:
 
 
 _TITLE, _MEDIA = "Columns with units and metadata", "application/json"
-PROFILE = Exporter("json", _TITLE, _MEDIA, ".json", untold(_profile), ProfileOptions)
+PROFILE = Exporter("json", _TITLE, _MEDIA, ".json", untold(_profile), JsonOptions)
 MOTION = Exporter("json", _TITLE, _MEDIA, ".json", untold(_motion), MotionOptions)

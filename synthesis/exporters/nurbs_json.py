@@ -8,6 +8,7 @@ from synthesis.design import Design
 from synthesis.exporters.exact import exact_curve, facts
 from synthesis.exporters.exact_options import ExactOptions
 from synthesis.exporters.exporter import Exporter, Made
+from synthesis.exporters.json_table import origin
 
 MEANING = (
     "A clamped B-spline in the cam's frame, no weights: its parameter is the arc length in mm, its "
@@ -25,13 +26,7 @@ def _profile(design: Design, options: ExactOptions) -> Made:
         "kind": "exact_curve",
         "curve": curve.name,
         "meaning": MEANING,
-        "design": {
-            "id": design.id,
-            "name": design.name,
-            "engine_version": design.engine_version,
-            "status": design.status,
-            "certified": design.certificate.certified,
-        },
+        "design": origin(design),
         "tolerance_mm": options.tolerance_mm,
         "error_mm": spline.error,
         "length_mm": spline.length,

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Annotated
+from typing import Annotated, Literal
 
 from pydantic import Field
 
@@ -28,6 +28,22 @@ class PictureOptions(Options):
     """
 
     theme: Colours = "auto"
+
+
+@dataclass(frozen=True)
+class PixelOptions(Options):
+    """How a picture of pixels looks.
+
+    Attributes:
+        theme: its colours; pixels know no screen, so that ``auto`` is not among them.
+        width_px: of the picture; its height follows.
+    """
+
+    theme: Annotated[
+        Literal["light", "dark", "print"],
+        Field(description="`print` is black on white; there is no `auto`: pixels know no screen."),
+    ] = "light"
+    width_px: Annotated[int, Field(ge=200, le=6000, description="Width of the picture.")] = 1600
 
 
 @dataclass(frozen=True)

@@ -111,11 +111,17 @@ class Stage:
         place = f"translate({svg.num(x)} {svg.num(y)}) scale({svg.num(self.mirror * k, 9)} "
         return [
             f'<g class="mechanism" transform="{place}{svg.num(-k, 9)})">',
-            *_ground(self),
-            *self._group("cam", tag, _cam(self)),
-            *_link(self, tag),
+            *self.shapes(tag),
             "</g>",
         ]
+
+    def shapes(self, tag: Tag) -> list[str]:
+        """Its elements in its own mm."""
+        return [*_ground(self), *self._group("cam", tag, _cam(self)), *_link(self, tag)]
+
+    def outline(self) -> str:
+        """The cam's area alone, as at cam angle 0."""
+        return outline(self.flanks, rim_of(self.flanks), 1.0, self.decimals)
 
     def moving(self) -> list[Moving]:
         """Every part that can move."""

@@ -60,7 +60,7 @@ def biarcs(curve: ClosedCurve, tolerance: float) -> Arcs:
         mesh = mesh.spread(departures / tolerance, POWER, growing=turn >= FREELY)
     raise InputError(
         "/tolerance_um",
-        tolerance * 1e3,
+        float(f"{tolerance * 1e3:.12g}"),
         f"{2 * len(mesh.span)} arcs came as near as {found.error * 1e3:.3g} µm.",
         "Allow a larger tolerance, or take the curve as a spline.",
     )

@@ -118,7 +118,7 @@ def closed_spline(curve: ClosedCurve, tolerance: float) -> ClosedSpline:
     size = float(np.max(np.abs(found.points)))
     raise InputError(
         "/tolerance_um",
-        tolerance * 1e3,
+        float(f"{tolerance * 1e3:.12g}"),
         f"The curve came as near as {found.error * 1e3:.3g} µm with {found.nodes} pieces; "
         f"rounding alone is {size * ROUNDING * 1e3:.1g} µm at this size.",
         "Allow a larger tolerance.",

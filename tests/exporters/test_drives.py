@@ -17,8 +17,8 @@ from synthesis.exporters import MOTION_FORMATS
 
 NUMBER = r"(-?\d+(?:\.\d+)?(?:e-?\d+)?)"
 OPTIONS: dict[str, Any] = {
-    "points": 250, "start_deg": 12.5, "master_per_turn": 65536.0, "slave_per_unit": 20.0,
-    "decimals": 3,
+    "points": 250, "start_deg": 12.5, "master_per_turn": 65536.0, "slave_per_unit": 2e4,
+    "decimals": 0,
 }  # fmt: skip
 
 
@@ -93,9 +93,9 @@ def test_rows_are_the_motion_in_the_drive_s_units(name: str, cam: Design, truth)
     np.testing.assert_array_equal(rows[0, 1:], rows[-1, 1:])
     degrees = (12.5 + rows[:-1, 0] * 360.0 / 65536.0) % 360.0
     right = truth(cam).motion(degrees, side=1)
-    np.testing.assert_allclose(rows[:-1, 1], 20.0 * right[0], rtol=0.0, atol=0.5001e-3)
+    np.testing.assert_allclose(rows[:-1, 1], 2e4 * right[0], rtol=0.0, atol=0.5001)
     for order in range(1, rows.shape[1] - 1):
-        expected = 20.0 * right[order] * (2.0 * np.pi / 65536.0) ** order
+        expected = 2e4 * right[order] * (2.0 * np.pi / 65536.0) ** order
         atol = 1e-11 * np.abs(expected).max()
         np.testing.assert_allclose(rows[:-1, 1 + order], expected, rtol=1e-9, atol=atol)
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 import io
 import json
 import re
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -51,6 +52,7 @@ def test_it_is_as_near_to_the_true_curve_as_it_says(cam, truth, curve, tolerance
     assert told["error_mm"] <= told["tolerance_mm"] == pytest.approx(1e-3 * tolerance_um)
     assert np.max(found) <= told["error_mm"]
     assert np.max(found) > 0.2 * told["error_mm"]
+    assert len(told["control_points_mm"]) < {1.0: 90, 1e-3: 150, 1e-6: 300}[tolerance_um]
 
 
 def test_a_cutter_runs_beside_the_profile(cam, truth) -> None:
@@ -130,6 +132,8 @@ def test_iges_records_are_eighty_columns_and_counted(unspecial: Design) -> None:
     counts = dict(re.findall(r"([SGDP]) +(\d+)", sections["T"][0][:72]))
     assert {k: int(v) for k, v in counts.items()} == {k: len(sections[k]) for k in "SGDP"}
     assert unspecial.id in "".join(line[:72] for line in sections["S"])
+    count = len(body(unspecial)["control_points_mm"]) - 1
+    assert sections["P"][0].startswith(f"126,{count},5,1,1,1,0,")  # plane, closed, no weights
 
 
 def entities(data: bytes, kind: str) -> list[list[tuple[int, str]]]:
@@ -228,6 +232,21 @@ def test_every_curve_of_every_machine(kind: str, sample: int) -> None:
         assert np.max(found) <= spline.error <= 1e-7
 
 
+@pytest.mark.parametrize("room", [1e-9, 1e-3])
+def test_a_profile_that_nearly_has_a_corner(room: float) -> None:
+    """As the smallest flat-face cams have: the radius of curvature all but vanishes."""
+    asked = spec("translating_flat_face")
+    motion = given(asked).motion
+    s, _, bend, _ = motion.derivatives(np.linspace(0.0, 2.0 * np.pi, 200_001))
+    size = (float(-np.min(s + bend)) + room,)
+    cam = Cam(motion, asked.follower, size, asked.rotation, 1.0, asked.follower.flanks[0], 0.0)
+    spline = closed_spline(Contour.of(cam), 1e-6)
+    at = cam.at(np.radians(SOME))
+    found = away(np.column_stack([at.x, at.y]), BSpline(spline.knots, spline.points, 5))
+    assert np.max(found) <= spline.error <= 1e-6
+    assert len(spline.points) < 300
+
+
 def bent(steps: tuple[float, float], roller: float) -> Cam:
     """A cam whose velocity jumps at 0° and at 360° · 0.37, and nowhere else."""
     first, second = 0.37 * 2.0 * np.pi, 0.63 * 2.0 * np.pi
@@ -260,6 +279,14 @@ def test_where_velocity_jumps_the_roller_turns_on_the_spot() -> None:
     found = away(arc, BSpline(spline.knots, spline.points, spline.degree))
     assert np.hypot(*(arc[0] - arc[-1])) > 0.5
     assert np.max(found) < spline.error <= 1e-7
+
+
+def test_where_velocity_jumps_down_the_roller_undercuts() -> None:
+    cam = bent((-0.4, -0.9), 8.3)
+    with pytest.raises(InputError, match="undercut") as caught:
+        Contour.of(cam)
+    assert caught.value.value in ("0°", "360°")
+    closed_spline(Contour.of(replace(cam, gap=0.0)), 1e-6)
 
 
 def test_a_knife_edge_s_corner_stays_one() -> None:

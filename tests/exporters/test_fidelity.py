@@ -5,6 +5,8 @@ from __future__ import annotations
 import io
 import json
 import math
+import re
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -231,3 +233,30 @@ def test_the_block_names_what_it_measured(unspecial: Design) -> None:
     assert body["decimals"] == 4
     assert body["sampling"]["points"] == 101
     assert [each["reader"] for each in body["readers"]] == ["polyline", *CUBIC]
+
+
+def test_the_form_error_of_few_points(p1: Design, truth) -> None:
+    options = {"points": 36}
+    true = truth(p1).points(np.linspace(0.0, 360.0, 7201)[:-1])
+    spline, length = drawn(p1, "periodic", **options)
+    far = 1e3 * away(spline(np.linspace(0.0, length, 2001)), true).max()
+    assert told(p1, **options)["periodic"]["form_um"] == pytest.approx(far, rel=0.01)
+
+
+def test_the_page_on_files_tells_what_is_measured() -> None:
+    body = json.loads(Path("openapi/examples/fixed-laws.json").read_text())["value"]
+    design = synthesise(DesignSpec.model_validate(body))
+    row = r"^\| (\d+) per degree \| (\d+) \| (.*?) \| (.*?) \| (.*?) \| (.*?) µm \|$"
+    rows = re.findall(row, Path("docs/files.md").read_text(), re.MULTILINE)
+    assert len(rows) == 7
+    for density, decimals, form, acceleration, natural, straight in rows:
+        found = told(design, points_per_degree=float(density), decimals=int(decimals))
+        limit = form.startswith("<")
+        number = float(form.strip("< ").removesuffix(" µm"))
+        off = found["periodic"]["form_um"]
+        assert off < number if limit else off == pytest.approx(number, rel=0.06)
+        for reader, text in (("periodic", acceleration), ("natural", natural)):
+            part = found[reader]["acceleration_part"]
+            told_part = None if text == "infinite" else float(text.removesuffix(" %")) / 100.0
+            assert part == (told_part and pytest.approx(told_part, rel=0.1))
+        assert found["polyline"]["form_um"] == pytest.approx(float(straight), rel=0.05)

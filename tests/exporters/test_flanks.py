@@ -13,7 +13,7 @@ import pytest
 
 from synthesis import Design, DesignSpec, synthesise
 from synthesis.errors import InputError
-from synthesis.exporters import PROFILE_FORMATS, PointOptions, ProfileOptions, profiles
+from synthesis.exporters import PROFILE_FORMATS, JsonOptions, PointOptions, profiles
 from synthesis.exporters.picture_options import CamDrawingOptions
 from tests.exporters.test_drawings import drawn, text_boxes
 from tests.exporters.test_points import away
@@ -120,7 +120,7 @@ def test_every_flank_has_a_file_of_its_own(designs) -> None:
 
 def test_tables_tell_the_flank_s_own_radius(designs) -> None:
     for curve, side in (("inner", 1.0), ("outer", -1.0)):
-        data = PROFILE_FORMATS["json"].write(designs["groove"], ProfileOptions(curve=curve))
+        data = PROFILE_FORMATS["json"].write(designs["groove"], JsonOptions(curve=curve))
         table = json.loads(data)
         assert table["curve"] == curve
         columns = {c["name"]: np.array(c["values"], float) for c in table["columns"]}

@@ -11,7 +11,7 @@ import pytest
 
 from synthesis.design import Design
 from synthesis.errors import InputError
-from synthesis.exporters import PROFILE_FORMATS, PointOptions, ProfileOptions
+from synthesis.exporters import PROFILE_FORMATS, JsonOptions, PointOptions, ProfileOptions
 
 TURN, Z = -63.7, 12.125
 
@@ -49,9 +49,10 @@ def test_tables_and_point_files_agree(cam: Design) -> None:
     points = np.column_stack([rows["x_mm"], rows["y_mm"], rows["z_mm"]])
     for point in loaded(cam, ProfileOptions(1.0, turn_deg=TURN, z_mm=Z))[::17]:
         assert np.min(np.max(np.abs(points - point), axis=1)) < 3e-10
+    tables = PROFILE_FORMATS["json"]
     columns = {
         column["name"]: column
-        for column in json.loads(PROFILE_FORMATS["json"].write(cam, options))["columns"]
+        for column in json.loads(tables.write(cam, tables.adapted(options)))["columns"]
     }
     assert columns["x_mm"]["values"] == rows["x_mm"].tolist()
     assert columns["z_mm"]["values"] == rows["z_mm"].tolist()
@@ -67,8 +68,8 @@ def test_what_belongs_to_the_cam_is_not_turned(cam: Design) -> None:
 
 def test_without_a_place_nothing_changes(cam: Design) -> None:
     assert "z_mm" not in table(cam, ProfileOptions()).dtype.names
-    frame = json.loads(PROFILE_FORMATS["json"].write(cam, ProfileOptions()))["frame"]
-    turned = json.loads(PROFILE_FORMATS["json"].write(cam, ProfileOptions(turn_deg=TURN)))["frame"]
+    frame = json.loads(PROFILE_FORMATS["json"].write(cam, JsonOptions()))["frame"]
+    turned = json.loads(PROFILE_FORMATS["json"].write(cam, JsonOptions(turn_deg=TURN)))["frame"]
     assert "turned" not in frame
     assert turned == f"{frame} The points are turned from there by -63.7° about z, " + (
         "counter-clockwise positive."

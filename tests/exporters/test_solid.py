@@ -76,10 +76,11 @@ def polygon_area(points: np.ndarray) -> float:
 
 
 def test_a_plate_with_bore_keyway_and_hub(unspecial: Design, truth, tmp_path: Path) -> None:
-    body = made(
-        unspecial, tmp_path, thickness_mm=7.9, bore_mm=18.5, keyway=True, keyway_deg=71.0,
-        hub_diameter_mm=31.0, hub_length_mm=5.3, turn_deg=17.0, z_mm=2.25,
-    )  # fmt: skip
+    options: dict[str, Any] = {
+        "thickness_mm": 7.9, "bore_mm": 18.5, "keyway": True, "keyway_deg": 71.0,
+        "hub_diameter_mm": 31.0, "hub_length_mm": 5.3, "turn_deg": 17.0, "z_mm": 2.25,
+    }  # fmt: skip
+    body = made(unspecial, tmp_path, **options)
     area = polygon_area(truth(unspecial).points(np.linspace(0.0, 360.0, 90_001)[:-1]))
     # a keyway 6 mm wide and 2.8 mm deep beyond the bore, as a polygon
     x = np.linspace(-3.0, 3.0, 20_001)
@@ -87,6 +88,7 @@ def test_a_plate_with_bore_keyway_and_hub(unspecial: Design, truth, tmp_path: Pa
     hole = math.pi * 9.25**2 + float(np.sum(0.5 * (beyond[1:] + beyond[:-1]) * np.diff(x)))
     expected = (area - hole) * 7.9 + (math.pi * 15.5**2 - hole) * 5.3
     assert volume(body) == pytest.approx(expected, rel=1e-6)
+    assert blank(unspecial, SolidOptions(**options)).volume == pytest.approx(expected, rel=1e-8)
     turn = np.exp(1j * math.radians(17.0))
     edge = truth(unspecial).points(SOME) @ np.array([1.0, 1j]) * turn
     corner = (9.25 + 2.8 + 3j) * np.exp(1j * math.radians(71.0 + 17.0))
@@ -148,6 +150,9 @@ def test_the_same_bytes_and_the_design_s_own_header(unspecial: Design) -> None:
         ("groove", {"groove_depth_mm": 10.0}, "/groove_depth_mm"),
         ("groove", {"outer_diameter_mm": 100.0}, "/outer_diameter_mm"),
         ("ring", {"bore_mm": 10.0}, "/bore_mm"),
+        ("ring", {"groove_depth_mm": 3.0}, "/groove_depth_mm"),
+        ("pair", {"outer_diameter_mm": 200.0}, "/outer_diameter_mm"),
+        ("pair", {"groove_depth_mm": 3.0}, "/groove_depth_mm"),
         ("ring", {"curve": "counter"}, "/curve"),
     ],
 )  # fmt: skip

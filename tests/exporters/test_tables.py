@@ -12,7 +12,13 @@ import numpy as np
 import pytest
 
 from synthesis.design import Design, SplineCurve
-from synthesis.exporters import MOTION_FORMATS, PROFILE_FORMATS, MotionOptions, ProfileOptions
+from synthesis.exporters import (
+    MOTION_FORMATS,
+    PROFILE_FORMATS,
+    JsonOptions,
+    MotionOptions,
+    ProfileOptions,
+)
 from synthesis.exporters.columns import Column
 from synthesis.exporters.json_table import _column
 
@@ -52,7 +58,8 @@ READERS = {"csv": from_csv, "json": from_json}
 
 def profile(name: str, design: Design, **options: Any) -> Table:
     options.setdefault("points_per_degree", PER_DEGREE)
-    return READERS[name](PROFILE_FORMATS[name].write(design, ProfileOptions(**options)))
+    exporter = PROFILE_FORMATS[name]
+    return READERS[name](exporter.write(design, exporter.options(**options)))
 
 
 def motion(name: str, design: Design, points_per_degree: float = PER_DEGREE) -> Table:
@@ -221,7 +228,7 @@ def test_rounding_is_no_jump(build) -> None:
 
 
 def test_what_the_json_tells(unspecial: Design) -> None:
-    body = json.loads(PROFILE_FORMATS["json"].write(unspecial, ProfileOptions(curve="pitch")))
+    body = json.loads(PROFILE_FORMATS["json"].write(unspecial, JsonOptions(curve="pitch")))
     assert body["design"] == {
         "id": unspecial.id,
         "name": "unspecial",
@@ -246,10 +253,25 @@ def test_what_the_json_tells(unspecial: Design) -> None:
 
 @pytest.mark.parametrize("name", ["<&\"'> \\ \n\t ü 凸轮", "", "x" * 200])
 def test_names_survive(name: str, build) -> None:
-    body = json.loads(PROFILE_FORMATS["json"].write(build(name=name), ProfileOptions(1.0)))
+    body = json.loads(PROFILE_FORMATS["json"].write(build(name=name), JsonOptions(1.0)))
     assert body["design"]["name"] == name
 
 
 def test_a_straight_flank_has_an_infinite_radius() -> None:
     column = Column("profile_radius_mm", "mm", "", np.array([1.5, math.inf]))
     assert json.loads(_column(column))["values"] == [1.5, None]
+
+
+def test_the_fidelity_in_a_table_is_that_of_its_curve(unspecial: Design) -> None:
+    """Unrounded, so that it agrees with a point file of many decimals."""
+    options = {"points": 300, "curve": "pitch"}
+    table = json.loads(PROFILE_FORMATS["json"].write(unspecial, JsonOptions(**options)))
+    inside = table["fidelity"]
+    exporter = PROFILE_FORMATS["fidelity.json"]
+    asked = exporter.options(decimals=13, **options)
+    beside = json.loads(exporter.write(unspecial, asked))
+    assert inside["points"] == beside["points"]
+    for one, other in zip(inside["readers"], beside["readers"], strict=True):
+        assert one["form_um"] == pytest.approx(other["form_um"], rel=1e-3)
+    bare = json.loads(PROFILE_FORMATS["json"].write(unspecial, JsonOptions(fidelity=False)))
+    assert "fidelity" not in bare

@@ -53,7 +53,8 @@ class Closed:
             self.refused.append(message.text)
 
     def _failed(self, request: Request) -> None:
-        if urlsplit(request.url).hostname == "127.0.0.1":
+        ended = request.resource_type == "eventsource" and request.failure == "net::ERR_ABORTED"
+        if urlsplit(request.url).hostname == "127.0.0.1" and not ended:  # by the page itself
             self.faults.append(f"{request.url}: {request.failure}")
 
 

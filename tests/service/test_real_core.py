@@ -91,7 +91,7 @@ def test_every_file(client: httpx2.Client, links: dict[str, str]) -> None:
         assert answer.status_code == 200
         assert answer.headers["content-type"] == each["media_type"]
         how, _, file_name = answer.headers["content-disposition"].partition("; filename=")
-        shown = each["extension"] in (".svg", ".html")
+        shown = each["extension"] in (".svg", ".html", ".png")
         assert how == ("inline" if shown else "attachment")
         policy = answer.headers.get("content-security-policy", "")
         assert policy.startswith("default-src 'none'") == shown

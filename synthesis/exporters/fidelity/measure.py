@@ -14,7 +14,7 @@ from synthesis.numerics.piecewise import Array
 from synthesis.units import DEGREE, FULL_TURN
 
 BETWEEN = np.array([0.0, 0.2, 0.4, 0.5, 0.6, 0.8, 1.0])  # of each interval, where it is measured
-ROUNDS = 4  # of Newton's method
+ROUNDS = 2  # of Newton's method
 CORNER = (0.0, 0.5, 1.0)  # parts of the turn of the normal at a corner
 SHARP = 1e12  # curvature of a corner [1/mm]
 

@@ -1,0 +1,101 @@
+"""Files: how long each format takes to write, how large it is, and how true exact curves are."""
+
+from __future__ import annotations
+
+import json
+from typing import Any
+
+import numpy as np
+from scipy.interpolate import BSpline
+
+from benchmarks.density import cam, textbook
+from benchmarks.effort import FULL, Effort
+from benchmarks.section import Section, Table
+from benchmarks.timing import Call, in_turns
+from synthesis.design import Design
+from synthesis.exporters import (
+    MOTION_FORMATS,
+    PICTURES,
+    PROFILE_FORMATS,
+    SOLID_FORMATS,
+    ExactOptions,
+    Exporter,
+    Made,
+    form,
+)  # fmt: skip
+from tests.exporters.nearest import away
+
+POINTS = 7200
+TOLERANCES_UM = (1.0, 1e-3, 1e-6)
+PARTS = {
+    "profile": PROFILE_FORMATS, "motion": MOTION_FORMATS, "solid": SOLID_FORMATS, "": PICTURES,
+}  # fmt: skip
+TEXT = f"""The cam of example 13-6, cycloidal laws, as every file there is: {POINTS} points where a
+format has points, otherwise as it comes. *Told* is the distance from the true curve that a file
+claims; the second table compares it with the textbook's profile in forty digits, whose distance
+from the spline is found by Newton's method."""
+
+
+def run(effort: Effort = FULL) -> Section:
+    """Two tables."""
+    design = cam()
+    files = {
+        f"{part}.{name}".strip("."): (exporter, _options(exporter))
+        for part, formats in PARTS.items()
+        for name, exporter in formats.items()
+    }
+    calls: dict[str, Call] = {
+        name: (lambda e=exporter, o=options: e.make(design, o))
+        for name, (exporter, options) in files.items()
+    }
+    times = in_turns(calls, effort.repeats(25), effort.warm_up(2))
+    made = {name: exporter.make(design, options) for name, (exporter, options) in files.items()}
+    told = {name: _told(each) for name, each in made.items()}
+    rows = [
+        (f"`{name}`", str(times[name]), f"{len(each.data) / 1024:.0f} KiB", told[name])
+        for name, each in made.items()
+    ]
+    table = Table(("file", ">time", ">size", ">told"), rows)
+    front = [
+        (f"{POINTS} profile points as CSV", str(times["profile.csv"]), "–"),
+        ("profile and pitch curve as DXF splines", str(times["profile.dxf"]), told["profile.dxf"]),
+    ]
+    return Section("Files", TEXT, [table, _exact(design, effort)], front)
+
+
+def _told(made: Made) -> str:
+    error = made.told.get("Curve-Error-Mm")
+    return f"{error} mm" if error else "–"
+
+
+def _options(exporter: Exporter[Any]) -> Any:
+    pointed = "points" in form(exporter.options).model_fields
+    return exporter.options(points=POINTS) if pointed else exporter.options()
+
+
+def _exact(design: Design, effort: Effort) -> Table:
+    """Tolerances of the exact profile, and what they lead to."""
+    truth = textbook(24 if effort.trial else 240)
+    calls: dict[str, Call] = {
+        f"{tolerance:g} µm": (lambda t=tolerance: _curve(design, t)) for tolerance in TOLERANCES_UM
+    }
+    times = in_turns(calls, effort.repeats(25), effort.warm_up(2))
+    rows = []
+    for tolerance in TOLERANCES_UM:
+        told = _curve(design, tolerance)
+        points = np.array(told["control_points_mm"])[:, :2]
+        spline = BSpline(np.array(told["knots_mm"]), points, told["degree"])
+        found = float(np.max(away(truth.places, spline)))
+        rows.append(
+            (
+                f"{tolerance:g} µm", str(times[f"{tolerance:g} µm"]), str(len(points)),
+                f"{told['error_mm']:.1e} mm", f"{found:.1e} mm",
+            )
+        )  # fmt: skip
+    return Table(("tolerance", ">time", ">control points", ">told", ">found"), rows)
+
+
+def _curve(design: Design, tolerance_um: float) -> dict[str, Any]:
+    options = ExactOptions(tolerance_um=tolerance_um)
+    told: dict[str, Any] = json.loads(PROFILE_FORMATS["nurbs.json"].write(design, options))
+    return told

@@ -1,0 +1,89 @@
+// Files of the present design, with what may be chosen about them.
+
+import { byId, element } from "./dom.js";
+import { labelled, words } from "./names.js";
+
+export class Files {
+  constructor(api, openapi) {
+    this.api = api;
+    this.paths = Object.entries(openapi.paths)
+      .map(([path, methods]) => [path.match(/^\/v1\/designs\/\{design_id\}\/([\w.-]+\.\w+)$/)?.[1], methods.get])
+      .filter(([name]) => name);
+  }
+
+  /** `design` null: there is none. */
+  show(design) {
+    this.design = design;
+    const box = byId("files");
+    if (!design || design.motion.length === 0) {
+      box.replaceChildren(element("p", { class: "note" }, "Files come with a design."));
+      return;
+    }
+    const select = element(
+      "select",
+      { id: "file-name", onchange: () => this.#choices(select.value) },
+      ...this.paths.map(([name, get]) => element("option", { value: name, title: get.description }, `${name}: ${get.summary.replace(/^\w+: /, "")}`)),
+    );
+    select.value = this.chosen ?? "profile.txt";
+    box.replaceChildren(
+      element("label", { for: "file-name" }, "File"), select,
+      element("div", { id: "file-options" }),
+      element(
+        "p",
+        { class: "buttons" },
+        element("a", { id: "file-link", class: "button", onclick: () => this.#taken() }, "Download"),
+        element("a", { id: "file-open", target: "_blank", onclick: () => this.#taken() }, "Open"),
+      ),
+      element("p", { class: "fault", id: "file-fault", "aria-live": "polite" }),
+    );
+    this.#choices(select.value);
+  }
+
+  #choices(name) {
+    this.chosen = name;
+    const [, get] = this.paths.find(([each]) => each === name) ?? this.paths[0];
+    const asked = (get.parameters ?? []).filter((each) => each.in === "query");
+    byId("file-options").replaceChildren(
+      ...asked.map((each) => {
+        const values = choices(each.schema);
+        const id = `option-${each.name}`;
+        const input = values
+          ? element("select", { id }, element("option", { value: "" }, "default"), ...values.map((value) => element("option", { value }, words(String(value)))))
+          : element("input", { id, placeholder: String(each.schema.default ?? "") });
+        input.addEventListener("input", () => this.#link());
+        return element("div", { class: "field", title: each.description ?? each.schema.description }, element("label", { for: id }, labelled(each.name)), input);
+      }),
+    );
+    this.#link();
+  }
+
+  get #path() {
+    const query = new URLSearchParams();
+    for (const input of byId("file-options").querySelectorAll("input, select")) {
+      if (input.value !== "") query.set(input.id.slice("option-".length), input.value);
+    }
+    const asked = query.toString();
+    return `/v1/designs/${this.design.id}/${this.chosen}${asked ? `?${asked}` : ""}`;
+  }
+
+  #link() {
+    byId("file-link").href = this.#path;
+    byId("file-link").setAttribute("download", "");
+    byId("file-open").href = this.#path;
+    byId("file-open").hidden = !/\.(html|svg)$/.test(this.chosen); // what a browser shows
+    byId("file-fault").textContent = "";
+  }
+
+  /** The browser fetches the file; a refusal is told here instead of landing in a file. */
+  async #taken() {
+    const path = this.#path;
+    this.api.note("GET", path);
+    const answer = await fetch(path, { method: "GET", headers: { Range: "bytes=0-0" } });
+    if (answer.status >= 400 && byId("file-fault")) byId("file-fault").textContent = (await answer.json()).detail;
+  }
+}
+
+function choices(schema) {
+  const all = schema.anyOf ?? [schema];
+  return all.find((each) => each.enum)?.enum ?? null;
+}

@@ -1,0 +1,237 @@
+// The studio: a spec on the left, the cam that comes out on the right. Nothing is computed here;
+// every number comes from the service.
+
+import { Api, Problem } from "./api.js";
+import { listCalls } from "./calls.js";
+import { Cam } from "./cam.js";
+import { Charts } from "./charts.js";
+import { showDifferences } from "./compare.js";
+import { byId, element, settled } from "./dom.js";
+import { Files } from "./files.js";
+import { Form } from "./form.js";
+import { put } from "./pointer.js";
+import { say, showDesign, showProblem } from "./result.js";
+import { Schemas } from "./schema.js";
+import { Store } from "./store.js";
+import { Sweep } from "./sweep.js";
+
+const FIRST = "p2-sized"; // of the worked examples
+const LIVE_WAIT = 120; // after the last change [ms]
+const SLOW = 1500; // a design that takes longer is given up for a newer one [ms]
+
+class Studio {
+  constructor(api, openapi, titles) {
+    this.api = api;
+    this.schemas = new Schemas(openapi);
+    this.store = new Store();
+    this.form = new Form(this.store, this.schemas, titles);
+    this.files = new Files(api, openapi);
+    this.charts = new Charts((angle) => this.cam.turnTo(angle));
+    this.cam = new Cam((angle) => this.charts.point(angle));
+    this.sweep = new Sweep(api, this.store, this.schemas, (values) => this.#take(values));
+    this.present = null;
+    this.kept = null;
+    listCalls(api);
+    this.#listen();
+  }
+
+  begin() {
+    const menu = byId("example");
+    menu.append(...Object.entries(this.schemas.examples).map(([name, { summary }]) => element("option", { value: name }, summary)));
+    menu.addEventListener("change", () => menu.value && this.#open(this.schemas.examples[menu.value].value));
+    const shared = fromHash();
+    if (shared) {
+      this.#open(shared);
+    } else {
+      menu.value = FIRST;
+      this.#open(this.schemas.examples[FIRST].value);
+    }
+  }
+
+  // -- the spec -----------------------------------------------------------------------------
+
+  /** Another spec, designed at once. */
+  #open(spec) {
+    this.store.replace(spec);
+    this.design();
+  }
+
+  #listen() {
+    const later = settled(LIVE_WAIT, () => {
+      if (byId("live").checked && JSON.stringify(this.store.spec) !== this.asked) this.design();
+    });
+    this.store.addEventListener("change", () => {
+      if (document.activeElement !== byId("json")) byId("json").value = JSON.stringify(this.store.spec, null, 2);
+      later();
+    });
+    byId("json").addEventListener("input", settled(300, () => this.#read()));
+    byId("design").addEventListener("click", () => this.design());
+    byId("keep").addEventListener("click", () => this.#keep(this.present));
+    byId("drop").addEventListener("click", () => this.#keep(null));
+    document.addEventListener("keydown", (event) => {
+      if (event.key === "Enter" && (event.ctrlKey || event.metaKey)) this.design();
+    });
+    for (const tab of document.querySelectorAll("[role=tab]")) {
+      tab.addEventListener("click", () => show(tab));
+      tab.addEventListener("keydown", (event) => ["ArrowLeft", "ArrowRight"].includes(event.key) && show(other(tab)).focus());
+    }
+  }
+
+  #read() {
+    const area = byId("json");
+    let spec;
+    try {
+      spec = JSON.parse(area.value);
+      if (spec === null || typeof spec !== "object" || Array.isArray(spec)) throw new SyntaxError("An object is wanted: { … }.");
+    } catch (error) {
+      area.setAttribute("aria-invalid", "true");
+      byId("json-fault").textContent = `This is not JSON yet: ${error.message}`;
+      return;
+    }
+    area.removeAttribute("aria-invalid");
+    byId("json-fault").textContent = "";
+    // a worked example, or a request of a sweep, may be pasted whole
+    this.store.replace(spec.value ?? spec.base ?? spec);
+  }
+
+  #take(values) {
+    this.store.assign(values);
+    this.design();
+  }
+
+  // -- the design ---------------------------------------------------------------------------
+
+  /** Asks for a design of the present spec: one at a time, the newest wins. */
+  async design() {
+    const asked = JSON.stringify(this.store.spec);
+    if (this.busy) {
+      if (asked === this.asked) return;
+      this.again = true;
+      clearTimeout(this.giveUp);
+      this.giveUp = setTimeout(() => this.abort.abort(), SLOW - (performance.now() - this.began));
+      return;
+    }
+    this.busy = true;
+    this.asked = asked;
+    this.began = performance.now();
+    this.abort = new AbortController();
+    const slow = setTimeout(() => say("Working …", "working"), 300);
+    try {
+      await this.#designed(structuredClone(this.store.spec), this.abort.signal);
+    } catch (error) {
+      if (error instanceof Problem) this.#wrong(error);
+      else if (error.name !== "AbortError") throw error;
+    } finally {
+      clearTimeout(slow);
+      clearTimeout(this.giveUp);
+      this.busy = false;
+    }
+    if (this.again) {
+      this.again = false;
+      this.design();
+    }
+  }
+
+  async #designed(spec, signal) {
+    const began = performance.now();
+    const design = await this.api.post("/v1/designs", spec, { signal });
+    const took = performance.now() - began;
+    byId("took").textContent = `${Math.round(took)} ms with the way there; ${Math.round(1000 * design.report.seconds)} ms in the core`;
+    this.form.faults([]);
+    history.replaceState(null, "", toHash(spec));
+    await this.#shown(design, signal);
+  }
+
+  async #shown(design, signal) {
+    const made = design.motion.length > 0;
+    const fetched = (name) => this.api.get(`${design.links.self}/${name}`, { signal });
+    const [motion, profile, scene] = made
+      ? await Promise.all([fetched("motion.json?points_per_degree=2"), fetched("profile.json?points_per_degree=2"), fetched("animation.json")])
+      : [null, null, null];
+    this.present = { design, motion, profile, scene };
+    showDesign(design, (change) => this.#mend(design, change));
+    this.files.show(design);
+    byId("keep").disabled = !made;
+    byId("views").hidden = !made;
+    this.#draw();
+  }
+
+  #draw() {
+    showDifferences(this.kept, this.present?.motion ? this.present : null);
+    if (!this.present?.motion) return;
+    this.charts.show(this.present, this.kept);
+    this.cam.show(this.present, this.kept);
+  }
+
+  #wrong(problem) {
+    const loose = this.form.faults(problem.document.errors ?? []);
+    const { best } = problem.document;
+    showProblem(problem, loose);
+    if (best?.links) this.#shown(best).then(() => showProblem(problem, loose));
+  }
+
+  #keep(design) {
+    this.kept = design;
+    byId("drop").disabled = design === null;
+    this.#draw();
+  }
+
+  /** Makes the least change of one limit that helps. */
+  #mend(design, { field, needed }) {
+    const [kind, ...rest] = field.split("/");
+    const index = (this.store.spec.limits ?? []).findIndex((limit) => limit.kind === kind);
+    const pointer = index >= 0 ? `/limits/${[index, ...rest].join("/")}` : `/${field}`;
+    const spec = structuredClone(this.store.spec);
+    put(spec, pointer, needed);
+    this.#open(spec);
+  }
+}
+
+// -- tabs and the address ---------------------------------------------------------------------
+
+const tabs = () => [...document.querySelectorAll("[role=tab]")];
+const other = (tab) => tabs().find((each) => each !== tab);
+
+function show(tab) {
+  for (const each of tabs()) {
+    const on = each === tab;
+    each.setAttribute("aria-selected", on);
+    each.tabIndex = on ? 0 : -1;
+    byId(each.getAttribute("aria-controls")).hidden = !on;
+  }
+  return tab;
+}
+
+/** The spec in the address: base64 of its UTF-8, so that a page can be passed on. */
+function toHash(spec) {
+  const bytes = new TextEncoder().encode(JSON.stringify(spec));
+  return `#spec=${btoa(String.fromCharCode(...bytes)).replaceAll("+", "-").replaceAll("/", "_")}`;
+}
+
+function fromHash() {
+  const text = new URLSearchParams(location.hash.slice(1)).get("spec");
+  if (!text) return null;
+  try {
+    const bytes = Uint8Array.from(atob(text.replaceAll("-", "+").replaceAll("_", "/")), (c) => c.charCodeAt(0));
+    return JSON.parse(new TextDecoder().decode(bytes));
+  } catch {
+    say("The address holds a spec that cannot be read; an example is shown instead.", "problem");
+    return null;
+  }
+}
+
+async function start() {
+  const api = new Api();
+  const paths = ["/openapi.json", "/v1/motion-laws", "/v1/followers", "/v1/limits"];
+  const [openapi, laws, followers, { limits, objectives }] = await Promise.all(
+    paths.map((path) => api.get(path, { silent: true })),
+  );
+  const entries = [...laws, ...followers, ...limits, ...objectives];
+  const titles = Object.fromEntries(entries.map(({ kind, title }) => [kind, title]));
+  new Studio(api, openapi, titles).begin();
+}
+
+start().catch((error) => {
+  say(`The studio could not start: ${error.message}`, "problem");
+  throw error;
+});

@@ -1,0 +1,24 @@
+// Names of fields for people: the unit stands at the end of a field's name.
+
+const UNITS = {
+  mm_per_s3: "mm/s³", mm_per_s2: "mm/s²", mm_per_s: "mm/s",
+  deg_per_s3: "deg/s³", deg_per_s2: "deg/s²", deg_per_s: "deg/s",
+  per_mm: "1/mm", mm: "mm", deg: "°", rpm: "rpm", s: "s",
+};
+
+/** ["rise", "°"] of rise_deg. */
+export function parts(name) {
+  for (const [suffix, unit] of Object.entries(UNITS)) {
+    if (name.endsWith(`_${suffix}`)) return [words(name.slice(0, -suffix.length - 1)), unit];
+  }
+  return [words(name), ""];
+}
+
+/** "rise [°]" */
+export function labelled(name) {
+  const [text, unit] = parts(name);
+  return unit ? `${text} [${unit}]` : text;
+}
+
+/** "profile radius" of profile_radius. */
+export const words = (name) => name.replaceAll("_", " ");

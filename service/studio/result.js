@@ -1,0 +1,93 @@
+// What came out: status, sizes, limits with their margins, or why nothing fits and what would help.
+
+import { byId, element, figure } from "./dom.js";
+import { sentences } from "./form.js";
+import { parts, words } from "./names.js";
+
+const TOLD = {
+  optimal: "Optimal: every limit is proven at every cam angle, and the gap is within the tolerance.",
+  feasible: "Feasible: every limit is proven at every cam angle; how far the best may be is the gap.",
+  infeasible: "Infeasible: nothing fits these limits together.",
+};
+
+/** One line about a design or a problem, also read aloud. */
+export function say(text, kind = "") {
+  const status = byId("status");
+  status.textContent = text;
+  status.className = kind;
+}
+
+export function showDesign(design, apply) {
+  say(`${TOLD[design.status]} ${proven(design.certificate)}`, design.status);
+  byId("sizes").replaceChildren(...sizes(design));
+  byId("margins").replaceChildren(...margins(design));
+  byId("conflict").replaceChildren(...(design.conflict ? conflict(design.conflict, apply) : []));
+}
+
+export function showProblem(problem, loose) {
+  const { title, detail, status } = problem.document;
+  say(status ? `${title}: ${detail}` : detail, "problem");
+  byId("conflict").replaceChildren(
+    ...loose.map(({ pointer, rule, way_out }) => element("p", { class: "fault" }, `${pointer ?? ""} ${sentences(rule, way_out)}`)),
+  );
+}
+
+function proven({ gap, bound_over: over, lower_bound: bound, objective }) {
+  if (gap === null || bound === null) return "";
+  const name = parts(objective)[0];
+  if (gap < 1e-6) return `No smaller ${name} exists, to a millionth, over ${over}.`;
+  return `No ${name} is more than ${figure(100 * gap, 2)} % smaller, over ${over}.`;
+}
+
+function sizes(design) {
+  const all = { ...design.dimensions, ...design.objectives, ...design.chosen };
+  return Object.entries(all).flatMap(([name, value]) => {
+    const [text, unit] = parts(name);
+    return [element("dt", {}, text), element("dd", {}, `${figure(value, 6)} ${unit}`.trim())];
+  });
+}
+
+/** A row for every limit that has a bound, with how much of it is used. */
+function margins(design) {
+  const asked = design.extremes.filter((each) => each.bound !== null && each.unit !== "" && !INNER.has(each.limit));
+  const head = ["limit", "value", "at", "bound", "used"].map((text) => element("th", { scope: "col" }, text));
+  const rows = asked.map((each) => {
+    const used = each.bound ? Math.abs(each.value / each.bound) : null;
+    return element(
+      "tr",
+      { class: each.holds ? "" : "broken", title: each.evidence },
+      element("th", { scope: "row" }, words(each.limit)),
+      element("td", {}, `${figure(each.value, 5)} ${each.unit}`),
+      element("td", {}, `${figure(each.angle_deg, 4)}°`),
+      element("td", {}, figure(each.bound, 5)),
+      element("td", {}, each.holds ? meter(used) : "broken"),
+    );
+  });
+  return [element("thead", {}, element("tr", {}, ...head)), element("tbody", {}, ...rows)];
+}
+
+// What every cam keeps and nobody asks for.
+const INNER = new Set([
+  "displacement_join", "velocity_join", "acceleration_join", "self_crossing", "base_radius_positive",
+  "prime_circle_angle",
+]);
+
+function meter(used) {
+  if (used === null || used > 1.0005) return "holds";
+  return element("meter", { min: 0, max: 1, value: used, title: `${figure(100 * used, 3)} %` }, `${figure(100 * used, 3)} %`);
+}
+
+function conflict({ limits, relaxations, evidence }, apply) {
+  const lines = relaxations.map((each) => {
+    if (each.needed === null) return element("li", {}, `${words(each.limit)}: ${each.note || "alone cannot help"}`);
+    const text = `${words(each.limit)}: ${figure(each.asked, 5)} → ${figure(each.needed, 6)} ${each.unit} `;
+    const label = `apply ${words(each.limit)} ${figure(each.needed, 6)}`;
+    const button = element("button", { type: "button", class: "small", "aria-label": label, onclick: () => apply(each) }, "Apply");
+    return element("li", {}, text, button);
+  });
+  return [
+    element("p", {}, `What cannot hold together: ${limits.map(words).join(", ")}. Any one of these changes would help:`),
+    element("ul", {}, ...lines),
+    element("p", { class: "note" }, evidence),
+  ];
+}

@@ -1,0 +1,86 @@
+// What a field of the spec is, read from the service's own contract: a new follower, law or limit
+// shows up in the page by itself.
+
+export class Schemas {
+  constructor(openapi) {
+    this.named = openapi.components.schemas;
+    this.examples =
+      openapi.paths["/v1/designs"].post.requestBody.content["application/json"].examples;
+  }
+
+  /** The spec's own schema. */
+  get spec() {
+    return this.named.DesignSpec;
+  }
+
+  resolved(schema) {
+    const name = schema.$ref?.split("/").at(-1);
+    return name ? { ...this.named[name], description: schema.description ?? this.named[name].description } : schema;
+  }
+
+  /** {shape, …}: const, union, dimension, choice, number, text, flag, group or raw. */
+  described(given) {
+    const schema = this.resolved(given);
+    if ("const" in schema) return { shape: "const", value: schema.const };
+    if (schema.discriminator) return { shape: "union", kinds: this.#kinds(schema) };
+    const choices = this.#choices(schema);
+    if (choices.length > 0) return this.#chosen(choices);
+    if (schema.enum) return { shape: "choice", values: schema.enum };
+    switch (schema.type) {
+      case "number":
+      case "integer":
+        return { shape: "number", ...ends(schema) };
+      case "string":
+        return { shape: "text" };
+      case "boolean":
+        return { shape: "flag" };
+      case "object":
+        return schema.properties ? { shape: "group", schema } : { shape: "raw" };
+      default:
+        return { shape: "raw" };
+    }
+  }
+
+  /** Members of anyOf, nested ones opened, without null. */
+  #choices(schema) {
+    if (!schema.anyOf) return [];
+    return schema.anyOf
+      .map((each) => this.resolved(each))
+      .flatMap((each) => (each.anyOf ? this.#choices(each) : [each]))
+      .filter((each) => each.type !== "null");
+  }
+
+  #chosen(choices) {
+    const number = choices.find((each) => each.type === "number" || each.type === "integer");
+    const range = choices.find((each) => each.properties?.min && each.properties?.max);
+    if (number && range) return { shape: "dimension", ...ends(number) };
+    const union = choices.find((each) => each.discriminator);
+    return this.described(union ?? choices[0]);
+  }
+
+  /** [[kind, schema]] of a union. */
+  #kinds(schema) {
+    const mapping = Object.entries(schema.discriminator.mapping);
+    return mapping.map(([kind, $ref]) => [kind, this.resolved({ $ref })]);
+  }
+}
+
+function ends(schema) {
+  return {
+    least: schema.minimum ?? schema.exclusiveMinimum,
+    most: schema.maximum ?? schema.exclusiveMaximum,
+  };
+}
+
+/** A new member of a union: its kind, and what it cannot do without. */
+export function fresh(schemas, kind, schema) {
+  const made = { kind };
+  for (const name of schema.required ?? []) {
+    const found = schemas.described(schema.properties[name]);
+    if (["number", "dimension"].includes(found.shape)) made[name] = START[name] ?? 10;
+  }
+  return made;
+}
+
+// Where a field that must be given starts from.
+const START = { angle_deg: 60, arm_mm: 80, centre_distance_mm: 100, max_mm: 100 };

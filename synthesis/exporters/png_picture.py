@@ -1,0 +1,36 @@
+"""The drawings as pixels, for where vectors are not taken."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from synthesis.design import Design
+from synthesis.exporters.exporter import Exporter, untold
+from synthesis.exporters.picture_options import (
+    CamDrawingOptions,
+    DiagramOptions,
+    PictureOptions,
+    PixelOptions,
+)
+from synthesis.exporters.raster import rasterised
+from synthesis.exporters.svg_contact import CONTACT
+from synthesis.exporters.svg_motion import MOTION
+from synthesis.exporters.svg_profile import PROFILE
+
+
+def _painted(name: str, drawing: Exporter[Any], options: type[Any]) -> Exporter[PixelOptions]:
+    def write(design: Design, wanted: PixelOptions) -> bytes:
+        return rasterised(drawing.write(design, options(theme=wanted.theme)), wanted.width_px)
+
+    return Exporter(
+        f"{name}.png", f"{drawing.title}, pixels", "image/png", ".png", untold(write), PixelOptions,
+        "Needs the optional part plots; without it the answer is 501.", usual=False,
+        apart=True,
+    )  # fmt: skip
+
+
+PIXELS = (
+    _painted("profile", PROFILE, CamDrawingOptions),
+    _painted("motion", MOTION, DiagramOptions),
+    _painted("contact", CONTACT, PictureOptions),
+)

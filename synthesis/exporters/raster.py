@@ -1,0 +1,201 @@
+"""A drawing as PNG: our own SVG read again and painted by matplotlib (extra ``plots``).
+
+There is no second drawing: lines, colours and texts are those of the SVG, its style sheet included.
+Only what our canvas writes is understood. Letters are those of DejaVu Sans, which comes along.
+"""
+
+from __future__ import annotations
+
+import io
+import math
+import re
+import threading
+import xml.etree.ElementTree as ET
+from collections.abc import Iterator, Mapping
+from typing import TYPE_CHECKING, Any
+
+from synthesis.errors import ExtraMissing
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+    from matplotlib.path import Path
+    from matplotlib.transforms import Affine2D
+
+SVG = "{http://www.w3.org/2000/svg}"
+DPI = 100.0
+RULE = re.compile(r"\.camwright \.(\w+){([^}]*)}")
+FACTOR = re.compile(r"(\w+)\(([^)]*)\)")
+STEP = re.compile(r"([MLA])([^MLAZ]*)|(Z)")
+UNKNOWN = "\u25a1"  # for a letter that the font has not
+FONT = "DejaVu Sans"
+ANCHORS = {"start": 0.0, "middle": 0.5, "end": 1.0}
+Look = Mapping[str, str]
+ONE_AT_A_TIME = threading.Lock()  # matplotlib's fonts are shared
+
+
+def rasterised(drawing: bytes, width_px: int) -> bytes:
+    """The PNG of a drawing without a theme of its own choice, so many pixels wide.
+
+    Raises:
+        ExtraMissing: matplotlib is not installed.
+    """
+    try:
+        from matplotlib.figure import Figure
+        from matplotlib.transforms import Affine2D
+    except ImportError as error:
+        raise ExtraMissing("A PNG", "plots") from error
+    root = ET.fromstring(drawing)
+    _, _, width, height = (float(n) for n in root.get("viewBox", "").split())
+    scale, looks = width_px / width, _looks(root)
+    height_px = round(height * scale)
+    with ONE_AT_A_TIME:
+        figure = Figure(figsize=(width_px / DPI, height_px / DPI), dpi=DPI)
+        place = Affine2D().scale(scale, -scale).translate(0.0, height_px)
+        for element, where in _elements(root, place):
+            _paint(figure, element, where, looks, scale)
+        packed = io.BytesIO()
+        figure.savefig(packed, format="png", dpi=DPI, metadata={"Software": None})
+    return packed.getvalue()
+
+
+def _looks(root: ET.Element) -> dict[str, dict[str, str]]:
+    """Properties by class, later rules over earlier ones."""
+    found: dict[str, dict[str, str]] = {}
+    for name, body in RULE.findall(root.findtext(f"{SVG}style", "")):
+        pairs = (each.partition(":") for each in body.split(";") if each)
+        found.setdefault(name, {}).update({key: value for key, _, value in pairs})
+    return found
+
+
+def _elements(root: ET.Element, place: Affine2D) -> Iterator[tuple[ET.Element, Affine2D]]:
+    """Every element in the order of painting, with what takes its coordinates to pixels."""
+    from matplotlib.transforms import Affine2D
+
+    for element in root:
+        own = _transform(element.get("transform", ""), Affine2D())
+        where = Affine2D(place.get_matrix() @ own.get_matrix())
+        yield element, where
+        yield from _elements(element, where)
+
+
+def _transform(text: str, found: Affine2D) -> Affine2D:
+    for name, numbers in reversed(FACTOR.findall(text)):
+        a, *more = (float(n) for n in numbers.split())
+        if name == "translate":
+            found.translate(a, more[0])
+        elif name == "scale":
+            found.scale(a, more[0] if more else a)
+        else:
+            found.rotate_deg(a)
+    return found
+
+
+def _paint(
+    figure: Figure, element: ET.Element, where: Affine2D, looks: Mapping[str, Look], scale: float
+) -> None:
+    from matplotlib.patches import PathPatch
+
+    look: dict[str, str] = {}
+    for name in element.get("class", "").split():
+        look |= looks.get(name, {})
+    shape = _shape(element, look)
+    if shape is None:
+        return
+    filled = look.get("fill", "none" if element.tag == f"{SVG}line" else "#000000")
+    stroke, width = look.get("stroke", "none"), float(look.get("stroke-width", 0.0))
+    points = 72.0 / DPI * scale
+    dashes = [points * float(n) for n in look.get("stroke-dasharray", "").split()]
+    common: dict[str, Any] = {"transform": where, "linewidth": points * width,
+                              "joinstyle": "round", "capstyle": "butt"}  # fmt: skip
+    if dashes:
+        common["linestyle"] = (0.0, dashes)
+    if element.tag == f"{SVG}text":  # a halo lies under its letters
+        if stroke != "none":
+            figure.add_artist(PathPatch(shape, facecolor="none", edgecolor=stroke, **common))
+        figure.add_artist(PathPatch(shape, facecolor=filled, edgecolor="none", transform=where))
+        return
+    if filled != "none":
+        figure.add_artist(PathPatch(shape, facecolor=filled, edgecolor="none", transform=where,
+                                    alpha=float(look.get("fill-opacity", 1.0))))  # fmt: skip
+    if stroke != "none":
+        figure.add_artist(PathPatch(shape, facecolor="none", edgecolor=stroke, **common))
+
+
+def _shape(element: ET.Element, look: Look) -> Path | None:
+    """The outline of an element; None of what is not painted."""
+    from matplotlib.path import Path
+    from matplotlib.transforms import Affine2D
+
+    def numbers(*names: str) -> list[float]:
+        return [float(element.get(name, 0.0)) for name in names]
+
+    tag = element.tag.removeprefix(SVG)
+    if tag == "line":
+        x1, y1, x2, y2 = numbers("x1", "y1", "x2", "y2")
+        return Path([(x1, y1), (x2, y2)])
+    if tag == "rect":
+        x, y, width, height = numbers("x", "y", "width", "height")
+        return Path.unit_rectangle().transformed(Affine2D().scale(width, height).translate(x, y))
+    if tag == "circle":
+        x, y, radius = numbers("cx", "cy", "r")
+        return Path.circle((x, y), radius)
+    if tag == "path":
+        return _path(element.get("d", ""))
+    return _letters(element, look) if tag == "text" else None
+
+
+def _path(steps: str) -> Path:
+    """Lines and arcs of circles that are less than half a turn, or half a turn."""
+    from matplotlib.path import Path
+
+    vertices: list[tuple[float, float]] = []
+    codes: list[Any] = []
+    for kind, body, closed in STEP.findall(steps):
+        if closed:
+            vertices.append(vertices[-1])
+            codes.append(Path.CLOSEPOLY)
+            continue
+        given = [float(n) for n in body.split()]
+        if kind == "A":
+            around = _arc(vertices[-1], (given[5], given[6]), given[0], given[4] > 0.0)
+            vertices += around
+            codes += [Path.LINETO] * len(around)
+        else:
+            vertices.append((given[0], given[1]))
+            codes.append(Path.MOVETO if kind == "M" else Path.LINETO)
+    return Path(vertices, codes)
+
+
+def _arc(
+    start: tuple[float, float], end: tuple[float, float], radius: float, sweep: bool
+) -> list[tuple[float, float]]:
+    """Points after the first on the shorter arc, which turns from x to y if ``sweep``."""
+    (x1, y1), (x2, y2), sign = start, end, 1.0 if sweep else -1.0
+    half = 0.5 * math.hypot(x2 - x1, y2 - y1)
+    away = math.sqrt(max(radius * radius - half * half, 0.0)) / (2.0 * half)
+    x, y = 0.5 * (x1 + x2) - sign * away * (y2 - y1), 0.5 * (y1 + y2) + sign * away * (x2 - x1)
+    first = math.atan2(y1 - y, x1 - x)
+    turn = 2.0 * math.asin(min(half / radius, 1.0))
+    count = max(2, math.ceil(turn / math.radians(3.0)))
+    angles = [first + sign * turn * k / count for k in range(1, count + 1)]
+    return [(x + radius * math.cos(t), y + radius * math.sin(t)) for t in angles]
+
+
+def _letters(element: ET.Element, look: Look) -> Path | None:
+    """One line of text as outlines."""
+    from matplotlib.font_manager import FontProperties, findfont, get_font
+    from matplotlib.textpath import TextPath
+    from matplotlib.transforms import Affine2D
+
+    bold = "bold" if look.get("font-weight") == "600" else "normal"
+    properties = FontProperties(family=FONT, weight=bold)
+    font = get_font(findfont(properties))
+    text = "".join(c if font.get_char_index(ord(c)) else UNKNOWN for c in element.text or "")
+    size = float(look["font-size"].removesuffix("px"))
+    outlines = TextPath((0.0, 0.0), text.replace("$", r"\$"), size=size, prop=properties)
+    if not len(outlines.vertices):
+        return None
+    width = outlines.get_extents().x1
+    x = float(element.get("x", 0.0)) - ANCHORS[element.get("text-anchor", "start")] * width
+    upright = Affine2D().scale(1.0, -1.0).translate(x, float(element.get("y", 0.0)))
+    return outlines.transformed(upright)
