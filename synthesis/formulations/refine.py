@@ -177,10 +177,9 @@ def _climb(state: Search) -> None:
         stuck = lower is None and number > 1
         if stuck or _climbed(state, plan, solution, lower):
             break
-        if state.gap > 0.9 * before and state.gap < inf:
-            break  # finer knots no longer help
-        if number > 1 and state.limited_by_shape and state.gap <= KNOTS * state.tolerance:
-            break  # knots that the bound has asked for once are good enough for what comes next
+        # finer knots no longer help, or what comes next is served by those asked for once
+        if 0.9 * before < state.gap < inf or (number > 1 and _fine_enough(state)):
+            break
         usable = state.grids if lower is not None else ()
         if state.relaxed is not None and lower is not None and not lower.switching:
             state.grids = denser(state.grids)
@@ -188,6 +187,11 @@ def _climb(state: Search) -> None:
             state.grids = finer(state.problem, state.grids, found, lower, missed)
         if state.limited_by_shape and state.gap < SHAPE:
             break  # what comes next finds its cam on these knots, and far above this bound
+
+
+def _fine_enough(state: Search) -> bool:
+    """Whether knots are good enough for the local search that curvature asks for."""
+    return state.limited_by_shape and state.gap <= KNOTS * state.tolerance
 
 
 def _climbed(state: Search, plan: Plan, solution: ConeSolution, lower: Bound | None) -> bool:
