@@ -36,18 +36,22 @@ help:  ## print this list
 run: $(RUN)  ## start the service (HOST=127.0.0.1 PORT=8000)
 	@CAMWRIGHT_HOST='$(HOST)' CAMWRIGHT_PORT='$(PORT)' $(PY) -m service
 
-# All tests at once, in two halves that take about as long: those of the service, which wait a good
-# deal, and the hard cases beside all others.
-BESIDE := tests/service tests/hard
+# All tests at once, in three parts that take about as long: those of the service wait a good deal,
+# and leave two cores to the other two.
+PARTS   := service core rest
+service := tests/service
+core    := tests/pipeline tests/formulations tests/validation
+rest    := $(filter-out $(service) $(core),$(patsubst %/,%,$(wildcard tests/*/)))
 test: lint  ## run everything: style, types, layers, then the tests (ARGS="-k name")
 ifneq ($(ARGS),)
 	$(PY) -m pytest $(ARGS)
 else
-	@$(PY) -m pytest $(BESIDE) >$(VENV)/beside-tests.log 2>&1 & beside=$$!; \
-	$(PY) -m pytest $(BESIDE:%=--ignore=%); others=$$?; \
-	wait $$beside; beside=$$?; cat $(VENV)/beside-tests.log; \
-	test $$others -eq 0 && test $$beside -eq 0
+	@$(MAKE) --no-print-directory --keep-going --jobs=3 $(PARTS:%=test-%)
 endif
+
+# Its output is shown when the part is through.
+test-%: $(DEV)
+	@$(PY) -m pytest $($*) >$(VENV)/tests-$*.log 2>&1; code=$$?; cat $(VENV)/tests-$*.log; exit $$code
 
 hard: $(DEV)  ## all 2000 random specs against the independent verifier (ARGS="0 2000 1": first, end, step)
 	$(PY) -m tests.hard.run $(ARGS)

@@ -37,7 +37,8 @@ def run(effort: Effort = FULL) -> Section:
     """Sweeps one after the other on one service, its memory before and after each."""
     times, memory = [], []
     with started() as (port, process):
-        memory.append(_memory("at rest, before any", process))
+        rest_s = 0.0 if effort.trial else REST_S
+        memory.append(_memory("at rest, before any", process, rest_s))
         for size in effort.some(SIZES):
             with closing(connection(port, PATIENCE_S)) as wire:
                 whole, first = swept(wire, _asked(size))
@@ -47,7 +48,7 @@ def run(effort: Effort = FULL) -> Section:
                 (f"{size:,}", f"{whole:.1f} s", f"{1e3 * core / size:.2f} ms",
                  f"{1e3 * over:.2f} ms", f"{first:.2f} s")
             )  # fmt: skip
-            memory.append(_memory(f"after {size:,}", process))
+            memory.append(_memory(f"after {size:,}", process, rest_s))
     head = (">items", ">whole sweep", ">an item in the core", ">besides, an item",
             ">first item after")  # fmt: skip
     columns = ("items", ">service now", ">peak", ">largest worker now", ">peak", ">share of all")
@@ -68,9 +69,9 @@ def _seconds(wire: http.client.HTTPConnection) -> Iterator[float]:
     return (float(row["seconds"]) for row in csv.DictReader(table.splitlines()))
 
 
-def _memory(when: str, process: int) -> tuple[str, ...]:
+def _memory(when: str, process: int, rest_s: float) -> tuple[str, ...]:
     """A row of the table of memory."""
-    time.sleep(REST_S)
+    time.sleep(rest_s)
     if not processes.there():
         return (when, *["not told by this system"] * 5)
     service, family = processes.of(process), processes.family(process)

@@ -41,6 +41,9 @@ CONFIGURATION = {
     "distributed.worker.profile.enabled": False,
     "distributed.admin.system-monitor.gil.enabled": False,
     "distributed.admin.system-monitor.interval": "5s",
+    "distributed.admin.low-level-log-length": 100,  # for Dask's developers, in every process
+    "distributed.admin.log-length": 100,
+    "distributed.admin.system-monitor.log-length": 10,
     "distributed.admin.tick.interval": "500ms",  # 20 ms otherwise, in every process
     "distributed.diagnostics.nvml": False,
     "distributed.scheduler.http.routes": [],

@@ -43,7 +43,8 @@ class Settings(BaseSettings):
     sweep_lease_s: Annotated[
         float,
         Field(
-            gt=0.0,
+            ge=0.5,
+            le=3600.0,
             description="Without a sign of life for so long, another process that shares the "
             "database goes on with a sweep [s].",
         ),

@@ -57,7 +57,7 @@ export class Charts {
       width: box.clientWidth || 400, height: 140, legend: { show: false }, series,
       cursor: { sync: { key: "cam" }, drag: { x: false, y: false }, y: false },
       scales: { x: { time: false, range: [0, 360] }, y: { range: (u, low, high) => roomy(low, high, limits) } },
-      axes: [axis({ values: (u, ticks) => ticks.map((tick) => `${tick}°`), incrs: [30, 45, 60, 90, 120, 180] }), axis({ size: 62, values: (u, ticks) => ticks.map((tick) => figure(tick, 4)) })],
+      axes: [axis({ size: 30, values: (u, ticks) => ticks.map((tick) => `${tick}°`), incrs: [30, 45, 60, 90, 120, 180] }), axis({ size: 62, values: (u, ticks) => ticks.map((tick) => figure(tick, 4)) })],
       hooks: { draw: [(u) => limits.forEach((bound) => ruled(u, bound))], setCursor: [(u) => this.#hover(u)] },
     };
     this.plots.push(new uPlot(options, data, box));

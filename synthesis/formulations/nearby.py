@@ -21,6 +21,7 @@ from synthesis import clock
 from synthesis.formulations.bound import in_core_units
 from synthesis.formulations.convex import Plan
 from synthesis.formulations.nonlinear import NonlinearSolution, exchanged, improve, settled
+from synthesis.formulations.problem import Problem
 from synthesis.formulations.smooth import sample, violation
 from synthesis.formulations.spots import Spots
 from synthesis.formulations.statement import Statement
@@ -78,7 +79,7 @@ class Convex(Nearby):
         if solution.stopped not in USABLE:
             return None
         problem, size = settled(plan, solution.x)
-        if violation(problem, sample(problem), size) > BROKEN:
+        if _short(problem, size) or violation(problem, sample(problem), size) > BROKEN:
             return None
         return Convex(plan, solution)
 
@@ -96,6 +97,14 @@ class Convex(Nearby):
 
     def again(self, plan: Plan, deadline: float) -> Convex | None:
         return Convex.sought(plan, deadline)
+
+
+def _short(problem: Problem, size: tuple[float, ...]) -> bool:
+    """Whether a size stays below a least radius, the inner edge of a ring that no cone knows."""
+    prime = problem.machine.follower.prime_radius().value(size)
+    rings = [(prime, problem.sizing.least)]
+    rings += [(cone.norm.value(size), cone.least) for cone in problem.cones]
+    return any(radius < least * (1.0 - BROKEN) for radius, least in rings)
 
 
 @dataclass(frozen=True, eq=False)

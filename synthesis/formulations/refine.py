@@ -167,7 +167,8 @@ def _climb(state: Search) -> None:
         if solution.stopped is Stopped.INFEASIBLE and not state.problem.curved:
             eased = gentlest(state.problem, state.grids, state.tighten, state.deadline)
             if eased is not None:
-                state.grids, state.impossible = eased.grids, eased.impossible
+                state.grids = eased.grids
+                state.impossible, state.undecided = eased.impossible, eased.undecided
                 if eased.fits:
                     continue
                 state.infeasible = True

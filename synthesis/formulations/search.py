@@ -40,6 +40,7 @@ class Search:
         best: best cam so far. relaxed: best cam of the convex relaxation.
         lower, over: best lower bound and the family that it covers.
         infeasible: the cone program has no point. impossible: why no motion law at all would do.
+        undecided: what is known where neither a law was found nor none is proven to be there.
         grids: the present knots and points of every free law.
         region: where curved limits are written; tangent: whether they are met there.
         improved: whether a local optimum was sought on the way.
@@ -58,6 +59,7 @@ class Search:
     over: str = ""
     infeasible: bool = False
     impossible: str = ""
+    undecided: str = ""
     stages: list[Stage] = field(default_factory=list)
     grids: tuple[Grid, ...] = ()
     region: Region | None = None

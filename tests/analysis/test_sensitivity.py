@@ -20,6 +20,11 @@ SCENES: dict[str, tuple[str, dict[str, float]]] = {
     "example-13-6-sized": (CONE, {
         "/limits/0/rise_deg": 0.02, "/limits/0/return_deg": 0.02, "/limits/1/max_mm_per_s3": 0.03,
     }),
+    "windows-and-points": (CONE, {
+        "/limits/0/rise_deg": 0.02, "/limits/0/return_deg": 0.02, "/limits/1/max_mm_per_s3": 0.1,
+        "/program/0/windows/0/velocity_mm_per_s": 0.02, "/program/2/points/0/travel_mm": 2e-3,
+        "/program/2/points/1/travel_mm": 2e-3, "/program/2/points/1/tolerance_mm": 0.1,
+    }),
     "table": (CONE, {"/limits/0/rise_deg": 0.02, "/follower/offset_mm": 0.1}),
     "norton-single-dwell": (CONE, {"/limits/0/max_mm_per_s3": 0.02}),
     "p3-sized": (LOCAL, {"/limits/0/rise_deg": 0.01, "/limits/0/return_deg": 0.01}),
@@ -123,6 +128,16 @@ def test_what_would_move_a_chosen_number_is_not_told() -> None:
     found = sensitivities(synthesise(DesignSpec.model_validate(examples()["free-arm"]["value"])))
     assert "/limits/0/rise_deg" in found.unconfirmed
     assert "would move with these" in found.evidence
+
+
+def test_a_radius_that_is_given_is_itself_whatever_else_may_move() -> None:
+    """No cone program knows that it may not be smaller: the offset would seem to decide."""
+    body = {**examples()["fixed-laws"]["value"], "base_radius_mm": 493.0}
+    found = sensitivities(synthesise(DesignSpec.model_validate(body)))
+    told = {each.field: each.per_unit for each in found.sensitivities}
+    assert told.pop("/base_radius_mm") == pytest.approx(1.0, rel=1e-6)
+    assert set(told.values()) == {0.0}
+    assert found.unconfirmed == []
 
 
 def test_without_a_cam_there_are_none() -> None:

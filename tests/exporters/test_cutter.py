@@ -74,6 +74,7 @@ def test_a_groove_is_as_wide_as_it_is(designs) -> None:
 def test_tables_hold_the_path_too(designs) -> None:
     options: dict[str, Any] = {"curve": "cutter", "cutter_diameter_mm": 25.3}
     for name in ("csv", "json"):
-        data = PROFILE_FORMATS[name].write(designs["ring"], ProfileOptions(**options))
-        assert data != PROFILE_FORMATS[name].write(designs["ring"], ProfileOptions())
+        exporter = PROFILE_FORMATS[name]
+        data = exporter.write(designs["ring"], exporter.options(**options))
+        assert data != exporter.write(designs["ring"], exporter.options())
     assert b"path of the centre of a cutter of 25.3 mm diameter" in data

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import os
 import re
 import signal
 import socket
@@ -79,6 +80,7 @@ def test_settings_that_cannot_be_are_said_in_one_sentence(
     run = subprocess.run(
         [sys.executable, "-m", "service.cli", "serve", *given],
         cwd=tmp_path, capture_output=True, text=True, check=False, timeout=30,
+        env={**os.environ, "CAMWRIGHT_PORT": "0"},
     )  # fmt: skip
     assert run.returncode == 1, run.stderr
     assert run.stderr.count("\n") == 1

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import re
 import time
 from typing import Any
@@ -11,6 +12,8 @@ import pytest
 
 from synthesis.design import Design, design_id
 from synthesis.spec import DesignSpec
+from tests.service.conftest import wait_until_idle
+from tests.service.killing import children
 from tests.service.specs import spec
 
 
@@ -116,13 +119,17 @@ def test_a_deleted_design_is_gone(client: httpx2.Client) -> None:
 
 
 def test_a_running_design_is_dismissed(client: httpx2.Client) -> None:
-    where = post(client, spec("sleep 20"), Prefer="respond-async").headers["location"]
+    """It hears so at its clock: the same workers take what comes after it."""
+    wait_until_idle(client)
+    workers = set(children(os.getpid()))
+    where = post(client, spec("look 20"), Prefer="respond-async").headers["location"]
     time.sleep(0.3)
     assert client.delete(where).status_code == 204
     assert client.get(where).status_code == 404
     started = time.monotonic()
     assert all(post(client, spec("after")).status_code == 200 for _ in range(4))
     assert time.monotonic() - started < 10.0
+    assert set(children(os.getpid())) == workers
 
 
 def test_the_list_pages_from_the_newest_on(client: httpx2.Client) -> None:

@@ -143,31 +143,6 @@ def test_strikes_outlive_the_service(tmp_path: Path) -> None:
             running.stop()
 
 
-def test_told_to_stop_it_leaves_its_sweeps_to_others(tmp_path: Path) -> None:
-    """SIGTERM while somebody watches: the stream is ended, the lease given back, and soon."""
-    port = free_port()
-    running = service(tmp_path, port, CAMWRIGHT_WORKERS="1", CAMWRIGHT_SWEEP_LEASE_S="600")
-    with httpx2.Client(base_url=f"http://127.0.0.1:{port}", timeout=30.0) as client:
-        try:
-            answering(client)
-            where = posted(client, sweep_of([f"look 600{' ' * i}" for i in range(3)]))
-            with client.stream("GET", f"{where}/events") as watched:
-                assert next(watched.iter_lines())
-                until(lambda: bool(lease(tmp_path)[1]))
-                running.running.terminate()
-                running.running.wait(30.0)
-            assert lease(tmp_path) == ("running", None)
-        finally:
-            running.stop()
-
-
-def lease(folder: Path) -> tuple[str, str | None]:
-    with sqlite3.connect(folder / "designs.db") as database:
-        state, owner = database.execute("select state, owner from sweeps").fetchone()
-    database.close()
-    return state, owner
-
-
 def strikes(folder: Path) -> list[tuple[int, int]]:
     with sqlite3.connect(folder / "designs.db") as database:
         found = database.execute("select number, strikes from sweep_strikes").fetchall()

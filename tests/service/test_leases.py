@@ -9,6 +9,7 @@ import time
 from collections import Counter
 from datetime import UTC, datetime
 from pathlib import Path
+from typing import Any
 
 import httpx2
 import psycopg
@@ -19,7 +20,7 @@ from service.sweeps.lease import Leases
 from service.sweeps.store import Done, NotOurs, SweepRow, SweepStore
 from service.sweeps.work import ItemAnswer
 from tests.service.conftest import settings_for
-from tests.service.killing import answering, free_port, service
+from tests.service.killing import Process, answering, free_port, service
 from tests.service.postgres import PASSWORD, postgres
 from tests.service.test_kills import done, until
 from tests.service.test_sweeps import counted, items_at, over, posted, sweep_of
@@ -110,8 +111,9 @@ def test_every_item_once_while_owners_die_and_stand_still(tmp_path: Path) -> Non
             print(f"killed: {goes_on(first, where):.1f} s until the other went on")
             counted(over(first, where), items=ITEMS, done=ITEMS, optimal=ITEMS)
             listed = [item["number"] for item in items_at(first, where)]
-            with psycopg.connect(f"postgresql://{address}") as connection:
+            with psycopg.connect(f"postgresql://{address}", autocommit=True) as connection:
                 rows = [row[0] for row in connection.execute("select number from sweep_items")]
+                leaves_in_order(services[0], first, connection)
         finally:
             for client in (first, second):
                 client.close()
@@ -123,6 +125,20 @@ def test_every_item_once_while_owners_die_and_stand_still(tmp_path: Path) -> Non
     print(f"begun {begun}: {begun - ITEMS} more than once, as their owner was lost with them")
     assert sorted(rows) == sorted(listed) == list(range(ITEMS))
     assert begun - ITEMS <= 60
+
+
+def leaves_in_order(
+    process: Process, client: httpx2.Client, database: psycopg.Connection[Any]
+) -> None:
+    """SIGTERM while somebody watches a sweep: the stream ends, the lease is given back."""
+    asked = "select state, owner is null from sweeps order by sequence desc limit 1"
+    where = posted(client, sweep_of([f"look 600{' ' * i}" for i in range(3)]))
+    with client.stream("GET", f"{where}/events") as watched:
+        assert next(watched.iter_lines())
+        until(lambda: database.execute(asked).fetchone() == ("running", False))
+        process.running.terminate()
+        process.running.wait(30.0)
+    assert database.execute(asked).fetchone() == ("running", True)
 
 
 def folders(folder: Path) -> list[Path]:

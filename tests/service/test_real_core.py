@@ -41,6 +41,24 @@ def test_worked_examples(client: httpx2.Client, name: str) -> None:
         assert design["certificate"]["gap"] <= value.get("tolerance", 1e-3)
 
 
+def test_a_sweep_is_stopped_in_the_middle_of_its_solves(client: httpx2.Client) -> None:
+    """Both workers sit in a proof of several seconds; nothing of it is stored afterwards."""
+    base = examples()["undercut-limit"]["value"]
+    base = {**base, "proof": "thorough", "tolerance": 1e-6, "time_budget_s": 100.0}
+    axis = {"kind": "range", "pointer": "/speed_rpm", "start": 91.3, "stop": 97.1, "count": 9}
+    answer = client.post("/v1/sweeps", json={"base": base, "axes": [axis]})
+    where = answer.headers["location"]
+    time.sleep(0.5)
+    started = time.monotonic()
+    stopped = client.delete(where).json()
+    print(f"stopped within {time.monotonic() - started:.2f} s")
+    assert time.monotonic() - started < 5.0
+    assert stopped["state"] == "dismissed"
+    assert stopped["counts"]["done"] < 9
+    time.sleep(0.5)
+    assert client.get(where).json() == stopped
+
+
 def test_an_infeasible_design_has_no_files(client: httpx2.Client) -> None:
     design = post(client, examples()["infeasible-on-purpose"]["value"]).json()
     answer = client.get(f"/v1/designs/{design['id']}/profile.csv")
@@ -155,6 +173,9 @@ def test_point_files_tell_what_their_readers_make_of_them(
     assert list(told) == [each["reader"] for each in block["readers"]]
     for each in block["readers"]:
         assert told[each["reader"]].startswith(f"form {each['form_um']:.3g} um, acceleration ")
+    drive = client.get(f"{links['motion.cam.csv']}?points=90").headers["camwright-fidelity"]
+    assert drive.startswith("linear: displacement ")
+    assert "quintic: displacement " in drive
     close = client.get(f"{links['profile.sldcrv']}?points_per_degree=100")
     assert (close.status_code, close.json()["type"]) == (422, "/problems/invalid-parameter")
     assert "0.01 mm" in close.json()["detail"]

@@ -1,0 +1,33 @@
+"""docs/images/studio.png, of a running service: ``python docs/images/studio.py [URL]``."""
+
+from __future__ import annotations
+
+import shutil
+import sys
+from pathlib import Path
+
+from playwright.sync_api import expect, sync_playwright
+
+HERE = Path(__file__).parent
+ANGLE = "58"  # cam angle that is shown [deg]
+
+
+def main(url: str = "http://127.0.0.1:8000") -> None:
+    with sync_playwright() as playwright:
+        browser = playwright.chromium.launch(
+            executable_path=shutil.which("chromium"), args=["--no-sandbox", "--disable-gpu"]
+        )
+        page = browser.new_page(viewport={"width": 1440, "height": 1000}, color_scheme="light")
+        page.goto(url)
+        expect(page.locator("#status")).to_have_class("optimal", timeout=60_000)
+        page.locator("#keep").click()
+        page.locator('[data-pointer="/limits/0/rise_deg"]').fill("36")
+        expect(page.locator("#margins")).to_contain_text("36 deg", timeout=60_000)
+        page.locator("#angle").fill(ANGLE)
+        page.evaluate("window.scrollTo(0, 0)")
+        page.screenshot(path=HERE / "studio.png")
+        browser.close()
+
+
+if __name__ == "__main__":
+    main(*sys.argv[1:])
