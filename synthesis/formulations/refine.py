@@ -32,6 +32,7 @@ from synthesis.solvers.clarabel import ConeSolution, solve
 from synthesis.solvers.statuses import USABLE, Stopped
 
 SHAPE = 0.05  # a gap below which rounds for the bound alone do not pay, where curvature decides
+KNOTS = 2.0  # tolerances: a gap at which knots are good enough for what curvature leaves
 ROUNDS = 8
 COARSE, FINE = 12, 96  # intervals of the first grid, by tolerance
 CURVED = 16  # the most of them while rows still have to turn
@@ -179,8 +180,9 @@ def _climb(state: Search) -> None:
         stuck = lower is None and number > 1
         if stuck or _climbed(state, plan, solution, lower):
             break
-        if state.gap > 0.9 * before and state.gap < inf:
-            break  # finer knots no longer help
+        # finer knots no longer help, or what comes next is served by those asked for once
+        if 0.9 * before < state.gap < inf or (number > 1 and _fine_enough(state)):
+            break
         usable = state.grids if lower is not None else ()
         if state.relaxed is not None and lower is not None and not lower.switching:
             state.grids = denser(state.grids)
@@ -188,6 +190,11 @@ def _climb(state: Search) -> None:
             state.grids = finer(state.problem, state.grids, found, lower, missed)
         if state.limited_by_shape and state.gap < SHAPE:
             break  # what comes next finds its cam on these knots, and far above this bound
+
+
+def _fine_enough(state: Search) -> bool:
+    """Whether knots are good enough for the local search that curvature asks for."""
+    return state.limited_by_shape and state.gap <= KNOTS * state.tolerance
 
 
 def _climbed(state: Search, plan: Plan, solution: ConeSolution, lower: Bound | None) -> bool:
