@@ -179,6 +179,10 @@ def _climb(state: Search) -> None:
             nonlinear(state)  # a cam at once: these rounds are of the bound alone
         stuck = lower is None and number > 1
         if stuck or _climbed(state, plan, solution, lower):
+            asked = lower is not None and lower.switching and state.limited_by_shape
+            if asked and number == 1:
+                # near at once; what comes next has its cam on the knots that this bound asks for
+                state.grids = finer(state.problem, state.grids, found, lower, missed)
             break
         # finer knots no longer help, or what comes next is served by those asked for once
         if 0.9 * before < state.gap < inf or (number > 1 and _fine_enough(state)):
