@@ -26,6 +26,7 @@ from synthesis.formulations.rows import Drawn
 from synthesis.formulations.search import Search, Stage
 from synthesis.formulations.steepness import steepness
 from synthesis.formulations.tangency import turned
+from synthesis.numerics.digits import rounded
 from synthesis.numerics.piecewise import Array
 from synthesis.solvers.clarabel import ConeSolution, solve
 from synthesis.solvers.statuses import USABLE, Stopped
@@ -37,6 +38,7 @@ COARSE, FINE = 12, 96  # intervals of the first grid, by tolerance
 CURVED = 16  # the most of them while rows still have to turn
 RIGID = 150  # the most of them, of all laws together, where limits of a face are left out
 LEVELS = 20
+MARGIN_BITS = 16  # what a cam misses between points is known no better
 STAYS = 1e-7  # of the level: an estimate's slope is taken over steps a thousand times longer
 
 
@@ -243,8 +245,9 @@ def _weigh(
     if excess <= ALLOWED:
         state.offer(found)
     elif state.tangent:
-        state.margin = 1.1 * (state.margin + excess)
+        state.margin = float(rounded(1.1 * (state.margin + excess), MARGIN_BITS))
     state.learn(lower)
+    state.program = plan, solution, lower
     return found, missed
 
 
