@@ -26,16 +26,19 @@ from synthesis.formulations.rows import Drawn
 from synthesis.formulations.search import Search, Stage
 from synthesis.formulations.steepness import steepness
 from synthesis.formulations.tangency import turned
+from synthesis.numerics.digits import rounded
 from synthesis.numerics.piecewise import Array
 from synthesis.solvers.clarabel import ConeSolution, solve
 from synthesis.solvers.statuses import USABLE, Stopped
 
 SHAPE = 0.05  # a gap below which rounds for the bound alone do not pay, where curvature decides
+KNOTS = 2.0  # tolerances: a gap at which knots are good enough for what curvature leaves
 ROUNDS = 8
 COARSE, FINE = 12, 96  # intervals of the first grid, by tolerance
 CURVED = 16  # the most of them while rows still have to turn
 RIGID = 150  # the most of them, of all laws together, where limits of a face are left out
 LEVELS = 20
+MARGIN_BITS = 16  # what a cam misses between points is known no better
 STAYS = 1e-7  # of the level: an estimate's slope is taken over steps a thousand times longer
 
 
@@ -182,9 +185,11 @@ def _climb(state: Search) -> None:
             nonlinear(state)  # a cam at once: these rounds are of the bound alone
         stuck = lower is None and number > 1
         if stuck or _climbed(state, plan, solution, lower):
+            state.grids = _for_shape(state, found, lower, missed)
             break
-        if state.gap > 0.9 * before and state.gap < inf:
-            break  # finer knots no longer help
+        # finer knots no longer help, or what comes next is served by those asked for once
+        if 0.9 * before < state.gap < inf or (number > 1 and _fine_enough(state)):
+            break
         usable = state.grids if lower is not None else ()
         if state.relaxed is not None and lower is not None and not lower.switching:
             state.grids = denser(state.grids)
@@ -192,6 +197,22 @@ def _climb(state: Search) -> None:
             state.grids = finer(state.problem, state.grids, found, lower, missed)
         if state.limited_by_shape and state.gap < SHAPE:
             break  # what comes next finds its cam on these knots, and far above this bound
+
+
+def _fine_enough(state: Search) -> bool:
+    """Whether knots are good enough for the local search that curvature asks for."""
+    return state.limited_by_shape and state.gap <= KNOTS * state.tolerance
+
+
+def _for_shape(
+    state: Search, found: Candidate | None, lower: Bound | None, missed: Sequence[Array]
+) -> tuple[Grid, ...]:
+    """The knots for a local search: finer ones where a least size, not they, has closed the gap."""
+    if state.relaxed is None or lower is None or not lower.switching:
+        return state.grids
+    if not state.limited_by_shape or state.close_to(state.relaxed, lower.value):
+        return state.grids
+    return finer(state.problem, state.grids, found, lower, missed)
 
 
 def _climbed(state: Search, plan: Plan, solution: ConeSolution, lower: Bound | None) -> bool:
@@ -230,8 +251,9 @@ def _weigh(
     if excess <= ALLOWED:
         state.offer(found)
     elif state.tangent:
-        state.margin = 1.1 * (state.margin + excess)
+        state.margin = float(rounded(1.1 * (state.margin + excess), MARGIN_BITS))
     state.learn(lower)
+    state.program = plan, solution, lower
     return found, missed
 
 
