@@ -63,15 +63,22 @@ def search(
         the search as it ended; without a best cam where no rung gave a usable point.
     """
     state = Search(problem, tolerance, deadline, tighten)
+    _searched(state, thorough=thorough)
+    return state.round_off()
+
+
+def _searched(state: Search, *, thorough: bool) -> None:
+    """The ladder itself."""
+    problem, tolerance = state.problem, state.tolerance
     if problem.objective.limits(1.0, problem.machine):
         steepness(state, search)
-        return state
+        return
     if _closed_form(state):
         pass
     elif problem.curved and problem.machine.follower.pinning() is not None:
         pinned(state, search)
         enclose(state, thorough=thorough)
-        return state
+        return
     else:
         first = int(np.clip(3.7 / sqrt(tolerance), COARSE, CURVED if problem.curved else FINE))
         state.grids = tuple(uniform(stretch, first) for stretch in problem.free)
@@ -79,14 +86,13 @@ def search(
         polish(state, _once)
     if _elsewhere(state):
         pinned(state, search)
-        return state
+        return
     if (state.limited_by_shape or state.short) and state.left() > 0.0:
         nonlinear(state)
         if problem.rigid and problem.machine.follower.pinning() is None:
             enclose(state, thorough=thorough)
         elif thorough:
             close(state)
-    return state
 
 
 def _elsewhere(state: Search) -> bool:
@@ -179,10 +185,7 @@ def _climb(state: Search) -> None:
             nonlinear(state)  # a cam at once: these rounds are of the bound alone
         stuck = lower is None and number > 1
         if stuck or _climbed(state, plan, solution, lower):
-            asked = lower is not None and lower.switching and state.limited_by_shape
-            if asked and number == 1:
-                # near at once; what comes next has its cam on the knots that this bound asks for
-                state.grids = finer(state.problem, state.grids, found, lower, missed)
+            state.grids = _for_shape(state, found, lower, missed)
             break
         # finer knots no longer help, or what comes next is served by those asked for once
         if 0.9 * before < state.gap < inf or (number > 1 and _fine_enough(state)):
@@ -199,6 +202,17 @@ def _climb(state: Search) -> None:
 def _fine_enough(state: Search) -> bool:
     """Whether knots are good enough for the local search that curvature asks for."""
     return state.limited_by_shape and state.gap <= KNOTS * state.tolerance
+
+
+def _for_shape(
+    state: Search, found: Candidate | None, lower: Bound | None, missed: Sequence[Array]
+) -> tuple[Grid, ...]:
+    """The knots for a local search: finer ones where a least size, not they, has closed the gap."""
+    if state.relaxed is None or lower is None or not lower.switching:
+        return state.grids
+    if not state.limited_by_shape or state.close_to(state.relaxed, lower.value):
+        return state.grids
+    return finer(state.problem, state.grids, found, lower, missed)
 
 
 def _climbed(state: Search, plan: Plan, solution: ConeSolution, lower: Bound | None) -> bool:
