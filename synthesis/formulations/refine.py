@@ -35,6 +35,7 @@ ROUNDS = 8
 COARSE, FINE = 12, 96  # intervals of the first grid, by tolerance
 CURVED = 16  # the most of them while rows still have to turn
 RIGID = 150  # the most of them, of all laws together, where limits of a face are left out
+MORE = 1.1  # times the intervals: what adds less says nothing about finer knots
 LEVELS = 20
 STAYS = 1e-7  # of the level: an estimate's slope is taken over steps a thousand times longer
 
@@ -150,6 +151,7 @@ def _climb(state: Search) -> None:
     """Second rung: cone programs on finer and finer knots until the bound is near."""
     solve_once = _fraction if state.problem.objective.fractional else _round
     usable: tuple[Grid, ...] = ()  # on which there was a law: not on other knots that are no finer
+    knots = 0
     for number in range(1, ROUNDS + 1):
         started = time.perf_counter()
         before = state.gap
@@ -176,8 +178,12 @@ def _climb(state: Search) -> None:
         stuck = lower is None and number > 1
         if stuck or _climbed(state, plan, solution, lower):
             break
+        slight, knots = _count(state.grids) < MORE * knots, _count(state.grids)
         if state.gap > 0.9 * before and state.gap < inf:
-            break  # finer knots no longer help
+            if not slight or state.limited_by_shape:
+                break  # finer knots no longer help
+            state.grids = all_halved(state.problem, state.grids, missed)
+            continue
         usable = state.grids if lower is not None else ()
         if state.relaxed is not None and lower is not None and not lower.switching:
             state.grids = denser(state.grids)
@@ -185,6 +191,11 @@ def _climb(state: Search) -> None:
             state.grids = finer(state.problem, state.grids, found, lower, missed)
         if state.limited_by_shape and state.gap < SHAPE:
             break  # what comes next finds its cam on these knots, and far above this bound
+
+
+def _count(grids: Sequence[Grid]) -> int:
+    """Intervals of all laws."""
+    return sum(len(grid.space.breaks) - 1 for grid in grids)
 
 
 def _climbed(state: Search, plan: Plan, solution: ConeSolution, lower: Bound | None) -> bool:
@@ -199,7 +210,7 @@ def _climbed(state: Search, plan: Plan, solution: ConeSolution, lower: Bound | N
         return False
     value = in_core_units(plan, plan.program.value(solution.x))
     known = value - lower.value <= 0.5 * state.tolerance * abs(value)
-    return known or sum(len(grid.space.breaks) for grid in state.grids) > RIGID
+    return known or _count(state.grids) > RIGID
 
 
 def _once(state: Search, number: int) -> Candidate | None:
@@ -267,7 +278,7 @@ def _read(plan: Plan, solution: ConeSolution) -> Candidate:
 
 def _report(state: Search, number: int, plan: Plan, solution: ConeSolution, seconds: float) -> None:
     rows, unknowns = plan.program.matrix.shape
-    knots = sum(len(grid.space.breaks) - 1 for grid in plan.grids)
+    knots = _count(plan.grids)
     conic = any(len(ball.shift) > 1 for ball in plan.balls)  # of one row: two half-spaces
     model = "QP" if plan.energy is not None else "SOCP" if conic else "LP"
     state.stages.append(
