@@ -75,8 +75,9 @@ def swept(wire: http.client.HTTPConnection, asked: dict[str, Any]) -> tuple[floa
 def answer(
     wire: http.client.HTTPConnection, method: str, path: str, body: str | None = None
 ) -> dict[str, Any]:
-    """What the service answers with."""
-    wire.request(method, path, body, {"Content-Type": "application/json"})
+    """What the service answers with, over a connection that does not rest until the next look."""
+    headers = {"Content-Type": "application/json", "Connection": "close"}
+    wire.request(method, path, body, headers)
     told = wire.getresponse()
     content = told.read()
     if told.status >= 300:

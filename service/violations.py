@@ -41,6 +41,7 @@ PLACES = {
     "initial_angle_contradicts": ("follower", "initial_angle_deg"),
     "swing_too_large": ("program",),
     "no_best_pressure_angle": ("objective",),
+    "no_smallest_cam": ("limits",),
     "pressure_angle_given": ("objective",),
     "limit_does_not_suit": ("limits",),
     "spline_too_rough": ("program", "{position}", "law"),

@@ -126,6 +126,11 @@ class Stretch:
         return self.s_end - self.s_start
 
     @property
+    def sought(self) -> bool:
+        """Whether its law is to be chosen, neither given nor read from a table."""
+        return self.law is None and self.readings is None and self.angle > 0.0
+
+    @property
     def senses(self) -> tuple[Sense, ...]:
         """The ways in which it moves: a table that turns back, both."""
         return ("rise", "return") if self.kind == "table" else (self.kind,)

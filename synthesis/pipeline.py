@@ -287,8 +287,9 @@ def _conflict(spec: DesignSpec, attempt: _Attempt) -> Conflict:
 
     until = min(last.deadline, clock.now() + DIAGNOSIS_S)
     found = diagnose(attempt.posed, last.problem, last.grids, largest, until)
-    if last.impossible:
-        found = found.model_copy(update={"evidence": f"{last.impossible}; {found.evidence}"})
+    known = last.impossible or last.undecided
+    if known:
+        found = found.model_copy(update={"evidence": f"{known}; {found.evidence}"})
     farther = _farther(spec, until)
     found = found.model_copy(update={"relaxations": [*found.relaxations, *farther]})
     refused = [e for e in attempt.extremes if not e.holds]

@@ -10,6 +10,7 @@ from typing import Annotated, Any, Literal
 from pydantic import BaseModel, ConfigDict, Field, model_validator
 from pydantic_core import PydanticCustomError
 
+from synthesis.best import Asked, check_best
 from synthesis.fields import CamRotation, CamSpeed, Name
 from synthesis.followers import AnyFollower
 from synthesis.limits import AnyLimit, Limit, Machine
@@ -186,30 +187,17 @@ class DesignSpec(BaseModel):
 
     @model_validator(mode="after")
     def _has_a_best(self) -> DesignSpec:
-        kinds = [objective.kind for objective in self.objectives()]
-        if "peak_pressure_angle" not in kinds:
-            return self
-        curves = self.follower.pressure_angle_curves(1.0)
-        if not curves and all(row.constant for row in self.follower.pressure_angle_rows(1.0)):
-            raise PydanticCustomError(
-                "pressure_angle_given",
-                "objective peak_pressure_angle is not offered for a {kind} follower: its face "
-                "settles the pressure angle. Choose another objective.",
-                {"kind": self.follower.kind},
+        check_best(
+            Asked(
+                follower=self.follower,
+                objectives=self.objectives(),
+                limits=self.limits,
+                asked=ends(self.base_radius_mm),
+                opened=self._open_range(),
+                reached=self.base_radius_range(),
+                free=any(stretch.sought for stretch in self.stretches()),
             )
-        sized = math.isfinite(ends(self.base_radius_mm)[1]) or any(
-            limit.kind == "outer_radius" for limit in self.limits
         )
-        sized = sized or "base_radius" in kinds[: kinds.index("peak_pressure_angle") + 1]
-        sized = sized or self.base_radius_range()[1] < self._open_range()[1]  # by what it reaches
-        if not sized:
-            raise PydanticCustomError(
-                "no_best_pressure_angle",
-                "objective peak_pressure_angle has no best value while the cam may grow "
-                "without end: every larger cam has a smaller pressure angle. Give "
-                "base_radius_mm a max, limit outer_radius, or put base_radius before it.",
-                {},
-            )
         return self
 
     # -- numbers left free -------------------------------------------------------------------
@@ -369,7 +357,7 @@ class DesignSpec(BaseModel):
             low, high = ends(opening.asked)
             yield f"/{opening.field}", {"min": low, "max": high}
         for stretch in self.stretches():
-            if stretch.law is None and stretch.readings is None and stretch.angle > 0.0:
+            if stretch.sought:
                 yield f"/program/{stretch.index}/law", self.program[stretch.index].law_name
         asked: dict[str, Any] = {}
         bounds = self.follower.sizing(self.base_radius_range()).bounds

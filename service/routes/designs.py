@@ -88,7 +88,7 @@ async def get_design(
 async def get_design_sensitivities(
     request: Request, design_id: str, parts: Parts, if_none_match: KnownTag = None
 ) -> Response:
-    """How the objective changes with every limit and range of the spec, to first order.
+    """How the objective changes with every limit, range, window and point, to first order.
 
     In the limit's own units, as in: 1 deg more pressure angle makes the base radius 0.8 mm smaller.
     For every follower and objective, curvature included: multipliers of the cone program, or of the

@@ -25,7 +25,7 @@ FRAME = (
 
 
 def _scene(design: Design, options: Options) -> bytes:
-    stage = Stage.of(Cam.of(design), design.dimensions["base_radius_mm"], FRAMES)
+    stage = Stage.of(Cam.of(design), design.dimensions["base_radius_mm"], FRAMES, in_mm=True)
     left, bottom, right, top = stage.extent
     sides = (left, right) if stage.mirror > 0.0 else (-right, -left)
     body = {

@@ -61,4 +61,6 @@ def ground(theme: Theme) -> str:
 
 
 def _colours(column: int) -> str:
-    return f"body{{background:{FILLS['ground'][column]};color:{FILLS['label'][column]}}}"
+    ground, label, alarm = (FILLS[kind][column] for kind in ("ground", "label", "alarm"))
+    wrong = f".broken strong,.broken td{{color:{alarm}}}"
+    return f"body{{background:{ground};color:{label}}}{wrong}"

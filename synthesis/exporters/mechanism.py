@@ -11,13 +11,14 @@ in the machine; on the profile the contact runs w (1 − σκ Rr), on the roller
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from synthesis.exporters.cam import Cam
 from synthesis.followers.flank import Flank
 from synthesis.followers.link import Face, Link
+from synthesis.followers.trace import Vector2
 from synthesis.numerics.piecewise import Array
 from synthesis.profile import CamProfile
 from synthesis.units import DEGREE, FULL_TURN
@@ -91,6 +92,30 @@ class Mechanism:
             _contact(firsts[path], link, theta, (s, moved, turned)) for path in reversed(firsts)
         ]
         return cls(theta, told, link, moved, tuple(contacts))
+
+    def magnified(self, by: float) -> Mechanism:
+        """The same machine with all lengths so many times as large; what is told of it stays."""
+        link, contacts = self.link, self.contacts
+        if link.face is not None:
+            link = replace(link, face=replace(link.face, at=_times(link.face.at, by)))
+        if link.pivot is not None:
+            link = replace(link, pivot=_times(link.pivot, by))
+        contacts = tuple(
+            replace(
+                each,
+                flank=each.flank.magnified(by),
+                place=_times(each.place, by),
+                roller=by * each.roller,
+                along=by * each.along,
+            )
+            for each in contacts
+        )
+        moved = self.moved if link.slide is None else by * self.moved
+        return replace(self, link=link, moved=moved, contacts=contacts)
+
+
+def _times(point: Vector2, by: float) -> Point:
+    return by * float(point[0]), by * float(point[1])
 
 
 def _contact(cam: Cam, link: Link, theta: Array, state: tuple[Array, Array, Array]) -> Contact:

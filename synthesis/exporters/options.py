@@ -102,9 +102,7 @@ class Options:
             error = wrong.errors()[0]
             name = str(error["loc"][0])
             schema = model.model_json_schema()["properties"][name]
-            raise InputError(
-                f"/{name}", error["input"], _rule(schema), f"Leave it out for {_default(schema)}."
-            ) from None
+            raise InputError(f"/{name}", error["input"], _rule(schema), _way_out(schema)) from None
 
 
 def _rule(schema: dict[str, Any]) -> str:
@@ -112,7 +110,7 @@ def _rule(schema: dict[str, Any]) -> str:
     told = {k: v for each in (schema, *schema.get("anyOf", ())) for k, v in each.items()}
     if "enum" in told:
         return f"This must be one of {', '.join(map(str, told['enum']))}."
-    whole = told.get("type") == "integer" or {"type": "integer"} in schema.get("anyOf", [])
+    whole = "integer" in {schema.get("type"), *(each["type"] for each in schema.get("anyOf", ()))}
     bounds = (
         ("exclusiveMinimum", "above"),
         ("minimum", "at least"),
@@ -124,8 +122,9 @@ def _rule(schema: dict[str, Any]) -> str:
     return f"This must be {kind}{', ' if words else ''}{' and '.join(words)}."
 
 
-def _default(schema: dict[str, Any]) -> str:
-    return "none" if schema["default"] is None else repr(schema["default"])
+def _way_out(schema: dict[str, Any]) -> str:
+    default = schema["default"]
+    return "Leave it out, or correct it." if default is None else f"Leave it out for {default!r}."
 
 
 @dataclass(frozen=True)
@@ -257,8 +256,8 @@ class PointOptions(CurveOptions):
 
 
 @dataclass(frozen=True)
-class MotionOptions(Sampled):
-    """How the motion is sampled.
+class EvenOptions(Sampled, ABC):
+    """Rows evenly over the cam angle.
 
     Attributes:
         points_per_degree: density, uniform in cam angle; not below one point in 10°.
@@ -275,6 +274,11 @@ class MotionOptions(Sampled):
     @property
     def chord_mm(self) -> float | None:
         return None
+
+
+@dataclass(frozen=True)
+class MotionOptions(EvenOptions):
+    """How the motion is sampled; as ``EvenOptions``."""
 
 
 def is_pitch(curve: CurveName) -> bool:

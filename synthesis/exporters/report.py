@@ -46,7 +46,7 @@ def report_with(
         name = design.name.strip() or "Cam"
         parts = [
             _head(design, name),
-            *([_conflict(design.conflict)] if design.conflict is not None else []),
+            *([_conflict(design.conflict, bool(design.motion))] if design.conflict else []),
             *(_cam(design, options) if design.motion else []),
             *([_sensitivities(costs)] if costs is not None else []),
             _asked(design),
@@ -86,7 +86,7 @@ def _cam(design: Design, options: PictureOptions) -> Iterator[str]:
     """Everything that is told of a cam, whether it keeps its limits or not."""
     theme = options.theme
     drawing = PROFILE.write(design, CamDrawingOptions(theme=theme))
-    sizes = [(_words(name), _told(name, value)) for name, value in design.dimensions.items()]
+    sizes = [_dimension(name, value) for name, value in design.dimensions.items()]
     chosen = [(name, svg.figure(value, 8)) for name, value in design.chosen.items()]
     yield _section("Dimensions", _pairs([*sizes, *chosen]))
     yield _section("The cam", _image(drawing, "Drawing of the cam"), "drawing")
@@ -160,7 +160,7 @@ def _program(design: Design) -> str:
     return _table(("Segment", "from", "over", "starts at", "ends at", "Law"), rows)
 
 
-def _conflict(conflict: Conflict) -> str:
+def _conflict(conflict: Conflict, given: bool) -> str:
     """Why nothing fits, and the least changes that would help."""
     named = ", ".join(_words(limit) for limit in conflict.limits)
     rows = [
@@ -173,7 +173,8 @@ def _conflict(conflict: Conflict) -> str:
     told = f"<p>These cannot hold together: <strong>{html.plain(named)}</strong>.</p>"
     changes = "<p>The least change of each alone, the others kept:</p>" + _table(head, rows)
     evidence = f"<p class=note>{html.plain(conflict.evidence)}</p>"
-    return _section("Why nothing fits", told + (changes if rows else "") + evidence)
+    title = "What would mend it" if given else "Why nothing fits"
+    return _section(title, told + (changes if rows else "") + evidence)
 
 
 def _sensitivities(found: Sensitivities) -> str:
@@ -263,7 +264,9 @@ def _words(name: str) -> str:
     return name.replace("_", " ")
 
 
-def _told(name: str, value: float) -> str:
-    """A dimension with the unit that its name ends with."""
+def _dimension(name: str, value: float) -> tuple[str, str]:
+    """A dimension, and its value with the unit that its name on the wire ends with."""
     stem, _, unit = name.rpartition("_")
-    return svg.measured(value, unit, 8) if stem and unit in ("mm", "deg") else svg.figure(value, 8)
+    if stem and unit in ("mm", "deg"):
+        return _words(stem), svg.measured(value, unit, 8)
+    return _words(name), svg.figure(value, 8)

@@ -64,12 +64,17 @@ def table_rows(cam: Cam, options: Sampled) -> Rows:
     return Rows(rows, in_degrees(rows), side, left)
 
 
-def ring(cam: Cam, options: CurveOptions, start: float | None = None) -> CamProfile:
-    """The closed curve in the order of rising cam angle, not yet closed.
+def ring(cam: Cam, options: CurveOptions) -> CamProfile:
+    """The closed curve from its seam, in the order of rising cam angle, not yet closed."""
+    return _ring(cam, options, None, options.chord_mm)
 
-    It begins at the cam angle ``start`` [rad], without one at the seam.
-    """
-    theta = _ring_angles(cam, options, cam.seam if start is None else start % FULL_TURN)
+
+def _ring(
+    cam: Cam, options: CurveOptions, start: float | None, chord_mm: float | None
+) -> CamProfile:
+    """The same from the cam angle ``start`` [rad], without one from the seam."""
+    begin = cam.seam if start is None else start % FULL_TURN
+    theta = _ring_angles(cam, options.count, chord_mm, begin)
     # Only where s' jumps does the point itself have two sides.
     twice = np.isin(theta, cam.joints.breaking(1))
     rows = np.repeat(theta, 1 + twice)
@@ -109,7 +114,7 @@ class Written:
 def written_points(cam: Cam, options: PointOptions) -> Written:
     """The points of the cam's curve, in the order and with the decimals that are asked for."""
     start = None if options.start_deg is None else options.start_deg * DEGREE
-    at = ring(cam, options, start)
+    at = _ring(cam, options, start, _leaving_room(options))
     exact = np.column_stack(placed(cam, options, at))
     rounded: Array = np.round(exact, options.decimals) + 0.0  # no −0
     new = np.any(rounded != np.roll(rounded, 1, axis=0), axis=1)
@@ -126,6 +131,20 @@ def written_points(cam: Cam, options: PointOptions) -> Written:
     if options.direction not in ("cam_angle", RUNS[cam.rotation]):
         theta, points = (np.roll(each[::-1], 1, axis=0) for each in (theta, points))
     return Written(theta, points)
+
+
+def _leaving_room(options: PointOptions) -> float | None:
+    """A chord tolerance [mm] that rounded points keep too: a chord moves as its ends do."""
+    moved = math.sqrt(0.5) * 10.0 ** (3 - options.decimals)  # [µm]
+    if options.tolerance_um is None:
+        return None
+    if options.tolerance_um < 2.0 * moved:
+        raise InputError(
+            "/decimals", options.decimals,
+            f"Rounding alone moves points by up to {moved:.3g} µm, too much for a chord tolerance "
+            f"of {options.tolerance_um:.6g} µm.", "Keep more decimals, or allow more.",
+        )  # fmt: skip
+    return 1e-3 * (options.tolerance_um - moved)
 
 
 def in_degrees(theta: Array) -> Array:
@@ -150,15 +169,15 @@ def _merged(grid: Array, joints: Array, apart: float) -> Array:
     return np.sort(np.concatenate([grid[gap > apart], joints]))
 
 
-def _ring_angles(cam: Cam, options: CurveOptions, start: float) -> Array:
+def _ring_angles(cam: Cam, count: float, chord_mm: float | None, start: float) -> Array:
     """Angles of a ring in [0, 2π) [rad], from its start; joints and the start are exact."""
     joints = cam.joints.marked(2)
     nearest = float(joints[np.argmin(np.abs(joints - start))])
     seam = nearest if abs(nearest - start) <= SAME_ANGLE else start
     marks = np.union1d(joints, [seam])
-    if options.chord_mm is not None:
-        theta = chord_angles(cam, np.append(marks, FULL_TURN), options.chord_mm)[:-1]
+    if chord_mm is not None:
+        theta = chord_angles(cam, np.append(marks, FULL_TURN), chord_mm)[:-1]
     else:
-        grid = (seam + _uniform(options.count)) % FULL_TURN
+        grid = (seam + _uniform(count)) % FULL_TURN
         theta = _merged(grid, marks, CROWDED * FULL_TURN / len(grid))
     return np.roll(theta, -int(np.searchsorted(theta, seam)))

@@ -1,6 +1,7 @@
 """The machine as a drawing whose parts can be moved: cam, link, rollers, contacts (y upwards).
 
-The shapes are those of a ccw cam, in its mm; a clockwise one is mirrored as a whole. Each moving
+The shapes are those of a ccw cam, in its mm, or in a power of ten of them where it is very small or
+very large; a clockwise one is mirrored as a whole. Each moving
 part is a group of its own with a name, and stands as at cam angle 0.
 """
 
@@ -18,13 +19,13 @@ from synthesis.exporters.cam import Cam
 from synthesis.exporters.mechanism import Contact, Mechanism
 from synthesis.exporters.options import ProfileOptions
 from synthesis.exporters.sampling import ring
+from synthesis.exporters.svg_link import GUIDE, face_ends, holders, plate, stem_length, wheel
 from synthesis.exporters.svg_parts import (
     HUB,
     PIVOT,
     STEM,
     Flanks,
     Point,
-    bar,
     half_width,
     outline,
     point_from,
@@ -38,8 +39,7 @@ Tag = Callable[[str], str]  # name of a part -> the attribute that its group car
 Box = tuple[float, float, float, float]
 ACROSS = 92.0  # units from side to side of a cam
 DRAWN = ProfileOptions(points_per_degree=2.0)
-GUIDE, OVER = (4.0, 12.0), 2.0  # of a slide, in units: from and to above its highest place; more
-SPOKES = (0.0, 60.0, 120.0)
+NEAR = (5.0, 2000.0)  # radii of cams that are drawn in their mm; others in powers of ten of them
 STILL = 1e-9  # what moves less [mm, deg] does not move
 
 
@@ -85,18 +85,34 @@ class Stage:
     decimals: int
 
     @classmethod
-    def of(cls, cam: Cam, base: float, count: int) -> Stage:
-        """The stage of a cam with its base radius [mm], at ``count`` + 1 angles."""
+    def of(cls, cam: Cam, base: float, count: int, in_mm: bool = False) -> Stage:
+        """The stage of a cam with its base radius [mm], at ``count`` + 1 angles.
+
+        ``in_mm``: of any size in millimetres, not in a power of ten of them.
+        """
         mirror = -1.0 if cam.rotation == "cw" else 1.0
         cam = replace(cam, rotation="ccw")
         flanks = tuple((one.flank, ring(one, DRAWN)) for one in cam.flanks())
-        mechanism = Mechanism.of(cam, count)
         reach = max(rim_of(flanks), *(_reach(curve) for _, curve in flanks))
+        # browsers draw what is scaled by a thousand coarsely, and SVG has no small numbers
+        by = (
+            1.0
+            if in_mm or NEAR[0] < reach < NEAR[1]
+            else 10.0 ** -round(math.log10(reach / NEAR[0]) - 1.0)
+        )
+        mechanism, reach = Mechanism.of(cam, count).magnified(by), by * reach
         u = 2.0 * reach / ACROSS
         prime = cam.follower.radius(cam.size) if mechanism.contacts[0].roller > 0.0 else 0.0
-        decimals = max(3, 6 - math.floor(math.log10(reach)))
-        extent = _extent(mechanism, reach, u)
-        return cls(mechanism, flanks, mirror, base, prime, u, extent, decimals)
+        return cls(
+            mechanism,
+            tuple((flank.magnified(by), _magnified(curve, by)) for flank, curve in flanks),
+            mirror,
+            by * base,
+            by * prime,
+            u,
+            _extent(mechanism, reach, u),
+            max(3, 6 - math.floor(math.log10(reach))),
+        )
 
     def scale(self, width: float, height: float) -> float:
         """How many times its size it has in a box [mm]."""
@@ -151,6 +167,17 @@ def _unit(angle: float) -> Array:
     return np.array([math.cos(angle), math.sin(angle)])
 
 
+def _magnified(curve: CamProfile, by: float) -> CamProfile:
+    """The curve with its points so many times as far away."""
+    return replace(
+        curve,
+        x=by * curve.x,
+        y=by * curve.y,
+        pitch_x=by * curve.pitch_x,
+        pitch_y=by * curve.pitch_y,
+    )
+
+
 def _reach(curve: CamProfile) -> float:
     """Largest radius of a flank and of the path beside it [mm]."""
     profile, pitch = np.hypot(curve.x, curve.y), np.hypot(curve.pitch_x, curve.pitch_y)
@@ -175,12 +202,12 @@ def _corners(contact: Contact, machine: Mechanism, u: float) -> list[Point]:
     """The outermost points of a roller, a face or a stem, on the link at displacement 0."""
     (x, y), r = contact.place, contact.roller
     found = [(x + a, y + b) for a in (-r, r) for b in (-r, r)]
-    for end in _face_ends(contact, machine, u) if machine.face is not None else ():
+    for end in face_ends(contact, machine, u) if machine.face is not None else ():
         along = _unit(contact.heading) * end
         found.append((x + along[0], y + along[1]))
     if machine.link.slide is not None and contact is machine.contacts[0]:
         up = [float(c) for c in machine.link.slide]
-        length = _stem_length(machine, u)
+        length = stem_length(machine, u)
         found += [(x + length * up[0] + a * u, y + length * up[1]) for a in (-4.0, 4.0)]
     return found
 
@@ -193,20 +220,6 @@ def _there(machine: Mechanism, point: Point, moved: float) -> Point:
     assert link.pivot is not None
     px, py, cos, sin = float(link.pivot[0]), float(link.pivot[1]), math.cos(moved), math.sin(moved)
     return px + cos * (x - px) - sin * (y - py), py + sin * (x - px) + cos * (y - py)
-
-
-def _stem_length(machine: Mechanism, u: float) -> float:
-    """From a slide's roller or face to the end of its stem, through the guide [mm]."""
-    roller = machine.contacts[0].roller
-    return roller + float(machine.moved.max()) + (GUIDE[1] + OVER) * u
-
-
-def _face_ends(contact: Contact, machine: Mechanism, u: float) -> tuple[float, float]:
-    """From where to where a face is drawn [mm]: as far as contact needs it; on a pivot from it."""
-    low, high = float(contact.along.min()), float(contact.along.max())
-    if machine.link.pivot is not None:
-        return min(low, 0.0), max(high, 0.0)
-    return min(low, -1.5 * u), max(high, 1.5 * u)
 
 
 def _ground(stage: Stage) -> list[str]:
@@ -257,7 +270,7 @@ def _link(stage: Stage, tag: Tag) -> list[str]:
     """The follower's link with everything on it."""
     machine, u = stage.mechanism, stage.u
     link = machine.link
-    body = _face(stage) if machine.face is not None else _holders(stage)
+    body = plate(machine, u) if machine.face is not None else holders(machine, u)
     for number in range(len(machine.contacts)):
         body += _contact(stage, number, tag)
     if link.pivot is None:
@@ -270,50 +283,6 @@ def _link(stage: Stage, tag: Tag) -> list[str]:
     return [f'<g transform="translate({there})">', *stage._group("link", tag, inner), "</g>"]
 
 
-def _holders(stage: Stage) -> list[str]:
-    """Stem or arms of the rollers, and what joins two of them on one slide."""
-    machine, u = stage.mechanism, stage.u
-    link, first = machine.link, machine.contacts[0]
-    if link.pivot is not None:
-        pivot = float(link.pivot[0]), float(link.pivot[1])
-        return [edge for one in machine.contacts for edge in bar(one.place, pivot, one.roller, u)]
-    assert link.slide is not None
-    up, half = (float(link.slide[0]), float(link.slide[1])), half_width(first.roller, u)
-    foot = math.sqrt(max(first.roller**2 - half**2, 0.0)) if first.roller else 3.0 * half
-    length = _stem_length(machine, u)
-    corners = [(length, -half), (foot, -half), (foot, half), (length, half)]
-    steps = "L".join(point_from(first.place, up, *corner) for corner in corners)
-    body = [svg.path("outline metal", f"M{steps}Z")]
-    if first.roller == 0.0:
-        corners = [(foot, -half), (0.0, 0.0), (foot, half)]
-        steps = "L".join(point_from(first.place, up, *corner) for corner in corners)
-        body.append(svg.path("outline metal", f"M{steps}"))
-    joined = [svg.line("line axis", *first.place, *one.place) for one in machine.contacts[1:]]
-    return [*joined, *body]
-
-
-def _face(stage: Stage) -> list[str]:
-    """The plate, and its stem or the link to its pivot."""
-    machine, u, contact = stage.mechanism, stage.u, stage.mechanism.contacts[0]
-    face, link = machine.face, machine.link
-    assert face is not None
-    normal = float(face.normal[0]), float(face.normal[1])
-    low, high = _face_ends(contact, machine, u)
-    right = 1.0 if normal[1] * face.along[0] - normal[0] * face.along[1] > 0.0 else -1.0
-    corners = [(0.0, low), (0.0, high), (2.0 * u, high), (2.0 * u, low)]
-    steps = "L".join(point_from(contact.place, normal, a, right * b) for a, b in corners)
-    plate = svg.path("outline metal", f"M{steps}Z")
-    if link.pivot is not None:
-        pivot = float(link.pivot[0]), float(link.pivot[1])
-        return [svg.line("line outline", *contact.place, *pivot), plate]
-    assert link.slide is not None
-    up, half = (float(link.slide[0]), float(link.slide[1])), half_width(0.0, u)
-    length = _stem_length(machine, u)
-    ends = [(length, -half), (0.0, -half), (0.0, half), (length, half)]
-    steps = "L".join(point_from(contact.place, up, *corner) for corner in ends)
-    return [svg.path("outline metal", f"M{steps}Z"), plate]
-
-
 def _contact(stage: Stage, number: int, tag: Tag) -> list[str]:
     """Roller, contact point, common normal and direction of motion, from the traced point."""
     contact, u = stage.mechanism.contacts[number], stage.u
@@ -323,7 +292,7 @@ def _contact(stage: Stage, number: int, tag: Tag) -> list[str]:
               svg.circle("mark", -reach, 0.0, 1.1 * u)]  # fmt: skip
     drive = [svg.line("line front", 0.0, 0.0, 14.0 * u, 0.0),
              svg.arrow_head("start", 16.0 * u, 0.0, 0.0, 2.6 * u)]  # fmt: skip
-    body = _wheel(contact.roller, u)
+    body = wheel(contact.roller, u)
     if body:
         mean = f"<g {tag(f'roll{number}-mean')}>"
         body = [mean, *stage._group(f"roll{number}", tag, body), "</g>"]
@@ -332,17 +301,3 @@ def _contact(stage: Stage, number: int, tag: Tag) -> list[str]:
     place = " ".join(svg.num(c, 6) for c in contact.place)
     return [f'<g transform="translate({place})">', *body,
             *stage._group(f"along{number}", tag, inner), "</g>"]  # fmt: skip
-
-
-def _wheel(radius: float, u: float) -> list[str]:
-    """A roller with spokes, one of them marked, so that it is seen to turn."""
-    if radius == 0.0:
-        return []
-    hub = min(0.2 * radius, 2.0 * HUB * u)
-    spokes = [
-        svg.line("line axis", -a * radius, -b * radius, a * radius, b * radius)
-        for a, b in ((math.cos(t * DEGREE), math.sin(t * DEGREE)) for t in SPOKES)
-    ]
-    return [svg.circle("outline glass", 0.0, 0.0, radius), *spokes,
-            svg.circle("outline metal", 0.0, 0.0, hub),
-            svg.circle("solid", 0.0, 0.72 * radius, min(0.12 * radius, 1.2 * u))]  # fmt: skip

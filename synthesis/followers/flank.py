@@ -18,7 +18,7 @@ rule of a cam touched from outside holds for both.
 from __future__ import annotations
 
 from collections.abc import Iterable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Literal
 
 from synthesis.followers.trace import Trace
@@ -43,6 +43,10 @@ class Flank:
     path: str
     trace: Trace
     rim: float = 0.0
+
+    def magnified(self, by: float) -> Flank:
+        """The same with its own lengths so many times as large; those of its trace stay."""
+        return replace(self, distance=by * self.distance, rim=by * self.rim)
 
 
 @dataclass(frozen=True)

@@ -106,6 +106,13 @@ class OscillatingFlatFace(Follower):
         return ends(self.centre_distance_mm)[1]
 
     @property
+    def vanishing(self) -> str:
+        nearest, _ = ends(self.centre_distance_mm)
+        # an offset is a length of its own, which a small cam would have to be measured by
+        anywhere = nearest <= 0.0 and self.face_offset_mm == 0.0
+        return "the pivot may be as near to the cam's axis as one likes" if anywhere else ""
+
+    @property
     def travel(self) -> Travel:
         return Travel("deg", self.reference * DEGREE)
 

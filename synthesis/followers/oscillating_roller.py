@@ -93,6 +93,15 @@ class OscillatingRoller(RollerFollower):
         return Travel("deg", self.length * DEGREE)
 
     @property
+    def vanishing(self) -> str:
+        if self._distance is not None or self.initial_angle_deg is not None or self.companions:
+            return ""
+        (low, high), (short, long) = ends(self.centre_distance_mm), ends(self.arm_mm)
+        if self.base_gap < 0.0 or low > long or high < short:
+            return ""
+        return "the pivot may be as far from the cam's axis as the arm is long"
+
+    @property
     def sigma(self) -> float:
         """+1 where the lifting arm turns against a ccw cam, −1 where it turns with it."""
         return SENSES[self.sense]

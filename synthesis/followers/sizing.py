@@ -83,6 +83,11 @@ class Sized(ABC):
         """
         return {}
 
+    @property
+    def vanishing(self) -> str:
+        """What lets its cam shrink to a point while nothing but undercut is excluded; or empty."""
+        return ""
+
     # -- what it can serve at all ----------------------------------------------------------------
 
     def check_reach(self, base_radius: tuple[float, float], stretches: Sequence[Stretch]) -> None:

@@ -56,6 +56,12 @@ class TranslatingRoller(RollerFollower):
                 {"offset": nearest, "prime": prime, "word": "plus" if gap >= 0.0 else "less"},
             )
 
+    @property
+    def vanishing(self) -> str:
+        low, high = ends(self.offset_mm)
+        alone = self.base_gap >= 0.0 and not self.companions
+        return "its offset may be 0" if alone and low <= 0.0 <= high else ""
+
     def adjustable(self) -> Mapping[str, float | Range | None]:
         return {"offset_mm": self.offset_mm}
 

@@ -20,7 +20,7 @@ from synthesis.formulations.bound import Bound, bound
 from synthesis.formulations.candidate import Candidate, settle
 from synthesis.formulations.control import Control, controls
 from synthesis.formulations.convex import Plan, formulate, with_rows
-from synthesis.formulations.grid import Grid, SettledLaw, merged, over, uniform
+from synthesis.formulations.grid import Grid, SettledLaw, merged, over, snapped, uniform
 from synthesis.formulations.knots import all_halved, finer
 from synthesis.formulations.lair import Guess, Lair, Parts, narrowed, unknown
 from synthesis.formulations.local import improve_from
@@ -134,10 +134,9 @@ def binding(state: Search, free: Stretch) -> Parts:
     if not len(where):
         return ()
     runs = np.split(where, np.flatnonzero(np.diff(where) > CLOSE_BY * SAMPLES) + 1)
-    step = 2.0 / SAMPLES
-    return tuple(
-        (max(float(x[run[0]]) - step, 0.0), min(float(x[run[-1]]) + step, 1.0)) for run in runs
-    )
+    ends = np.array([[x[run[0]] - 2.0 / SAMPLES, x[run[-1]] + 2.0 / SAMPLES] for run in runs])
+    places = snapped(np.clip(ends, 0.0, 1.0))  # there will be knots
+    return tuple((float(low), float(high)) for low, high in places)
 
 
 def asked(state: Search, best: Candidate) -> Quest | None:

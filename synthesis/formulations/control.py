@@ -33,8 +33,8 @@ def controls(plan: Plan) -> list[Control] | None:
         found = [_control(plan, position, order) for position in range(len(plan.grids))]
         if any(control is not None for control in found):
             usable = [control for control in found if control is not None]
-            weighs_another = plan.energy is not None and plan.energy.order != order
-            return usable if len(usable) == len(found) and not weighs_another else None
+            weighs_more = plan.energy is not None and plan.energy.order > order
+            return usable if len(usable) == len(found) and not weighs_more else None
     return None if plan.grids else []
 
 

@@ -27,6 +27,7 @@ from synthesis.formulations.grid import TYPICAL, Grid, SettledLaw
 from synthesis.formulations.matrix import Ball, Writer
 from synthesis.formulations.problem import Problem
 from synthesis.formulations.rows import Block, Drawn, Scales
+from synthesis.numerics.digits import rounded
 from synthesis.numerics.piecewise import Array
 from synthesis.solvers.clarabel import ConeProgram
 
@@ -257,8 +258,8 @@ def _size_bounds(problem: Problem, scales: Scales) -> Iterator[Block]:
             # a far bound is divided by its size: the solver's tolerance is relative to the largest
             far = max(abs(bound) / scales.size, 1.0)
             yield Block(
-                "size", None, None, np.zeros(1), np.zeros(4), unit / far, 0.0,
-                np.array([bound / scales.size / far]), "bounds",
+                "size", None, None, np.zeros(1), np.zeros(4), rounded(unit / far), 0.0,
+                rounded(np.array([bound / scales.size / far])), "bounds",
             )  # fmt: skip
 
 

@@ -13,6 +13,7 @@ from synthesis.formulations.problem import Problem
 from synthesis.formulations.rows import Block, Drawn, Scales
 from synthesis.formulations.tubing import Tube
 from synthesis.motion import Stretch
+from synthesis.numerics.digits import rounded
 from synthesis.numerics.piecewise import Array, Piecewise
 from synthesis.terms import Curved, Cuts, Vector, Within
 
@@ -121,11 +122,12 @@ def block(
     scale = np.maximum(
         np.max(np.abs(alpha) * TYPICAL[:, None], axis=0), np.max(np.abs(size), axis=0)
     )
-    alpha, rhs = alpha / scale, (cuts.upper - cuts.coefficients[0] * stretch.s_start) / scale
+    rhs = rounded((cuts.upper - cuts.coefficients[0] * stretch.s_start) / scale)
+    alpha, size = rounded(alpha / scale), rounded(size / scale)
     orders = np.flatnonzero(np.any(alpha != 0.0, axis=1))
     laws = sum(alpha[k][:, None] * grid.space.basis(grid.points, int(k)) for k in orders)
     return Block(
-        "point", position, np.asarray(laws), grid.points, alpha, (size / scale).T, 0.0, rhs,
+        "point", position, np.asarray(laws), grid.points, alpha, size.T, 0.0, rhs,
         source, drawn.tighten + drawn.margin,
     )  # fmt: skip
 
@@ -157,6 +159,6 @@ def on_given(curve: Curved, stretch: Stretch, scales: Scales, tighten: float) ->
     rows = normals * scales.size
     scale = np.max(np.abs(rows), axis=1)
     yield Block(
-        "size", None, None, np.zeros(len(rows)), np.zeros(4), rows / scale[:, None], 0.0,
-        offsets / scale, curve.source, tighten,
+        "size", None, None, np.zeros(len(rows)), np.zeros(4), rounded(rows / scale[:, None]), 0.0,
+        rounded(offsets / scale), curve.source, tighten,
     )  # fmt: skip

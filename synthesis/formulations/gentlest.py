@@ -19,7 +19,7 @@ from synthesis import clock
 from synthesis.formulations.bound import bound
 from synthesis.formulations.candidate import settle
 from synthesis.formulations.convex import formulate
-from synthesis.formulations.grid import Grid
+from synthesis.formulations.grid import CLOSEST_KNOTS, Grid
 from synthesis.formulations.knots import finer
 from synthesis.formulations.problem import Problem
 from synthesis.formulations.rows import Drawn
@@ -64,12 +64,16 @@ def _over(row: Row) -> tuple[float, float, float, float]:
 
 @dataclass(frozen=True, eq=False)
 class Gentlest:
-    """The knots of the gentlest law found, its share of the limits, and the least of any law."""
+    """The knots of the gentlest law found, its share of the limits, and the least of any law.
+
+    ``jumps``: whether the ideal law jumps in a derivative in which the laws asked for may not.
+    """
 
     grids: tuple[Grid, ...]
     share: float
     least: float
     names: tuple[str, ...]
+    jumps: bool = False
 
     @property
     def fits(self) -> bool:
@@ -85,6 +89,19 @@ class Gentlest:
         return (
             f"no motion law at all keeps these limits: every one exceeds that on {limits} by "
             f"{self.least - 1.0:.3g} of its value or more, or breaks another"
+        )
+
+    @property
+    def undecided(self) -> str:
+        """What is known where no law was found and none is excluded; empty elsewhere."""
+        if self.fits or self.impossible:
+            return ""
+        limits = " and ".join(self.names)
+        way_out = "; a spline of smoothness 1 needs no ramps" if self.jumps else ""
+        return (
+            f"whether a law keeps these limits is not known, and that none does is not proven: the "
+            f"gentlest one found exceeds that on {limits} by {self.share - 1.0:.3g} of its value, "
+            f"with ramps no shorter than {CLOSEST_KNOTS:g} of a segment{way_out}"
         )
 
 
@@ -112,7 +129,7 @@ def gentlest(
             break
         lower, found = bound(plan, solution), settle(asked, *plan.recover(solution.x))
         least = lower.value if lower.switching else -inf
-        before = best or Gentlest(present, inf, -inf, names)
+        before = best or Gentlest(present, inf, -inf, names, _jumps(problem, steering))
         best = replace(before, least=max(before.least, least))
         if found.value < before.share:
             best = replace(best, grids=present, share=found.value)
@@ -131,6 +148,13 @@ def _steering(problem: Problem) -> tuple[Limit, ...]:
         if found:
             return found
     return ()
+
+
+def _jumps(problem: Problem, steering: Sequence[Limit]) -> bool:
+    """Whether accelerations are limited, and laws may not jump in theirs."""
+    bent = any(limit.rows(s, problem.machine) and _limits(limit, 2, problem)
+               for limit in steering for s in problem.free)  # fmt: skip
+    return bent and any(s.free is not None and s.free.smoothness > 1 for s in problem.free)
 
 
 def _limits(limit: Limit, order: int, problem: Problem) -> bool:

@@ -14,6 +14,7 @@ from synthesis.numerics.piecewise import Array, Piecewise
 
 TYPICAL = np.array([1.0, 2.0, 6.0, 48.0])  # sizes of g to g''' in a good law
 SAMPLES = 64
+KNOT_STEP = 2.0**-34  # of the segment: what multipliers say of a knot's place beyond it is rounding
 CLOSEST_KNOTS = 1e-3  # of the segment; closer ones make the rows ill-conditioned
 
 
@@ -96,6 +97,11 @@ def ramps(switches: Array, softer: int) -> Array:
     return found[(found > 0.0) & (found < 1.0)]
 
 
+def snapped(x: Array) -> Array:
+    """Places for knots, without digits that are but rounding."""
+    return np.asarray(np.round(x / KNOT_STEP) * KNOT_STEP, dtype=float)
+
+
 def merged(coarse: Array, wanted: Array, needed: Sequence[float] = ()) -> Array:
     """Breaks through every wanted point, and the coarse ones that keep their distance.
 
@@ -104,7 +110,7 @@ def merged(coarse: Array, wanted: Array, needed: Sequence[float] = ()) -> Array:
         needed: still others, which come before the wanted ones.
     """
     kept = [0.0, 1.0]
-    for x in (*np.sort(needed), *np.sort(wanted)):
+    for x in (*np.sort(needed), *snapped(np.sort(wanted))):
         if min(abs(x - other) for other in kept) >= CLOSEST_KNOTS:
             kept.append(float(x))
     pinned = np.array(sorted(kept))

@@ -14,6 +14,7 @@ from synthesis.formulations.energy import Energy
 from synthesis.formulations.grid import Grid
 from synthesis.formulations.rows import Block, Scales
 from synthesis.motion import Stretch
+from synthesis.numerics.digits import rounded
 from synthesis.numerics.piecewise import Array
 from synthesis.terms import Norm
 
@@ -72,7 +73,7 @@ class Writer:
         for j, (low, high) in enumerate(bounds):
             if low == high:
                 self._put(np.ones((1, 1)), self.size.start + j)
-                self._close(np.array([low / scales.size]))
+                self._close(rounded(np.array([low / scales.size])))
 
     def roots(self, squares: Energy, first_column: int) -> None:
         """y = factor · c over the root of the unit: what the mean square sums the squares of."""
@@ -102,8 +103,8 @@ class Writer:
         if ball.head is not None:
             self._put(np.full((1, 1), -1.0), ball.head)
         self._close(np.array([ball.radius * (1.0 - ball.tighten)]))
-        self._put(-ball.matrix, 0)
-        self._close(ball.shift)
+        self._put(rounded(-ball.matrix), 0)
+        self._close(rounded(ball.shift))
 
     def norm_ball(
         self,

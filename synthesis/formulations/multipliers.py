@@ -2,41 +2,38 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-
 import numpy as np
 
 from synthesis.formulations.convex import Plan
 from synthesis.formulations.ends import joint_rows
+from synthesis.formulations.grid import SettledLaw
 from synthesis.numerics.piecewise import Array
 from synthesis.solvers.clarabel import ConeSolution
 
 SILENT = 1e-10  # of the largest: multipliers of rows that do not bind, all but noise
 
 
-def heard(plan: Plan, solution: ConeSolution) -> list[Array]:
-    """The inequality multipliers, block by block, those that are noise left out.
+def heard(plan: Plan, solution: ConeSolution) -> Array:
+    """The multipliers (m,), those of inequalities without what is noise.
 
     An interior point gives every row one; most are of rows far from binding, and cost time only.
     """
-    z, first = solution.multipliers, plan.program.equalities
-    loudest = np.max(z[first : first + plan.program.inequalities], initial=0.0)
-    return plan.multipliers(np.where(z > SILENT * loudest, z, 0.0))
+    z, first = solution.multipliers.copy(), plan.program.equalities
+    own = z[first : first + plan.program.inequalities]
+    own[own <= SILENT * max(float(np.max(own, initial=0.0)), 0.0)] = 0.0
+    return z
 
 
-def ends_priced(
-    plan: Plan, solution: ConeSolution, prices: Sequence[Array], order: int
-) -> list[Array]:
+def ends_priced(plan: Plan, solution: ConeSolution, z: Array, order: int) -> list[Array]:
     """The solver's prices of g to g^(order − 1) at the end of every law: (order,) each.
 
-    ``prices``: the inequality multipliers, as ``heard``.
+    ``z``: the multipliers, as ``heard``.
     """
-    return [_end_price(plan, solution, prices, k, order) for k in range(len(plan.grids))]
+    laws, _ = plan.recover(solution.x)
+    return [_end_price(plan, law, z, k, order) for k, law in enumerate(laws)]
 
 
-def _end_price(
-    plan: Plan, solution: ConeSolution, prices: Sequence[Array], position: int, order: int
-) -> Array:
+def _end_price(plan: Plan, law: SettledLaw, z: Array, position: int, order: int) -> Array:
     """The solver's prices of g^(k)(1), k < order: of shared values those of the joints' rows.
 
     Those of known values are what makes the eliminated last coefficients stationary.
@@ -44,16 +41,18 @@ def _end_price(
     end, space = plan.settled[position].end, plan.grids[position].space
     nu, gradient = np.zeros(max(order, len(end))), np.zeros(len(end))
     last = slice(space.size - len(end), space.size)
-    for block, z in (
-        *zip(plan.blocks, prices, strict=True),
-        *zip(plan.exact, plan.exact_multipliers(solution.multipliers), strict=True),
-    ):
+    at = plan.program.equalities - sum(len(block.rhs) for block in plan.exact)
+    for block in (*plan.exact, *plan.blocks):
         if block.stretch == position and block.laws is not None:
-            gradient += z @ block.laws[:, last]
+            gradient += z[at : at + len(block.rhs)] @ block.laws[:, last]
+        at += len(block.rhs)
+    if plan.energy is not None:
+        factor = plan.energy.factors[position]
+        gradient += 2.0 / plan.energy.unit * (factor @ law.coefficients) @ factor[:, last]
     at = 0
     for joint in plan.joints:
         before, after = joint_rows(joint, plan.problem.free, plan.grids)
-        mu = solution.multipliers[at : at + len(before.units)]
+        mu = z[at : at + len(before.units)]
         at += len(mu)
         for side in (before, after):
             if side.position == position:

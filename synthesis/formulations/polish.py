@@ -3,11 +3,12 @@
 The highest derivative of the best law is often constant but for steps: ±cap, 0, or what a quadratic
 objective leaves. Of a spline it is constant between knots; where a step falls between two of them
 that interval has a value in between, and the share of either level says where the step is. With
-knots there the spline is the best law itself.
+knots there the spline is the best law itself, and the bound gets its best multipliers.
 """
 
 from __future__ import annotations
 
+import time
 from collections.abc import Callable
 from typing import Final
 
@@ -15,7 +16,8 @@ import numpy as np
 
 from synthesis.formulations.candidate import Candidate
 from synthesis.formulations.grid import Grid, merged, over, uniform
-from synthesis.formulations.search import Search
+from synthesis.formulations.search import Search, Stage
+from synthesis.formulations.sharper import sharper
 from synthesis.motion import Stretch
 from synthesis.numerics.piecewise import Array
 
@@ -44,6 +46,31 @@ def polish(state: Search, solve: Solve) -> None:
         return
     if state.problem.curved or state.problem.objective.fractional:
         return
+    _move(state, found, solve)
+    _sharpen(state)
+
+
+def _sharpen(state: Search) -> None:
+    """The best multipliers for the rows of the last program."""
+    if state.program is None or state.left() <= 0.0 or state.close(state.relaxed):
+        return
+    started = time.perf_counter()
+    plan, solution, lower = state.program
+    found = sharper(plan, solution, lower, lambda each: state.enough(each.value), state.left())
+    if found is lower:
+        return
+    state.learn(found)
+    state.stages.append(
+        Stage(
+            "multipliers", "SOCP, points and densities", "Clarabel", 0, 0, 0,
+            time.perf_counter() - started, "solved", "the best for the bound over all motion laws",
+        )
+    )  # fmt: skip
+
+
+def _move(state: Search, first: Candidate, solve: Solve) -> None:
+    """Knots on the steps of the law, until these stay where they are."""
+    free, found = state.problem.free, first
     before: list[Array] = []
     for number in range(len(state.stages) + 1, len(state.stages) + 1 + ROUNDS):
         steps = [_steps(law.space.breaks, law.curve().poly[:, -1]) for law in found.laws]
@@ -51,9 +78,10 @@ def polish(state: Search, solve: Solve) -> None:
             return
         state.grids = tuple(_through(s, x) for s, x in zip(free, steps, strict=True))
         before = steps
-        found = solve(state, number)
-        if found is None or (state.close(state.relaxed) and state.wide):
+        latest = solve(state, number)
+        if latest is None or (state.close(state.relaxed) and state.wide):
             return
+        found = latest
 
 
 def _through(stretch: Stretch, steps: Array) -> Grid:

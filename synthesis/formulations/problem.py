@@ -16,6 +16,8 @@ from synthesis.objectives import Objective
 from synthesis.spec import DesignSpec
 from synthesis.terms import Cone, Curved, Row
 
+RESTS = 1e-12  # of the stroke: what rounding may leave of the lowest position
+
 
 class Nothing(Objective):
     """No objective: only whether the limits can hold."""
@@ -142,7 +144,7 @@ def pose(
 ) -> Problem:
     """The spec as a problem with one objective; ``stretches``: its own with tables smoothed."""
     placed, machine = spec.stretches() if stretches is None else stretches, spec.machine()
-    radii = spec.base_radius_range()
+    radii = _radii(spec, placed)
     return Problem(
         tuple(s for s in placed if s.angle > 0.0),
         machine,
@@ -153,6 +155,17 @@ def pose(
         held,
         radii,
     )
+
+
+def _radii(spec: DesignSpec, stretches: Sequence[Stretch]) -> tuple[float, float]:
+    """Smallest and largest base radius [mm]: a dwell below is a part of the base circle."""
+    low, high = spec.base_radius_range()
+    circle = max((limit.least_circle for limit in spec.limits), default=0.0)
+    if circle <= low or spec.follower.base_gap < 0.0:
+        return low, high
+    lowest = RESTS * spec.stroke()
+    resting = any(s.kind == "dwell" and s.angle > 0.0 and s.s_start <= lowest for s in stretches)
+    return (min(circle, high) if resting else low), high
 
 
 def calmer(problem: Problem) -> Problem:

@@ -26,17 +26,20 @@ from synthesis.formulations.rows import Drawn
 from synthesis.formulations.search import Search, Stage
 from synthesis.formulations.steepness import steepness
 from synthesis.formulations.tangency import turned
+from synthesis.numerics.digits import rounded
 from synthesis.numerics.piecewise import Array
 from synthesis.solvers.clarabel import ConeSolution, solve
 from synthesis.solvers.statuses import USABLE, Stopped
 
 SHAPE = 0.05  # a gap below which rounds for the bound alone do not pay, where curvature decides
+KNOTS = 2.0  # tolerances: a gap at which knots are good enough for what curvature leaves
 ROUNDS = 8
 COARSE, FINE = 12, 96  # intervals of the first grid, by tolerance
 CURVED = 16  # the most of them while rows still have to turn
 RIGID = 150  # the most of them, of all laws together, where limits of a face are left out
 MORE = 1.1  # times the intervals: what adds less says nothing about finer knots
 LEVELS = 20
+MARGIN_BITS = 16  # what a cam misses between points is known no better
 STAYS = 1e-7  # of the level: an estimate's slope is taken over steps a thousand times longer
 
 
@@ -168,7 +171,8 @@ def _climb(state: Search) -> None:
         if solution.stopped is Stopped.INFEASIBLE and not state.problem.curved:
             eased = gentlest(state.problem, state.grids, state.tighten, state.deadline)
             if eased is not None:
-                state.grids, state.impossible = eased.grids, eased.impossible
+                state.grids = eased.grids
+                state.impossible, state.undecided = eased.impossible, eased.undecided
                 if eased.fits:
                     continue
                 state.infeasible = True
@@ -178,8 +182,10 @@ def _climb(state: Search) -> None:
         stuck = lower is None and number > 1
         if stuck or _climbed(state, plan, solution, lower):
             break
+        if number > 1 and _fine_enough(state):
+            break  # what comes next is served by those asked for once
         slight, knots = _count(state.grids) < MORE * knots, _count(state.grids)
-        if state.gap > 0.9 * before and state.gap < inf:
+        if 0.9 * before < state.gap < inf:
             if not slight or state.limited_by_shape:
                 break  # finer knots no longer help
             state.grids = all_halved(state.problem, state.grids, missed)
@@ -196,6 +202,11 @@ def _climb(state: Search) -> None:
 def _count(grids: Sequence[Grid]) -> int:
     """Intervals of all laws."""
     return sum(len(grid.space.breaks) - 1 for grid in grids)
+
+
+def _fine_enough(state: Search) -> bool:
+    """Whether knots are good enough for the local search that curvature asks for."""
+    return state.limited_by_shape and state.gap <= KNOTS * state.tolerance
 
 
 def _climbed(state: Search, plan: Plan, solution: ConeSolution, lower: Bound | None) -> bool:
@@ -234,8 +245,9 @@ def _weigh(
     if excess <= ALLOWED:
         state.offer(found)
     elif state.tangent:
-        state.margin = 1.1 * (state.margin + excess)
+        state.margin = float(rounded(1.1 * (state.margin + excess), MARGIN_BITS))
     state.learn(lower)
+    state.program = plan, solution, lower
     return found, missed
 
 

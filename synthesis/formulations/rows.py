@@ -13,6 +13,7 @@ from synthesis.formulations.ends import Ends
 from synthesis.formulations.grid import TYPICAL, Grid
 from synthesis.motion import Stretch
 from synthesis.numerics.bspline import SplineSpace
+from synthesis.numerics.digits import rounded
 from synthesis.numerics.peaks import peak
 from synthesis.numerics.piecewise import Array
 from synthesis.terms import Row
@@ -33,6 +34,8 @@ class Scales:
 @dataclass(frozen=True, eq=False)
 class Block:
     """Rows laws · c + size · ζ + level · π ≤ rhs of one kind on one stretch, row-scaled.
+
+    Factors and right-hand sides without their last digits.
 
     Attributes:
         kind: point: Σ alpha_k g^(k)(x) is what the laws' part stands for, at the points x;
@@ -132,21 +135,21 @@ def on_law(
     space = grid.space
     if row.part is not None:
         return _on_part(row, row.part, position, stretch, grid, scale, drawn)
-    common = (size / scale, level / scale)
-    tighten = drawn.tighten
+    common = (rounded(size / scale), float(rounded(level / scale)))
+    factors, tighten = rounded(alpha / scale), drawn.tighten
     if not sampled(row, space):
         order = int(orders[0])
-        laws = space.control(order) * (alpha[order] / scale)
+        laws = space.control(order) * factors[order]
         x = space.breaks if space.degree - order == 1 else np.zeros(len(laws))
         kind: Literal["point", "control"] = "point" if space.degree - order == 1 else "control"
     else:
         x, kind, tighten = grid.points, "point", tighten + drawn.margin
-        laws = sum((alpha[k] / scale) * grid.table(int(k)) for k in orders)
+        laws = sum(factors[k] * grid.table(int(k)) for k in orders)
         end = _settling_end(alpha, stretch, known)
         if end is not None:
             x, laws = x[end], laws[end]
-    bound = np.full(len(laws), rhs / scale)
-    return Block(kind, position, laws, x, alpha / scale, *common, bound, row.source, tighten)
+    bound = np.full(len(laws), rounded(rhs / scale))
+    return Block(kind, position, laws, x, factors, *common, bound, row.source, tighten)
 
 
 def _settling_end(alpha: Array, stretch: Stretch, known: Ends) -> slice | None:
@@ -174,11 +177,12 @@ def _on_part(
     alpha, rhs = in_g(row, stretch)
     order, space = int(np.flatnonzero(alpha)[0]), grid.space
     table, x, spans = on_window(space, order, part, grid.points, exact=row.exact)
-    laws, bound = table * (alpha[order] / scale), np.full(len(table), rhs / scale)
+    factors, bound = rounded(alpha / scale), np.full(len(table), rounded(rhs / scale))
     tighten = min(drawn.tighten + drawn.margin * sampled(row, space), ROOM * row.room / scale)
+    laws = table * factors[order]
     return Block(
-        "point", position, laws, np.clip(x, *part), alpha / scale, np.zeros(0), 0.0, bound,
-        row.source, tighten, spans, row.exact,
+        "point", position, laws, np.clip(x, *part), factors, np.zeros(0), 0.0, bound, row.source,
+        tighten, spans, row.exact,
     )  # fmt: skip
 
 
@@ -237,8 +241,9 @@ def on_given(row: Row, stretch: Stretch, scales: Scales, tighten: float) -> Bloc
     level = row.level * scales.level
     scale = max(np.abs(size).max(initial=0.0), abs(level))
     return Block(
-        "size", None, None, np.zeros(1), np.zeros(4), size / scale, level / scale,
-        np.array([(row.upper - worst) / scale]), row.source, tighten,
+        "size", None, None, np.zeros(1), np.zeros(4), rounded(size / scale),
+        float(rounded(level / scale)), rounded(np.array([(row.upper - worst) / scale])),
+        row.source, tighten,
     )  # fmt: skip
 
 

@@ -8,9 +8,11 @@ from math import inf, isfinite
 from synthesis import clock
 from synthesis.formulations.bound import Bound
 from synthesis.formulations.candidate import Candidate, grow
+from synthesis.formulations.convex import Plan
 from synthesis.formulations.cuts import Region
 from synthesis.formulations.grid import Grid
 from synthesis.formulations.problem import Problem
+from synthesis.solvers.clarabel import ConeSolution
 
 
 @dataclass(frozen=True)
@@ -40,11 +42,13 @@ class Search:
         best: best cam so far. relaxed: best cam of the convex relaxation.
         lower, over: best lower bound and the family that it covers.
         infeasible: the cone program has no point. impossible: why no motion law at all would do.
+        undecided: what is known where neither a law was found nor none is proven to be there.
         grids: the present knots and points of every free law.
         region: where curved limits are written; tangent: whether they are met there.
         improved: whether a local optimum was sought on the way.
         wide: whether the bound covers every law, not the splines on the present knots alone.
         last: the last cam read from a cone program, whatever it is worth.
+        program: the last cone program that had a point, that point and its bound.
     """
 
     problem: Problem
@@ -58,6 +62,7 @@ class Search:
     over: str = ""
     infeasible: bool = False
     impossible: str = ""
+    undecided: str = ""
     stages: list[Stage] = field(default_factory=list)
     grids: tuple[Grid, ...] = ()
     region: Region | None = None
@@ -65,6 +70,7 @@ class Search:
     improved: bool = False
     wide: bool = True
     last: Candidate | None = None
+    program: tuple[Plan, ConeSolution, Bound] | None = None
 
     def left(self) -> float:
         """Seconds left."""
@@ -151,6 +157,10 @@ class Search:
     def close(self, found: Candidate | None) -> bool:
         """Whether a cam is within the tolerance of the bound."""
         return found is not None and self.close_to(found, self.lower)
+
+    def enough(self, lower: float) -> bool:
+        """Whether the relaxation's best cam would be within the tolerance of such a bound."""
+        return self.relaxed is not None and self.close_to(self.relaxed, self._with_least(lower))
 
     def close_to(self, found: Candidate, lower: float) -> bool:
         """Whether a cam is within the tolerance of some bound."""

@@ -2,27 +2,29 @@
 
 By weak duality every law pays ∫ ψ w dx with w = g^(m); a row with multiplier λ at x_i that reads
 alpha · (g, g', …) contributes λ alpha_k (x_i − τ)^(m−1−k) / (m−1−k)! for τ < x_i. So ψ is a
-polynomial of degree m − 1 between the points, and where it changes sign the ideal law switches.
+polynomial of degree m − 1 between the points, of a higher one where multipliers are densities; and
+where it changes sign the ideal law switches.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from math import comb, factorial
+from functools import cache
+from math import comb
 
 import numpy as np
 
 from synthesis.numerics.peaks import quadratic_roots
 from synthesis.numerics.piecewise import Array
 
-SPREAD = 8  # parts of an interval over which a point multiplier is spread
-NODES, SHARES = np.polynomial.legendre.leggauss(3)  # exact to degree 5 between the cuts
+NODES, SHARES = np.polynomial.legendre.leggauss(5)  # exact to degree 9 between the cuts
+TINY = 1e-14  # of the largest coefficient: a leading one below it has no root near by
 
 
 @dataclass(frozen=True, eq=False)
 class Switching:
-    """ψ(τ) = Σ_j poly[i, j] τ^j on [breaks[i], breaks[i+1]], breaks from 0 to 1."""
+    """ψ(τ) = Σ_j poly[i, j] s^j with s = (τ − breaks[i]) / (breaks[i+1] − breaks[i]) in [0, 1]."""
 
     breaks: Array
     poly: Array
@@ -30,7 +32,13 @@ class Switching:
     def __call__(self, tau: Array) -> Array:
         """ψ at τ, of the piece on the right."""
         piece = np.clip(np.searchsorted(self.breaks, tau, "right") - 1, 0, len(self.poly) - 1)
-        return np.asarray(sum(self.poly[piece, j] * tau**j for j in range(self.poly.shape[1])))
+        s = (tau - self.breaks[piece]) / (self.breaks[piece + 1] - self.breaks[piece])
+        return np.asarray(sum(self.poly[piece, j] * s**j for j in range(self.poly.shape[1])))
+
+    @property
+    def peak(self) -> float:
+        """What |ψ| is nowhere above."""
+        return float(np.max(np.abs(self.poly @ _bernstein(self.poly.shape[1]))))
 
     def crossings(self, value: float = 0.0) -> Array:
         """Points inside (0, 1) where ψ − value changes sign, at jumps as well."""
@@ -39,19 +47,40 @@ class Switching:
         changes = np.sign(middle[:-1]) != np.sign(middle[1:])
         return np.asarray(cuts[1:-1][changes], dtype=float)
 
-    def raised(self, spans: Array, heights: Array) -> Switching:
-        """ψ raised by a height all along each span: (r, 2) and (r,)."""
+    def turns(self, noise: float) -> Array:
+        """Where ψ changes sign, or goes from next to nothing to more or back.
+
+        Args:
+            noise: share of the largest |ψ| that is next to nothing.
+        """
+        cuts = self._cut((0.0,))
+        width = np.diff(cuts)[:, None]
+        tau = cuts[:-1, None] + width * (NODES + 1.0) / 2.0
+        middle = self(tau)
+        size = np.max(np.abs(middle), axis=1)
+        sense = np.where(size > noise * np.max(size), np.sign(middle[:, len(NODES) // 2]), 0.0)
+        return np.asarray(cuts[1:-1][sense[1:] != sense[:-1]], dtype=float)
+
+    def raised(self, spans: Array, poly: Array) -> Switching:
+        """ψ and on each span (r, 2) a polynomial more: (r, d) in s, from 0 to 1 along the span."""
         if not len(spans):
             return self
         breaks = np.unique(np.concatenate([self.breaks, spans.ravel()]))
-        middle = 0.5 * (breaks[:-1] + breaks[1:])
-        poly = self.poly[np.searchsorted(self.breaks, middle, "right") - 1]
-        over = (spans[:, :1] < middle) & (middle < spans[:, 1:])
-        poly[:, 0] += heights @ over
-        return Switching(breaks, poly)
+        table = np.zeros((len(breaks) - 1, max(poly.shape[1], self.poly.shape[1])))
+        table[:, : self.poly.shape[1]] = self._pieces(breaks)
+        first, last = np.searchsorted(breaks, spans).T
+        own = np.repeat(np.arange(len(spans)), last - first)
+        piece = np.arange(len(own)) - np.repeat(np.cumsum(last - first) - last, last - first)
+        low, high = spans[own].T
+        shares = [(breaks[piece + side] - low) / (high - low) for side in (0, 1)]
+        np.add.at(table[:, : poly.shape[1]], piece, within(poly[own], *shares))
+        return Switching(breaks, table)
 
     def least(self, cap: float, weight: float) -> float:
-        """∫ min over |w| ≤ cap of (weight w² + ψ w), exact: never positive.
+        """∫ min over |w| ≤ cap of (weight w² + ψ w): never positive.
+
+        Exact but for rounding; without a weight never above the true value, as |ψ| is at most the
+        mean of its Bernstein coefficients' sizes, and is that where they have one sign.
 
         Args:
             cap: bound of |w|, may be infinite if weight is positive.
@@ -61,14 +90,14 @@ class Switching:
         values = (0.0,) if weight == 0.0 or not np.isfinite(edge) else (0.0, edge, -edge)
         cuts = self._cut(values)
         width = np.diff(cuts)
+        if weight == 0.0:
+            size = np.mean(np.abs(self._pieces(cuts) @ _bernstein(self.poly.shape[1])), axis=1)
+            return -cap * float(np.sum(size * width))
         tau = cuts[:-1, None] + width[:, None] * (NODES + 1.0) / 2.0
         psi = np.abs(self(tau))
-        if weight == 0.0:
-            value = -cap * psi
-        else:
-            inner = -(psi**2) / (4.0 * weight)
-            outer = -cap * psi + weight * cap**2 if np.isfinite(cap) else inner
-            value = np.where(psi <= edge, inner, outer)
+        inner = -(psi**2) / (4.0 * weight)
+        outer = -cap * psi + weight * cap**2 if np.isfinite(cap) else inner
+        value = np.where(psi <= edge, inner, outer)
         return float(np.sum(value * SHARES * width[:, None]) / 2.0)
 
     def losses(
@@ -93,16 +122,68 @@ class Switching:
         return np.asarray(sums, dtype=float)
 
     def _cut(self, values: tuple[float, ...]) -> Array:
-        """The breaks and every root of ψ − value, sorted."""
-        found = [self.breaks]
-        padded = np.zeros((len(self.poly), 3))
-        padded[:, : self.poly.shape[1]] = self.poly
-        c, b, a = padded.T
+        """The breaks and the roots of ψ − value, sorted."""
+        found, width = [self.breaks], np.diff(self.breaks)
         for value in values:
-            for root in quadratic_roots(a, b, c - value):
-                inside = (root > self.breaks[:-1]) & (root < self.breaks[1:])
-                found.append(root[inside])
+            apart = self.poly.copy()
+            apart[:, 0] -= value
+            for root in _roots(apart):
+                inside = (root > 0.0) & (root < 1.0)
+                found.append((self.breaks[:-1] + width * root)[inside])
         return np.unique(np.concatenate(found))
+
+    def _pieces(self, breaks: Array) -> Array:
+        """The polynomials between finer breaks: (n, d)."""
+        middle = 0.5 * (breaks[:-1] + breaks[1:])
+        piece = np.clip(np.searchsorted(self.breaks, middle, "right") - 1, 0, len(self.poly) - 1)
+        low, high = self.breaks[piece], self.breaks[piece + 1]
+        shares = [(side - low) / (high - low) for side in (breaks[:-1], breaks[1:])]
+        return within(self.poly[piece], *shares)
+
+
+def within(poly: Array, low: Array, high: Array) -> Array:
+    """Polynomials (n, d) in s on parts low to high (n,) of [0, 1], from 0 to 1 along the part."""
+    degree = poly.shape[1]
+    powers = [low**i for i in range(degree)]
+    return np.stack(
+        [
+            (high - low) ** j
+            * sum(comb(i, j) * poly[:, i] * powers[i - j] for i in range(j, degree))
+            for j in range(degree)
+        ],
+        axis=1,
+    )
+
+
+@cache
+def _bernstein(count: int) -> Array:
+    """(count, count): coefficients of s^j to those of Bernstein."""
+    degree = count - 1
+    return np.array(
+        [[comb(i, j) / comb(degree, j) for i in range(count)] for j in range(count)], dtype=float
+    )
+
+
+def _roots(poly: Array) -> Sequence[Array]:
+    """Roots of polynomials (n, d), as many arrays as there may be; NaN or far off where none."""
+    if poly.shape[1] <= 3:
+        padded = np.zeros((len(poly), 3))
+        padded[:, : poly.shape[1]] = poly
+        c, b, a = padded.T
+        return quadratic_roots(a, b, c)
+    signs = np.sign(poly @ _bernstein(poly.shape[1]))
+    mixed = np.any(signs != signs[:, :1], axis=1)  # others have none
+    found = np.full((poly.shape[1] - 1, len(poly)), np.nan)
+    chosen = poly[mixed]
+    largest = np.max(np.abs(chosen), axis=1)
+    lead = chosen[:, -1]
+    lead = np.where(np.abs(lead) > TINY * largest, lead, TINY * largest)
+    companion = np.zeros((len(chosen), *2 * (poly.shape[1] - 1,)))
+    companion[:, 1:, :-1] = np.eye(poly.shape[1] - 2)
+    companion[:, :, -1] = -chosen[:, :-1] / lead[:, None]
+    roots = np.linalg.eigvals(companion)
+    found[:, mixed] = np.where(np.abs(roots.imag) <= 1e-7, roots.real, np.nan).T
+    return list(found)
 
 
 def switching(points: Array, weights: Array, order: int) -> Switching:
@@ -113,40 +194,15 @@ def switching(points: Array, weights: Array, order: int) -> Switching:
         weights: (r, order) λ_i alpha_k for k < order.
         order: m.
     """
-    sorting = np.argsort(points)
+    sorting = np.argsort(points, kind="stable")
     x, w = points[sorting], weights[sorting]
-    coefficients = np.zeros((len(x), order))
-    for k in range(order):
-        n = order - 1 - k
-        for j in range(n + 1):
-            # (x − τ)^n / n!, coefficient of τ^j
-            coefficients[:, j] += w[:, k] * comb(n, j) * (-1.0) ** j * x ** (n - j) / factorial(n)
-    suffix = np.cumsum(coefficients[::-1], axis=0)[::-1]
-    inner = (x > 0.0) & (x < 1.0)
-    breaks, first = np.unique(np.concatenate([[0.0], x[inner], [1.0]]), return_index=True)
-    del first
-    # on [breaks[i], breaks[i+1]] every row with x ≥ breaks[i+1] counts
-    at = np.searchsorted(x, breaks[1:], side="left")
-    table = np.vstack([suffix, np.zeros((1, order))])[at]
-    return Switching(breaks, table)
-
-
-def spread(x: Array, mass: Array) -> tuple[Array, Array]:
-    """Point multipliers of a bound that holds everywhere, spread as hats between their points.
-
-    A point multiplier on the derivative just below the steering one makes ψ jump; where that
-    bound is met along an arc the true multiplier is a density, and ψ vanishes there. Any
-    non-negative measure of any shape is valid, this one is closer to the truth.
-    """
-    if len(x) < 2:
-        return x, mass  # nothing to spread over
-    sorting = np.argsort(x)
-    x, mass = x[sorting], mass[sorting]
-    gaps = np.diff(x)
-    reach = np.concatenate([gaps, [0.0]]) + np.concatenate([[0.0], gaps])
-    share = (np.arange(SPREAD) + 0.5) / SPREAD
-    left = mass[:-1] * gaps / reach[:-1]  # of each point to its right-hand interval
-    right = mass[1:] * gaps / reach[1:]  # of the next point to the same interval
-    falling, rising = 1.0 - share, share
-    spread = left[:, None] * falling / falling.sum() + right[:, None] * rising / rising.sum()
-    return (x[:-1, None] + gaps[:, None] * share).ravel(), spread.ravel()
+    breaks = np.unique(np.concatenate([[0.0, 1.0], x]))
+    # Σ w (x − τ)^n/n! of all rows with x ≥ breaks[i+1], in powers of τ and then about breaks[i]
+    w2, w1, w0 = w[:, -1], w[:, -2], w[:, -3] if order > 2 else np.zeros(len(x))
+    table = np.stack([w2 + x * (w1 + 0.5 * x * w0), -w1 - x * w0, 0.5 * w0], axis=1)
+    suffix = np.zeros((len(x) + 1, 3))
+    suffix[:-1] = np.cumsum(table[::-1], axis=0)[::-1]
+    c, b, a = suffix[np.searchsorted(x, breaks[1:], side="left")].T
+    first, width = breaks[:-1], np.diff(breaks)
+    poly = [c + first * (b + first * a), width * (b + 2.0 * a * first), width**2 * a]
+    return Switching(breaks, np.stack(poly[:order], axis=1))

@@ -82,6 +82,16 @@ class Limit(BaseModel, ABC):
         """Unit of displacement that it is given in; None where it is not about displacement."""
         return None
 
+    @property
+    def keeps_large(self) -> bool:
+        """Whether a cam that keeps it cannot be as small as one likes."""
+        return False
+
+    @property
+    def least_circle(self) -> float:
+        """Radius that a circle about the cam's axis must have at least to be a part of it [mm]."""
+        return 0.0
+
     def check(self, follower: Follower) -> None:
         """Refuse a value that no cam of such a follower can keep."""
         return None

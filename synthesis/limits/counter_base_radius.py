@@ -24,6 +24,10 @@ class CounterBaseRadius(Limit):
         float, Field(ge=0.0, le=1e9, description="Smallest base radius of the counter cam.")
     ] = 0.0
 
+    @property
+    def keeps_large(self) -> bool:
+        return True
+
     def suits(self, follower: Follower) -> bool:
         return bool(follower.companions)
 

@@ -26,6 +26,10 @@ class CutterRadius(Limit):
     title: ClassVar[str] = "Cutter or grinding wheel that must fit every hollow"
     radius_mm: Annotated[float, Field(gt=0.0, le=1e9, description="Radius of the cutter.")]
 
+    @property
+    def keeps_large(self) -> bool:
+        return True
+
     def _hollows(self, machine: Machine) -> Iterator[tuple[Flank, float]]:
         """Flanks that the cutter may not fit, and their smallest hollow pitch radius [mm]."""
         for flank in () if machine.follower.always_convex else machine.follower.flanks:

@@ -51,6 +51,10 @@ class FaceWidth(Limit):
             )
         return self
 
+    @property
+    def keeps_large(self) -> bool:
+        return True
+
     def suits(self, follower: Follower) -> bool:
         named = [end for end, _ in self._ends()]
         centred = self.width_mm is None or "left" in follower.face_ends

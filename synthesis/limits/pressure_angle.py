@@ -47,6 +47,10 @@ class PressureAngle(Limit):
             )
         return self
 
+    @property
+    def keeps_large(self) -> bool:
+        return self.rise_deg is not None or self.return_deg is not None
+
     def _largest(self, kind: Sense) -> float | None:
         """Limit on a kind of stretch [rad], None where it is free."""
         degrees = {"rise": self.rise_deg, "return": self.return_deg, "dwell": self.dwell_deg}[kind]

@@ -30,6 +30,14 @@ class ProfileRadius(Limit):
         Field(ge=0.0, le=1e6, description="Smallest radius of the convex profile; 0: no undercut."),
     ] = 0.0
 
+    @property
+    def keeps_large(self) -> bool:
+        return self.min_mm > 0.0  # at 0 it says what every cam keeps
+
+    @property
+    def least_circle(self) -> float:
+        return self.min_mm
+
     def rows(self, stretch: Stretch, machine: Machine) -> tuple[Row, ...]:
         rows = machine.follower.profile_radius_rows(self.min_mm)
         return tuple(replace(row, source="profile_radius") for row in rows)

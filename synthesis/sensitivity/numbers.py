@@ -15,6 +15,8 @@ from synthesis.design import Design
 from synthesis.ranges import ends
 from synthesis.spec import DesignSpec
 
+DEMANDS = ("windows", "points")  # of a segment
+PLACES = ("from_deg", "to_deg", "angle_deg")  # of these: the knots of a law stand there
 SMALL = 0.1  # of the stroke: what a number near 0 is compared with
 
 
@@ -106,13 +108,17 @@ def chosen(design: Design) -> Iterator[Chosen]:
 
 
 def asked(spec: DesignSpec) -> Iterator[Asked]:
-    """All of a spec: in its limits, and the ends of ranges of its size."""
+    """All of a spec: in its limits, ends of ranges of its size, values of windows and points."""
     document = spec.model_dump(mode="json", exclude_none=True)
-    roots: list[tuple[str, ...]] = [("limits",), ("base_radius_mm",)]
+    roots: list[tuple[str | int, ...]] = [("limits",), ("base_radius_mm",)]
     roots += [("follower", name) for name in spec.follower.adjustable()]
+    segments = range(len(spec.program))
+    roots += [("program", index, part) for index in segments for part in DEMANDS]
     for root in roots:
         for path in _leaves(_down(document, root), root):
-            yield Asked(spec, path)
+            exact = str(path[-1]).startswith("tolerance") and not _down(document, path)
+            if path[-1] not in PLACES and not exact:
+                yield Asked(spec, path)
 
 
 def _down(at: Any, path: tuple[str | int, ...]) -> Any:
@@ -130,5 +136,5 @@ def _leaves(at: Any, path: tuple[str | int, ...]) -> Iterator[tuple[str | int, .
     elif isinstance(at, list):
         for index, inner in enumerate(at):
             yield from _leaves(inner, (*path, index))
-    elif isinstance(at, float):
+    elif isinstance(at, float) and isinstance(path[-1], str):  # a table's readings have no name
         yield path

@@ -20,6 +20,11 @@ SCENES: dict[str, tuple[str, dict[str, float]]] = {
     "example-13-6-sized": (CONE, {
         "/limits/0/rise_deg": 0.02, "/limits/0/return_deg": 0.02, "/limits/1/max_mm_per_s3": 0.03,
     }),
+    "windows-and-points": (CONE, {
+        "/limits/0/rise_deg": 0.02, "/limits/0/return_deg": 0.02, "/limits/1/max_mm_per_s3": 0.1,
+        "/program/0/windows/0/velocity_mm_per_s": 0.02, "/program/2/points/0/travel_mm": 2e-3,
+        "/program/2/points/1/travel_mm": 2e-3, "/program/2/points/1/tolerance_mm": 0.1,
+    }),
     "table": (CONE, {"/limits/0/rise_deg": 0.02, "/follower/offset_mm": 0.1}),
     "norton-single-dwell": (CONE, {"/limits/0/max_mm_per_s3": 0.02}),
     "p3-sized": (LOCAL, {"/limits/0/rise_deg": 0.01, "/limits/0/return_deg": 0.01}),

@@ -17,6 +17,7 @@ from synthesis.exporters import PICTURES, PictureOptions
 from synthesis.exporters.cam import Cam
 from tests.exporters.test_drawings import SVG, of_class, path_points, text_boxes
 from tests.exporters.test_mechanism import CAMS, drawn_cam
+from tests.followers.samples import SAMPLES, spec
 
 FACTORS = re.compile(r"(\w+)\(([^)]*)\)")
 Matrix = np.ndarray
@@ -162,6 +163,37 @@ def test_the_follower_moves_as_the_law_says(kind: str) -> None:
         (x, y), *_ = cam.flank.trace.traced_point(s, cam.size)
         assert told.real == pytest.approx(float(x[0]), abs=5e-3)
         assert -told.imag == pytest.approx(float(y[0]), abs=5e-3)
+
+
+@pytest.mark.parametrize("size", [1e-4, 3e-2, 1e3])
+@pytest.mark.parametrize("kind", ["translating_roller", "oscillating_flat_face"])
+def test_any_size_is_drawn_as_finely(kind: str, size: float) -> None:
+    """Browsers paint what is scaled by a thousand coarsely; numbers end at four decimals."""
+    follower, base = SAMPLES[kind][0]
+    lengths = {name: value * size for name, value in follower.items()
+               if name.endswith("_mm")}  # fmt: skip
+    program = spec(kind).model_dump(mode="json", exclude_none=True)["program"]
+    for segment in program:
+        if "lift_mm" in segment:
+            segment["lift_mm"] *= size
+    design = drawn_cam(kind, 0, program=program, follower=follower | lengths,
+                       base_radius_mm=base * size, limits=[])  # fmt: skip
+    root = ET.fromstring(PICTURES["animation.svg"].write(design, PictureOptions()))
+    (outer,) = of_class(root, "g", "mechanism")
+    assert 0.03 < abs(matrix(outer.get("transform"))[0, 0]) < 30.0
+    style = root.find(SVG + "style").text
+    widths = re.findall(r"\.mechanism \.\w+{stroke-width:([\d.]+)", style)
+    assert len(widths) > 10
+    assert min(map(float, widths)) > 2e-3
+    where = placed(root, {})
+    body = of_class(outer, "path", "body")[0]
+    ring = re.search(r"M[^Z]*Z", body.get("d")).group(0)
+    line = np.array([float(n) for n in re.findall(r"-?\d+(?:\.\d+)?", ring)]).reshape(-1, 2)
+    across = np.ptp(line_through(where[body], line), axis=1)
+    assert 40.0 < across.max() < 122.0
+    (mark,) = of_class(outer, "circle", "mark")
+    spot = at(where[mark], float(mark.get("cx")), float(mark.get("cy")))
+    assert distance(spot, line_through(where[body], line)) < 0.02
 
 
 def test_readings_are_the_motion_in_the_wires_units() -> None:

@@ -224,3 +224,12 @@ def test_decimals(cam: Design) -> None:
     assert np.max(np.abs(ring - exact)) <= 0.5e-3
     coarse = points(cam, decimals=0, points=3000)  # many fall together
     assert np.all(np.any(coarse != np.roll(coarse, 1, axis=0), axis=1))
+
+
+def test_rounding_is_within_the_chord_tolerance(cam: Design, truth) -> None:
+    ring = points(cam, tolerance_um=2.0, decimals=3)
+    fine = np.linspace(0.0, 360.0, 20001)[:-1]
+    worst = away(truth(cam).points(fine), ring).max()
+    assert worst <= 2e-3
+    with pytest.raises(InputError, match=r"Rounding alone moves points by up to 0\.707 µm"):
+        points(cam, tolerance_um=1.0, decimals=3)

@@ -83,6 +83,12 @@ def test_an_unknown_theme() -> None:
         PictureOptions(theme="pink")  # type: ignore[arg-type]
 
 
+def test_numbers_of_points_that_make_no_sense() -> None:
+    for wrong in (0, -5, 35, 36_001, 10**9):
+        with pytest.raises(InputError, match="a whole number, at least 36 and at most 36000"):
+            ProfileOptions(points=wrong)
+
+
 def test_an_unknown_curve() -> None:
     with pytest.raises(InputError, match=r"shadow.*profile, pitch"):
         ProfileOptions(curve="shadow")  # type: ignore[arg-type]
@@ -100,5 +106,5 @@ SAMPLED = [name for name, each in PROFILE_FORMATS.items() if issubclass(each.opt
 @pytest.mark.parametrize("name", SAMPLED)
 def test_a_tolerance_beyond_all_points(name: str, p1: Design) -> None:
     exporter = PROFILE_FORMATS[name]
-    with pytest.raises(InputError, match=r"36000 points|no straight line"):
+    with pytest.raises(InputError, match=r"36000 points|no straight line|Rounding alone"):
         exporter.write(p1, exporter.adapted(ProfileOptions(tolerance_um=1e-4)))

@@ -85,7 +85,8 @@ def test_numbers_of_the_design(judged: Design) -> None:
         "Pressure angle and profile radius", "What was asked", "Files",
     ]  # fmt: skip
     for name, value in judged.dimensions.items():
-        assert f"{name.replace('_', ' ')}{figure(value, 8)} mm" in told.text
+        stem = name.removesuffix("_mm").replace("_", " ")
+        assert f"{stem}{figure(value, 8)} mm" in told.text
     _, held, missed = told.tables["Limits"]
     assert held == ["pressure angle rise", "28.75°", "21.4°", "30°", "1.25°", "±1e−9", "holds"]
     assert missed[1:5] == ["1\u202f500\u202f000 mm/s³", "12.5°", "1\u202f200\u202f000 mm/s³",
@@ -170,8 +171,10 @@ def test_where_nothing_fits_it_says_what_would(build) -> None:
 
 
 def test_a_given_cam_says_what_it_breaks(judged: Design) -> None:
-    told = page(judged.model_copy(update={"status": "infeasible"}))
+    conflict = Conflict(limits=["jerk"], relaxations=[], evidence="proven")
+    told = page(judged.model_copy(update={"status": "infeasible", "conflict": conflict}))
     assert "this cam was given, and breaks jerk." in told.text
+    assert told.headings[:2] == ["What would mend it", "Dimensions"]
 
 
 def test_sensitivities_are_told_if_they_are_there(p1: Design) -> None:

@@ -64,6 +64,8 @@ def test_the_front_is_where_its_numbers_are(maximise: tuple[bool, bool]) -> None
     for corner in corners * signs:
         beats = np.all(costs < corner - 1e-3 * np.ptp(costs, axis=0), axis=1)
         assert not beats.any()
+        reached = np.all(costs < corner + 1e-3 * np.ptp(costs, axis=0), axis=1)
+        assert reached.any()
 
 
 def test_three_quantities_make_three_panels() -> None:

@@ -197,9 +197,9 @@ def test_a_held_pressure_angle() -> None:
 @pytest.mark.parametrize(
     "spec",
     [
-        scene(PLAIN, jerk(31.0, 71.7)),
+        scene(PLAIN, jerk(31.0, 71.7), base={"min": 5.0}),
         scene(PLAIN, angles(9.0, 9.0), jerk(47.0, 71.7), base={"max": 30.0}),
-        scene(PLAIN, velocity(1.5, 71.7), acceleration(4.5, 71.7)),
+        scene(PLAIN, velocity(1.5, 71.7), acceleration(4.5, 71.7), base={"min": 5.0}),
     ],
 )
 def test_both_find_nothing_where_nothing_is(spec: DesignSpec) -> None:

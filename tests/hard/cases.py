@@ -170,7 +170,7 @@ LAWS: dict[str, Case] = {
         {"kind": "rise", "angle_deg": 0.5, "lift_mm": 0.01, "law": FREE},
         {"kind": "rise", "angle_deg": 150.0, "lift_mm": H, "law": FREE},
         {"kind": "return", "angle_deg": 200.0, "lift_mm": H + 0.01, "law": FREE},
-        {"kind": "dwell", "angle_deg": 9.5}])),
+        {"kind": "dwell", "angle_deg": 9.5}], base_radius_mm={"min": 0.1})),
     "20 segments, free": Case("certified", "ten joints in motion",
         scene(ANGLES, program=[*steps(9, FREE), {"kind": "dwell", "angle_deg": 0.0}],
               tolerance=1e-1)),

@@ -95,9 +95,9 @@ def test_undercut_is_refused_with_its_angle() -> None:
     assert 50.0 < told.angle_deg < 60.0
     assert f"at {told.angle_deg:.3f}°" in design.conflict.evidence
     (mend,) = [r for r in design.conflict.relaxations if r.field == "base_radius_mm"]
-    assert mend.needed == pytest.approx(30.0 - told.value, rel=1e-6)
+    assert mend.needed == pytest.approx(30.0 - told.value, rel=3e-6)
     assert mend.needed is not None
-    mended = asked(law="cycloidal", base_radius_mm=mend.needed * (1.0 + 1e-7))
+    mended = asked(law="cycloidal", base_radius_mm=mend.needed)
     assert synthesise(mended).status == "optimal"
 
 

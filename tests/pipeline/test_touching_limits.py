@@ -73,6 +73,20 @@ def test_limits_that_one_law_touches_are_refused_without_that_claim(name: str) -
     assert NO_LAW not in design.conflict.evidence
 
 
+def test_acceleration_that_leaves_no_room_for_ramps_is_said_to_be_undecided() -> None:
+    """A law of class C2 may be a hair gentler than those on knots can be; one that jumps is."""
+    limit = acceleration(4.0 * (1.0 + 6e-4))
+    refused = designed(limit)
+    assert refused.conflict is not None
+    evidence = refused.conflict.evidence
+    assert evidence.startswith("whether a law keeps these limits is not known")
+    assert "not proven" in evidence
+    assert "smoothness 1" in evidence
+    law = {"kind": "spline", "smoothness": 1}
+    body = scene(ANGLES, limit, program=moves(law=law, back=RISE))
+    assert synthesise(DesignSpec.model_validate(body)).certificate.certified
+
+
 def test_what_is_needed_is_told_closely_where_no_law_would_do() -> None:
     design = designed(jerk(32.0 * 0.97))
     assert design.conflict is not None

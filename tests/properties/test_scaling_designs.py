@@ -1,9 +1,9 @@
 """A design k times as large, or k times as fast, is the same design.
 
 Numbers are told on the wire in mm and s, and solved without either: scaling every length by 1e-6
-or 1e6, or the speed, may change no relative result beyond 1e-9. Of a flat face the optimum is that
-of a linear program and often not unique: other laws are as good, and the last bit decides which is
-found. There the value and the verdict are compared.
+or 1e6, or the speed, may change no relative result beyond 1e-9, neither value nor gap nor law. Of a
+flat face the optimum is that of a linear program and often not unique; so the programs are written
+without their numbers' last digits, or the last bit would decide which law is found.
 """
 
 from __future__ import annotations
@@ -16,7 +16,7 @@ import numpy as np
 import pytest
 
 from synthesis import Design, DesignSpec, synthesise
-from tests.hard.cases import ANGLES, FACE, ROLLER, H, aim, jerk, moves, radius, scene
+from tests.hard.cases import ANGLES, FACE, RETURN, RISE, ROLLER, H, aim, jerk, moves, radius, scene
 
 CAMS: dict[str, dict[str, Any]] = {
     "roller": scene(ANGLES, jerk(48.0)),
@@ -36,6 +36,14 @@ CAMS: dict[str, dict[str, Any]] = {
     "face, radius binding": scene(jerk(48.0), radius(7.3), follower=FACE),
     "face, width binding": scene(
         jerk(61.0), {"kind": "face_width", "width_mm": 95.0}, radius(2.0), follower=FACE
+    ),
+    "face, tilted": scene(
+        jerk(48.0), radius(7.3), follower=FACE | {"tilt_deg": -6.7, "offset_mm": 3.1}
+    ),
+    "roller, last digits": scene(ANGLES, jerk(48.0), tolerance=1e-5),
+    "roller, no dwell at the top": scene(
+        jerk(61.0), objective=aim("peak_jerk"), base_radius_mm=200.0,
+        program=[moves()[0], moves()[2], {"kind": "dwell", "angle_deg": 360.0 - RISE - RETURN}],
     ),
 }  # fmt: skip
 SETTLED = 1e-9
@@ -81,12 +89,6 @@ def power_of_time(name: str) -> int:
 def assert_same(found: Design, wanted: Design, factor: float, haste: float = 1.0) -> None:
     """Every relative result agrees to 1e-9."""
     assert found.status == wanted.status
-    if wanted.follower == "translating_flat_face":
-        assert found.certificate.value is not None
-        assert found.certificate.value / factor == pytest.approx(
-            wanted.certificate.value, rel=SETTLED
-        )
-        return
     length = wanted.dimensions["base_radius_mm"]
     for key, value in wanted.dimensions.items():
         scale = factor if key.endswith("_mm") else 1.0

@@ -129,6 +129,7 @@ def test_a_running_design_is_dismissed(client: httpx2.Client) -> None:
     started = time.monotonic()
     assert all(post(client, spec("after")).status_code == 200 for _ in range(4))
     assert time.monotonic() - started < 10.0
+    wait_until_idle(client)
     assert set(children(os.getpid())) == workers
 
 

@@ -173,6 +173,9 @@ def test_point_files_tell_what_their_readers_make_of_them(
     assert list(told) == [each["reader"] for each in block["readers"]]
     for each in block["readers"]:
         assert told[each["reader"]].startswith(f"form {each['form_um']:.3g} um, acceleration ")
+    drive = client.get(f"{links['motion.cam.csv']}?points=90").headers["camwright-fidelity"]
+    assert drive.startswith("linear: displacement ")
+    assert "quintic: displacement " in drive
     close = client.get(f"{links['profile.sldcrv']}?points_per_degree=100")
     assert (close.status_code, close.json()["type"]) == (422, "/problems/invalid-parameter")
     assert "0.01 mm" in close.json()["detail"]

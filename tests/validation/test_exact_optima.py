@@ -16,18 +16,13 @@ DOCS = Path(__file__).resolve().parents[2] / "docs" / "reference"
 OPTIMA = runpy.run_path(str(DOCS / "exact_optima.py"))
 CASES = {case.law if case.optimum != 32.0 else "least jerk": case for case in OPTIMA["CASES"]}
 THRESHOLDS = {case.law: case for case in OPTIMA["THRESHOLDS"]}
-CAPPED = [name for name in CASES if "J = " in name and CASES[name].objective[:4] == "peak"]
 
 # (name, tolerance): largest value above and bound below; the tolerance where nothing is said
-CAPPED_BOUND = {(name, 1e-6): (1e-6, 1.2e-3) for name in CAPPED}
 REACHED = {
     ("4", 2e-3): (2.1e-3, 1e-6),  # C2 splines have no jumps of acceleration: see the page
     ("4", 1e-6): (2.1e-3, 1e-6),
     ("√12", 1e-6): (1.1e-3, 1e-6),
-    ("least jerk", 1e-6): (1e-6, 3e-5),
-    **CAPPED_BOUND,
 }
-OVER_SPLINES = {"Jτ/√3, J = 53.7"}
 
 
 @pytest.mark.parametrize("tolerance", OPTIMA["TOLERANCES"])
@@ -37,12 +32,8 @@ def test_value_above_and_bound_below(name: str, tolerance: float) -> None:
     most_above, most_below = REACHED.get((name, tolerance), (tolerance, tolerance))
     assert design.certificate.certified
     assert -1e-7 <= above <= most_above
-    if name in OVER_SPLINES:
-        assert design.certificate.bound_over.startswith("splines")
-        assert -above - 1e-9 <= below
-    else:
-        assert "all motion laws" in design.certificate.bound_over
-        assert -1e-9 <= below <= most_below
+    assert "all motion laws" in design.certificate.bound_over
+    assert -1e-9 <= below <= most_below
     assert (design.status == "optimal") == ((name, tolerance) not in REACHED)
 
 

@@ -6,6 +6,7 @@ dV and dA are the derivatives of dY by dX; between two points runs a polynomial 
 from __future__ import annotations
 
 from synthesis.design import Design
+from synthesis.exporters.drives.fidelity import drive_told
 from synthesis.exporters.drives.table import DriveOptions, drive_table, each_point, headline
 from synthesis.exporters.exporter import Exporter, untold
 
@@ -34,4 +35,5 @@ MOTION = Exporter(
     "codesys.st", "Electronic cam: CODESYS XYVA", "text/plain; charset=us-ascii", ".codesys.st",
     untold(_motion), DriveOptions,
     "CODESYS SoftMotion and what is built on it: paste into a global variable list.", usual=False,
+    measured=drive_told,
 )  # fmt: skip

@@ -7,6 +7,7 @@ are set in the profile: set those to the turn and to the stroke.
 from __future__ import annotations
 
 from synthesis.design import Design
+from synthesis.exporters.drives.fidelity import drive_told
 from synthesis.exporters.drives.table import DriveOptions, drive_rows, drive_table
 from synthesis.exporters.exporter import Exporter, untold
 
@@ -21,4 +22,5 @@ MOTION = Exporter(
     ".kollmorgen.csv", untold(_motion), DriveOptions,
     "Kollmorgen KAS IDE, Import Cam Profile: set its scales to the turn and to the stroke.",
     usual=False,
+    measured=drive_told,
 )  # fmt: skip

@@ -6,6 +6,7 @@ What most drives' tools import, and what spreadsheets open.
 from __future__ import annotations
 
 from synthesis.design import Design
+from synthesis.exporters.drives.fidelity import drive_told
 from synthesis.exporters.drives.table import DriveOptions, drive_rows, drive_table
 from synthesis.exporters.exporter import Exporter, untold
 
@@ -18,4 +19,5 @@ MOTION = Exporter(
     "cam.csv", "Electronic cam: master;slave", "text/csv; charset=us-ascii; header=absent",
     ".cam.csv", untold(_motion), DriveOptions,
     "Any drive whose tool imports pairs of positions.", usual=False,
+    measured=drive_told,
 )  # fmt: skip

@@ -6,6 +6,7 @@ Its REAL holds about seven digits: that is the instruction's limit, not the file
 from __future__ import annotations
 
 from synthesis.design import Design
+from synthesis.exporters.drives.fidelity import drive_told
 from synthesis.exporters.drives.table import DriveOptions, drive_rows, drive_table, headline
 from synthesis.exporters.exporter import Exporter, untold
 
@@ -30,4 +31,5 @@ MOTION = Exporter(
     "rockwell.st", "Electronic cam: Rockwell Logix CAM array", "text/plain; charset=us-ascii",
     ".rockwell.st", untold(_motion), DriveOptions,
     "Rockwell Logix: a routine in structured text that fills a CAM array for MCCP.", usual=False,
+    measured=drive_told,
 )  # fmt: skip

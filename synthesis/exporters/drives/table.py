@@ -13,7 +13,7 @@ from pydantic import Field
 from synthesis.design import Design
 from synthesis.errors import InputError
 from synthesis.exporters.cam import Cam
-from synthesis.exporters.options import Count, Density, Sampled, StartAngle
+from synthesis.exporters.options import EvenOptions, StartAngle
 from synthesis.numerics.piecewise import Array
 from synthesis.units import DEGREE, FULL_TURN
 
@@ -22,18 +22,15 @@ NOTHING = 1e-14  # of a peak: rounding where the value is 0
 
 
 @dataclass(frozen=True)
-class DriveOptions(Sampled):
+class DriveOptions(EvenOptions):
     """How a drive's table is written.
 
     Attributes:
-        points_per_degree: rows per degree of cam angle. points: rows in a turn, instead.
         start_deg: cam angle at master position 0; None: 0.
         master_per_turn: master units in a turn. slave_per_unit: slave units in a mm (of an arm:
-            in a degree). decimals: of a position.
+            in a degree). decimals: of a position. the rest as of ``EvenOptions``.
     """
 
-    points_per_degree: Density = 1.0
-    points: Count = None
     start_deg: StartAngle = None
     master_per_turn: Annotated[
         float,
@@ -48,14 +45,6 @@ class DriveOptions(Sampled):
         ),
     ] = 1.0
     decimals: Annotated[int, Field(ge=0, le=12, description="Decimals of a position.")] = 6
-
-    @property
-    def count(self) -> float:
-        return 360.0 * self.points_per_degree if self.points is None else float(self.points)
-
-    @property
-    def chord_mm(self) -> float | None:
-        return None
 
 
 @dataclass(frozen=True, eq=False)

@@ -55,13 +55,25 @@ def fidelities(cam: Cam, written: Written, turn_deg: float, overlap: int) -> lis
         overlap: how many are repeated past the first one's repetition.
     """
     theta, points = _clockwise(cam, written, turn_deg)
-    after = np.append(theta[1:], theta[0] + FULL_TURN)
-    probes = (theta[:, None] + BETWEEN * (after - theta)[:, None]).ravel()
+    probes = _between(theta)
     true = _true(cam, probes)
     curves = [reading(points, overlap, reader) for reader in CUBIC]
     return [_polyline(cam, reading(points, 0, "polyline"), theta, probes, true)] + [
         _measured(cam, curve, probes, true) for curve in curves
     ]
+
+
+def straight_form(cam: Cam, written: Written, turn_deg: float) -> float:
+    """Greatest distance of straight lines between the points from the curve [mm]."""
+    theta, points = _clockwise(cam, written, turn_deg)
+    probes = _between(theta)
+    curve = reading(points, 0, "polyline")
+    return _form(curve, _parameters(curve), probes, _true(cam, probes)).value
+
+
+def _between(theta: Array) -> Array:
+    after = np.append(theta[1:], theta[0] + FULL_TURN)
+    return np.asarray((theta[:, None] + BETWEEN * (after - theta)[:, None]).ravel())
 
 
 def _clockwise(cam: Cam, written: Written, turn_deg: float) -> tuple[Array, Array]:

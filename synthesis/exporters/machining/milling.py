@@ -17,6 +17,7 @@ from synthesis.design import Design
 from synthesis.exporters.cam import Cam
 from synthesis.exporters.cutting import chosen
 from synthesis.exporters.exporter import Exporter, untold
+from synthesis.exporters.fidelity.measure import straight_form
 from synthesis.exporters.machining.lead import Lead, checked, leads
 from synthesis.exporters.machining.program import (
     Feed,
@@ -80,10 +81,12 @@ def _profile(design: Design, options: MillingOptions) -> bytes:
     path = whole_path(written, options)
     arcs = _leads(cam, written, path, options) if options.lead_mm > 0.0 else []
     start = arcs[0].start if arcs else path[0]
+    off = 1e3 * straight_form(cam, written, options.turn_deg)
     blocks = [
         *heading(design, options, len(path)),
         remark(tool(cam, options)),
         remark(f"X0 Y0 IS THE CAM AXIS. CONTACT RUNS AT {options.feed_mm_per_min:.12g} MM/MIN"),
+        remark(f"THE STRAIGHT LINES KEEP WITHIN {off:.3g} UM OF THE PATH"),
         "G21 G17 G90 G40 G94",
         *_down(start, options),
         *(_arc(arc, options) for arc in arcs[:1]),

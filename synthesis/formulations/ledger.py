@@ -1,0 +1,134 @@
+"""What multiplied rows add up to, as functionals of arbitrary laws: constants, sizes, and ψ."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, field
+from math import factorial
+
+import numpy as np
+
+from synthesis.formulations.convex import Plan
+from synthesis.formulations.densities import DEGREE
+from synthesis.formulations.ends import Joint, joint_rows
+from synthesis.formulations.multiplied import Multiplied
+from synthesis.formulations.switching import Switching, switching
+from synthesis.numerics.piecewise import Array
+
+
+@dataclass(eq=False)
+class Ledger:
+    """Rows times their multipliers, booked one after the other.
+
+    Attributes:
+        plan: whose rows. order: m, the derivative that steers.
+        constant: terms free of unknowns. size: (n_size,) factor of ζ. level: factor of π.
+        state: per free law, (m,) factors of unknown initial values g^(j)(0).
+        magnitude: sum of the absolute values of what went into ``constant``.
+        spent, sized: the same of what went into every law's ψ and into ``size``.
+    """
+
+    plan: Plan
+    order: int
+    constant: float = 0.0
+    size: Array = field(init=False)
+    level: float = 0.0
+    state: list[Array] = field(init=False)
+    magnitude: float = 0.0
+    spent: Array = field(init=False)
+    sized: Array = field(init=False)
+    _points: list[list[Array]] = field(init=False)
+    _weights: list[list[Array]] = field(init=False)
+    _spans: list[list[Array]] = field(init=False)
+    _polys: list[list[Array]] = field(init=False)
+
+    def __post_init__(self) -> None:
+        laws = range(len(self.plan.grids))
+        self.size = np.zeros(len(self.plan.problem.sizing.bounds))
+        self.sized, self.spent = np.zeros_like(self.size), np.zeros(len(laws))
+        self.state = [np.zeros(self.order) for _ in laws]
+        self._points, self._weights = [[] for _ in laws], [[] for _ in laws]
+        self._spans, self._polys = [[] for _ in laws], [[] for _ in laws]
+
+    def add(self, amount: float) -> None:
+        """Book a constant."""
+        self.constant += amount
+        self.magnitude += abs(amount)
+
+    def book(self, rows: Multiplied, mass: Array) -> None:
+        """Rows times their multipliers (n,)."""
+        heard = mass != 0.0
+        if not np.any(heard):
+            return
+        rows, mass = rows.chosen(heard), mass[heard]
+        self.add(-float(mass @ rows.rhs))
+        self.size += mass @ rows.size
+        self.sized += np.abs(mass) @ np.abs(rows.size)
+        self.level += rows.level * float(np.sum(mass))
+        if rows.position is None:
+            return
+        self.act(rows.position, rows.x, mass[:, None] * rows.weights)
+        if rows.spans is not None and rows.poly is not None:
+            self._spans[rows.position].append(rows.spans)
+            self._polys[rows.position].append(mass[:, None] * rows.poly)
+            self.spent[rows.position] += float(np.abs(mass) @ np.abs(rows.poly[:, 0]))
+
+    def act(self, position: int, x: Array, weights: Array) -> None:
+        """Σ weights[i, k] g^(k)(x_i), split into initial values and an integral over g^(m)."""
+        self._points[position].append(x)
+        self._weights[position].append(weights)
+        self.spent[position] += float(np.sum(np.abs(weights)))
+        start = self.plan.settled[position].start
+        shares = at_start(x, weights).sum(axis=0)
+        known = min(len(start), self.order)
+        for share, value in zip(shares[:known], start[:known], strict=True):
+            self.add(float(share * value))
+        self.state[position][known:] += shares[known:]
+
+    def book_ends(self, prices: Sequence[Array]) -> None:
+        """Values at the ends of laws, at their prices (m,): what is known of them is paid for.
+
+        A derivative that two laws share has one price; it is worth as much at the start of the law
+        behind the joint.
+        """
+        for position, nu in enumerate(prices):
+            known = self.plan.settled[position].end[: len(nu)]
+            self.add(-float(nu[: len(known)] @ known))
+            self.act(position, np.ones(1), nu[None, :])
+        for joint in self.plan.joints:
+            for k, ratio in carried(self.plan, joint, self.order):
+                self.state[joint.after][k] += ratio * prices[joint.before][k]
+
+    def psi(self) -> tuple[Switching, ...]:
+        """ψ of what was booked on every law."""
+        return tuple(self._psi(position) for position in range(len(self.state)))
+
+    def _psi(self, position: int) -> Switching:
+        points = np.concatenate([np.zeros(0), *self._points[position]])
+        weights = np.concatenate([np.zeros((0, self.order)), *self._weights[position]])
+        spans = np.concatenate([np.zeros((0, 2)), *self._spans[position]])
+        poly = np.concatenate([np.zeros((0, DEGREE + 1)), *self._polys[position]])
+        used = np.flatnonzero(np.any(poly, axis=0))
+        poly = poly[:, : used[-1] + 1] if len(used) else poly[:, :1]
+        return switching(points, weights, self.order).raised(spans, poly)
+
+
+def at_start(x: Array, weights: Array) -> Array:
+    """What weights (n, m) on g, g', … at x (n,) come to in them at 0, by Taylor: (n, m)."""
+    order = weights.shape[1]
+    powers = [x**n / factorial(n) for n in range(order)]
+    return np.stack(
+        [
+            np.sum([weights[:, k] * powers[j - k] for k in range(j + 1)], axis=0)
+            for j in range(order)
+        ],
+        axis=1,
+    )
+
+
+def carried(plan: Plan, joint: Joint, order: int) -> Iterator[tuple[int, float]]:
+    """Derivatives below ``order`` that a joint shares, and what a price before is worth after."""
+    before, after = joint_rows(joint, plan.problem.free, plan.grids)
+    for k in range(joint.lowest, min(joint.highest + 1, order)):
+        at = k - joint.lowest
+        yield k, float(after.units[at] / before.units[at])

@@ -1,0 +1,20 @@
+"""Numbers without their last digits: what differs by rounding alone comes out the same."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from synthesis.numerics.piecewise import Array
+
+BITS = 40  # of 53
+
+
+def rounded(values: Array | float, bits: int = BITS) -> Array:
+    """Values to so many binary digits: 40 are 1e-12 relative.
+
+    A program with one optimum of many answers differently where the last bit of a number differs:
+    so a cam a million times as large would be another one. Numbers whose last digits are gone are
+    the same for both.
+    """
+    mantissa, exponent = np.frexp(values)
+    return np.asarray(np.ldexp(np.round(np.ldexp(mantissa, bits)), exponent - bits), dtype=float)

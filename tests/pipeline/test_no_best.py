@@ -1,0 +1,118 @@
+"""Questions without a best cam are refused; a dwell below says how small a cam can be."""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+import pytest
+from pydantic import ValidationError
+
+from synthesis import DesignSpec, synthesise
+from synthesis.formulations.problem import pose
+
+RPM, LIFT = 71.3, 11.7
+ROLLER = {"kind": "translating_roller", "roller_radius_mm": 7.3}
+GROOVE = ROLLER | {"closure": {"kind": "groove", "clearance_mm": 0.02}}
+KNIFE = {"kind": "translating_roller", "roller_radius_mm": 0.0, "offset_mm": {"min": -3.1}}
+ARM = {"kind": "oscillating_roller", "arm_mm": 81.0, "roller_radius_mm": 7.3}
+NEAR = ARM | {"centre_distance_mm": {"min": 70.0, "max": 90.0}}
+FACE = {"kind": "oscillating_flat_face", "centre_distance_mm": {"max": 93.0}}
+VANISHING = {"roller": ROLLER, "groove": GROOVE, "knife edge": KNIFE, "arm": ARM,
+             "arm, a range": NEAR, "face on a pivot": FACE}  # fmt: skip
+PRESSURE = {"kind": "pressure_angle", "rise_deg": 31.0}
+RADIUS = {"kind": "profile_radius", "min_mm": 4.1}
+CUTTER = {"kind": "cutter_radius", "radius_mm": 40.0}
+OUTER = {"kind": "outer_radius", "max_mm": 300.0}
+
+
+def jerk(unit: str = "mm") -> dict[str, Any]:
+    least = 32.0 * LIFT / math.radians(71.0) ** 3 * (RPM * math.pi / 30.0) ** 3
+    return {"kind": "jerk", f"max_{unit}_per_s3": 1.7 * least}
+
+
+def asked(
+    follower: dict[str, Any], *limits: dict[str, Any], law: str = "spline", below: float = 181.0,
+    **more: Any,
+) -> DesignSpec:  # fmt: skip
+    unit = "deg" if follower["kind"].startswith("oscillating") else "mm"
+    move = {f"lift_{unit}": LIFT, "law": {"kind": law}}
+    program = [
+        {"kind": "rise", "angle_deg": 83.0, **move},
+        {"kind": "dwell", "angle_deg": 206.0 - below},
+        {"kind": "return", "angle_deg": 71.0, **move},
+        {"kind": "dwell", "angle_deg": below},
+    ]
+    return DesignSpec.model_validate(
+        {"speed_rpm": RPM, "program": program, "follower": follower, "limits": list(limits), **more}
+    )
+
+
+@pytest.mark.parametrize("follower", VANISHING.values(), ids=VANISHING)
+@pytest.mark.parametrize("limited", ["nothing", "motion alone", "no undercut, not too large"])
+def test_a_cam_that_nothing_keeps_from_shrinking_is_refused(
+    follower: dict[str, Any], limited: str
+) -> None:
+    unit = "deg" if follower["kind"].startswith("oscillating") else "mm"
+    limits: dict[str, list[dict[str, Any]]] = {
+        "nothing": [],
+        "motion alone": [jerk(unit)],
+        "no undercut, not too large": [RADIUS | {"min_mm": 0.0}, OUTER],
+    }
+    with pytest.raises(ValidationError) as refused:
+        asked(follower, *limits[limited])
+    (error,) = refused.value.errors()
+    assert error["type"] == "no_smallest_cam"
+    for way_out in ("pressure_angle", "profile_radius", "base_radius_mm a min"):
+        assert way_out in error["msg"]
+
+
+@pytest.mark.parametrize("follower", VANISHING.values(), ids=VANISHING)
+@pytest.mark.parametrize("kept", ["pressure angle", "profile radius", "least", "given", "quiet"])
+def test_what_keeps_it_large_is_enough(follower: dict[str, Any], kept: str) -> None:
+    more: dict[str, Any] = {
+        "least": {"base_radius_mm": {"min": 3.7}},
+        "given": {"law": "cycloidal"},
+        "quiet": {"objective": {"kind": "rms_jerk"}},
+    }.get(kept, {})
+    limits = {"pressure angle": [PRESSURE], "profile radius": [RADIUS]}.get(kept, [])
+    assert asked(follower, *limits, **more).objectives()
+
+
+@pytest.mark.parametrize(
+    "follower",
+    [
+        ROLLER | {"offset_mm": 5.9},
+        ROLLER | {"closure": {"kind": "conjugate", "roller_radius_mm": 7.3}},
+        ARM | {"centre_distance_mm": 97.0},
+        ARM | {"centre_distance_mm": {"min": 82.0}},
+        FACE | {"centre_distance_mm": {"min": 40.0, "max": 93.0}},
+        FACE | {"face_offset_mm": 2.3},
+        {"kind": "translating_flat_face"},
+    ],
+    ids=["offset", "conjugate", "pivot", "pivot apart", "face's pivot", "face aside", "flat face"],
+)
+def test_what_has_a_size_of_its_own_is_not_refused(follower: dict[str, Any]) -> None:
+    assert asked(follower).follower.vanishing == ""
+
+
+def test_it_would_indeed_shrink_to_whatever_is_allowed() -> None:
+    """The same question with a least radius far below what any machine has: it is reached."""
+    small = synthesise(asked(ARM, base_radius_mm={"min": 1e-3}))
+    assert small.dimensions["base_radius_mm"] == pytest.approx(1e-3, rel=1e-2)
+
+
+def test_a_dwell_below_is_a_part_of_the_base_circle() -> None:
+    """Its radius is the base radius: a bound, where rows and cones say nothing of curvature."""
+    question = asked(ROLLER, RADIUS | {"min_mm": 52.3}, jerk(), tolerance=5e-3)
+    assert pose(question, question.objectives()[0]).radii[0] == 52.3
+    design = synthesise(question)
+    assert design.certificate.lower_bound == pytest.approx(52.3, rel=1e-9)
+    assert design.certificate.gap < 0.05
+
+
+@pytest.mark.parametrize("ring", [False, True], ids=["no dwell below", "touched from inside"])
+def test_elsewhere_the_base_circle_is_no_part_of_the_cam(ring: bool) -> None:
+    inside = ROLLER | {"closure": {"kind": "force", "contact": "inside"}}
+    question = asked(inside, RADIUS) if ring else asked(ROLLER, RADIUS, below=0.0)
+    assert pose(question, question.objectives()[0]).radii[0] < 4.1
