@@ -182,21 +182,31 @@ def _climb(state: Search) -> None:
         stuck = lower is None and number > 1
         if stuck or _climbed(state, plan, solution, lower):
             break
-        if number > 1 and _fine_enough(state):
-            break  # what comes next is served by those asked for once
-        slight, knots = _count(state.grids) < MORE * knots, _count(state.grids)
-        if 0.9 * before < state.gap < inf:
-            if not slight or state.limited_by_shape:
-                break  # finer knots no longer help
-            state.grids = all_halved(state.problem, state.grids, missed)
-            continue
+        idle = 0.9 * before < state.gap < inf
+        slight = _count(state.grids) < MORE * knots and not state.limited_by_shape
+        knots = _count(state.grids)
+        if (idle and not slight) or (number > 1 and _fine_enough(state)):
+            break  # finer knots no longer help, or what comes next is served by these
         usable = state.grids if lower is not None else ()
-        if state.relaxed is not None and lower is not None and not lower.switching:
-            state.grids = denser(state.grids)
-        else:
-            state.grids = finer(state.problem, state.grids, found, lower, missed)
+        state.grids = _next(state, found, lower, missed, every=idle)
         if state.limited_by_shape and state.gap < SHAPE:
             break  # what comes next finds its cam on these knots, and far above this bound
+
+
+def _next(
+    state: Search,
+    found: Candidate | None,
+    lower: Bound | None,
+    missed: list[Array],
+    *,
+    every: bool,
+) -> tuple[Grid, ...]:
+    """The grids of the next round; ``every``: all intervals halved, as single knots were idle."""
+    if every:
+        return all_halved(state.problem, state.grids, missed)
+    if state.relaxed is not None and lower is not None and not lower.switching:
+        return denser(state.grids)
+    return finer(state.problem, state.grids, found, lower, missed)
 
 
 def _count(grids: Sequence[Grid]) -> int:
