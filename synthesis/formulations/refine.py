@@ -181,6 +181,7 @@ def _climb(state: Search) -> None:
             nonlinear(state)  # a cam at once: these rounds are of the bound alone
         stuck = lower is None and number > 1
         if stuck or _climbed(state, plan, solution, lower):
+            state.grids = _for_shape(state, found, lower, missed)
             break
         idle = 0.9 * before < state.gap < inf
         slight = _count(state.grids) < MORE * knots and not state.limited_by_shape
@@ -217,6 +218,17 @@ def _count(grids: Sequence[Grid]) -> int:
 def _fine_enough(state: Search) -> bool:
     """Whether knots are good enough for the local search that curvature asks for."""
     return state.limited_by_shape and state.gap <= KNOTS * state.tolerance
+
+
+def _for_shape(
+    state: Search, found: Candidate | None, lower: Bound | None, missed: Sequence[Array]
+) -> tuple[Grid, ...]:
+    """The knots for a local search: finer ones where a least size, not they, has closed the gap."""
+    if state.relaxed is None or lower is None or not lower.switching:
+        return state.grids
+    if not state.limited_by_shape or state.close_to(state.relaxed, lower.value):
+        return state.grids
+    return finer(state.problem, state.grids, found, lower, missed)
 
 
 def _climbed(state: Search, plan: Plan, solution: ConeSolution, lower: Bound | None) -> bool:
