@@ -64,15 +64,22 @@ def search(
         the search as it ended; without a best cam where no rung gave a usable point.
     """
     state = Search(problem, tolerance, deadline, tighten)
+    _searched(state, thorough=thorough)
+    return state.round_off()
+
+
+def _searched(state: Search, *, thorough: bool) -> None:
+    """The ladder itself."""
+    problem, tolerance = state.problem, state.tolerance
     if problem.objective.limits(1.0, problem.machine):
         steepness(state, search)
-        return state
+        return
     if _closed_form(state):
         pass
     elif problem.curved and problem.machine.follower.pinning() is not None:
         pinned(state, search)
         enclose(state, thorough=thorough)
-        return state
+        return
     else:
         first = int(np.clip(3.7 / sqrt(tolerance), COARSE, CURVED if problem.curved else FINE))
         state.grids = tuple(uniform(stretch, first) for stretch in problem.free)
@@ -80,14 +87,13 @@ def search(
         polish(state, _once)
     if _elsewhere(state):
         pinned(state, search)
-        return state
+        return
     if (state.limited_by_shape or state.short) and state.left() > 0.0:
         nonlinear(state)
         if problem.rigid and problem.machine.follower.pinning() is None:
             enclose(state, thorough=thorough)
         elif thorough:
             close(state)
-    return state
 
 
 def _elsewhere(state: Search) -> bool:
