@@ -56,6 +56,7 @@ class Problem:
         length: unit of length inside the formulations: the stroke [mm].
         held: earlier objectives.
         radii: smallest and largest base radius [mm], which the sizing comes from.
+        circle: least base radius for a reason of its own [mm]: it bounds, and nothing more.
     """
 
     stretches: tuple[Stretch, ...]
@@ -66,6 +67,7 @@ class Problem:
     length: float
     held: tuple[Held, ...] = ()
     radii: tuple[float, float] = (0.0, inf)
+    circle: float = 0.0
 
     @property
     def free(self) -> tuple[Stretch, ...]:
@@ -144,7 +146,7 @@ def pose(
 ) -> Problem:
     """The spec as a problem with one objective; ``stretches``: its own with tables smoothed."""
     placed, machine = spec.stretches() if stretches is None else stretches, spec.machine()
-    radii = _radii(spec, placed)
+    radii = spec.base_radius_range()
     return Problem(
         tuple(s for s in placed if s.angle > 0.0),
         machine,
@@ -154,18 +156,18 @@ def pose(
         spec.stroke(),
         held,
         radii,
+        _circle(spec, placed),
     )
 
 
-def _radii(spec: DesignSpec, stretches: Sequence[Stretch]) -> tuple[float, float]:
-    """Smallest and largest base radius [mm]: a dwell below is a part of the base circle."""
-    low, high = spec.base_radius_range()
+def _circle(spec: DesignSpec, stretches: Sequence[Stretch]) -> float:
+    """Least base radius that a dwell at the lowest position needs, a part of the base circle."""
     circle = max((limit.least_circle for limit in spec.limits), default=0.0)
-    if circle <= low or spec.follower.base_gap < 0.0:
-        return low, high
+    if circle == 0.0 or spec.follower.base_gap < 0.0:
+        return 0.0
     lowest = RESTS * spec.stroke()
     resting = any(s.kind == "dwell" and s.angle > 0.0 and s.s_start <= lowest for s in stretches)
-    return (min(circle, high) if resting else low), high
+    return circle if resting else 0.0
 
 
 def calmer(problem: Problem) -> Problem:

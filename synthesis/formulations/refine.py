@@ -37,6 +37,7 @@ ROUNDS = 8
 COARSE, FINE = 12, 96  # intervals of the first grid, by tolerance
 CURVED = 16  # the most of them while rows still have to turn
 RIGID = 150  # the most of them, of all laws together, where limits of a face are left out
+MORE = 1.1  # times the intervals: what adds less says nothing about finer knots
 LEVELS = 20
 MARGIN_BITS = 16  # what a cam misses between points is known no better
 STAYS = 1e-7  # of the level: an estimate's slope is taken over steps a thousand times longer
@@ -63,15 +64,22 @@ def search(
         the search as it ended; without a best cam where no rung gave a usable point.
     """
     state = Search(problem, tolerance, deadline, tighten)
+    _searched(state, thorough=thorough)
+    return state.round_off()
+
+
+def _searched(state: Search, *, thorough: bool) -> None:
+    """The ladder itself."""
+    problem, tolerance = state.problem, state.tolerance
     if problem.objective.limits(1.0, problem.machine):
         steepness(state, search)
-        return state
+        return
     if _closed_form(state):
         pass
     elif problem.curved and problem.machine.follower.pinning() is not None:
         pinned(state, search)
         enclose(state, thorough=thorough)
-        return state
+        return
     else:
         first = int(np.clip(3.7 / sqrt(tolerance), COARSE, CURVED if problem.curved else FINE))
         state.grids = tuple(uniform(stretch, first) for stretch in problem.free)
@@ -79,14 +87,13 @@ def search(
         polish(state, _once)
     if _elsewhere(state):
         pinned(state, search)
-        return state
+        return
     if (state.limited_by_shape or state.short) and state.left() > 0.0:
         nonlinear(state)
         if problem.rigid and problem.machine.follower.pinning() is None:
             enclose(state, thorough=thorough)
         elif thorough:
             close(state)
-    return state
 
 
 def _elsewhere(state: Search) -> bool:
@@ -153,6 +160,7 @@ def _climb(state: Search) -> None:
     """Second rung: cone programs on finer and finer knots until the bound is near."""
     solve_once = _fraction if state.problem.objective.fractional else _round
     usable: tuple[Grid, ...] = ()  # on which there was a law: not on other knots that are no finer
+    knots = 0
     for number in range(1, ROUNDS + 1):
         started = time.perf_counter()
         before = state.gap
@@ -181,16 +189,36 @@ def _climb(state: Search) -> None:
         if stuck or _climbed(state, plan, solution, lower):
             state.grids = _for_shape(state, found, lower, missed)
             break
-        # finer knots no longer help, or what comes next is served by those asked for once
-        if 0.9 * before < state.gap < inf or (number > 1 and _fine_enough(state)):
-            break
+        idle = 0.9 * before < state.gap < inf
+        slight = _count(state.grids) < MORE * knots and not state.limited_by_shape
+        knots = _count(state.grids)
+        if (idle and not slight) or (number > 1 and _fine_enough(state)):
+            break  # finer knots no longer help, or what comes next is served by these
         usable = state.grids if lower is not None else ()
-        if state.relaxed is not None and lower is not None and not lower.switching:
-            state.grids = denser(state.grids)
-        else:
-            state.grids = finer(state.problem, state.grids, found, lower, missed)
+        state.grids = _next(state, found, lower, missed, every=idle)
         if state.limited_by_shape and state.gap < SHAPE:
             break  # what comes next finds its cam on these knots, and far above this bound
+
+
+def _next(
+    state: Search,
+    found: Candidate | None,
+    lower: Bound | None,
+    missed: list[Array],
+    *,
+    every: bool,
+) -> tuple[Grid, ...]:
+    """The grids of the next round; ``every``: all intervals halved, as single knots were idle."""
+    if every:
+        return all_halved(state.problem, state.grids, missed)
+    if state.relaxed is not None and lower is not None and not lower.switching:
+        return denser(state.grids)
+    return finer(state.problem, state.grids, found, lower, missed)
+
+
+def _count(grids: Sequence[Grid]) -> int:
+    """Intervals of all laws."""
+    return sum(len(grid.space.breaks) - 1 for grid in grids)
 
 
 def _fine_enough(state: Search) -> bool:
@@ -221,7 +249,7 @@ def _climbed(state: Search, plan: Plan, solution: ConeSolution, lower: Bound | N
         return False
     value = in_core_units(plan, plan.program.value(solution.x))
     known = value - lower.value <= 0.5 * state.tolerance * abs(value)
-    return known or sum(len(grid.space.breaks) for grid in state.grids) > RIGID
+    return known or _count(state.grids) > RIGID
 
 
 def _once(state: Search, number: int) -> Candidate | None:
@@ -290,7 +318,7 @@ def _read(plan: Plan, solution: ConeSolution) -> Candidate:
 
 def _report(state: Search, number: int, plan: Plan, solution: ConeSolution, seconds: float) -> None:
     rows, unknowns = plan.program.matrix.shape
-    knots = sum(len(grid.space.breaks) - 1 for grid in plan.grids)
+    knots = _count(plan.grids)
     conic = any(len(ball.shift) > 1 for ball in plan.balls)  # of one row: two half-spaces
     model = "QP" if plan.energy is not None else "SOCP" if conic else "LP"
     state.stages.append(

@@ -115,6 +115,14 @@ class Search:
         norm = self.problem.objective.norm(self.problem.machine)
         return lower if norm is None else max(lower, self.problem.sizing.least)
 
+    def round_off(self) -> Search:
+        """Itself, its bound no less than a circle that is a part of the cam."""
+        problem = self.problem
+        if problem.circle and problem.objective.norm(problem.machine) is not None:
+            circle = problem.objective.from_wire(problem.circle, problem.machine)
+            self.raise_to(circle, "every motion law: a dwell below is a part of the base circle")
+        return self
+
     @property
     def limited_by_shape(self) -> bool:
         """Whether limits that are not convex cost more than the tolerance."""

@@ -95,9 +95,9 @@ def test_undercut_is_refused_with_its_angle() -> None:
     assert 50.0 < told.angle_deg < 60.0
     assert f"at {told.angle_deg:.3f}°" in design.conflict.evidence
     (mend,) = [r for r in design.conflict.relaxations if r.field == "base_radius_mm"]
-    assert mend.needed == pytest.approx(30.0 - told.value, rel=1e-6)
+    assert mend.needed == pytest.approx(30.0 - told.value, rel=3e-6)
     assert mend.needed is not None
-    mended = asked(law="cycloidal", base_radius_mm=mend.needed * (1.0 + 1e-7))
+    mended = asked(law="cycloidal", base_radius_mm=mend.needed)
     assert synthesise(mended).status == "optimal"
 
 
@@ -124,9 +124,8 @@ def test_every_format_is_written(rotation: str) -> None:
     design = synthesise(asked(RADIUS, law="polynomial_3_4_5", rotation=rotation))
     for exporter in PROFILE_FORMATS.values():
         assert len(exporter.write(design, exporter.options())) > 1000
-        assert (
-            len(exporter.write(design, exporter.adapted(ProfileOptions(tolerance_um=5.0)))) > 1000
-        )
+        other = exporter.adapted(ProfileOptions(points_per_degree=2.5))
+        assert len(exporter.write(design, other)) > 1000
     for exporter in MOTION_FORMATS.values():
         assert len(exporter.write(design, exporter.options())) > 1000
     drawing = PROFILE_FORMATS["svg"].write(design, CamDrawingOptions()).decode()
