@@ -41,22 +41,25 @@ from tests.formulations.scenes import (
 NAMED = (rise(71.7, law="cycloidal"), dwell(23.9), fall(83.3), dwell(181.1))
 SMOOTH = (rise(71.7, smoothness=4), dwell(23.9), fall(83.3, smoothness=3), dwell(181.1))
 OUTER: dict[str, Any] = {"kind": "outer_radius"}
+LEAST = {"min": 4.3}  # without it, nothing would keep a cam of free laws from shrinking
 
 # what nothing fits, and the fields of which each alone would help
 CASES: dict[str, tuple[DesignSpec, set[str]]] = {
-    "jerk": (scene(PLAIN, jerk(31.0, 71.7)), {"limits/0/max_mm_per_s3"}),
-    "acceleration": (scene(PLAIN, acceleration(3.7, 71.7)), {"limits/0/max_mm_per_s2"}),
-    "velocity": (scene(PLAIN, velocity(0.97, 71.7)), {"limits/0/max_mm_per_s"}),
+    "jerk": (scene(PLAIN, jerk(31.0, 71.7), base=LEAST), {"limits/0/max_mm_per_s3"}),
+    "acceleration": (scene(PLAIN, acceleration(3.7, 71.7), base=LEAST), {"limits/0/max_mm_per_s2"}),
+    "velocity": (scene(PLAIN, velocity(0.97, 71.7), base=LEAST), {"limits/0/max_mm_per_s"}),
     "velocity and acceleration": (
-        scene(PLAIN, velocity(1.25, 71.7), acceleration(5.5, 71.7)),
+        scene(PLAIN, velocity(1.25, 71.7), acceleration(5.5, 71.7), base=LEAST),
         {"limits/0/max_mm_per_s", "limits/1/max_mm_per_s2"},
     ),
     "acceleration and jerk": (
-        scene(PLAIN, acceleration(4.9, 71.7), jerk(39.0, 71.7)),
+        scene(PLAIN, acceleration(4.9, 71.7), jerk(39.0, 71.7), base=LEAST),
         {"limits/0/max_mm_per_s2", "limits/1/max_mm_per_s3"},
     ),
     "two of one kind": (
-        scene(PLAIN, velocity(1.25, 71.7), acceleration(5.5, 71.7), velocity(1.7, 71.7)),
+        scene(
+            PLAIN, velocity(1.25, 71.7), acceleration(5.5, 71.7), velocity(1.7, 71.7), base=LEAST
+        ),
         {"limits/0/max_mm_per_s", "limits/1/max_mm_per_s2"},
     ),
     "size": (
@@ -214,6 +217,8 @@ def without(spec: DesignSpec, fields: set[str]) -> DesignSpec:
     body["limits"] = kept
     if "base_radius_mm" in fields or "base_radius_mm/max" in fields:
         body["base_radius_mm"] = None
+    if not isinstance(body.get("base_radius_mm"), float):
+        body["base_radius_mm"] = {**LEAST, **(body.get("base_radius_mm") or {})}
     if "follower/offset_mm" in fields:
         body["follower"]["offset_mm"] = None
     for end in ("min", "max"):
@@ -248,14 +253,14 @@ def test_the_set_in_conflict_is_irreducible(name: str, conflicts: dict[str, Conf
 
 
 def test_two_conflicts_at_once_are_told_one_at_a_time() -> None:
-    spec = scene(PLAIN, jerk(31.0, 71.7), acceleration(3.7, 71.7))
+    spec = scene(PLAIN, jerk(31.0, 71.7), acceleration(3.7, 71.7), base=LEAST)
     found = why(spec)
     assert len(found.limits) == 1
     assert all(r.needed is None for r in found.relaxations)
 
 
 def test_like_limits_have_to_be_raised_together() -> None:
-    found = why(scene(PLAIN, jerk(29.0, 71.7), jerk(31.0, 71.7), jerk(90.0, 71.7)))
+    found = why(scene(PLAIN, jerk(29.0, 71.7), jerk(31.0, 71.7), jerk(90.0, 71.7), base=LEAST))
     fields = {r.field: r for r in found.relaxations}
     assert set(fields) == {"limits/0/max_mm_per_s3", "limits/1/max_mm_per_s3"}
     assert len({r.needed for r in fields.values()}) == 1
@@ -288,7 +293,7 @@ def test_a_given_law_breaks_a_limit_by_itself() -> None:
 def test_a_given_law_needs_more_than_the_free_one() -> None:
     """The return at rest needs 32, the cycloidal rise 39.5: the larger counts."""
     found = why(scene((fall(71.7, law="cycloidal"), dwell(23.9), rise(71.7), dwell(192.7)),
-                      jerk(20.0, 71.7)))  # fmt: skip
+                      jerk(20.0, 71.7), base=LEAST))  # fmt: skip
     (needed,) = found.relaxations
     assert needed.needed == pytest.approx(4.0 * pi**2 / 20.0 * needed.asked, rel=1e-9)
 
@@ -334,7 +339,7 @@ def test_only_limits_that_are_not_convex_are_left() -> None:
 @pytest.mark.parametrize("cap", [32.0, 32.0005, 32.02])
 def test_limits_that_only_just_touch(cap: float) -> None:
     """A cap of 32 h/β³ is met by 16 intervals to rounding; a cam needs a little to spare."""
-    spec = scene((rise(71.7), dwell(23.9), fall(71.7), dwell(192.7)), jerk(cap, 71.7))
+    spec = scene((rise(71.7), dwell(23.9), fall(71.7), dwell(192.7)), jerk(cap, 71.7), base=LEAST)
     asked = problem(spec)
     found = diagnose(spec, asked, [uniform(s, 16) for s in asked.free])
     (needed,) = found.relaxations
