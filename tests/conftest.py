@@ -2,17 +2,11 @@
 
 A failing run of the first kind says so at once: looking for a simpler example takes minutes when
 each is a whole cam, and is left to the thorough one.
-
-Diagnoses take as long as they need: what is found out about a conflict must not depend on what else
-the machine does.
 """
 
-import math
 import os
 
 from hypothesis import HealthCheck, Phase, settings
-
-from synthesis import pipeline
 
 settings.register_profile(
     "ci",
@@ -32,5 +26,3 @@ settings.register_profile(
     max_examples=2000,
 )
 settings.load_profile(os.environ.get("HYPOTHESIS_PROFILE", "ci"))
-
-pipeline.DIAGNOSIS_S = math.inf

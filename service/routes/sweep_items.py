@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import asyncio
-from collections.abc import AsyncIterator, Callable
+from collections.abc import AsyncIterator, Awaitable, Callable
 from typing import Annotated
 
 from fastapi import APIRouter, Query, Request, Response
@@ -14,6 +14,7 @@ from service.errors import BadQuery, UnknownSweep
 from service.etag import tag_of, unchanged
 from service.ranges import IN_PARTS
 from service.routes.download import SVG, Download, stem_of
+from service.routes.files import ON_WORKERS
 from service.routes.sweeps import Known
 from service.state import Parts, State
 from service.sweeps.front import front_of, weighed
@@ -29,10 +30,12 @@ from service.sweeps.views import (
     items_of,
 )
 from service.views import cursor_at, position_of
-from synthesis.exporters.picture_options import Colours
+from synthesis.exporters.picture_options import Colours, PixelColours, PixelWidth
+from synthesis.exporters.raster import rasterised
 from synthesis.exporters.svg_tradeoff import Aim, TradeOff, trade_off
 
 router = APIRouter(prefix="/v1/sweeps/{sweep_id}", tags=["sweeps"])
+PNG = "image/png"
 CSV, PARQUET = "text/csv; charset=utf-8", "application/vnd.apache.parquet"
 MAX_FRONT, MAX_DRAWN = 2000, 4
 
@@ -172,15 +175,65 @@ async def get_sweep_pareto_svg(
 
     What is not shown, as infeasible designs are, is counted. It has a tag once the sweep is over.
     """
-    axes = _axes(minimise, maximise)
+
+    async def paint(drawn: TradeOff) -> bytes:
+        return await asyncio.to_thread(trade_off, drawn, theme)
+
+    file = Download("pareto.svg", SVG)
+    return await _drawn(request, sweep, parts, _axes(minimise, maximise), file, (theme,), paint)
+
+
+@router.get(
+    "/pareto.png",
+    response_class=Response,
+    responses={
+        **tagged(
+            description="The picture.",
+            content={PNG: {"schema": {"type": "string", "format": "binary"}}},
+        ),
+        **problems(404, 422, *ON_WORKERS),
+    },
+    summary="The same as pixels",
+)
+async def get_sweep_pareto_png(
+    request: Request,
+    sweep: Known,
+    parts: Parts,
+    minimise: Small = [],  # noqa: B006 (never changed)
+    maximise: Large = [],  # noqa: B006
+    theme: Annotated[PixelColours, Query()] = "light",
+    width_px: Annotated[PixelWidth, Query()] = 1600,
+) -> Response:
+    """The drawing, painted. Needs the optional part plots; without it the answer is 501."""
+
+    async def paint(drawn: TradeOff) -> bytes:
+        parts.engine.admit()
+        budget_s = parts.settings.budget_s(None)
+        drawing = trade_off(drawn, theme)
+        return await parts.engine.run(rasterised, drawing, width_px, budget_s=budget_s)
+
+    file, asked = Download("pareto.png", PNG), (theme, str(width_px))
+    return await _drawn(request, sweep, parts, _axes(minimise, maximise), file, asked, paint)
+
+
+async def _drawn(
+    request: Request,
+    sweep: SweepRow,
+    parts: State,
+    axes: list[ParetoAxis],
+    file: Download,
+    asked: tuple[str, ...],
+    paint: Callable[[TradeOff], Awaitable[bytes]],
+) -> Response:
+    """A picture of the front, or 304."""
     if not 2 <= len(axes) <= MAX_DRAWN:
         raise BadQuery(
             f"minimise, maximise: {len(axes)} named. Name two to {MAX_DRAWN} quantities to draw."
         )
-    headers = Download("pareto.svg", SVG).headers(sweep.name)
+    headers = file.headers(sweep.name)
     if sweep.state not in UNDER_WAY:
-        asked = ("pareto.svg", repr(axes), theme)
-        tag = tag_of(sweep.id, sweep.created.isoformat(), str(sweep.done), *asked)
+        made_by = (file.ending, repr(axes), *asked)
+        tag = tag_of(sweep.id, sweep.created.isoformat(), str(sweep.done), *made_by)
         known = unchanged(request, tag)
         if known is not None:
             return known
@@ -188,8 +241,7 @@ async def get_sweep_pareto_svg(
     found = await weighed(parts.sweeps.store, sweep, axes)
     aims = [Aim(axis.quantity, axis.direction == "maximise") for axis in axes]
     drawn = TradeOff(sweep.name, aims, found.numbers, found.values, found.front, found.left_out)
-    content = await asyncio.to_thread(trade_off, drawn, theme)
-    return Response(content, 200, headers, SVG)
+    return Response(await paint(drawn), 200, headers, file.media_type)
 
 
 def _axes(minimise: list[str], maximise: list[str]) -> list[ParetoAxis]:

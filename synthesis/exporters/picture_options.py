@@ -30,6 +30,13 @@ class PictureOptions(Options):
     theme: Colours = "auto"
 
 
+PixelColours = Annotated[
+    Literal["light", "dark", "print"],
+    Field(description="`print` is black on white; there is no `auto`: pixels know no screen."),
+]
+PixelWidth = Annotated[int, Field(ge=200, le=6000, description="Width of the picture.")]
+
+
 @dataclass(frozen=True)
 class PixelOptions(Options):
     """How a picture of pixels looks.
@@ -39,11 +46,8 @@ class PixelOptions(Options):
         width_px: of the picture; its height follows.
     """
 
-    theme: Annotated[
-        Literal["light", "dark", "print"],
-        Field(description="`print` is black on white; there is no `auto`: pixels know no screen."),
-    ] = "light"
-    width_px: Annotated[int, Field(ge=200, le=6000, description="Width of the picture.")] = 1600
+    theme: PixelColours = "light"
+    width_px: PixelWidth = 1600
 
 
 @dataclass(frozen=True)

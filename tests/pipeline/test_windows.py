@@ -2,14 +2,14 @@
 
 from __future__ import annotations
 
-from math import pi
+from math import inf, pi
 from typing import Any
 
 import numpy as np
 import pytest
 from pydantic import ValidationError
 
-from synthesis import DesignSpec, analyse, synthesise
+from synthesis import DesignSpec, analyse, pipeline, synthesise
 from synthesis.certify import certify
 from synthesis.design import Design, Extreme
 from synthesis.motion import Motion
@@ -162,7 +162,10 @@ def test_an_analysis_tells_of_windows() -> None:
     assert "program_0_window_0_acceleration_min" in found.broken
 
 
-def test_a_conflict_names_windows_and_points_and_what_would_do() -> None:
+def test_a_conflict_names_windows_and_points_and_what_would_do(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    monkeypatch.setattr(pipeline, "DIAGNOSIS_S", inf)  # whatever else the machine does
     point = {"angle_deg": 12.3, "travel_mm": 12.0}
     design = synthesise(cam({"points": [point]}))
     assert design.status == "infeasible"

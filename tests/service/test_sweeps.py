@@ -303,6 +303,13 @@ def test_the_front_of_a_sweep(client: httpx2.Client) -> None:
     same = {"If-None-Match": drawn.headers["etag"]}
     again = client.get(f"{where}/pareto.svg", params={**query, "theme": "print"}, headers=same)
     assert again.status_code == 304
+    pixels = client.get(f"{where}/pareto.png", params={**query, "width_px": 431})
+    assert pixels.headers["content-type"] == "image/png"
+    assert pixels.content[:8] == b"\x89PNG\r\n\x1a\n"
+    assert int.from_bytes(pixels.content[16:20], "big") == 431  # IHDR
+    assert is_problem(
+        client.get(f"{where}/pareto.png", params={**query, "width_px": 7}), 422, "invalid-parameter"
+    )
     alone = client.get(f"{where}/pareto.svg?minimise=offset_mm")
     assert "Name two to 4" in is_problem(alone, 422, "invalid-parameter")["detail"]
 
