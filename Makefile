@@ -36,17 +36,19 @@ help:  ## print this list
 run: $(RUN)  ## start the service (HOST=127.0.0.1 PORT=8000)
 	@CAMWRIGHT_HOST='$(HOST)' CAMWRIGHT_PORT='$(PORT)' $(PY) -m service
 
-# All tests at once, in three parts that take about as long: those of the service wait a good deal,
-# and leave two cores to the other two.
-PARTS   := service core rest
-service := tests/service
+# All tests at once, in four parts that take about as long: those that kill, restart and wait leave
+# two cores to the others.
+PARTS   := waiting service core rest
+waiting := $(patsubst %,tests/service/test_%.py,kills deployment leases trouble benchmark cam_sets \
+             sweep_and_export commands)
+service := $(filter-out $(waiting),$(wildcard tests/service/test_*.py))
 core    := tests/pipeline tests/formulations tests/validation
-rest    := $(filter-out $(service) $(core),$(patsubst %/,%,$(wildcard tests/*/)))
+rest    := $(filter-out tests/service $(core),$(patsubst %/,%,$(wildcard tests/*/)))
 test: lint  ## run everything: style, types, layers, then the tests (ARGS="-k name")
 ifneq ($(ARGS),)
 	$(PY) -m pytest $(ARGS)
 else
-	@$(MAKE) --no-print-directory --keep-going --jobs=3 $(PARTS:%=test-%)
+	@$(MAKE) --no-print-directory --keep-going --jobs=$(words $(PARTS)) $(PARTS:%=test-%)
 endif
 
 # Its output is shown when the part is through.
