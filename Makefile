@@ -121,6 +121,6 @@ $(RUN): requirements.lock
 
 $(DEV): requirements-dev.lock requirements.lock
 	$(venv)
-	@echo "Installing the locked packages and the test tools into $(VENV): once, 320 MB to fetch, a minute or more."
+	@echo "Installing the locked packages and the test tools into $(VENV): once, 500 MB to fetch, two minutes or more."
 	$(call install,requirements-dev.lock)
 	@touch $(RUN) $(DEV)

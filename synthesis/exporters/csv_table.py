@@ -14,6 +14,7 @@ from synthesis.exporters.cam import Cam
 from synthesis.exporters.columns import Column, motion_columns, profile_columns
 from synthesis.exporters.cutting import chosen
 from synthesis.exporters.exporter import Exporter, untold
+from synthesis.exporters.fidelity.told import table_fidelity_told
 from synthesis.exporters.options import MotionOptions, ProfileOptions
 from synthesis.exporters.shortest import WIDTH, Whole, joined, written
 from synthesis.numerics.piecewise import Array
@@ -54,5 +55,7 @@ def _motion(design: Design, options: MotionOptions) -> bytes:
 
 
 _TITLE, _MEDIA = "Table, comma separated", "text/csv; charset=utf-8; header=present"
-PROFILE = Exporter("csv", _TITLE, _MEDIA, ".csv", untold(_profile), ProfileOptions)
+PROFILE = Exporter(
+    "csv", _TITLE, _MEDIA, ".csv", untold(_profile), ProfileOptions, measured=table_fidelity_told
+)
 MOTION = Exporter("csv", _TITLE, _MEDIA, ".csv", untold(_motion), MotionOptions)

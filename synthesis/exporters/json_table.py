@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 from collections.abc import Sequence
-from dataclasses import asdict, dataclass, fields
+from dataclasses import asdict, dataclass
 from typing import Annotated, Any
 
 import numpy as np
@@ -16,8 +16,8 @@ from synthesis.exporters.columns import Column, motion_columns, profile_columns
 from synthesis.exporters.cutting import chosen
 from synthesis.exporters.exporter import Exporter, untold
 from synthesis.exporters.fidelity.block import fidelity_block
-from synthesis.exporters.fidelity.told import MOST
-from synthesis.exporters.options import CurveOptions, MotionOptions, PointOptions
+from synthesis.exporters.fidelity.told import MOST, unrounded
+from synthesis.exporters.options import CurveOptions, MotionOptions
 from synthesis.exporters.sampling import in_degrees, written_points
 from synthesis.exporters.shortest import WIDTH, joined, written
 
@@ -26,7 +26,6 @@ FRAME = (
     "the machine's frame, y along the follower of an upward slide. Seen with z towards the viewer "
     "the cam turns {turns}; the rows run round it {runs}.{placed}"
 )
-EXACT = 15  # decimals
 TURNED = " The points are turned from there by {turn:.12g}° about z, counter-clockwise positive."
 
 
@@ -65,8 +64,7 @@ def _profile(design: Design, options: JsonOptions) -> bytes:
 def _fidelity(cam: Cam, options: JsonOptions) -> dict[str, Any]:
     if not options.fidelity:
         return {}
-    shared = {each.name: getattr(options, each.name) for each in fields(CurveOptions)}
-    whole = PointOptions(decimals=EXACT, **shared)
+    whole = unrounded(options)
     points = written_points(cam, whole)
     if len(points.theta) > MOST:
         return {}

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import hashlib
+import re
 import sys
 import time
 from typing import Any
@@ -172,6 +173,10 @@ def test_point_files_tell_what_their_readers_make_of_them(
     assert list(told) == [each["reader"] for each in block["readers"]]
     for each in block["readers"]:
         assert told[each["reader"]].startswith(f"form {each['form_um']:.3g} um, acceleration ")
+    table = client.get(f"{links['profile.csv']}?points=180").headers["camwright-fidelity"]
+    (periodic,) = (each for each in block["readers"] if each["reader"] == "periodic")
+    unrounded = float(re.findall(r"periodic: form [^ ]+ um, acceleration ([^ ]+) %", table)[0])
+    assert 0.0 < unrounded < 100.0 * periodic["acceleration_part"]  # 4 decimals cost something
     drive = client.get(f"{links['motion.cam.csv']}?points=90").headers["camwright-fidelity"]
     assert drive.startswith("linear: displacement ")
     assert "quintic: displacement " in drive
