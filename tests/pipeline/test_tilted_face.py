@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import copy
 from math import cos, pi, radians, sin, tan
 from typing import Any
 
@@ -12,6 +13,7 @@ from hypothesis import strategies as st
 from pydantic import ValidationError
 from scipy.optimize import differential_evolution, linprog, minimize_scalar
 
+from service.examples import examples
 from synthesis.analysis import analyse
 from synthesis.design import Design
 from synthesis.exporters import PROFILE_FORMATS
@@ -193,3 +195,14 @@ def test_random_tilts_are_certified(
     assert np.min(base + (s[0] + s[2]) * cos(lean)) >= LEAST
     along = s[1] * cos(lean) - s[0] * sin(lean) - base * tan(lean) - c / cos(lean)
     assert np.max(abs(along)) <= wide
+
+
+@pytest.mark.parametrize("cap", [1.289e6, 1.539e6, 1.594e6])
+def test_a_round_that_added_hardly_any_knot_ends_no_search(cap: float) -> None:
+    """Knots at single switches gained nothing; halved everywhere, they halve the gap."""
+    body = copy.deepcopy(examples()["tilted-flat-face"]["value"])
+    body["program"][0]["angle_deg"] += 11.0
+    body["program"][3]["angle_deg"] -= 11.0
+    body["limits"][3]["max_mm_per_s3"] = cap
+    design = synthesise(DesignSpec.model_validate({**body, "tolerance": 5e-3}))
+    assert design.status == "optimal"
