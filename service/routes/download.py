@@ -15,7 +15,7 @@ from service.ranges import IN_PARTS
 from service.store import Row
 from synthesis.exporters import Made
 
-SVG = "image/svg+xml"
+SVG, PNG = "image/svg+xml", "image/png"
 Make = Callable[[], Awaitable[Made]]
 NOTHING_RUNS = "default-src 'none'; style-src 'unsafe-inline'"
 # A page runs its own script, which its own policy names, and is of no origin: it can reach nothing.
@@ -23,7 +23,7 @@ ALONE = (
     "default-src 'none'; style-src 'unsafe-inline'; img-src data:; script-src 'unsafe-inline'; "
     "frame-ancestors 'self'; sandbox allow-scripts"
 )
-POLICIES = {SVG: NOTHING_RUNS, "image/png": NOTHING_RUNS, "text/html": ALONE}
+POLICIES = {SVG: NOTHING_RUNS, PNG: NOTHING_RUNS, "text/html": ALONE}
 
 
 @dataclass(frozen=True)

@@ -5,12 +5,12 @@ from __future__ import annotations
 from collections.abc import Awaitable, Callable
 from dataclasses import asdict
 from functools import partial
-from typing import Annotated, Any
+from typing import Annotated, Any, TypeVar
 
 from fastapi import APIRouter, Query, Request, Response
 
 from service.documentation import in_parts, problems
-from service.routes.download import Download, in_thread
+from service.routes.download import PNG, Download, in_thread
 from service.routes.kept import done
 from service.solve import file_of, priced
 from service.state import Parts, State
@@ -21,7 +21,6 @@ from synthesis.exporters import (
     PROFILE_FORMATS,
     SOLID_FORMATS,
     Exporter,
-    Made,
     form,
     report_with,
 )
@@ -30,7 +29,8 @@ from synthesis.findings import Sensitivities
 
 router = APIRouter(prefix="/v1/designs/{design_id}", tags=["files"])
 Handler = Callable[..., Awaitable[Response]]
-PACKED = ("application/vnd.openxmlformats-officedocument.spreadsheetml.sheet", "image/png")
+T = TypeVar("T")
+PACKED = ("application/vnd.openxmlformats-officedocument.spreadsheetml.sheet", PNG)
 FORMATS = {"profile": PROFILE_FORMATS, "motion": MOTION_FORMATS, "solid": SOLID_FORMATS}
 ON_WORKERS = (429, 500, 501, 503, 504)
 
@@ -43,11 +43,12 @@ async def _file(
     file = Download(f"{_part(part, row)}{exporter.extension}", exporter.media_type)
     made_by = (part, exporter.name, repr(asdict(options)))
     work = partial(file_of, design, exporter, options)
-    make = partial(_by_worker, parts, work) if exporter.apart else in_thread(work)
+    make = partial(by_worker, parts, work) if exporter.apart else in_thread(work)
     return await file.sent(request, row, made_by, make)
 
 
-async def _by_worker(parts: State, work: Callable[[], Made]) -> Made:
+async def by_worker(parts: State, work: Callable[[], T]) -> T:
+    """What takes long or much memory, made where designs are, if there is room."""
     parts.engine.admit()
     return await parts.engine.run(work, budget_s=parts.settings.budget_s(None))
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import asyncio
 from collections.abc import AsyncIterator, Awaitable, Callable
+from functools import partial
 from typing import Annotated
 
 from fastapi import APIRouter, Query, Request, Response
@@ -13,8 +14,8 @@ from service.documentation import in_parts, problems, tagged
 from service.errors import BadQuery, UnknownSweep
 from service.etag import tag_of, unchanged
 from service.ranges import IN_PARTS
-from service.routes.download import SVG, Download, stem_of
-from service.routes.files import ON_WORKERS
+from service.routes.download import PNG, SVG, Download, stem_of
+from service.routes.files import ON_WORKERS, by_worker
 from service.routes.sweeps import Known
 from service.state import Parts, State
 from service.sweeps.front import front_of, weighed
@@ -35,7 +36,6 @@ from synthesis.exporters.raster import rasterised
 from synthesis.exporters.svg_tradeoff import Aim, TradeOff, trade_off
 
 router = APIRouter(prefix="/v1/sweeps/{sweep_id}", tags=["sweeps"])
-PNG = "image/png"
 CSV, PARQUET = "text/csv; charset=utf-8", "application/vnd.apache.parquet"
 MAX_FRONT, MAX_DRAWN = 2000, 4
 
@@ -119,8 +119,8 @@ async def _table(
     extension, media_type = kind
     name = f'attachment; filename="{stem_of(sweep.name)}-items.{extension}"'
     headers = {"Content-Disposition": name}
-    if sweep.state not in UNDER_WAY:  # until then the next one would have other bytes
-        tag = tag_of(sweep.id, sweep.created.isoformat(), str(sweep.done), extension)
+    tag = _tag(sweep, extension)
+    if tag is not None:
         known = unchanged(request, tag)
         if known is not None:
             return known
@@ -207,10 +207,7 @@ async def get_sweep_pareto_png(
     """The drawing, painted. Needs the optional part plots; without it the answer is 501."""
 
     async def paint(drawn: TradeOff) -> bytes:
-        parts.engine.admit()
-        budget_s = parts.settings.budget_s(None)
-        drawing = trade_off(drawn, theme)
-        return await parts.engine.run(rasterised, drawing, width_px, budget_s=budget_s)
+        return await by_worker(parts, partial(rasterised, trade_off(drawn, theme), width_px))
 
     file, asked = Download("pareto.png", PNG), (theme, str(width_px))
     return await _drawn(request, sweep, parts, _axes(minimise, maximise), file, asked, paint)
@@ -231,9 +228,8 @@ async def _drawn(
             f"minimise, maximise: {len(axes)} named. Name two to {MAX_DRAWN} quantities to draw."
         )
     headers = file.headers(sweep.name)
-    if sweep.state not in UNDER_WAY:
-        made_by = (file.ending, repr(axes), *asked)
-        tag = tag_of(sweep.id, sweep.created.isoformat(), str(sweep.done), *made_by)
+    tag = _tag(sweep, file.ending, repr(axes), *asked)
+    if tag is not None:
         known = unchanged(request, tag)
         if known is not None:
             return known
@@ -242,6 +238,13 @@ async def _drawn(
     aims = [Aim(axis.quantity, axis.direction == "maximise") for axis in axes]
     drawn = TradeOff(sweep.name, aims, found.numbers, found.values, found.front, found.left_out)
     return Response(await paint(drawn), 200, headers, file.media_type)
+
+
+def _tag(sweep: SweepRow, *made_by: str) -> str | None:
+    """Tag of what is made of a sweep's items; None until it is over: the next has other bytes."""
+    if sweep.state in UNDER_WAY:
+        return None
+    return tag_of(sweep.id, sweep.created.isoformat(), str(sweep.done), *made_by)
 
 
 def _axes(minimise: list[str], maximise: list[str]) -> list[ParetoAxis]:

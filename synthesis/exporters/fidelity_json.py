@@ -3,23 +3,32 @@
 from __future__ import annotations
 
 import json
+from collections.abc import Mapping
 from dataclasses import asdict
+from typing import Any
 
 from synthesis.design import Design
 from synthesis.exporters.cutting import chosen
 from synthesis.exporters.exporter import Exporter, untold
 from synthesis.exporters.fidelity.block import fidelity_block
-from synthesis.exporters.options import PointOptions
+from synthesis.exporters.options import Options, PointOptions
 from synthesis.exporters.sampling import written_points
 
 
 def _profile(design: Design, options: PointOptions) -> bytes:
     cam = chosen(design, options)
+    return fidelity_file(
+        design, options, fidelity_block(cam, written_points(cam, options), options)
+    )
+
+
+def fidelity_file(design: Design, options: Options, found: Mapping[str, Any]) -> bytes:
+    """What was found, with the design and the options that it belongs to."""
     body = {
         "kind": "fidelity",
         "design": {"id": design.id, "name": design.name, "engine_version": design.engine_version},
         "sampling": asdict(options),
-        **fidelity_block(cam, written_points(cam, options), options),
+        **found,
     }
     return json.dumps(body, ensure_ascii=False, allow_nan=False, indent=1).encode() + b"\n"
 

@@ -2,23 +2,16 @@
 
 from __future__ import annotations
 
-import json
-from dataclasses import asdict
-
 from synthesis.design import Design
 from synthesis.exporters.drives.fidelity import drive_fidelity
 from synthesis.exporters.drives.table import DriveOptions, drive_table
 from synthesis.exporters.exporter import Exporter, untold
+from synthesis.exporters.fidelity_json import fidelity_file
 
 
 def _motion(design: Design, options: DriveOptions) -> bytes:
-    body = {
-        "kind": "fidelity",
-        "design": {"id": design.id, "name": design.name, "engine_version": design.engine_version},
-        "sampling": asdict(options),
-        **drive_fidelity(design, drive_table(design, options), options),
-    }
-    return json.dumps(body, ensure_ascii=False, allow_nan=False, indent=1).encode() + b"\n"
+    found = drive_fidelity(design, drive_table(design, options), options)
+    return fidelity_file(design, options, found)
 
 
 MOTION = Exporter(
