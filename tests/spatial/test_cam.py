@@ -47,5 +47,5 @@ def test_a_narrower_blank_lets_rollers_enter_and_leave_on_the_way() -> None:
 
 
 def test_a_gain_that_is_no_whole_number_of_rollers_is_refused() -> None:
-    with pytest.raises(ValidationError, match=r"0.833333333 times the 72° between two of 5"):
+    with pytest.raises(ValidationError, match=r"0.833333333 times the 72.0° between two of 5"):
         SpatialCamSpec(**body(rollers=5))
