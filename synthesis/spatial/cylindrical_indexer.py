@@ -60,7 +60,7 @@ class CylindricalIndexer(SpatialMachine):
         radius = self.turret_radius_mm
         joint, origin = drum.arm(radius, self.centre_distance_mm or radius)
         width, crown, hand = self.roller_width_mm, self.crown_radius_mm, self.hand
-        return drum.swept(sizes, joint, origin, width, crown, turret.thread(hand, turns))
+        return drum.swept(sizes, joint, origin, width, crown, -turret.thread(hand, turns))
 
     def seats(self) -> tuple[Seat, ...]:
         return turret.seats(self.rollers, self.dwell_on)

@@ -76,7 +76,7 @@ class CylindricalOscillating(SpatialMachine):
         reach = math.hypot(self.arm_mm, 0.5 * (self.roller_distance_mm or 0.0))
         joint, origin = drum.arm(reach, self.pivot_distance_mm or self.arm_mm)
         width, crown = self.roller_width_mm, self.crown_radius_mm
-        return drum.swept(sizes, joint, origin, width, crown, -turns)
+        return drum.swept(sizes, joint, origin, width, crown, turns)
 
     def seats(self) -> tuple[Seat, ...]:
         rest, distance = self.initial_angle_deg * DEGREE, self.roller_distance_mm

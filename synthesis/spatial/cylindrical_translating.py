@@ -42,7 +42,7 @@ class CylindricalTranslating(SpatialMachine):
 
     def swept(self, sizes: Mapping[str, float], turns: int) -> SweptRoller:
         width, crown = self.roller_width_mm, self.crown_radius_mm
-        return drum.swept(sizes, Guide(drum.Z), 0.0 * drum.Z, width, crown, -turns)
+        return drum.swept(sizes, Guide(drum.Z), 0.0 * drum.Z, width, crown, turns)
 
     def seats(self) -> tuple[Seat, ...]:
         return drum.seats(0.0, self.roller_distance_mm)

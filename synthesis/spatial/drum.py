@@ -40,17 +40,17 @@ Sizes = Mapping[str, float]
 def swept(
     sizes: Sizes, joint: Joint, origin: Array, width: float, crown: float | None, hand: int
 ) -> SweptRoller:
-    """The machine with its dimensions settled.
+    """The machine with its dimensions settled; the cam's axis points along z.
 
     Args:
         sizes: ``cylinder_radius_mm`` and ``roller_radius_mm``.
         joint, origin: what the follower moves on, and its roller's place at q = 0.
         width: of the roller, up to the cylinder [mm]. crown: of its outline [mm].
-        hand: +1 where the cam turns about −z as θ grows, −1 about z.
+        hand: +1 where the cam turns about z as θ grows, −1 about −z.
     """
     inner = sizes["cylinder_radius_mm"] - width
     kept = roller.of(sizes["roller_radius_mm"], inner, width, crown)
-    return SweptRoller(0.0 * X, -Z, joint, origin, X, kept, hand)
+    return SweptRoller(0.0 * X, Z, joint, origin, X, kept, hand)
 
 
 def arm(length: float, distance: float) -> tuple[Pivot, Array]:
