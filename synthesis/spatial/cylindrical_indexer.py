@@ -7,6 +7,7 @@ from typing import Annotated, ClassVar, Literal
 
 from pydantic import Field, model_validator
 
+from synthesis.geometry.charts import Chart, Drum
 from synthesis.geometry.swept_roller import SweptRoller
 from synthesis.ranges import Dimension, Range
 from synthesis.spatial import drum, roller, turret
@@ -67,6 +68,9 @@ class CylindricalIndexer(SpatialMachine):
 
     def mesh(self, sizes: Mapping[str, float]) -> tuple[float, float]:
         return turret.mesh(self.rollers, self.mesh_angle_deg)
+
+    def chart(self, sizes: Mapping[str, float]) -> Chart:
+        return Drum()
 
     def check_gain(self, gain: float) -> None:
         turret.check_index(gain, self.rollers)

@@ -7,6 +7,7 @@ from typing import ClassVar, Literal
 
 from pydantic import model_validator
 
+from synthesis.geometry.charts import Chart, Drum
 from synthesis.geometry.swept_roller import Guide, SweptRoller
 from synthesis.ranges import Dimension, Range
 from synthesis.spatial import drum, roller
@@ -49,6 +50,9 @@ class CylindricalTranslating(SpatialMachine):
 
     def mesh(self, sizes: Mapping[str, float]) -> tuple[float, float]:
         return drum.EVERYWHERE
+
+    def chart(self, sizes: Mapping[str, float]) -> Chart:
+        return Drum()
 
     def check_gain(self, gain: float) -> None:
         drum.check_return(gain, self.travel)

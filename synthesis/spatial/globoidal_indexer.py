@@ -8,6 +8,7 @@ from typing import ClassVar, Literal
 import numpy as np
 from pydantic import model_validator
 
+from synthesis.geometry.charts import Chart, Torus
 from synthesis.geometry.swept_roller import Pivot, SweptRoller
 from synthesis.ranges import Dimension, Range
 from synthesis.spatial import roller, turret
@@ -68,6 +69,9 @@ class GloboidalIndexer(SpatialMachine):
 
     def mesh(self, sizes: Mapping[str, float]) -> tuple[float, float]:
         return turret.mesh(self.rollers, self.mesh_angle_deg)
+
+    def chart(self, sizes: Mapping[str, float]) -> Chart:
+        return Torus(sizes["centre_distance_mm"])
 
     def check_gain(self, gain: float) -> None:
         turret.check_index(gain, self.rollers)

@@ -9,6 +9,7 @@ from typing import ClassVar
 
 from pydantic import BaseModel, ConfigDict
 
+from synthesis.geometry.charts import Chart
 from synthesis.geometry.swept_roller import SweptRoller
 from synthesis.ranges import Range
 from synthesis.units import Travel
@@ -59,6 +60,10 @@ class SpatialMachine(BaseModel, ABC):
     @abstractmethod
     def mesh(self, sizes: Mapping[str, float]) -> tuple[float, float]:
         """Least and largest place q of a roller [rad or mm] where the blank still has a wall."""
+
+    @abstractmethod
+    def chart(self, sizes: Mapping[str, float]) -> Chart:
+        """Coordinates that suit its cam's blank."""
 
     @abstractmethod
     def check_gain(self, gain: float) -> None:
