@@ -57,6 +57,8 @@ PLACES = {
     "roller_fills_ring": ("base_radius_mm",),
     "rim_without_ring": ("follower", "closure", "rim_mm"),
     "outer_radius_too_small": ("limits",),
+    "vibration_too_far_off": ("limits",),
+    "no_dwell_to_ring_in": ("limits",),
 }
 SHAPES = ("model_type", "model_attributes_type", "list_type", "dict_type", "float_type")
 OBJECTS = ("model_type", "model_attributes_type", "dict_type")
