@@ -259,8 +259,9 @@ def test_given_laws_that_ring_too_much() -> None:
     (measured,) = (e.value for e in given.extremes if e.limit == "residual_vibration")
     assert told.needed == pytest.approx(measured, rel=1e-9)
     assert told.note == "given laws together leave this much"
-    eased = synthesise(spec(quiet(hertz(1.6), 1.0001 * told.needed),  # type: ignore[operator]
-                            laws=("cycloidal", "parabolic"), dwell=0.0, base_radius_mm=90.0))  # fmt: skip
+    assert told.needed is not None
+    eased = synthesise(spec(quiet(hertz(1.6), 1.0001 * told.needed), dwell=0.0,
+                            laws=("cycloidal", "parabolic"), base_radius_mm=90.0))  # fmt: skip
     assert eased.status == "optimal"
     assert confirm(eased).verdict == "confirmed"
 
