@@ -12,11 +12,10 @@ from scipy.optimize import brentq
 from synthesis.geometry.swept_roller import Contacts, Place, SweptRoller
 from synthesis.motion import Motion
 from synthesis.numerics.piecewise import Array
-from synthesis.spatial.machine import Seat
+from synthesis.spatial.machine import LEFT, Seat
 from synthesis.spatial.spec import SpatialCamSpec
 
 Span = tuple[float, float]
-LEFT, RIGHT = 1, -1
 TRIED = 33  # places on every piece of the motion between which it is followed
 
 
@@ -91,9 +90,7 @@ def in_mesh(
 def walls_of(motion: Motion, seats: Sequence[Seat], mesh: Span) -> tuple[Wall, ...]:
     """The walls that all rollers leave; those that never meet the blank leave none."""
     found = [(seat, in_mesh(motion, seat, mesh)) for seat in seats]
-    return tuple(
-        Wall(seat, side, spans) for seat, spans in found if spans for side in (LEFT, RIGHT)
-    )
+    return tuple(Wall(seat, side, spans) for seat, spans in found if spans for side in seat.sides)
 
 
 def _reaches(motion: Motion, level: float) -> list[float]:

@@ -16,8 +16,8 @@ from synthesis.spatial.spec import SpatialCamSpec
 def body(**changes: Any) -> dict[str, Any]:
     """Six rollers, an index of 60° in 120° of the cam."""
     machine = {
-        "rollers": 6, "centre_distance_mm": 181.3, "roller_radius_mm": 29.1,
-        "roller_inner_mm": 71.9, "roller_width_mm": 30.5,
+        "kind": "globoidal_indexer", "rollers": 6, "centre_distance_mm": 181.3,
+        "roller_radius_mm": 29.1, "roller_inner_mm": 71.9, "roller_width_mm": 30.5,
     }  # fmt: skip
     rise = {"kind": "rise", "angle_deg": 120, "lift_deg": 60, "law": {"kind": "cycloidal"}}
     return {
