@@ -29,6 +29,7 @@ class GloboidalIndexer(SpatialMachine):
     kind: Literal["globoidal_indexer"] = "globoidal_indexer"
     title: ClassVar[str] = "globoidal indexer"
     travel: ClassVar[Travel] = Travel("deg", DEGREE)
+    period: ClassVar[float] = FULL_TURN
 
     rollers: Annotated[int, Field(ge=3, le=64, description="Rollers on the turret.")]
     hand: Annotated[Literal["left", "right"], Field(description="Hand of the cam's thread.")] = (
