@@ -14,12 +14,11 @@ from scipy.optimize import brentq
 from synthesis.geometry.swept_roller import Contacts, Place, SweptRoller
 from synthesis.motion import Motion
 from synthesis.numerics.piecewise import Array
-from synthesis.spatial.machine import Seat
+from synthesis.spatial.machine import LEFT, Seat
 from synthesis.spatial.spec import SpatialCamSpec
 from synthesis.units import FULL_TURN
 
 Span = tuple[float, float]
-LEFT, RIGHT = -1, 1
 TRIED = 33  # places on every piece of the motion between which it is followed
 
 
@@ -28,8 +27,8 @@ class Wall:
     """What one side of one roller leaves of the cam in one turn.
 
     Attributes:
-        seat: the roller. side: RIGHT for its side in the direction of growing q, LEFT for the
-            other: as seen from the cam, with the turret's axis z upwards.
+        seat: the roller. side: RIGHT for the one ahead of it as q grows, LEFT for the other; so
+            they appear from the cam, where a turret turns counter-clockwise seen from above.
         spans: cam angles between which the roller meets the blank [rad].
     """
 
@@ -118,9 +117,7 @@ def walls_of(
 ) -> tuple[Wall, ...]:
     """The walls that all rollers leave; those that never meet the blank leave none."""
     found = [(seat, in_mesh(motion, seat, mesh, period)) for seat in seats]
-    return tuple(
-        Wall(seat, side, spans) for seat, spans in found if spans for side in (LEFT, RIGHT)
-    )
+    return tuple(Wall(seat, side, spans) for seat, spans in found if spans for side in seat.sides)
 
 
 def _reaches(motion: Motion, level: float) -> list[float]:

@@ -14,6 +14,8 @@ from synthesis.geometry.swept_roller import SweptRoller
 from synthesis.ranges import Range
 from synthesis.units import Travel
 
+LEFT, RIGHT = -1, 1
+
 
 @dataclass(frozen=True)
 class Seat:
@@ -21,10 +23,12 @@ class Seat:
 
     Attributes:
         number: as it is named, from 1. start: what is added to the motion's q [rad or mm].
+        sides: of the roller that run on the cam, +1 the one in the direction of growing q.
     """
 
     number: int
     start: float
+    sides: tuple[int, ...] = (LEFT, RIGHT)
 
 
 class SpatialMachine(BaseModel, ABC):
@@ -69,3 +73,7 @@ class SpatialMachine(BaseModel, ABC):
         Raises:
             PydanticCustomError: the next turn would not find a roller where this one ended.
         """
+
+    def check_reach(self, lowest: float, highest: float) -> None:
+        """Refuse a program that brings the follower where it cannot be [rad or mm]."""
+        return None

@@ -62,7 +62,9 @@ class SpatialCamSpec(BaseModel):
                  "difference": round(abs(360.0 - turn), 9)},
             )  # fmt: skip
         self.machine.check_gain(self.gain)
-        self.stretches()
+        placed = self.stretches()
+        levels = [level for each in placed for level in (each.s_start, each.highest)]
+        self.machine.check_reach(min(*levels, placed[-1].s_end), max(levels))
         return self
 
     @property

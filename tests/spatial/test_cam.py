@@ -17,8 +17,8 @@ from synthesis.spatial.spec import SpatialCamSpec
 def body(**changes: Any) -> dict[str, Any]:
     """Six rollers, an index of 60° in 120° of the cam."""
     machine = {
-        "rollers": 6, "centre_distance_mm": 181.3, "roller_radius_mm": 29.1,
-        "roller_inner_mm": 71.9, "roller_width_mm": 30.5,
+        "kind": "globoidal_indexer", "rollers": 6, "centre_distance_mm": 181.3,
+        "roller_radius_mm": 29.1, "roller_inner_mm": 71.9, "roller_width_mm": 30.5,
     }  # fmt: skip
     rise = {"kind": "rise", "angle_deg": 120, "lift_deg": 60, "law": {"kind": "cycloidal"}}
     return {
@@ -70,6 +70,28 @@ def test_a_turret_of_three_meets_each_roller_though_it_goes_on_by_a_whole_turn()
     q = cam.motion.derivatives(at, 0)[0]
     there = [np.cos(wall.seat.start + q) > 0.0 for wall in cam.walls[::2]]
     assert total / (2.0 * math.pi) == pytest.approx(np.sum(there) / len(at), abs=2e-3)
+
+
+@pytest.mark.parametrize("rotation", ["ccw", "cw"])
+@pytest.mark.parametrize("hand", ["left", "right"])
+@pytest.mark.parametrize("kind", ["globoidal_indexer", "cylindrical_indexer"])
+def test_a_right_hand_thread_is_a_right_hand_screw(kind: str, hand: str, rotation: str) -> None:
+    """Along a groove, away from the eye, the thread turns clockwise: a right-hand helix."""
+    sizes = {"globoidal_indexer": {}, "cylindrical_indexer": {
+        "turret_radius_mm": 87.1, "cylinder_radius_mm": 101.3}}[kind]  # fmt: skip
+    machine = body(kind=kind, hand=hand)["machine"] | sizes
+    if kind == "cylindrical_indexer":
+        machine = {k: v for k, v in machine.items() if k not in ("roller_inner_mm",)}
+    cam = cam_of(SpatialCamSpec(**body() | {"machine": machine, "rotation": rotation}))
+    e = cam.swept.axis
+    wall = next(wall for wall in cam.walls if wall.name == "2L")
+    theta = np.linspace(0.6, 1.4, 9)
+    points, _ = cam.surface(wall, theta, np.array([cam.swept.roller.middle]))
+    along = e @ points[:, :, 0]
+    across = points[:, :, 0] - np.outer(e, along)
+    turn = np.cross(across[:, :-1], across[:, 1:], axis=0)
+    helix = np.sign((e @ turn) * np.diff(along))
+    assert np.all(helix == (1.0 if hand == "right" else -1.0))
 
 
 def test_a_gain_that_is_no_whole_number_of_rollers_is_refused() -> None:
