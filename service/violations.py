@@ -58,6 +58,8 @@ PLACES = {
     "roller_fills_ring": ("base_radius_mm",),
     "rim_without_ring": ("follower", "closure", "rim_mm"),
     "outer_radius_too_small": ("limits",),
+    "vibration_too_far_off": ("limits",),
+    "no_dwell_to_ring_in": ("limits",),
     "crown_too_round": ("machine", "crown_radius_mm"),
     "roller_reaches_axis": ("machine", "roller_width_mm"),
     "rollers_touch": ("machine", "roller_distance_mm"),
