@@ -13,7 +13,7 @@ import pytest
 from benchmarks.proof import SCENES
 from service.solve import solve
 from service.sweeps.chunks import CHAIN, Chunks
-from service.sweeps.work import solve_items
+from service.sweeps.work import ItemAnswer, solve_items
 from synthesis.design import Design, design_id
 from synthesis.pipeline import synthesise
 from synthesis.spec import DesignSpec
@@ -90,8 +90,11 @@ def warm() -> list[Design]:
     base = SCENE.spec().model_dump(mode="json")
     sweep = SweepSpec.model_validate({"base": base, "axes": [AXIS], "warm_start": True})
     wanted = [(number, sweep.picks(number)) for number in range(sweep.size)]
-    found = solve_items(sweep.model_dump_json().encode(), wanted, 60.0, solve)
-    assert [answer.near is None for answer in found] == [True, True, False]
+    body, found, near = sweep.model_dump_json().encode(), list[ItemAnswer](), None
+    while len(found) < sweep.size:  # a busy machine's time slices end between them
+        found += solve_items(body, wanted[len(found) :], 60.0, solve, near)
+        near = found[-1].near
+        assert near is not None
     return [Design.model_validate_json(zlib.decompress(answer.design or b"")) for answer in found]
 
 
