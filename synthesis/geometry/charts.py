@@ -38,17 +38,17 @@ class Chart(ABC):
     def nominal(self, value: Array) -> Array:
         """Depth of a place ρ on a roller that stands square to the blank; and back [mm]."""
 
+    @abstractmethod
     def beside(self, across: Array, place: Array) -> Array:
         """The same places across, told as they lie beside others: angles of any turn."""
-        return across
 
     @abstractmethod
     def level(self, depth: Array, height: float) -> Array:
         """Places across that lie at a height along the cam's axis [mm]."""
 
+    @abstractmethod
     def sag(self, depth: Array, width: Array) -> Array:
         """How far lines across of these widths are from their parts' chords [mm]."""
-        return 0.0 * depth
 
     def points(self, turn: Array, depth: Array, across: Array) -> Array:
         """Points (3, …) of the cam's frame [mm]."""
@@ -104,3 +104,9 @@ class Drum(Chart):
 
     def level(self, depth: Array, height: float) -> Array:
         return np.full_like(depth, height)
+
+    def beside(self, across: Array, place: Array) -> Array:
+        return across
+
+    def sag(self, depth: Array, width: Array) -> Array:
+        return 0.0 * depth

@@ -38,7 +38,8 @@ class BlankOptions(Options):
             gt=0.0,
             le=1e5,
             description="Width between two flat ends, midway between them the common "
-            "perpendicular; left out: as far as rollers are in mesh, or one radius of the roller beyond them.",
+            "perpendicular; left out: as far as rollers are in mesh, or "
+            "one radius of the roller beyond their grooves.",
         ),
     ] = None
     tip_clearance_mm: Annotated[

@@ -8,6 +8,7 @@ so that ribs begin and end there; what such walls enclose has no volume.
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 
 import numpy as np
@@ -18,6 +19,7 @@ from synthesis.spatial.blank import Blank
 from synthesis.spatial.grooves import Cuts, Grooves
 from synthesis.units import FULL_TURN
 
+THREAD = 1e-5  # of the blank's width
 SEEN = 90  # rows at which the body is compared with the true one
 
 
@@ -110,7 +112,14 @@ def ribs_of(blank: Blank, low: Array, high: Array) -> Array:
     ends = np.clip(np.concatenate([low, last]), blank.low, blank.high)
     gone = starts > ends
     middle = 0.5 * (starts + ends)
-    return np.stack([np.where(gone, middle, starts), np.where(gone, middle, ends)])
+    starts, ends = np.where(gone, middle, starts), np.where(gone, middle, ends)
+    # what is left of a rib beside a flat end may hang over the floor; it must not only touch it
+    hung = (starts[..., -1] == ends[..., -1]) & (starts[..., -2] < ends[..., -2])
+    below = hung & (starts[..., -1] > blank.low[-1])
+    thread = THREAD * (blank.high[-1] - blank.low[-1])
+    starts[..., -1] -= np.where(below, thread, 0.0)
+    ends[..., -1] += np.where(hung & ~below, thread, 0.0)
+    return np.stack([starts, ends])
 
 
 def flank_error(cuts: Cuts, body: Body) -> float:
@@ -126,16 +135,19 @@ def flank_error(cuts: Cuts, body: Body) -> float:
     low, high = (0.5 * (each[1:] + each[:-1]) for each in (blank.low, blank.high))
     between = Blank(blank.chart, depth, low, high, blank.bore)
     true = ribs_of(between, grooves.low[body.kept], grooves.high[body.kept])
-    corners = np.stack([body.ribs[:, :, seen + i][..., j : len(depth) + j] for i in (0, 1) for j in (0, 1)])  # fmt: skip
+    steps = [(i, slice(j, len(depth) + j)) for i in (0, 1) for j in (0, 1)]
+    corners = np.stack([body.ribs[:, :, seen + i][..., each] for i, each in steps])
     inside = (corners > np.max(blank.low)) & (corners < np.min(blank.high))
     whole = np.all(inside & (corners[:, :1] < corners[:, 1:]), axis=0)
-    cell = [blank.chart.points(np.array(i * step), blank.depth[j : len(depth) + j], corners[2 * i + j])
-            for i in (0, 1) for j in (0, 1)]  # fmt: skip
+    cell = [
+        blank.chart.points(np.array(i * step), blank.depth[each], corner)
+        for (i, each), corner in zip(steps, corners, strict=True)
+    ]
     normal = cross(cell[3] - cell[0], cell[2] - cell[1])
     middle = blank.chart.points(np.array(0.5 * step), depth, true)
     with np.errstate(invalid="ignore"):
-        away = np.abs(dot(sum(cell) / 4.0 - middle, normal)) / norm(normal)
-    chord = float(np.max(body.radius)) * (1.0 - np.cos(0.5 * step))
+        away = np.abs(dot(np.mean(cell, axis=0) - middle, normal)) / norm(normal)
+    chord = float(np.max(body.radius)) * (1.0 - math.cos(0.5 * step))
     wide = blank.chart.sag(blank.depth, (body.ribs[1] - body.ribs[0]).max(axis=(0, 1)))
     return max(chord, float(np.max(wide)), float(np.max(away, where=whole, initial=0.0)))
 

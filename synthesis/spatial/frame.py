@@ -11,13 +11,13 @@ from synthesis.numerics.piecewise import Array
 
 TOLD = (
     "Fixed to the cam, right-handed, lengths in mm: z along the cam's axis, x at cam angle 0 "
-    "towards the middle of a roller whose place is 0."
+    "parallel to the axis of a roller whose place is 0, from the cam towards the roller."
 )
 
 
 @dataclass(frozen=True, eq=False)
 class CamFrame:
-    """z along the cam's axis, x at θ = 0 towards the middle of a roller at q = 0.
+    """z along the cam's axis, x at θ = 0 along the axis of a roller at q = 0, towards it.
 
     Its origin lies on the axis: at the foot of the common perpendicular of a turret.
 
@@ -32,7 +32,8 @@ class CamFrame:
     def of(cls, swept: SweptRoller) -> CamFrame:
         """The frame of a machine's cam."""
         away = swept.origin + swept.roller.middle * swept.along - swept.centre
-        across = away - np.dot(away, swept.axis) * swept.axis
+        along = np.copysign(1.0, np.dot(away, swept.along)) * swept.along
+        across = along - np.dot(along, swept.axis) * swept.axis
         x = across / np.linalg.norm(across)
         return cls(swept, np.stack([x, np.cross(swept.axis, x), swept.axis]))
 

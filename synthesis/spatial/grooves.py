@@ -8,11 +8,11 @@ follow from two equations, by Newton's method for all rows and depths at once.
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
 from synthesis.errors import InputError
 from synthesis.geometry.charts import Chart
@@ -70,9 +70,9 @@ class Cuts:
     mesh: tuple[float, float]
 
     @classmethod
-    def of(cls, cam: SpatialCam, machine: SpatialMachine, sizes: Mapping[str, float]) -> Cuts:
-        """Of a machine's cam with these dimensions [mm]."""
-        return cls(cam, machine, machine.chart(sizes), machine.mesh(sizes))
+    def of(cls, cam: SpatialCam, machine: SpatialMachine) -> Cuts:
+        """Of a machine's cam."""
+        return cls(cam, machine, machine.chart(cam.sizes), machine.mesh(cam.sizes))
 
     def laid(self, point: Array) -> tuple[Array, Array, Array]:
         """Angle about the cam's axis, depth and place across of points of the machine's frame.
@@ -109,8 +109,10 @@ class Cuts:
             InputError: a wall is undercut, or has a step, so that there is no single place.
         """
         seats = self._seats()
-        low = np.stack([self._wall(seat, RIGHT, turn, depth) for seat in seats])
-        high = np.stack([self._wall(seat, LEFT, turn, depth) for seat in seats])
+        low, high = (
+            np.stack([self._wall(seat, side, turn, depth) for seat in seats])
+            for side in (LEFT, RIGHT)
+        )
         return Grooves(low, high, self._shift([seat.start for seat in seats]))
 
     def _seats(self) -> list[Seat]:
@@ -160,9 +162,7 @@ class Cuts:
         solved = wrong < WRONG
         met = (q > self.mesh[0]) & (q < self.mesh[1])
         self._check(t, met & ~(solved & (found.regular > 0.0)), side)
-        away = np.where(
-            q > 0.5 * (max(self.mesh[0], -1e9) + min(self.mesh[1], 1e9)), np.inf, -np.inf
-        )
+        away = np.where(q > np.clip(0.0, *self.mesh), np.inf, -np.inf)
         return np.where(solved, found.across, away)
 
     def _solved(self, seat: Seat, side: int, t: Array, d: Array) -> tuple[_Laid, Array]:
@@ -181,17 +181,17 @@ class Cuts:
         wrong = np.maximum(np.abs(turned), np.abs(sunk))
         return found, np.where(np.isfinite(wrong), wrong, np.inf)
 
-    def _check(self, t: Array, bad: Array, side: int) -> None:
+    def _check(self, t: Array, bad: NDArray[np.bool_], side: int) -> None:
         """Refuse what a graph over the turn cannot show."""
         if not np.any(bad):
             return
         angle = t[int(np.argmax(bad))] / DEGREE % 360.0
+        which = "right" if side == RIGHT else "left"
         raise InputError(
             "/machine",
             self.machine.kind,
-            f"Near cam angle {angle:.4g}° the wall on the {'far' if side == LEFT else 'near'} side "
-            "of a roller is undercut, has a step, or lies off the blank: the rollers leave no "
-            "such body.",
+            f"Near cam angle {angle:.4g}° the wall on the {which} side of a roller is undercut, "
+            "has a step, or lies off the blank: the rollers leave no such body.",
             "Take smaller rollers, a gentler law there or a smaller mesh angle; the flanks' points "
             "can be had as they are.",
         )

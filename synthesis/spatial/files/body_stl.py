@@ -39,7 +39,7 @@ class StlOptions(BlankOptions):
 
 def _body(design: SpatialDesign, options: StlOptions) -> Made:
     _check(design, options)
-    cuts = Cuts.of(design.cam, design.spec.machine, design.dimensions)
+    cuts = Cuts.of(design.cam, design.spec.machine)
     blank = Blank.of(cuts, options, options.depths)
     body = body_of(cuts, blank, round(360.0 * options.points_per_degree))
     mesh = mesh_of(body)
@@ -64,7 +64,7 @@ def _written(mesh: Mesh, title: str) -> bytes:
 
 def _check(design: SpatialDesign, options: StlOptions) -> None:
     """Refuse before anything is computed."""
-    parts = design.spec.machine.chart(design.dimensions).parts
+    parts = design.spec.machine.chart(design.cam.sizes).parts
     grooves = len(design.walls) // 2 + 2
     columns = (grooves + 1) * 2 * (options.depths - 1 + parts)
     count = 2 * columns * 360.0 * options.points_per_degree

@@ -46,7 +46,7 @@ def _columns(each: Patch) -> list[Column]:
     nx, ny, nz = each.normals.reshape(3, -1)
     return [
         Column("roller", "1", "number of the roller", np.full(len(rho), each.wall.seat.number)),
-        Column("side", "1", "1: L, -1: R", np.full(len(rho), each.wall.side)),
+        Column("side", "1", "1: R, -1: L", np.full(len(rho), each.wall.side)),
         Column("theta_deg", "deg", "cam angle", theta / DEGREE),
         Column("rho_mm", "mm", "place on the roller's axis", rho),
         *(Column(f"{name}_mm", "mm", "point of the flank", values)
@@ -92,7 +92,7 @@ def _flank(each: Patch) -> dict[str, Any]:
     return {
         "name": each.name,
         "roller": each.wall.seat.number,
-        "side": each.wall.name[-1],
+        "side": each.wall.letter,
         "theta_deg": (each.theta / DEGREE).tolist(),
         "rho_mm": each.rho.tolist(),
         "points_mm": _rows(each.points),

@@ -34,8 +34,8 @@ Flank = Annotated[
     str,
     Field(
         max_length=8,
-        description="One flank by its name, as in `2L`: the side to which the follower moves as "
-        "its travel grows, of roller 2. Left out: all.",
+        description="One flank by its name, as in `2R`: of roller 2, the one on the side to which "
+        "the follower moves as its travel grows. Left out: all.",
     ),
 ]
 
