@@ -99,6 +99,10 @@ def test_tables_tell_the_same(design: SpatialDesign) -> None:
     assert np.array_equal(table, points.reshape(-1, 3))
     assert {(row["roller"], row["side"]) for row in rows} == {("2", "-1")}
     assert [float(row["rho_mm"]) for row in rows[:4]] == flank["rho_mm"]
+    # out of the cam is towards the roller's axis
+    theta = np.radians(np.repeat(flank["theta_deg"], 4))
+    off = (points + 0.7 * np.array(flank["normals"])).reshape(-1, 3)
+    assert seen_by_roller(off, theta, 2)[0] == pytest.approx(SIZES["radius"] - 0.7, abs=1e-9)
     # a chord is square to the mean of the normals at its ends, but for its cube
     normals = np.array(flank["normals"])
     assert np.linalg.norm(normals, axis=-1) == pytest.approx(1.0, abs=1e-12)
