@@ -57,6 +57,15 @@ PLACES = {
     "roller_fills_ring": ("base_radius_mm",),
     "rim_without_ring": ("follower", "closure", "rim_mm"),
     "outer_radius_too_small": ("limits",),
+    "load_does_not_suit": ("load", "kind"),
+    "nothing_presses_follower": ("load",),
+    "friction_does_not_suit": ("load", "friction"),
+    "friction_needs_sense": ("load", "friction"),
+    "overhang_too_short": ("load", "friction", "overhang_mm"),
+    "limit_needs_load": ("limits", "{position}"),
+    "limit_needs_contact": ("limits", "{position}"),
+    "never_floats": ("limits", "{position}", "min_n"),
+    "edge_has_no_pressure": ("limits", "{position}"),
 }
 SHAPES = ("model_type", "model_attributes_type", "list_type", "dict_type", "float_type")
 OBJECTS = ("model_type", "model_attributes_type", "dict_type")

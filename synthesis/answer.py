@@ -10,7 +10,7 @@ from math import isfinite
 
 import numpy as np
 
-from synthesis.certify import certify, certify_size, measure
+from synthesis.certify import certify, certify_size, forces, measure
 from synthesis.design import (
     Certificate,
     Conflict,
@@ -204,6 +204,7 @@ def design(
         objectives={p.objective: p.value for p in proven if p.value is not None},
         motion=[] if cam is None else _segments(spec, cam),
         extremes=list(extremes),
+        forces=None if cam is None else forces(cam.motion, spec.machine(), cam.size),
         certificate=Certificate(certified=certified, also=list(proven[1:]), **first.model_dump()),
         conflict=conflict,
         report=Report(stages=list(stages), seconds=seconds),
