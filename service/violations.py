@@ -47,6 +47,7 @@ PLACES = {
     "spline_too_rough": ("program", "{position}", "law"),
     "face_turns_with_cam": ("program",),
     "face_swings_too_far": ("follower", "centre_distance_mm"),
+    "index_not_whole": ("program",),
     "cam_off_the_shaft": ("cams", "{position}", "spec", "{field}"),
     "axis_leads_nowhere": ("axes", "{position}", "{name}"),
     "axes_share_a_field": ("axes", "{position}", "{name}"),
@@ -66,6 +67,12 @@ PLACES = {
     "limit_needs_contact": ("limits", "{position}"),
     "never_floats": ("limits", "{position}", "min_n"),
     "edge_has_no_pressure": ("limits", "{position}"),
+    "vibration_too_far_off": ("limits",),
+    "no_dwell_to_ring_in": ("limits",),
+    "crown_too_round": ("machine", "crown_radius_mm"),
+    "roller_reaches_axis": ("machine", "roller_width_mm"),
+    "rollers_touch": ("machine", "roller_distance_mm"),
+    "arm_along_cam": ("machine", "initial_angle_deg"),
 }
 SHAPES = ("model_type", "model_attributes_type", "list_type", "dict_type", "float_type")
 OBJECTS = ("model_type", "model_attributes_type", "dict_type")

@@ -18,6 +18,7 @@ from synthesis.limits.jerk import Jerk
 from synthesis.limits.outer_radius import OuterRadius
 from synthesis.limits.pressure_angle import PressureAngle
 from synthesis.limits.profile_radius import ProfileRadius
+from synthesis.limits.residual_vibration import ResidualVibration
 from synthesis.limits.velocity import Velocity
 
 AnyLimit = Annotated[
@@ -32,7 +33,8 @@ AnyLimit = Annotated[
     | CounterBaseRadius
     | ContactForce
     | HertzPressure
-    | CamshaftTorque,
+    | CamshaftTorque
+    | ResidualVibration,
     Field(discriminator="kind"),
 ]
 

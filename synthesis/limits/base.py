@@ -13,7 +13,7 @@ from synthesis.followers.base import Follower
 from synthesis.forces import Load, Reduced
 from synthesis.motion import Stretch
 from synthesis.numerics.piecewise import Array
-from synthesis.terms import Cone, Curved, Implied, Row, Traced
+from synthesis.terms import Cone, Curved, Implied, Ringing, Row, Traced
 
 
 @dataclass(frozen=True)
@@ -55,6 +55,7 @@ class Claim:
         part: first and last x, in [0, 1], of these stretches where it must hold; None: all along.
         exact: the quantity has one value there; the bounds leave no more than rounding.
         flank: name of the flank that is measured, where it is not the first.
+        rings: what is left where runs of these stretches end; the largest of it is measured.
     """
 
     limit: str
@@ -69,6 +70,7 @@ class Claim:
     part: tuple[float, float] | None = None
     exact: bool = False
     flank: str = ""
+    rings: tuple[Ringing, ...] = ()
 
 
 class Limit(BaseModel, ABC):
@@ -106,6 +108,10 @@ class Limit(BaseModel, ABC):
         """Refuse a limit on forces that are not told enough of; ``position``: of the limit."""
         return None
 
+    def check_motion(self, stretches: Sequence[Stretch], machine: Machine) -> None:
+        """Refuse a value that makes no sense for such a program at such a speed."""
+        return None
+
     def rows(self, stretch: Stretch, machine: Machine) -> tuple[Row, ...]:
         """Linear rows on one stretch; for a limit that is not convex, those it implies."""
         return ()
@@ -124,6 +130,10 @@ class Limit(BaseModel, ABC):
 
     def cones(self, stretches: Sequence[Stretch], machine: Machine) -> tuple[Cone, ...]:
         """Cones on the size variables."""
+        return ()
+
+    def ringing(self, stretches: Sequence[Stretch], machine: Machine) -> tuple[Ringing, ...]:
+        """What the motion may leave oscillators ringing with."""
         return ()
 
     def smooth(
