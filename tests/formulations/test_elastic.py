@@ -327,8 +327,11 @@ def test_a_jump_that_a_limit_may_have() -> None:
     assert needed.needed == pytest.approx(4.0 / 3.0 * needed.asked, rel=1e-9)
 
 
+ABOVE = (rise(131.7), dwell(31.0), fall(197.3))  # a dwell there leaves the base circle free
+
+
 def test_only_limits_that_are_not_convex_are_left() -> None:
-    spec = scene(PLAIN, angles(30.0, 44.0), {"kind": "profile_radius", "min_mm": 300.0},
+    spec = scene(ABOVE, angles(30.0, 44.0), {"kind": "profile_radius", "min_mm": 300.0},
                  base={"max": 60.0})  # fmt: skip
     asked = problem(spec)
     found = diagnose(spec, asked, even(asked, 12))
