@@ -59,6 +59,10 @@ TAGS = [
     {"name": "analyses", "description": "What a cam does that is given in full."},
     {"name": "cam sets", "description": "Several cams on one shaft, with their phases."},
     {"name": "spatial cams", "description": "Cams for rollers whose axes lie across the cam's."},
+    {
+        "name": "files of spatial cams",
+        "description": "Their flanks as points, the whole cam as a body.",
+    },
     {"name": "sweeps", "description": "Many designs out of one, and their trade-offs."},
     {"name": "files", "description": "Points and curves of a finished design."},
     {"name": "catalogue", "description": "What a spec may name, and what this server allows."},

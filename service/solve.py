@@ -12,8 +12,10 @@ from service.links import design_links, set_links, spatial_links
 from synthesis.camset_spec import CamSetSpec
 from synthesis.design import Design
 from synthesis.exporters import DRAWINGS, Exporter, Made, Options
+from synthesis.exporters.exporter import FileFormat
 from synthesis.findings import Analysis
 from synthesis.objectives import Objective
+from synthesis.spatial.design import SpatialDesign
 from synthesis.spatial.spec import SpatialCamSpec
 from synthesis.spec import DesignSpec
 
@@ -176,6 +178,14 @@ def file_of(design: bytes, exporter: Exporter[Any], options: Any) -> Made:
     finished = Design.model_validate_json(design)
     if not (finished.motion or exporter.without_cam):
         raise NothingFits("No cam fits these limits: see conflict in the design for what would.")
+    return exporter.whole(finished, options)
+
+
+def spatial_file_of(design: bytes, exporter: FileFormat[SpatialDesign, Any], options: Any) -> Made:
+    """A file of a finished spatial cam; in a thread of the service, or in a worker process."""
+    finished = SpatialDesign.model_validate_json(design)
+    if not finished.motion:
+        raise NothingFits("No cam fits these limits, so there is none to write.")
     return exporter.whole(finished, options)
 
 

@@ -83,4 +83,5 @@ STL = FileFormat(
     "The cam with its hub, cut from a turned blank, as a closed mesh in mm: for viewers, printing, "
     "or a first look in CAD. How far it is from the true surface is told in the header "
     "Camwright-Surface-Error-Mm.",
+    apart=True,
 )  # fmt: skip
