@@ -74,13 +74,14 @@ def contact_force(view: View, path: str) -> arb_series:
     touching = contact(view, path)
     n, w = touching.normal(), view.driven(touching.curve())
     metre = 1 if view.link.pivot is None else 1000  # N m over mm
-    return view.drive * metre * dot(n, n).sqrt() / dot(n, w)
+    found: arb_series = view.drive * metre * dot(n, n).sqrt() / dot(n, w)
+    return found
 
 
 def camshaft_torque(view: View, path: str) -> arb_series:
     """T [N m]."""
     assert view.drive is not None
-    work = view.drive * view.moved.derivative()
+    work: arb_series = view.drive * view.moved.derivative()
     return work if view.link.pivot is not None else work / 1000
 
 
@@ -89,11 +90,12 @@ def pressure_square(view: View, path: str) -> arb_series:
     flank, touching = view.flank, contact(view, path)
     assert flank is not None
     force = contact_force(view, path) * flank.side
-    if view.link.face is not None:
-        return force / touching.radius()
     bend = curvature(view, path) * flank.side
-    together = bend / (1 - bend * arb(flank.distance)) + 1 / arb(flank.roller)
-    found: arb_series = force * together
+    found: arb_series = (
+        force / touching.radius()
+        if view.link.face is not None
+        else force * (bend / (1 - bend * arb(flank.distance)) + 1 / arb(flank.roller))
+    )
     return found
 
 
