@@ -8,12 +8,13 @@ from dataclasses import dataclass, field
 from typing import Any
 
 from service.errors import NothingFits
-from service.links import design_links, set_links
+from service.links import design_links, set_links, spatial_links
 from synthesis.camset_spec import CamSetSpec
 from synthesis.design import Design
 from synthesis.exporters import DRAWINGS, Exporter, Made, Options
 from synthesis.findings import Analysis
 from synthesis.objectives import Objective
+from synthesis.spatial.spec import SpatialCamSpec
 from synthesis.spec import DesignSpec
 
 
@@ -87,6 +88,20 @@ def solve_set(spec: bytes, budget_s: float) -> Answer:
     summary = {"cams": len(found.cams), "fitting": sum(cam.has_cam for cam in found.cams)}
     body = found.model_dump_json().encode()
     return Answer(body, found.status, summary, time.monotonic() - started)
+
+
+def solve_spatial(spec: bytes, budget_s: float) -> Answer:
+    """Design a spatial cam; runs in a worker process."""
+    from synthesis.spatial.pipeline import synthesise_spatial
+
+    started = time.monotonic()
+    asked = SpatialCamSpec.model_validate_json(spec)
+    found = synthesise_spatial(asked, deadline=started + budget_s)
+    links = spatial_links(found.id, has_cam=bool(found.motion))
+    found = found.model_copy(update={"links": links})
+    summary = {"machine": found.machine, "dimensions": found.dimensions}
+    body = found.model_dump_json().encode()
+    return Answer(body, found.status, summary, time.monotonic() - started, {}, found.id)
 
 
 def analyse(spec: bytes, budget_s: float) -> Answer:
