@@ -50,5 +50,8 @@ class CylindricalTranslating(SpatialMachine):
     def mesh(self, sizes: Mapping[str, float]) -> tuple[float, float]:
         return drum.EVERYWHERE
 
+    def cylinder(self, sizes: Mapping[str, float]) -> tuple[float, float]:
+        return drum.cylinder(sizes, self.roller_width_mm)
+
     def check_gain(self, gain: float) -> None:
         drum.check_return(gain, self.travel)

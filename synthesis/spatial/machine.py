@@ -66,6 +66,10 @@ class SpatialMachine(BaseModel, ABC):
     def mesh(self, sizes: Mapping[str, float]) -> tuple[float, float]:
         """Least and largest place q of a roller [rad or mm] where the blank still has a wall."""
 
+    def cylinder(self, sizes: Mapping[str, float]) -> tuple[float, float] | None:
+        """Radii between which cylinders cut its cam's walls [mm]; None: it has no such walls."""
+        return None
+
     @abstractmethod
     def check_gain(self, gain: float) -> None:
         """Refuse a program that moves the follower by ``gain`` in a turn [rad or mm].
