@@ -31,6 +31,7 @@ from service.routes import (
     operation,
     profile_analyses,
     spatial_cams,
+    spatial_files,
     sweep_items,
     sweeps,
 )
@@ -41,8 +42,8 @@ from service.sweeps.sweeps import Sweeps
 
 EngineOf = Callable[[Settings], AbstractAsyncContextManager[Engine]]
 ROUTES = (
-    designs, confirmation, files, cam_sets, spatial_cams, sweeps, sweep_items, analyses,
-    analysis_pictures, profile_analyses, catalogue, operation,
+    designs, confirmation, files, cam_sets, spatial_cams, spatial_files, sweeps, sweep_items,
+    analyses, analysis_pictures, profile_analyses, catalogue, operation,
 )  # fmt: skip
 EXPOSED = (
     "Accept-Ranges", "Content-Location", "Content-Range", "ETag", "Location", "Retry-After",

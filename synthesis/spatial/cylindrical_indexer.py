@@ -25,6 +25,7 @@ class CylindricalIndexer(SpatialMachine):
     kind: Literal["cylindrical_indexer"] = "cylindrical_indexer"
     title: ClassVar[str] = "cylindrical (barrel) indexer"
     travel: ClassVar[Travel] = Travel("deg", DEGREE)
+    unrolls: ClassVar[bool] = True
     period: ClassVar[float] = FULL_TURN
 
     rollers: turret.Rollers

@@ -28,6 +28,7 @@ class CylindricalOscillating(SpatialMachine):
     kind: Literal["cylindrical_oscillating"] = "cylindrical_oscillating"
     title: ClassVar[str] = "cylindrical cam, follower on an arm"
     travel: ClassVar[Travel] = Travel("deg", DEGREE)
+    unrolls: ClassVar[bool] = True
 
     arm_mm: Annotated[
         float,

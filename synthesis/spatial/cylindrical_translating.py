@@ -23,6 +23,7 @@ class CylindricalTranslating(SpatialMachine):
     kind: Literal["cylindrical_translating"] = "cylindrical_translating"
     title: ClassVar[str] = "cylindrical cam, follower on a slide"
     travel: ClassVar[Travel] = Travel()
+    unrolls: ClassVar[bool] = True
 
     cylinder_radius_mm: Dimension = None
     roller_radius_mm: Dimension = None

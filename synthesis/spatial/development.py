@@ -59,7 +59,7 @@ def path(cam: SpatialCam, seat: Seat, theta: Array, radius: float) -> Line:
     y, z = _beside(cam, cam.place(seat, theta))
     rho = _root(radius**2 - y**2)
     phi = theta - cam.swept.hand * np.arctan2(y, rho)
-    return Line(seat, 0, theta, phi, z, rho)
+    return Line(seat, 0, theta, phi, np.where(np.isnan(rho), np.nan, z), rho)
 
 
 def wall(cam: SpatialCam, which: Wall, theta: Array, radius: float) -> Line:

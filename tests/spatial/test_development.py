@@ -9,7 +9,7 @@ import pytest
 from scipy.spatial import KDTree
 
 from synthesis.spatial.development import departures, path, wall
-from tests.spatial.drums import OUTER, RADIUS, SAMPLES, SIZES, Array, least_gap
+from tests.spatial.drums import OUTER, RADIUS, SAMPLES, Array, least_gap
 
 DEEP = 50.9
 SLIDES_AND_ARMS = [name for name in SAMPLES if name != "turret"]
@@ -78,11 +78,10 @@ def test_a_helix_departs_by_the_closed_form(rotation: str) -> None:
 
 
 def test_a_roller_that_does_not_reach_the_cylinder_leaves_nothing_there() -> None:
-    arm = {"arm_mm": 96.1, "pivot_distance_mm": 25.0}
-    steps = [{"kind": "rise", "angle_deg": 150.0, "lift_deg": 20.0, "law": {"kind": "cycloidal"}},
-             {"kind": "return", "angle_deg": 210.0, "lift_deg": 20.0,
-              "law": {"kind": "cycloidal"}}]  # fmt: skip
-    machine = {**SIZES, **arm, "kind": "cylindrical_oscillating"}
-    cam = SAMPLES["arm in a groove"].cam(program=steps, machine=machine)
-    line = wall(cam, cam.walls[0], np.array([0.0, 2.6]), OUTER)
-    assert np.isnan(line.z).all()
+    """The turret's first roller passes 3.3 mm beside the axis where it rests, then farther."""
+    cam = SAMPLES["turret"].cam()
+    first = next(each for each in cam.walls if each.seat.number == 1)
+    at_rest, farther = path(cam, first.seat, np.array([0.0, 1.5]), 8.1).z
+    assert np.isnan(farther)
+    assert np.isnan(wall(cam, first, np.array([1.5]), 8.1).z).all()
+    assert at_rest == pytest.approx(103.7 * math.sin(math.radians(22.5)))

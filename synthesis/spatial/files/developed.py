@@ -80,8 +80,8 @@ def radius_of(design: SpatialDesign, options: DevelopedOptions) -> float:
     if span is None:
         raise InputError(
             "/radius_mm", options.radius_mm,
-            f"The cam of a {design.machine} has no cylinder that could be unrolled.",
-            "Ask for its flanks.",
+            f"The cam of a {design.spec.machine.title} has no cylinder that could be unrolled.",
+            "Ask for files of its flanks.",
         )  # fmt: skip
     radius = span[1] if options.radius_mm is None else options.radius_mm
     if not span[0] <= radius <= span[1]:

@@ -31,6 +31,7 @@ from synthesis.units import FULL_TURN
 SHEET = 190.0  # units that a sheet is wide
 LEFT, RIGHT, HEADER, FOOTER = 17.0, 6.0, 20.0, 27.0  # units
 EVERY = 30  # degrees between numbers
+HARDLY = 1e-9  # of a turn: what would not be seen of a curve at the other end
 ROOM = 0.08  # of what is drawn, above and below
 
 
@@ -124,7 +125,8 @@ def _clipped(plane: _Plane, body: list[str]) -> list[str]:
 
 def _rounds(phi: Array) -> Iterator[float]:
     """Turns by which a curve is moved so that all of its parts are seen once."""
-    first, last = math.floor(float(phi.min()) / FULL_TURN), math.floor(float(phi.max()) / FULL_TURN)
+    first = math.floor(float(phi.min()) / FULL_TURN + HARDLY)
+    last = math.floor(float(phi.max()) / FULL_TURN - HARDLY)
     for k in range(first, last + 1):
         yield -k * FULL_TURN
 
