@@ -57,6 +57,10 @@ PLACES = {
     "roller_fills_ring": ("base_radius_mm",),
     "rim_without_ring": ("follower", "closure", "rim_mm"),
     "outer_radius_too_small": ("limits",),
+    "crown_too_round": ("machine", "crown_radius_mm"),
+    "roller_reaches_axis": ("machine", "roller_width_mm"),
+    "rollers_touch": ("machine", "roller_distance_mm"),
+    "arm_along_cam": ("machine", "initial_angle_deg"),
 }
 SHAPES = ("model_type", "model_attributes_type", "list_type", "dict_type", "float_type")
 OBJECTS = ("model_type", "model_attributes_type", "dict_type")

@@ -1,0 +1,73 @@
+"""What every machine around a spatial cam promises."""
+
+from __future__ import annotations
+
+from abc import ABC, abstractmethod
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import ClassVar
+
+from pydantic import BaseModel, ConfigDict
+
+from synthesis.geometry.swept_roller import SweptRoller
+from synthesis.ranges import Range
+from synthesis.units import Travel
+
+LEFT, RIGHT = 1, -1
+
+
+@dataclass(frozen=True)
+class Seat:
+    """One roller of the follower.
+
+    Attributes:
+        number: as it is named, from 1. start: what is added to the motion's q [rad or mm].
+        sides: of the roller that run on the cam, +1 the one in the direction of growing q.
+    """
+
+    number: int
+    start: float
+    sides: tuple[int, ...] = (LEFT, RIGHT)
+
+
+class SpatialMachine(BaseModel, ABC):
+    """A follower with one roller or several, and where it stands against the cam."""
+
+    model_config = ConfigDict(frozen=True, extra="forbid", allow_inf_nan=False)
+
+    kind: str
+    title: ClassVar[str]
+    travel: ClassVar[Travel]
+
+    @abstractmethod
+    def sizes(self) -> Mapping[str, float | Range | None]:
+        """Dimensions that may be left free, by their field's name [mm]."""
+
+    @abstractmethod
+    def swept(self, sizes: Mapping[str, float], turns: int) -> SweptRoller:
+        """The machine with its dimensions settled.
+
+        Args:
+            sizes: a number for each of ``sizes()`` [mm].
+            turns: +1 where the cam turns ccw, −1 where it turns cw.
+        """
+
+    @abstractmethod
+    def seats(self) -> tuple[Seat, ...]:
+        """The rollers that can meet the cam during one turn of it."""
+
+    @abstractmethod
+    def mesh(self, sizes: Mapping[str, float]) -> tuple[float, float]:
+        """Least and largest place q of a roller [rad or mm] where the blank still has a wall."""
+
+    @abstractmethod
+    def check_gain(self, gain: float) -> None:
+        """Refuse a program that moves the follower by ``gain`` in a turn [rad or mm].
+
+        Raises:
+            PydanticCustomError: the next turn would not find a roller where this one ended.
+        """
+
+    def check_reach(self, lowest: float, highest: float) -> None:
+        """Refuse a program that brings the follower where it cannot be [rad or mm]."""
+        return None
