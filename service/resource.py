@@ -4,17 +4,34 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from functools import partial
 from operator import attrgetter
 from typing import Any
 
-from service.errors import ServiceError, UnknownAnalysis, UnknownCamSet, UnknownDesign
-from service.links import analysis_links, design_links, set_links
-from service.solve import Task, analyse, read_back, solve_set
-from service.store import AnalysisRow, CamSetRow, DesignRow, Lookup, ProfileAnalysisRow, Row
+from service.errors import (
+    ServiceError,
+    UnknownAnalysis,
+    UnknownCamSet,
+    UnknownDesign,
+    UnknownLinkage,
+)
+from service.links import analysis_links, design_links, linkage_links, set_links
+from service.solve import Task, analyse, linked, read_back, solve_set
+from service.store import (
+    AnalysisRow,
+    CamSetRow,
+    DesignRow,
+    Lookup,
+    PalletisingArmRow,
+    ProfileAnalysisRow,
+    Row,
+    SixBarShaperRow,
+)
 from service.sweeps.store import design_of_item
 from synthesis.camset import set_id
 from synthesis.camset_spec import CamSetSpec
 from synthesis.design import design_id, question_id
+from synthesis.linkages import LINKAGES, Linkage
 from synthesis.measured import MeasuredCam
 from synthesis.spec import DesignSpec
 
@@ -91,4 +108,26 @@ PROFILE_ANALYSES = Resource(
     unknown=UnknownAnalysis,
     budget_of=lambda _: None,
 )
+
+
+def _linkages(linkage: Linkage, row: type[Row]) -> Resource:
+    """A kind of linkage."""
+    return Resource(
+        path=f"/v1/linkages/{linkage.name}",
+        noun=linkage.noun,
+        row=row,
+        spec=linkage.spec,
+        name_of=lambda spec: question_id(spec, linkage.noun),
+        task=partial(linked, linkage.name),
+        links=lambda name, summary: linkage_links(
+            linkage.name, name, has_linkage=bool(summary.get("quantities"))
+        ),
+        unknown=UnknownLinkage,
+    )
+
+
+LINKAGE_ROWS = {"six-bar-shapers": SixBarShaperRow, "palletising-arms": PalletisingArmRow}
+LINKAGE_RESOURCES = {
+    name: _linkages(linkage, LINKAGE_ROWS[name]) for name, linkage in LINKAGES.items()
+}
 RESOURCES = (DESIGNS, CAM_SETS, ANALYSES, PROFILE_ANALYSES)

@@ -141,8 +141,8 @@ def test_a_turning_guide_turns_once() -> None:
 @pytest.mark.parametrize(
     ("change", "field", "words"),
     [
-        ({"coupler": 40.0}, "/coupler_mm", "more than 40.5623 mm, or a ram_line_mm between"),
-        ({"ram_line": 900.0}, "/coupler_mm", "more than 365.562 mm"),
+        ({"coupler": 40.0}, "/coupler_mm", "more than 40.5659 mm, or a ram_line_mm between"),
+        ({"ram_line": 900.0}, "/coupler_mm", "more than 365.566 mm"),
         ({"crank": 275.0}, "/crank_mm", "shorter crank"),
         ({"crank": 290.0}, "/coupler_mm", "more than 1175 mm"),
     ],

@@ -25,7 +25,7 @@ class BorderArc(Part):
     to_mm: tuple[float, float] = told("Its end [r, z]: where the next begins.")
 
 
-class Farthest(Part):
+class ArmFarthest(Part):
     """A largest or smallest coordinate of the tool and the arm angles there."""
 
     value_mm: float = told("The coordinate.")
@@ -43,13 +43,13 @@ class WorkRegion(Part):
         "Volume that it sweeps as the base turns, by Pappus; null where the region crosses axis 1 "
         "or the base turns further than once."
     )
-    r_max: Farthest = told("Farthest from axis 1.")
-    r_min: Farthest = told("Nearest to it, negative behind it.")
-    z_max: Farthest = told("Highest.")
-    z_min: Farthest = told("Lowest.")
+    r_max: ArmFarthest = told("ArmFarthest from axis 1.")
+    r_min: ArmFarthest = told("Nearest to it, negative behind it.")
+    z_max: ArmFarthest = told("Highest.")
+    z_min: ArmFarthest = told("Lowest.")
 
 
-class InLine(Part):
+class ArmsInLine(Part):
     """Arm angles inside the limits at which the arms are in line: singular."""
 
     opening_deg: float = told("Upper arm less forearm there.")
@@ -57,22 +57,22 @@ class InLine(Part):
     to_deg: tuple[float, float] = told("The same where it ends.")
 
 
-class Torque(Part):
+class ArmTorque(Part):
     """The largest torque that an axis holds within the limits."""
 
     axis: Literal["upper_arm", "forearm"] = told("Which axis.")
-    torque_nm: float = told("Torque against the weights, positive along the angle.")
+    torque_nm: float = told("ArmTorque against the weights, positive along the angle.")
     angle_deg: float = told("Angle of this axis there; the other's does not count.")
 
 
-class Beyond(Part):
+class BeyondLimit(Part):
     """A limit that a posture exceeds."""
 
     joint: Literal["base", "upper_arm", "forearm", "opening", "tool"] = told("Which.")
     by_deg: float = told("By how much.")
 
 
-class Solution(Part):
+class ArmSolution(Part):
     """One way of being at a place."""
 
     base: Base = told("front: turned towards the place; over: away from it, reaching back.")
@@ -81,16 +81,16 @@ class Solution(Part):
     upper_arm_deg: float = told("Axis 2.")
     forearm_deg: float = told("Axis 3.")
     tool_deg: float = told("Axis 6.")
-    beyond: list[Beyond] = told("Limits that it exceeds; empty: it can be taken.")
+    beyond: list[BeyondLimit] = told("Limits that it exceeds; empty: it can be taken.")
     in_line: float = told(
         "Sine of the angle between the arms, ±1 at best: at 0 they are in line, and the tool moves "
         "along one line only."
     )
-    torque_upper_nm: float = told("Torque that axis 2 holds, positive along its angle.")
-    torque_forearm_nm: float = told("Torque that axis 3 holds, positive along its angle.")
+    torque_upper_nm: float = told("ArmTorque that axis 2 holds, positive along its angle.")
+    torque_forearm_nm: float = told("ArmTorque that axis 3 holds, positive along its angle.")
 
 
-class PoseFound(Part):
+class ArmPose(Part):
     """What became of one pose."""
 
     name: str = told("Name from the spec.")
@@ -99,7 +99,7 @@ class PoseFound(Part):
     z_mm: float = told("The tool's place.")
     yaw_deg: float = told("How the tool is turned about the upright.")
     reachable: bool = told("Whether one of the solutions keeps every limit.")
-    solutions: list[Solution] = told("Every way of being there, those within the limits first.")
+    solutions: list[ArmSolution] = told("Every way of being there, those within the limits first.")
     note: str = told("Why there is none, or what is special; empty: nothing.")
 
 
@@ -113,8 +113,8 @@ class PalletisingArm(Part):
     spec: ArmSpec = told("What was asked.")
     reach_mm: float = told("Largest distance of the tool from axis 1.")
     regions: list[WorkRegion] = told("What is reached; those of the two elbows may overlap.")
-    singular: list[InLine] = told("Where the arms are in line within the limits.")
+    singular: list[ArmsInLine] = told("Where the arms are in line within the limits.")
     over_axis: bool = told("Whether the tool gets over axis 1, where the base may stand anyhow.")
-    torques: list[Torque] = told("The largest torques within the limits.")
-    poses: list[PoseFound] = told("The poses, in the spec's order.")
+    torques: list[ArmTorque] = told("The largest torques within the limits.")
+    poses: list[ArmPose] = told("The poses, in the spec's order.")
     links: dict[str, str] = Field({}, description="Where it and its files are.")

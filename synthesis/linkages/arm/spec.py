@@ -33,7 +33,7 @@ Angle = Annotated[float, Field(ge=-720.0, le=720.0)]
 Swing = Annotated[float, Field(ge=-180.0, le=180.0)]
 
 
-class JointRange(Range):
+class JointLimits(Range):
     """From where to where a joint goes, through less than two turns [deg]."""
 
     min: Annotated[float, Field(ge=-720.0, le=720.0, description="Smallest angle [deg].")]
@@ -44,14 +44,14 @@ class JointRange(Range):
         return self.min * DEGREE, self.max * DEGREE
 
 
-class ArmRange(JointRange):
+class SwingLimits(JointLimits):
     """From where to where an arm goes [deg]."""
 
     min: Annotated[float, Field(ge=-180.0, le=180.0, description="Smallest angle [deg].")]
     max: Annotated[float, Field(ge=-180.0, le=180.0, description="Largest angle [deg].")]
 
 
-class OpeningRange(Body):
+class OpeningLimits(Body):
     """From where to where the upper arm's angle less the forearm's goes; an end may be open."""
 
     min: Annotated[
@@ -67,7 +67,7 @@ class OpeningRange(Body):
         return low, math.inf if self.max is None else self.max * DEGREE
 
 
-class Mass(Body):
+class ArmMass(Body):
     """The mass of a part, and where its centre lies.
 
     In the double parallelogram every part moves with the shoulder, some way along the upper arm and
@@ -169,22 +169,24 @@ class ArmSpec(Body):
         Offset, Field(description="Of the tool's axis from the wrist, forwards [mm].")
     ] = 0.0
     tool_mm: Annotated[Offset, Field(description="Of the tool's point below the wrist [mm].")] = 0.0
-    base_deg: Annotated[JointRange, Field(description="Limits of axis 1.")] = JointRange(
+    base_deg: Annotated[JointLimits, Field(description="Limits of axis 1.")] = JointLimits(
         min=-180.0, max=180.0
     )
-    upper_arm_deg: Annotated[ArmRange, Field(description="Limits of axis 2.")]
-    forearm_deg: Annotated[ArmRange, Field(description="Limits of axis 3.")]
+    upper_arm_deg: Annotated[SwingLimits, Field(description="Limits of axis 2.")]
+    forearm_deg: Annotated[SwingLimits, Field(description="Limits of axis 3.")]
     opening_deg: Annotated[
-        OpeningRange,
+        OpeningLimits,
         Field(
             description="Limits of the upper arm's angle less the forearm's, which the "
             "parallelograms set: at ±90° they are in line."
         ),
-    ] = OpeningRange()
-    tool_deg: Annotated[JointRange, Field(description="Limits of axis 6.")] = JointRange(
+    ] = OpeningLimits()
+    tool_deg: Annotated[JointLimits, Field(description="Limits of axis 6.")] = JointLimits(
         min=-360.0, max=360.0
     )
-    masses: Annotated[list[Mass], Field(max_length=MOST_MASSES, description="Of the links.")] = []
+    masses: Annotated[
+        list[ArmMass], Field(max_length=MOST_MASSES, description="Of the links.")
+    ] = []
     payload_kg: Annotated[
         float, Field(ge=0.0, le=1e6, description="Load at the tool, with the tool itself [kg].")
     ] = 0.0

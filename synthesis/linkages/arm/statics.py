@@ -41,7 +41,7 @@ class Holding:
 def holding(weights: Sequence[Weight], upper: float, fore: float) -> Holding:
     """The torques at these arm angles [rad]."""
     first, second = moments(weights)
-    return Holding(-first * math.sin(upper), -second * math.cos(fore))
+    return Holding(0.0 - first * math.sin(upper), 0.0 - second * math.cos(fore))
 
 
 def moments(weights: Sequence[Weight]) -> tuple[float, float]:

@@ -72,9 +72,9 @@ def _region(region: workspace.Region, base: Span) -> wire.WorkRegion:
     )
 
 
-def _farthest(region: workspace.Region, across: float, up: float) -> wire.Farthest:
+def _farthest(region: workspace.Region, across: float, up: float) -> wire.ArmFarthest:
     value, (upper, fore) = region.farthest(across, up)
-    return wire.Farthest(
+    return wire.ArmFarthest(
         value_mm=value * (across + up), upper_arm_deg=upper / DEGREE, forearm_deg=fore / DEGREE
     )
 
@@ -93,18 +93,18 @@ def _arc(arc: workspace.Arc) -> wire.BorderArc:
     )
 
 
-def _in_line(first: Corner, last: Corner) -> wire.InLine:
+def _in_line(first: Corner, last: Corner) -> wire.ArmsInLine:
     def degrees(corner: Corner) -> tuple[float, float]:
         return corner[0] / DEGREE, corner[1] / DEGREE
 
-    return wire.InLine(
+    return wire.ArmsInLine(
         opening_deg=round((first[0] - first[1]) / DEGREE, 9),
         from_deg=degrees(first),
         to_deg=degrees(last),
     )
 
 
-def _torques(spec: ArmSpec, corners: Sequence[Corner]) -> list[wire.Torque]:
+def _torques(spec: ArmSpec, corners: Sequence[Corner]) -> list[wire.ArmTorque]:
     """The largest |τ| of either axis, each a wave of its own angle."""
     first, second = statics.moments(spec.weights)
     uppers, fores = zip(*corners, strict=True)
@@ -115,8 +115,8 @@ def _torques(spec: ArmSpec, corners: Sequence[Corner]) -> list[wire.Torque]:
     found = []
     for axis, moment, wave, angles, crest in told:
         at = _crest(min(angles), max(angles), crest, wave)
-        torque = {"axis": axis, "torque_nm": -moment * wave(at), "angle_deg": at / DEGREE}
-        found.append(wire.Torque.model_validate(torque))
+        torque = {"axis": axis, "torque_nm": 0.0 - moment * wave(at), "angle_deg": at / DEGREE}
+        found.append(wire.ArmTorque.model_validate(torque))
     return found
 
 
@@ -128,13 +128,13 @@ def _crest(low: float, high: float, crest: float, wave: Callable[[float], float]
     )
 
 
-def _pose(spec: ArmSpec, asked: Asked) -> wire.PoseFound:
+def _pose(spec: ArmSpec, asked: Asked) -> wire.ArmPose:
     arm, limits = spec.arm, spec.limits
     place = asked.place(arm)
     solutions = [_solution(spec, one) for one in asked.postures(arm, limits)]
     solutions.sort(key=lambda one: sum(each.by_deg for each in one.beyond))
     reachable = any(not one.beyond for one in solutions)
-    return wire.PoseFound(
+    return wire.ArmPose(
         name=asked.name,
         x_mm=place.x,
         y_mm=place.y,
@@ -146,14 +146,14 @@ def _pose(spec: ArmSpec, asked: Asked) -> wire.PoseFound:
     )
 
 
-def _solution(spec: ArmSpec, one: Posture) -> wire.Solution:
+def _solution(spec: ArmSpec, one: Posture) -> wire.ArmSolution:
     joints = one.joints
     holds = statics.holding(spec.weights, joints.upper, joints.fore)
     beyond = [
-        wire.Beyond.model_validate({"joint": name, "by_deg": by / DEGREE})
+        wire.BeyondLimit.model_validate({"joint": name, "by_deg": by / DEGREE})
         for name, by in spec.limits.broken(joints)
     ]
-    return wire.Solution(
+    return wire.ArmSolution(
         base=one.base,
         elbow=one.elbow,
         base_deg=joints.base / DEGREE,
@@ -167,7 +167,7 @@ def _solution(spec: ArmSpec, one: Posture) -> wire.Solution:
     )
 
 
-def _note(arm: Arm, place: Place, solutions: Sequence[wire.Solution]) -> str:
+def _note(arm: Arm, place: Place, solutions: Sequence[wire.ArmSolution]) -> str:
     """Why a place cannot be reached and what would help, or that the base may stand anyhow."""
     away = math.hypot(place.x, place.y)
     if not solutions:

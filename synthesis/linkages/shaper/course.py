@@ -151,8 +151,8 @@ def extremes(
     """
     count = len(quantities)
     whole = np.array([0])
-    questions = [Question(whole, -np.inf, 0.0, function=k, relative=1e-12) for k in range(count)]
-    questions += [Question(whole, 0.0, np.inf, function=k, relative=1e-12) for k in range(count)]
+    questions = [Question(whole, -np.inf, 0.0, function=k, relative=1e-10) for k in range(count)]
+    questions += [Question(whole, 0.0, np.inf, function=k, relative=1e-10) for k in range(count)]
 
     def models(_: Any, lo: Array, hi: Array, wanted: Sequence[int]) -> list[Taylor]:
         centre = 0.5 * (lo + hi)

@@ -10,7 +10,7 @@ from synthesis.design import Conflict, Part, Proof, Status, told
 from synthesis.linkages.shaper.spec import ShaperSpec
 
 
-class DeadCentre(Part):
+class RamDeadCentre(Part):
     """Where the ram stands still, in closed form."""
 
     crank_deg: float = told("Crank angle, from 0 to 360.")
@@ -54,7 +54,7 @@ class ShaperExtremes(Part):
     smallest: ShaperPeak = told("Smallest value.")
 
 
-class Interval(Part):
+class AngleInterval(Part):
     """From where to where something moves [deg]."""
 
     min_deg: float = told("Smallest angle [deg].")
@@ -89,11 +89,11 @@ class SixBarShaper(Part):
         "rocks: the crank is shorter than the pivots are apart; turns: longer, and the guide goes "
         "all the way round."
     )
-    guide_angle: Interval | None = told("Range of the guide's angle; null where it turns.")
-    coupler_angle: Interval | None = told("Range of the coupler's angle to the ram's line.")
+    guide_angle: AngleInterval | None = told("Range of the guide's angle; null where it turns.")
+    coupler_angle: AngleInterval | None = told("Range of the coupler's angle to the ram's line.")
     stroke_mm: float | None = told("Distance of the outermost positions of the ram.")
     quick_return: QuickReturn | None = told("The two strokes.")
-    dead_centres: list[DeadCentre] = told("Where the ram stands still, in the crank's order.")
+    dead_centres: list[RamDeadCentre] = told("Where the ram stands still, in the crank's order.")
     least_transmission_angle_deg: float | None = told(
         "Least angle between coupler and upright at the ram. At the crank's pin it is 90° always: "
         "the sliding block pushes square to the guide."

@@ -109,12 +109,12 @@ def _strokes(centres: Sequence[course.DeadCentre], drive: Drive) -> wire.QuickRe
     )
 
 
-def _interval(low: float, high: float) -> wire.Interval:
-    return wire.Interval(min_deg=low / DEGREE, max_deg=high / DEGREE)
+def _interval(low: float, high: float) -> wire.AngleInterval:
+    return wire.AngleInterval(min_deg=low / DEGREE, max_deg=high / DEGREE)
 
 
-def _centre(one: course.DeadCentre, drive: Drive) -> wire.DeadCentre:
-    return wire.DeadCentre.model_validate(
+def _centre(one: course.DeadCentre, drive: Drive) -> wire.RamDeadCentre:
+    return wire.RamDeadCentre.model_validate(
         {
             "crank_deg": (one.phi / DEGREE) % 360.0,
             "turned_deg": one.turned / DEGREE,
