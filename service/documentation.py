@@ -16,6 +16,7 @@ from service.problem import MEDIA_TYPE, LateProblem, Problem
 from synthesis.design import engine_version
 from synthesis.linkages import LINKAGES
 from synthesis.measured import MeasuredCam
+from synthesis.spatial.spec import SpatialCamSpec
 from synthesis.sweeps import SweepSpec
 
 TITLE = "Camwright"
@@ -36,6 +37,9 @@ its profile to `POST /v1/profile-analyses`: the motion that it gives its followe
 
 Several cams on one shaft go to `POST /v1/cam-sets`, each with its phase: one timing diagram, and
 one archive with all files, in the cams' own frames and in the shaft's.
+
+Cams whose rollers' axes do not lie along the cam's, as those of globoidal indexers, go to
+`POST /v1/spatial-cams`: their walls, pressure angle, undercut, where and at which roller.
 
 Linkages have places of their own: a six-bar shaper, given or sized for a stroke and a quick-return
 ratio, goes to `POST /v1/linkages/six-bar-shapers`, a palletising arm to
@@ -60,6 +64,7 @@ TAGS = [
     {"name": "designs", "description": "Ask for a cam; look at it, list them, forget it."},
     {"name": "analyses", "description": "What a cam does that is given in full."},
     {"name": "cam sets", "description": "Several cams on one shaft, with their phases."},
+    {"name": "spatial cams", "description": "Cams for rollers whose axes lie across the cam's."},
     {"name": "linkages", "description": "Shapers and palletising arms."},
     {"name": "sweeps", "description": "Many designs out of one, and their trade-offs."},
     {"name": "files", "description": "Points and curves of a finished design."},
@@ -76,7 +81,8 @@ SEVERAL = {
 OPENAPI_URL = "/openapi.json"
 # Bodies that no handler's signature names.
 UNNAMED: tuple[type[BaseModel], ...] = (
-    Problem, LateProblem, MeasuredCam, SweepSpec, *(each.spec for each in LINKAGES.values()),
+    Problem, LateProblem, MeasuredCam, SpatialCamSpec, SweepSpec,
+    *(each.spec for each in LINKAGES.values()),
 )  # fmt: skip
 
 

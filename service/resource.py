@@ -14,9 +14,16 @@ from service.errors import (
     UnknownCamSet,
     UnknownDesign,
     UnknownLinkage,
+    UnknownSpatialCam,
+)  # fmt: skip
+from service.links import (
+    analysis_links,
+    design_links,
+    linkage_links,
+    set_links,
+    spatial_links,
 )
-from service.links import analysis_links, design_links, linkage_links, set_links
-from service.solve import Task, analyse, linked, read_back, solve_set
+from service.solve import Task, analyse, linked, read_back, solve_set, solve_spatial
 from service.store import (
     AnalysisRow,
     CamSetRow,
@@ -26,13 +33,16 @@ from service.store import (
     ProfileAnalysisRow,
     Row,
     SixBarShaperRow,
-)
+    SpatialCamRow,
+)  # fmt: skip
 from service.sweeps.store import design_of_item
 from synthesis.camset import set_id
 from synthesis.camset_spec import CamSetSpec
 from synthesis.design import design_id, question_id
 from synthesis.linkages import LINKAGES, Linkage
 from synthesis.measured import MeasuredCam
+from synthesis.spatial.design import spatial_id
+from synthesis.spatial.spec import SpatialCamSpec
 from synthesis.spec import DesignSpec
 
 
@@ -108,6 +118,17 @@ PROFILE_ANALYSES = Resource(
     unknown=UnknownAnalysis,
     budget_of=lambda _: None,
 )
+SPATIAL_CAMS = Resource(
+    path="/v1/spatial-cams",
+    noun="spatial cam",
+    row=SpatialCamRow,
+    spec=SpatialCamSpec,
+    name_of=spatial_id,
+    task=solve_spatial,
+    links=lambda name, summary: spatial_links(name, has_cam=bool(summary.get("dimensions"))),
+    unknown=UnknownSpatialCam,
+    budget_of=lambda _: None,
+)
 
 
 def _linkages(linkage: Linkage, row: type[Row]) -> Resource:
@@ -130,4 +151,4 @@ LINKAGE_ROWS = {"six-bar-shapers": SixBarShaperRow, "palletising-arms": Palletis
 LINKAGE_RESOURCES = {
     name: _linkages(linkage, LINKAGE_ROWS[name]) for name, linkage in LINKAGES.items()
 }
-RESOURCES = (DESIGNS, CAM_SETS, ANALYSES, PROFILE_ANALYSES)
+RESOURCES = (DESIGNS, CAM_SETS, ANALYSES, PROFILE_ANALYSES, SPATIAL_CAMS)

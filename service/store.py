@@ -103,6 +103,12 @@ class PalletisingArmRow(Row):
     __tablename__ = "palletising_arms"
 
 
+class SpatialCamRow(Row):
+    """One spatial cam."""
+
+    __tablename__ = "spatial_cams"
+
+
 class KeyRow(Base):
     """An Idempotency-Key: which body it came with, and which answer it led to."""
 

@@ -177,6 +177,7 @@ class DesignSpec(BaseModel):
                     {"position": position, "limit": limit.kind, "kind": self.follower.kind},
                 )
             limit.check(self.follower)
+            limit.check_motion(self.stretches(), self.machine())
         return self
 
     @model_validator(mode="after")

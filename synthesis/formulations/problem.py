@@ -14,7 +14,7 @@ from synthesis.limits import Limit, Machine
 from synthesis.motion import Stretch
 from synthesis.objectives import Objective
 from synthesis.spec import DesignSpec
-from synthesis.terms import Cone, Curved, Row
+from synthesis.terms import Cone, Curved, Ringing, Row
 
 RESTS = 1e-12  # of the stroke: what rounding may leave of the lowest position
 
@@ -118,6 +118,12 @@ class Problem:
         for limit in self.limits:
             found += limit.cones(self.stretches, self.machine)
         return tuple(found)
+
+    @cached_property
+    def ringing(self) -> tuple[Ringing, ...]:
+        """What the motion may leave oscillators ringing with."""
+        rings = (limit.ringing(self.stretches, self.machine) for limit in self.limits)
+        return tuple(ring for each in rings for ring in each)
 
     def room(self, size: tuple[float, ...]) -> float:
         """How far a size can be raised within bounds and cones [mm]."""

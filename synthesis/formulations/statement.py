@@ -118,7 +118,8 @@ class Statement:
         image = casadi.mtimes(_constant(ball.matrix), self.x) + casadi.DM(ball.shift)
         least = (share * ball.radius) ** 2
         most = max((ball.radius * (1.0 - ball.tighten)) ** 2, least)
-        scale = max(float(np.sum((ball.matrix @ self.at + ball.shift) ** 2)), least) or most
+        here = 0.0 if ball.ring is not None else ball.matrix @ self.at + ball.shift
+        scale = max(float(np.sum(np.square(here))), least) or most
         lower = least / scale if least else -inf
         self._put(casadi.sumsqr(image) / scale, np.array([lower]), np.array([most / scale]))
 

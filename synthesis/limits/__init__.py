@@ -15,6 +15,7 @@ from synthesis.limits.jerk import Jerk
 from synthesis.limits.outer_radius import OuterRadius
 from synthesis.limits.pressure_angle import PressureAngle
 from synthesis.limits.profile_radius import ProfileRadius
+from synthesis.limits.residual_vibration import ResidualVibration
 from synthesis.limits.velocity import Velocity
 
 AnyLimit = Annotated[
@@ -26,7 +27,8 @@ AnyLimit = Annotated[
     | Jerk
     | OuterRadius
     | FaceWidth
-    | CounterBaseRadius,
+    | CounterBaseRadius
+    | ResidualVibration,
     Field(discriminator="kind"),
 ]
 

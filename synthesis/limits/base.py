@@ -11,7 +11,7 @@ from pydantic import BaseModel, ConfigDict
 
 from synthesis.followers.base import Follower
 from synthesis.motion import Stretch
-from synthesis.terms import Cone, Curved, Implied, Row, Traced
+from synthesis.terms import Cone, Curved, Implied, Ringing, Row, Traced
 
 
 @dataclass(frozen=True)
@@ -50,6 +50,7 @@ class Claim:
         path: name of the traced curve that is measured, among the follower's ``paths``.
         part: first and last x, in [0, 1], of these stretches where it must hold; None: all along.
         exact: the quantity has one value there; the bounds leave no more than rounding.
+        rings: what is left where runs of these stretches end; the largest of it is measured.
     """
 
     limit: str
@@ -63,6 +64,7 @@ class Claim:
     path: str = ""
     part: tuple[float, float] | None = None
     exact: bool = False
+    rings: tuple[Ringing, ...] = ()
 
 
 class Limit(BaseModel, ABC):
@@ -96,6 +98,10 @@ class Limit(BaseModel, ABC):
         """Refuse a value that no cam of such a follower can keep."""
         return None
 
+    def check_motion(self, stretches: Sequence[Stretch], machine: Machine) -> None:
+        """Refuse a value that makes no sense for such a program at such a speed."""
+        return None
+
     def rows(self, stretch: Stretch, machine: Machine) -> tuple[Row, ...]:
         """Linear rows on one stretch; for a limit that is not convex, those it implies."""
         return ()
@@ -114,6 +120,10 @@ class Limit(BaseModel, ABC):
 
     def cones(self, stretches: Sequence[Stretch], machine: Machine) -> tuple[Cone, ...]:
         """Cones on the size variables."""
+        return ()
+
+    def ringing(self, stretches: Sequence[Stretch], machine: Machine) -> tuple[Ringing, ...]:
+        """What the motion may leave oscillators ringing with."""
         return ()
 
     def smooth(self, stretch: Stretch, machine: Machine, s: Any, z: Any) -> tuple[Any, ...]:

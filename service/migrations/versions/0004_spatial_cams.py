@@ -1,4 +1,4 @@
-"""Linkages: a table for each kind."""
+"""Spatial cams."""
 
 from __future__ import annotations
 
@@ -10,15 +10,10 @@ down_revision = "0003"
 
 
 def upgrade() -> None:
-    """Make the tables."""
-    for name in ("six_bar_shapers", "palletising_arms"):
-        _answers(name)
-
-
-def _answers(name: str) -> None:
+    """Make their table."""
     number = sa.BigInteger().with_variant(sa.Integer, "sqlite")
     op.create_table(
-        name,
+        "spatial_cams",
         sa.Column("sequence", number, primary_key=True),
         sa.Column("id", sa.String(64), nullable=False, unique=True),
         sa.Column("name", sa.String(200), nullable=False),
@@ -31,4 +26,4 @@ def _answers(name: str) -> None:
         sa.Column("summary", sa.JSON, nullable=False),
         sa.Column("problem", sa.JSON),
     )
-    op.create_index(f"ix_{name}_state", name, ["state"])
+    op.create_index("ix_spatial_cams_state", "spatial_cams", ["state"])
