@@ -15,7 +15,7 @@ import numpy as np
 from synthesis.exporters import svg_canvas as svg
 from synthesis.exporters.exporter import FileFormat, Made
 from synthesis.exporters.picture_options import Colours
-from synthesis.exporters.svg_heading import TURNS, headed
+from synthesis.exporters.svg_heading import TURNS, two_lines
 from synthesis.exporters.svg_profile import ratio, shown_at
 from synthesis.numerics.piecewise import Array
 from synthesis.spatial.design import SpatialDesign
@@ -111,7 +111,7 @@ def _heading(design: SpatialDesign, width: float, u: float) -> list[str]:
         f"{kind} · cam turns {TURNS[design.rotation]} at {svg.figure(design.speed_rpm, 6)} rpm · "
         f"{design.status} · {design.id[:8]}"
     )
-    return headed(design.name.strip() or kind.capitalize(), told, LEFT * u, width - RIGHT * u, u)
+    return two_lines(design.name.strip() or kind.capitalize(), told, LEFT * u, width - RIGHT * u, u)
 
 
 def _clipped(plane: _Plane, body: list[str]) -> list[str]:
