@@ -22,7 +22,7 @@ from synthesis.followers import FOLLOWERS
 from synthesis.laws import LAWS, TASKS, Characteristics, Ends, SplineLaw, characteristics
 from synthesis.limits import LIMITS
 from synthesis.objectives import OBJECTIVES
-from synthesis.spatial.files import SPATIAL_FILES
+from synthesis.spatial.files import FORMATS as SPATIAL_FORMATS
 from synthesis.spec import MAX_SEGMENTS
 
 router = APIRouter(prefix="/v1", tags=["catalogue"])
@@ -96,7 +96,7 @@ class Formats(BaseModel):
     solid: Annotated[list[FormatEntry], Field(description="Of the cam as a body.")]
     spatial: Annotated[
         list[FormatEntry],
-        Field(description="Of a spatial cam; the name is the path's last part as it stands."),
+        Field(description="Of spatial cams; the name is the path's last part as it stands."),
     ]
 
 
@@ -164,7 +164,7 @@ async def list_formats() -> Formats:
         motion=[_format(each) for each in MOTION_FORMATS.values()],
         pictures=[_format(each) for each in PICTURES.values()],
         solid=[_format(each) for each in SOLID_FORMATS.values()],
-        spatial=[_format(each) for each in SPATIAL_FILES.values()],
+        spatial=[_format(each) for each in SPATIAL_FORMATS.values()],
     )
 
 

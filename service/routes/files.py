@@ -110,13 +110,15 @@ async def _reported(
     return await _file(request, parts, design_id, which, report, PictureOptions(theme))
 
 
-def add(to: APIRouter, part: str, exporter: FileFormat[Any, Any], handler: Handler) -> None:
-    """A path for a format."""
+def add(
+    to: APIRouter, part: str, exporter: FileFormat[Any, Any], handler: Handler, of: str = ""
+) -> None:
+    """A path for a format; ``of`` tells its operation from that of another subject's."""
     content = {exporter.media_type.partition(";")[0]: {"schema": schema_of(exporter)}}
     to.add_api_route(
         f"/{part}",
         handler,
-        name=f"get_{part.replace('.', '_')}",
+        name=f"get_{of}{part.replace('.', '_')}",
         summary=exporter.title,
         description=exporter.purpose,
         response_class=Response,

@@ -1,27 +1,25 @@
-"""/v1/spatial-cams/{id}/flanks.*, body.* and others: a path for each in the registry."""
+"""/v1/spatial-cams/{id}/flanks.ibl, body.stl, …: a path for each of the files of spatial cams."""
 
 from __future__ import annotations
 
 from functools import partial
-from typing import Annotated, Any
+from typing import Annotated
 
 from fastapi import APIRouter, Query, Request, Response
 
 from service.routes.files import Handler, add, sent
 from service.routes.kept import done
-from service.solve import spatial_file_of
+from service.solve import spatial_file
 from service.state import Parts
 from synthesis.exporters import form
-from synthesis.exporters.exporter import FileFormat
-from synthesis.spatial.design import SpatialDesign
-from synthesis.spatial.files import SPATIAL_FILES
+from synthesis.spatial.files import FORMATS, Format
 
-router = APIRouter(prefix="/v1/spatial-cams/{cam_id}", tags=["files of spatial cams"])
+router = APIRouter(prefix="/v1/spatial-cams/{cam_id}", tags=["spatial cams"])
 
 
-def _handler(exporter: FileFormat[SpatialDesign, Any]) -> Handler:
+def _handler(name: str, exporter: Format) -> Handler:
     query = form(exporter.options)
-    part = exporter.name.removesuffix(exporter.extension)
+    part = name.removesuffix(exporter.extension)
 
     async def handler(
         request: Request,
@@ -31,7 +29,7 @@ def _handler(exporter: FileFormat[SpatialDesign, Any]) -> Handler:
     ) -> Response:
         wanted = exporter.options(**dict(options))
         row, design = await done(parts.spatial_cams, cam_id)
-        work = partial(spatial_file_of, design, exporter, wanted)
+        work = partial(spatial_file, design, exporter, wanted)
         return await sent(request, parts, row, part, exporter, wanted, work)
 
     # texts of annotations would be looked up where ``query`` is unknown
@@ -39,5 +37,5 @@ def _handler(exporter: FileFormat[SpatialDesign, Any]) -> Handler:
     return handler
 
 
-for _exporter in SPATIAL_FILES.values():
-    add(router, _exporter.name, _exporter, _handler(_exporter))
+for _name, _exporter in FORMATS.items():
+    add(router, _name, _exporter, _handler(_name, _exporter), of="spatial_cam_")

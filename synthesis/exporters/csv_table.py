@@ -23,7 +23,7 @@ BLOCK = 1024  # rows at once: memory that stays in the cache is not fetched anew
 
 
 def table(columns: Sequence[Column]) -> bytes:
-    """The file of these columns, all of one length."""
+    """A header row, then the columns' values."""
     header = ",".join(column.name for column in columns)
     rows = len(columns[0].values)
     parts = [header.encode(), b"\n"]

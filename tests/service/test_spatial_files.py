@@ -8,7 +8,7 @@ import httpx2
 import pytest
 
 from synthesis.spatial.design import SpatialDesign
-from synthesis.spatial.files import SPATIAL_FILES
+from synthesis.spatial.files import FORMATS, formats_of
 from tests.service.conftest import Running
 from tests.service.test_spatial_cams import P4, WHERE
 from tests.service.test_trouble import is_problem
@@ -24,11 +24,11 @@ def answer(service: Running) -> dict[str, Any]:
     return service.client.post(WHERE, json=P4).json()  # type: ignore[no-any-return]
 
 
-@pytest.mark.parametrize("name", SPATIAL_FILES)
+@pytest.mark.parametrize("name", formats_of("globoidal_indexer"))
 def test_a_file_is_what_the_library_writes(
     client: httpx2.Client, answer: dict[str, Any], name: str
 ) -> None:
-    exporter = SPATIAL_FILES[name]
+    exporter = FORMATS[name]
     asked = SMALL.get(name, FLANKS)
     got = client.get(answer["links"][name], params=asked)
     assert got.status_code == 200, got.text
@@ -45,7 +45,7 @@ def test_a_file_is_what_the_library_writes(
 
 def test_the_catalogue_has_them(client: httpx2.Client) -> None:
     entries = client.get("/v1/formats").json()["spatial"]
-    assert [entry["name"] for entry in entries] == list(SPATIAL_FILES)
+    assert [entry["name"] for entry in entries] == list(FORMATS)
 
 
 def test_what_makes_no_sense_is_refused_at_its_field(
