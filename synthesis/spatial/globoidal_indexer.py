@@ -12,6 +12,7 @@ from pydantic_core import PydanticCustomError
 
 from synthesis.geometry.swept_roller import Pivot, Roller, SweptRoller
 from synthesis.ranges import Dimension, Range
+from synthesis.spatial.leverage import Leverage, TurretPressure, places
 from synthesis.spatial.machine import Seat, SpatialMachine
 from synthesis.units import DEGREE, FULL_TURN, Travel
 
@@ -29,6 +30,7 @@ class GloboidalIndexer(SpatialMachine):
     kind: Literal["globoidal_indexer"] = "globoidal_indexer"
     title: ClassVar[str] = "globoidal indexer"
     travel: ClassVar[Travel] = Travel("deg", DEGREE)
+    sought: ClassVar[str] = "centre_distance_mm"
 
     rollers: Annotated[int, Field(ge=3, le=64, description="Rollers on the turret.")]
     hand: Annotated[Literal["left", "right"], Field(description="Hand of the cam's thread.")] = (
@@ -69,21 +71,19 @@ class GloboidalIndexer(SpatialMachine):
         return {name: getattr(self, name) for name in names}
 
     def swept(self, sizes: Mapping[str, float], turns: int) -> SweptRoller:
-        inner = sizes["roller_inner_mm"]
         return SweptRoller(
             centre=np.array([sizes["centre_distance_mm"], 0.0, 0.0]),
             axis=Y,
             joint=Pivot(0.0 * X, Z),
             origin=0.0 * X,
             along=X,
-            roller=Roller(
-                sizes["roller_radius_mm"],
-                inner,
-                inner + self.roller_width_mm,
-                self.crown_radius_mm or 0.0,
-            ),
+            roller=self._roller(sizes),
             hand=turns * (1 if self.hand == "right" else -1),
         )
+
+    def _roller(self, sizes: Mapping[str, float]) -> Roller:
+        inner, crown = sizes["roller_inner_mm"], self.crown_radius_mm or 0.0
+        return Roller(sizes["roller_radius_mm"], inner, inner + self.roller_width_mm, crown)
 
     def seats(self) -> tuple[Seat, ...]:
         first = 0.5 * self.spacing if self.dwell_on == "rib" else 0.0
@@ -109,3 +109,13 @@ class GloboidalIndexer(SpatialMachine):
                     "count": self.rollers,
                 },
             )
+
+    def reach(self, sizes: Mapping[str, float]) -> float:
+        return sizes["roller_inner_mm"] + self.roller_width_mm
+
+    def pressure_angle_curves(
+        self, sizes: Mapping[str, float], slope: float
+    ) -> tuple[Leverage, ...]:
+        length, first = self.reach(sizes), self.seats()[0].start
+        at = places(self._roller(sizes), length, slope)
+        return (TurretPressure("pressure_angle", first, self.spacing, length, at),)

@@ -11,6 +11,8 @@ from pydantic import BaseModel, ConfigDict
 
 from synthesis.geometry.swept_roller import SweptRoller
 from synthesis.ranges import Range
+from synthesis.spatial.leverage import Leverage
+from synthesis.terms import Row
 from synthesis.units import Travel
 
 
@@ -34,6 +36,7 @@ class SpatialMachine(BaseModel, ABC):
     kind: str
     title: ClassVar[str]
     travel: ClassVar[Travel]
+    sought: ClassVar[str] = ""  # field of the dimension that is made small; empty: none yet
 
     @abstractmethod
     def sizes(self) -> Mapping[str, float | Range | None]:
@@ -63,3 +66,23 @@ class SpatialMachine(BaseModel, ABC):
         Raises:
             PydanticCustomError: the next turn would not find a roller where this one ended.
         """
+
+    # -- what is asked where the dimension ``sought`` is made small ------------------------------
+
+    def reach(self, sizes: Mapping[str, float]) -> float:
+        """A length for one unit of q, near that of the rollers' travel [mm]."""
+        return 1.0
+
+    def pressure_angle_rows(self, sizes: Mapping[str, float], slope: float) -> tuple[Row, ...]:
+        """|tan α| ≤ slope, where it is linear in the motion and the dimension sought.
+
+        Args:
+            sizes: the other dimensions [mm]. slope: tan α_max.
+        """
+        return ()
+
+    def pressure_angle_curves(
+        self, sizes: Mapping[str, float], slope: float
+    ) -> tuple[Leverage, ...]:
+        """The same where it is not linear, the motion being ``reach`` times q."""
+        return ()
