@@ -19,8 +19,9 @@ across u and V, T = (V − (u·V) u)/h and h their common length, it has two sol
 a contact on either side; s is 0 for cylindrical rollers, and where the follower's way and the cam's
 both are across u, as in globoidal cams. The walls of the cam are the contacts as the cam sees them.
 
-Machines are set up so that at rest the cam's surface passes the roller along χ u × w; then the
-contact called +1 is on the side to which the follower moves with growing q.
+The contact called +1 is on the side to which the follower moves with growing q. At rest the cam's
+surface passes the roller along χ u × w or against it, as the machine is set up: then m = ± χ P is
+that side.
 
 Source: derived here. For a globoidal cam, tan η = ρψ'/(ρ cos ψ − C) and tan α = ρ|ψ'|/(C − ρ cos ψ)
 in the literature on roller gear cams (Gonzalez-Palacios and Angeles, Cam Synthesis, 1993).
@@ -30,6 +31,7 @@ from __future__ import annotations
 
 from abc import ABC, abstractmethod
 from dataclasses import dataclass
+from functools import cached_property
 from typing import NamedTuple
 
 import numpy as np
@@ -189,7 +191,7 @@ class SweptRoller:
         q1 = place.q1[:, None]
         u = self.joint.turned(_column(self.along), place.q)
         x, f = self._axis(place.q, rho), self._axis(place.q, foot)
-        touch = _Touch(u, self._slip(f, q1), slope, side * self.hand)
+        touch = _Touch(u, self._slip(f, q1), slope, side * self.hand * self._facing)
         m = touch.direction
         by_theta = touch.change(self.joint.spin(u) * q1, self._slip_changes(place, f), 0.0)
         shift = 1.0 + slope**2 + radius * bend
@@ -214,6 +216,13 @@ class SweptRoller:
         """
         shape = (3,) + (1,) * (point.ndim - 1)
         return turned(point - self.centre.reshape(shape), -self.hand * theta, self.axis)
+
+    @cached_property
+    def _facing(self) -> int:
+        """+1 where at rest, q = 0, the cam's surface passes along χ u × w, −1 against it."""
+        x, e, u = self.origin + self.roller.middle * self.along, self.axis, self.along
+        way = self.joint.way(_column(x))[:, 0, 0]
+        return 1 if float(dot(cross(e, x - self.centre), cross(u, way))) > 0.0 else -1
 
     def _axis(self, q: Array, rho: Array) -> Array:
         """Points of the roller's axis: (3, n, m)."""

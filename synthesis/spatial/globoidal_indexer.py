@@ -2,21 +2,19 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Mapping
-from typing import Annotated, ClassVar, Literal
+from typing import ClassVar, Literal
 
 import numpy as np
-from pydantic import Field
-from pydantic_core import PydanticCustomError
+from pydantic import model_validator
 
 from synthesis.geometry.swept_roller import Pivot, Roller, SweptRoller
 from synthesis.ranges import Dimension, Range
+from synthesis.spatial import roller, turret
 from synthesis.spatial.leverage import Leverage, TurretPressure, places
 from synthesis.spatial.machine import Seat, SpatialMachine
 from synthesis.units import DEGREE, FULL_TURN, Travel
 
-WHOLE = 1e-9  # of a spacing: a gain that is a whole number of rollers
 X, Y, Z = np.eye(3)
 
 
@@ -24,47 +22,31 @@ class GloboidalIndexer(SpatialMachine):
     """A turret with radial rollers; its axis crosses the cam's at a right angle, some way off.
 
     Its frame has the origin on the turret's axis, x along the common perpendicular to the cam's
-    axis, z along the turret's.
+    axis, z along the turret's, about which it turns as its travel grows. The cam turns about y
+    where its thread is left-handed, about −y where it is right-handed. The same cam turned over,
+    end for end, is seen to turn the other way, and so is its turret: ``rotation`` changes no wall.
     """
 
     kind: Literal["globoidal_indexer"] = "globoidal_indexer"
     title: ClassVar[str] = "globoidal indexer"
     travel: ClassVar[Travel] = Travel("deg", DEGREE)
+    period: ClassVar[float] = FULL_TURN
     sought: ClassVar[str] = "centre_distance_mm"
 
-    rollers: Annotated[int, Field(ge=3, le=64, description="Rollers on the turret.")]
-    hand: Annotated[Literal["left", "right"], Field(description="Hand of the cam's thread.")] = (
-        "right"
-    )
-    dwell_on: Annotated[
-        Literal["rib", "groove"],
-        Field(
-            description="What lies on the common perpendicular while the turret rests: a rib "
-            "between two rollers, or a groove with one roller in it."
-        ),
-    ] = "rib"
+    rollers: turret.Rollers
+    hand: turret.Hand = "right"
+    dwell_on: turret.DwellOn = "rib"
     centre_distance_mm: Dimension = None
     roller_radius_mm: Dimension = None
     roller_inner_mm: Dimension = None
-    roller_width_mm: Annotated[float, Field(gt=0.0, le=1e5, description="Roller's width.")]
-    crown_radius_mm: Annotated[
-        float | None,
-        Field(gt=0.0, le=1e7, description="Radius of a crowned roller's outline; left out: none."),
-    ] = None
-    mesh_angle_deg: Annotated[
-        float | None,
-        Field(
-            gt=0.0,
-            le=90.0,
-            description="A roller meets the cam up to so far from the common perpendicular; left "
-            "out: from where one that rests beside it gets to within one index.",
-        ),
-    ] = None
+    roller_width_mm: roller.RollerWidth
+    crown_radius_mm: roller.CrownRadius = None
+    mesh_angle_deg: turret.MeshAngle = None
 
-    @property
-    def spacing(self) -> float:
-        """Angle from roller to roller [rad]."""
-        return FULL_TURN / self.rollers
+    @model_validator(mode="after")
+    def _crown_fits(self) -> GloboidalIndexer:
+        roller.check_crown(self.roller_width_mm, self.crown_radius_mm, self.roller_radius_mm)
+        return self
 
     def sizes(self) -> Mapping[str, float | Range | None]:
         names = ("centre_distance_mm", "roller_radius_mm", "roller_inner_mm")
@@ -78,37 +60,21 @@ class GloboidalIndexer(SpatialMachine):
             origin=0.0 * X,
             along=X,
             roller=self._roller(sizes),
-            hand=turns * (1 if self.hand == "right" else -1),
+            hand=turret.thread(self.hand),
         )
 
     def _roller(self, sizes: Mapping[str, float]) -> Roller:
-        inner, crown = sizes["roller_inner_mm"], self.crown_radius_mm or 0.0
-        return Roller(sizes["roller_radius_mm"], inner, inner + self.roller_width_mm, crown)
+        radius, inner = sizes["roller_radius_mm"], sizes["roller_inner_mm"]
+        return roller.of(radius, inner, self.roller_width_mm, self.crown_radius_mm)
 
     def seats(self) -> tuple[Seat, ...]:
-        first = 0.5 * self.spacing if self.dwell_on == "rib" else 0.0
-        return tuple(Seat(i + 1, first - i * self.spacing) for i in range(self.rollers))
+        return turret.seats(self.rollers, self.dwell_on)
 
     def mesh(self, sizes: Mapping[str, float]) -> tuple[float, float]:
-        asked = self.mesh_angle_deg
-        most = min(1.5 * self.spacing, 0.5 * math.pi) if asked is None else asked * DEGREE
-        return -most, most
+        return turret.mesh(self.rollers, self.mesh_angle_deg)
 
     def check_gain(self, gain: float) -> None:
-        rollers = gain / self.spacing
-        if round(rollers) == 0 or abs(rollers - round(rollers)) > WHOLE:
-            raise PydanticCustomError(
-                "index_not_whole",
-                "The program turns the turret by {gain}° in a turn of the cam, which is {rollers} "
-                "times the {spacing}° between two of {count} rollers. Make the lifts of the "
-                "program sum to a whole number of these, and not to none.",
-                {
-                    "gain": float(f"{gain / DEGREE:.9g}"),
-                    "rollers": float(f"{rollers:.9g}"),
-                    "spacing": float(f"{self.spacing / DEGREE:.9g}"),
-                    "count": self.rollers,
-                },
-            )
+        turret.check_index(gain, self.rollers)
 
     def reach(self, sizes: Mapping[str, float]) -> float:
         return sizes["roller_inner_mm"] + self.roller_width_mm
@@ -117,5 +83,5 @@ class GloboidalIndexer(SpatialMachine):
         self, sizes: Mapping[str, float], slope: float
     ) -> tuple[Leverage, ...]:
         length, first = self.reach(sizes), self.seats()[0].start
-        at = places(self._roller(sizes), length, slope)
-        return (TurretPressure("pressure_angle", first, self.spacing, length, at),)
+        spacing, at = turret.spacing(self.rollers), places(self._roller(sizes), length, slope)
+        return (TurretPressure("pressure_angle", first, spacing, length, at),)

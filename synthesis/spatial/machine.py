@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from abc import ABC, abstractmethod
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -15,6 +16,8 @@ from synthesis.spatial.leverage import Leverage
 from synthesis.terms import Row
 from synthesis.units import Travel
 
+LEFT, RIGHT = -1, 1
+
 
 @dataclass(frozen=True)
 class Seat:
@@ -22,10 +25,12 @@ class Seat:
 
     Attributes:
         number: as it is named, from 1. start: what is added to the motion's q [rad or mm].
+        sides: of the roller that run on the cam, +1 the one in the direction of growing q.
     """
 
     number: int
     start: float
+    sides: tuple[int, ...] = (LEFT, RIGHT)
 
 
 class SpatialMachine(BaseModel, ABC):
@@ -36,6 +41,7 @@ class SpatialMachine(BaseModel, ABC):
     kind: str
     title: ClassVar[str]
     travel: ClassVar[Travel]
+    period: ClassVar[float] = math.inf  # of q, after which a roller is where it was [rad or mm]
     sought: ClassVar[str] = ""  # field of the dimension that is made small; empty: none yet
 
     @abstractmethod
@@ -50,6 +56,10 @@ class SpatialMachine(BaseModel, ABC):
             sizes: a number for each of ``sizes()`` [mm].
             turns: +1 where the cam turns ccw, −1 where it turns cw.
         """
+
+    def dimensions(self, sizes: Mapping[str, float]) -> Mapping[str, float]:
+        """What an answer tells of a machine with these dimensions, ``sizes`` among them [mm]."""
+        return sizes
 
     @abstractmethod
     def seats(self) -> tuple[Seat, ...]:
@@ -66,6 +76,10 @@ class SpatialMachine(BaseModel, ABC):
         Raises:
             PydanticCustomError: the next turn would not find a roller where this one ended.
         """
+
+    def check_reach(self, lowest: float, highest: float) -> None:
+        """Refuse a program that brings the follower where it cannot be [rad or mm]."""
+        return None
 
     # -- what is asked where the dimension ``sought`` is made small ------------------------------
 
