@@ -110,6 +110,11 @@ class GloboidalIndexer(SpatialMachine):
             told["end_radius_mm"] = distance - math.sqrt(inner**2 - half**2)
         return {**sizes, **told}
 
+    def rooms(self, sizes: Mapping[str, float]) -> Mapping[str, float]:
+        inner, radius = sizes["roller_inner_mm"], sizes["roller_radius_mm"]
+        gap = turret.gap(self.rollers, inner, radius)
+        return {"core_radius": self.core(sizes), "roller_gap": gap}
+
     def core(self, sizes: Mapping[str, float]) -> float:
         """What the grooves leave of the cam around its axis, its least radius [mm].
 

@@ -73,6 +73,10 @@ class SpatialMachine(BaseModel, ABC):
         """What an answer tells of a machine with these dimensions, ``sizes`` among them [mm]."""
         return sizes
 
+    def rooms(self, sizes: Mapping[str, float]) -> Mapping[str, float]:
+        """Lengths that have to be there besides the walls, by name: above 0 [mm]."""
+        return {}
+
     @abstractmethod
     def seats(self) -> tuple[Seat, ...]:
         """The rollers that can meet the cam during one turn of it."""

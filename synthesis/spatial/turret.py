@@ -73,6 +73,12 @@ def check_room(rollers: int, inner: Dimension, radius: Dimension) -> None:
         )
 
 
+def gap(rollers: int, inner: float, radius: float) -> float:
+    """What is between two neighbouring radial rollers, at their inner ends [mm]."""
+    half = 0.5 * spacing(rollers)
+    return 2.0 * (inner * math.sin(half) - radius * math.cos(half))
+
+
 def mesh(rollers: int, asked: float | None) -> tuple[float, float]:
     """Places between which rollers meet the cam [rad], of the angle asked for [deg]."""
     most = min(1.5 * spacing(rollers), 0.5 * math.pi) if asked is None else asked * DEGREE
