@@ -6,17 +6,19 @@ import math
 from abc import ABC, abstractmethod
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import ClassVar
+from typing import ClassVar, Self
 
-from pydantic import BaseModel, ConfigDict
+from pydantic import BaseModel, ConfigDict, model_validator
+from pydantic_core import PydanticCustomError
 
 from synthesis.geometry.swept_roller import SweptRoller
-from synthesis.ranges import Range
+from synthesis.ranges import Range, ends
 from synthesis.spatial.leverage import Leverage
 from synthesis.terms import Row
 from synthesis.units import Travel
 
 LEFT, RIGHT = -1, 1
+LARGEST = 1e6  # mm
 
 
 @dataclass(frozen=True)
@@ -44,6 +46,19 @@ class SpatialMachine(BaseModel, ABC):
     period: ClassVar[float] = math.inf  # of q, after which a roller is where it was [rad or mm]
     sought: ClassVar[str] = ""  # field of the dimension that is made small; empty: none yet
 
+    @model_validator(mode="after")
+    def _sized(self) -> Self:
+        for name, given in self.sizes().items():
+            low, high = ends(given)
+            if high <= 0.0 or (low == high and low > LARGEST):
+                raise PydanticCustomError(
+                    "no_such_size",
+                    "{name} is {given}, and no machine has that. Give a length above 0 and not "
+                    "above {largest} mm.",
+                    {"name": name, "given": high, "largest": LARGEST},
+                )
+        return self
+
     @abstractmethod
     def sizes(self) -> Mapping[str, float | Range | None]:
         """Dimensions that may be left free, by their field's name [mm]."""
@@ -61,6 +76,10 @@ class SpatialMachine(BaseModel, ABC):
         """What an answer tells of a machine with these dimensions, ``sizes`` among them [mm]."""
         return sizes
 
+    def rooms(self, sizes: Mapping[str, float]) -> Mapping[str, float]:
+        """Lengths that have to be there besides the walls, by name: above 0 [mm]."""
+        return {}
+
     @abstractmethod
     def seats(self) -> tuple[Seat, ...]:
         """The rollers that can meet the cam during one turn of it."""
@@ -68,6 +87,10 @@ class SpatialMachine(BaseModel, ABC):
     @abstractmethod
     def mesh(self, sizes: Mapping[str, float]) -> tuple[float, float]:
         """Least and largest place q of a roller [rad or mm] where the blank still has a wall."""
+
+    def faces(self) -> tuple[float, float]:
+        """Places of the cam's end faces along its axis, from its centre [mm]; open if infinite."""
+        return -math.inf, math.inf
 
     @abstractmethod
     def check_gain(self, gain: float) -> None:
