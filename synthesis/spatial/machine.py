@@ -45,6 +45,7 @@ class SpatialMachine(BaseModel, ABC):
     travel: ClassVar[Travel]
     period: ClassVar[float] = math.inf  # of q, after which a roller is where it was [rad or mm]
     sought: ClassVar[str] = ""  # field of the dimension that is made small; empty: none yet
+    unrolls: ClassVar[bool] = False  # whether cylinders about its axis cut the cam's walls
 
     @model_validator(mode="after")
     def _sized(self) -> Self:
@@ -91,6 +92,10 @@ class SpatialMachine(BaseModel, ABC):
     def faces(self) -> tuple[float, float]:
         """Places of the cam's end faces along its axis, from its centre [mm]; open if infinite."""
         return -math.inf, math.inf
+
+    def cylinder(self, sizes: Mapping[str, float]) -> tuple[float, float] | None:
+        """Radii between which cylinders cut its cam's walls [mm]; None: it does not unroll."""
+        return None
 
     @abstractmethod
     def check_gain(self, gain: float) -> None:

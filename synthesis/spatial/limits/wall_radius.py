@@ -14,7 +14,7 @@ class WallRadius(SpatialLimit):
 
     kind: Literal["wall_radius"] = "wall_radius"
     title: ClassVar[str] = "Wall radius"
-    quantity: ClassVar[str] = "wall_radius"
+    quantity: ClassVar[str] = "convex_radius"
     field: ClassVar[str] = "min_mm"
     upper: ClassVar[bool] = False
 
