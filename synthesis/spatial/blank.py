@@ -38,8 +38,8 @@ class BlankOptions(Options):
             gt=0.0,
             le=1e5,
             description="Width between two flat ends, midway between them the common "
-            "perpendicular; left out: as far as rollers are in mesh, or "
-            "one radius of the roller beyond their grooves.",
+            "perpendicular; left out: the cam's own, or as far as rollers are in mesh, or one "
+            "radius of the roller beyond their grooves.",
         ),
     ] = None
     tip_clearance_mm: Annotated[
@@ -84,9 +84,11 @@ class Blank:
             )  # fmt: skip
         depth = np.linspace(top, root, depths)
         low, high = (np.full(depths, end) for end in _ends(cuts))
-        if options.width_mm is not None:
-            low = np.maximum(low, cuts.chart.level(depth, -0.5 * options.width_mm))
-            high = np.minimum(high, cuts.chart.level(depth, 0.5 * options.width_mm))
+        width = options.width_mm
+        faces = cuts.cam.faces if width is None else (-0.5 * width, 0.5 * width)
+        if np.all(np.isfinite(faces)):
+            low = np.maximum(low, cuts.chart.level(depth, faces[0]))
+            high = np.minimum(high, cuts.chart.level(depth, faces[1]))
         blank = cls(cuts.chart, depth, low, high, 0.5 * (options.bore_mm or 0.0))
         blank._check(options)
         return blank

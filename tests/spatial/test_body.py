@@ -10,12 +10,15 @@ import pytest
 from numpy.typing import NDArray
 
 from synthesis.errors import InputError
+from synthesis.spatial.blank import Blank, BlankOptions
+from synthesis.spatial.body import body_of
 from synthesis.spatial.design import SpatialDesign
 from synthesis.spatial.files.body_stl import STL, StlOptions
+from synthesis.spatial.grooves import Cuts
 from synthesis.spatial.pipeline import synthesise_spatial
 from synthesis.spatial.spec import SpatialCamSpec
 from tests.spatial.drums import APART, SAMPLES, START
-from tests.spatial.test_cam import body
+from tests.spatial.test_cam import body, cam_of
 
 Array = NDArray[np.float64]
 COARSE = {"points_per_degree": 0.5, "depths": 7}
@@ -196,7 +199,6 @@ def test_the_volume_is_that_of_its_slices() -> None:
         ({"mesh_angle_deg": 40.0}, {"bore_mm": 150.0}, "Take a diameter below 147.6"),
         ({"mesh_angle_deg": 40.0}, {"tip_clearance_mm": 41.0}, "The grooves are 35.5545 mm deep"),
         ({"mesh_angle_deg": 40.0}, {"points_per_degree": 19.9, "depths": 90}, "Ask for at most"),
-        ({"centre_distance_mm": 111.3}, {}, "is undercut"),
     ],
 )
 def test_what_leaves_no_body_is_refused(
@@ -205,3 +207,10 @@ def test_what_leaves_no_body_is_refused(
     design = made(SpatialCamSpec(**body(**machine)))
     with pytest.raises(InputError, match=told):
         STL.write(design, StlOptions(**options))
+
+
+def test_a_wall_that_is_undercut_has_no_body() -> None:
+    spec = SpatialCamSpec(**body(centre_distance_mm=131.9))
+    cuts = Cuts.of(cam_of(spec), spec.machine)
+    with pytest.raises(InputError, match="wall on the left side of a roller is undercut"):
+        body_of(cuts, Blank.of(cuts, BlankOptions(), 4), 180)
