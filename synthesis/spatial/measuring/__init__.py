@@ -28,8 +28,7 @@ def measured(
 
 def _all(spec: SpatialCamSpec, cam: SpatialCam) -> Iterator[tuple[Kind, Found]]:
     parts = list(patches(cam))
-    for quantity in walls.quantities(spec.omega) if parts else ():
-        yield quantity.kind, walls.extreme(quantity, parts, walls.places(cam))
+    yield from walls.extremes(cam, parts, spec.omega)
     thinnest = ribs.thinnest(cam, parts, spec.machine.seats())
     if thinnest is not None:
         yield ribs.RIB, thinnest

@@ -6,7 +6,7 @@ ever closer. What the last steps still gained is told as the width: a measuremen
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -14,6 +14,7 @@ import numpy as np
 from synthesis.geometry.swept_roller import cross, dot, norm
 from synthesis.numerics.piecewise import Array
 from synthesis.spatial.cam import SpatialCam
+from synthesis.spatial.measuring.enclosing import PRESSURE, UNDERCUT, Proof, proven
 from synthesis.spatial.measuring.found import Bound, Found, Kind
 from synthesis.spatial.measuring.patches import Patch
 from synthesis.units import DEGREE
@@ -27,10 +28,14 @@ Values = Callable[[Patch, Array, Array], Array]
 
 @dataclass(frozen=True)
 class Measured:
-    """A quantity that contacts have: its values (n, m) at θ (n,) and ρ (m,) of a patch."""
+    """A quantity that contacts have: its values (n, m) at θ (n,) and ρ (m,) of a patch.
+
+    ``proof`` says how its extreme is enclosed; None: it is measured and no more.
+    """
 
     kind: Kind
     of: Values
+    proof: Proof | None = None
 
 
 def _sliding(patch: Patch, theta: Array, rho: Array) -> Array:
@@ -58,29 +63,38 @@ def _spin(patch: Patch, theta: Array, rho: Array) -> Array:
 
 def _radius(curvature: float) -> float:
     """Of a curvature with its sign turned; infinite where it is none of this kind."""
+    if np.isinf(curvature):
+        return curvature
     return -1.0 / curvature if curvature < 0.0 else np.inf
 
 
-def quantities(omega: float) -> Sequence[Measured]:
-    """All of them, of a cam that turns at ω [rad/s]."""
+STEEPNESS = Measured(
+    Kind("pressure_angle", "deg", True, lambda value: value / DEGREE),
+    lambda p, theta, rho: p.contacts(theta, rho).pressure_angle,
+    PRESSURE,
+)
+AREA = Measured(
+    Kind("undercut", "1", False, must=Bound(0.0)),
+    lambda p, theta, rho: p.contacts(theta, rho).regular,
+    UNDERCUT,
+)
+RADII = (
+    Measured(
+        Kind("convex_radius", "mm", False, _radius),
+        lambda p, theta, rho: -p.curvatures(theta, rho)[0],
+    ),
+    Measured(
+        Kind("hollow_radius", "mm", False, _radius),
+        lambda p, theta, rho: p.curvatures(theta, rho)[1],
+    ),
+)
+NO_RADIUS = Found(-np.inf, -np.inf, "a wall is undercut: there is no such radius")
+
+
+def _speeds(omega: float) -> Sequence[Measured]:
+    """Of a cam that turns at ω [rad/s]."""
     rpm = omega * 60.0 / (2.0 * np.pi)
     return (
-        Measured(
-            Kind("pressure_angle", "deg", True, lambda value: value / DEGREE),
-            lambda p, theta, rho: p.contacts(theta, rho).pressure_angle,
-        ),
-        Measured(
-            Kind("undercut", "1", False, must=Bound(0.0)),
-            lambda p, theta, rho: p.contacts(theta, rho).regular,
-        ),
-        Measured(
-            Kind("convex_radius", "mm", False, _radius),
-            lambda p, theta, rho: -p.curvatures(theta, rho)[0],
-        ),
-        Measured(
-            Kind("hollow_radius", "mm", False, _radius),
-            lambda p, theta, rho: p.curvatures(theta, rho)[1],
-        ),
         Measured(
             Kind("contact_speed", "mm/s", True, lambda value: value * omega),
             lambda p, theta, rho: norm(p.contacts(theta, rho).slip),
@@ -90,13 +104,29 @@ def quantities(omega: float) -> Sequence[Measured]:
     )
 
 
-def extreme(quantity: Measured, parts: Sequence[Patch], rho: Array) -> Found:
-    """The extreme over all patches."""
+def extremes(cam: SpatialCam, parts: Sequence[Patch], omega: float) -> Iterator[tuple[Kind, Found]]:
+    """Every quantity's extreme over all patches."""
+    if not parts:
+        return
+    rho = np.linspace(cam.swept.roller.inner, cam.swept.roller.outer, PLACES)
+    yield STEEPNESS.kind, _extreme(STEEPNESS, parts, rho)
+    area = _extreme(AREA, parts, rho)
+    yield AREA.kind, area
+    for radius in RADII:
+        yield radius.kind, _extreme(radius, parts, rho) if area.value > 0.0 else NO_RADIUS
+    for speed in _speeds(omega):
+        yield speed.kind, _extreme(speed, parts, rho)
+
+
+def _extreme(quantity: Measured, parts: Sequence[Patch], rho: Array) -> Found:
     sign = 1.0 if quantity.kind.largest else -1.0
     tried = [sign * _values(quantity, p, np.linspace(p.low, p.high, ANGLES), rho) for p in parts]
     order = sorted(range(len(parts)), key=lambda i: -float(tried[i].max()))[:KEPT]
     found = [_closer(quantity, sign, parts[i], tried[i], rho) for i in order]
-    return max(found, key=lambda each: sign * each.value)
+    best = max(found, key=lambda each: sign * each.value)
+    if quantity.proof is None or not np.isfinite(best.value):
+        return best
+    return proven(parts[0].cam, parts, quantity.proof, best)
 
 
 def _values(quantity: Measured, patch: Patch, theta: Array, rho: Array) -> Array:
@@ -130,8 +160,3 @@ def _closer(quantity: Measured, sign: float, patch: Patch, tried: Array, rho: Ar
 
 def _at(patch: Patch, n: np.intp) -> float:
     return float(np.linspace(patch.low, patch.high, ANGLES)[n])
-
-
-def places(cam: SpatialCam) -> Array:
-    """Where on the roller's axis contacts are tried first [mm]."""
-    return np.linspace(cam.swept.roller.inner, cam.swept.roller.outer, PLACES)
