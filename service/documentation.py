@@ -8,11 +8,13 @@ from typing import Any
 from fastapi import FastAPI
 from fastapi.openapi.utils import get_openapi
 from fastapi.routing import APIRoute
+from pydantic import BaseModel
 
 from service.errors import BY_STATUS, PROBLEMS
 from service.examples import examples
 from service.problem import MEDIA_TYPE, LateProblem, Problem
 from synthesis.design import engine_version
+from synthesis.linkages import LINKAGES
 from synthesis.measured import MeasuredCam
 from synthesis.spatial.spec import SpatialCamSpec
 from synthesis.sweeps import SweepSpec
@@ -39,6 +41,10 @@ one archive with all files, in the cams' own frames and in the shaft's.
 Cams whose rollers' axes do not lie along the cam's, as those of globoidal indexers, go to
 `POST /v1/spatial-cams`: their walls, pressure angle, undercut, where and at which roller.
 
+Linkages have places of their own: a six-bar shaper, given or sized for a stroke and a quick-return
+ratio, goes to `POST /v1/linkages/six-bar-shapers`, a palletising arm to
+`POST /v1/linkages/palletising-arms`.
+
 Many designs out of one go to `POST /v1/sweeps`: a base spec, the fields to vary, and how their
 values are combined. Watch them come in, take them as a table, and see what is traded for what.
 
@@ -59,6 +65,7 @@ TAGS = [
     {"name": "analyses", "description": "What a cam does that is given in full."},
     {"name": "cam sets", "description": "Several cams on one shaft, with their phases."},
     {"name": "spatial cams", "description": "Cams for rollers whose axes lie across the cam's."},
+    {"name": "linkages", "description": "Shapers and palletising arms."},
     {"name": "sweeps", "description": "Many designs out of one, and their trade-offs."},
     {"name": "files", "description": "Points and curves of a finished design."},
     {"name": "catalogue", "description": "What a spec may name, and what this server allows."},
@@ -72,6 +79,11 @@ SEVERAL = {
     503: "Not now, try again",
 }
 OPENAPI_URL = "/openapi.json"
+# Bodies that no handler's signature names.
+UNNAMED: tuple[type[BaseModel], ...] = (
+    Problem, LateProblem, MeasuredCam, SpatialCamSpec, SweepSpec,
+    *(each.spec for each in LINKAGES.values()),
+)  # fmt: skip
 
 
 def problems(*statuses: int) -> dict[int | str, dict[str, Any]]:
@@ -151,13 +163,7 @@ def describe(app: FastAPI) -> dict[str, Any]:
         )
         schemas = document["components"]["schemas"]
         reference = "#/components/schemas/{model}"
-        for model in (
-            Problem,
-            LateProblem,
-            MeasuredCam,
-            SpatialCamSpec,
-            SweepSpec,
-        ):  # no handler's signature names them
+        for model in UNNAMED:
             own = model.model_json_schema(ref_template=reference)
             for name, schema in own.pop("$defs").items():
                 schemas.setdefault(name, schema)

@@ -67,6 +67,10 @@ class UnknownAnalysis(ServiceError):
     """No analysis of this kind has this id."""
 
 
+class UnknownLinkage(ServiceError):
+    """No linkage of this kind has this id."""
+
+
 class BadQuery(ServiceError):
     """A query parameter or a header makes no sense."""
 
@@ -128,6 +132,7 @@ PROBLEMS: dict[type[Exception], Kind] = {
     UnknownSweep: Kind(404, "unknown-sweep", "No such sweep or item"),
     FormatMissing: Kind(501, "format-missing", "This server does not write the format"),
     UnknownAnalysis: Kind(404, "unknown-analysis", "No such analysis"),
+    UnknownLinkage: Kind(404, "unknown-linkage", "No such linkage"),
     NotDone: Kind(409, "not-done", "The design is not finished"),
     PartOfSweep: Kind(409, "part-of-sweep", "The design belongs to a sweep"),
     NothingFits: Kind(409, "nothing-fits", "The design is infeasible and has no files"),

@@ -8,12 +8,15 @@ from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any
 
 from service.errors import NothingFits
-from service.links import design_links, set_links, spatial_links
+from service.links import design_links, linkage_links, set_links, spatial_links
 from synthesis.camset_spec import CamSetSpec
 from synthesis.design import Design
 from synthesis.exporters import DRAWINGS, Exporter, Made, Options
+from synthesis.exporters.exporter import FileFormat
 from synthesis.findings import Analysis
+from synthesis.linkages import LINKAGES
 from synthesis.objectives import Objective
+from synthesis.spatial.design import SpatialDesign
 from synthesis.spatial.spec import SpatialCamSpec
 from synthesis.spec import DesignSpec
 
@@ -113,7 +116,7 @@ def solve_spatial(spec: bytes, budget_s: float) -> Answer:
     started = time.monotonic()
     asked = SpatialCamSpec.model_validate_json(spec)
     found = synthesise_spatial(asked, deadline=started + budget_s)
-    links = spatial_links(found.id, has_cam=bool(found.motion))
+    links = spatial_links(found.id, found.machine, has_cam=bool(found.motion))
     found = found.model_copy(update={"links": links})
     summary = {"machine": found.machine, "dimensions": found.dimensions}
     body = found.model_dump_json().encode()
@@ -162,6 +165,19 @@ def read_back(cam: bytes, budget_s: float) -> Answer:
     return Answer(found.model_dump_json().encode(), "read", summary, time.monotonic() - started)
 
 
+def linked(kind: str, spec: bytes, budget_s: float) -> Answer:
+    """Answer a question about a linkage of this kind; runs in a worker process."""
+    linkage = LINKAGES[kind]
+    started = time.monotonic()
+    asked = linkage.spec.model_validate_json(spec)
+    found = linkage.work(asked, started + budget_s)
+    quantities = linkage.told(found)
+    links = linkage_links(kind, found.id, has_linkage=bool(quantities))
+    body = found.model_copy(update={"links": links}).model_dump_json().encode()
+    summary = {"quantities": quantities}
+    return Answer(body, found.status, summary, time.monotonic() - started, quantities, found.id)
+
+
 def priced(design: bytes, budget_s: float) -> bytes:
     """What each limit of a finished design costs; runs in a worker process."""
     from synthesis.sensitivity import sensitivities
@@ -176,6 +192,14 @@ def file_of(design: bytes, exporter: Exporter[Any], options: Any) -> Made:
     finished = Design.model_validate_json(design)
     if not (finished.motion or exporter.without_cam):
         raise NothingFits("No cam fits these limits: see conflict in the design for what would.")
+    return exporter.whole(finished, options)
+
+
+def spatial_file(design: bytes, exporter: FileFormat[SpatialDesign, Any], options: Any) -> Made:
+    """The same of a spatial cam."""
+    finished = SpatialDesign.model_validate_json(design)
+    if not finished.motion:
+        raise NothingFits("No cam fits these limits, so that there is none to draw.")
     return exporter.whole(finished, options)
 
 

@@ -57,6 +57,8 @@ PLACES = {
     "balance_needs_numbers": ("axes", "{position}", "{name}"),
     "axis_without_count": ("axes", "{position}"),
     "axes_of_unequal_length": ("axes", "{position}"),
+    "wish_missing": ("{name}",),
+    "sized_at_constant_speed": ("acceleration_rad_per_s2",),
     "groove_needs_roller": ("follower", "roller_radius_mm"),
     "roller_fills_ring": ("base_radius_mm",),
     "rim_without_ring": ("follower", "closure", "rim_mm"),
@@ -74,6 +76,7 @@ PLACES = {
     "no_dwell_to_ring_in": ("limits",),
     "crown_too_round": ("machine", "crown_radius_mm"),
     "roller_reaches_axis": ("machine", "roller_width_mm"),
+    "roller_beside_cylinder": ("machine",),
     "rollers_touch": ("machine", "roller_distance_mm"),
     "arm_along_cam": ("machine", "initial_angle_deg"),
 }

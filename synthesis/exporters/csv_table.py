@@ -22,7 +22,8 @@ from synthesis.numerics.piecewise import Array
 BLOCK = 1024  # rows at once: memory that stays in the cache is not fetched anew
 
 
-def _written(columns: Sequence[Column]) -> bytes:
+def table(columns: Sequence[Column]) -> bytes:
+    """A header row, then the columns' values."""
     header = ",".join(column.name for column in columns)
     rows = len(columns[0].values)
     parts = [header.encode(), b"\n"]
@@ -47,11 +48,11 @@ def _lines(values: Sequence[Array | Whole]) -> bytes:
 
 
 def _profile(design: Design, options: ProfileOptions) -> bytes:
-    return _written(profile_columns(chosen(design, options), options))
+    return table(profile_columns(chosen(design, options), options))
 
 
 def _motion(design: Design, options: MotionOptions) -> bytes:
-    return _written(motion_columns(Cam.of(design), options))
+    return table(motion_columns(Cam.of(design), options))
 
 
 _TITLE, _MEDIA = "Table, comma separated", "text/csv; charset=utf-8; header=present"

@@ -15,6 +15,7 @@ from synthesis.numerics.piecewise import Array
 from synthesis.spatial.machine import LEFT, Seat
 from synthesis.spatial.meshing import Span, between_faces, in_mesh
 from synthesis.spatial.spec import SpatialCamSpec
+from synthesis.units import FULL_TURN
 
 
 @dataclass(frozen=True)
@@ -61,9 +62,15 @@ class SpatialCam:
     period: float = math.inf
 
     def place(self, seat: Seat, theta: Array) -> Place:
-        """Where a roller is at θ (n,) [rad] of the turn."""
+        """Where a roller is at θ (n,) [rad], of any turn."""
         q, q1, q2 = self.motion.derivatives(theta, 2)
-        return Place(seat.start + q, q1, q2)
+        turns = np.floor(theta / FULL_TURN)
+        return Place(seat.start + self.gain * turns + q, q1, q2)
+
+    @property
+    def gain(self) -> float:
+        """What the follower has moved on after a turn [rad or mm]."""
+        return self.motion.stretches[-1].s_end - self.motion.stretches[0].s_start
 
     def contacts(self, wall: Wall, theta: Array, rho: Array) -> Contacts:
         """Contacts of a wall at θ (n,) [rad] by places on the roller's axis (m,) [mm]."""

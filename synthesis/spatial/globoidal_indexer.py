@@ -10,9 +10,10 @@ import numpy as np
 from pydantic import Field, model_validator
 from pydantic_core import PydanticCustomError
 
-from synthesis.geometry.swept_roller import Pivot, SweptRoller
+from synthesis.geometry.swept_roller import Pivot, Roller, SweptRoller
 from synthesis.ranges import Dimension, Range, ends
 from synthesis.spatial import roller, turret
+from synthesis.spatial.leverage import Leverage, TurretPressure, places
 from synthesis.spatial.machine import Seat, SpatialMachine
 from synthesis.units import DEGREE, FULL_TURN, Travel
 
@@ -32,6 +33,7 @@ class GloboidalIndexer(SpatialMachine):
     title: ClassVar[str] = "globoidal indexer"
     travel: ClassVar[Travel] = Travel("deg", DEGREE)
     period: ClassVar[float] = FULL_TURN
+    sought: ClassVar[str] = "centre_distance_mm"
 
     rollers: turret.Rollers
     hand: turret.Hand = "right"
@@ -87,14 +89,13 @@ class GloboidalIndexer(SpatialMachine):
             joint=Pivot(0.0 * X, Z),
             origin=0.0 * X,
             along=X,
-            roller=roller.of(
-                sizes["roller_radius_mm"],
-                sizes["roller_inner_mm"],
-                self.roller_width_mm,
-                self.crown_radius_mm,
-            ),
+            roller=self._roller(sizes),
             hand=turret.thread(self.hand),
         )
+
+    def _roller(self, sizes: Mapping[str, float]) -> Roller:
+        radius, inner = sizes["roller_radius_mm"], sizes["roller_inner_mm"]
+        return roller.of(radius, inner, self.roller_width_mm, self.crown_radius_mm)
 
     def dimensions(self, sizes: Mapping[str, float]) -> Mapping[str, float]:
         distance, inner = sizes["centre_distance_mm"], sizes["roller_inner_mm"]
@@ -138,3 +139,13 @@ class GloboidalIndexer(SpatialMachine):
 
     def check_gain(self, gain: float) -> None:
         turret.check_index(gain, self.rollers)
+
+    def reach(self, sizes: Mapping[str, float]) -> float:
+        return sizes["roller_inner_mm"] + self.roller_width_mm
+
+    def pressure_angle_curves(
+        self, sizes: Mapping[str, float], slope: float
+    ) -> tuple[Leverage, ...]:
+        length, first = self.reach(sizes), self.seats()[0].start
+        spacing, at = turret.spacing(self.rollers), places(self._roller(sizes), length, slope)
+        return (TurretPressure("pressure_angle", first, spacing, length, at),)

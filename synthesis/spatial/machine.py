@@ -13,6 +13,8 @@ from pydantic_core import PydanticCustomError
 
 from synthesis.geometry.swept_roller import SweptRoller
 from synthesis.ranges import Range, ends
+from synthesis.spatial.leverage import Leverage
+from synthesis.terms import Row
 from synthesis.units import Travel
 
 LEFT, RIGHT = -1, 1
@@ -42,6 +44,8 @@ class SpatialMachine(BaseModel, ABC):
     title: ClassVar[str]
     travel: ClassVar[Travel]
     period: ClassVar[float] = math.inf  # of q, after which a roller is where it was [rad or mm]
+    sought: ClassVar[str] = ""  # field of the dimension that is made small; empty: none yet
+    unrolls: ClassVar[bool] = False  # whether cylinders about its axis cut the cam's walls
 
     @model_validator(mode="after")
     def _sized(self) -> Self:
@@ -89,6 +93,10 @@ class SpatialMachine(BaseModel, ABC):
         """Places of the cam's end faces along its axis, from its centre [mm]; open if infinite."""
         return -math.inf, math.inf
 
+    def cylinder(self, sizes: Mapping[str, float]) -> tuple[float, float] | None:
+        """Radii between which cylinders cut its cam's walls [mm]; None: it does not unroll."""
+        return None
+
     @abstractmethod
     def check_gain(self, gain: float) -> None:
         """Refuse a program that moves the follower by ``gain`` in a turn [rad or mm].
@@ -100,3 +108,23 @@ class SpatialMachine(BaseModel, ABC):
     def check_reach(self, lowest: float, highest: float) -> None:
         """Refuse a program that brings the follower where it cannot be [rad or mm]."""
         return None
+
+    # -- what is asked where the dimension ``sought`` is made small ------------------------------
+
+    def reach(self, sizes: Mapping[str, float]) -> float:
+        """A length for one unit of q, near that of the rollers' travel [mm]."""
+        return 1.0
+
+    def pressure_angle_rows(self, sizes: Mapping[str, float], slope: float) -> tuple[Row, ...]:
+        """|tan α| ≤ slope, where it is linear in the motion and the dimension sought.
+
+        Args:
+            sizes: the other dimensions [mm]. slope: tan α_max.
+        """
+        return ()
+
+    def pressure_angle_curves(
+        self, sizes: Mapping[str, float], slope: float
+    ) -> tuple[Leverage, ...]:
+        """The same where it is not linear, the motion being ``reach`` times q."""
+        return ()

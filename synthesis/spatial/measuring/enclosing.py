@@ -33,7 +33,7 @@ from synthesis.spatial.measuring.found import Found
 from synthesis.spatial.measuring.patches import Patch
 
 Vector = tuple[Any, Any, Any]
-FIRST = 8, 16  # boxes along each patch, and across it
+ANGLES, PLACES = 40, 16  # boxes to begin with, of a wall along it and across
 SPLIT = 2, 4  # of a box: models are quadratic in θ, intervals in ρ
 MOST_ROUNDS, MOST_BOXES = 30, 100_000
 RELATIVE = 1e-9
@@ -124,7 +124,7 @@ UNDERCUT = Proof(undercut, -1.0)
 class _Boxes:
     """Boxes: which patch (n,), its cam angles and its places on the roller's axis."""
 
-    patch: Array
+    patch: NDArray[np.intp]
     low: Array
     high: Array
     inner: Array
@@ -227,7 +227,7 @@ def _limit(cam: SpatialCam, parts: Sequence[Patch], proof: Proof, reached: float
     """What a quantity, reached somewhere, does not pass anywhere; infinite if nothing is proven."""
     models, sign = _Models(cam, parts), proof.sign
     roller = cam.swept.roller
-    boxes = _first(parts, np.linspace(roller.inner, roller.outer, FIRST[1] + 1))
+    boxes = _first(parts, np.linspace(roller.inner, roller.outer, PLACES + 1))
     best, most, last = sign * reached, -math.inf, math.inf
     enough = best + RELATIVE * max(abs(best), 1e-3)
     with np.errstate(all="ignore"):
@@ -264,15 +264,11 @@ def _outside(cam: SpatialCam, swept: Swept) -> Array:
 
 
 def _first(parts: Sequence[Patch], edges: Array) -> _Boxes:
-    angles, places = FIRST
-    theta = [np.linspace(part.low, part.high, angles + 1) for part in parts]
-    low = np.concatenate([each[:-1] for each in theta])
-    high = np.concatenate([each[1:] for each in theta])
-    patch = np.repeat(np.arange(len(parts)), angles)
-    return _Boxes(
-        np.repeat(patch, places),
-        np.repeat(low, places),
-        np.repeat(high, places),
-        np.tile(edges[:-1], len(low)),
-        np.tile(edges[1:], len(low)),
-    )
+    """Boxes to begin with: as many angles of each patch as keep those of a wall to a number."""
+    angles = max(1, ANGLES * len({part.wall for part in parts}) // len(parts))
+    low, high = np.array([(part.low, part.high) for part in parts]).T
+    theta = _cut(low, high, angles)
+    wide = (len(parts), angles, len(edges) - 1)
+    cut = (theta[:, :-1, None], theta[:, 1:, None], edges[:-1], edges[1:])
+    patch = np.repeat(np.arange(len(parts)), angles * (len(edges) - 1))
+    return _Boxes(patch, *(np.broadcast_to(part, wide).ravel() for part in cut))

@@ -8,8 +8,8 @@ through there. The rollers know only their axes; no formula of contacts is in th
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -18,12 +18,13 @@ from synthesis.numerics.piecewise import Array
 from synthesis.spatial.cam import SpatialCam
 from synthesis.spatial.machine import LEFT, Seat
 from synthesis.spatial.measuring.found import Bound, Found, Kind
-from synthesis.spatial.measuring.patches import Patch
+from synthesis.spatial.measuring.patches import Patch, tried
 from synthesis.units import FULL_TURN
 
 RIB = Kind("rib_thickness", "mm", largest=False, must=Bound(0.0))
 ANGLES, PLACES, TURNS = 25, 3, 97  # tried: of the wall, along it, and of the other roller
 CLOSER, ROUNDS, SHRINK = 5, 22, 0.55
+WHOLE = 100  # angles of a wall that has many patches, about
 KEPT = 3  # places looked at more closely
 EVIDENCE = "measured from points of each wall to the next roller, at every cam angle, then closer"
 
@@ -68,43 +69,46 @@ class _Rib:
 def carried(cam: SpatialCam, theta: Array) -> Array:
     """q at cam angles of any turn [rad or mm]: from turn to turn the follower goes on."""
     turns = np.floor(theta / FULL_TURN)
-    gain = cam.motion.stretches[-1].s_end - cam.motion.stretches[0].s_start
-    return np.asarray(cam.motion.derivatives(theta, 0)[0] + gain * turns)
+    return np.asarray(cam.motion.derivatives(theta, 0)[0] + cam.gain * turns)
 
 
-def _ribs(parts: Sequence[Patch], seats: Sequence[Seat]) -> Iterator[_Rib]:
-    """Every patch of a wall that has a rib behind it."""
+def _behind(patch: Patch, seats: Sequence[Seat]) -> _Rib | None:
+    """A patch of a wall with the rib behind it."""
     ordered = sorted(seats, key=lambda seat: seat.start)
-    for patch in parts:
-        index = ordered.index(patch.wall.seat)
-        step = -1 if patch.wall.side == LEFT else 1
-        round_trip, at = divmod(index + step, len(ordered))
-        period = patch.cam.period
-        if len(ordered) < 2 or (round_trip and np.isinf(period)):
-            continue
-        yield _Rib(patch, ordered[at], round_trip * period if round_trip else 0.0)
+    step = -1 if patch.wall.side == LEFT else 1
+    round_trip, at = divmod(ordered.index(patch.wall.seat) + step, len(ordered))
+    period = patch.cam.period
+    if len(ordered) < 2 or (round_trip and np.isinf(period)):
+        return None
+    return _Rib(patch, ordered[at], round_trip * period if round_trip else 0.0)
 
 
 def thinnest(cam: SpatialCam, parts: Sequence[Patch], seats: Sequence[Seat]) -> Found | None:
     """Where a rib is thinnest; None where the cam has none."""
     rho = np.linspace(cam.swept.roller.inner, cam.swept.roller.outer, PLACES)
     offset = np.linspace(-0.5 * FULL_TURN, 0.5 * FULL_TURN, TURNS)
-    tried = []
-    for rib in _ribs(parts, seats):
-        theta = np.linspace(rib.patch.low, rib.patch.high, ANGLES)
-        values = rib.thickness(theta, rho, offset)
-        k, n, m = np.unravel_index(int(np.argmin(values)), values.shape)
-        at = (float(theta[n]), float(rho[m]), float(offset[k]))
-        tried.append((float(values[k, n, m]), rib, at))
-    tried = sorted(tried, key=lambda each: each[0])[:KEPT]
-    found = [_closer(value, rib, at, rho) for value, rib, at in tried]
+    seen = []
+    for wall in tried(parts, ANGLES, WHOLE):
+        rib = _behind(wall.together, seats)
+        if rib is None:
+            continue
+        whole = rib.thickness(wall.theta.ravel(), rho, offset)
+        for patch, theta, values in zip(parts[wall.first :], wall.theta, wall.apart(whole),
+                                        strict=False):  # fmt: skip
+            k, n, m = np.unravel_index(int(np.argmin(values)), values.shape)
+            at = (float(theta[n]), float(rho[m]), float(offset[k]))
+            wide = (patch.high - patch.low) / max(len(theta) - 1, 1)
+            seen.append((float(values[k, n, m]), replace(rib, patch=patch), at, wide))
+    best = sorted(seen, key=lambda each: each[0])[:KEPT]
+    found = [_closer(*each, rho) for each in best]
     return min(found, key=lambda each: each.value) if found else None
 
 
-def _closer(value: float, rib: _Rib, at: tuple[float, float, float], rho: Array) -> Found:
+def _closer(
+    value: float, rib: _Rib, at: tuple[float, float, float], wide: float, rho: Array
+) -> Found:
     theta, place, offset = at
-    patch = rib.patch
-    wide, long = (patch.high - patch.low) / (ANGLES - 1), (rho[-1] - rho[0]) / (PLACES - 1)
+    patch, long = rib.patch, (rho[-1] - rho[0]) / (PLACES - 1)
     swing, before, grid = FULL_TURN / (TURNS - 1), value, np.linspace(-1.0, 1.0, CLOSER)
     for _ in range(ROUNDS):
         around = np.clip(theta + wide * grid, patch.low, patch.high)

@@ -16,13 +16,14 @@ from synthesis.numerics.piecewise import Array
 from synthesis.spatial.cam import SpatialCam
 from synthesis.spatial.measuring.enclosing import PRESSURE, UNDERCUT, Proof, proven
 from synthesis.spatial.measuring.found import Bound, Found, Kind
-from synthesis.spatial.measuring.patches import Patch
+from synthesis.spatial.measuring.patches import Patch, Tried, tried
 from synthesis.units import DEGREE
 
 ANGLES, PLACES = 49, 7  # tried on each patch
+WHOLE = 480  # angles tried on a wall of many patches
 KEPT = 2  # patches that are looked at more closely
 CLOSER, ROUNDS, SHRINK = 7, 17, 0.4  # a grid around the best so far, and how it narrows
-EVIDENCE = f"measured on {ANGLES} × {PLACES} points of every smooth part of a wall, then closer"
+EVIDENCE = "measured on a grid of every smooth part of a wall, then closer"
 Values = Callable[[Patch, Array, Array], Array]
 
 
@@ -109,24 +110,41 @@ def extremes(cam: SpatialCam, parts: Sequence[Patch], omega: float) -> Iterator[
     if not parts:
         return
     rho = np.linspace(cam.swept.roller.inner, cam.swept.roller.outer, PLACES)
-    yield STEEPNESS.kind, _extreme(STEEPNESS, parts, rho)
-    area = _extreme(AREA, parts, rho)
+    grids = list(tried(parts, ANGLES, WHOLE))
+
+    def over(quantity: Measured) -> Found:
+        return _extreme(quantity, parts, grids, rho)
+
+    yield STEEPNESS.kind, over(STEEPNESS)
+    area = over(AREA)
     yield AREA.kind, area
     for radius in RADII:
-        yield radius.kind, _extreme(radius, parts, rho) if area.value > 0.0 else NO_RADIUS
+        yield radius.kind, over(radius) if area.value > 0.0 else NO_RADIUS
     for speed in _speeds(omega):
-        yield speed.kind, _extreme(speed, parts, rho)
+        yield speed.kind, over(speed)
 
 
-def _extreme(quantity: Measured, parts: Sequence[Patch], rho: Array) -> Found:
+def _extreme(
+    quantity: Measured, parts: Sequence[Patch], walls: Sequence[Tried], rho: Array
+) -> Found:
+    """The extreme over all patches, which are tried wall by wall; proven where it can be."""
     sign = 1.0 if quantity.kind.largest else -1.0
-    tried = [sign * _values(quantity, p, np.linspace(p.low, p.high, ANGLES), rho) for p in parts]
-    order = sorted(range(len(parts)), key=lambda i: -float(tried[i].max()))[:KEPT]
-    found = [_closer(quantity, sign, parts[i], tried[i], rho) for i in order]
-    best = max(found, key=lambda each: sign * each.value)
-    if quantity.proof is None or not np.isfinite(best.value):
-        return best
-    return proven(parts[0].cam, parts, quantity.proof, best)
+    seen = [
+        (part, theta, values)
+        for wall in walls
+        for part, theta, values in zip(
+            parts[wall.first :],
+            wall.theta,
+            wall.apart(sign * _values(quantity, wall.together, wall.theta.ravel(), rho)),
+            strict=False,
+        )
+    ]
+    best = sorted(seen, key=lambda each: -float(each[2].max()))[:KEPT]
+    found = [_closer(quantity, sign, *each, rho) for each in best]
+    most = max(found, key=lambda each: sign * each.value)
+    if quantity.proof is None or not np.isfinite(most.value):
+        return most
+    return proven(parts[0].cam, parts, quantity.proof, most)
 
 
 def _values(quantity: Measured, patch: Patch, theta: Array, rho: Array) -> Array:
@@ -139,11 +157,14 @@ def _values(quantity: Measured, patch: Patch, theta: Array, rho: Array) -> Array
     return np.where(inside, values, -np.inf if quantity.kind.largest else np.inf)
 
 
-def _closer(quantity: Measured, sign: float, patch: Patch, tried: Array, rho: Array) -> Found:
+def _closer(
+    quantity: Measured, sign: float, patch: Patch, angles: Array, values: Array, rho: Array
+) -> Found:
     """The best near the best of a grid."""
-    n, m = np.unravel_index(int(np.argmax(tried)), tried.shape)
-    theta, place, value = _at(patch, n), float(rho[m]), float(tried[n, m])
-    wide, long = (patch.high - patch.low) / (ANGLES - 1), (rho[-1] - rho[0]) / (len(rho) - 1)
+    n, m = np.unravel_index(int(np.argmax(values)), values.shape)
+    theta, place, value = float(angles[n]), float(rho[m]), float(values[n, m])
+    wide = (patch.high - patch.low) / max(len(angles) - 1, 1)
+    long = (rho[-1] - rho[0]) / (len(rho) - 1)
     before = value
     for _ in range(ROUNDS):
         around = np.clip(theta + wide * np.linspace(-1.0, 1.0, CLOSER), patch.low, patch.high)
@@ -156,7 +177,3 @@ def _closer(quantity: Measured, sign: float, patch: Patch, tried: Array, rho: Ar
         wide, long = SHRINK * wide, SHRINK * long
     limit = value + 2.0 * (value - before)
     return Found(sign * value, sign * limit, EVIDENCE, theta, patch.wall, place)
-
-
-def _at(patch: Patch, n: np.intp) -> float:
-    return float(np.linspace(patch.low, patch.high, ANGLES)[n])
