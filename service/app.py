@@ -30,6 +30,7 @@ from service.routes import (
     files,
     operation,
     profile_analyses,
+    spatial_cams,
     sweep_items,
     sweeps,
 )
@@ -40,7 +41,7 @@ from service.sweeps.sweeps import Sweeps
 
 EngineOf = Callable[[Settings], AbstractAsyncContextManager[Engine]]
 ROUTES = (
-    designs, confirmation, files, cam_sets, sweeps, sweep_items, analyses,
+    designs, confirmation, files, cam_sets, spatial_cams, sweeps, sweep_items, analyses,
     analysis_pictures, profile_analyses, catalogue, operation,
 )  # fmt: skip
 EXPOSED = (

@@ -14,6 +14,7 @@ from service.examples import examples
 from service.problem import MEDIA_TYPE, LateProblem, Problem
 from synthesis.design import engine_version
 from synthesis.measured import MeasuredCam
+from synthesis.spatial.spec import SpatialCamSpec
 from synthesis.sweeps import SweepSpec
 
 TITLE = "Camwright"
@@ -35,6 +36,9 @@ its profile to `POST /v1/profile-analyses`: the motion that it gives its followe
 Several cams on one shaft go to `POST /v1/cam-sets`, each with its phase: one timing diagram, and
 one archive with all files, in the cams' own frames and in the shaft's.
 
+Cams whose rollers' axes do not lie along the cam's, as those of globoidal indexers, go to
+`POST /v1/spatial-cams`: their walls, pressure angle, undercut, where and at which roller.
+
 Many designs out of one go to `POST /v1/sweeps`: a base spec, the fields to vary, and how their
 values are combined. Watch them come in, take them as a table, and see what is traded for what.
 
@@ -54,6 +58,7 @@ TAGS = [
     {"name": "designs", "description": "Ask for a cam; look at it, list them, forget it."},
     {"name": "analyses", "description": "What a cam does that is given in full."},
     {"name": "cam sets", "description": "Several cams on one shaft, with their phases."},
+    {"name": "spatial cams", "description": "Cams for rollers whose axes lie across the cam's."},
     {"name": "sweeps", "description": "Many designs out of one, and their trade-offs."},
     {"name": "files", "description": "Points and curves of a finished design."},
     {"name": "catalogue", "description": "What a spec may name, and what this server allows."},
@@ -150,6 +155,7 @@ def describe(app: FastAPI) -> dict[str, Any]:
             Problem,
             LateProblem,
             MeasuredCam,
+            SpatialCamSpec,
             SweepSpec,
         ):  # no handler's signature names them
             own = model.model_json_schema(ref_template=reference)

@@ -51,6 +51,10 @@ class UnknownCamSet(ServiceError):
     """No cam set has this id."""
 
 
+class UnknownSpatialCam(ServiceError):
+    """No spatial cam has this id."""
+
+
 class UnknownSweep(ServiceError):
     """No sweep has this id, or it has no such item yet."""
 
@@ -120,6 +124,7 @@ PROBLEMS: dict[type[Exception], Kind] = {
     NotJson: Kind(400, "not-json", "The body is not JSON"),
     UnknownDesign: Kind(404, "unknown-design", "No such design"),
     UnknownCamSet: Kind(404, "unknown-cam-set", "No such cam set"),
+    UnknownSpatialCam: Kind(404, "unknown-spatial-cam", "No such spatial cam"),
     UnknownSweep: Kind(404, "unknown-sweep", "No such sweep or item"),
     FormatMissing: Kind(501, "format-missing", "This server does not write the format"),
     UnknownAnalysis: Kind(404, "unknown-analysis", "No such analysis"),

@@ -17,6 +17,7 @@ SELF_CHECK = "example-13-6-sized"
 ANALYSES = "analyses"  # the folder of those that are given in full, for POST /v1/analyses
 PROFILE_ANALYSES = "profile-analyses"  # the folder of those for POST /v1/profile-analyses
 CAM_SETS = "cam-sets"  # the folder of those for POST /v1/cam-sets
+SPATIAL_CAMS = "spatial-cams"  # the folder of those for POST /v1/spatial-cams
 SWEEPS = "sweeps"  # the folder of those for POST /v1/sweeps
 
 

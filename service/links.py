@@ -29,6 +29,12 @@ def analysis_links(analysis_id: str) -> dict[str, str]:
     return {"self": self, **{name: f"{self}/{name}" for name in DRAWINGS}}
 
 
+def spatial_links(cam_id: str, *, has_cam: bool) -> dict[str, str]:
+    """Where the spatial cam and its files are; where nothing fits there is no cam to draw."""
+    self = f"/v1/spatial-cams/{cam_id}"
+    return {"self": self}
+
+
 def set_links(set_id: str, *, has_cams: bool) -> dict[str, str]:
     """Where the set and its files are; where no cam fits there is nothing to draw."""
     self = f"/v1/cam-sets/{set_id}"

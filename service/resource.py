@@ -7,15 +7,31 @@ from dataclasses import dataclass
 from operator import attrgetter
 from typing import Any
 
-from service.errors import ServiceError, UnknownAnalysis, UnknownCamSet, UnknownDesign
-from service.links import analysis_links, design_links, set_links
-from service.solve import Task, analyse, read_back, solve_set
-from service.store import AnalysisRow, CamSetRow, DesignRow, Lookup, ProfileAnalysisRow, Row
+from service.errors import (
+    ServiceError,
+    UnknownAnalysis,
+    UnknownCamSet,
+    UnknownDesign,
+    UnknownSpatialCam,
+)  # fmt: skip
+from service.links import analysis_links, design_links, set_links, spatial_links
+from service.solve import Task, analyse, read_back, solve_set, solve_spatial
+from service.store import (
+    AnalysisRow,
+    CamSetRow,
+    DesignRow,
+    Lookup,
+    ProfileAnalysisRow,
+    Row,
+    SpatialCamRow,
+)  # fmt: skip
 from service.sweeps.store import design_of_item
 from synthesis.camset import set_id
 from synthesis.camset_spec import CamSetSpec
 from synthesis.design import design_id, question_id
 from synthesis.measured import MeasuredCam
+from synthesis.spatial.design import spatial_id
+from synthesis.spatial.spec import SpatialCamSpec
 from synthesis.spec import DesignSpec
 
 
@@ -91,4 +107,15 @@ PROFILE_ANALYSES = Resource(
     unknown=UnknownAnalysis,
     budget_of=lambda _: None,
 )
-RESOURCES = (DESIGNS, CAM_SETS, ANALYSES, PROFILE_ANALYSES)
+SPATIAL_CAMS = Resource(
+    path="/v1/spatial-cams",
+    noun="spatial cam",
+    row=SpatialCamRow,
+    spec=SpatialCamSpec,
+    name_of=spatial_id,
+    task=solve_spatial,
+    links=lambda name, summary: spatial_links(name, has_cam=bool(summary.get("dimensions"))),
+    unknown=UnknownSpatialCam,
+    budget_of=lambda _: None,
+)
+RESOURCES = (DESIGNS, CAM_SETS, ANALYSES, PROFILE_ANALYSES, SPATIAL_CAMS)

@@ -5,16 +5,20 @@ from __future__ import annotations
 import time
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from service.errors import NothingFits
-from service.links import design_links, set_links
+from service.links import design_links, set_links, spatial_links
 from synthesis.camset_spec import CamSetSpec
 from synthesis.design import Design
 from synthesis.exporters import DRAWINGS, Exporter, Made, Options
 from synthesis.findings import Analysis
 from synthesis.objectives import Objective
+from synthesis.spatial.spec import SpatialCamSpec
 from synthesis.spec import DesignSpec
+
+if TYPE_CHECKING:
+    from synthesis.pipeline import Near  # the solvers with it
 
 
 @dataclass(frozen=True)
@@ -28,6 +32,7 @@ class Answer:
         seconds: time the core took.
         quantities: what a sweep trades: dimensions, objectives and what else was measured.
         id: of a design, otherwise empty.
+        near: what a design leaves to a neighbouring one; stays in the worker.
     """
 
     design: bytes
@@ -36,26 +41,38 @@ class Answer:
     seconds: float
     quantities: dict[str, float] = field(default_factory=dict)
     id: str = ""
+    near: Near | None = None
 
 
 Task = Callable[[bytes, float], Answer]
 PRICING = 0.8  # of the time there is, for what limits cost: then what is known by then is told
 
 
-def solve(spec: bytes, budget_s: float, also: Sequence[Objective] = ()) -> Answer:
-    """Synthesise, and measure further objectives; runs in a worker process."""
-    from synthesis.pipeline import synthesise  # solvers: not in the API's process
+def solve(
+    spec: bytes, budget_s: float, also: Sequence[Objective] = (), near: Near | None = None
+) -> Answer:
+    """Synthesise, and measure further objectives; runs in a worker process.
 
-    return answered(synthesise, spec, budget_s, also)
+    ``near``: what a neighbouring design has left, to begin there.
+    """
+    from synthesis.pipeline import synthesise_beside  # solvers: not in the API's process
+
+    def begun(asked: DesignSpec, deadline: float) -> tuple[Design, Near | None]:
+        return synthesise_beside(asked, near, deadline=deadline)
+
+    return answered(begun, spec, budget_s, also)
 
 
 def answered(
-    synthesise: Callable[..., Any], spec: bytes, budget_s: float, also: Sequence[Objective] = ()
+    synthesise: Callable[[DesignSpec, float], tuple[Design, Near | None]],
+    spec: bytes,
+    budget_s: float,
+    also: Sequence[Objective] = (),
 ) -> Answer:
     """The core's answer to a spec, ready for the store."""
     started = time.monotonic()
     asked = DesignSpec.model_validate_json(spec, strict=True)
-    design = synthesise(asked, deadline=started + budget_s)
+    design, left = synthesise(asked, started + budget_s)
     links = design_links(design.id, has_cam=bool(design.motion))
     design = design.model_copy(update={"links": links})
     proven = design.certificate
@@ -73,7 +90,7 @@ def answered(
     }
     body = design.model_dump_json().encode()
     seconds = time.monotonic() - started
-    return Answer(body, design.status, summary, seconds, quantities, design.id)
+    return Answer(body, design.status, summary, seconds, quantities, design.id, left)
 
 
 def solve_set(spec: bytes, budget_s: float) -> Answer:
@@ -87,6 +104,20 @@ def solve_set(spec: bytes, budget_s: float) -> Answer:
     summary = {"cams": len(found.cams), "fitting": sum(cam.has_cam for cam in found.cams)}
     body = found.model_dump_json().encode()
     return Answer(body, found.status, summary, time.monotonic() - started)
+
+
+def solve_spatial(spec: bytes, budget_s: float) -> Answer:
+    """Design a spatial cam; runs in a worker process."""
+    from synthesis.spatial.pipeline import synthesise_spatial
+
+    started = time.monotonic()
+    asked = SpatialCamSpec.model_validate_json(spec)
+    found = synthesise_spatial(asked, deadline=started + budget_s)
+    links = spatial_links(found.id, has_cam=bool(found.motion))
+    found = found.model_copy(update={"links": links})
+    summary = {"machine": found.machine, "dimensions": found.dimensions}
+    body = found.model_dump_json().encode()
+    return Answer(body, found.status, summary, time.monotonic() - started, {}, found.id)
 
 
 def analyse(spec: bytes, budget_s: float) -> Answer:

@@ -28,6 +28,7 @@ class State:
     cam_sets: Jobs
     analyses: Jobs
     profile_analyses: Jobs
+    spatial_cams: Jobs
 
 
 def _state(request: Request) -> State:

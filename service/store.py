@@ -91,6 +91,12 @@ class ProfileAnalysisRow(Row):
     __tablename__ = "profile_analyses"
 
 
+class SpatialCamRow(Row):
+    """One spatial cam."""
+
+    __tablename__ = "spatial_cams"
+
+
 class KeyRow(Base):
     """An Idempotency-Key: which body it came with, and which answer it led to."""
 

@@ -50,6 +50,16 @@ class CamSetSummary(Accepted):
     fitting: Annotated[int | None, Field(description="For how many a cam was found.")] = None
 
 
+class SpatialCamSummary(Accepted):
+    """One line of the list of spatial cams."""
+
+    status: Annotated[Status | None, Field(description="What came out; null until it is done.")]
+    machine: Annotated[str | None, Field(description="Kind of its machine.")] = None
+    dimensions: Annotated[
+        dict[str, float], Field(description="Centre distance, roller radius, …: name and unit.")
+    ] = {}
+
+
 class AnalysisSummary(Accepted):
     """One line of the list of analyses."""
 
@@ -94,6 +104,10 @@ class DesignPage(Page[DesignSummary]):
 
 class CamSetPage(Page[CamSetSummary]):
     """Cam sets, the newest first."""
+
+
+class SpatialCamPage(Page[SpatialCamSummary]):
+    """Spatial cams, the newest first."""
 
 
 class AnalysisPage(Page[AnalysisSummary]):

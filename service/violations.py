@@ -47,6 +47,7 @@ PLACES = {
     "spline_too_rough": ("program", "{position}", "law"),
     "face_turns_with_cam": ("program",),
     "face_swings_too_far": ("follower", "centre_distance_mm"),
+    "index_not_whole": ("program",),
     "cam_off_the_shaft": ("cams", "{position}", "spec", "{field}"),
     "axis_leads_nowhere": ("axes", "{position}", "{name}"),
     "axes_share_a_field": ("axes", "{position}", "{name}"),

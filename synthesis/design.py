@@ -194,7 +194,18 @@ class Design(Part):
     chosen: dict[str, float] = Field(
         {}, description="Angles, lifts and lengths that the spec leaves free: path and number."
     )
+    started_from: str | None = Field(
+        None,
+        description="In a sweep with warm starts: id of the design at which the local search "
+        "began. Values may then differ from those of the spec alone, within the gap; the id is "
+        "that of the spec begun so.",
+    )
     links: dict[str, str] = Field({}, description="Where to find its files.")
+
+    def begun_at(self, other: str) -> Design:
+        """The same design, told to have begun at another one."""
+        name = question_id(self.spec, "begun at", other)
+        return self.model_copy(update={"id": name, "started_from": other})
 
     def asked_as(self, spec: DesignSpec) -> Design:
         """The same design as the answer to a spec that left more open."""

@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from itertools import pairwise
+from typing import Literal
 
 import numpy as np
 from scipy.optimize import brentq
@@ -14,6 +16,7 @@ from synthesis.motion import Motion
 from synthesis.numerics.piecewise import Array
 from synthesis.spatial.machine import LEFT, Seat
 from synthesis.spatial.spec import SpatialCamSpec
+from synthesis.units import FULL_TURN
 
 Span = tuple[float, float]
 TRIED = 33  # places on every piece of the motion between which it is followed
@@ -24,7 +27,8 @@ class Wall:
     """What one side of one roller leaves of the cam in one turn.
 
     Attributes:
-        seat: the roller. side: +1 for its side in the direction of growing q, −1 for the other.
+        seat: the roller. side: RIGHT for the one ahead of it as q grows, LEFT for the other; so
+            they appear from the cam, where a turret turns counter-clockwise seen from above.
         spans: cam angles between which the roller meets the blank [rad].
     """
 
@@ -33,9 +37,14 @@ class Wall:
     spans: tuple[Span, ...]
 
     @property
+    def letter(self) -> Literal["L", "R"]:
+        """L or R."""
+        return "L" if self.side == LEFT else "R"
+
+    @property
     def name(self) -> str:
-        """As flanks are named: ``2L`` is the one that roller 2 has ahead of it."""
-        return f"{self.seat.number}{'L' if self.side == LEFT else 'R'}"
+        """As flanks are named: ``2R`` is the one on the side to which roller 2 moves as q grows."""
+        return f"{self.seat.number}{self.letter}"
 
 
 @dataclass(frozen=True, eq=False)
@@ -44,11 +53,13 @@ class SpatialCam:
 
     Attributes:
         swept: its geometry. motion: q(θ) over one turn. walls: by roller, then by side.
+        sizes: the machine's dimensions by the names of their fields [mm].
     """
 
     swept: SweptRoller
     motion: Motion
     walls: tuple[Wall, ...]
+    sizes: Mapping[str, float]
 
     def place(self, seat: Seat, theta: Array) -> Place:
         """Where a roller is at θ (n,) [rad] of the turn."""
@@ -67,15 +78,21 @@ class SpatialCam:
         return swept.on_cam(theta, found.point), outward
 
 
-def in_mesh(
-    motion: Motion, seat: Seat, mesh: tuple[float, float]
-) -> tuple[tuple[float, float], ...]:
-    """Cam angles within one turn between which a roller meets the blank [rad]."""
+def in_mesh(motion: Motion, seat: Seat, mesh: Span, period: float) -> tuple[Span, ...]:
+    """Cam angles within one turn between which a roller meets the blank [rad].
+
+    Args:
+        mesh: q between which it does [rad or mm]. period: what brings it back to where it was;
+            infinite where nothing does.
+    """
     joints = [0.0, *(stretch.end for stretch in motion.stretches)]
-    marks = sorted({*joints, *(t for q in mesh for t in _reaches(motion, q - seat.start))})
+    places = seat.start + motion.curve(np.linspace(0.0, FULL_TURN, TRIED * motion.curve.count))
+    around = _rounds(float(places.min()), float(places.max()), mesh, period)
+    levels = [q - seat.start + shift for q in mesh for shift in around]
+    marks = sorted({*joints, *(t for level in levels for t in _reaches(motion, level))})
     middles = [0.5 * (a + b) for a, b in pairwise(marks)]
     q = seat.start + motion.derivatives(np.array(middles), 0)[0]
-    inside = (q > mesh[0]) & (q < mesh[1])
+    inside = np.any([(q > mesh[0] + s) & (q < mesh[1] + s) for s in around], axis=0)
     spans: list[Span] = []
     for (a, b), within in zip(pairwise(marks), inside, strict=True):
         if not within:
@@ -87,9 +104,19 @@ def in_mesh(
     return tuple(spans)
 
 
-def walls_of(motion: Motion, seats: Sequence[Seat], mesh: Span) -> tuple[Wall, ...]:
+def _rounds(low: float, high: float, mesh: Span, period: float) -> list[float]:
+    """Multiples of the period by which the mesh may be met between two places q."""
+    if math.isinf(period):
+        return [0.0]
+    first, last = math.floor((low - mesh[1]) / period), math.ceil((high - mesh[0]) / period)
+    return [period * k for k in range(first, last + 1)]
+
+
+def walls_of(
+    motion: Motion, seats: Sequence[Seat], mesh: Span, period: float = math.inf
+) -> tuple[Wall, ...]:
     """The walls that all rollers leave; those that never meet the blank leave none."""
-    found = [(seat, in_mesh(motion, seat, mesh)) for seat in seats]
+    found = [(seat, in_mesh(motion, seat, mesh, period)) for seat in seats]
     return tuple(Wall(seat, side, spans) for seat, spans in found if spans for side in seat.sides)
 
 
@@ -109,5 +136,5 @@ def _reaches(motion: Motion, level: float) -> list[float]:
 def settled(spec: SpatialCamSpec, sizes: Mapping[str, float], motion: Motion) -> SpatialCam:
     """The cam with these dimensions [mm] and this motion."""
     machine = spec.machine
-    walls = walls_of(motion, machine.seats(), machine.mesh(sizes))
-    return SpatialCam(machine.swept(sizes, spec.turns), motion, walls)
+    walls = walls_of(motion, machine.seats(), machine.mesh(sizes), machine.period)
+    return SpatialCam(machine.swept(sizes, spec.turns), motion, walls, sizes)

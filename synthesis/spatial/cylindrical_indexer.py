@@ -11,7 +11,7 @@ from synthesis.geometry.swept_roller import SweptRoller
 from synthesis.ranges import Dimension, Range
 from synthesis.spatial import drum, roller, turret
 from synthesis.spatial.machine import Seat, SpatialMachine
-from synthesis.units import DEGREE, Travel
+from synthesis.units import DEGREE, FULL_TURN, Travel
 
 
 class CylindricalIndexer(SpatialMachine):
@@ -24,6 +24,7 @@ class CylindricalIndexer(SpatialMachine):
     kind: Literal["cylindrical_indexer"] = "cylindrical_indexer"
     title: ClassVar[str] = "cylindrical (barrel) indexer"
     travel: ClassVar[Travel] = Travel("deg", DEGREE)
+    period: ClassVar[float] = FULL_TURN
 
     rollers: turret.Rollers
     hand: turret.Hand = "right"
@@ -59,8 +60,8 @@ class CylindricalIndexer(SpatialMachine):
     def swept(self, sizes: Mapping[str, float], turns: int) -> SweptRoller:
         radius = self.turret_radius_mm
         joint, origin = drum.arm(radius, self.centre_distance_mm or radius)
-        width, crown, hand = self.roller_width_mm, self.crown_radius_mm, self.hand
-        return drum.swept(sizes, joint, origin, width, crown, -turret.thread(hand, turns))
+        width, crown, hand = self.roller_width_mm, self.crown_radius_mm, turret.thread(self.hand)
+        return drum.swept(sizes, joint, origin, width, crown, hand)
 
     def seats(self) -> tuple[Seat, ...]:
         return turret.seats(self.rollers, self.dwell_on)

@@ -65,7 +65,7 @@ def seats(rest: float, apart: float | None) -> tuple[Seat, ...]:
     """One roller in a groove, or two ``apart`` with a rib between them [rad or mm]."""
     if apart is None:
         return (Seat(1, rest),)
-    return Seat(1, rest + 0.5 * apart, (RIGHT,)), Seat(2, rest - 0.5 * apart, (LEFT,))
+    return Seat(1, rest + 0.5 * apart, (LEFT,)), Seat(2, rest - 0.5 * apart, (RIGHT,))
 
 
 def check_return(gain: float, travel: Travel) -> None:

@@ -12,7 +12,7 @@ from synthesis.geometry.swept_roller import Pivot, SweptRoller
 from synthesis.ranges import Dimension, Range
 from synthesis.spatial import roller, turret
 from synthesis.spatial.machine import Seat, SpatialMachine
-from synthesis.units import DEGREE, Travel
+from synthesis.units import DEGREE, FULL_TURN, Travel
 
 X, Y, Z = np.eye(3)
 
@@ -21,12 +21,15 @@ class GloboidalIndexer(SpatialMachine):
     """A turret with radial rollers; its axis crosses the cam's at a right angle, some way off.
 
     Its frame has the origin on the turret's axis, x along the common perpendicular to the cam's
-    axis, z along the turret's.
+    axis, z along the turret's, about which it turns as its travel grows. The cam turns about y
+    where its thread is left-handed, about −y where it is right-handed. The same cam turned over,
+    end for end, is seen to turn the other way, and so is its turret: ``rotation`` changes no wall.
     """
 
     kind: Literal["globoidal_indexer"] = "globoidal_indexer"
     title: ClassVar[str] = "globoidal indexer"
     travel: ClassVar[Travel] = Travel("deg", DEGREE)
+    period: ClassVar[float] = FULL_TURN
 
     rollers: turret.Rollers
     hand: turret.Hand = "right"
@@ -60,7 +63,7 @@ class GloboidalIndexer(SpatialMachine):
                 self.roller_width_mm,
                 self.crown_radius_mm,
             ),
-            hand=turret.thread(self.hand, turns),
+            hand=turret.thread(self.hand),
         )
 
     def seats(self) -> tuple[Seat, ...]:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from abc import ABC, abstractmethod
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -13,7 +14,7 @@ from synthesis.geometry.swept_roller import SweptRoller
 from synthesis.ranges import Range
 from synthesis.units import Travel
 
-LEFT, RIGHT = 1, -1
+LEFT, RIGHT = -1, 1
 
 
 @dataclass(frozen=True)
@@ -38,6 +39,7 @@ class SpatialMachine(BaseModel, ABC):
     kind: str
     title: ClassVar[str]
     travel: ClassVar[Travel]
+    period: ClassVar[float] = math.inf  # of q, after which a roller is where it was [rad or mm]
 
     @abstractmethod
     def sizes(self) -> Mapping[str, float | Range | None]:
@@ -51,6 +53,10 @@ class SpatialMachine(BaseModel, ABC):
             sizes: a number for each of ``sizes()`` [mm].
             turns: +1 where the cam turns ccw, −1 where it turns cw.
         """
+
+    def dimensions(self, sizes: Mapping[str, float]) -> Mapping[str, float]:
+        """What an answer tells of a machine with these dimensions, ``sizes`` among them [mm]."""
+        return sizes
 
     @abstractmethod
     def seats(self) -> tuple[Seat, ...]:

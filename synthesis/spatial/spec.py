@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from itertools import accumulate
-from typing import Annotated
+from typing import Annotated, Any
 
 from pydantic import BaseModel, ConfigDict, Field, model_validator
 from pydantic_core import PydanticCustomError
@@ -14,7 +14,7 @@ from synthesis.fields import CamRotation, CamSpeed, Name
 from synthesis.motion import Stretch
 from synthesis.placing import placed
 from synthesis.program import Segment
-from synthesis.ranges import ends
+from synthesis.ranges import Range, ends
 from synthesis.spatial.machines import AnyMachine
 from synthesis.units import FULL_TURN, Pace, rad_per_s
 
@@ -95,6 +95,20 @@ class SpatialCamSpec(BaseModel):
         gains = [segment.gain(self._pace) for segment in self.program]
         levels = list(accumulate(gains, initial=0.0))[:-1]
         return placed(self.program, angles, levels, self._pace)
+
+    def left_free(self) -> Iterator[tuple[str, Any]]:
+        """JSON pointer and value of everything that the answer would have to choose."""
+        for position, segment in enumerate(self.program):
+            for name, value in segment.left_open().items():
+                if isinstance(value, Range):
+                    yield f"/program/{position}/{name}", value.model_dump()
+        for stretch in self.stretches():
+            if stretch.sought:
+                yield f"/program/{stretch.index}/law", self.program[stretch.index].law_name
+        for name, given in self.machine.sizes().items():
+            low, high = ends(given)
+            if low != high:
+                yield f"/machine/{name}", given.model_dump() if isinstance(given, Range) else given
 
     def given_sizes(self) -> Mapping[str, float] | None:
         """The machine's dimensions where all of them are given [mm]."""

@@ -38,9 +38,14 @@ def spacing(rollers: int) -> float:
     return FULL_TURN / rollers
 
 
-def thread(hand: Literal["left", "right"], turns: int) -> int:
-    """χ of a cam that turns ccw (+1) or cw (−1) and has a thread of this hand."""
-    return turns * (1 if hand == "right" else -1)
+def thread(hand: Literal["left", "right"]) -> int:
+    """χ of a cam with a thread of this hand, its axis e along the way of rollers as q grows.
+
+    A screw with a right-hand thread that turns about its axis, and may not move along it, sends
+    its nut the other way: rollers that move along e ask for a cam that turns about −e. Which way
+    it is seen to turn, ccw or cw, is a matter of the side one looks from.
+    """
+    return -1 if hand == "right" else 1
 
 
 def seats(rollers: int, dwell_on: Literal["rib", "groove"]) -> tuple[Seat, ...]:

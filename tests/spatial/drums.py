@@ -91,6 +91,12 @@ class Sample:
     ways: Ways
     near: float = math.inf  # |z| within which a roller meets the cam
 
+    def turning(self, rotation: str, **machine: Any) -> dict[str, Any]:
+        """Changes that make the cam turn about z, ccw or cw: of a turret its thread decides."""
+        thread = {"hand": "left" if rotation == "ccw" else "right"}
+        given = self.body["machine"] | (thread if "hand" in self.body["machine"] else {})
+        return {"rotation": rotation, "machine": given | machine}
+
     def spec(self, **changes: Any) -> SpatialCamSpec:
         return SpatialCamSpec(**(self.body | changes))
 

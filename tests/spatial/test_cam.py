@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from typing import Any
 
+import numpy as np
 import pytest
 from pydantic import ValidationError
 
@@ -44,6 +45,53 @@ def test_a_narrower_blank_lets_rollers_enter_and_leave_on_the_way() -> None:
     cam = cam_of(SpatialCamSpec(**body(mesh_angle_deg=50.0)))
     (span,) = next(wall.spans for wall in cam.walls if wall.name == "1L")
     assert cam.motion.curve(span[1]) == pytest.approx(math.radians(20.0), abs=1e-12)
+
+
+def names(**changes: Any) -> set[str]:
+    """Rollers that meet the cam in a turn."""
+    return {wall.name[:-1] for wall in cam_of(SpatialCamSpec(**changes)).walls}
+
+
+def test_a_turret_that_goes_back_meets_the_rollers_on_the_other_side() -> None:
+    asked = body(mesh_angle_deg=85.0)
+    assert names(**asked) == {"1", "2", "3"}
+    back = asked["program"][0] | {"kind": "return"}
+    assert names(**asked | {"program": [back, asked["program"][1]]}) == {"6", "1", "2"}
+
+
+def test_a_turret_of_three_meets_each_roller_though_it_goes_on_by_a_whole_turn() -> None:
+    rise = {"kind": "rise", "angle_deg": 120, "lift_deg": 120, "law": {"kind": "modified_sine"}}
+    rises = [rise] * 3
+    cam = cam_of(SpatialCamSpec(program=rises, machine=body(rollers=3)["machine"]))
+    spans = {wall.name: wall.spans for wall in cam.walls}
+    assert {name[0] for name in spans} == {"1", "2", "3"}
+    total = sum(end - start for arcs in spans.values() for start, end in arcs) / 2.0
+    at = np.linspace(0.0, 2.0 * math.pi, 2001)[:-1] + 1e-4
+    q = cam.motion.derivatives(at, 0)[0]
+    there = [np.cos(wall.seat.start + q) > 0.0 for wall in cam.walls[::2]]
+    assert total / (2.0 * math.pi) == pytest.approx(np.sum(there) / len(at), abs=2e-3)
+
+
+@pytest.mark.parametrize("rotation", ["ccw", "cw"])
+@pytest.mark.parametrize("hand", ["left", "right"])
+@pytest.mark.parametrize("kind", ["globoidal_indexer", "cylindrical_indexer"])
+def test_a_right_hand_thread_is_a_right_hand_screw(kind: str, hand: str, rotation: str) -> None:
+    """Along a groove, away from the eye, the thread turns clockwise: a right-hand helix."""
+    sizes = {"globoidal_indexer": {}, "cylindrical_indexer": {
+        "turret_radius_mm": 87.1, "cylinder_radius_mm": 101.3}}[kind]  # fmt: skip
+    machine = body(kind=kind, hand=hand)["machine"] | sizes
+    if kind == "cylindrical_indexer":
+        machine = {k: v for k, v in machine.items() if k not in ("roller_inner_mm",)}
+    cam = cam_of(SpatialCamSpec(**body() | {"machine": machine, "rotation": rotation}))
+    e = cam.swept.axis
+    wall = next(wall for wall in cam.walls if wall.name == "2L")
+    theta = np.linspace(0.6, 1.4, 9)
+    points, _ = cam.surface(wall, theta, np.array([cam.swept.roller.middle]))
+    along = e @ points[:, :, 0]
+    across = points[:, :, 0] - np.outer(e, along)
+    turn = np.cross(across[:, :-1], across[:, 1:], axis=0)
+    helix = np.sign((e @ turn) * np.diff(along))
+    assert np.all(helix == (1.0 if hand == "right" else -1.0))
 
 
 def test_a_gain_that_is_no_whole_number_of_rollers_is_refused() -> None:
