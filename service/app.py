@@ -33,6 +33,7 @@ from service.routes import (
     spatial_cams,
     sweep_items,
     sweeps,
+    train_responses,
 )
 from service.settings import Settings
 from service.state import State
@@ -42,7 +43,7 @@ from service.sweeps.sweeps import Sweeps
 EngineOf = Callable[[Settings], AbstractAsyncContextManager[Engine]]
 ROUTES = (
     designs, confirmation, files, cam_sets, spatial_cams, sweeps, sweep_items, analyses,
-    analysis_pictures, profile_analyses, catalogue, operation,
+    analysis_pictures, profile_analyses, train_responses, catalogue, operation,
 )  # fmt: skip
 EXPOSED = (
     "Accept-Ranges", "Content-Location", "Content-Range", "ETag", "Location", "Retry-After",

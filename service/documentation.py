@@ -13,6 +13,7 @@ from service.errors import BY_STATUS, PROBLEMS
 from service.examples import examples
 from service.problem import MEDIA_TYPE, LateProblem, Problem
 from synthesis.design import engine_version
+from synthesis.dynamics import TrainSpec
 from synthesis.measured import MeasuredCam
 from synthesis.spatial.spec import SpatialCamSpec
 from synthesis.sweeps import SweepSpec
@@ -39,6 +40,9 @@ one archive with all files, in the cams' own frames and in the shaft's.
 Cams whose rollers' axes do not lie along the cam's, as those of globoidal indexers, go to
 `POST /v1/spatial-cams`: their walls, pressure angle, undercut, where and at which roller.
 
+What an elastic follower train does on a cam, speed by speed, says `POST /v1/train-responses`:
+residual vibration in the dwells, contact force, the speed at which contact is lost.
+
 Many designs out of one go to `POST /v1/sweeps`: a base spec, the fields to vary, and how their
 values are combined. Watch them come in, take them as a table, and see what is traded for what.
 
@@ -59,6 +63,7 @@ TAGS = [
     {"name": "analyses", "description": "What a cam does that is given in full."},
     {"name": "cam sets", "description": "Several cams on one shaft, with their phases."},
     {"name": "spatial cams", "description": "Cams for rollers whose axes lie across the cam's."},
+    {"name": "follower trains", "description": "Masses, springs and dampers that a cam drives."},
     {"name": "sweeps", "description": "Many designs out of one, and their trade-offs."},
     {"name": "files", "description": "Points and curves of a finished design."},
     {"name": "catalogue", "description": "What a spec may name, and what this server allows."},
@@ -157,6 +162,7 @@ def describe(app: FastAPI) -> dict[str, Any]:
             MeasuredCam,
             SpatialCamSpec,
             SweepSpec,
+            TrainSpec,
         ):  # no handler's signature names them
             own = model.model_json_schema(ref_template=reference)
             for name, schema in own.pop("$defs").items():

@@ -13,9 +13,10 @@ from service.errors import (
     UnknownCamSet,
     UnknownDesign,
     UnknownSpatialCam,
+    UnknownTrainResponse,
 )  # fmt: skip
-from service.links import analysis_links, design_links, set_links, spatial_links
-from service.solve import Task, analyse, read_back, solve_set, solve_spatial
+from service.links import analysis_links, design_links, set_links, spatial_links, train_links
+from service.solve import Task, analyse, read_back, respond, solve_set, solve_spatial
 from service.store import (
     AnalysisRow,
     CamSetRow,
@@ -24,11 +25,13 @@ from service.store import (
     ProfileAnalysisRow,
     Row,
     SpatialCamRow,
+    TrainResponseRow,
 )  # fmt: skip
 from service.sweeps.store import design_of_item
 from synthesis.camset import set_id
 from synthesis.camset_spec import CamSetSpec
 from synthesis.design import design_id, question_id
+from synthesis.dynamics import TrainSpec
 from synthesis.measured import MeasuredCam
 from synthesis.spatial.design import spatial_id
 from synthesis.spatial.spec import SpatialCamSpec
@@ -118,4 +121,14 @@ SPATIAL_CAMS = Resource(
     unknown=UnknownSpatialCam,
     budget_of=lambda _: None,
 )
-RESOURCES = (DESIGNS, CAM_SETS, ANALYSES, PROFILE_ANALYSES, SPATIAL_CAMS)
+TRAIN_RESPONSES = Resource(
+    path="/v1/train-responses",
+    noun="train response",
+    row=TrainResponseRow,
+    spec=TrainSpec,
+    name_of=lambda spec: question_id(spec, "train response"),
+    task=respond,
+    links=lambda name, _: train_links(name),
+    unknown=UnknownTrainResponse,
+)
+RESOURCES = (DESIGNS, CAM_SETS, ANALYSES, PROFILE_ANALYSES, SPATIAL_CAMS, TRAIN_RESPONSES)

@@ -148,8 +148,8 @@ def _modes(chain: Chain) -> Modes:
     pushes = inverse[:, n:]
     return Modes(
         rates,
-        np.linalg.solve(root, vectors[:n]) / scale[:, None],
-        vectors[n:] / scale[:, None],
+        (np.linalg.solve(root, vectors[:n]) / scale[:, None]).astype(complex),
+        (vectors[n:] / scale[:, None]).astype(complex),
         -(pushes @ scale).astype(complex),
         -(pushes @ (chain.ground_dampers / scale)).astype(complex),
         -(pushes @ (chain.ground_springs / scale)).astype(complex),

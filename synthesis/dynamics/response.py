@@ -52,8 +52,10 @@ class Steps:
             degree = max(degree, SERIES)
         count = np.ceil(np.maximum(width * per_turn / FULL_TURN, fastest * width / WAVE))
         count = np.maximum(count, 1.0).astype(int)
-        ends = [np.linspace(low, high, n + 1)[:-1]
-                for low, high, n in zip(curve.breaks[:-1], curve.breaks[1:], count, strict=True)]
+        ends = [
+            np.linspace(low, high, n + 1)[:-1]
+            for low, high, n in zip(curve.breaks[:-1], curve.breaks[1:], count, strict=True)
+        ]
         start = np.concatenate(ends)
         piece = np.repeat(np.arange(curve.count), count)
         step = np.diff(np.append(start, curve.breaks[-1]))
@@ -124,11 +126,11 @@ class Response:
 
 def steady(chain: Chain, steps: Steps, omega: float) -> Response:
     """The periodic response: what remains when the beginning is forgotten."""
-    factor, added = _carried(chain.modes, steps, omega)
-    _, once = _run(np.zeros(2 * chain.count, complex), factor, added)
-    turn = np.exp(chain.modes.rates * FULL_TURN / omega)
-    state, _ = _run(once / (1.0 - turn), factor, added)
-    return Response(chain, steps, omega, state)
+    alone = _run(np.zeros(2 * chain.count, complex), *_carried(chain.modes, steps, omega))
+    times = (steps.theta - steps.theta[0]) / omega
+    free = np.exp(np.multiply.outer(chain.modes.rates, times))
+    start = alone[:, -1] / (1.0 - free[:, -1])
+    return Response(chain, steps, omega, alone + free * start[:, None])
 
 
 def from_rest(chain: Chain, steps: Steps, omega: float, turns: int) -> list[Response]:
@@ -136,8 +138,9 @@ def from_rest(chain: Chain, steps: Steps, omega: float, turns: int) -> list[Resp
     factor, added = _carried(chain.modes, steps, omega)
     state, found = chain.modes.at_rest(float(steps.s[0, 0])), []
     for _ in range(turns):
-        whole, state = _run(state, factor, added)
+        whole = _run(state, factor, added)
         found.append(Response(chain, steps, omega, whole))
+        state = whole[:, -1]
     return found
 
 
@@ -182,11 +185,12 @@ def _distinct(length: Array) -> tuple[Array, NDArray[np.intp]]:
     return np.unique(length, return_inverse=True)
 
 
-def _run(start: Complex, factor: Complex, added: Complex) -> tuple[Complex, Complex]:
-    """ξ at the ends of all steps, and at the last one."""
-    found = np.empty((len(start), factor.shape[1] + 1), complex)
-    found[:, 0] = state = start
-    for k in range(factor.shape[1]):
-        state = factor[:, k] * state + added[:, k]
-        found[:, k + 1] = state
-    return found, state
+def _run(start: Complex, factor: Complex, added: Complex) -> Complex:
+    """ξ at the ends of all steps: (2n, k+1)."""
+    found, state = [start], start
+    for each, more in zip(
+        np.ascontiguousarray(factor.T), np.ascontiguousarray(added.T), strict=True
+    ):
+        state = each * state + more
+        found.append(state)
+    return np.array(found).T
