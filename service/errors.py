@@ -71,6 +71,10 @@ class UnknownTrainResponse(ServiceError):
     """No response of a follower train has this id."""
 
 
+class UnknownLinkage(ServiceError):
+    """No linkage of this kind has this id."""
+
+
 class BadQuery(ServiceError):
     """A query parameter or a header makes no sense."""
 
@@ -133,6 +137,7 @@ PROBLEMS: dict[type[Exception], Kind] = {
     FormatMissing: Kind(501, "format-missing", "This server does not write the format"),
     UnknownTrainResponse: Kind(404, "unknown-train-response", "No such train response"),
     UnknownAnalysis: Kind(404, "unknown-analysis", "No such analysis"),
+    UnknownLinkage: Kind(404, "unknown-linkage", "No such linkage"),
     NotDone: Kind(409, "not-done", "The design is not finished"),
     PartOfSweep: Kind(409, "part-of-sweep", "The design belongs to a sweep"),
     NothingFits: Kind(409, "nothing-fits", "The design is infeasible and has no files"),

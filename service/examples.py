@@ -19,6 +19,7 @@ PROFILE_ANALYSES = "profile-analyses"  # the folder of those for POST /v1/profil
 CAM_SETS = "cam-sets"  # the folder of those for POST /v1/cam-sets
 SPATIAL_CAMS = "spatial-cams"  # the folder of those for POST /v1/spatial-cams
 TRAINS = "train-responses"  # the folder of those for POST /v1/train-responses
+LINKAGES = "linkages"  # the folder of folders, one for each kind of /v1/linkages
 SWEEPS = "sweeps"  # the folder of those for POST /v1/sweeps
 
 

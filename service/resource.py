@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from functools import partial
 from operator import attrgetter
 from typing import Any
 
@@ -12,18 +13,28 @@ from service.errors import (
     UnknownAnalysis,
     UnknownCamSet,
     UnknownDesign,
+    UnknownLinkage,
     UnknownSpatialCam,
     UnknownTrainResponse,
 )  # fmt: skip
-from service.links import analysis_links, design_links, set_links, spatial_links, train_links
-from service.solve import Task, analyse, read_back, respond, solve_set, solve_spatial
+from service.links import (
+    analysis_links,
+    design_links,
+    linkage_links,
+    set_links,
+    spatial_links,
+    train_links,
+)
+from service.solve import Task, analyse, linked, read_back, respond, solve_set, solve_spatial
 from service.store import (
     AnalysisRow,
     CamSetRow,
     DesignRow,
     Lookup,
+    PalletisingArmRow,
     ProfileAnalysisRow,
     Row,
+    SixBarShaperRow,
     SpatialCamRow,
     TrainResponseRow,
 )  # fmt: skip
@@ -32,6 +43,7 @@ from synthesis.camset import set_id
 from synthesis.camset_spec import CamSetSpec
 from synthesis.design import design_id, question_id
 from synthesis.dynamics import TrainSpec
+from synthesis.linkages import LINKAGES, Linkage
 from synthesis.measured import MeasuredCam
 from synthesis.spatial.design import spatial_id
 from synthesis.spatial.spec import SpatialCamSpec
@@ -131,4 +143,26 @@ TRAIN_RESPONSES = Resource(
     links=lambda name, _: train_links(name),
     unknown=UnknownTrainResponse,
 )
+
+
+def _linkages(linkage: Linkage, row: type[Row]) -> Resource:
+    """A kind of linkage."""
+    return Resource(
+        path=f"/v1/linkages/{linkage.name}",
+        noun=linkage.noun,
+        row=row,
+        spec=linkage.spec,
+        name_of=lambda spec: question_id(spec, linkage.noun),
+        task=partial(linked, linkage.name),
+        links=lambda name, summary: linkage_links(
+            linkage.name, name, has_linkage=bool(summary.get("quantities"))
+        ),
+        unknown=UnknownLinkage,
+    )
+
+
+LINKAGE_ROWS = {"six-bar-shapers": SixBarShaperRow, "palletising-arms": PalletisingArmRow}
+LINKAGE_RESOURCES = {
+    name: _linkages(linkage, LINKAGE_ROWS[name]) for name, linkage in LINKAGES.items()
+}
 RESOURCES = (DESIGNS, CAM_SETS, ANALYSES, PROFILE_ANALYSES, SPATIAL_CAMS, TRAIN_RESPONSES)

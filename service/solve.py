@@ -8,12 +8,13 @@ from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any
 
 from service.errors import NothingFits
-from service.links import design_links, set_links, spatial_links, train_links
+from service.links import design_links, linkage_links, set_links, spatial_links, train_links
 from synthesis.camset_spec import CamSetSpec
 from synthesis.design import Design
 from synthesis.dynamics import TrainSpec
 from synthesis.exporters import DRAWINGS, Exporter, Made, Options
 from synthesis.findings import Analysis
+from synthesis.linkages import LINKAGES
 from synthesis.objectives import Objective
 from synthesis.spatial.spec import SpatialCamSpec
 from synthesis.spec import DesignSpec
@@ -173,6 +174,19 @@ def read_back(cam: bytes, budget_s: float) -> Answer:
     found = read(MeasuredCam.model_validate_json(cam))
     summary = {"dimensions": found.dimensions}
     return Answer(found.model_dump_json().encode(), "read", summary, time.monotonic() - started)
+
+
+def linked(kind: str, spec: bytes, budget_s: float) -> Answer:
+    """Answer a question about a linkage of this kind; runs in a worker process."""
+    linkage = LINKAGES[kind]
+    started = time.monotonic()
+    asked = linkage.spec.model_validate_json(spec)
+    found = linkage.work(asked, started + budget_s)
+    quantities = linkage.told(found)
+    links = linkage_links(kind, found.id, has_linkage=bool(quantities))
+    body = found.model_copy(update={"links": links}).model_dump_json().encode()
+    summary = {"quantities": quantities}
+    return Answer(body, found.status, summary, time.monotonic() - started, quantities, found.id)
 
 
 def priced(design: bytes, budget_s: float) -> bytes:

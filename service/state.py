@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Annotated, cast
 
@@ -24,6 +25,7 @@ class State:
     engine: Engine
     store: Store
     sweeps: Sweeps
+    linkages: Mapping[str, Jobs]
     designs: Jobs
     cam_sets: Jobs
     analyses: Jobs

@@ -91,6 +91,18 @@ class ProfileAnalysisRow(Row):
     __tablename__ = "profile_analyses"
 
 
+class SixBarShaperRow(Row):
+    """One six-bar shaper."""
+
+    __tablename__ = "six_bar_shapers"
+
+
+class PalletisingArmRow(Row):
+    """One palletising arm."""
+
+    __tablename__ = "palletising_arms"
+
+
 class SpatialCamRow(Row):
     """One spatial cam."""
 

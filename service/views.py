@@ -85,6 +85,15 @@ class ProfileAnalysisSummary(Accepted):
     ] = {}
 
 
+class LinkageSummary(Accepted):
+    """One line of a list of linkages."""
+
+    status: Annotated[Status | None, Field(description="What came out; null until it is done.")]
+    quantities: Annotated[
+        dict[str, float], Field(description="Stroke, reach, …: name and unit.")
+    ] = {}
+
+
 Summary = TypeVar("Summary", bound=Accepted)
 
 
@@ -127,6 +136,10 @@ class AnalysisPage(Page[AnalysisSummary]):
 
 class ProfileAnalysisPage(Page[ProfileAnalysisSummary]):
     """Profiles that were read back, the newest first."""
+
+
+class LinkagePage(Page[LinkageSummary]):
+    """Linkages of one kind, the newest first."""
 
 
 def accepted(kind: Resource, row: Row) -> Accepted:

@@ -10,7 +10,7 @@ from math import isfinite
 
 import numpy as np
 
-from synthesis.certify import certify, certify_size, measure
+from synthesis.certify import certify, certify_size, forces, measure
 from synthesis.design import (
     Certificate,
     Conflict,
@@ -211,6 +211,7 @@ def design(
         if cam is None
         else segments(spec.program, spec.follower.travel, cam.stretches, cam.splines),
         extremes=list(extremes),
+        forces=None if cam is None else forces(cam.motion, spec.machine(), cam.size),
         certificate=Certificate(certified=certified, also=list(proven[1:]), **first.model_dump()),
         conflict=conflict,
         report=Report(stages=list(stages), seconds=seconds),

@@ -12,6 +12,7 @@ import numpy as np
 from pydantic import BaseModel, ConfigDict, Field, ValidatorFunctionWrapHandler, WrapValidator
 
 from synthesis.fields import Rotation
+from synthesis.forces.told import Forces
 from synthesis.motion import Motion, Stretch, StretchKind
 from synthesis.numerics.bspline import SplineSpace
 from synthesis.spec import DesignSpec
@@ -184,6 +185,9 @@ class Design(Part):
     objectives: dict[str, float] = told("Value of every objective asked.")
     motion: list[SegmentMotion] = told("The motion, segment by segment.")
     extremes: list[Extreme] = told("Every limit, measured on the finished cam.")
+    forces: Forces | None = Field(
+        None, description="Forces of the finished cam, where the spec tells its load."
+    )
     certificate: Certificate = told("What was proven.")
     smoothness_price: SmoothnessPrice | None = Field(
         None, description="What smoothness costs, where the spec asks for it."

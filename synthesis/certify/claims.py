@@ -8,8 +8,9 @@ from collections.abc import Sequence
 from synthesis.certify.course import Course, Jump
 from synthesis.certify.dimensions import standing, stands
 from synthesis.certify.joints import NAMES, joins
+from synthesis.certify.loaded import cuts, measurable
 from synthesis.certify.overshoot import overshoot
-from synthesis.certify.quantities import QUANTITIES, Size, corner, enclose_all, infinite
+from synthesis.certify.quantities import Measurable, Size, corner, enclose_all, infinite
 from synthesis.certify.residual import left_ringing
 from synthesis.certify.simple import crosses
 from synthesis.certify.states import states
@@ -45,7 +46,7 @@ def certify(
         keeps the promises of its spline laws.
     """
     size = tuple(float(value) for value in size)
-    course = Course(motion)
+    course = Course(motion, cuts(machine))
     asked = [claim for limit in limits for claim in limit.claims(motion.stretches, machine)]
     asked += standing(motion, machine, size)
     claims = [claim for claim in asked if len(course.pieces(claim.stretches))]
@@ -69,14 +70,20 @@ def certify(
 def _judged(claims: Sequence[Claim], course: Course, machine: Machine, size: Size) -> list[Extreme]:
     """The extremes of all claims, in their order; all quantities are enclosed at once."""
     angled = [claim for claim in claims if not claim.rings]
-    subjects = list(dict.fromkeys((claim.quantity, claim.path) for claim in angled))
-    jumps = [_jump(claim, course, machine, size) for claim in angled]
+    subjects = list(dict.fromkeys(map(_subject, angled)))
+    measured = [
+        (measurable(name, flank, course, machine, size), path) for name, path, flank in subjects
+    ]
+    which = [subjects.index(_subject(claim)) for claim in angled]
+    jumps = [
+        _jump(measured[k][0], claim, course, machine, size)
+        for k, claim in zip(which, angled, strict=True)
+    ]
     questions = [
-        _question(course, claim, subjects.index((claim.quantity, claim.path)))
-        for claim, jump in zip(angled, jumps, strict=True)
+        _question(course, claim, k)
+        for k, claim, jump in zip(which, angled, jumps, strict=True)
         if jump is None
     ]
-    measured = [(QUANTITIES[name], path) for name, path in subjects]
     answers = iter(enclose_all(measured, course, machine, size, questions))
     each = iter(
         _extreme(claim, next(answers)) if jump is None else _infinite(claim, jump, machine)
@@ -101,9 +108,15 @@ def _wire(claim: Claim, value: float) -> float:
     return math.nan if told is None else told
 
 
-def _jump(claim: Claim, course: Course, machine: Machine, size: Size) -> Jump | None:
+def _subject(claim: Claim) -> tuple[str, str, str]:
+    """What a claim is about: quantity, path, flank."""
+    return claim.quantity, claim.path, claim.flank
+
+
+def _jump(
+    quantity: Measurable, claim: Claim, course: Course, machine: Machine, size: Size
+) -> Jump | None:
     """What makes the quantity of a claim infinite."""
-    quantity = QUANTITIES[claim.quantity]
     jump = infinite(quantity, course, claim.stretches, claim.part)
     return jump or corner(quantity, course, machine, size, claim)
 

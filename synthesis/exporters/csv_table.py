@@ -22,8 +22,8 @@ from synthesis.numerics.piecewise import Array
 BLOCK = 1024  # rows at once: memory that stays in the cache is not fetched anew
 
 
-def as_csv(columns: Sequence[Column]) -> bytes:
-    """Any columns of one length as a file."""
+def table(columns: Sequence[Column]) -> bytes:
+    """A header row, then the columns' values."""
     header = ",".join(column.name for column in columns)
     rows = len(columns[0].values)
     parts = [header.encode(), b"\n"]
@@ -48,11 +48,11 @@ def _lines(values: Sequence[Array | Whole]) -> bytes:
 
 
 def _profile(design: Design, options: ProfileOptions) -> bytes:
-    return as_csv(profile_columns(chosen(design, options), options))
+    return table(profile_columns(chosen(design, options), options))
 
 
 def _motion(design: Design, options: MotionOptions) -> bytes:
-    return as_csv(motion_columns(Cam.of(design), options))
+    return table(motion_columns(Cam.of(design), options))
 
 
 _TITLE, _MEDIA = "Table, comma separated", "text/csv; charset=utf-8; header=present"

@@ -106,7 +106,7 @@ def _manner(segment: SegmentMotion, unit: str) -> str:
     return segment.law.replace("_", " ")
 
 
-def angle_axis(frame: Frame, every: int = 30) -> list[str]:
+def angle_axis(frame: Frame, every: int = 30, name: str = "Cam angle") -> list[str]:
     """Numbers and name of the abscissa under a diagram."""
     body, bottom = [], frame.top + frame.height
     for degrees in range(0, 361, every):
@@ -114,4 +114,4 @@ def angle_axis(frame: Frame, every: int = 30) -> list[str]:
         body.append(svg.line("axis", x, bottom, x, bottom + 1.2))
         body.append(svg.text("tick", x, bottom + 4.4, f"{degrees}", "middle"))
     middle = frame.left + 0.5 * frame.width
-    return [*body, svg.text("label", middle, bottom + 9.2, "Cam angle, degrees", "middle")]
+    return [*body, svg.text("label", middle, bottom + 9.2, f"{name}, degrees", "middle")]

@@ -11,7 +11,7 @@ from synthesis.dynamics.report import TrainResponse
 from synthesis.dynamics.response import Response, Steps, from_rest, steady
 from synthesis.dynamics.summary import output_acceleration
 from synthesis.exporters.columns import Column
-from synthesis.exporters.csv_table import as_csv
+from synthesis.exporters.csv_table import table
 from synthesis.numerics.piecewise import Array
 from synthesis.units import DEGREE, FULL_TURN, rad_per_s
 
@@ -66,7 +66,7 @@ def response_csv(found: TrainResponse, options: TrainOptions) -> bytes:
         _column("contact_force_n", "N", "between cam and train; negative: it pulls",
                 [t.contact_force for t in turns]),
     ]  # fmt: skip
-    return as_csv(columns)
+    return table(columns)
 
 
 def _in(turns: Sequence[Response]) -> list[tuple[int, Response]]:

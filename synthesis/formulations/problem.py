@@ -70,6 +70,18 @@ class Problem:
     circle: float = 0.0
 
     @property
+    def cramped(self) -> str:
+        """Why no cam at all can be large enough for its base circle; empty where one may be."""
+        largest = self.radii[1]
+        if self.circle <= largest * (1.0 + 1e-9):
+            return ""
+        return (
+            "proven for every motion law: a dwell below is a part of the base circle, whose "
+            f"radius may be {largest:.6g} mm at most; a profile radius of {self.circle:.6g} mm is "
+            "asked for"
+        )
+
+    @property
     def free(self) -> tuple[Stretch, ...]:
         """The stretches whose law is part of the answer."""
         return tuple(s for s in self.stretches if s.law is None)

@@ -74,6 +74,9 @@ def search(
 def _searched(state: Search, *, thorough: bool) -> None:
     """The ladder itself."""
     problem, tolerance = state.problem, state.tolerance
+    if problem.cramped:
+        state.infeasible, state.impossible = True, problem.cramped
+        return
     if problem.objective.limits(1.0, problem.machine):
         steepness(state, search)
         return

@@ -130,7 +130,8 @@ class Statement:
         z = casadi.vertsplit(self.x[plan.size] * plan.scales.size)
         s = self._motion(spot)
         yields = spot.limit >= len(problem.limits) - self.eased
-        for value in problem.limits[spot.limit].smooth(stretch, problem.machine, s, z):
+        theta: Any = casadi.DM(stretch.start + stretch.angle * spot.x)  # a column, as s is
+        for value in problem.limits[spot.limit].smooth(stretch, problem.machine, theta, s, z):
             none = np.full(len(spot.x), -inf)
             given = value - self.x[plan.extra] if yields else value
             self._put(given, none, np.full(len(spot.x), -tighten))

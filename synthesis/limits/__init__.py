@@ -8,9 +8,12 @@ from pydantic import Field
 
 from synthesis.limits.acceleration import Acceleration
 from synthesis.limits.base import Claim, Limit, Machine
+from synthesis.limits.camshaft_torque import CamshaftTorque
+from synthesis.limits.contact_force import ContactForce
 from synthesis.limits.counter_base_radius import CounterBaseRadius
 from synthesis.limits.cutter_radius import CutterRadius
 from synthesis.limits.face_width import FaceWidth
+from synthesis.limits.hertz_pressure import HertzPressure
 from synthesis.limits.jerk import Jerk
 from synthesis.limits.outer_radius import OuterRadius
 from synthesis.limits.pressure_angle import PressureAngle
@@ -28,6 +31,9 @@ AnyLimit = Annotated[
     | OuterRadius
     | FaceWidth
     | CounterBaseRadius
+    | ContactForce
+    | HertzPressure
+    | CamshaftTorque
     | ResidualVibration,
     Field(discriminator="kind"),
 ]
