@@ -33,6 +33,7 @@ from service.routes import (
     operation,
     profile_analyses,
     spatial_cams,
+    spatial_files,
     sweep_items,
     sweeps,
     train_responses,
@@ -44,8 +45,8 @@ from service.sweeps.sweeps import Sweeps
 
 EngineOf = Callable[[Settings], AbstractAsyncContextManager[Engine]]
 ROUTES = (
-    designs, confirmation, files, cam_sets, spatial_cams, sweeps, sweep_items, analyses,
-    analysis_pictures, profile_analyses, linkages, train_responses,
+    designs, confirmation, files, cam_sets, spatial_cams, spatial_files, sweeps, sweep_items,
+    analyses, analysis_pictures, profile_analyses, linkages, train_responses,
     catalogue, operation,
 )  # fmt: skip
 EXPOSED = (

@@ -129,7 +129,9 @@ SPATIAL_CAMS = Resource(
     spec=SpatialCamSpec,
     name_of=spatial_id,
     task=solve_spatial,
-    links=lambda name, summary: spatial_links(name, has_cam=bool(summary.get("dimensions"))),
+    links=lambda name, summary: spatial_links(
+        name, summary.get("machine", ""), has_cam=bool(summary.get("dimensions"))
+    ),
     unknown=UnknownSpatialCam,
     budget_of=lambda _: None,
 )

@@ -13,9 +13,11 @@ from synthesis.camset_spec import CamSetSpec
 from synthesis.design import Design
 from synthesis.dynamics import TrainSpec
 from synthesis.exporters import DRAWINGS, Exporter, Made, Options
+from synthesis.exporters.exporter import FileFormat
 from synthesis.findings import Analysis
 from synthesis.linkages import LINKAGES
 from synthesis.objectives import Objective
+from synthesis.spatial.design import SpatialDesign
 from synthesis.spatial.spec import SpatialCamSpec
 from synthesis.spec import DesignSpec
 
@@ -115,7 +117,7 @@ def solve_spatial(spec: bytes, budget_s: float) -> Answer:
     started = time.monotonic()
     asked = SpatialCamSpec.model_validate_json(spec)
     found = synthesise_spatial(asked, deadline=started + budget_s)
-    links = spatial_links(found.id, has_cam=bool(found.motion))
+    links = spatial_links(found.id, found.machine, has_cam=bool(found.motion))
     found = found.model_copy(update={"links": links})
     summary = {"machine": found.machine, "dimensions": found.dimensions}
     body = found.model_dump_json().encode()
@@ -203,6 +205,14 @@ def file_of(design: bytes, exporter: Exporter[Any], options: Any) -> Made:
     finished = Design.model_validate_json(design)
     if not (finished.motion or exporter.without_cam):
         raise NothingFits("No cam fits these limits: see conflict in the design for what would.")
+    return exporter.whole(finished, options)
+
+
+def spatial_file(design: bytes, exporter: FileFormat[SpatialDesign, Any], options: Any) -> Made:
+    """The same of a spatial cam."""
+    finished = SpatialDesign.model_validate_json(design)
+    if not finished.motion:
+        raise NothingFits("No cam fits these limits, so that there is none to draw.")
     return exporter.whole(finished, options)
 
 

@@ -76,6 +76,7 @@ PLACES = {
     "train_resonates": ("speeds_rpm", "{position}"),
     "crown_too_round": ("machine", "crown_radius_mm"),
     "roller_reaches_axis": ("machine", "roller_width_mm"),
+    "roller_beside_cylinder": ("machine",),
     "rollers_touch": ("machine", "roller_distance_mm"),
     "arm_along_cam": ("machine", "initial_angle_deg"),
 }

@@ -24,6 +24,7 @@ from synthesis.exporters import (
     form,
     report_with,
 )
+from synthesis.exporters.exporter import FileFormat
 from synthesis.exporters.picture_options import Colours, PictureOptions
 from synthesis.findings import Sensitivities
 
@@ -115,7 +116,7 @@ OWN: dict[str, Handler] = {"report.html": _reported}
 FURTHER = {"report.html": (500, 503, 504)}
 
 
-def schema_of(exporter: Exporter[Any]) -> dict[str, str]:
+def schema_of(exporter: FileFormat[Any, Any]) -> dict[str, str]:
     """What its body is, for the contract."""
     if exporter.media_type == "application/json":
         return {"type": "object"}

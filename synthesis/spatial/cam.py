@@ -62,9 +62,15 @@ class SpatialCam:
     sizes: Mapping[str, float]
 
     def place(self, seat: Seat, theta: Array) -> Place:
-        """Where a roller is at θ (n,) [rad] of the turn."""
+        """Where a roller is at θ (n,) [rad], of any turn."""
         q, q1, q2 = self.motion.derivatives(theta, 2)
-        return Place(seat.start + q, q1, q2)
+        turns = np.floor(theta / FULL_TURN)
+        return Place(seat.start + self.gain * turns + q, q1, q2)
+
+    @property
+    def gain(self) -> float:
+        """What the follower has moved on after a turn [rad or mm]."""
+        return self.motion.stretches[-1].s_end - self.motion.stretches[0].s_start
 
     def contacts(self, wall: Wall, theta: Array, rho: Array) -> Contacts:
         """Contacts of a wall at θ (n,) [rad] by places on the roller's axis (m,) [mm]."""

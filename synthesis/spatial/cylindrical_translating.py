@@ -23,6 +23,7 @@ class CylindricalTranslating(SpatialMachine):
     kind: Literal["cylindrical_translating"] = "cylindrical_translating"
     title: ClassVar[str] = "cylindrical cam, follower on a slide"
     travel: ClassVar[Travel] = Travel()
+    unrolls: ClassVar[bool] = True
 
     cylinder_radius_mm: Dimension = None
     roller_radius_mm: Dimension = None
@@ -49,6 +50,9 @@ class CylindricalTranslating(SpatialMachine):
 
     def mesh(self, sizes: Mapping[str, float]) -> tuple[float, float]:
         return drum.EVERYWHERE
+
+    def cylinder(self, sizes: Mapping[str, float]) -> tuple[float, float]:
+        return drum.cylinder(sizes, self.roller_width_mm)
 
     def check_gain(self, gain: float) -> None:
         drum.check_return(gain, self.travel)

@@ -41,6 +41,8 @@ class SpatialMachine(BaseModel, ABC):
     travel: ClassVar[Travel]
     period: ClassVar[float] = math.inf  # of q, after which a roller is where it was [rad or mm]
 
+    unrolls: ClassVar[bool] = False  # whether cylinders about its axis cut the cam's walls
+
     @abstractmethod
     def sizes(self) -> Mapping[str, float | Range | None]:
         """Dimensions that may be left free, by their field's name [mm]."""
@@ -65,6 +67,10 @@ class SpatialMachine(BaseModel, ABC):
     @abstractmethod
     def mesh(self, sizes: Mapping[str, float]) -> tuple[float, float]:
         """Least and largest place q of a roller [rad or mm] where the blank still has a wall."""
+
+    def cylinder(self, sizes: Mapping[str, float]) -> tuple[float, float] | None:
+        """Radii between which cylinders cut its cam's walls [mm]; None: it does not unroll."""
+        return None
 
     @abstractmethod
     def check_gain(self, gain: float) -> None:

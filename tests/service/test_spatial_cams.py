@@ -72,3 +72,50 @@ def test_an_index_that_meets_no_roller_is_refused_at_the_program(client: httpx2.
     (wrong,) = answer.json()["errors"]
     assert wrong["pointer"] == "/program"
     assert "times the 72.0° between two of 5" in wrong["rule"]
+
+
+def test_every_file_and_the_catalogue(client: httpx2.Client) -> None:
+    answer = client.post(WHERE, json=examples(SPATIAL_CAMS)["cylindrical-rib"]["value"]).json()
+    links = {name: at for name, at in answer["links"].items() if name != "self"}
+    known = {each["name"]: each for each in client.get("/v1/formats").json()["spatial"]}
+    assert set(links) == set(known)
+    for name, where in links.items():
+        found = client.get(where)
+        assert found.status_code == 200, found.text
+        assert found.headers["content-type"] == known[name]["media_type"]
+        assert f'filename="Rib-cam-{name}"' in found.headers["content-disposition"]
+        again = client.get(where, headers={"If-None-Match": found.headers["etag"]})
+        assert again.status_code == 304
+    assert float(client.get(links["developed.csv"]).headers["camwright-flat-offset-error-mm"]) > 0.0
+
+
+def test_what_does_not_unroll_says_so(client: httpx2.Client) -> None:
+    flat = client.post(WHERE, json=P4).json()["links"]
+    assert not {name for name in flat if name.startswith("developed")}
+    refused = client.get(f"{flat['self']}/developed.svg")
+    assert refused.status_code == 422
+    assert "no cylinder that could be unrolled" in refused.json()["errors"][0]["rule"]
+    rib = client.post(WHERE, json=examples(SPATIAL_CAMS)["cylindrical-rib"]["value"]).json()
+    refused = client.get(rib["links"]["developed.svg"], params={"radius_mm": 60})
+    (wrong,) = refused.json()["errors"]
+    assert (refused.status_code, wrong["parameter"], wrong["value"]) == (422, "radius_mm", 60.0)
+
+
+@pytest.mark.parametrize(
+    ("machine", "pointer"),
+    [
+        ({"roller_width_mm": 75}, "/machine/roller_width_mm"),
+        ({"roller_distance_mm": 22}, "/machine/roller_distance_mm"),
+        ({"crown_radius_mm": 7}, "/machine/crown_radius_mm"),
+        ({"initial_angle_deg": 80}, "/machine/initial_angle_deg"),
+        ({"pivot_distance_mm": 70}, "/machine"),
+    ],
+)
+def test_machines_that_cannot_be_are_refused(
+    client: httpx2.Client, machine: dict[str, Any], pointer: str
+) -> None:
+    asked = deepcopy(examples(SPATIAL_CAMS)["cylindrical-rib"]["value"])
+    asked["machine"].update(machine)
+    answer = client.post(WHERE, json=asked)
+    assert answer.status_code == 422
+    assert [wrong["pointer"] for wrong in answer.json()["errors"]] == [pointer]

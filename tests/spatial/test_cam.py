@@ -78,7 +78,8 @@ def test_a_turret_of_three_meets_each_roller_though_it_goes_on_by_a_whole_turn()
 def test_a_right_hand_thread_is_a_right_hand_screw(kind: str, hand: str, rotation: str) -> None:
     """Along a groove, away from the eye, the thread turns clockwise: a right-hand helix."""
     sizes = {"globoidal_indexer": {}, "cylindrical_indexer": {
-        "turret_radius_mm": 87.1, "cylinder_radius_mm": 101.3}}[kind]  # fmt: skip
+        "turret_radius_mm": 87.1, "centre_distance_mm": 83.9,
+        "cylinder_radius_mm": 101.3}}[kind]  # fmt: skip
     machine = body(kind=kind, hand=hand)["machine"] | sizes
     if kind == "cylindrical_indexer":
         machine = {k: v for k, v in machine.items() if k not in ("roller_inner_mm",)}
