@@ -69,8 +69,7 @@ class _Rib:
 def carried(cam: SpatialCam, theta: Array) -> Array:
     """q at cam angles of any turn [rad or mm]: from turn to turn the follower goes on."""
     turns = np.floor(theta / FULL_TURN)
-    gain = cam.motion.stretches[-1].s_end - cam.motion.stretches[0].s_start
-    return np.asarray(cam.motion.derivatives(theta, 0)[0] + gain * turns)
+    return np.asarray(cam.motion.derivatives(theta, 0)[0] + cam.gain * turns)
 
 
 def _behind(patch: Patch, seats: Sequence[Seat]) -> _Rib | None:
