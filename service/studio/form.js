@@ -9,8 +9,9 @@ const LIFTS = ["lift_mm", "lift_deg"];
 const IN_ROW = ["kind", "angle_deg", ...LIFTS, "law"];
 
 export class Form {
-  constructor(store, schemas, titles) {
-    Object.assign(this, { store, schemas, titles });
+  /** `sized`: the fields of the follower, or machine, and its sizes. */
+  constructor(store, schemas, titles, sized) {
+    Object.assign(this, { store, schemas, titles, sized });
     this.open = new Set();
     store.addEventListener("change", (event) => {
       if (event.detail.structural) this.show();
@@ -23,10 +24,7 @@ export class Form {
     const focus = document.activeElement?.id;
     const { properties } = this.schemas.spec;
     byId("form-program").replaceChildren(...this.#program());
-    byId("form-follower").replaceChildren(
-      field(this, "/follower", properties.follower),
-      field(this, "/base_radius_mm", properties.base_radius_mm),
-    );
+    byId("form-follower").replaceChildren(...this.sized.map((name) => field(this, `/${name}`, properties[name])));
     byId("form-limits").replaceChildren(...this.#limits());
     byId("form-aim").replaceChildren(...this.#aim(properties));
     byId("form-machine").replaceChildren(
@@ -209,6 +207,7 @@ export class Form {
   // -- limits and aim -----------------------------------------------------------------------
 
   #limits() {
+    if (!this.schemas.spec.properties.limits) return [];
     const kinds = this.#kindsOf("limits");
     const shown = (this.store.spec.limits ?? []).map((limit, i) => {
       const schema = kinds.find(([kind]) => kind === limit.kind)?.[1] ?? {};
@@ -240,9 +239,10 @@ export class Form {
   #aim(properties) {
     const objective = Array.isArray(this.store.spec.objective)
       ? field(this, "/objective", {}, { label: "objectives, in order" })
-      : field(this, "/objective", properties.objective);
-    const rest = ["tolerance", "proof", "continuity", "price_smoothness", "time_budget_s"];
-    return [objective, ...rest.map((name) => field(this, `/${name}`, properties[name]))];
+      : properties.objective && field(this, "/objective", properties.objective);
+    const names = ["tolerance", "proof", "continuity", "price_smoothness", "time_budget_s"];
+    const rest = names.filter((name) => name in properties);
+    return [objective, ...rest.map((name) => field(this, `/${name}`, properties[name]))].filter(Boolean);
   }
 
   // -- what is wrong ------------------------------------------------------------------------

@@ -8,12 +8,25 @@ from typing import Any
 
 from synthesis.exporters.exporter import FileFormat
 from synthesis.spatial.design import SpatialDesign
-from synthesis.spatial.files import body_stl, developed, developed_svg, flanks_ibl, flanks_table
+from synthesis.spatial.files import (
+    body_stl,
+    developed,
+    developed_svg,
+    flanks_ibl,
+    flanks_table,
+    surfaces_json,
+)
 from synthesis.spatial.machines import MACHINES
 
 Format = FileFormat[SpatialDesign, Any]
 UNROLLED: tuple[Format, ...] = (developed.JSON, developed.CSV, developed_svg.SVG)
-WHOLE: tuple[Format, ...] = (flanks_ibl.FLANKS, flanks_table.CSV, flanks_table.JSON, body_stl.STL)
+WHOLE: tuple[Format, ...] = (
+    flanks_ibl.FLANKS,
+    flanks_table.CSV,
+    flanks_table.JSON,
+    body_stl.STL,
+    surfaces_json.SURFACES,
+)
 FORMATS: Mapping[str, Format] = MappingProxyType({each.name: each for each in UNROLLED + WHOLE})
 """Every format by the name of its file."""
 
