@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -26,6 +27,14 @@ class Column:
     unit: str
     meaning: str
     values: Array | NDArray[np.int64]
+
+
+def joined(parts: Sequence[Sequence[Column]]) -> list[Column]:
+    """One table of several with the same columns, each after the one before."""
+    return [
+        replace(same[0], values=np.concatenate([column.values for column in same]))
+        for same in zip(*parts, strict=True)
+    ]
 
 
 def profile_columns(cam: Cam, options: CurveOptions) -> list[Column]:

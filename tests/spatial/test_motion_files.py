@@ -54,4 +54,4 @@ def test_json_and_diagrams_say_the_same(arm: SpatialDesign) -> None:
     drawn = SVG.write(arm, DiagramOptions(1.0)).decode()
     fastest = float(np.max(table["v_deg_per_s"]))
     assert f"max {fastest:.4g} at" in drawn
-    assert "dwell 31°" in drawn
+    assert "dwell 68°" in drawn
