@@ -28,8 +28,8 @@ LEAST = 1e-16
 TEXT = """One mass on a spring, driven by a cycloidal rise, from rest: its deflection at {places}
 cam angles, by the exact response of `/v1/train-responses` and by SciPy's integrators at tolerances
 from 10⁻⁴ to 10⁻¹⁰. The truth is a closed form, a sum of two sines; errors are the largest at these
-angles over the largest deflection. The stiffer the train (swings during the rise), the more steps an
-integrator needs; the exact response takes one step per angle whatever the train is."""
+angles over the largest deflection. The stiffer the train (swings during the rise), the more steps
+an integrator needs; the exact response takes one step per angle whatever the train is."""
 
 
 @dataclass(frozen=True)
