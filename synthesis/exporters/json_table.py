@@ -94,6 +94,11 @@ def _written(
         "sampling": sampling,
         "rows": len(columns[0].values),
     }
+    return columned(body, columns)
+
+
+def columned(body: dict[str, Any], columns: Sequence[Column]) -> bytes:
+    """A document with the columns at its end."""
     inside = b",".join(_column(column) for column in columns)
     return _text(body)[:-1] + b',"columns":[' + inside + b"]}\n"
 
