@@ -41,6 +41,23 @@ class Dwell(Told):
     )
 
 
+class Flight(Told):
+    """What becomes of a train that leaves its cam, integrated in time from rest."""
+
+    first_lost_turn: int | None = told("Turn, from 0, in which contact is lost first; null: never.")
+    first_lost_deg: float | None = told("Cam angle where.")
+    losses: int = told("How often contact is lost in all turns.")
+    in_air: float = told("Share of the last turn without contact.")
+    largest_gap: float = told("Largest gap between cam and train.")
+    contact_force_max_n: float = told("Largest contact force, landings included.")
+    output_error_end: float = told("Output less cam at the end of the last turn.")
+    uncertainty: float = told(
+        "By how much that differs from an integration a hundred times as coarse; flights magnify "
+        "any difference, so that single landings far on are not to be relied on where it is large."
+    )
+    rattles: bool = told("Given up after 400 losses of contact.")
+
+
 class AtSpeed(Told):
     """The periodic response at one speed, and how it is reached from rest."""
 
@@ -59,6 +76,10 @@ class AtSpeed(Told):
     )
     turns: list[float] = told(
         "From rest: largest distance of the output from the periodic response in every turn."
+    )
+    flight: Flight | None = told(
+        "Where contact is lost: what becomes of the train in the `turns` asked for, from rest. "
+        "Null where it is not lost, no turns are asked for, or the train swings too fast for that."
     )
     steps: int = told("Steps of the turn at whose ends the extremes were read.")
     rounding: float = told(

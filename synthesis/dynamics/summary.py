@@ -11,7 +11,8 @@ import numpy as np
 
 from synthesis.design import Design, engine_version, question_id
 from synthesis.dynamics.chain import Chain
-from synthesis.dynamics.report import AtSpeed, Dwell, Mode, Peak, TrainResponse
+from synthesis.dynamics.floating import flights
+from synthesis.dynamics.report import AtSpeed, Dwell, Flight, Mode, Peak, TrainResponse
 from synthesis.dynamics.response import Response, Steps, from_rest, steady
 from synthesis.dynamics.spectrum import moves, residuals
 from synthesis.dynamics.train import TrainSpec
@@ -111,6 +112,7 @@ def _at_speed(machine: Machine, speed_rpm: float, turns: int, *, held: bool) -> 
     error, force = found.deflection[-1], found.contact_force
     pulls = output_acceleration(found)
     starts = machine.starting(speed_rpm, turns)
+    floats = not held and bool(np.min(force) <= 0.0)
     rates = machine.chain.modes.rates
     return AtSpeed(
         speed_rpm=speed_rpm,
@@ -120,13 +122,28 @@ def _at_speed(machine: Machine, speed_rpm: float, turns: int, *, held: bool) -> 
         output_acceleration_min=_peak(found, -pulls, -1.0),
         contact_force_max_n=_peak(found, force),
         contact_force_min_n=_peak(found, -force, -1.0),
-        floats=not held and bool(np.min(force) <= 0.0),
+        floats=floats,
         dwells=_dwells(machine, found),
         remembers=float(np.exp(np.max(rates.real) * FULL_TURN / found.omega)),
         turns=[float(np.max(np.abs(each.deflection[-1] - error))) for each in starts],
+        flight=_flight(machine, found.omega, turns) if floats and turns else None,
         steps=len(found.theta) - 1,
         rounding=UNIT * machine.chain.modes.condition * float(np.max(np.abs(found.state)))
         * float(np.max(np.abs(machine.chain.modes.shapes))) * len(rates),
+    )  # fmt: skip
+
+
+def _flight(machine: Machine, omega: float, turns: int) -> Flight | None:
+    known = flights(machine.chain, machine.motion, omega, turns)
+    if known is None:
+        return None
+    found, apart = known
+    turn, angle = (None, None) if found.lost is None else found.lost
+    return Flight(
+        first_lost_turn=turn, first_lost_deg=None if angle is None else angle / DEGREE,
+        losses=found.count, in_air=found.in_air, largest_gap=found.gap,
+        contact_force_max_n=found.force, output_error_end=found.output, uncertainty=apart,
+        rattles=found.rattles,
     )  # fmt: skip
 
 

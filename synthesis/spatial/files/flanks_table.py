@@ -8,13 +8,14 @@ from typing import Any
 
 import numpy as np
 
-from synthesis.exporters.columns import Column
+from synthesis.exporters.columns import Column, joined
 from synthesis.exporters.csv_table import table
 from synthesis.exporters.exporter import FileFormat, untold
 from synthesis.numerics.piecewise import Array
 from synthesis.spatial.design import SpatialDesign
 from synthesis.spatial.files.flanks import Patch, patches
 from synthesis.spatial.files.options import Depths, FlankOptions
+from synthesis.spatial.files.origin import origin
 from synthesis.spatial.frame import TOLD
 from synthesis.units import DEGREE
 
@@ -27,14 +28,7 @@ class TableOptions(FlankOptions):
 
 
 def _csv(design: SpatialDesign, options: TableOptions) -> bytes:
-    found = [_columns(each) for each in patches(design, options)]
-    return table(
-        [
-            Column(first.name, first.unit, first.meaning, np.concatenate([c.values for c in same]))
-            for same in zip(*found, strict=True)
-            for first in same[:1]
-        ]
-    )
+    return table(joined([_columns(each) for each in patches(design, options)]))
 
 
 def _columns(each: Patch) -> list[Column]:
@@ -72,20 +66,6 @@ def _json(design: SpatialDesign, options: TableOptions) -> bytes:
         "flanks": [_flank(each) for each in patches(design, options)],
     }
     return json.dumps(body, ensure_ascii=False, allow_nan=False, separators=(",", ":")).encode()
-
-
-def origin(design: SpatialDesign) -> dict[str, Any]:
-    """Which cam a file is of, and what it is worth."""
-    return {
-        "id": design.id,
-        "name": design.name,
-        "engine_version": design.engine_version,
-        "status": design.status,
-        "machine": design.machine,
-        "dimensions": design.dimensions,
-        "rotation": design.rotation,
-        "speed_rpm": design.speed_rpm,
-    }
 
 
 def _flank(each: Patch) -> dict[str, Any]:

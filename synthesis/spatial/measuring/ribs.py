@@ -17,7 +17,7 @@ from synthesis.geometry.swept_roller import dot, norm, turned
 from synthesis.numerics.piecewise import Array
 from synthesis.spatial.cam import SpatialCam
 from synthesis.spatial.machine import LEFT, Seat
-from synthesis.spatial.measuring.found import Bound, Found, Kind
+from synthesis.spatial.measuring.found import Bound, Found, Kind, leading
 from synthesis.spatial.measuring.patches import Patch, tried
 from synthesis.units import FULL_TURN
 
@@ -43,7 +43,7 @@ class _Rib:
         Infinite where the wall is beyond the end faces.
         """
         cam = self.patch.cam
-        points = self.patch.contacts(theta, rho).point
+        points = self.patch.points(theta, rho)
         found = self._away(points.reshape(3, 1, -1), np.repeat(theta, len(rho)), offset)
         return np.where(cam.between_faces(points), found.reshape(-1, *points.shape[1:]), np.inf)
 
@@ -99,9 +99,9 @@ def thinnest(cam: SpatialCam, parts: Sequence[Patch], seats: Sequence[Seat]) -> 
             at = (float(theta[n]), float(rho[m]), float(offset[k]))
             wide = (patch.high - patch.low) / max(len(theta) - 1, 1)
             seen.append((float(values[k, n, m]), replace(rib, patch=patch), at, wide))
-    best = sorted(seen, key=lambda each: each[0])[:KEPT]
+    best = sorted(seen, key=lambda each: leading(each[0]))[:KEPT]
     found = [_closer(*each, rho) for each in best]
-    return min(found, key=lambda each: each.value) if found else None
+    return min(found, key=lambda each: leading(each.value)) if found else None
 
 
 def _closer(

@@ -15,7 +15,7 @@ from synthesis.geometry.swept_roller import cross, dot, norm
 from synthesis.numerics.piecewise import Array
 from synthesis.spatial.cam import SpatialCam
 from synthesis.spatial.measuring.enclosing import PRESSURE, UNDERCUT, Proof, proven
-from synthesis.spatial.measuring.found import Bound, Found, Kind
+from synthesis.spatial.measuring.found import Bound, Found, Kind, leading
 from synthesis.spatial.measuring.patches import Patch, Tried, tried
 from synthesis.units import DEGREE
 
@@ -139,9 +139,9 @@ def _extreme(
             strict=False,
         )
     ]
-    best = sorted(seen, key=lambda each: -float(each[2].max()))[:KEPT]
+    best = sorted(seen, key=lambda each: -leading(each[2].max()))[:KEPT]
     found = [_closer(quantity, sign, *each, rho) for each in best]
-    most = max(found, key=lambda each: sign * each.value)
+    most = max(found, key=lambda each: leading(sign * each.value))
     if quantity.proof is None or not np.isfinite(most.value):
         return most
     return proven(parts[0].cam, parts, quantity.proof, most)
@@ -153,7 +153,7 @@ def _values(quantity: Measured, patch: Patch, theta: Array, rho: Array) -> Array
     cam = patch.cam
     if np.all(np.isinf(cam.faces)):
         return values
-    inside = cam.between_faces(patch.contacts(theta, rho).point)
+    inside = cam.between_faces(patch.points(theta, rho))
     return np.where(inside, values, -np.inf if quantity.kind.largest else np.inf)
 
 
