@@ -10,25 +10,19 @@ from synthesis.exporters.exporter import FileFormat
 from synthesis.spatial.design import SpatialDesign
 from synthesis.spatial.files import (
     body_stl,
-<<<<<<< HEAD
-=======
     cutter_path,
->>>>>>> main
     developed,
     developed_svg,
     flanks_ibl,
     flanks_table,
-<<<<<<< HEAD
-    surfaces_json,
-=======
     motion,
->>>>>>> main
+    surfaces_json,
 )
 from synthesis.spatial.machines import MACHINES
 
 Format = FileFormat[SpatialDesign, Any]
 UNROLLED: tuple[Format, ...] = (developed.JSON, developed.CSV, developed_svg.SVG)
-<<<<<<< HEAD
+MOTION: tuple[Format, ...] = (motion.JSON, motion.CSV, motion.SVG)
 WHOLE: tuple[Format, ...] = (
     flanks_ibl.FLANKS,
     flanks_table.CSV,
@@ -36,14 +30,9 @@ WHOLE: tuple[Format, ...] = (
     body_stl.STL,
     surfaces_json.SURFACES,
 )
-FORMATS: Mapping[str, Format] = MappingProxyType({each.name: each for each in UNROLLED + WHOLE})
-=======
-MOTION: tuple[Format, ...] = (motion.JSON, motion.CSV, motion.SVG)
-WHOLE: tuple[Format, ...] = (flanks_ibl.FLANKS, flanks_table.CSV, flanks_table.JSON, body_stl.STL)
 FORMATS: Mapping[str, Format] = MappingProxyType(
     {each.name: each for each in (*MOTION, *UNROLLED, *WHOLE, cutter_path.CSV)}
 )
->>>>>>> main
 """Every format by the name of its file."""
 
 _UNROLLING = {each.model_fields["kind"].default for each in MACHINES if each.unrolls}

@@ -20,7 +20,7 @@ from synthesis.numerics.piecewise import Array
 from synthesis.spatial.blank import Blank, BlankOptions
 from synthesis.spatial.body import Body, body_of
 from synthesis.spatial.design import SpatialDesign
-from synthesis.spatial.files.flanks_table import origin
+from synthesis.spatial.files.origin import origin
 from synthesis.spatial.frame import TOLD, CamFrame
 from synthesis.spatial.grooves import Cuts
 from synthesis.spatial.machine import Seat
