@@ -12,6 +12,7 @@ from service.links import design_links, linkage_links, set_links, spatial_links
 from synthesis.camset_spec import CamSetSpec
 from synthesis.design import Design
 from synthesis.exporters import DRAWINGS, Exporter, Made, Options
+from synthesis.exporters.linkages import LINKAGE_FILES
 from synthesis.findings import Analysis
 from synthesis.linkages import LINKAGES
 from synthesis.objectives import Objective
@@ -170,9 +171,11 @@ def linked(kind: str, spec: bytes, budget_s: float) -> Answer:
     asked = linkage.spec.model_validate_json(spec)
     found = linkage.work(asked, started + budget_s)
     quantities = linkage.told(found)
-    links = linkage_links(kind, found.id, has_linkage=bool(quantities))
+    written = LINKAGE_FILES[kind].values() if quantities else ()
+    files = [file.name for file in written if file.suits(found)]
+    links = linkage_links(kind, found.id, files)
     body = found.model_copy(update={"links": links}).model_dump_json().encode()
-    summary = {"quantities": quantities}
+    summary = {"quantities": quantities, "files": files}
     return Answer(body, found.status, summary, time.monotonic() - started, quantities, found.id)
 
 

@@ -115,6 +115,10 @@ class Client:
         """The spatial cam for a SpatialCamSpec."""
         return run(self._calls.spatial_cam(spec))
 
+    def linkage(self, kind: str, spec: Spec) -> Json:
+        """A linkage of a kind, such as ``six-bar-shapers``."""
+        return run(self._calls.linkage(kind, spec))
+
     def sweep(self, spec: Spec) -> Json:
         """Start a sweep, or join it where it is under way; as it stands."""
         return run(self._calls.sweep(spec))

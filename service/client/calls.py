@@ -54,6 +54,10 @@ class Calls:
         """The spatial cam for a SpatialCamSpec."""
         return await self._asked("/v1/spatial-cams", spec)
 
+    async def linkage(self, kind: str, spec: Spec) -> Json:
+        """A linkage of a kind, such as ``six-bar-shapers``."""
+        return await self._asked(f"/v1/linkages/{kind}", spec)
+
     async def sweep(self, spec: Spec) -> Json:
         """Start a sweep, or join it where it is under way; as it stands."""
         return _body(await self._sent(_question("/v1/sweeps", spec)))

@@ -17,6 +17,7 @@ class LinkageFile:
         name: of the file, as in ``motion.csv``. title: for people. media_type: for HTTP.
         write: answer and options to its bytes. options: what may be chosen.
         purpose: what it is for; "" where the title says it.
+        suits: whether it can be made of an answer that has a linkage.
     """
 
     name: str
@@ -25,3 +26,4 @@ class LinkageFile:
     write: Callable[[Any, Any], bytes]
     options: type[Options]
     purpose: str = ""
+    suits: Callable[[Any], bool] = lambda _: True
