@@ -33,8 +33,10 @@ from service.routes import (
     operation,
     profile_analyses,
     spatial_cams,
+    spatial_files,
     sweep_items,
     sweeps,
+    train_responses,
 )
 from service.settings import Settings
 from service.state import State
@@ -43,8 +45,9 @@ from service.sweeps.sweeps import Sweeps
 
 EngineOf = Callable[[Settings], AbstractAsyncContextManager[Engine]]
 ROUTES = (
-    designs, confirmation, files, cam_sets, spatial_cams, sweeps, sweep_items, analyses,
-    analysis_pictures, profile_analyses, linkages, catalogue, operation,
+    designs, confirmation, files, cam_sets, spatial_cams, spatial_files, sweeps, sweep_items,
+    analyses, analysis_pictures, profile_analyses, linkages, train_responses,
+    catalogue, operation,
 )  # fmt: skip
 EXPOSED = (
     "Accept-Ranges", "Content-Location", "Content-Range", "ETag", "Location", "Retry-After",

@@ -8,14 +8,17 @@ from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any
 
 from service.errors import NothingFits
-from service.links import design_links, linkage_links, set_links, spatial_links
+from service.links import design_links, linkage_links, set_links, spatial_links, train_links
 from synthesis.camset_spec import CamSetSpec
 from synthesis.design import Design
+from synthesis.dynamics import TrainSpec
 from synthesis.exporters import DRAWINGS, Exporter, Made, Options
+from synthesis.exporters.exporter import FileFormat
 from synthesis.exporters.linkages import LINKAGE_FILES
 from synthesis.findings import Analysis
 from synthesis.linkages import LINKAGES
 from synthesis.objectives import Objective
+from synthesis.spatial.design import SpatialDesign
 from synthesis.spatial.spec import SpatialCamSpec
 from synthesis.spec import DesignSpec
 
@@ -115,11 +118,23 @@ def solve_spatial(spec: bytes, budget_s: float) -> Answer:
     started = time.monotonic()
     asked = SpatialCamSpec.model_validate_json(spec)
     found = synthesise_spatial(asked, deadline=started + budget_s)
-    links = spatial_links(found.id, has_cam=bool(found.motion))
+    links = spatial_links(found.id, found.machine, has_cam=bool(found.motion))
     found = found.model_copy(update={"links": links})
     summary = {"machine": found.machine, "dimensions": found.dimensions}
     body = found.model_dump_json().encode()
     return Answer(body, found.status, summary, time.monotonic() - started, {}, found.id)
+
+
+def respond(spec: bytes, budget_s: float) -> Answer:
+    """A follower train's response to its cam; runs in a worker process."""
+    from synthesis.train_response import respond as responded
+
+    started = time.monotonic()
+    found = responded(TrainSpec.model_validate_json(spec), deadline=started + budget_s)
+    found = found.model_copy(update={"links": train_links(found.id)})
+    summary = {"modes_hz": [mode.natural_frequency_hz for mode in found.modes]}
+    body = found.model_dump_json().encode()
+    return Answer(body, "computed", summary, time.monotonic() - started)
 
 
 def analyse(spec: bytes, budget_s: float) -> Answer:
@@ -193,6 +208,14 @@ def file_of(design: bytes, exporter: Exporter[Any], options: Any) -> Made:
     finished = Design.model_validate_json(design)
     if not (finished.motion or exporter.without_cam):
         raise NothingFits("No cam fits these limits: see conflict in the design for what would.")
+    return exporter.whole(finished, options)
+
+
+def spatial_file(design: bytes, exporter: FileFormat[SpatialDesign, Any], options: Any) -> Made:
+    """The same of a spatial cam."""
+    finished = SpatialDesign.model_validate_json(design)
+    if not finished.motion:
+        raise NothingFits("No cam fits these limits, so that there is none to draw.")
     return exporter.whole(finished, options)
 
 

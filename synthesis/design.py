@@ -227,7 +227,12 @@ class Design(Part):
         """The question with the numbers in place that it leaves free."""
         openings = self.spec.openings.free if self.chosen else ()
         numbers = [self.chosen[opening.field] for opening in openings]
-        return self.spec.with_numbers(numbers) if numbers else self.spec
+        spec = self.spec.with_numbers(numbers) if numbers else self.spec
+        if spec.load is None or not self.chosen:
+            return spec
+        named = {name: f"load/spring/{name}" for name in spec.load.free}
+        spring = {name: self.chosen[key] for name, key in named.items() if key in self.chosen}
+        return spec.model_copy(update={"load": spec.load.with_spring(spring)})
 
     @cached_property
     def curve(self) -> Motion:

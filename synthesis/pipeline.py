@@ -114,6 +114,10 @@ def synthesise_beside(
     Raises:
         TimeBudgetExceeded, SolverFailed: as ``synthesise``.
     """
+    if spec.load is not None and spec.load.free:
+        from synthesis.formulations.sprung import with_spring
+
+        return with_spring(spec, lambda given: synthesise(given, deadline=deadline)), None
     began, now = time.perf_counter(), clock.now()
     budget = min(
         inf if spec.time_budget_s is None else spec.time_budget_s,

@@ -378,6 +378,9 @@ class DesignSpec(BaseModel):
         for stretch in self.stretches():
             if stretch.sought:
                 yield f"/program/{stretch.index}/law", self.program[stretch.index].law_name
+        if self.load is not None:
+            for name, (low, high) in self.load.free.items():
+                yield f"/load/spring/{name}", {"min": low, "max": high}
         asked: dict[str, Any] = {}
         bounds = self.follower.sizing(self.base_radius_range()).bounds
         if any(low != high for low, high in bounds):

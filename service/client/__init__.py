@@ -119,6 +119,10 @@ class Client:
         """A linkage of a kind, such as ``six-bar-shapers``."""
         return run(self._calls.linkage(kind, spec))
 
+    def train_response(self, spec: Spec) -> Json:
+        """What a TrainSpec's follower train does on its cam."""
+        return run(self._calls.train_response(spec))
+
     def sweep(self, spec: Spec) -> Json:
         """Start a sweep, or join it where it is under way; as it stands."""
         return run(self._calls.sweep(spec))

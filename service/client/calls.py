@@ -58,6 +58,10 @@ class Calls:
         """A linkage of a kind, such as ``six-bar-shapers``."""
         return await self._asked(f"/v1/linkages/{kind}", spec)
 
+    async def train_response(self, spec: Spec) -> Json:
+        """What a TrainSpec's follower train does on its cam."""
+        return await self._asked("/v1/train-responses", spec)
+
     async def sweep(self, spec: Spec) -> Json:
         """Start a sweep, or join it where it is under way; as it stands."""
         return _body(await self._sent(_question("/v1/sweeps", spec)))

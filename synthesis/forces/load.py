@@ -5,7 +5,8 @@ from __future__ import annotations
 import math
 from abc import ABC, abstractmethod
 from collections.abc import Sequence
-from typing import Annotated, Any, ClassVar, Literal, Self
+from dataclasses import dataclass
+from typing import Annotated, ClassVar, Literal, Self
 
 from pydantic import BaseModel, ConfigDict, Field, field_validator, model_validator
 from pydantic_core import PydanticCustomError
@@ -14,7 +15,7 @@ from synthesis.followers import Follower
 from synthesis.forces.contact import Contact, RollerBearing
 from synthesis.forces.friction import GuideFriction
 from synthesis.forces.process import ForcePoint, MomentPoint, check_order, course
-from synthesis.forces.reduced import Reduced
+from synthesis.forces.reduced import MILLI, Reduced
 from synthesis.forces.spring import ArmSpring, SlideSpring, Spring
 from synthesis.motion import Stretch
 from synthesis.units import DEGREE, rad_per_s
@@ -46,6 +47,27 @@ class SpeedRange(BaseModel):
         return self
 
 
+@dataclass(frozen=True)
+class AsTold:
+    """A load in the units in which it is told: of a slide N and m, of an arm N m and rad.
+
+    Attributes:
+        mass, damping, rate, preload, weight: kg or kg m², with the displacement in mm or rad.
+        points: cam angle [deg] and process force or moment.
+        metre: metres or radians in a unit of the displacement.
+        lever: what a force in N times a lever in the unit of displacement comes to: 1, or 1e-3.
+    """
+
+    mass: float
+    damping: float
+    rate: float
+    preload: float
+    weight: float
+    points: tuple[tuple[float, float], ...]
+    metre: float
+    lever: float
+
+
 class Load(BaseModel, ABC):
     """What loads a follower, and what its contact is made of; only what is told is modelled."""
 
@@ -71,9 +93,19 @@ class Load(BaseModel, ABC):
     def given_spring(self) -> Spring | None:
         """The spring as told."""
 
+    @property
+    def least_spring(self) -> tuple[float, float]:
+        """Rate and preload on the wire, of what is free the least."""
+        spring = self.given_spring
+        if spring is None:
+            return 0.0, 0.0
+        (rate, _), (preload, _) = spring.ranges
+        return rate, preload
+
+    @property
     @abstractmethod
-    def _parts(self, follower: Follower, rate: float, preload: float) -> dict[str, Any]:
-        """Mass to process of the reduced load, for a spring's rate and preload as on the wire."""
+    def as_told(self) -> AsTold:
+        """Its numbers as they are on the wire; what is free of the spring, at its least."""
 
     @property
     def friction_told(self) -> GuideFriction | None:
@@ -102,14 +134,21 @@ class Load(BaseModel, ABC):
         Args:
             follower: which it loads. omega: cam speed [rad/s].
         """
-        spring, flanks = self.given_spring, follower.alone().flanks
-        rate, preload = (0.0, 0.0) if spring is None else (low for low, _ in spring.ranges)
+        told, flanks = self.as_told, follower.alone().flanks
+        # s is in mm, or the arc lφ in mm of an arm: a moment in N m is 1000/l N along it
+        length = follower.travel.per_unit / (1.0 if told.lever == 1.0 else DEGREE)
+        force = 1.0 / (told.lever * length)
         given = self.speeds
         speeds = (omega, omega)
         if given is not None:
             speeds = rad_per_s(given.min_rpm), rad_per_s(given.max_rpm)
         return Reduced(
-            **self._parts(follower, rate, preload),
+            mass=told.mass * force * told.metre / (MILLI * length),
+            damping=told.damping * force * told.metre / (MILLI * length),
+            rate=told.rate * force / length,
+            preload=told.preload * force,
+            weight=told.weight * force,
+            process=course(told.points, force),
             side=1 if self.both_ways(follower) else flanks[0].side,
             friction=self.friction_told,
             contact=self.contact,
@@ -196,18 +235,16 @@ class SlideLoad(Load):
     def friction_told(self) -> GuideFriction | None:
         return self.friction
 
-    def _parts(self, follower: Follower, rate: float, preload: float) -> dict[str, Any]:
+    @property
+    def as_told(self) -> AsTold:
         tilt = self.rise_from_vertical_deg
         upright = 0.0 if tilt is None else math.cos(tilt * DEGREE)
-        points = [(point.angle_deg, point.force_n) for point in self.process]
-        return {
-            "mass": self.moving_mass_kg,
-            "damping": self.damping_n_s_per_m,
-            "rate": rate,
-            "preload": preload,
-            "weight": self.moving_mass_kg * GRAVITY * upright,
-            "process": course(points, 1.0),
-        }
+        return AsTold(
+            self.moving_mass_kg, self.damping_n_s_per_m, *self.least_spring,
+            self.moving_mass_kg * GRAVITY * upright,
+            tuple((point.angle_deg, point.force_n) for point in self.process),
+            1e-3, 1.0,
+        )  # fmt: skip
 
     def check(self, follower: Follower, stretches: Sequence[Stretch]) -> None:
         super().check(follower, stretches)
@@ -270,16 +307,10 @@ class ArmLoad(Load):
     def given_spring(self) -> Spring | None:
         return self.spring
 
-    def _parts(self, follower: Follower, rate: float, preload: float) -> dict[str, Any]:
-        # s = lφ with l in mm: a moment in N m is 1000/l N along s
-        length = follower.travel.per_unit / DEGREE
-        force = 1e3 / length
-        points = [(point.angle_deg, point.moment_n_m) for point in self.process]
-        return {
-            "mass": self.moment_of_inertia_kg_m2 * force * force,
-            "damping": self.damping_n_m_s_per_rad * force * force,
-            "rate": rate * force / length,
-            "preload": preload * force,
-            "weight": 0.0,
-            "process": course(points, force),
-        }
+    @property
+    def as_told(self) -> AsTold:
+        return AsTold(
+            self.moment_of_inertia_kg_m2, self.damping_n_m_s_per_rad, *self.least_spring, 0.0,
+            tuple((point.angle_deg, point.moment_n_m) for point in self.process),
+            1.0, 1e-3,
+        )  # fmt: skip

@@ -91,6 +91,13 @@ class Joint(ABC):
         """A direction (3, 1, 1) of the follower at q = 0, at all q (n,): (3, n, 1)."""
 
     @abstractmethod
+    def harmonics(self, point: Array, *, turning: bool = False) -> Array:
+        """Points (3,) that move with the follower as a + b cos q + c sin q + d q: (4, 3).
+
+        With ``turning``, directions.
+        """
+
+    @abstractmethod
     def way(self, point: Array) -> Array:
         """w at points (3, n, m): their velocity per unit of q."""
 
@@ -113,6 +120,12 @@ class Pivot(Joint):
     def turned(self, direction: Array, q: Array) -> Array:
         return turned(direction, q, self.axis)
 
+    def harmonics(self, point: Array, *, turning: bool = False) -> Array:
+        fixed = 0.0 * self.point if turning else self.point
+        g, away = self.axis, point - fixed
+        along = float(g @ away) * g
+        return np.stack([fixed + along, away - along, cross(g, away), 0.0 * g])
+
     def way(self, point: Array) -> Array:
         return cross(_column(self.axis), point - _column(self.point))
 
@@ -131,6 +144,10 @@ class Guide(Joint):
 
     def turned(self, direction: Array, q: Array) -> Array:
         return direction + np.zeros((1, len(q), 1))
+
+    def harmonics(self, point: Array, *, turning: bool = False) -> Array:
+        nothing = 0.0 * self.along
+        return np.stack([point, nothing, nothing, nothing if turning else self.along])
 
     def way(self, point: Array) -> Array:
         return _column(self.along) + 0.0 * point
@@ -186,27 +203,57 @@ class SweptRoller:
             side: +1 for those on the side to which the follower moves with growing q, −1 for the
                 others.
         """
+        touch, wall = self._wall(place, rho, side)
+        way = self.joint.way(wall.axis)
+        return Contacts(
+            point=wall.point,
+            normal=wall.normal,
+            slip=self._slip(wall.point, place.q1[:, None]),
+            pressure_angle=np.arctan2(norm(cross(wall.normal, way)), np.abs(dot(wall.normal, way))),
+            regular=dot(cross(wall.by_theta, wall.by_rho), wall.normal)
+            / dot(cross(touch.slip, touch.u), touch.direction),
+        )
+
+    def curvatures(self, place: Place, rho: Array, side: int) -> Array:
+        """Principal curvatures of the wall at the contacts, the larger first: (2, n, m) [1/mm].
+
+        Positive where the cam bulges. Where the wall is undercut they say nothing of a cam.
+        """
+        touch, wall = self._wall(place, rho, side)
+        _, slope, bend = self.roller.profile(rho)
+        root = np.sqrt(1.0 + slope**2)
+        spin = place.q1[:, None] * self.joint.spin(touch.u)
+        turns = (touch.by_theta - slope * spin) / root - self._carried(wall.normal, turning=True)
+        tilts = (touch.by_rho - bend * touch.u) / root - wall.normal * slope * bend / root**2
+        e, f, g = (
+            dot(wall.by_theta, wall.by_theta),
+            dot(wall.by_theta, wall.by_rho),
+            dot(wall.by_rho, wall.by_rho),
+        )
+        l, m, n = -dot(wall.by_theta, turns), -dot(wall.by_rho, turns), -dot(wall.by_rho, tilts)
+        area = e * g - f**2
+        mean, gauss = (l * g - 2.0 * m * f + n * e) / (2.0 * area), (l * n - m**2) / area
+        half = np.sqrt(np.maximum(mean**2 - gauss, 0.0))
+        return np.stack([mean + half, mean - half])
+
+    def _wall(self, place: Place, rho: Array, side: int) -> tuple[_Touch, _Wall]:
+        """Where the roller touches, and the wall there with its tangents."""
         radius, slope, bend = self.roller.profile(rho)
-        foot = rho + radius * slope
         q1 = place.q1[:, None]
         u = self.joint.turned(_column(self.along), place.q)
-        x, f = self._axis(place.q, rho), self._axis(place.q, foot)
+        x, f = self._axis(place.q, rho), self._axis(place.q, rho + radius * slope)
         touch = _Touch(u, self._slip(f, q1), slope, side * self.hand * self._facing)
         m = touch.direction
-        by_theta = touch.change(self.joint.spin(u) * q1, self._slip_changes(place, f), 0.0)
+        touch.by_theta = touch.change(self.joint.spin(u) * q1, self._slip_changes(place, f), 0.0)
         shift = 1.0 + slope**2 + radius * bend
-        by_rho = touch.change(0.0 * u, shift * self._slip_along(u, q1), bend)
-        normal = (m - slope * u) / np.sqrt(1.0 + slope**2)
-        point = x + radius * m
-        still = self._slip(x, q1) + radius * (by_theta - self._carried(m, turning=True))
-        along = u + slope * m + radius * by_rho
-        way = self.joint.way(x)
-        return Contacts(
-            point=point,
-            normal=normal,
-            slip=self._slip(point, q1),
-            pressure_angle=np.arctan2(norm(cross(normal, way)), np.abs(dot(normal, way))),
-            regular=dot(cross(still, along), normal) / dot(cross(touch.slip, u), m),
+        touch.by_rho = touch.change(0.0 * u, shift * self._slip_along(u, q1), bend)
+        turned_m = touch.by_theta - self._carried(m, turning=True)
+        return touch, _Wall(
+            axis=x,
+            point=x + radius * m,
+            normal=(m - slope * u) / np.sqrt(1.0 + slope**2),
+            by_theta=self._slip(x, q1) + radius * turned_m,
+            by_rho=u + slope * m + radius * touch.by_rho,
         )
 
     def on_cam(self, theta: Array, point: Array) -> Array:
@@ -248,8 +295,28 @@ class SweptRoller:
         return q1 * self.joint.spin(u) - self._carried(u, turning=True)
 
 
+class _Wall(NamedTuple):
+    """Points of the roller's axis, contacts, normals, and tangents by θ, as the cam has it, and ρ.
+
+    All of (3, n, m).
+    """
+
+    axis: Array
+    point: Array
+    normal: Array
+    by_theta: Array
+    by_rho: Array
+
+
 class _Touch:
-    """The direction m from the roller's axis to the contact, and how it changes."""
+    """The direction m from the roller's axis to the contact, and how it changes.
+
+    Attributes:
+        by_theta, by_rho: derivatives of m in the machine's frame.
+    """
+
+    by_theta: Array
+    by_rho: Array
 
     def __init__(self, u: Array, slip: Array, slope: Array, sign: int) -> None:
         self.u, self.slip, self.slope, self.sign = u, slip, slope, sign

@@ -80,6 +80,7 @@ class Limit(BaseModel, ABC):
 
     kind: str
     title: ClassVar[str]
+    of_forces: ClassVar[bool] = False  # it needs to know what loads the follower
 
     def suits(self, follower: Follower) -> bool:
         """Whether the limit says anything about such a follower."""
@@ -98,6 +99,11 @@ class Limit(BaseModel, ABC):
     @property
     def least_circle(self) -> float:
         """Radius that a circle about the cam's axis must have at least to be a part of it [mm]."""
+        return 0.0
+
+    @property
+    def least_force(self) -> float:
+        """Contact force that it leaves at least [N]."""
         return 0.0
 
     def check(self, follower: Follower) -> None:

@@ -59,6 +59,10 @@ class ContactForce(ForceLimit):
             )
         return self
 
+    @property
+    def least_force(self) -> float:
+        return self.min_n or 0.0
+
     def check_load(self, load: Load | None, follower: Follower, position: int) -> None:
         super().check_load(load, follower, position)
         if load is not None and self.min_n is not None and load.both_ways(follower):

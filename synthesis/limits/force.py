@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from abc import ABC
-from typing import Any
+from typing import Any, ClassVar
 
 import numpy as np
 from pydantic_core import PydanticCustomError
@@ -21,6 +21,8 @@ SMALL = 1e-300
 
 class ForceLimit(Limit, ABC):
     """A limit on a force: silent without a load, which a spec with such a limit must have."""
+
+    of_forces: ClassVar[bool] = True
 
     def check_load(self, load: Load | None, follower: Follower, position: int) -> None:
         if load is None:

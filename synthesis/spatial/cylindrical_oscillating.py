@@ -9,6 +9,7 @@ from typing import Annotated, ClassVar, Literal
 from pydantic import Field, model_validator
 from pydantic_core import PydanticCustomError
 
+from synthesis.geometry.charts import Chart, Drum
 from synthesis.geometry.swept_roller import SweptRoller
 from synthesis.ranges import Dimension, Range
 from synthesis.spatial import drum, roller
@@ -28,6 +29,7 @@ class CylindricalOscillating(SpatialMachine):
     kind: Literal["cylindrical_oscillating"] = "cylindrical_oscillating"
     title: ClassVar[str] = "cylindrical cam, follower on an arm"
     travel: ClassVar[Travel] = Travel("deg", DEGREE)
+    unrolls: ClassVar[bool] = True
 
     arm_mm: Annotated[
         float,
@@ -73,10 +75,15 @@ class CylindricalOscillating(SpatialMachine):
         return {name: getattr(self, name) for name in ("cylinder_radius_mm", "roller_radius_mm")}
 
     def swept(self, sizes: Mapping[str, float], turns: int) -> SweptRoller:
-        reach = math.hypot(self.arm_mm, 0.5 * (self.roller_distance_mm or 0.0))
-        joint, origin = drum.arm(reach, self.pivot_distance_mm or self.arm_mm)
+        joint, origin = drum.arm(*self._lengths)
         width, crown = self.roller_width_mm, self.crown_radius_mm
         return drum.swept(sizes, joint, origin, width, crown, turns)
+
+    @property
+    def _lengths(self) -> tuple[float, float]:
+        """Pivot to roller, and to the cam's axis [mm]."""
+        reach = math.hypot(self.arm_mm, 0.5 * (self.roller_distance_mm or 0.0))
+        return reach, self.pivot_distance_mm or self.arm_mm
 
     def seats(self) -> tuple[Seat, ...]:
         rest, distance = self.initial_angle_deg * DEGREE, self.roller_distance_mm
@@ -85,6 +92,12 @@ class CylindricalOscillating(SpatialMachine):
 
     def mesh(self, sizes: Mapping[str, float]) -> tuple[float, float]:
         return drum.EVERYWHERE
+
+    def chart(self, sizes: Mapping[str, float]) -> Chart:
+        return Drum()
+
+    def cylinder(self, sizes: Mapping[str, float]) -> tuple[float, float]:
+        return drum.cylinder(sizes, self.roller_width_mm)
 
     def check_gain(self, gain: float) -> None:
         drum.check_return(gain, self.travel)
@@ -100,3 +113,6 @@ class CylindricalOscillating(SpatialMachine):
                 "initial_angle_deg, or make the swing smaller.",
                 {"least": round(least / DEGREE, 9), "most": round(most / DEGREE, 9)},
             )
+        drum.check_beside(
+            *self._lengths, (least, most), self.cylinder_radius_mm, self.roller_width_mm
+        )

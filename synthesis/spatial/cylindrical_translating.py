@@ -7,6 +7,7 @@ from typing import ClassVar, Literal
 
 from pydantic import model_validator
 
+from synthesis.geometry.charts import Chart, Drum
 from synthesis.geometry.swept_roller import Guide, SweptRoller
 from synthesis.ranges import Dimension, Range
 from synthesis.spatial import drum, roller
@@ -23,6 +24,7 @@ class CylindricalTranslating(SpatialMachine):
     kind: Literal["cylindrical_translating"] = "cylindrical_translating"
     title: ClassVar[str] = "cylindrical cam, follower on a slide"
     travel: ClassVar[Travel] = Travel()
+    unrolls: ClassVar[bool] = True
 
     cylinder_radius_mm: Dimension = None
     roller_radius_mm: Dimension = None
@@ -49,6 +51,12 @@ class CylindricalTranslating(SpatialMachine):
 
     def mesh(self, sizes: Mapping[str, float]) -> tuple[float, float]:
         return drum.EVERYWHERE
+
+    def chart(self, sizes: Mapping[str, float]) -> Chart:
+        return Drum()
+
+    def cylinder(self, sizes: Mapping[str, float]) -> tuple[float, float]:
+        return drum.cylinder(sizes, self.roller_width_mm)
 
     def check_gain(self, gain: float) -> None:
         drum.check_return(gain, self.travel)

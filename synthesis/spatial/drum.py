@@ -7,7 +7,7 @@ distance along it from the cam's. The follower moves towards growing z with grow
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from typing import Annotated
 
 import numpy as np
@@ -53,12 +53,57 @@ def swept(
     return SweptRoller(0.0 * X, Z, joint, origin, X, kept, hand)
 
 
+def cylinder(sizes: Sizes, width: float) -> tuple[float, float]:
+    """Radii of the grooves' floor and of the cylinder [mm]."""
+    return sizes["cylinder_radius_mm"] - width, sizes["cylinder_radius_mm"]
+
+
 def arm(length: float, distance: float) -> tuple[Pivot, Array]:
     """A pivot across the cam's axis, ``distance`` away, and where its roller is at q = 0 [mm].
 
     There the arm stands square to the cam's axis.
     """
     return Pivot(distance * Y, -X), (distance - length) * Y
+
+
+def beside(sizes: Sizes, width: float) -> float:
+    """How far beside the cam's axis a roller's axis may pass to reach into the cylinder [mm]."""
+    floor, top = cylinder(sizes, width)
+    return math.sqrt(max(top**2 - floor**2, 0.0))
+
+
+def check_beside(
+    arm_mm: float, distance: float, angles: Sequence[float], cylinder: Dimension, width: float
+) -> None:
+    """Refuse a roller whose axis passes beside the cylinder.
+
+    Args:
+        arm_mm, distance: roller to pivot, and pivot to the cam's axis [mm].
+        angles: of the arm, least and largest [rad].
+
+    Raises:
+        PydanticCustomError: even the largest cylinder is not met all along.
+    """
+    largest = ends(cylinder)[1]
+    if math.isinf(largest):
+        return
+    least, most = min(angles), max(angles)
+    nearest = min(max(0.0, least), most)
+    room = beside({"cylinder_radius_mm": largest}, width)
+    away = max((distance - arm_mm * math.cos(at) for at in (least, nearest, most)), key=abs)
+    if abs(away) >= room:
+        raise PydanticCustomError(
+            "roller_beside_cylinder",
+            "The roller's axis passes {away} mm beside the cam's, but a roller {width} mm wide "
+            "reaches into a cylinder of radius {radius} mm only within {room} mm. Bring the "
+            "pivot's distance nearer to the arm's length, or make the cylinder larger.",
+            {
+                "away": round(abs(away), 9),
+                "width": width,
+                "radius": largest,
+                "room": round(room, 9),
+            },
+        )
 
 
 def seats(rest: float, apart: float | None) -> tuple[Seat, ...]:

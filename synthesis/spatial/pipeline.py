@@ -12,7 +12,7 @@ from synthesis.formulations.tables import smooth_tables
 from synthesis.motion import Motion, Stretch
 from synthesis.spatial.cam import SpatialCam, settled
 from synthesis.spatial.design import Arc, SpatialDesign, SpatialWall, spatial_id
-from synthesis.spatial.measuring import measured
+from synthesis.spatial.measuring import NO_BOUNDS, Bounds, measured
 from synthesis.spatial.spec import SpatialCamSpec
 from synthesis.units import DEGREE
 
@@ -55,9 +55,10 @@ def answered(
     stages: Sequence[StageReport],
     started: float,
     certificate: Certificate = GIVEN,
+    bounds: Bounds = NO_BOUNDS,
 ) -> SpatialDesign:
     """The answer with a finished cam; ``started`` is a ``time.perf_counter()``."""
-    extremes = measured(cam)
+    extremes = measured(spec, cam, bounds)
     holds = all(extreme.holds for extreme in extremes)
     status: Status = "feasible" if holds else "infeasible"
     return SpatialDesign(

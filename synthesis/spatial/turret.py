@@ -8,6 +8,7 @@ from typing import Annotated, Literal
 from pydantic import Field
 from pydantic_core import PydanticCustomError
 
+from synthesis.ranges import Dimension, ends
 from synthesis.spatial.machine import Seat
 from synthesis.units import DEGREE, FULL_TURN
 
@@ -52,6 +53,30 @@ def seats(rollers: int, dwell_on: Literal["rib", "groove"]) -> tuple[Seat, ...]:
     """All rollers of a turret, each behind the one before."""
     first = 0.5 * spacing(rollers) if dwell_on == "rib" else 0.0
     return tuple(Seat(i + 1, first - i * spacing(rollers)) for i in range(rollers))
+
+
+def check_room(rollers: int, inner: Dimension, radius: Dimension) -> None:
+    """Refuse radial rollers that overlap on their turret, even the smallest ones, farthest out.
+
+    Raises:
+        PydanticCustomError: two neighbours meet in the plane between them.
+    """
+    largest, least = ends(inner)[1], ends(radius)[0]
+    room = largest * math.tan(0.5 * spacing(rollers))
+    if least >= room:
+        raise PydanticCustomError(
+            "rollers_overlap",
+            "Rollers of {radius} mm overlap on a turret of {rollers}: at roller_inner_mm = {inner} "
+            "there is room for {room} mm. Make the rollers thinner or fewer, or roller_inner_mm "
+            "larger.",
+            {"radius": least, "rollers": rollers, "inner": largest, "room": float(f"{room:.6g}")},
+        )
+
+
+def gap(rollers: int, inner: float, radius: float) -> float:
+    """What is between two neighbouring radial rollers, at their inner ends [mm]."""
+    half = 0.5 * spacing(rollers)
+    return 2.0 * (inner * math.sin(half) - radius * math.cos(half))
 
 
 def mesh(rollers: int, asked: float | None) -> tuple[float, float]:

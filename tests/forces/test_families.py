@@ -78,14 +78,14 @@ def test_the_contact_force_s_moment_is_the_torque(kind: str, sample: int) -> Non
         moment = 1e-3 * pushed * (px * ny - py * nx)
         assert moment == pytest.approx(found.torque, rel=1e-9, abs=1e-9)
     work = np.trapezoid
-    dense = np.linspace(0.0, 2.0 * np.pi, 200_001)
+    dense = np.linspace(0.0, 2.0 * np.pi, 20_001)
     turn, _ = course_of_forces(asked, dense)
     told = forces(cam.motion, asked.machine(), cam.size)
-    assert told.torque.work_j == pytest.approx(work(turn.torque, dense), abs=1e-6)
+    assert told.torque.work_j == pytest.approx(work(turn.torque, dense), abs=1e-3)
     scale = abs(told.torque.process_work_j) + abs(told.torque.loss_j)
     assert abs(told.torque.imbalance_j) <= 1e-12 * scale
     lost = turn.damping * turn.s[1] * 1e-3
-    assert told.torque.loss_j == pytest.approx(work(lost, dense), rel=1e-8)
+    assert told.torque.loss_j == pytest.approx(work(lost, dense), rel=1e-7)
 
 
 @family
@@ -115,7 +115,7 @@ def test_two_ways_to_the_geometry_agree(kind: str, sample: int) -> None:
 @family
 def test_extremes_and_arcs_are_those_of_a_dense_turn(kind: str, sample: int) -> None:
     asked = loaded(kind, sample, speed_rpm=611.0)
-    dense = np.radians(np.linspace(0.0, 360.0, 72_001))
+    dense = np.radians(np.linspace(0.0, 360.0, 36_001))
     turn, cam = course_of_forces(asked, dense)
     machine = asked.machine()
     told = forces(cam.motion, machine, cam.size)

@@ -17,6 +17,8 @@ from synthesis.spatial.spec import SpatialCamSpec
 Array = NDArray[np.float64]
 Ways = Callable[[Array], list[tuple[Array, Array]]]
 SIZES = {"cylinder_radius_mm": 61.3, "roller_radius_mm": 8.7, "roller_width_mm": 13.9}
+INNER, OUTER = SIZES["cylinder_radius_mm"] - SIZES["roller_width_mm"], SIZES["cylinder_radius_mm"]
+RADIUS = SIZES["roller_radius_mm"]
 RISE, REST, BACK = 118.0, 31.0, 143.0
 LIFT, SWING, ARM, PIVOT, START = 33.7, 21.3, 96.1, 94.7, -8.9
 INDEX, STATIONS, TURRET, CENTRE = 150.0, 8, 103.7, 99.1
@@ -128,3 +130,24 @@ SAMPLES = {
         turret_radius_mm=TURRET, centre_distance_mm=CENTRE,
     ),
 }  # fmt: skip
+
+
+def sag(x: Array, crown: float) -> Array:
+    """By how much a crowned roller is thinner than in its middle."""
+    off = x - 0.5 * (INNER + OUTER)
+    return np.asarray(crown - np.sqrt(crown**2 - off**2)) if crown else 0.0 * x
+
+
+def least_gap(sample: Sample, points: Array, turns: int, crown: float) -> Array:
+    """Of points (3, n) of the cam, to all rollers in one turn: (n,)."""
+    least = np.full(points.shape[1], np.inf)
+    for t in np.array_split(np.linspace(0.0, 2.0 * math.pi, 2161), 8):
+        turn = np.exp(1j * turns * t)[:, None]
+        there = turn * (points[0] + 1j * points[1])
+        x, y, z = there.real, there.imag, points[2]
+        within = (x > INNER) & (x < OUTER)
+        for at_y, at_z in sample.ways(t):
+            away = np.hypot(y - at_y[:, None], z - at_z[:, None]) - RADIUS
+            away += sag(np.where(within, x, 0.5 * (INNER + OUTER)), crown)
+            least = np.minimum(least, np.where(within, away, np.inf).min(axis=0))
+    return least

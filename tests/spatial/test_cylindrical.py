@@ -8,40 +8,32 @@ from typing import Any
 import numpy as np
 import pytest
 from pydantic import ValidationError
+from scipy.spatial import KDTree
 
 from synthesis.spatial.cam import SpatialCam, Wall
+from synthesis.spatial.measuring import measured
 from synthesis.spatial.spec import SpatialCamSpec
-from tests.spatial.drums import ARM_SIZES, SAMPLES, SIZES, SLIDE, SWING_ARM, Array, Sample, program
+from tests.spatial.drums import (
+    APART,
+    ARM_SIZES,
+    INNER,
+    OUTER,
+    RADIUS,
+    SAMPLES,
+    SIZES,
+    SLIDE,
+    SWING_ARM,
+    Array,
+    least_gap,
+    program,
+)
 
-INNER, OUTER = SIZES["cylinder_radius_mm"] - SIZES["roller_width_mm"], SIZES["cylinder_radius_mm"]
-RADIUS = SIZES["roller_radius_mm"]
 RHO = np.linspace(INNER + 0.1, OUTER - 0.1, 4)
 CROWN = 83.0
 
 
 def angles(wall: Wall, count: int) -> Array:
     return np.concatenate([np.linspace(a, b, count)[1:-1] for a, b in wall.spans])
-
-
-def sag(x: Array, crown: float) -> Array:
-    """By how much a crowned roller is thinner than in its middle."""
-    off = x - 0.5 * (INNER + OUTER)
-    return np.asarray(crown - np.sqrt(crown**2 - off**2)) if crown else 0.0 * x
-
-
-def least_gap(sample: Sample, points: Array, turns: int, crown: float) -> Array:
-    """Of points (3, n) of the cam, to all rollers in one turn: (n,)."""
-    least = np.full(points.shape[1], np.inf)
-    for t in np.array_split(np.linspace(0.0, 2.0 * math.pi, 2161), 8):
-        turn = np.exp(1j * turns * t)[:, None]
-        there = turn * (points[0] + 1j * points[1])
-        x, y, z = there.real, there.imag, points[2]
-        within = (x > INNER) & (x < OUTER)
-        for at_y, at_z in sample.ways(t):
-            away = np.hypot(y - at_y[:, None], z - at_z[:, None]) - RADIUS
-            away += sag(np.where(within, x, 0.5 * (INNER + OUTER)), crown)
-            least = np.minimum(least, np.where(within, away, np.inf).min(axis=0))
-    return least
 
 
 def wall_points(cam: SpatialCam, wall: Wall, theta: Array) -> Array:
@@ -119,6 +111,19 @@ def test_at_a_turning_point_a_wall_is_undercut_as_its_development_is() -> None:
 
 def test_a_rib_has_one_wall_of_each_roller() -> None:
     assert [wall.name for wall in SAMPLES["slide astride a rib"].cam().walls] == ["1L", "2R"]
+
+
+@pytest.mark.parametrize("name", ["slide astride a rib", "arm astride a rib"])
+def test_the_rib_s_thickness_is_the_least_distance_of_its_walls(name: str) -> None:
+    cam = SAMPLES[name].cam()
+    told = next(
+        each for each in measured(SAMPLES[name].spec(), cam) if each.quantity == "rib_thickness"
+    )
+    theta, rho = np.linspace(0.0, 2.0 * math.pi, 4001), np.linspace(INNER, OUTER, 9)
+    one, other = (cam.surface(wall, theta, rho)[0].reshape(3, -1).T for wall in cam.walls)
+    away = KDTree(one).query(other)[0].min()
+    assert told.value == pytest.approx(away, abs=2e-3)
+    assert told.value < APART - 2.0 * RADIUS
 
 
 REFUSED: list[tuple[str, dict[str, Any], str]] = [

@@ -10,6 +10,7 @@ import numpy as np
 from pydantic import Field
 
 from synthesis.errors import InputError
+from synthesis.exporters.exporter import untold
 from synthesis.exporters.linkages.file import LinkageFile
 from synthesis.exporters.linkages.shaper_rows import Rows
 from synthesis.exporters.options import Options
@@ -85,9 +86,13 @@ def _question(found: SixBarShaper, options: CamOptions) -> bytes:
 
 
 CAM = LinkageFile(
-    "cam.json", "Question for a cam that moves its follower as the ram", "application/json",
-    _question, CamOptions,
+    "cam.json",
+    "Question for a cam that moves its follower as the ram",
+    "application/json",
+    ".json",
+    untold(_question),
+    CamOptions,
     "A body for POST /v1/designs: the ram's motion as a table, a translating roller, a pressure "
     "angle. Change what you like in it.",
     suits=lambda found: not found.spec.acceleration_rad_per_s2,
-)  # fmt: skip
+)
