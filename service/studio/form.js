@@ -24,14 +24,18 @@ export class Form {
     const focus = document.activeElement?.id;
     const { properties } = this.schemas.spec;
     byId("form-program").replaceChildren(...this.#program());
-    byId("form-follower").replaceChildren(...this.sized.map((name) => field(this, `/${name}`, properties[name])));
+    byId("form-follower").replaceChildren(...this.#some(this.sized));
     byId("form-limits").replaceChildren(...this.#limits());
     byId("form-aim").replaceChildren(...this.#aim(properties));
-    byId("form-machine").replaceChildren(
-      ...["name", "speed_rpm", "rotation", "load"].map((name) => field(this, `/${name}`, properties[name])),
-    );
+    byId("form-machine").replaceChildren(...this.#some(["name", "speed_rpm", "rotation", "load"]));
     if (focus) byId(focus)?.focus();
     this.#sums();
+  }
+
+  /** The fields of these that the spec has. */
+  #some(names) {
+    const { properties } = this.schemas.spec;
+    return names.filter((name) => name in properties).map((name) => field(this, `/${name}`, properties[name]));
   }
 
   // -- the program --------------------------------------------------------------------------
@@ -240,9 +244,8 @@ export class Form {
     const objective = Array.isArray(this.store.spec.objective)
       ? field(this, "/objective", {}, { label: "objectives, in order" })
       : properties.objective && field(this, "/objective", properties.objective);
-    const names = ["tolerance", "proof", "continuity", "price_smoothness", "time_budget_s"];
-    const rest = names.filter((name) => name in properties);
-    return [objective, ...rest.map((name) => field(this, `/${name}`, properties[name]))].filter(Boolean);
+    const rest = this.#some(["tolerance", "proof", "continuity", "price_smoothness", "time_budget_s"]);
+    return [objective, ...rest].filter(Boolean);
   }
 
   // -- what is wrong ------------------------------------------------------------------------
