@@ -15,6 +15,7 @@ from service.commands.costs import costs
 from service.commands.design import design
 from service.commands.export import export
 from service.commands.read_back import read_back
+from service.commands.respond import respond
 from service.commands.serve import serve
 from service.commands.sweep import sweep
 from service.terminal import out
@@ -29,6 +30,7 @@ COMMANDS: Mapping[str, Callable[..., Any]] = {
     "confirm": confirm,
     "export": export,
     "read-back": read_back,
+    "respond": respond,
     "serve": serve,
 }
 app = typer.Typer(add_completion=False, no_args_is_help=True, pretty_exceptions_enable=False)

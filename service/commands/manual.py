@@ -96,6 +96,18 @@ hollows that the follower does not reach.
 
 Exit codes: 0 read; 2 a file cannot be read, or the points are of no cam."""
 
+RESPOND = """Say what an elastic follower train does on a cam: vibration, contact force, its loss.
+
+The question is a cam and a chain of masses in kg, springs in N/mm and dampers in N s/mm. Prints the
+train's modes in Hz and, for every speed in rpm, the output's error in mm, what swings on in the
+dwells in mm, and the contact force in N. With --out it writes the whole answer, a table, diagrams
+and the residual spectrum.
+
+\b
+  camwright respond openapi/examples/train-responses/press-feeder.json --out results
+
+Exit codes: 0 told; 2 the question makes no sense, or no cam fits."""
+
 SWEEP = """Run a sweep: many designs out of one, over any fields of its question.
 
 Writes sweep.json and the table items.csv (items.parquet with the part `parquet`), one row an
@@ -154,5 +166,6 @@ HELP: Mapping[str, str] = {
     "confirm": _flowing(CONFIRM),
     "export": _flowing(EXPORT),
     "read-back": _flowing(READ_BACK),
+    "respond": _flowing(RESPOND),
     "serve": _flowing(SERVE),
 }
