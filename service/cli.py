@@ -17,6 +17,7 @@ from service.commands.export import export
 from service.commands.read_back import read_back
 from service.commands.respond import respond
 from service.commands.serve import serve
+from service.commands.spatial import spatial
 from service.commands.sweep import sweep
 from service.terminal import out
 from synthesis.design import engine_version
@@ -26,6 +27,7 @@ COMMANDS: Mapping[str, Callable[..., Any]] = {
     "analyse": analyse,
     "cam-set": cam_set,
     "sweep": sweep,
+    "spatial": spatial,
     "costs": costs,
     "confirm": confirm,
     "export": export,
