@@ -14,6 +14,7 @@ from service.commands.confirm import confirm
 from service.commands.costs import costs
 from service.commands.design import design
 from service.commands.export import export
+from service.commands.linkage import linkage
 from service.commands.read_back import read_back
 from service.commands.respond import respond
 from service.commands.serve import serve
@@ -33,6 +34,7 @@ COMMANDS: Mapping[str, Callable[..., Any]] = {
     "export": export,
     "read-back": read_back,
     "respond": respond,
+    "linkage": linkage,
     "serve": serve,
 }
 app = typer.Typer(add_completion=False, no_args_is_help=True, pretty_exceptions_enable=False)
