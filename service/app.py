@@ -36,6 +36,7 @@ from service.routes import (
     spatial_files,
     sweep_items,
     sweeps,
+    train_responses,
 )
 from service.settings import Settings
 from service.state import State
@@ -45,7 +46,8 @@ from service.sweeps.sweeps import Sweeps
 EngineOf = Callable[[Settings], AbstractAsyncContextManager[Engine]]
 ROUTES = (
     designs, confirmation, files, cam_sets, spatial_cams, spatial_files, sweeps, sweep_items,
-    analyses, analysis_pictures, profile_analyses, linkages, catalogue, operation,
+    analyses, analysis_pictures, profile_analyses, linkages, train_responses,
+    catalogue, operation,
 )  # fmt: skip
 EXPOSED = (
     "Accept-Ranges", "Content-Location", "Content-Range", "ETag", "Location", "Retry-After",

@@ -14,6 +14,7 @@ from service.errors import BY_STATUS, PROBLEMS
 from service.examples import examples
 from service.problem import MEDIA_TYPE, LateProblem, Problem
 from synthesis.design import engine_version
+from synthesis.dynamics import TrainSpec
 from synthesis.linkages import LINKAGES
 from synthesis.measured import MeasuredCam
 from synthesis.spatial.spec import SpatialCamSpec
@@ -41,6 +42,9 @@ one archive with all files, in the cams' own frames and in the shaft's.
 Cams whose rollers' axes do not lie along the cam's, as those of globoidal indexers, go to
 `POST /v1/spatial-cams`: their walls, pressure angle, undercut, where and at which roller.
 
+What an elastic follower train does on a cam, speed by speed, says `POST /v1/train-responses`:
+residual vibration in the dwells, contact force, the speed at which contact is lost.
+
 Linkages have places of their own: a six-bar shaper, given or sized for a stroke and a quick-return
 ratio, goes to `POST /v1/linkages/six-bar-shapers`, a palletising arm to
 `POST /v1/linkages/palletising-arms`.
@@ -65,6 +69,7 @@ TAGS = [
     {"name": "analyses", "description": "What a cam does that is given in full."},
     {"name": "cam sets", "description": "Several cams on one shaft, with their phases."},
     {"name": "spatial cams", "description": "Cams for rollers whose axes lie across the cam's."},
+    {"name": "follower trains", "description": "Masses, springs and dampers that a cam drives."},
     {"name": "linkages", "description": "Shapers and palletising arms."},
     {"name": "sweeps", "description": "Many designs out of one, and their trade-offs."},
     {"name": "files", "description": "Points and curves of a finished design."},
@@ -81,7 +86,7 @@ SEVERAL = {
 OPENAPI_URL = "/openapi.json"
 # Bodies that no handler's signature names.
 UNNAMED: tuple[type[BaseModel], ...] = (
-    Problem, LateProblem, MeasuredCam, SpatialCamSpec, SweepSpec,
+    Problem, LateProblem, MeasuredCam, SpatialCamSpec, SweepSpec, TrainSpec,
     *(each.spec for each in LINKAGES.values()),
 )  # fmt: skip
 

@@ -67,6 +67,10 @@ class UnknownAnalysis(ServiceError):
     """No analysis of this kind has this id."""
 
 
+class UnknownTrainResponse(ServiceError):
+    """No response of a follower train has this id."""
+
+
 class UnknownLinkage(ServiceError):
     """No linkage of this kind has this id."""
 
@@ -131,6 +135,7 @@ PROBLEMS: dict[type[Exception], Kind] = {
     UnknownSpatialCam: Kind(404, "unknown-spatial-cam", "No such spatial cam"),
     UnknownSweep: Kind(404, "unknown-sweep", "No such sweep or item"),
     FormatMissing: Kind(501, "format-missing", "This server does not write the format"),
+    UnknownTrainResponse: Kind(404, "unknown-train-response", "No such train response"),
     UnknownAnalysis: Kind(404, "unknown-analysis", "No such analysis"),
     UnknownLinkage: Kind(404, "unknown-linkage", "No such linkage"),
     NotDone: Kind(409, "not-done", "The design is not finished"),

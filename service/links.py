@@ -45,6 +45,13 @@ def spatial_links(cam_id: str, machine: str, *, has_cam: bool) -> dict[str, str]
     return {"self": self, **{name: f"{self}/{name}" for name in files}}
 
 
+def train_links(train_id: str) -> dict[str, str]:
+    """Where the train's response and its files are."""
+    self = f"/v1/train-responses/{train_id}"
+    files = ("response.csv", "response.svg", "spectrum.svg")
+    return {"self": self, **{name: f"{self}/{name}" for name in files}}
+
+
 def set_links(set_id: str, *, has_cams: bool) -> dict[str, str]:
     """Where the set and its files are; where no cam fits there is nothing to draw."""
     self = f"/v1/cam-sets/{set_id}"

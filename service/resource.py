@@ -15,6 +15,7 @@ from service.errors import (
     UnknownDesign,
     UnknownLinkage,
     UnknownSpatialCam,
+    UnknownTrainResponse,
 )  # fmt: skip
 from service.links import (
     analysis_links,
@@ -22,8 +23,9 @@ from service.links import (
     linkage_links,
     set_links,
     spatial_links,
+    train_links,
 )
-from service.solve import Task, analyse, linked, read_back, solve_set, solve_spatial
+from service.solve import Task, analyse, linked, read_back, respond, solve_set, solve_spatial
 from service.store import (
     AnalysisRow,
     CamSetRow,
@@ -34,11 +36,13 @@ from service.store import (
     Row,
     SixBarShaperRow,
     SpatialCamRow,
+    TrainResponseRow,
 )  # fmt: skip
 from service.sweeps.store import design_of_item
 from synthesis.camset import set_id
 from synthesis.camset_spec import CamSetSpec
 from synthesis.design import design_id, question_id
+from synthesis.dynamics import TrainSpec
 from synthesis.linkages import LINKAGES, Linkage
 from synthesis.measured import MeasuredCam
 from synthesis.spatial.design import spatial_id
@@ -131,6 +135,16 @@ SPATIAL_CAMS = Resource(
     unknown=UnknownSpatialCam,
     budget_of=lambda _: None,
 )
+TRAIN_RESPONSES = Resource(
+    path="/v1/train-responses",
+    noun="train response",
+    row=TrainResponseRow,
+    spec=TrainSpec,
+    name_of=lambda spec: question_id(spec, "train response"),
+    task=respond,
+    links=lambda name, _: train_links(name),
+    unknown=UnknownTrainResponse,
+)
 
 
 def _linkages(linkage: Linkage, row: type[Row]) -> Resource:
@@ -153,4 +167,4 @@ LINKAGE_ROWS = {"six-bar-shapers": SixBarShaperRow, "palletising-arms": Palletis
 LINKAGE_RESOURCES = {
     name: _linkages(linkage, LINKAGE_ROWS[name]) for name, linkage in LINKAGES.items()
 }
-RESOURCES = (DESIGNS, CAM_SETS, ANALYSES, PROFILE_ANALYSES, SPATIAL_CAMS)
+RESOURCES = (DESIGNS, CAM_SETS, ANALYSES, PROFILE_ANALYSES, SPATIAL_CAMS, TRAIN_RESPONSES)

@@ -8,9 +8,10 @@ from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any
 
 from service.errors import NothingFits
-from service.links import design_links, linkage_links, set_links, spatial_links
+from service.links import design_links, linkage_links, set_links, spatial_links, train_links
 from synthesis.camset_spec import CamSetSpec
 from synthesis.design import Design
+from synthesis.dynamics import TrainSpec
 from synthesis.exporters import DRAWINGS, Exporter, Made, Options
 from synthesis.exporters.exporter import FileFormat
 from synthesis.findings import Analysis
@@ -121,6 +122,18 @@ def solve_spatial(spec: bytes, budget_s: float) -> Answer:
     summary = {"machine": found.machine, "dimensions": found.dimensions}
     body = found.model_dump_json().encode()
     return Answer(body, found.status, summary, time.monotonic() - started, {}, found.id)
+
+
+def respond(spec: bytes, budget_s: float) -> Answer:
+    """A follower train's response to its cam; runs in a worker process."""
+    from synthesis.train_response import respond as responded
+
+    started = time.monotonic()
+    found = responded(TrainSpec.model_validate_json(spec), deadline=started + budget_s)
+    found = found.model_copy(update={"links": train_links(found.id)})
+    summary = {"modes_hz": [mode.natural_frequency_hz for mode in found.modes]}
+    body = found.model_dump_json().encode()
+    return Answer(body, "computed", summary, time.monotonic() - started)
 
 
 def analyse(spec: bytes, budget_s: float) -> Answer:

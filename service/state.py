@@ -31,6 +31,7 @@ class State:
     analyses: Jobs
     profile_analyses: Jobs
     spatial_cams: Jobs
+    train_responses: Jobs
 
 
 def _state(request: Request) -> State:

@@ -109,6 +109,12 @@ class SpatialCamRow(Row):
     __tablename__ = "spatial_cams"
 
 
+class TrainResponseRow(Row):
+    """One follower train on its cam."""
+
+    __tablename__ = "train_responses"
+
+
 class KeyRow(Base):
     """An Idempotency-Key: which body it came with, and which answer it led to."""
 

@@ -60,6 +60,13 @@ class SpatialCamSummary(Accepted):
     ] = {}
 
 
+class TrainResponseSummary(Accepted):
+    """One line of the list of follower trains."""
+
+    status: Annotated[Literal["computed"] | None, Field(description="null until it is done.")]
+    modes_hz: Annotated[list[float], Field(description="Natural frequencies of the train.")] = []
+
+
 class AnalysisSummary(Accepted):
     """One line of the list of analyses."""
 
@@ -117,6 +124,10 @@ class CamSetPage(Page[CamSetSummary]):
 
 class SpatialCamPage(Page[SpatialCamSummary]):
     """Spatial cams, the newest first."""
+
+
+class TrainResponsePage(Page[TrainResponseSummary]):
+    """Follower trains on their cams, the newest first."""
 
 
 class AnalysisPage(Page[AnalysisSummary]):

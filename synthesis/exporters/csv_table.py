@@ -11,6 +11,7 @@ import numpy as np
 
 from synthesis.design import Design
 from synthesis.exporters.cam import Cam
+from synthesis.exporters.carried import force_columns
 from synthesis.exporters.columns import Column, motion_columns, profile_columns
 from synthesis.exporters.cutting import chosen
 from synthesis.exporters.exporter import Exporter, untold
@@ -52,7 +53,8 @@ def _profile(design: Design, options: ProfileOptions) -> bytes:
 
 
 def _motion(design: Design, options: MotionOptions) -> bytes:
-    return table(motion_columns(Cam.of(design), options))
+    cam = Cam.of(design)
+    return table([*motion_columns(cam, options), *force_columns(design, cam, options)])
 
 
 _TITLE, _MEDIA = "Table, comma separated", "text/csv; charset=utf-8; header=present"

@@ -11,7 +11,7 @@ from synthesis.design import Design
 from synthesis.exporters import svg_canvas as svg
 from synthesis.exporters.cam import Cam
 from synthesis.exporters.plot import Plot
-from synthesis.exporters.readings import QUANTITIES
+from synthesis.exporters.readings import QUANTITIES, bounds
 from synthesis.exporters.scene import Scene, grouped, lasting
 from synthesis.exporters.svg_contact import DRAWN, pressure_plot
 from synthesis.exporters.svg_diagram import Frame, diagram, ranged
@@ -52,7 +52,10 @@ class Panels:
     def of(cls, design: Design, count: int) -> Panels:
         """The panels of a design, with ``count`` + 1 positions of everything that moves."""
         cam = Cam.of(design)
-        shown = (motion_plot(design, cam, QUANTITIES[0], DRAWN), pressure_plot(design, cam))
+        shown = (
+            motion_plot(cam, QUANTITIES[0], DRAWN, bounds(design, QUANTITIES[0])),
+            pressure_plot(design, cam),
+        )
         plots = tuple(replace(plot, ends=()) for plot in shown)
         frames = [
             Frame(LEFT, TOP + k * (HEIGHT + GAP), DIAGRAMS[0] - LEFT - RIGHT, HEIGHT)
@@ -87,7 +90,7 @@ class Panels:
         """The diagrams' panel."""
         body = []
         for frame, plot in zip(self.frames, self.plots, strict=True):
-            body += [*grounds(design, frame), *diagram(plot, frame)]
+            body += [*grounds(design.motion, frame), *diagram(plot, frame)]
         last = self.frames[-1]
         body += angle_axis(last, every=60)
         bottom = last.top + last.height

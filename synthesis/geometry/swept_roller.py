@@ -91,6 +91,13 @@ class Joint(ABC):
         """A direction (3, 1, 1) of the follower at q = 0, at all q (n,): (3, n, 1)."""
 
     @abstractmethod
+    def harmonics(self, point: Array, *, turning: bool = False) -> Array:
+        """Points (3,) that move with the follower as a + b cos q + c sin q + d q: (4, 3).
+
+        With ``turning``, directions.
+        """
+
+    @abstractmethod
     def way(self, point: Array) -> Array:
         """w at points (3, n, m): their velocity per unit of q."""
 
@@ -113,6 +120,12 @@ class Pivot(Joint):
     def turned(self, direction: Array, q: Array) -> Array:
         return turned(direction, q, self.axis)
 
+    def harmonics(self, point: Array, *, turning: bool = False) -> Array:
+        fixed = 0.0 * self.point if turning else self.point
+        g, away = self.axis, point - fixed
+        along = float(g @ away) * g
+        return np.stack([fixed + along, away - along, cross(g, away), 0.0 * g])
+
     def way(self, point: Array) -> Array:
         return cross(_column(self.axis), point - _column(self.point))
 
@@ -131,6 +144,10 @@ class Guide(Joint):
 
     def turned(self, direction: Array, q: Array) -> Array:
         return direction + np.zeros((1, len(q), 1))
+
+    def harmonics(self, point: Array, *, turning: bool = False) -> Array:
+        nothing = 0.0 * self.along
+        return np.stack([point, nothing, nothing, nothing if turning else self.along])
 
     def way(self, point: Array) -> Array:
         return _column(self.along) + 0.0 * point

@@ -9,7 +9,7 @@ from typing import Literal
 
 import numpy as np
 
-from synthesis.geometry.swept_roller import Contacts, Place, SweptRoller, dot
+from synthesis.geometry.swept_roller import Contacts, Place, SweptRoller, dot, turned
 from synthesis.motion import Motion
 from synthesis.numerics.piecewise import Array
 from synthesis.spatial.machine import LEFT, Seat
@@ -86,7 +86,7 @@ class SpatialCam:
         """Points [mm] and unit normals out of the cam, as the cam has them: (3, n, m) each."""
         found = self.contacts(wall, theta, rho)
         swept = self.swept
-        outward = swept.on_cam(theta, swept.centre.reshape(3, 1, 1) - found.normal)
+        outward = turned(-found.normal, -swept.hand * theta, swept.axis)
         return swept.on_cam(theta, found.point), outward
 
 

@@ -8,6 +8,7 @@ from typing import Annotated, ClassVar, Literal
 
 from pydantic import Field, model_validator
 
+from synthesis.geometry.charts import Chart, Drum
 from synthesis.geometry.swept_roller import SweptRoller
 from synthesis.ranges import Dimension, Range
 from synthesis.spatial import drum, roller, turret
@@ -83,6 +84,9 @@ class CylindricalIndexer(SpatialMachine):
 
     def cylinder(self, sizes: Mapping[str, float]) -> tuple[float, float]:
         return drum.cylinder(sizes, self.roller_width_mm)
+
+    def chart(self, sizes: Mapping[str, float]) -> Chart:
+        return Drum()
 
     def check_gain(self, gain: float) -> None:
         turret.check_index(gain, self.rollers)

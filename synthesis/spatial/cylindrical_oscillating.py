@@ -9,6 +9,7 @@ from typing import Annotated, ClassVar, Literal
 from pydantic import Field, model_validator
 from pydantic_core import PydanticCustomError
 
+from synthesis.geometry.charts import Chart, Drum
 from synthesis.geometry.swept_roller import SweptRoller
 from synthesis.ranges import Dimension, Range
 from synthesis.spatial import drum, roller
@@ -91,6 +92,9 @@ class CylindricalOscillating(SpatialMachine):
 
     def mesh(self, sizes: Mapping[str, float]) -> tuple[float, float]:
         return drum.EVERYWHERE
+
+    def chart(self, sizes: Mapping[str, float]) -> Chart:
+        return Drum()
 
     def cylinder(self, sizes: Mapping[str, float]) -> tuple[float, float]:
         return drum.cylinder(sizes, self.roller_width_mm)

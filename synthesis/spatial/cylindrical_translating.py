@@ -7,6 +7,7 @@ from typing import ClassVar, Literal
 
 from pydantic import model_validator
 
+from synthesis.geometry.charts import Chart, Drum
 from synthesis.geometry.swept_roller import Guide, SweptRoller
 from synthesis.ranges import Dimension, Range
 from synthesis.spatial import drum, roller
@@ -50,6 +51,9 @@ class CylindricalTranslating(SpatialMachine):
 
     def mesh(self, sizes: Mapping[str, float]) -> tuple[float, float]:
         return drum.EVERYWHERE
+
+    def chart(self, sizes: Mapping[str, float]) -> Chart:
+        return Drum()
 
     def cylinder(self, sizes: Mapping[str, float]) -> tuple[float, float]:
         return drum.cylinder(sizes, self.roller_width_mm)

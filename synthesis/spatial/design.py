@@ -60,7 +60,10 @@ class SpatialExtreme(Part):
     )
     bound: float | None = told("What is allowed; null: measured, not limited.")
     margin: float | None = told("Distance to the bound, negative where it is broken.")
-    width: float = told("How far the true extreme may lie beyond the value.")
+    width: float = told(
+        "How far the true extreme may lie beyond the value: proven where the evidence says so, "
+        "otherwise what the last steps of the search still gained."
+    )
     holds: bool = told("Margin not below the width.")
     evidence: str = told("How the extreme is known.")
     field: str = told("Field of the spec that sets the bound; empty where none does.")

@@ -10,6 +10,7 @@ import numpy as np
 from pydantic import Field, model_validator
 from pydantic_core import PydanticCustomError
 
+from synthesis.geometry.charts import Chart, Torus
 from synthesis.geometry.swept_roller import Pivot, Roller, SweptRoller
 from synthesis.ranges import Dimension, Range, ends
 from synthesis.spatial import roller, turret
@@ -138,6 +139,9 @@ class GloboidalIndexer(SpatialMachine):
 
     def mesh(self, sizes: Mapping[str, float]) -> tuple[float, float]:
         return turret.mesh(self.rollers, self.mesh_angle_deg)
+
+    def chart(self, sizes: Mapping[str, float]) -> Chart:
+        return Torus(sizes["centre_distance_mm"])
 
     def check_gain(self, gain: float) -> None:
         turret.check_index(gain, self.rollers)

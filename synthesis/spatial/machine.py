@@ -11,6 +11,7 @@ from typing import ClassVar, Self
 from pydantic import BaseModel, ConfigDict, model_validator
 from pydantic_core import PydanticCustomError
 
+from synthesis.geometry.charts import Chart
 from synthesis.geometry.swept_roller import SweptRoller
 from synthesis.ranges import Range, ends
 from synthesis.spatial.leverage import Leverage
@@ -98,6 +99,10 @@ class SpatialMachine(BaseModel, ABC):
     def cylinder(self, sizes: Mapping[str, float]) -> tuple[float, float] | None:
         """Radii between which cylinders cut its cam's walls [mm]; None: it does not unroll."""
         return None
+
+    @abstractmethod
+    def chart(self, sizes: Mapping[str, float]) -> Chart:
+        """Coordinates that suit its cam's blank."""
 
     @abstractmethod
     def check_gain(self, gain: float) -> None:

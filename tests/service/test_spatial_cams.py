@@ -4,11 +4,14 @@ from __future__ import annotations
 
 import json
 from copy import deepcopy
+from pathlib import Path
 from typing import Any
 
 import httpx2
 import pytest
+from typer.testing import CliRunner
 
+from service import cli
 from service.client import Client
 from service.examples import SPATIAL_CAMS, examples
 from synthesis import SpatialCamSpec, SpatialDesign, synthesise_spatial
@@ -119,3 +122,50 @@ def test_machines_that_cannot_be_are_refused(
     answer = client.post(WHERE, json=asked)
     assert answer.status_code == 422
     assert [wrong["pointer"] for wrong in answer.json()["errors"]] == [pointer]
+
+
+def test_the_command_says_where_and_writes_files(tmp_path: Path) -> None:
+    asked = tmp_path / "cam.json"
+    asked.write_text(json.dumps(P4), encoding="utf-8")
+    said = CliRunner().invoke(cli.app, ["spatial", str(asked), "--out", str(tmp_path / "out")])
+    assert said.exit_code == 0, said.stderr
+    assert "feasible; centre_distance_mm 180.0000" in said.stdout
+    assert "41.0818" in said.stdout
+    assert {"1L", "2L", "2R", "3R"} <= set(said.stdout.split())
+    kept = (tmp_path / "out" / "spatial.json").read_text(encoding="utf-8")
+    assert SpatialDesign.model_validate_json(kept).name == "P4"
+
+
+def test_the_command_names_what_is_broken(service: Running, tmp_path: Path) -> None:
+    asked = tmp_path / "cam.json"
+    asked.write_text(json.dumps(changed(cam_width_mm=31.0)), encoding="utf-8")
+    said = CliRunner().invoke(cli.app, ["spatial", str(asked), "--url", service.url])
+    assert said.exit_code == 3
+    assert "infeasible, broken: contacts_left, contacts_right" in said.stdout
+    assert "BROKEN" in said.stdout
+    refused = changed(centre_distance_mm=101.5)
+    asked.write_text(json.dumps(refused), encoding="utf-8")
+    said = CliRunner().invoke(cli.app, ["spatial", str(asked)])
+    assert said.exit_code == 2
+    assert "/machine/centre_distance_mm = 101.5" in said.stderr
+    assert "make 102.0 mm.. Make centre_distance_mm larger" in said.stderr
+
+
+WRONG: list[tuple[dict[str, Any], str, str]] = [
+    ({"roller_radius_mm": 41.6}, "/machine/roller_radius_mm", "overlap on a turret of 6"),
+    ({"roller_radius_mm": -3.0}, "/machine/roller_radius_mm", "no machine has that"),
+    ({"bottom_clearance_mm": 78.1}, "/machine/centre_distance_mm", "grooves through its axis"),
+    ({"roller_inner_mm": 1e9}, "/machine/roller_inner_mm", "no machine has that"),
+]
+
+
+@pytest.mark.parametrize(("machine", "pointer", "told"), WRONG)
+def test_nonsense_is_refused_at_its_place(
+    client: httpx2.Client, machine: dict[str, Any], pointer: str, told: str
+) -> None:
+    answer = client.post(WHERE, json=changed(**machine))
+    assert answer.status_code == 422, answer.text
+    (wrong,) = answer.json()["errors"]
+    assert wrong["pointer"] == pointer
+    assert told in wrong["rule"]
+    assert wrong["way_out"]

@@ -98,3 +98,11 @@ def test_a_right_hand_thread_is_a_right_hand_screw(kind: str, hand: str, rotatio
 def test_a_gain_that_is_no_whole_number_of_rollers_is_refused() -> None:
     with pytest.raises(ValidationError, match=r"0.833333333 times the 72.0° between two of 5"):
         SpatialCamSpec(**body(rollers=5))
+
+
+def test_rollers_go_on_from_turn_to_turn() -> None:
+    cam = cam_of(SpatialCamSpec(**body()))
+    theta, seat = np.array([0.3, 2.0 * math.pi]), cam.walls[0].seat
+    here, later = cam.place(seat, theta), cam.place(seat, theta + 2.0 * math.pi)
+    assert later.q == pytest.approx(here.q + math.radians(60.0), abs=1e-13)
+    assert here.q[1] == pytest.approx(math.radians(90.0), abs=1e-13)

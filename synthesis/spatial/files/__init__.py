@@ -8,12 +8,23 @@ from typing import Any
 
 from synthesis.exporters.exporter import FileFormat
 from synthesis.spatial.design import SpatialDesign
-from synthesis.spatial.files import developed, developed_svg
+from synthesis.spatial.files import (
+    body_stl,
+    developed,
+    developed_svg,
+    flanks_ibl,
+    flanks_table,
+    motion,
+)
 from synthesis.spatial.machines import MACHINES
 
 Format = FileFormat[SpatialDesign, Any]
 UNROLLED: tuple[Format, ...] = (developed.JSON, developed.CSV, developed_svg.SVG)
-FORMATS: Mapping[str, Format] = MappingProxyType({each.name: each for each in UNROLLED})
+MOTION: tuple[Format, ...] = (motion.JSON, motion.CSV, motion.SVG)
+WHOLE: tuple[Format, ...] = (flanks_ibl.FLANKS, flanks_table.CSV, flanks_table.JSON, body_stl.STL)
+FORMATS: Mapping[str, Format] = MappingProxyType(
+    {each.name: each for each in (*MOTION, *UNROLLED, *WHOLE)}
+)
 """Every format by the name of its file."""
 
 _UNROLLING = {each.model_fields["kind"].default for each in MACHINES if each.unrolls}

@@ -11,7 +11,7 @@ import numpy as np
 from pydantic import Field
 
 from synthesis.errors import InputError
-from synthesis.exporters.columns import Column
+from synthesis.exporters.columns import Column, joined
 from synthesis.exporters.csv_table import table
 from synthesis.exporters.exporter import FileFormat, Made
 from synthesis.exporters.options import Options
@@ -154,13 +154,8 @@ def _told(found: list[Unrolled], radius: float) -> dict[str, str]:
 
 def _csv(design: SpatialDesign, options: DevelopedOptions) -> Made:
     found, radius = unrolled(design, options), radius_of(design, options)
-    columns = [_columns(each, radius) for each in found]
-    joined = [
-        Column(first.name, first.unit, first.meaning, np.concatenate([c.values for c in same]))
-        for same in zip(*columns, strict=True)
-        for first in same[:1]
-    ]
-    return Made(table(joined), _told(found, radius))
+    columns = joined([_columns(each, radius) for each in found])
+    return Made(table(columns), _told(found, radius))
 
 
 def _json(design: SpatialDesign, options: DevelopedOptions) -> Made:

@@ -15,7 +15,6 @@ import numpy as np
 from synthesis.exporters import svg_canvas as svg
 from synthesis.exporters.exporter import FileFormat, Made
 from synthesis.exporters.picture_options import Colours
-from synthesis.exporters.svg_heading import TURNS, two_lines
 from synthesis.exporters.svg_profile import ratio, shown_at
 from synthesis.numerics.piecewise import Array
 from synthesis.spatial.design import SpatialDesign
@@ -26,6 +25,7 @@ from synthesis.spatial.files.developed import (
     radius_of,
     unrolled,
 )
+from synthesis.spatial.files.heading import above
 from synthesis.units import FULL_TURN
 
 SHEET = 190.0  # units that a sheet is wide
@@ -91,7 +91,7 @@ def _svg(design: SpatialDesign, options: DrawnOptions) -> Made:
     width, height = SHEET * u, (HEADER + FOOTER) * u + plane.height
     scale = shown_at(width)
     body = [
-        *_heading(design, width, u),
+        *above(design, LEFT * u, width - RIGHT * u, u),
         *_clipped(plane, [*_grooves(plane, found), *_curves(plane, found)]),
         *_axes(plane),
         *_legend(plane, found, scale),
@@ -103,15 +103,6 @@ def _svg(design: SpatialDesign, options: DrawnOptions) -> Made:
     )
     data = svg.document(width, height, u, title, told, body, scale, options.theme)
     return Made(data, {"Radius-Mm": f"{radius:.9g}", "Flat-Offset-Error-Mm": f"{error(found):.3g}"})
-
-
-def _heading(design: SpatialDesign, width: float, u: float) -> list[str]:
-    kind = design.spec.machine.title
-    told = (
-        f"{kind} · cam turns {TURNS[design.rotation]} at {svg.figure(design.speed_rpm, 6)} rpm · "
-        f"{design.status} · {design.id[:8]}"
-    )
-    return two_lines(design.name.strip() or kind.capitalize(), told, LEFT * u, width - RIGHT * u, u)
 
 
 def _clipped(plane: _Plane, body: list[str]) -> list[str]:

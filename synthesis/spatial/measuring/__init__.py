@@ -8,7 +8,7 @@ from synthesis.spatial.cam import SpatialCam
 from synthesis.spatial.design import SpatialExtreme
 from synthesis.spatial.measuring import follower, ribs, walls
 from synthesis.spatial.measuring.found import Bound, Bounds, Found, Kind, told
-from synthesis.spatial.measuring.patches import patches, tried
+from synthesis.spatial.measuring.patches import patches
 from synthesis.spatial.spec import SpatialCamSpec
 
 __all__ = ["NO_BOUNDS", "Bound", "Bounds", "measured"]
@@ -28,9 +28,7 @@ def measured(
 
 def _all(spec: SpatialCamSpec, cam: SpatialCam) -> Iterator[tuple[Kind, Found]]:
     parts = list(patches(cam))
-    grids = list(tried(parts, walls.ANGLES, walls.WHOLE))
-    for quantity in walls.quantities(spec.omega) if parts else ():
-        yield quantity.kind, walls.extreme(quantity, parts, grids, walls.places(cam))
+    yield from walls.extremes(cam, parts, spec.omega)
     thinnest = ribs.thinnest(cam, parts, spec.machine.seats())
     if thinnest is not None:
         yield ribs.RIB, thinnest

@@ -10,7 +10,7 @@ from synthesis.numerics.peaks import peak
 from synthesis.numerics.piecewise import Piecewise
 from synthesis.spatial.cam import SpatialCam
 from synthesis.spatial.machine import LEFT, RIGHT
-from synthesis.spatial.measuring.found import Bound, Found, Kind
+from synthesis.spatial.measuring.found import Bound, Found, Kind, leading
 from synthesis.units import FULL_TURN, Travel
 
 NAMES = ("velocity", "acceleration", "jerk")
@@ -29,7 +29,7 @@ def in_time(cam: SpatialCam, travel: Travel, omega: float) -> Iterator[tuple[Kin
             yield kind, Found(np.inf, np.inf, evidence, at)
             continue
         both = [peak(curve, [0.0] * order + [sign]) for sign in (1.0, -1.0)]
-        value, theta = max(both)
+        value, theta = max(both, key=lambda each: leading(each[0]))
         yield kind, Found(value, value, EVIDENCE, theta)
 
 

@@ -60,6 +60,11 @@ class Found:
     rho: float | None = None
 
 
+def leading(value: float) -> float:
+    """A value to twelve digits: of two that differ by roundings only, the first one counts."""
+    return float(f"{value:.11e}")
+
+
 def told(kind: Kind, found: Found, bounds: Bounds) -> SpatialExtreme:
     """On the wire, against its bound."""
     value, limit = kind.told(found.value), kind.told(found.limit)

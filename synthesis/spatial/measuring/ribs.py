@@ -17,7 +17,7 @@ from synthesis.geometry.swept_roller import dot, norm, turned
 from synthesis.numerics.piecewise import Array
 from synthesis.spatial.cam import SpatialCam
 from synthesis.spatial.machine import LEFT, Seat
-from synthesis.spatial.measuring.found import Bound, Found, Kind
+from synthesis.spatial.measuring.found import Bound, Found, Kind, leading
 from synthesis.spatial.measuring.patches import Patch, tried
 from synthesis.units import FULL_TURN
 
@@ -69,8 +69,7 @@ class _Rib:
 def carried(cam: SpatialCam, theta: Array) -> Array:
     """q at cam angles of any turn [rad or mm]: from turn to turn the follower goes on."""
     turns = np.floor(theta / FULL_TURN)
-    gain = cam.motion.stretches[-1].s_end - cam.motion.stretches[0].s_start
-    return np.asarray(cam.motion.derivatives(theta, 0)[0] + gain * turns)
+    return np.asarray(cam.motion.derivatives(theta, 0)[0] + cam.gain * turns)
 
 
 def _behind(patch: Patch, seats: Sequence[Seat]) -> _Rib | None:
@@ -100,9 +99,9 @@ def thinnest(cam: SpatialCam, parts: Sequence[Patch], seats: Sequence[Seat]) -> 
             at = (float(theta[n]), float(rho[m]), float(offset[k]))
             wide = (patch.high - patch.low) / max(len(theta) - 1, 1)
             seen.append((float(values[k, n, m]), replace(rib, patch=patch), at, wide))
-    best = sorted(seen, key=lambda each: each[0])[:KEPT]
+    best = sorted(seen, key=lambda each: leading(each[0]))[:KEPT]
     found = [_closer(*each, rho) for each in best]
-    return min(found, key=lambda each: each.value) if found else None
+    return min(found, key=lambda each: leading(each.value)) if found else None
 
 
 def _closer(

@@ -6,7 +6,7 @@ ever closer. What the last steps still gained is told as the width: a measuremen
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -14,8 +14,9 @@ import numpy as np
 from synthesis.geometry.swept_roller import cross, dot, norm
 from synthesis.numerics.piecewise import Array
 from synthesis.spatial.cam import SpatialCam
-from synthesis.spatial.measuring.found import Bound, Found, Kind
-from synthesis.spatial.measuring.patches import Patch, Tried
+from synthesis.spatial.measuring.enclosing import PRESSURE, UNDERCUT, Proof, proven
+from synthesis.spatial.measuring.found import Bound, Found, Kind, leading
+from synthesis.spatial.measuring.patches import Patch, Tried, tried
 from synthesis.units import DEGREE
 
 ANGLES, PLACES = 49, 7  # tried on each patch
@@ -28,10 +29,14 @@ Values = Callable[[Patch, Array, Array], Array]
 
 @dataclass(frozen=True)
 class Measured:
-    """A quantity that contacts have: its values (n, m) at θ (n,) and ρ (m,) of a patch."""
+    """A quantity that contacts have: its values (n, m) at θ (n,) and ρ (m,) of a patch.
+
+    ``proof`` says how its extreme is enclosed; None: it is measured and no more.
+    """
 
     kind: Kind
     of: Values
+    proof: Proof | None = None
 
 
 def _sliding(patch: Patch, theta: Array, rho: Array) -> Array:
@@ -59,29 +64,38 @@ def _spin(patch: Patch, theta: Array, rho: Array) -> Array:
 
 def _radius(curvature: float) -> float:
     """Of a curvature with its sign turned; infinite where it is none of this kind."""
+    if np.isinf(curvature):
+        return curvature
     return -1.0 / curvature if curvature < 0.0 else np.inf
 
 
-def quantities(omega: float) -> Sequence[Measured]:
-    """All of them, of a cam that turns at ω [rad/s]."""
+STEEPNESS = Measured(
+    Kind("pressure_angle", "deg", True, lambda value: value / DEGREE),
+    lambda p, theta, rho: p.contacts(theta, rho).pressure_angle,
+    PRESSURE,
+)
+AREA = Measured(
+    Kind("undercut", "1", False, must=Bound(0.0)),
+    lambda p, theta, rho: p.contacts(theta, rho).regular,
+    UNDERCUT,
+)
+RADII = (
+    Measured(
+        Kind("convex_radius", "mm", False, _radius),
+        lambda p, theta, rho: -p.curvatures(theta, rho)[0],
+    ),
+    Measured(
+        Kind("hollow_radius", "mm", False, _radius),
+        lambda p, theta, rho: p.curvatures(theta, rho)[1],
+    ),
+)
+NO_RADIUS = Found(-np.inf, -np.inf, "a wall is undercut: there is no such radius")
+
+
+def _speeds(omega: float) -> Sequence[Measured]:
+    """Of a cam that turns at ω [rad/s]."""
     rpm = omega * 60.0 / (2.0 * np.pi)
     return (
-        Measured(
-            Kind("pressure_angle", "deg", True, lambda value: value / DEGREE),
-            lambda p, theta, rho: p.contacts(theta, rho).pressure_angle,
-        ),
-        Measured(
-            Kind("undercut", "1", False, must=Bound(0.0)),
-            lambda p, theta, rho: p.contacts(theta, rho).regular,
-        ),
-        Measured(
-            Kind("convex_radius", "mm", False, _radius),
-            lambda p, theta, rho: -p.curvatures(theta, rho)[0],
-        ),
-        Measured(
-            Kind("hollow_radius", "mm", False, _radius),
-            lambda p, theta, rho: p.curvatures(theta, rho)[1],
-        ),
         Measured(
             Kind("contact_speed", "mm/s", True, lambda value: value * omega),
             lambda p, theta, rho: norm(p.contacts(theta, rho).slip),
@@ -91,10 +105,29 @@ def quantities(omega: float) -> Sequence[Measured]:
     )
 
 
-def extreme(
+def extremes(cam: SpatialCam, parts: Sequence[Patch], omega: float) -> Iterator[tuple[Kind, Found]]:
+    """Every quantity's extreme over all patches."""
+    if not parts:
+        return
+    rho = np.linspace(cam.swept.roller.inner, cam.swept.roller.outer, PLACES)
+    grids = list(tried(parts, ANGLES, WHOLE))
+
+    def over(quantity: Measured) -> Found:
+        return _extreme(quantity, parts, grids, rho)
+
+    yield STEEPNESS.kind, over(STEEPNESS)
+    area = over(AREA)
+    yield AREA.kind, area
+    for radius in RADII:
+        yield radius.kind, over(radius) if area.value > 0.0 else NO_RADIUS
+    for speed in _speeds(omega):
+        yield speed.kind, over(speed)
+
+
+def _extreme(
     quantity: Measured, parts: Sequence[Patch], walls: Sequence[Tried], rho: Array
 ) -> Found:
-    """The extreme over all patches, which are tried wall by wall."""
+    """The extreme over all patches, which are tried wall by wall; proven where it can be."""
     sign = 1.0 if quantity.kind.largest else -1.0
     seen = [
         (part, theta, values)
@@ -106,9 +139,12 @@ def extreme(
             strict=False,
         )
     ]
-    best = sorted(seen, key=lambda each: -float(each[2].max()))[:KEPT]
+    best = sorted(seen, key=lambda each: -leading(each[2].max()))[:KEPT]
     found = [_closer(quantity, sign, *each, rho) for each in best]
-    return max(found, key=lambda each: sign * each.value)
+    most = max(found, key=lambda each: leading(sign * each.value))
+    if quantity.proof is None or not np.isfinite(most.value):
+        return most
+    return proven(parts[0].cam, parts, quantity.proof, most)
 
 
 def _values(quantity: Measured, patch: Patch, theta: Array, rho: Array) -> Array:
@@ -141,8 +177,3 @@ def _closer(
         wide, long = SHRINK * wide, SHRINK * long
     limit = value + 2.0 * (value - before)
     return Found(sign * value, sign * limit, EVIDENCE, theta, patch.wall, place)
-
-
-def places(cam: SpatialCam) -> Array:
-    """Where on the roller's axis contacts are tried first [mm]."""
-    return np.linspace(cam.swept.roller.inner, cam.swept.roller.outer, PLACES)
