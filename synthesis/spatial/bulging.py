@@ -11,7 +11,8 @@ is nowhere rounder than m, and with m = 0 not undercut, where r = Rr + m leaves
 
     1 − 2|H| r + K r² ≥ 0.
 
-The larger C, the more is left. Source: derived here; mathematics of ruled surfaces as in
+The larger C, the more is left, but where the roller's axis is nearer to the cam's than r, which no
+cam's core allows. Source: derived here; mathematics of ruled surfaces as in
 Gonzalez-Palacios and Angeles, Cam Synthesis, 1993.
 """
 
@@ -27,8 +28,8 @@ from synthesis.numerics.piecewise import Array
 from synthesis.spatial.leverage import Leverage
 from synthesis.terms import Cuts, Vector, Within
 
-COARSE, HALVINGS, NEWTON = 9, 6, 3  # steps: which asks for most, how much, and exactly
-NEAREST, FARTHEST = 1e-3, 1e2  # lengths L: no C is looked for beyond
+COARSE, HALVINGS, NEWTON = 13, 4, 3  # steps: which asks for most, how much, and exactly
+FARTHEST = 1e2  # lengths L: no C is looked for beyond
 HARDEST = 2  # of all rollers and places, those whose rows are written
 STEP = 1e-5  # of a variable's size: differences
 
@@ -97,7 +98,7 @@ class TurretBulge(Leverage):
 
     def _least(self, met: Array) -> Array:
         """The C from which on enough is left, of every roller and place."""
-        low = np.maximum(met[0] * np.cos(met[1]), 0.0) + NEAREST * self.length
+        low = np.maximum(met[0] * np.cos(met[1]), 0.0) + self.radius
         low, high = self._halved(met, low, np.full_like(low, FARTHEST * self.length), COARSE)
         low, high = self._halved(met, low, high, HALVINGS)
         for _ in range(NEWTON):
@@ -117,7 +118,7 @@ class TurretBulge(Leverage):
     def _hardest(self, s: Array) -> Array:
         """Of all rollers and places those that ask for most at each s (3, n): (4, HARDEST, n)."""
         met = self._met(s)
-        low = np.maximum(met[0] * np.cos(met[1]), 0.0) + NEAREST * self.length
+        low = np.maximum(met[0] * np.cos(met[1]), 0.0) + self.radius
         low, _ = self._halved(met, low, np.full_like(low, FARTHEST * self.length), COARSE)
         rows = np.argpartition(-low, HARDEST, axis=0)[:HARDEST]
         return met[:, rows, np.arange(met.shape[2])]

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from math import isfinite
 from typing import Any
@@ -16,7 +16,7 @@ from synthesis.spatial.spec import SpatialCamSpec
 
 DIAGNOSIS_S = 6.0  # for all of it
 ROUGH = 1e-2  # tolerance of cams that only show that there is one
-FAR, HALVINGS = 1e4, 14  # a number is tried up to so many times as large; steps of the search
+FAR, FIRST = 1e4, 0.02  # a number is tried so many times as large at most; a first step, relative
 ENOUGH = 1e-3  # relative: what is needed is known so well
 WIDEST_DEG = 89.0
 FOUND = "a cam was found with this value; that it is the least is not proven"
@@ -51,7 +51,9 @@ def diagnosed(spec: SpatialCamSpec, tables: Tables, found: Sized, stop: float) -
     """
     until = min(stop, clock.now() + DIAGNOSIS_S)
     parts = list(_parts(spec))
-    relaxations = [_relaxation(spec, tables, part, until) for part in parts]
+    relaxations = [
+        _relaxation(spec, tables, part, until, quick=not found.cramped) for part in parts
+    ]
     binding = [
         part.words for part, each in zip(parts, relaxations, strict=True) if each.needed is not None
     ]
@@ -65,6 +67,7 @@ def diagnosed(spec: SpatialCamSpec, tables: Tables, found: Sized, stop: float) -
 
 
 def _parts(spec: SpatialCamSpec) -> Iterator[_Part]:
+    yield from _dimensions(spec)
     for position, limit in enumerate(spec.limits):
         unit = limit.field.partition("_")[2].replace("_per_", "/").replace("s2", "s²")
         unit = unit.replace("s3", "s³")
@@ -72,8 +75,13 @@ def _parts(spec: SpatialCamSpec) -> Iterator[_Part]:
         words = f"{limit.kind.replace('_', ' ')} {sign} {limit.bound:.6g} {unit}"
         field = f"limits/{position}/{limit.field}"
         yield _Part(field, limit.kind, words, unit, limit.bound, limit.upper, position)
-    for name, given in spec.machine.sizes().items():
-        low, high = ends(given)
+
+
+def _dimensions(spec: SpatialCamSpec) -> Iterator[_Part]:
+    """Ends of the machine's dimensions, that of the one sought first."""
+    sizes = spec.machine.sizes()
+    for name in sorted(sizes, key=lambda name: name != spec.machine.sought):
+        low, high = ends(sizes[name])
         upper = name != spec.machine.roller_field
         end = high if upper else low
         if not isfinite(end) or end <= 0.0:
@@ -87,46 +95,64 @@ def _parts(spec: SpatialCamSpec) -> Iterator[_Part]:
 
 def _changed(spec: SpatialCamSpec, part: _Part, value: float) -> SpatialCamSpec:
     """The spec with another number, its rules not asked again."""
+    rough = max(spec.tolerance, ROUGH)
     if isinstance(part.place, int):
         limits = list(spec.limits)
         limit = limits[part.place]
         limits[part.place] = limit.model_copy(update={limit.field: value})
-        return spec.model_copy(update={"limits": limits})
+        return spec.model_copy(update={"limits": limits, "tolerance": rough})
     low, high = ends(spec.machine.sizes()[part.place])
     wider: Any = Range(
         min=(low if part.upper else value) if isfinite(low) else None,
         max=(value if part.upper else high) if isfinite(high) else None,
     )
     machine = spec.machine.model_copy(update={part.place: wider})
-    return spec.model_copy(update={"machine": machine, "tolerance": max(spec.tolerance, ROUGH)})
+    return spec.model_copy(update={"machine": machine, "tolerance": rough})
 
 
-def _relaxation(spec: SpatialCamSpec, tables: Tables, part: _Part, until: float) -> Relaxation:
+def _relaxation(
+    spec: SpatialCamSpec, tables: Tables, part: _Part, until: float, *, quick: bool
+) -> Relaxation:
     """What one number alone would have to be."""
 
     def told(needed: float | None, note: str) -> Relaxation:
         return Relaxation(limit=part.name, field=part.field, unit=part.unit, asked=part.asked,
                           needed=needed, note=note)  # fmt: skip
 
+    def tried(value: float) -> Sized:
+        return sized(_changed(spec, part, value), tables, until, quick=quick)
+
     def fits(value: float) -> bool:
-        asked = _changed(spec, part, value).model_copy(update={"tolerance": ROUGH})
-        return sized(asked, tables, until).sizes is not None
+        return tried(value).sizes is not None
 
     far = part.asked * FAR if part.upper else part.asked / FAR
     if part.unit == "deg" and part.upper:
         far = WIDEST_DEG
     if clock.now() >= until:
         return told(None, LATE)
-    if not fits(far):
+    widest = tried(far)
+    if widest.sizes is None:
         return told(None, ALONE)
-    bad, good = part.asked, far
-    for _ in range(HALVINGS):
-        if clock.now() >= until or abs(good - bad) <= ENOUGH * abs(good):
+    if part.place == spec.machine.sought:
+        return told(widest.sizes[part.place] * (1.0 + ENOUGH), FOUND)
+    return told(_nearest(fits, part.asked, far, until), FOUND)
+
+
+def _nearest(fits: Callable[[float], bool], asked: float, far: float, until: float) -> float:
+    """The value next to the one asked for that fits, as far as time allows; the far one does."""
+    bad, good, step = asked, far, FIRST
+    while clock.now() < until:
+        at = asked * (1.0 + step) if far > asked else asked / (1.0 + step)
+        if (at - far) * (asked - far) <= 0.0:
             break
-        # evenly in the logarithm while far apart, evenly at last
-        middle = (bad * good) ** 0.5
+        if fits(at):
+            good = at
+            break
+        bad, step = at, 3.0 * step
+    while clock.now() < until and abs(good - bad) > ENOUGH * abs(good):
+        middle = 0.5 * (bad + good)
         if fits(middle):
             good = middle
         else:
             bad = middle
-    return told(good, FOUND)
+    return good
