@@ -13,15 +13,14 @@ from synthesis.errors import InputError
 from synthesis.spatial.cutting import STEP, Poses, along_wall, wall_error, with_roller
 from synthesis.spatial.design import SpatialDesign
 from synthesis.spatial.files.cutter_path import CSV, CutterOptions
-from synthesis.spatial.pipeline import synthesise_spatial
-from tests.spatial.drums import INNER, OUTER, RADIUS, SAMPLES, Array
+from tests.spatial.drums import INNER, OUTER, RADIUS, SAMPLES, Array, designed
 
 THIN = 6.1
 
 
 @pytest.fixture(scope="module", params=["slide in a groove", "arm astride a rib", "turret"])
 def design(request: pytest.FixtureRequest) -> SpatialDesign:
-    return synthesise_spatial(SAMPLES[request.param].spec(name=request.param))
+    return designed(request.param)
 
 
 def read(design: SpatialDesign, options: CutterOptions) -> tuple[dict[str, Array], float]:
@@ -62,7 +61,7 @@ def nearest(points: Array, at: Array, along: Array) -> Array:
 
 
 def test_it_stays_off_the_other_wall_of_the_groove() -> None:
-    design = synthesise_spatial(SAMPLES["slide in a groove"].spec())
+    design = designed("slide in a groove")
     options = CutterOptions(cutter_diameter_mm=2 * THIN, flank="1R")
     columns, _ = read(design, options)
     assert set(columns["side"]) == {1.0}

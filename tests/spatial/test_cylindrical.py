@@ -11,7 +11,6 @@ from pydantic import ValidationError
 from scipy.spatial import KDTree
 
 from synthesis.spatial.cam import SpatialCam, Wall
-from synthesis.spatial.measuring import measured
 from synthesis.spatial.spec import SpatialCamSpec
 from tests.spatial.drums import (
     APART,
@@ -24,6 +23,7 @@ from tests.spatial.drums import (
     SLIDE,
     SWING_ARM,
     Array,
+    designed,
     least_gap,
     program,
 )
@@ -109,17 +109,22 @@ def test_at_a_turning_point_a_wall_is_undercut_as_its_development_is() -> None:
             assert found[0] == pytest.approx(1.0 - wall.side * radius * bend / RHO**2, abs=1e-9)
 
 
+def test_a_turret_s_roller_leaves_where_its_inner_end_passes_beside_the_cylinder() -> None:
+    cam = SAMPLES["turret"].cam()
+    ((_, end),) = next(wall.spans for wall in cam.walls if wall.name == "1L")
+    y, _ = SAMPLES["turret"].ways(np.array([end]))[0]
+    assert y**2 + INNER**2 == pytest.approx(OUTER**2)
+
+
 def test_a_rib_has_one_wall_of_each_roller() -> None:
     assert [wall.name for wall in SAMPLES["slide astride a rib"].cam().walls] == ["1L", "2R"]
 
 
-@pytest.mark.parametrize("name", ["slide astride a rib", "arm astride a rib"])
-def test_the_rib_s_thickness_is_the_least_distance_of_its_walls(name: str) -> None:
-    cam = SAMPLES[name].cam()
-    told = next(
-        each for each in measured(SAMPLES[name].spec(), cam) if each.quantity == "rib_thickness"
-    )
-    theta, rho = np.linspace(0.0, 2.0 * math.pi, 4001), np.linspace(INNER, OUTER, 9)
+def test_the_rib_s_thickness_is_the_least_distance_of_its_walls() -> None:
+    design = designed("arm astride a rib")
+    cam = design.cam
+    told = next(each for each in design.extremes if each.quantity == "rib_thickness")
+    theta, rho = np.linspace(0.0, 2.0 * math.pi, 1501), np.linspace(INNER, OUTER, 9)
     one, other = (cam.surface(wall, theta, rho)[0].reshape(3, -1).T for wall in cam.walls)
     away = KDTree(one).query(other)[0].min()
     assert told.value == pytest.approx(away, abs=2e-3)
@@ -139,6 +144,13 @@ def test_what_no_machine_can_do_is_refused(kind: str, changes: dict[str, Any], t
     steps = program("mm", 33.7) if kind == SLIDE else program("deg", 21.3)
     with pytest.raises(ValidationError, match=told):
         SpatialCamSpec(program=steps, machine={"kind": kind, **SIZES, **changes})
+
+
+def test_a_follower_that_stands_still_is_refused() -> None:
+    with pytest.raises(ValidationError, match="never moves"):
+        SpatialCamSpec(
+            program=[{"kind": "dwell", "angle_deg": 360.0}], machine={"kind": SLIDE, **SIZES}
+        )
 
 
 def test_a_follower_that_does_not_come_back_is_refused() -> None:

@@ -13,6 +13,7 @@ from scipy.spatial import KDTree
 from synthesis.spatial.cam import SpatialCam
 from synthesis.spatial.design import SpatialDesign, SpatialExtreme
 from synthesis.spatial.measuring import enclosing, ribs
+from synthesis.spatial.measuring.demands import kept
 from synthesis.spatial.measuring.follower import holding, in_time
 from synthesis.spatial.measuring.found import told
 from synthesis.spatial.measuring.patches import patches
@@ -229,3 +230,37 @@ def test_undercut_is_a_result_with_its_place() -> None:
     assert undercut.value < 0.0
     assert undercut.angle_deg is not None
     assert 0.0 < undercut.angle_deg < 60.0
+
+
+def test_a_jump_of_the_velocity_breaks_the_walls() -> None:
+    asked = body()
+    asked["program"][0]["law"] = {"kind": "constant_velocity"}
+    found = synthesise_spatial(SpatialCamSpec(**asked))
+    assert found.status == "infeasible"
+    undercut = extreme(found, "undercut")
+    assert (undercut.value, undercut.angle_deg, undercut.holds) == (None, 0.0, False)
+    assert undercut.evidence.startswith("the velocity jumps there")
+    assert extreme(found, "acceleration").value is None
+
+
+def test_windows_and_points_are_looked_at() -> None:
+    """The cycloidal law is half way at the middle, and there at twice the mean speed."""
+    asked, speed = body(), SPEED * 6.0 / 120.0
+    asked["program"][0] |= {
+        "points": [{"angle_deg": 60.0, "travel_deg": 30.0}],
+        "windows": [{"from_deg": 40.0, "to_deg": 70.0,
+                     "velocity_deg_per_s": {"max": 119.0 * speed}}],
+    }  # fmt: skip
+    spec = SpatialCamSpec(**asked, speed_rpm=SPEED)
+    found = {kind.name: told(kind, each, {}) for kind, each in kept(spec, cam_of(spec))}
+    assert {each.field for each in found.values()} == {
+        "program/0/points/0/travel_deg", "program/0/windows/0/velocity_deg_per_s/max"
+    }  # fmt: skip
+    window = found.pop("program_0_window_0_velocity_max")
+    assert window.value == pytest.approx(120.0 * speed)
+    assert window.angle_deg == pytest.approx(60.0, abs=1e-6)
+    assert not window.holds
+    assert len(found) == 2
+    for point in found.values():
+        assert point.value == pytest.approx(30.0, abs=1e-12)
+        assert point.holds

@@ -6,7 +6,7 @@ from collections.abc import Iterator, Mapping
 
 from synthesis.spatial.cam import SpatialCam
 from synthesis.spatial.design import SpatialExtreme
-from synthesis.spatial.measuring import follower, ribs, walls
+from synthesis.spatial.measuring import demands, follower, ribs, walls
 from synthesis.spatial.measuring.found import Bound, Bounds, Found, Kind, told
 from synthesis.spatial.measuring.patches import patches
 from synthesis.spatial.spec import SpatialCamSpec
@@ -36,3 +36,4 @@ def _all(spec: SpatialCamSpec, cam: SpatialCam, bounds: Bounds) -> Iterator[tupl
         yield Kind(name, "mm", largest=False, must=Bound(0.0)), Found(room, room, "closed form")
     yield from follower.holding(cam)
     yield from follower.in_time(cam, spec.machine.travel, spec.omega)
+    yield from demands.kept(spec, cam)

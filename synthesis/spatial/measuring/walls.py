@@ -7,7 +7,7 @@ ever closer. What the last steps still gained is told as the width: a measuremen
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -15,6 +15,7 @@ from synthesis.geometry.swept_roller import cross, dot, norm
 from synthesis.numerics.piecewise import Array
 from synthesis.spatial.cam import SpatialCam
 from synthesis.spatial.measuring.enclosing import PRESSURE, UNDERCUT, Proof, proven
+from synthesis.spatial.measuring.follower import jump
 from synthesis.spatial.measuring.found import Bound, Bounds, Found, Kind, leading
 from synthesis.spatial.measuring.patches import Patch, Tried, tried
 from synthesis.units import DEGREE
@@ -89,6 +90,9 @@ RADII = (
         lambda p, theta, rho: p.curvatures(theta, rho)[1],
     ),
 )
+CORNER = Found(
+    -np.inf, -np.inf, "the velocity jumps there: walls on one side cross, on the other do not meet"
+)
 NO_RADIUS = Found(-np.inf, -np.inf, "a wall is undercut: there is no such radius")
 
 
@@ -120,7 +124,8 @@ def extremes(
         return _extreme(quantity, parts, grids, rho, allowed)
 
     yield STEEPNESS.kind, over(STEEPNESS)
-    area = over(AREA)
+    corner = jump(cam.motion.curve, 1)
+    area = over(AREA) if corner is None else replace(CORNER, theta=corner)
     yield AREA.kind, area
     for radius in RADII:
         yield radius.kind, over(radius) if area.value > 0.0 else NO_RADIUS
@@ -164,7 +169,7 @@ def _values(quantity: Measured, patch: Patch, theta: Array, rho: Array) -> Array
     cam = patch.cam
     if np.all(np.isinf(cam.faces)):
         return values
-    inside = cam.between_faces(patch.contacts(theta, rho).point)
+    inside = cam.between_faces(patch.points(theta, rho))
     return np.where(inside, values, -np.inf if quantity.kind.largest else np.inf)
 
 
