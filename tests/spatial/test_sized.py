@@ -77,8 +77,8 @@ def test_walls_that_bulge_bend_the_law(bulging: SpatialDesign) -> None:
     assert 2.3 < extreme(bulging, "convex_radius").value < 2.33
     assert bulging.certificate.gap is not None
     assert 0.0 < bulging.certificate.gap < 0.01
-    # the law that is best for the pressure angle alone would need far more
-    assert any(stage.stage == "tangents 1" for stage in bulging.report.stages[4:])
+    # the law that is best for the pressure angle alone was not it
+    assert [stage.stage for stage in bulging.report.stages].count("fastest run") == 2
 
 
 def test_rollers_are_as_near_as_ribs_let_them_and_as_large_as_walls(sized: SpatialDesign) -> None:
