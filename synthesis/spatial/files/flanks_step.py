@@ -24,6 +24,7 @@ from synthesis.spatial.cam import Span, SpatialCam, Wall
 from synthesis.spatial.design import SpatialDesign
 from synthesis.spatial.files.flanks import chosen, patch
 from synthesis.spatial.files.options import Flank
+from synthesis.spatial.meshing import Span
 from synthesis.units import DEGREE
 
 DEGREES = 5, 3  # of a surface in cam angle and along the roller
