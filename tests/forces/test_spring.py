@@ -81,14 +81,14 @@ def test_it_is_the_best_of_all_springs(kind: str, sample: int, load: dict[str, A
         bounds=[(0, None), (0, None), (None, None)],
     )  # fmt: skip
     assert wanted.success
-    assert found.peak == pytest.approx(wanted.fun, rel=1e-4)
+    assert found.peak == pytest.approx(wanted.fun, rel=3e-4)
     assert found.lacking == 0.0
     # every spring around: one that does not float has a peak that is no lower
     rates = found.rate * np.linspace(0.0, 2.0, 41) + 0.02 * np.arange(41) * (found.rate == 0.0)
     for rate in rates:
         preload = max(np.max(-(s * rate + low)), 0.0)
         peak = np.max((s * rate + preload + high) / grip)
-        assert peak >= found.peak * (1.0 - 1e-4)
+        assert peak >= found.peak * (1.0 - 3e-4)
 
 
 @pytest.fixture(scope="module")
@@ -101,7 +101,7 @@ def sprung() -> Design:
 def test_a_cam_comes_with_its_spring(sprung: Design) -> None:
     assert sprung.status == "optimal"
     assert set(sprung.chosen) == {"load/spring/rate_n_per_mm", "load/spring/preload_n"}
-    assert sprung.forces.floats_from_rpm == pytest.approx(391.0, rel=1e-5)
+    assert sprung.forces.floats_from_rpm == pytest.approx(391.0, rel=1e-3)
     assert sprung.forces.floats_from_rpm >= 391.0
     assert "any spring" in sprung.certificate.bound_over
     spring = sprung.built.load.spring
@@ -143,4 +143,18 @@ def test_an_arm_s_spring_is_told_in_its_own_unit() -> None:
     load = ARM | {"spring": {}, "speeds": {"min_rpm": 1, "max_rpm": 502.0}}
     design = synthesise(spec("oscillating_roller", 0, load=load))
     assert set(design.chosen) == {"load/spring/rate_n_m_per_rad", "load/spring/preload_n_m"}
-    assert design.forces.floats_from_rpm == pytest.approx(502.0, rel=1e-5)
+    assert design.forces.floats_from_rpm == pytest.approx(502.0, rel=1e-3)
+
+
+def test_a_follower_that_nothing_else_presses_keeps_a_little_force() -> None:
+    """The best spring has no preload to speak of; what there is keeps the certificate content."""
+    load = {name: value for name, value in BODY["load"].items() if name != "process"}
+    limits = [*BODY["limits"], {"kind": "contact_force", "min_n": 0}]
+    body = BODY | {"load": load | {"spring": {}}, "limits": limits}
+    design = synthesise(DesignSpec.model_validate(body))
+    assert design.status == "optimal"
+    assert (
+        0.0
+        < design.forces.flanks[0].smallest_n.value
+        < 1e-3 * (design.forces.flanks[0].largest_n.value)
+    )
