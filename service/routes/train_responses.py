@@ -32,13 +32,14 @@ from synthesis.dynamics import TrainResponse
 from synthesis.exporters import Made
 from synthesis.exporters.svg_train import response_svg, spectrum_svg
 from synthesis.exporters.theme import Theme
-from synthesis.exporters.train_csv import MEDIA_TYPE, TrainOptions, response_csv
+from synthesis.exporters.train_csv import MEDIA_TYPE, TrainOptions, polydyne_csv, response_csv
 from synthesis.fields import Speed
 
 router = APIRouter(prefix="/v1/train-responses", tags=["follower trains"])
 TABLE = Download("response.csv", MEDIA_TYPE)
 RESPONSE = Download("response.svg", SVG)
 SPECTRUM = Download("spectrum.svg", SVG)
+POLYDYNE = Download("polydyne.csv", MEDIA_TYPE)
 MOST_TURNS, MOST_POINTS = 20, 20.0
 
 
@@ -58,15 +59,20 @@ class Pictured(AtSpeed):
     theme: Annotated[Theme, Field(description="Colours of the picture.")] = "auto"
 
 
-class Tabled(AtSpeed):
+class Dense(AtSpeed):
+    """How close the rows of a table are."""
+
+    points_per_degree: Annotated[
+        float, Field(gt=0.0, le=MOST_POINTS, description="At least so many rows per degree.")
+    ] = TrainOptions().points_per_degree
+
+
+class Tabled(Dense):
     """What of a response is written as a table."""
 
     turns: Annotated[
         int, Field(ge=0, le=MOST_TURNS, description="Turns from rest; 0: the periodic response.")
     ] = 0
-    points_per_degree: Annotated[
-        float, Field(gt=0.0, le=MOST_POINTS, description="At least so many rows per degree.")
-    ] = TrainOptions().points_per_degree
 
 
 @router.post(
@@ -186,6 +192,31 @@ async def get_train_spectrum_svg(
     return await _sent(
         request, parts, train_id, SPECTRUM,
         lambda found: spectrum_svg(found, speed, theme), repr(speed), theme,
+    )  # fmt: skip
+
+
+@router.get(
+    "/{train_id}/polydyne.csv",
+    response_class=Response,
+    responses=_file("The table.", MEDIA_TYPE),
+    summary="The cam motion that moves the output as asked",
+)
+async def get_train_polydyne_csv(
+    request: Request,
+    train_id: str,
+    parts: Parts,
+    wanted: Annotated[Dense, Query()],
+    if_none_match: KnownTag = None,
+) -> Response:
+    """A polydyne cam: its motion makes the last mass move as the spec's cam would have it, exactly.
+
+    At one speed. It takes 2n + 1 continuous derivatives of that motion for n masses, and no
+    dampers in the links; 422 says what is missing.
+    """
+    options = TrainOptions(wanted.speed_rpm, 0, wanted.points_per_degree)
+    return await _sent(
+        request, parts, train_id, POLYDYNE, lambda found: polydyne_csv(found, options),
+        repr(options),
     )  # fmt: skip
 
 
