@@ -60,3 +60,6 @@ class CylindricalTranslating(SpatialMachine):
 
     def check_gain(self, gain: float) -> None:
         drum.check_return(gain, self.travel)
+
+    def check_reach(self, lowest: float, highest: float) -> None:
+        drum.check_moves(lowest, highest)

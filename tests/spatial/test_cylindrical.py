@@ -109,6 +109,13 @@ def test_at_a_turning_point_a_wall_is_undercut_as_its_development_is() -> None:
             assert found[0] == pytest.approx(1.0 - wall.side * radius * bend / RHO**2, abs=1e-9)
 
 
+def test_a_turret_s_roller_leaves_where_its_inner_end_passes_beside_the_cylinder() -> None:
+    cam = SAMPLES["turret"].cam()
+    ((_, end),) = next(wall.spans for wall in cam.walls if wall.name == "1L")
+    y, _ = SAMPLES["turret"].ways(np.array([end]))[0]
+    assert y**2 + INNER**2 == pytest.approx(OUTER**2)
+
+
 def test_a_rib_has_one_wall_of_each_roller() -> None:
     assert [wall.name for wall in SAMPLES["slide astride a rib"].cam().walls] == ["1L", "2R"]
 
@@ -137,6 +144,13 @@ def test_what_no_machine_can_do_is_refused(kind: str, changes: dict[str, Any], t
     steps = program("mm", 33.7) if kind == SLIDE else program("deg", 21.3)
     with pytest.raises(ValidationError, match=told):
         SpatialCamSpec(program=steps, machine={"kind": kind, **SIZES, **changes})
+
+
+def test_a_follower_that_stands_still_is_refused() -> None:
+    with pytest.raises(ValidationError, match="never moves"):
+        SpatialCamSpec(
+            program=[{"kind": "dwell", "angle_deg": 360.0}], machine={"kind": SLIDE, **SIZES}
+        )
 
 
 def test_a_follower_that_does_not_come_back_is_refused() -> None:
