@@ -10,6 +10,7 @@ from pydantic import Field
 
 from synthesis.design import (
     Certificate,
+    Conflict,
     Part,
     Report,
     SegmentMotion,
@@ -86,6 +87,7 @@ class SpatialDesign(Part):
     walls: list[SpatialWall] = told("By roller, then by side.")
     extremes: list[SpatialExtreme] = told("Measured on the finished cam.")
     certificate: Certificate = told("What was proven.")
+    conflict: Conflict | None = Field(None, description="Why nothing fits, where nothing does.")
     report: Report = told("What was modelled and what it cost.")
     spec: SpatialCamSpec = told("The question.")
     links: dict[str, str] = Field({}, description="Where to find it and its files.")
