@@ -25,6 +25,7 @@ from synthesis.units import DEGREE, FULL_TURN
 STEPS = 40
 NEAR = 1e-10  # of a root: in rad and mm
 WRONG = 1e-7  # no root
+TURN, PLACE = 0.05, 0.03  # longest steps: of θ [rad], and of ρ in largest depths
 NUDGE = 1e-6  # for differences: rad and mm
 SAME = 1e-6  # of places of rollers
 FAR = 1.0  # how far from the blank a roller's wall is still looked for, in widths of the blank
@@ -161,13 +162,14 @@ class Cuts:
         q = self.cam.place(seat, t).q
         solved = wrong < WRONG
         met = (q > self.mesh[0]) & (q < self.mesh[1])
-        self._check(t, met & ~(solved & (found.regular > 0.0)), side)
+        self._check(t, d, met & ~(solved & (found.regular > 0.0)), side)
         away = np.where(q > np.clip(0.0, *self.mesh), np.inf, -np.inf)
         return np.where(solved, found.across, away)
 
     def _solved(self, seat: Seat, side: int, t: Array, d: Array) -> tuple[_Laid, Array]:
         """The contacts in rows t at depths d (n,), and how wrong they are."""
         theta, rho = t.copy(), self.chart.nominal(d)
+        size = float(np.max(np.abs(d)))
         for _ in range(STEPS):
             found = self._laid(seat, side, theta, rho)
             turned, sunk = found.turn - t, found.depth - d
@@ -176,24 +178,28 @@ class Cuts:
             a, c = self._difference(seat, side, theta, rho, NUDGE, 0.0)
             b, e = self._difference(seat, side, theta, rho, 0.0, NUDGE)
             det = a * e - b * c
-            theta = theta - (turned * e - b * sunk) / det
-            rho = rho - (a * sunk - turned * c) / det
+            theta = theta - np.clip((turned * e - b * sunk) / det, -TURN, TURN)
+            rho = rho - np.clip((a * sunk - turned * c) / det, -PLACE * size, PLACE * size)
         wrong = np.maximum(np.abs(turned), np.abs(sunk))
-        return found, np.where(np.isfinite(wrong), wrong, np.inf)
+        # beyond a quarter of a turn it is the contact of another row, that looks the other way
+        here = np.isfinite(wrong) & (np.abs(theta - t) < 0.25 * FULL_TURN)
+        return found, np.where(here, wrong, np.inf)
 
-    def _check(self, t: Array, bad: NDArray[np.bool_], side: int) -> None:
+    def _check(self, t: Array, d: Array, bad: NDArray[np.bool_], side: int) -> None:
         """Refuse what a graph over the turn cannot show."""
         if not np.any(bad):
             return
-        angle = t[int(np.argmax(bad))] / DEGREE % 360.0
+        first = int(np.argmax(bad))
+        angle, place = t[first] / DEGREE % 360.0, float(self.chart.nominal(d[first]))
         which = "right" if side == RIGHT else "left"
         raise InputError(
             "/machine",
             self.machine.kind,
-            f"Near cam angle {angle:.4g}° the wall on the {which} side of a roller is undercut, "
-            "has a step, or lies off the blank: the rollers leave no such body.",
-            "Take smaller rollers, a gentler law there or a smaller mesh angle; the flanks' points "
-            "can be had as they are.",
+            f"Near cam angle {angle:.4g}° and ρ = {place:.6g} mm the wall on the {which} side of a "
+            "roller is undercut, has a step, or lies off the blank, if the groove is cut as deep "
+            "as its floor: the rollers leave no such body.",
+            "Take less end_clearance_mm, smaller rollers, a gentler law there or a smaller mesh "
+            "angle; the flanks' points can be had as they are.",
         )
 
     def _difference(

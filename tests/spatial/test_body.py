@@ -214,3 +214,16 @@ def test_a_wall_that_is_undercut_has_no_body() -> None:
     cuts = Cuts.of(cam_of(spec), spec.machine)
     with pytest.raises(InputError, match="wall on the left side of a roller is undercut"):
         body_of(cuts, Blank.of(cuts, BlankOptions(), 4), 180)
+
+
+def test_a_wall_that_is_undercut_below_the_rollers_only_is_told_with_its_depth() -> None:
+    """Steep enough that all is well as deep as rollers reach, and no more at the floor."""
+    spec = SpatialCamSpec(
+        **body(dwell_on="groove", centre_distance_mm=180.0, roller_radius_mm=30.0)
+    )
+    cuts = Cuts.of(cam_of(spec), spec.machine)
+    depth = np.linspace(75.0, 96.0, 4)
+    shallow = cuts.grooves(np.linspace(0.0, 6.2, 90), depth)
+    assert np.all(shallow.low[2] < shallow.high[2])
+    with pytest.raises(InputError, match=r"and ρ = 10\d.* mm the wall"):
+        body_of(cuts, Blank.of(cuts, BlankOptions(), 7), 360)
