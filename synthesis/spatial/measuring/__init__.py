@@ -23,12 +23,12 @@ def measured(
     Args:
         bounds: by quantity, in its unit on the wire; what every cam must keep counts anyway.
     """
-    return [told(kind, found, bounds) for kind, found in _all(spec, cam)]
+    return [told(kind, found, bounds) for kind, found in _all(spec, cam, bounds)]
 
 
-def _all(spec: SpatialCamSpec, cam: SpatialCam) -> Iterator[tuple[Kind, Found]]:
+def _all(spec: SpatialCamSpec, cam: SpatialCam, bounds: Bounds) -> Iterator[tuple[Kind, Found]]:
     parts = list(patches(cam))
-    yield from walls.extremes(cam, parts, spec.omega)
+    yield from walls.extremes(cam, parts, spec.omega, bounds)
     thinnest = ribs.thinnest(cam, parts, spec.machine.seats())
     if thinnest is not None:
         yield ribs.RIB, thinnest
