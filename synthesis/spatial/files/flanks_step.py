@@ -20,7 +20,7 @@ from synthesis.exporters.options import Options
 from synthesis.exporters.part21 import Entities, exchange_file, many, real, text
 from synthesis.exporters.step_curve import FINEST, SCHEMA, axes, context, product
 from synthesis.numerics.piecewise import Array
-from synthesis.spatial.cam import Span, SpatialCam, Wall
+from synthesis.spatial.cam import SpatialCam, Wall
 from synthesis.spatial.design import SpatialDesign
 from synthesis.spatial.files.flanks import chosen, patch
 from synthesis.spatial.files.options import Flank
