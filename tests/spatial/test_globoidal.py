@@ -68,13 +68,14 @@ def test_no_roller_cuts_a_wall_and_every_wall_is_touched(
     rollers: int, steps: int, dwell_on: str, hand: str
 ) -> None:
     cam = indexer(rollers, steps, dwell_on, hand)
-    first = math.pi / rollers if dwell_on == "rib" else 0.0
-    starts = first - 2.0 * math.pi / rollers * np.arange(rollers)
+    ahead = math.pi / rollers if dwell_on == "rib" else 0.0
+    starts = ahead - 2.0 * math.pi / rollers * np.arange(rollers)
     places = np.append(starts, 2.0 * math.pi / rollers * steps)
     rho = np.array([INNER, 70.1, OUTER])
     for wall in cam.walls:
         for low, high in wall.spans:
-            theta = TRIED[(TRIED > low) & (TRIED < high)][::37]
+            first, last = np.searchsorted(TRIED, (low, high))
+            theta = TRIED[first + 1 : last : 37]
             inside = cam.between_faces(cam.contacts(wall, theta, rho).point)
             points = cam.surface(wall, theta, rho)[0][:, inside]
             found = gaps(points, places, 1 if hand == "left" else -1)
