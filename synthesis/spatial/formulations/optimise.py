@@ -19,6 +19,7 @@ from synthesis.formulations.candidate import Candidate
 from synthesis.formulations.closed_form import nearest
 from synthesis.formulations.grid import SettledLaw
 from synthesis.formulations.problem import Problem
+from synthesis.formulations.refine import search as climbed
 from synthesis.formulations.search import Search, Stage
 from synthesis.formulations.tables import Tables
 from synthesis.motion import Motion, Stretch
@@ -151,7 +152,10 @@ def _searched(
     problem: Problem, found: Sized, tolerance: float, deadline: float, tighten: float
 ) -> Search:
     """A search whose stages and bound are told; bounds without limits on walls hold with them."""
-    search = squeezed(problem, tolerance, deadline, tighten)
+    if problem.curved:
+        search = squeezed(problem, tolerance, deadline, tighten)
+    else:  # linear in motion and size together, as a translating roller's
+        search = climbed(problem, tolerance, deadline, tighten)
     found.stages += search.stages
     if search.lower > found.lower:
         found.lower, found.over = search.lower, search.over
