@@ -5,7 +5,6 @@ from __future__ import annotations
 from functools import cached_property
 from typing import Literal
 
-import numpy as np
 from pydantic import Field
 
 from synthesis.design import (
@@ -16,11 +15,11 @@ from synthesis.design import (
     SegmentMotion,
     Status,
     question_id,
+    rebuilt,
     told,
 )  # fmt: skip
 from synthesis.fields import Rotation
-from synthesis.motion import Motion, Stretch
-from synthesis.numerics.bspline import SplineSpace
+from synthesis.motion import Motion
 from synthesis.spatial.cam import SpatialCam, settled
 from synthesis.spatial.spec import SpatialCamSpec
 
@@ -95,25 +94,13 @@ class SpatialDesign(Part):
     @cached_property
     def curve(self) -> Motion:
         """The motion, rebuilt to the last bit from the spec and the spline coefficients."""
-        return Motion.of(
-            [
-                _settled(stretch, segment)
-                for stretch, segment in zip(self.spec.stretches(), self.motion, strict=True)
-            ]
-        )
+        return rebuilt(self.spec.stretches(), self.motion)
 
     @cached_property
     def cam(self) -> SpatialCam:
         """The cam that files are made of."""
         sizes = {name: self.dimensions[name] for name in self.spec.machine.sizes()}
         return settled(self.spec, sizes, self.curve)
-
-
-def _settled(stretch: Stretch, segment: SegmentMotion) -> Stretch:
-    if segment.spline is None:
-        return stretch
-    space = SplineSpace(segment.spline.degree, np.array(segment.spline.knots))
-    return stretch.with_law(space.delivered(np.array(segment.spline.coefficients)))
 
 
 def spatial_id(spec: SpatialCamSpec) -> str:
