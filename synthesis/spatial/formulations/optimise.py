@@ -39,6 +39,7 @@ LARGEST = 1e6  # mm: of an open end
 TINY = 1e-3  # mm: a radius or a place as small as one likes
 CLEAR = 3e-8  # relative: a size stays this far off what binds it
 SPARE = 2e-6  # relative: what samples of walls may miss
+ROOM = 2e-5  # relative: what ribs at rest keep for what samples of walls may miss
 SLACK = 0.02  # of the tolerance
 WALLS = "convex_radius"  # quantity of limits on walls
 EXACT = 1e-12  # relative: the size of given laws is known so well
@@ -244,7 +245,7 @@ def least_rollers(
         return found if machine.rest_rib(found) >= rib * (1.0 - EXACT) else None
 
     def missing(at: float) -> float:
-        return rib - machine.rest_rib({**found, place: at})
+        return rib + ROOM * at - machine.rest_rib({**found, place: at})
 
     if missing(found[place]) <= 0.0:
         return found
@@ -263,7 +264,7 @@ def _largest_radius(
     low, high = sizes[name], min(ranges[name][1], LARGEST)
 
     def spare(radius: float) -> float:
-        return machine.rest_rib({**sizes, name: radius}) - rib
+        return machine.rest_rib({**sizes, name: radius}) - rib - ROOM * radius
 
     if high <= low or spare(high) >= 0.0:
         return max(low, high)
