@@ -103,6 +103,11 @@ class Limit(BaseModel, ABC):
         return 0.0
 
     @property
+    def said_in_part(self) -> bool:
+        """Whether its rows leave something to its smooth form."""
+        return False
+
+    @property
     def least_force(self) -> float:
         """Contact force that it leaves at least [N]."""
         return 0.0

@@ -245,3 +245,26 @@ def mass(**changes: Any) -> dict[str, Any]:
 def test_trains_that_make_no_sense(masses: list[dict[str, Any]], words: str) -> None:
     with pytest.raises(ValidationError, match=words):
         TrainSpec.model_validate({**BODY, "train": {"masses": masses}})
+
+
+def test_critical_damping_costs_what_rounding_says() -> None:
+    """Two modes are one there: half of the digits go, and the answer says so."""
+    body = {**BODY, "speeds_rpm": [61.7], "turns": 0}
+    body["cam"] = {**BODY["cam"], "limits": []}
+    body["cam"]["program"] = [
+        {**each, **({"law": {"kind": "modified_sine"}} if "lift_mm" in each else {})}
+        for each in BODY["cam"]["program"]
+    ]
+    damping = 2.0 * sqrt(40e-3)
+
+    def told(factor: float) -> Any:
+        masses = [{"mass_kg": 1.0, "stiffness_n_per_mm": 40.0,
+                   "damping_n_s_per_mm": damping * factor}]  # fmt: skip
+        asked = TrainSpec.model_validate({**body, "train": {"masses": masses}})
+        return respond(asked).speeds[0]
+
+    critical, *beside = (told(factor) for factor in (1.0, 1.0 - 1e-5, 1.0 + 1e-5))
+    between = 0.5 * sum(each.output_error_max.value for each in beside)
+    assert critical.output_error_max.value == pytest.approx(between, rel=1e-7)
+    assert beside[0].rounding < critical.rounding < 1e-5
+    assert abs(critical.output_error_max.value - between) < 10.0 * critical.rounding
