@@ -14,6 +14,7 @@ from synthesis.spatial.files import (
     developed,
     developed_svg,
     flanks_ibl,
+    flanks_step,
     flanks_table,
     motion,
     surfaces_json,
@@ -27,6 +28,7 @@ WHOLE: tuple[Format, ...] = (
     flanks_ibl.FLANKS,
     flanks_table.CSV,
     flanks_table.JSON,
+    flanks_step.STEP,
     body_stl.STL,
     surfaces_json.SURFACES,
 )
