@@ -17,11 +17,12 @@ from scipy.optimize import brentq
 from synthesis.motion import Motion
 from synthesis.numerics.piecewise import Array
 from synthesis.spatial.cam import SpatialCam, settled
-from synthesis.spatial.measuring.patches import patches, tried
+from synthesis.spatial.measuring.patches import Patch, Tried, patches, tried
 from synthesis.spatial.measuring.ribs import thinnest
 from synthesis.spatial.spec import SpatialCamSpec
 
 ANGLES, PLACES = 240, 3  # of a wall
+NEAR, ROUNDS = 9, 5  # looked at beside the lowest sample, every time a quarter as far
 EXACT, ROUGH = 1e-7, 1e-4  # relative, of a size that is grown for walls, and for ribs
 ROOM = 1e-3  # relative: what larger rollers leave for what samples miss
 RADIUS = "roller_radius_mm"  # the field of it, of every machine
@@ -50,7 +51,7 @@ class Soundness:
         unit = sizes[self.spec.machine.sought]
         rooms = self.spec.machine.rooms(sizes).values()
         least = min((room / unit for room in rooms), default=inf)
-        return least if least <= 0.0 else min(least, self._regular(cam))
+        return least - self.kept if least <= 0.0 else self._regular(cam)
 
     def thickness(self, sizes: Sizes) -> float:
         """What the thinnest rib has left over, relative; that takes a while."""
@@ -68,12 +69,29 @@ class Soundness:
         )
         offset = replace(cam, swept=replace(cam.swept, roller=larger))
         rho = np.linspace(roller.inner, roller.outer, PLACES)
-        found = inf
+        found, lowest = inf, None
         for wall in tried(list(patches(offset)), ANGLES, ANGLES):
             contacts = wall.together.contacts(wall.theta.ravel(), rho)
-            inside = _inside(cam, contacts.point)
-            found = min(found, float(np.min(np.where(inside, contacts.regular, inf))))
-        return found
+            values = np.where(_inside(cam, contacts.point), contacts.regular, inf)
+            at, place = np.unravel_index(int(np.argmin(values)), values.shape)
+            if values[at, place] < found:
+                found, lowest = float(values[at, place]), (wall, int(at), rho[[place]])
+        return found if lowest is None else min(found, _closer(*lowest))
+
+
+def _closer(wall: Tried, at: int, place: Array) -> float:
+    """The least ratio of areas beside the lowest sample, number ``at`` of a wall's."""
+    piece, own = divmod(at, wall.theta.shape[1])
+    angles = wall.theta[piece]
+    ends = angles[max(own - 1, 0)], angles[min(own + 1, len(angles) - 1)]
+    together = wall.together
+    patch = Patch(together.cam, together.wall, int(np.asarray(together.piece)[at]), *ends)
+    for _ in range(ROUNDS):
+        theta = np.linspace(*ends, NEAR)
+        values = patch.contacts(theta, place).regular[:, 0]
+        best = int(np.argmin(values))
+        ends = theta[max(best - 1, 0)], theta[min(best + 1, NEAR - 1)]
+    return float(values[best])
 
 
 def _inside(cam: SpatialCam, points: Array) -> Array:
