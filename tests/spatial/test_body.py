@@ -218,9 +218,12 @@ def test_a_wall_that_is_undercut_has_no_body() -> None:
 
 def test_a_wall_that_is_undercut_below_the_rollers_only_is_told_with_its_depth() -> None:
     """Steep enough that all is well as deep as rollers reach, and no more at the floor."""
-    spec = SpatialCamSpec(
-        **body(dwell_on="groove", centre_distance_mm=180.0, roller_radius_mm=30.0)
+    asked = body(
+        dwell_on="groove", roller_inner_mm=72.0, roller_radius_mm=30.0, roller_width_mm=30.0
     )
+    asked["machine"]["centre_distance_mm"] = 180.0
+    asked["program"][0]["law"] = {"kind": "cv50_half_sine"}
+    spec = SpatialCamSpec(**asked)
     cuts = Cuts.of(cam_of(spec), spec.machine)
     depth = np.linspace(75.0, 96.0, 4)
     shallow = cuts.grooves(np.linspace(0.0, 6.2, 90), depth)
