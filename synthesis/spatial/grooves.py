@@ -151,20 +151,26 @@ class Cuts:
             return np.full((len(turn), len(depth)), side * np.inf)
         q = self.cam.place(seat, t).q
         across = np.where(q > self.mesh[1], np.inf, -np.inf)
+        sound = np.full(len(t), True)
         near = self._near(q)
         if np.any(near):
-            across[near] = self._across(seat, side, t[near], d[near])
-        return np.asarray(across.reshape(len(turn), len(depth)))
+            across[near], sound[near] = self._across(seat, side, t[near], d[near])
+        shape = len(turn), len(depth)
+        return _straight_down(across.reshape(shape), sound.reshape(shape))
 
-    def _across(self, seat: Seat, side: int, t: Array, d: Array) -> Array:
+    def _across(self, seat: Seat, side: int, t: Array, d: Array) -> tuple[Array, NDArray[np.bool_]]:
+        """Places across (n,), and where they are a wall's."""
         with np.errstate(all="ignore"):  # what runs off far from the blank is seen below
             found, wrong = self._solved(seat, side, t, d)
         q = self.cam.place(seat, t).q
         solved = wrong < WRONG
         met = (q > self.mesh[0]) & (q < self.mesh[1])
-        self._check(t, d, met & ~(solved & (found.regular > 0.0)), side)
+        bad = met & ~(solved & (found.regular > 0.0))
+        ends = np.array([self.cam.swept.roller.inner, self.cam.swept.roller.outer])
+        reached = d <= np.max(self.chart.nominal(ends))
+        self._check(t, d, bad & reached, side)
         away = np.where(q > np.clip(0.0, *self.mesh), np.inf, -np.inf)
-        return np.where(solved, found.across, away)
+        return np.where(solved, found.across, away), ~bad
 
     def _solved(self, seat: Seat, side: int, t: Array, d: Array) -> tuple[_Laid, Array]:
         """The contacts in rows t at depths d (n,), and how wrong they are."""
@@ -196,10 +202,10 @@ class Cuts:
             "/machine",
             self.machine.kind,
             f"Near cam angle {angle:.4g}° and ρ = {place:.6g} mm the wall on the {which} side of a "
-            "roller is undercut, has a step, or lies off the blank, if the groove is cut as deep "
-            "as its floor: the rollers leave no such body.",
-            "Take less end_clearance_mm, smaller rollers, a gentler law there or a smaller mesh "
-            "angle; the flanks' points can be had as they are.",
+            "roller is undercut, has a step, or lies off the blank: the rollers leave no such "
+            "body.",
+            "Take smaller rollers, a gentler law there or a smaller mesh angle; the flanks' points "
+            "can be had as they are.",
         )
 
     def _difference(
@@ -218,3 +224,13 @@ class Cuts:
         angle, depth, across = self.laid(found.point[:, :, 0])
         turn = theta - swept.hand * angle
         return _Laid(turn, depth, self.chart.beside(across, place.q), found.regular[:, 0])
+
+
+def _straight_down(across: Array, sound: NDArray[np.bool_]) -> Array:
+    """Walls (n, m) that below the rollers' ends go straight down where longer ones would undercut.
+
+    There nothing touches them.
+    """
+    for k in range(1, across.shape[1]):
+        across[:, k] = np.where(sound[:, k], across[:, k], across[:, k - 1])
+    return across

@@ -216,8 +216,7 @@ def test_a_wall_that_is_undercut_has_no_body() -> None:
         body_of(cuts, Blank.of(cuts, BlankOptions(), 4), 180)
 
 
-def test_a_wall_that_is_undercut_below_the_rollers_only_is_told_with_its_depth() -> None:
-    """Steep enough that all is well as deep as rollers reach, and no more at the floor."""
+def test_a_wall_that_only_longer_rollers_would_undercut_goes_straight_down() -> None:
     asked = body(
         dwell_on="groove", roller_inner_mm=72.0, roller_radius_mm=30.0, roller_width_mm=30.0
     )
@@ -225,8 +224,10 @@ def test_a_wall_that_is_undercut_below_the_rollers_only_is_told_with_its_depth()
     asked["program"][0]["law"] = {"kind": "cv50_half_sine"}
     spec = SpatialCamSpec(**asked)
     cuts = Cuts.of(cam_of(spec), spec.machine)
-    depth = np.linspace(75.0, 96.0, 4)
-    shallow = cuts.grooves(np.linspace(0.0, 6.2, 90), depth)
-    assert np.all(shallow.low[2] < shallow.high[2])
-    with pytest.raises(InputError, match=r"and ρ = 10\d.* mm the wall"):
-        body_of(cuts, Blank.of(cuts, BlankOptions(), 7), 360)
+    turn, depth = np.linspace(0.0, 2.2, 140), np.array([90.0, 101.9, 104.5, 107.3])
+    found = cuts.grooves(turn, depth)
+    for walls in (found.low, found.high):
+        whole = walls[np.all(np.isfinite(walls) & (np.abs(walls) < 1.4), axis=2)]
+        assert np.max(np.abs(np.diff(whole, axis=1))) < math.radians(8.0)
+        straight = whole[:, 2] == whole[:, 3]
+        assert 0 < np.count_nonzero(straight) < 0.2 * len(straight)
