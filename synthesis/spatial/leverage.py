@@ -28,10 +28,10 @@ import numpy as np
 
 from synthesis.geometry.swept_roller import Roller
 from synthesis.numerics.piecewise import Array
+from synthesis.spatial.roller import steepest as roller_feet
 from synthesis.terms import Curved, Cuts, Vector, Within
 
 UPRIGHT = 0.5 * pi
-PLACES = 129  # on a crowned roller
 
 
 @dataclass(frozen=True)
@@ -146,12 +146,8 @@ def places(roller: Roller, length: float, slope: float) -> tuple[tuple[float, fl
     """
     if roller.crown == 0.0:
         return ((roller.outer, roller.outer / (length * slope)),)
-    rho = np.linspace(roller.inner, roller.outer, PLACES)
-    radius, lean, _ = roller.profile(rho)
-    foot = rho + radius * lean
-    left = np.sqrt((1.0 + slope**2) / (1.0 + lean**2) - 1.0)
-    pairs = zip(foot.tolist(), (foot / (length * left)).tolist(), strict=True)
-    return tuple(pairs)
+    pairs = roller_feet(roller, slope)
+    return tuple((foot, foot / (length * left)) for foot, left in pairs)
 
 
 def steepest(roller: Roller) -> float:
