@@ -41,8 +41,12 @@ class Leverage(Curved):
     order: ClassVar[int] = 1
 
     @abstractmethod
-    def fastest(self, s: Array, size: float) -> Array:
-        """The largest |s'| [mm/rad] that it leaves at displacements s (n,) and a size [mm]."""
+    def fastest(self, s: Array, size: float, sense: float) -> Array:
+        """The largest speed [mm/rad] that it leaves at displacements s (n,) and a size [mm].
+
+        Args:
+            sense: +1 of motion towards growing s, −1 of the other.
+        """
 
     @abstractmethod
     def made_safe(self) -> Leverage:
@@ -71,7 +75,7 @@ class TurretPressure(Leverage):
         psi = self.first + s / self.length
         return np.asarray(psi - self.spacing * np.round(psi / self.spacing))
 
-    def fastest(self, s: Array, size: float) -> Array:
+    def fastest(self, s: Array, size: float, sense: float) -> Array:
         cosine = np.cos(self.nearest(s))
         return np.asarray(np.min([(size - rho * cosine) / b for rho, b in self.places], axis=0))
 

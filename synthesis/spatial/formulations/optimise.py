@@ -134,7 +134,7 @@ def _pressed(
     limits = [*(limit for limit in spec.limits if limit.quantity != WALLS), *demands]
     radius = least_of(spec.limits, WALLS)
     objective = objective_of(machine.sought)
-    problem = posed(machine, found.stretches, spec.omega, limits, objective, rollers)
+    problem = posed(machine, found.stretches, spec.omega, limits, objective, rollers, spec.turns)
     whole = replace(problem, limits=(*problem.limits, WallRadius(min_mm=radius)))
     if not problem.free:
         return _closed_form(whole, found)
