@@ -106,9 +106,21 @@ def test_extremes_enclose_what_is_found_by_sampling() -> None:
         for peak, sampled in ((largest, values.max()), (smallest, values.min())):
             assert peak.value == pytest.approx(sampled, rel=1e-6)
             assert abs(peak.value - sampled) <= 1e-6 * np.ptp(values)
+            assert peak.width is not None
             assert peak.width <= 1e-6 * np.ptp(values)
-        assert largest.value + largest.width >= values.max()
-        assert smallest.value - smallest.width <= values.min()
+        assert largest.value + (largest.width or 0.0) >= values.max()
+        assert smallest.value - (smallest.width or 0.0) <= values.min()
+
+
+def test_what_is_not_proven_is_not_claimed() -> None:
+    """A coupler that all but stands upright: values that are reached, without an enclosure."""
+    coupler = P5.ram_line - P5.guide * math.cos(P5.swing)
+    nearly = replace(P5, coupler=coupler * (1.0 + 2.0**-50))
+    found = course.extremes(nearly, Drive(0.0, 1.0, 1.0), course.QUANTITIES)
+    widths = {q.name: peaks[0].width for q, peaks in zip(course.QUANTITIES, found, strict=True)}
+    assert widths["coupler_velocity"] is None
+    assert widths["guide_velocity"] is not None
+    assert all(math.isfinite(peak.value) for peaks in found for peak in peaks)
 
 
 def test_time_is_not_angle_where_the_crank_speeds_up() -> None:

@@ -39,11 +39,11 @@ class DeadCentre:
 
 @dataclass(frozen=True)
 class Peak:
-    """One extreme: its value, where, and how wide its enclosure is."""
+    """One extreme: a value that is reached, where, and the width of its enclosure, if proven."""
 
     value: float
     turned: float
-    width: float
+    width: float | None
 
 
 @dataclass(frozen=True)
@@ -163,16 +163,20 @@ def extremes(
         return [quantities[k].of(motion, drive, turned) for k in wanted]
 
     found = enclose(models, np.array([0.0, FULL_TURN]), np.array([BOXES]), questions)
-    scales = [quantity.per_unit for quantity in quantities]
+    both = zip(quantities, found[:count], found[count:], strict=True)
     return [
-        (_peak(high, scale), _peak(low, scale))
-        for high, low, scale in zip(found[:count], found[count:], scales, strict=True)
+        (_peak(shaper, drive, quantity, high), _peak(shaper, drive, quantity, low))
+        for quantity, high, low in both
     ]
 
 
-def _peak(answer: Answer, scale: float) -> Peak:
-    found = answer.extreme
-    return Peak(found.value / scale, found.angle, found.width / scale)
+def _peak(shaper: Shaper, drive: Drive, quantity: Quantity, answer: Answer) -> Peak:
+    """An answer in the wire's unit; where nothing was proven, the value at its angle."""
+    found, value = answer.extreme, answer.extreme.value
+    if not math.isfinite(value):
+        value = float(quantity.of(shaper.motion(drive.phi(found.angle)), drive, found.angle))
+    width = found.width / quantity.per_unit if math.isfinite(found.width) else None
+    return Peak(value / quantity.per_unit, found.angle, width)
 
 
 def coupler_range(shaper: Shaper) -> tuple[float, float]:
