@@ -157,6 +157,7 @@ def test_a_turning_guide_turns_once() -> None:
         ({"ram_line": 900.0}, "/coupler_mm", "more than 365.566 mm"),
         ({"crank": 275.0}, "/crank_mm", "shorter crank"),
         ({"crank": 290.0}, "/coupler_mm", "more than 1175 mm"),
+        ({"crank": 1e-4}, "/crank_mm", "at least 0.0006 mm"),
     ],
 )
 def test_what_cannot_turn_is_refused(change: dict[str, float], field: str, words: str) -> None:
