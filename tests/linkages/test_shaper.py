@@ -13,7 +13,7 @@ import pytest
 from synthesis.errors import InputError
 from synthesis.linkages.shaper import course
 from synthesis.linkages.shaper.drive import Drive
-from synthesis.linkages.shaper.mechanism import Motion, Shaper, angle
+from synthesis.linkages.shaper.mechanism import Motion, Shaper, Side, angle
 from tests.forty_digits import cos, sin
 
 P5 = Shaper(125.0, 600.0, 150.0, 275.0, 575.0, "left")
@@ -72,8 +72,9 @@ def test_branches_are_mirror_images() -> None:
 
 
 @pytest.mark.parametrize("shaper", [P5, ROCKING, TURNING, IN_LINE], ids=lambda one: f"{one.crank}")
-@pytest.mark.parametrize("sense", [1.0, -1.0])
-def test_dead_centres_are_all_turns_of_the_ram(shaper: Shaper, sense: float) -> None:
+@pytest.mark.parametrize(("sense", "side"), [(1.0, "right"), (-1.0, "right"), (1.0, "left")])
+def test_dead_centres_are_all_turns_of_the_ram(shaper: Shaper, sense: float, side: Side) -> None:
+    shaper = replace(shaper, side=side)
     drive = Drive(0.3, sense, 1.0)
     found = course.dead_centres(shaper, drive)
     for one in found:
