@@ -266,6 +266,23 @@ def test_given_laws_that_ring_too_much() -> None:
     assert confirm(eased).verdict == "confirmed"
 
 
+def test_angles_are_chosen_so_that_given_laws_leave_little() -> None:
+    """Of cycloidal moves, near a whole number of swings from two on."""
+    frequency = hertz(2.0, 90.0)
+    body = spec(ANGLES, quiet(frequency, 0.2), laws=("cycloidal", "cycloidal")).model_dump(
+        mode="json", exclude_none=True
+    )
+    free = {"min": 60.0, "max": 105.0}
+    body["program"][0]["angle_deg"] = body["program"][2]["angle_deg"] = free
+    body["program"][3]["angle_deg"] = {"min": 80.0, "max": 300.0}
+    design = synthesise(DesignSpec.model_validate(body))
+    assert design.status == "feasible"
+    for angle in (design.chosen[f"program/{k}/angle_deg"] for k in (0, 2)):
+        swings = frequency / hertz(1.0, angle)
+        left = LIFT * abs(np.sin(pi * swings)) / (pi * swings * abs(1.0 - swings**2))
+        assert left <= 0.2 * (1.0 + 1e-9)
+
+
 def test_what_cannot_be_less_is_said() -> None:
     """A jerk that is just enough for the move itself leaves no room for rest."""
     tight = {"kind": "jerk", "max_mm_per_s3": 33.0 * LIFT / (FIRST / 360.0 / TURNS) ** 3}
