@@ -90,6 +90,7 @@ def test_closed_forms_of_a_cycloidal_and_a_parabolic_rise(swings: float) -> None
 
 LAWS = [
     ("modified_sine", "polynomial_5_6_7_8_9"),
+    ("cycloidal", {"kind": "gutman_1_3", "inflection": 0.944}),  # waves far faster than the train
     ("constant_velocity", "freudenstein_1_3_5"),  # the velocity jumps: impacts
 ]
 
