@@ -17,7 +17,7 @@ from synthesis.certify.quantities import Size, corner, enclose_all, infinite
 from synthesis.followers.flank import Flank
 from synthesis.forces.history import History, history
 from synthesis.forces.reduced import MILLI, Reduced
-from synthesis.forces.told import FlankForces, FloatArc, Forces, Peak, RollerLife, Torque
+from synthesis.forces.told import FlankForces, FloatArc, ForcePeak, Forces, RollerLife, Torque
 from synthesis.limits.base import Claim, Machine, times, where
 from synthesis.motion import Motion
 from synthesis.numerics.enclosure import Question
@@ -79,7 +79,7 @@ class _Cam:
             largest_pressure_mpa=None if pressure is None else _root(pressure),
         )  # fmt: skip
 
-    def _peak(self, name: str, flank: Flank, side: int, factor: int) -> Peak | None:
+    def _peak(self, name: str, flank: Flank, side: int, factor: int) -> ForcePeak | None:
         """The largest value (side 1) or the smallest (−1), times a factor."""
         quantity = Loaded(name, self.machine, self.load, self.course, flank, self.size)
         everywhere = where(self.course.motion.stretches)
@@ -95,7 +95,9 @@ class _Cam:
         found = answer.extreme
         if not math.isfinite(found.width):
             return None
-        return Peak(value=factor * found.value, angle_deg=found.angle / DEGREE, width=found.width)
+        return ForcePeak(
+            value=factor * found.value, angle_deg=found.angle / DEGREE, width=found.width
+        )
 
     # -- integrals ---------------------------------------------------------------------------
 
@@ -244,7 +246,7 @@ class _Cam:
         return np.where(rest <= 0.0, 0.0, np.minimum(*each))
 
 
-def _root(square: Peak) -> Peak:
+def _root(square: ForcePeak) -> ForcePeak:
     value = math.sqrt(max(square.value, 0.0))
     width = 0.5 * square.width / value if value > 0.0 else math.sqrt(max(square.width, 0.0))
-    return Peak(value=value, angle_deg=square.angle_deg, width=width)
+    return ForcePeak(value=value, angle_deg=square.angle_deg, width=width)
