@@ -97,8 +97,7 @@ class Quantity:
     def at(self, trace: Trace, size: Size, s: tuple[Taylor, ...]) -> Taylor:
         """Its model, from those of s and at least as many derivatives as it uses."""
         found = self.formula(trace, size, s[: self.order + 1] + (0.0,) * (3 - self.order))
-        assert isinstance(found, Taylor)
-        return found
+        return found if isinstance(found, Taylor) else s[0].constant(found)
 
 
 QUANTITIES = {
@@ -145,9 +144,13 @@ def enclose_all(
         s = course.jets.models(piece, lo, hi, highest)
         return [subjects[k][0].at(traces[k], size, s) for k in wanted]
 
+    def values(piece: Indices, x: Array, wanted: Sequence[int]) -> list[Array]:
+        s = tuple(course.curve.jet(x, piece, 3))
+        return [subjects[k][0].formula(traces[k], size, s) for k in wanted]
+
     enough = [quantity.absolute + quantity.share * scale for quantity, _ in subjects]
     asked = [replace(q, absolute=q.absolute + enough[q.function]) for q in questions]
-    return enclose(models, course.curve.breaks, course.counts, asked)
+    return enclose(models, course.curve.breaks, course.counts, asked, values)
 
 
 def infinite(
