@@ -19,6 +19,7 @@ NAMES = (
     "convex_stage",
     "curvature",
     "proof",
+    "train",
     "neighbours",
     "camshape",
     "camshape_ipopt",

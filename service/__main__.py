@@ -1,9 +1,10 @@
-"""`python -m service`: start, check yourself, say where you are."""
+"""`python -m service`: what `camwright serve` does, with its options."""
 
 from __future__ import annotations
 
-from service.run import serve
-from service.settings import settings_from
+import typer
+
+from service.commands.serve import serve
 
 if __name__ == "__main__":
-    serve(settings_from())
+    typer.run(serve)

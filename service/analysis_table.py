@@ -53,7 +53,8 @@ def self_crossing(found: Analysis) -> str:
     )
 
 
-def _table(title: str, *columns: str) -> Table:
+def headed(title: str, *columns: str) -> Table:
+    """An empty table, its first column to the left and numbers to the right."""
     table = Table(title=title, title_justify="left", box=SIMPLE_HEAD)
     for i, column in enumerate(columns):
         table.add_column(column, justify="left" if i == 0 else "right", no_wrap=True)
@@ -61,17 +62,17 @@ def _table(title: str, *columns: str) -> Table:
 
 
 def _limits(found: Analysis) -> Table:
-    table = _table("Limits", "limit", "value", "unit", "at °", "allowed", "margin", "")
+    table = headed("Limits", "limit", "value", "unit", "at °", "allowed", "margin", "")
     for e in found.extremes:
         table.add_row(
-            e.limit, _number(e.value), e.unit, f"{e.angle_deg:.3f}", _number(e.bound),
-            _number(e.margin), "holds" if e.holds else "BROKEN",
+            e.limit, number(e.value), e.unit, f"{e.angle_deg:.3f}", number(e.bound),
+            number(e.margin), "holds" if e.holds else "BROKEN",
         )  # fmt: skip
     return table
 
 
 def _curves(found: Analysis) -> Table:
-    table = _table("Curves", "curve", "over", "unit", "largest", "at °", "smallest", "at °")
+    table = headed("Curves", "curve", "over", "unit", "largest", "at °", "smallest", "at °")
     for c in found.curves:
         table.add_row(c.curve, c.over, c.unit, *_peak(c.largest), *_peak(c.smallest))
     return table
@@ -81,38 +82,39 @@ def _peak(peak: Peak | None) -> tuple[str, str]:
     if peak is None:
         return "–", "–"
     sides = {"left": "−", "right": "+", "both": ""}
-    return _number(peak.value), f"{peak.angle_deg:.3f}{sides[peak.side]}"
+    return number(peak.value), f"{peak.angle_deg:.3f}{sides[peak.side]}"
 
 
 def _jumps(found: Analysis) -> Table:
-    table = _table("Jumps", "curve", "at °", "unit", "before", "after", "jump")
+    table = headed("Jumps", "curve", "at °", "unit", "before", "after", "jump")
     for j in found.jumps:
-        values = (_number(value) for value in (j.before, j.after, j.jump))
+        values = (number(value) for value in (j.before, j.after, j.jump))
         table.add_row(j.curve, f"{j.angle_deg:.3f}", j.unit, *values)
     return table
 
 
 def _mend(mend: Mend) -> Table:
-    table = _table("What would mend it", "change", "to", "by", "unit")
+    table = headed("What would mend it", "change", "to", "by", "unit")
     for size in mend.sizes:
         name = f"base radius, follower's place {size.offset}"
         if not size.dimensions:
             table.add_row(name, "no size helps", "", "")
             continue
         table.add_row(
-            name, _number(size.dimensions["base_radius_mm"]),
-            _number(size.base_radius_change_mm), "mm",
+            name, number(size.dimensions["base_radius_mm"]),
+            number(size.base_radius_change_mm), "mm",
         )  # fmt: skip
         for each, by in size.changes.items():
             plain, _, unit = each.rpartition("_")
-            told = _number(size.dimensions[each]), _number(by), unit
+            told = number(size.dimensions[each]), number(by), unit
             table.add_row(f"  with {plain.replace('_', ' ')}", *told)
     for alone in mend.relaxations:
         if alone.needed is not None:
-            change = _number(alone.needed - alone.asked)
-            table.add_row(f"{alone.field} alone", _number(alone.needed), change, alone.unit)
+            change = number(alone.needed - alone.asked)
+            table.add_row(f"{alone.field} alone", number(alone.needed), change, alone.unit)
     return table
 
 
-def _number(value: float | None) -> str:
+def number(value: float | None) -> str:
+    """A value to six digits, a dash where there is none."""
     return "–" if value is None else f"{value:.6g}"

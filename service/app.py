@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import AsyncIterator, Callable
 from contextlib import AbstractAsyncContextManager, asynccontextmanager
+from functools import partial
 from typing import Any
 
 from fastapi import FastAPI
@@ -19,7 +20,7 @@ from service.jobs import Jobs
 from service.metrics import Metrics
 from service.observe import Observe
 from service.ranges import Ranges
-from service.resource import RESOURCES
+from service.resource import LINKAGE_RESOURCES, RESOURCES
 from service.routes import (
     analyses,
     analysis_pictures,
@@ -28,10 +29,14 @@ from service.routes import (
     confirmation,
     designs,
     files,
+    linkages,
     operation,
     profile_analyses,
+    spatial_cams,
+    spatial_files,
     sweep_items,
     sweeps,
+    train_responses,
 )
 from service.settings import Settings
 from service.state import State
@@ -40,8 +45,9 @@ from service.sweeps.sweeps import Sweeps
 
 EngineOf = Callable[[Settings], AbstractAsyncContextManager[Engine]]
 ROUTES = (
-    designs, confirmation, files, cam_sets, sweeps, sweep_items, analyses,
-    analysis_pictures, profile_analyses, catalogue, operation,
+    designs, confirmation, files, cam_sets, spatial_cams, spatial_files, sweeps, sweep_items,
+    analyses, analysis_pictures, profile_analyses, linkages, train_responses,
+    catalogue, operation,
 )  # fmt: skip
 EXPOSED = (
     "Accept-Ranges", "Content-Location", "Content-Range", "ETag", "Location", "Retry-After",
@@ -58,9 +64,11 @@ def create_app(settings: Settings, engine_of: EngineOf = running_engine) -> Fast
         store = Store(settings)
         async with engine_of(settings) as engine:
             many = Sweeps(engine, store, settings)
-            kinds = [Jobs(each, engine, store, metrics, settings) for each in RESOURCES]
-            app.state.parts = State(settings, metrics, engine, store, many, *kinds)
-            under_way: list[Jobs | Sweeps] = [many, *kinds]
+            work_on = partial(Jobs, engine=engine, store=store, metrics=metrics, settings=settings)
+            kinds = [work_on(each) for each in RESOURCES]
+            linkages = {name: work_on(each) for name, each in LINKAGE_RESOURCES.items()}
+            app.state.parts = State(settings, metrics, engine, store, many, linkages, *kinds)
+            under_way: list[Jobs | Sweeps] = [many, *kinds, *linkages.values()]
             for work in under_way:
                 await work.resume()
             yield

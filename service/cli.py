@@ -16,6 +16,7 @@ from service.commands.design import design
 from service.commands.export import export
 from service.commands.read_back import read_back
 from service.commands.serve import serve
+from service.commands.spatial import spatial
 from service.commands.sweep import sweep
 from service.terminal import out
 from synthesis.design import engine_version
@@ -25,6 +26,7 @@ COMMANDS: Mapping[str, Callable[..., Any]] = {
     "analyse": analyse,
     "cam-set": cam_set,
     "sweep": sweep,
+    "spatial": spatial,
     "costs": costs,
     "confirm": confirm,
     "export": export,

@@ -8,12 +8,16 @@ from typing import Any
 from fastapi import FastAPI
 from fastapi.openapi.utils import get_openapi
 from fastapi.routing import APIRoute
+from pydantic import BaseModel
 
 from service.errors import BY_STATUS, PROBLEMS
 from service.examples import examples
 from service.problem import MEDIA_TYPE, LateProblem, Problem
 from synthesis.design import engine_version
+from synthesis.dynamics import TrainSpec
+from synthesis.linkages import LINKAGES
 from synthesis.measured import MeasuredCam
+from synthesis.spatial.spec import SpatialCamSpec
 from synthesis.sweeps import SweepSpec
 
 TITLE = "Camwright"
@@ -35,6 +39,16 @@ its profile to `POST /v1/profile-analyses`: the motion that it gives its followe
 Several cams on one shaft go to `POST /v1/cam-sets`, each with its phase: one timing diagram, and
 one archive with all files, in the cams' own frames and in the shaft's.
 
+Cams whose rollers' axes do not lie along the cam's, as those of globoidal indexers, go to
+`POST /v1/spatial-cams`: their walls, pressure angle, undercut, where and at which roller.
+
+What an elastic follower train does on a cam, speed by speed, says `POST /v1/train-responses`:
+residual vibration in the dwells, contact force, the speed at which contact is lost.
+
+Linkages have places of their own: a six-bar shaper, given or sized for a stroke and a quick-return
+ratio, goes to `POST /v1/linkages/six-bar-shapers`, a palletising arm to
+`POST /v1/linkages/palletising-arms`.
+
 Many designs out of one go to `POST /v1/sweeps`: a base spec, the fields to vary, and how their
 values are combined. Watch them come in, take them as a table, and see what is traded for what.
 
@@ -54,6 +68,9 @@ TAGS = [
     {"name": "designs", "description": "Ask for a cam; look at it, list them, forget it."},
     {"name": "analyses", "description": "What a cam does that is given in full."},
     {"name": "cam sets", "description": "Several cams on one shaft, with their phases."},
+    {"name": "spatial cams", "description": "Cams for rollers whose axes lie across the cam's."},
+    {"name": "follower trains", "description": "Masses, springs and dampers that a cam drives."},
+    {"name": "linkages", "description": "Shapers and palletising arms."},
     {"name": "sweeps", "description": "Many designs out of one, and their trade-offs."},
     {"name": "files", "description": "Points and curves of a finished design."},
     {"name": "catalogue", "description": "What a spec may name, and what this server allows."},
@@ -67,6 +84,11 @@ SEVERAL = {
     503: "Not now, try again",
 }
 OPENAPI_URL = "/openapi.json"
+# Bodies that no handler's signature names.
+UNNAMED: tuple[type[BaseModel], ...] = (
+    Problem, LateProblem, MeasuredCam, SpatialCamSpec, SweepSpec, TrainSpec,
+    *(each.spec for each in LINKAGES.values()),
+)  # fmt: skip
 
 
 def problems(*statuses: int) -> dict[int | str, dict[str, Any]]:
@@ -146,12 +168,7 @@ def describe(app: FastAPI) -> dict[str, Any]:
         )
         schemas = document["components"]["schemas"]
         reference = "#/components/schemas/{model}"
-        for model in (
-            Problem,
-            LateProblem,
-            MeasuredCam,
-            SweepSpec,
-        ):  # no handler's signature names them
+        for model in UNNAMED:
             own = model.model_json_schema(ref_template=reference)
             for name, schema in own.pop("$defs").items():
                 schemas.setdefault(name, schema)

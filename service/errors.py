@@ -51,6 +51,10 @@ class UnknownCamSet(ServiceError):
     """No cam set has this id."""
 
 
+class UnknownSpatialCam(ServiceError):
+    """No spatial cam has this id."""
+
+
 class UnknownSweep(ServiceError):
     """No sweep has this id, or it has no such item yet."""
 
@@ -61,6 +65,14 @@ class FormatMissing(ServiceError):
 
 class UnknownAnalysis(ServiceError):
     """No analysis of this kind has this id."""
+
+
+class UnknownTrainResponse(ServiceError):
+    """No response of a follower train has this id."""
+
+
+class UnknownLinkage(ServiceError):
+    """No linkage of this kind has this id."""
 
 
 class BadQuery(ServiceError):
@@ -120,9 +132,12 @@ PROBLEMS: dict[type[Exception], Kind] = {
     NotJson: Kind(400, "not-json", "The body is not JSON"),
     UnknownDesign: Kind(404, "unknown-design", "No such design"),
     UnknownCamSet: Kind(404, "unknown-cam-set", "No such cam set"),
+    UnknownSpatialCam: Kind(404, "unknown-spatial-cam", "No such spatial cam"),
     UnknownSweep: Kind(404, "unknown-sweep", "No such sweep or item"),
     FormatMissing: Kind(501, "format-missing", "This server does not write the format"),
+    UnknownTrainResponse: Kind(404, "unknown-train-response", "No such train response"),
     UnknownAnalysis: Kind(404, "unknown-analysis", "No such analysis"),
+    UnknownLinkage: Kind(404, "unknown-linkage", "No such linkage"),
     NotDone: Kind(409, "not-done", "The design is not finished"),
     PartOfSweep: Kind(409, "part-of-sweep", "The design belongs to a sweep"),
     NothingFits: Kind(409, "nothing-fits", "The design is infeasible and has no files"),

@@ -17,6 +17,9 @@ SELF_CHECK = "example-13-6-sized"
 ANALYSES = "analyses"  # the folder of those that are given in full, for POST /v1/analyses
 PROFILE_ANALYSES = "profile-analyses"  # the folder of those for POST /v1/profile-analyses
 CAM_SETS = "cam-sets"  # the folder of those for POST /v1/cam-sets
+SPATIAL_CAMS = "spatial-cams"  # the folder of those for POST /v1/spatial-cams
+TRAINS = "train-responses"  # the folder of those for POST /v1/train-responses
+LINKAGES = "linkages"  # the folder of folders, one for each kind of /v1/linkages
 SWEEPS = "sweeps"  # the folder of those for POST /v1/sweeps
 
 

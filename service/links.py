@@ -9,6 +9,8 @@ from synthesis.exporters import (
     PROFILE_FORMATS,
     SOLID_FORMATS,
 )
+from synthesis.exporters.linkages import LINKAGE_FILES
+from synthesis.spatial.files import formats_of
 
 
 def design_links(design_id: str, *, has_cam: bool) -> dict[str, str]:
@@ -27,6 +29,27 @@ def analysis_links(analysis_id: str) -> dict[str, str]:
     """Where the analysis and its pictures are."""
     self = f"/v1/analyses/{analysis_id}"
     return {"self": self, **{name: f"{self}/{name}" for name in DRAWINGS}}
+
+
+def linkage_links(kind: str, name: str, *, has_linkage: bool) -> dict[str, str]:
+    """Where a linkage of this kind and its files are; where nothing fits there are none."""
+    self = f"/v1/linkages/{kind}/{name}"
+    files = LINKAGE_FILES[kind] if has_linkage else ()
+    return {"self": self, **{file: f"{self}/{file}" for file in files}}
+
+
+def spatial_links(cam_id: str, machine: str, *, has_cam: bool) -> dict[str, str]:
+    """Where the spatial cam and its files are; where nothing fits there is no cam to draw."""
+    self = f"/v1/spatial-cams/{cam_id}"
+    files = formats_of(machine) if has_cam else ()
+    return {"self": self, **{name: f"{self}/{name}" for name in files}}
+
+
+def train_links(train_id: str) -> dict[str, str]:
+    """Where the train's response and its files are."""
+    self = f"/v1/train-responses/{train_id}"
+    files = ("response.csv", "response.svg", "spectrum.svg")
+    return {"self": self, **{name: f"{self}/{name}" for name in files}}
 
 
 def set_links(set_id: str, *, has_cams: bool) -> dict[str, str]:

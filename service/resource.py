@@ -4,18 +4,49 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from functools import partial
 from operator import attrgetter
 from typing import Any
 
-from service.errors import ServiceError, UnknownAnalysis, UnknownCamSet, UnknownDesign
-from service.links import analysis_links, design_links, set_links
-from service.solve import Task, analyse, read_back, solve_set
-from service.store import AnalysisRow, CamSetRow, DesignRow, Lookup, ProfileAnalysisRow, Row
+from service.errors import (
+    ServiceError,
+    UnknownAnalysis,
+    UnknownCamSet,
+    UnknownDesign,
+    UnknownLinkage,
+    UnknownSpatialCam,
+    UnknownTrainResponse,
+)  # fmt: skip
+from service.links import (
+    analysis_links,
+    design_links,
+    linkage_links,
+    set_links,
+    spatial_links,
+    train_links,
+)
+from service.solve import Task, analyse, linked, read_back, respond, solve_set, solve_spatial
+from service.store import (
+    AnalysisRow,
+    CamSetRow,
+    DesignRow,
+    Lookup,
+    PalletisingArmRow,
+    ProfileAnalysisRow,
+    Row,
+    SixBarShaperRow,
+    SpatialCamRow,
+    TrainResponseRow,
+)  # fmt: skip
 from service.sweeps.store import design_of_item
 from synthesis.camset import set_id
 from synthesis.camset_spec import CamSetSpec
 from synthesis.design import design_id, question_id
+from synthesis.dynamics import TrainSpec
+from synthesis.linkages import LINKAGES, Linkage
 from synthesis.measured import MeasuredCam
+from synthesis.spatial.design import spatial_id
+from synthesis.spatial.spec import SpatialCamSpec
 from synthesis.spec import DesignSpec
 
 
@@ -91,4 +122,49 @@ PROFILE_ANALYSES = Resource(
     unknown=UnknownAnalysis,
     budget_of=lambda _: None,
 )
-RESOURCES = (DESIGNS, CAM_SETS, ANALYSES, PROFILE_ANALYSES)
+SPATIAL_CAMS = Resource(
+    path="/v1/spatial-cams",
+    noun="spatial cam",
+    row=SpatialCamRow,
+    spec=SpatialCamSpec,
+    name_of=spatial_id,
+    task=solve_spatial,
+    links=lambda name, summary: spatial_links(
+        name, summary.get("machine", ""), has_cam=bool(summary.get("dimensions"))
+    ),
+    unknown=UnknownSpatialCam,
+    budget_of=lambda _: None,
+)
+TRAIN_RESPONSES = Resource(
+    path="/v1/train-responses",
+    noun="train response",
+    row=TrainResponseRow,
+    spec=TrainSpec,
+    name_of=lambda spec: question_id(spec, "train response"),
+    task=respond,
+    links=lambda name, _: train_links(name),
+    unknown=UnknownTrainResponse,
+)
+
+
+def _linkages(linkage: Linkage, row: type[Row]) -> Resource:
+    """A kind of linkage."""
+    return Resource(
+        path=f"/v1/linkages/{linkage.name}",
+        noun=linkage.noun,
+        row=row,
+        spec=linkage.spec,
+        name_of=lambda spec: question_id(spec, linkage.noun),
+        task=partial(linked, linkage.name),
+        links=lambda name, summary: linkage_links(
+            linkage.name, name, has_linkage=bool(summary.get("quantities"))
+        ),
+        unknown=UnknownLinkage,
+    )
+
+
+LINKAGE_ROWS = {"six-bar-shapers": SixBarShaperRow, "palletising-arms": PalletisingArmRow}
+LINKAGE_RESOURCES = {
+    name: _linkages(linkage, LINKAGE_ROWS[name]) for name, linkage in LINKAGES.items()
+}
+RESOURCES = (DESIGNS, CAM_SETS, ANALYSES, PROFILE_ANALYSES, SPATIAL_CAMS, TRAIN_RESPONSES)

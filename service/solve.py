@@ -5,16 +5,24 @@ from __future__ import annotations
 import time
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from service.errors import NothingFits
-from service.links import design_links, set_links
+from service.links import design_links, linkage_links, set_links, spatial_links, train_links
 from synthesis.camset_spec import CamSetSpec
 from synthesis.design import Design
+from synthesis.dynamics import TrainSpec
 from synthesis.exporters import DRAWINGS, Exporter, Made, Options
+from synthesis.exporters.exporter import FileFormat
 from synthesis.findings import Analysis
+from synthesis.linkages import LINKAGES
 from synthesis.objectives import Objective
+from synthesis.spatial.design import SpatialDesign
+from synthesis.spatial.spec import SpatialCamSpec
 from synthesis.spec import DesignSpec
+
+if TYPE_CHECKING:
+    from synthesis.pipeline import Near  # the solvers with it
 
 
 @dataclass(frozen=True)
@@ -28,6 +36,7 @@ class Answer:
         seconds: time the core took.
         quantities: what a sweep trades: dimensions, objectives and what else was measured.
         id: of a design, otherwise empty.
+        near: what a design leaves to a neighbouring one; stays in the worker.
     """
 
     design: bytes
@@ -36,26 +45,38 @@ class Answer:
     seconds: float
     quantities: dict[str, float] = field(default_factory=dict)
     id: str = ""
+    near: Near | None = None
 
 
 Task = Callable[[bytes, float], Answer]
 PRICING = 0.8  # of the time there is, for what limits cost: then what is known by then is told
 
 
-def solve(spec: bytes, budget_s: float, also: Sequence[Objective] = ()) -> Answer:
-    """Synthesise, and measure further objectives; runs in a worker process."""
-    from synthesis.pipeline import synthesise  # solvers: not in the API's process
+def solve(
+    spec: bytes, budget_s: float, also: Sequence[Objective] = (), near: Near | None = None
+) -> Answer:
+    """Synthesise, and measure further objectives; runs in a worker process.
 
-    return answered(synthesise, spec, budget_s, also)
+    ``near``: what a neighbouring design has left, to begin there.
+    """
+    from synthesis.pipeline import synthesise_beside  # solvers: not in the API's process
+
+    def begun(asked: DesignSpec, deadline: float) -> tuple[Design, Near | None]:
+        return synthesise_beside(asked, near, deadline=deadline)
+
+    return answered(begun, spec, budget_s, also)
 
 
 def answered(
-    synthesise: Callable[..., Any], spec: bytes, budget_s: float, also: Sequence[Objective] = ()
+    synthesise: Callable[[DesignSpec, float], tuple[Design, Near | None]],
+    spec: bytes,
+    budget_s: float,
+    also: Sequence[Objective] = (),
 ) -> Answer:
     """The core's answer to a spec, ready for the store."""
     started = time.monotonic()
     asked = DesignSpec.model_validate_json(spec, strict=True)
-    design = synthesise(asked, deadline=started + budget_s)
+    design, left = synthesise(asked, started + budget_s)
     links = design_links(design.id, has_cam=bool(design.motion))
     design = design.model_copy(update={"links": links})
     proven = design.certificate
@@ -73,7 +94,7 @@ def answered(
     }
     body = design.model_dump_json().encode()
     seconds = time.monotonic() - started
-    return Answer(body, design.status, summary, seconds, quantities, design.id)
+    return Answer(body, design.status, summary, seconds, quantities, design.id, left)
 
 
 def solve_set(spec: bytes, budget_s: float) -> Answer:
@@ -87,6 +108,32 @@ def solve_set(spec: bytes, budget_s: float) -> Answer:
     summary = {"cams": len(found.cams), "fitting": sum(cam.has_cam for cam in found.cams)}
     body = found.model_dump_json().encode()
     return Answer(body, found.status, summary, time.monotonic() - started)
+
+
+def solve_spatial(spec: bytes, budget_s: float) -> Answer:
+    """Design a spatial cam; runs in a worker process."""
+    from synthesis.spatial.pipeline import synthesise_spatial
+
+    started = time.monotonic()
+    asked = SpatialCamSpec.model_validate_json(spec)
+    found = synthesise_spatial(asked, deadline=started + budget_s)
+    links = spatial_links(found.id, found.machine, has_cam=bool(found.motion))
+    found = found.model_copy(update={"links": links})
+    summary = {"machine": found.machine, "dimensions": found.dimensions}
+    body = found.model_dump_json().encode()
+    return Answer(body, found.status, summary, time.monotonic() - started, {}, found.id)
+
+
+def respond(spec: bytes, budget_s: float) -> Answer:
+    """A follower train's response to its cam; runs in a worker process."""
+    from synthesis.train_response import respond as responded
+
+    started = time.monotonic()
+    found = responded(TrainSpec.model_validate_json(spec), deadline=started + budget_s)
+    found = found.model_copy(update={"links": train_links(found.id)})
+    summary = {"modes_hz": [mode.natural_frequency_hz for mode in found.modes]}
+    body = found.model_dump_json().encode()
+    return Answer(body, "computed", summary, time.monotonic() - started)
 
 
 def analyse(spec: bytes, budget_s: float) -> Answer:
@@ -131,6 +178,19 @@ def read_back(cam: bytes, budget_s: float) -> Answer:
     return Answer(found.model_dump_json().encode(), "read", summary, time.monotonic() - started)
 
 
+def linked(kind: str, spec: bytes, budget_s: float) -> Answer:
+    """Answer a question about a linkage of this kind; runs in a worker process."""
+    linkage = LINKAGES[kind]
+    started = time.monotonic()
+    asked = linkage.spec.model_validate_json(spec)
+    found = linkage.work(asked, started + budget_s)
+    quantities = linkage.told(found)
+    links = linkage_links(kind, found.id, has_linkage=bool(quantities))
+    body = found.model_copy(update={"links": links}).model_dump_json().encode()
+    summary = {"quantities": quantities}
+    return Answer(body, found.status, summary, time.monotonic() - started, quantities, found.id)
+
+
 def priced(design: bytes, budget_s: float) -> bytes:
     """What each limit of a finished design costs; runs in a worker process."""
     from synthesis.sensitivity import sensitivities
@@ -145,6 +205,14 @@ def file_of(design: bytes, exporter: Exporter[Any], options: Any) -> Made:
     finished = Design.model_validate_json(design)
     if not (finished.motion or exporter.without_cam):
         raise NothingFits("No cam fits these limits: see conflict in the design for what would.")
+    return exporter.whole(finished, options)
+
+
+def spatial_file(design: bytes, exporter: FileFormat[SpatialDesign, Any], options: Any) -> Made:
+    """The same of a spatial cam."""
+    finished = SpatialDesign.model_validate_json(design)
+    if not finished.motion:
+        raise NothingFits("No cam fits these limits, so that there is none to draw.")
     return exporter.whole(finished, options)
 
 

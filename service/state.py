@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Annotated, cast
 
@@ -24,10 +25,13 @@ class State:
     engine: Engine
     store: Store
     sweeps: Sweeps
+    linkages: Mapping[str, Jobs]
     designs: Jobs
     cam_sets: Jobs
     analyses: Jobs
     profile_analyses: Jobs
+    spatial_cams: Jobs
+    train_responses: Jobs
 
 
 def _state(request: Request) -> State:

@@ -91,6 +91,30 @@ class ProfileAnalysisRow(Row):
     __tablename__ = "profile_analyses"
 
 
+class SixBarShaperRow(Row):
+    """One six-bar shaper."""
+
+    __tablename__ = "six_bar_shapers"
+
+
+class PalletisingArmRow(Row):
+    """One palletising arm."""
+
+    __tablename__ = "palletising_arms"
+
+
+class SpatialCamRow(Row):
+    """One spatial cam."""
+
+    __tablename__ = "spatial_cams"
+
+
+class TrainResponseRow(Row):
+    """One follower train on its cam."""
+
+    __tablename__ = "train_responses"
+
+
 class KeyRow(Base):
     """An Idempotency-Key: which body it came with, and which answer it led to."""
 

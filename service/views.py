@@ -50,6 +50,23 @@ class CamSetSummary(Accepted):
     fitting: Annotated[int | None, Field(description="For how many a cam was found.")] = None
 
 
+class SpatialCamSummary(Accepted):
+    """One line of the list of spatial cams."""
+
+    status: Annotated[Status | None, Field(description="What came out; null until it is done.")]
+    machine: Annotated[str | None, Field(description="Kind of its machine.")] = None
+    dimensions: Annotated[
+        dict[str, float], Field(description="Centre distance, roller radius, …: name and unit.")
+    ] = {}
+
+
+class TrainResponseSummary(Accepted):
+    """One line of the list of follower trains."""
+
+    status: Annotated[Literal["computed"] | None, Field(description="null until it is done.")]
+    modes_hz: Annotated[list[float], Field(description="Natural frequencies of the train.")] = []
+
+
 class AnalysisSummary(Accepted):
     """One line of the list of analyses."""
 
@@ -65,6 +82,15 @@ class ProfileAnalysisSummary(Accepted):
     status: Annotated[Literal["read"] | None, Field(description="null until it is done.")]
     dimensions: Annotated[
         dict[str, float], Field(description="Base radius, stroke, … as read: name and unit.")
+    ] = {}
+
+
+class LinkageSummary(Accepted):
+    """One line of a list of linkages."""
+
+    status: Annotated[Status | None, Field(description="What came out; null until it is done.")]
+    quantities: Annotated[
+        dict[str, float], Field(description="Stroke, reach, …: name and unit.")
     ] = {}
 
 
@@ -96,12 +122,24 @@ class CamSetPage(Page[CamSetSummary]):
     """Cam sets, the newest first."""
 
 
+class SpatialCamPage(Page[SpatialCamSummary]):
+    """Spatial cams, the newest first."""
+
+
+class TrainResponsePage(Page[TrainResponseSummary]):
+    """Follower trains on their cams, the newest first."""
+
+
 class AnalysisPage(Page[AnalysisSummary]):
     """Analyses, the newest first."""
 
 
 class ProfileAnalysisPage(Page[ProfileAnalysisSummary]):
     """Profiles that were read back, the newest first."""
+
+
+class LinkagePage(Page[LinkageSummary]):
+    """Linkages of one kind, the newest first."""
 
 
 def accepted(kind: Resource, row: Row) -> Accepted:

@@ -32,6 +32,9 @@ if TYPE_CHECKING:
     from synthesis.pipeline import synthesise
     from synthesis.sensitivity import sensitivities
     from synthesis.set_synthesis import synthesise_set
+    from synthesis.spatial.design import SpatialDesign
+    from synthesis.spatial.pipeline import synthesise_spatial
+    from synthesis.spatial.spec import SpatialCamSpec
     from synthesis.spec import DesignSpec
     from synthesis.sweeps.spec import SweepSpec
 
@@ -42,12 +45,15 @@ __all__ = [
     "Confirmation",
     "Design",
     "DesignSpec",
+    "SpatialCamSpec",
+    "SpatialDesign",
     "SweepSpec",
     "analyse",
     "confirm",
     "sensitivities",
     "synthesise",
     "synthesise_set",
+    "synthesise_spatial",
 ]
 
 _HOMES = {
@@ -57,12 +63,15 @@ _HOMES = {
     "Confirmation": "synthesis.confirmation",
     "Design": "synthesis.design",
     "DesignSpec": "synthesis.spec",
+    "SpatialCamSpec": "synthesis.spatial.spec",
+    "SpatialDesign": "synthesis.spatial.design",
     "SweepSpec": "synthesis.sweeps",
     "analyse": "synthesis.analysis",
     "sensitivities": "synthesis.sensitivity",
     "confirm": "synthesis.confirmation",
     "synthesise": "synthesis.pipeline",
     "synthesise_set": "synthesis.set_synthesis",
+    "synthesise_spatial": "synthesis.spatial.pipeline",
 }
 
 

@@ -11,6 +11,7 @@ from typing import Literal
 
 from synthesis import clock
 from synthesis.answer import Cam, design, dimensions, judged
+from synthesis.certify import forces
 from synthesis.certify.curves import Curves
 from synthesis.design import Conflict, Design, engine_version
 from synthesis.errors import InputError, SolverFailed, TimeBudgetExceeded
@@ -47,6 +48,7 @@ def analyse(spec: DesignSpec, *, deadline: float | None = None) -> Analysis:
         jumps=curves.jumps(),
         undercut=curves.undercut(),
         self_crossing=curves.self_crossing(),
+        forces=forces(cam.motion, spec.machine(), cam.size),
         mend=mend(spec, cam, _stop(spec, deadline)) if broken else None,
         spec=spec,
     )

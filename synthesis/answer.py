@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from itertools import accumulate
@@ -10,7 +10,7 @@ from math import isfinite
 
 import numpy as np
 
-from synthesis.certify import certify, certify_size, measure
+from synthesis.certify import certify, certify_size, forces, measure
 from synthesis.design import (
     Certificate,
     Conflict,
@@ -30,9 +30,12 @@ from synthesis.motion import Motion, Stretch
 from synthesis.numerics.bspline import SplineSpace
 from synthesis.numerics.piecewise import Array
 from synthesis.objectives import Objective
+from synthesis.program import Segment
 from synthesis.spec import DesignSpec
+from synthesis.units import Travel
 
 Vector = tuple[float, ...]
+Splines = Mapping[int, tuple[SplineSpace, Array]]
 NONE: Array = np.zeros(0)
 
 
@@ -145,14 +148,16 @@ def relative_gap(value: float, lower: float) -> float:
     return 0.0 if value == lower else max(value - lower, 0.0) / max(abs(value), 1e-300)
 
 
-def _segments(spec: DesignSpec, cam: Cam) -> list[SegmentMotion]:
-    travel = spec.follower.travel
-    starts = accumulate((segment.degrees for segment in spec.program), initial=0.0)
+def segments(
+    program: Sequence[Segment], travel: Travel, stretches: Sequence[Stretch], splines: Splines
+) -> list[SegmentMotion]:
+    """The motion as it is told: by segment of the program, the splines of those that have one."""
+    starts = accumulate((segment.degrees for segment in program), initial=0.0)
     found = []
-    for stretch, segment, start_deg in zip(cam.stretches, spec.program, starts, strict=False):
+    for stretch, segment, start_deg in zip(stretches, program, starts, strict=False):
         spline = None
-        if stretch.index in cam.splines:
-            space, coefficients = cam.splines[stretch.index]
+        if stretch.index in splines:
+            space, coefficients = splines[stretch.index]
             spline = SplineCurve(
                 degree=space.degree,
                 knots=space.breaks.tolist(),
@@ -202,8 +207,11 @@ def design(
         dimensions={} if cam is None else dimensions(spec, cam),
         size=[] if cam is None else list(cam.size),
         objectives={p.objective: p.value for p in proven if p.value is not None},
-        motion=[] if cam is None else _segments(spec, cam),
+        motion=[]
+        if cam is None
+        else segments(spec.program, spec.follower.travel, cam.stretches, cam.splines),
         extremes=list(extremes),
+        forces=None if cam is None else forces(cam.motion, spec.machine(), cam.size),
         certificate=Certificate(certified=certified, also=list(proven[1:]), **first.model_dump()),
         conflict=conflict,
         report=Report(stages=list(stages), seconds=seconds),

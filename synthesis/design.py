@@ -12,6 +12,7 @@ import numpy as np
 from pydantic import BaseModel, ConfigDict, Field, ValidatorFunctionWrapHandler, WrapValidator
 
 from synthesis.fields import Rotation
+from synthesis.forces.told import Forces
 from synthesis.motion import Motion, Stretch, StretchKind
 from synthesis.numerics.bspline import SplineSpace
 from synthesis.spec import DesignSpec
@@ -184,6 +185,9 @@ class Design(Part):
     objectives: dict[str, float] = told("Value of every objective asked.")
     motion: list[SegmentMotion] = told("The motion, segment by segment.")
     extremes: list[Extreme] = told("Every limit, measured on the finished cam.")
+    forces: Forces | None = Field(
+        None, description="Forces of the finished cam, where the spec tells its load."
+    )
     certificate: Certificate = told("What was proven.")
     smoothness_price: SmoothnessPrice | None = Field(
         None, description="What smoothness costs, where the spec asks for it."
@@ -194,7 +198,18 @@ class Design(Part):
     chosen: dict[str, float] = Field(
         {}, description="Angles, lifts and lengths that the spec leaves free: path and number."
     )
+    started_from: str | None = Field(
+        None,
+        description="In a sweep with warm starts: id of the design at which the local search "
+        "began. Values may then differ from those of the spec alone, within the gap; the id is "
+        "that of the spec begun so.",
+    )
     links: dict[str, str] = Field({}, description="Where to find its files.")
+
+    def begun_at(self, other: str) -> Design:
+        """The same design, told to have begun at another one."""
+        name = question_id(self.spec, "begun at", other)
+        return self.model_copy(update={"id": name, "started_from": other})
 
     def asked_as(self, spec: DesignSpec) -> Design:
         """The same design as the answer to a spec that left more open."""
@@ -212,7 +227,12 @@ class Design(Part):
         """The question with the numbers in place that it leaves free."""
         openings = self.spec.openings.free if self.chosen else ()
         numbers = [self.chosen[opening.field] for opening in openings]
-        return self.spec.with_numbers(numbers) if numbers else self.spec
+        spec = self.spec.with_numbers(numbers) if numbers else self.spec
+        if spec.load is None or not self.chosen:
+            return spec
+        named = {name: f"load/spring/{name}" for name in spec.load.free}
+        spring = {name: self.chosen[key] for name, key in named.items() if key in self.chosen}
+        return spec.model_copy(update={"load": spec.load.with_spring(spring)})
 
     @cached_property
     def curve(self) -> Motion:

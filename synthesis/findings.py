@@ -7,6 +7,7 @@ from typing import Literal
 from pydantic import Field
 
 from synthesis.design import Extreme, Part, Relaxation, Status, told
+from synthesis.forces.told import Forces
 from synthesis.spec import DesignSpec
 
 Over = Literal["turn", "rise", "dwell", "return"]
@@ -119,6 +120,7 @@ class Analysis(Part):
     jumps: list[CurveJump] = told("Where displacement, velocity, acceleration, curvature jump.")
     undercut: Undercut | None = told("Undercut or cusp; null where there is none.")
     self_crossing: SelfCrossing | None = told("Crossing far parts; null where there are none.")
+    forces: Forces | None = Field(None, description="Its forces, where the spec tells its load.")
     mend: Mend | None = told("What would mend it; null where every limit holds.")
     spec: DesignSpec = told("The question.")
 

@@ -27,6 +27,7 @@ from synthesis.design import (
 from synthesis.errors import SolverFailed, TimeBudgetExceeded
 from synthesis.formulations.candidate import Candidate, given_size, value
 from synthesis.formulations.companion import Settled, settled
+from synthesis.formulations.neighbour import Neighbour
 from synthesis.formulations.polish import FINEST
 from synthesis.formulations.problem import Held, calmer, pose
 from synthesis.formulations.refine import search
@@ -77,6 +78,14 @@ class _Attempt:
         return last.infeasible or not last.problem.free or last.best is None
 
 
+@dataclass(frozen=True, eq=False)
+class Near:
+    """What a design leaves to a neighbouring one: its id, and where its local search ended."""
+
+    id: str
+    search: Neighbour
+
+
 def synthesise(spec: DesignSpec, *, deadline: float | None = None) -> Design:
     """Design the cam that a spec asks for.
 
@@ -91,6 +100,24 @@ def synthesise(spec: DesignSpec, *, deadline: float | None = None) -> Design:
         TimeBudgetExceeded: time ran out before the tolerance was reached; carries the best.
         SolverFailed: no stage gave a usable point, and not even why could be found.
     """
+    return synthesise_beside(spec, None, deadline=deadline)[0]
+
+
+def synthesise_beside(
+    spec: DesignSpec, near: Near | None, *, deadline: float | None = None
+) -> tuple[Design, Near | None]:
+    """The same, begun where a neighbouring design ended, if that helps; and what this one leaves.
+
+    A design that was begun so has ``started_from`` and another id than the spec alone gives: its
+    values may differ from that one's, within what its certificate says.
+
+    Raises:
+        TimeBudgetExceeded, SolverFailed: as ``synthesise``.
+    """
+    if spec.load is not None and spec.load.free:
+        from synthesis.formulations.sprung import with_spring
+
+        return with_spring(spec, lambda given: synthesise(given, deadline=deadline)), None
     began, now = time.perf_counter(), clock.now()
     budget = min(
         inf if spec.time_budget_s is None else spec.time_budget_s,
@@ -100,7 +127,7 @@ def synthesise(spec: DesignSpec, *, deadline: float | None = None) -> Design:
     spec, numbers = _numbered(question, now + budget, stages)
     tables = smooth_tables(spec.stretches(), now + budget)
     stages += [StageReport(**asdict(stage)) for stage in tables.stages]
-    attempt = _drawn_in(spec, tables, now + budget, stages)
+    attempt = _drawn_in(spec, tables, now + budget, stages, near)
     if attempt.crosses:
         attempt = _grown(spec, tables, attempt, now + budget, stages)
     late = clock.now() >= now + budget
@@ -116,9 +143,12 @@ def synthesise(spec: DesignSpec, *, deadline: float | None = None) -> Design:
     if question.price_smoothness:
         price = _price(found, question, now + budget)
         found = found.model_copy(update={"smoothness_price": price})
+    if near is not None and any(tried.from_near for tried in attempt.searches):
+        found = found.begun_at(near.id)
     if late and found.status == "feasible":
         raise TimeBudgetExceeded(budget, found)
-    return found
+    behind = attempt.searches[0].left_behind if attempt.searches else None
+    return found, None if behind is None else Near(found.id, behind)
 
 
 def _price(found: Design, question: DesignSpec, stop: float) -> SmoothnessPrice:
@@ -155,10 +185,19 @@ def _numbered(
     return numbered, numbers
 
 
-def _drawn_in(spec: DesignSpec, tables: Tables, stop: float, stages: list[StageReport]) -> _Attempt:
-    """Attempts with limits drawn in more and more, until the certificate is content with one."""
+def _drawn_in(
+    spec: DesignSpec,
+    tables: Tables,
+    stop: float,
+    stages: list[StageReport],
+    near: Near | None = None,
+) -> _Attempt:
+    """Attempts with limits drawn in more and more, until the certificate is content with one.
+
+    The first begins at a neighbour's, if there is one: what the certificate refuses was not it.
+    """
     for tighten in DRAWN_IN:
-        attempt = _attempt(spec, tables, stop, tighten)
+        attempt = _attempt(spec, tables, stop, tighten, near if tighten == DRAWN_IN[0] else None)
         for tried in attempt.searches:
             stages += [StageReport(**asdict(stage)) for stage in tried.stages]
         settled = attempt.certified or attempt.crosses or attempt.hopeless
@@ -206,7 +245,13 @@ def _base_radius(attempt: _Attempt) -> float:
 
 
 def _attempt(
-    spec: DesignSpec, tables: Tables, stop: float, tighten: float, *, closely: bool = False
+    spec: DesignSpec,
+    tables: Tables,
+    stop: float,
+    tighten: float,
+    near: Near | None = None,
+    *,
+    closely: bool = False,
 ) -> _Attempt:
     """Solve the spec without what is settled after the size, then settle it.
 
@@ -215,7 +260,7 @@ def _attempt(
     Where no place of a counter roller suits the cam so found, the cam is sought again with the
     farthest place given: the counter cam then has its say in the laws and the size.
     """
-    attempt = _solved(spec.alone(), tables, stop, tighten)
+    attempt = _solved(spec.alone(), tables, stop, tighten, near)
     if attempt.best is None:
         return attempt
     place = settled(spec, attempt.best, inf if closely else stop)
@@ -231,7 +276,9 @@ def _attempt(
     return attempt
 
 
-def _solved(spec: DesignSpec, tables: Tables, stop: float, tighten: float) -> _Attempt:
+def _solved(
+    spec: DesignSpec, tables: Tables, stop: float, tighten: float, near: Near | None = None
+) -> _Attempt:
     """Work through the objectives in order; each keeps what the ones before have reached."""
     attempt = _Attempt(spec, spec)
     held: tuple[Held, ...] = ()
@@ -242,7 +289,8 @@ def _solved(spec: DesignSpec, tables: Tables, stop: float, tighten: float) -> _A
         problem, thorough = pose(spec, objective, held, tables.stretches), spec.proof == "thorough"
         if spec.tolerance <= FINEST:
             problem = calmer(problem)
-        tried = search(problem, share, stop, tighten, thorough=thorough)
+        start = near.search if near is not None and rank == 1 else None
+        tried = search(problem, share, stop, tighten, thorough=thorough, near=start)
         attempt.searches.append(tried)
         if tried.best is None:
             break

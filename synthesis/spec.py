@@ -13,6 +13,7 @@ from pydantic_core import PydanticCustomError
 from synthesis.best import Asked, check_best
 from synthesis.fields import CamRotation, CamSpeed, Name
 from synthesis.followers import AnyFollower
+from synthesis.forces import AnyLoad
 from synthesis.limits import AnyLimit, Limit, Machine
 from synthesis.limits.counter_base_radius import CounterBaseRadius
 from synthesis.limits.profile_radius import ProfileRadius
@@ -49,6 +50,13 @@ class DesignSpec(BaseModel):
     ]
     follower: Annotated[AnyFollower, Field(description="The follower that the machine has.")]
     base_radius_mm: Dimension = None
+    load: Annotated[
+        AnyLoad | None,
+        Field(
+            description="What loads the follower, rigid: mass, damping, spring, process force. "
+            "Left out, forces are not looked at."
+        ),
+    ] = None
     limits: Annotated[
         list[AnyLimit], Field(max_length=50, description="What may not be exceeded.")
     ] = []
@@ -177,6 +185,15 @@ class DesignSpec(BaseModel):
                     {"position": position, "limit": limit.kind, "kind": self.follower.kind},
                 )
             limit.check(self.follower)
+            limit.check_motion(self.stretches(), self.machine())
+        return self
+
+    @model_validator(mode="after")
+    def _load_suits(self) -> DesignSpec:
+        if self.load is not None:
+            self.load.check(self.follower, self.stretches())
+        for position, limit in enumerate(self.limits):
+            limit.check_load(self.load, self.follower, position)
         return self
 
     @model_validator(mode="after")
@@ -271,8 +288,10 @@ class DesignSpec(BaseModel):
     # -- what the core asks ------------------------------------------------------------------
 
     def machine(self) -> Machine:
-        """The follower and the cam's speed."""
-        return Machine(self.follower, rad_per_s(self.speed_rpm))
+        """The follower, the cam's speed, and what loads the follower."""
+        omega, load = rad_per_s(self.speed_rpm), self.load
+        reduced = None if load is None else load.reduced(self.follower, omega)
+        return Machine(self.follower, omega, reduced)
 
     def _pace(self) -> Pace:
         """What turns the program's displacements and rates into the core's."""
@@ -358,6 +377,9 @@ class DesignSpec(BaseModel):
         for stretch in self.stretches():
             if stretch.sought:
                 yield f"/program/{stretch.index}/law", self.program[stretch.index].law_name
+        if self.load is not None:
+            for name, (low, high) in self.load.free.items():
+                yield f"/load/spring/{name}", {"min": low, "max": high}
         asked: dict[str, Any] = {}
         bounds = self.follower.sizing(self.base_radius_range()).bounds
         if any(low != high for low, high in bounds):

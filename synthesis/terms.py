@@ -110,6 +110,27 @@ class Cone:
         return (math.sqrt(left) - half) / square if left >= 0.0 else 0.0
 
 
+@dataclass(frozen=True)
+class Ringing:
+    """What a run of stretches leaves an oscillator ringing with, at rest before it: ≤ ``largest``.
+
+    The follower carries the oscillator, x is by how much that lags behind: with θ for the time,
+    x'' + 2ζν x' + ν² x = −s''. Where the run ends the follower dwells, and x swings on within an
+    envelope A e^(−ζνθ); A at the end of the run is meant.
+
+    Attributes:
+        run: indices of the stretches, in order; s' is 0 before the first and after the last.
+        frequency: ν = ω_n/ω, undamped, per radian of the cam. damping: ζ in [0, 1).
+        largest: of A [mm]. source: the claim of a limit that asks for it.
+    """
+
+    run: tuple[int, ...]
+    frequency: float
+    damping: float
+    largest: float
+    source: str
+
+
 @dataclass(frozen=True, eq=False)
 class Cuts:
     """Rows that hold at n points: coefficients · (s, s', s'', s''') + size · z ≤ upper.

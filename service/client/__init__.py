@@ -111,6 +111,14 @@ class Client:
         """The cams of one shaft."""
         return run(self._calls.cam_set(spec))
 
+    def spatial_cam(self, spec: Spec) -> Json:
+        """The spatial cam for a SpatialCamSpec."""
+        return run(self._calls.spatial_cam(spec))
+
+    def train_response(self, spec: Spec) -> Json:
+        """What a TrainSpec's follower train does on its cam."""
+        return run(self._calls.train_response(spec))
+
     def sweep(self, spec: Spec) -> Json:
         """Start a sweep, or join it where it is under way; as it stands."""
         return run(self._calls.sweep(spec))

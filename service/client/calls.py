@@ -50,6 +50,14 @@ class Calls:
         """The cams of one shaft."""
         return await self._asked("/v1/cam-sets", spec)
 
+    async def spatial_cam(self, spec: Spec) -> Json:
+        """The spatial cam for a SpatialCamSpec."""
+        return await self._asked("/v1/spatial-cams", spec)
+
+    async def train_response(self, spec: Spec) -> Json:
+        """What a TrainSpec's follower train does on its cam."""
+        return await self._asked("/v1/train-responses", spec)
+
     async def sweep(self, spec: Spec) -> Json:
         """Start a sweep, or join it where it is under way; as it stands."""
         return _body(await self._sent(_question("/v1/sweeps", spec)))

@@ -10,6 +10,7 @@ from typing import Annotated, Any
 import typer
 
 from service.commands.asking import Url, asked
+from service.commands.forces import force_lines
 from service.terminal import out, read_spec, save, synthesise, synthesised
 from synthesis.design import Design
 from synthesis.exporters.exporter import Exporter
@@ -32,6 +33,12 @@ def design(
     gap = "" if done.certificate.gap is None else f", gap {100.0 * done.certificate.gap:.2f} %"
     sizes = ", ".join(f"{name} {value:.4f}" for name, value in done.dimensions.items())
     out.print(f"{done.status}{gap}, {1e3 * took:.0f} ms: {sizes}")
+    if done.forces is not None:
+        for line in force_lines(done.forces):
+            out.print(line)
+    if done.chosen:
+        told = (f"{name} {value:.6g}" for name, value in done.chosen.items())
+        out.print(f"Chosen: {', '.join(told)}")
     out.print(f"Written to {out_dir}: {', '.join(names)}")
     if done.conflict is not None:
         out.print(f"These limits cannot hold together: {', '.join(done.conflict.limits)}")

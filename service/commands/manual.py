@@ -62,6 +62,19 @@ that mends it.
 Exit codes: 0 every limit holds; 2 the question makes no sense or leaves something free; 3 a
 limit is broken."""
 
+SPATIAL = """Design one spatial cam, globoidal or cylindrical: its rollers stand across the cam.
+
+Prints its walls by roller and side, where in the turn (deg) each is met, and what was measured:
+pressure angle in deg, undercut, radii and ribs in mm, speeds in mm/s and rpm, each with cam angle,
+wall and place on the roller's axis in mm. --out writes the answer and its files.
+
+\b
+  camwright spatial openapi/examples/spatial-cams/p4.json
+  camwright spatial cam.json --out results
+
+Exit codes: 0 a cam that holds; 2 the question makes no sense; 3 a wall is undercut, a rib cut
+through or a limit broken: which and where is told."""
+
 CONFIRM = """Measure a finished design's certificate again, in ball arithmetic, to 25 digits.
 
 A second judge that shares neither formulas nor arithmetic with the first. Takes 0.05 to 2 s, and
@@ -151,6 +164,7 @@ HELP: Mapping[str, str] = {
     "cam-set": _flowing(CAM_SET),
     "sweep": _flowing(SWEEP),
     "costs": _flowing(COSTS),
+    "spatial": _flowing(SPATIAL),
     "confirm": _flowing(CONFIRM),
     "export": _flowing(EXPORT),
     "read-back": _flowing(READ_BACK),

@@ -14,14 +14,15 @@ from synthesis.exporters import (
     PICTURES,
     PROFILE_FORMATS,
     SOLID_FORMATS,
-    Exporter,
     form,
 )
+from synthesis.exporters.exporter import FileFormat
 from synthesis.exporters.options import MAX_POINTS, MAX_POINTS_PER_DEGREE, MIN_TOLERANCE_UM
 from synthesis.followers import FOLLOWERS
 from synthesis.laws import LAWS, TASKS, Characteristics, Ends, SplineLaw, characteristics
 from synthesis.limits import LIMITS
 from synthesis.objectives import OBJECTIVES
+from synthesis.spatial.files import FORMATS as SPATIAL_FORMATS
 from synthesis.spec import MAX_SEGMENTS
 
 router = APIRouter(prefix="/v1", tags=["catalogue"])
@@ -93,6 +94,10 @@ class Formats(BaseModel):
         Field(description="Pictures and pages; the name is the path's last part as it stands."),
     ]
     solid: Annotated[list[FormatEntry], Field(description="Of the cam as a body.")]
+    spatial: Annotated[
+        list[FormatEntry],
+        Field(description="Of spatial cams; the name is the path's last part as it stands."),
+    ]
 
 
 class ServerLimits(BaseModel):
@@ -159,6 +164,7 @@ async def list_formats() -> Formats:
         motion=[_format(each) for each in MOTION_FORMATS.values()],
         pictures=[_format(each) for each in PICTURES.values()],
         solid=[_format(each) for each in SOLID_FORMATS.values()],
+        spatial=[_format(each) for each in SPATIAL_FORMATS.values()],
     )
 
 
@@ -193,7 +199,7 @@ def _entry(member: type[BaseModel], title: str, kind: str | None = None) -> dict
     return {"kind": kind, "title": title, "description": description, "json_schema": schema}
 
 
-def _format(exporter: Exporter[Any]) -> FormatEntry:
+def _format(exporter: FileFormat[Any, Any]) -> FormatEntry:
     return FormatEntry(
         name=exporter.name,
         title=exporter.title,

@@ -21,16 +21,18 @@ from synthesis.exporters import (
     PROFILE_FORMATS,
     SOLID_FORMATS,
     Exporter,
+    Made,
     form,
     report_with,
 )
+from synthesis.exporters.exporter import FileFormat
 from synthesis.exporters.picture_options import Colours, PictureOptions
 from synthesis.findings import Sensitivities
 
 router = APIRouter(prefix="/v1/designs/{design_id}", tags=["files"])
 Handler = Callable[..., Awaitable[Response]]
 T = TypeVar("T")
-PACKED = ("application/vnd.openxmlformats-officedocument.spreadsheetml.sheet", PNG)
+PACKED = ("application/vnd.openxmlformats-officedocument.spreadsheetml.sheet", PNG, "model/stl")
 FORMATS = {"profile": PROFILE_FORMATS, "motion": MOTION_FORMATS, "solid": SOLID_FORMATS}
 ON_WORKERS = (429, 500, 501, 503, 504)
 
@@ -40,9 +42,22 @@ async def _file(
 ) -> Response:
     """The file of a finished design, made in a thread or by a worker, or 304."""
     row, design = await done(parts.designs, name)
+    work = partial(file_of, design, exporter, options)
+    return await sent(request, parts, row, part, exporter, options, work)
+
+
+async def sent(
+    request: Request,
+    parts: State,
+    row: Row,
+    part: str,
+    exporter: FileFormat[Any, Any],
+    options: Any,
+    work: Callable[[], Made],
+) -> Response:
+    """A file of a finished row, made by ``work`` in a thread or by a worker, or 304."""
     file = Download(f"{_part(part, row)}{exporter.extension}", exporter.media_type)
     made_by = (part, exporter.name, repr(asdict(options)))
-    work = partial(file_of, design, exporter, options)
     make = partial(by_worker, parts, work) if exporter.apart else in_thread(work)
     return await file.sent(request, row, made_by, make)
 
@@ -95,12 +110,15 @@ async def _reported(
     return await _file(request, parts, design_id, which, report, PictureOptions(theme))
 
 
-def _add(part: str, exporter: Exporter[Any], handler: Handler) -> None:
+def add(
+    to: APIRouter, part: str, exporter: FileFormat[Any, Any], handler: Handler, of: str = ""
+) -> None:
+    """A path for a format; ``of`` tells its operation from that of another subject's."""
     content = {exporter.media_type.partition(";")[0]: {"schema": schema_of(exporter)}}
-    router.add_api_route(
+    to.add_api_route(
         f"/{part}",
         handler,
-        name=f"get_{part.replace('.', '_')}",
+        name=f"get_{of}{part.replace('.', '_')}",
         summary=exporter.title,
         description=exporter.purpose,
         response_class=Response,
@@ -115,7 +133,7 @@ OWN: dict[str, Handler] = {"report.html": _reported}
 FURTHER = {"report.html": (500, 503, 504)}
 
 
-def schema_of(exporter: Exporter[Any]) -> dict[str, str]:
+def schema_of(exporter: FileFormat[Any, Any]) -> dict[str, str]:
     """What its body is, for the contract."""
     if exporter.media_type == "application/json":
         return {"type": "object"}
@@ -125,7 +143,7 @@ def schema_of(exporter: Exporter[Any]) -> dict[str, str]:
 
 for _of, _formats in FORMATS.items():
     for _exporter in _formats.values():
-        _add(f"{_of}.{_exporter.name}", _exporter, _handler(_of, _exporter))
+        add(router, f"{_of}.{_exporter.name}", _exporter, _handler(_of, _exporter))
 for _picture in PICTURES.values():
     _stem = _picture.name.removesuffix(_picture.extension)
-    _add(_picture.name, _picture, OWN.get(_picture.name) or _handler(_stem, _picture))
+    add(router, _picture.name, _picture, OWN.get(_picture.name) or _handler(_stem, _picture))

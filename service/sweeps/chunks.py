@@ -4,10 +4,11 @@ from __future__ import annotations
 
 import math
 from collections import Counter, deque
-from collections.abc import Collection, Mapping
+from collections.abc import Collection, Mapping, Sequence
 
 CHUNK_S = 0.4  # work in a chunk: long beside sending it, short beside a second
 MOST = 50
+CHAIN = 8  # items of a sweep with warm starts that begin where the one before has ended
 STRIKES = 3  # workers that an item may take with it, the last two alone with it
 
 
@@ -17,17 +18,27 @@ class Chunks:
     A chunk takes as many items as fit into ``CHUNK_S`` by what the last ones took, fewer at the
     end so that no worker is idle while another has a whole chunk left. Items whose worker died are
     sent alone from then on, so that only the one that kills is blamed.
+
+    With warm starts a chunk is a chain of ``chain`` neighbours, always the same ones: of a chain
+    that was interrupted, those that are done are worked on once more, for the others to begin at.
     """
 
     def __init__(
-        self, size: int, done: Collection[int], workers: int, strikes: Mapping[int, int]
+        self,
+        size: int,
+        done: Collection[int],
+        workers: int,
+        strikes: Mapping[int, int],
+        chain: int = 1,
     ) -> None:
-        self._size, self.workers = size, workers
-        self._todo = bytearray(b"\1") * size
+        self._size, self.workers, self._chain = size, workers, chain
+        self._todo, self._done = bytearray(b"\1") * size, bytearray(size)
         self._strikes = Counter(strikes)
         suspects = sorted(set(strikes) - set(done))
         for number in (*done, *suspects):
             self._todo[number] = 0
+        for number in done:
+            self._done[number] = 1
         self._next, self.left = 0, size - len(done)
         self._back: deque[list[int]] = deque([number] for number in suspects)
         self._seconds: float | None = None
@@ -35,8 +46,30 @@ class Chunks:
 
     def take(self) -> list[int]:
         """The next chunk; empty where nothing is left to send."""
-        chunk = self._back.popleft() if self._back else self._from_the_rest(self._wanted())
-        self.left -= len(chunk)
+        chunk = self._back.popleft() if self._back else self._new()
+        self.left -= len(self.undone(chunk))
+        return chunk
+
+    def _new(self) -> list[int]:
+        return self._next_chain() if self._chain > 1 else self._from_the_rest(self._wanted())
+
+    def undone(self, numbers: Sequence[int]) -> list[int]:
+        """Those of them that are not done."""
+        return [number for number in numbers if not self._done[number]]
+
+    def _next_chain(self) -> list[int]:
+        """From the chain's first item to the last that is left; those sent alone left out."""
+        self._next = self._todo.find(1, max(self._next, 0))
+        if self._next < 0:
+            self._next = self._size
+            return []
+        first = self._next - self._next % self._chain
+        end = min(first + self._chain, self._size)
+        last = self._todo.rfind(1, first, end)
+        chunk = [n for n in range(first, last + 1) if self._todo[n] or self._done[n]]
+        for number in chunk:
+            self._todo[number] = 0
+        self._next = end
         return chunk
 
     def _wanted(self) -> int:
@@ -55,6 +88,12 @@ class Chunks:
                 self._next += 1
         return chunk
 
+    def finish(self, number: int) -> bool:
+        """Note an item as done; whether it was not before."""
+        new = not self._done[number]
+        self._done[number] = 1
+        return new
+
     def took(self, seconds: float) -> None:
         """An item took that long."""
         known = seconds if self._seconds is None else self._seconds
@@ -64,7 +103,7 @@ class Chunks:
         """These were not begun."""
         if numbers:
             self._back.append(numbers)
-            self.left += len(numbers)
+            self.left += len(self.undone(numbers))
 
     def struck(self, numbers: list[int]) -> dict[int, int]:
         """The worker at these died; their strikes now. They have to be sent back by the caller."""

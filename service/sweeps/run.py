@@ -5,7 +5,8 @@ from __future__ import annotations
 import asyncio
 import logging
 from collections.abc import Awaitable, Callable
-from typing import TypeVar
+from dataclasses import replace
+from typing import Any, TypeVar
 
 from sqlalchemy.exc import InterfaceError, OperationalError
 
@@ -13,7 +14,7 @@ from service.engine import Engine, new_name
 from service.errors import EngineUnreachable, WorkerLost
 from service.problem import described
 from service.settings import Settings
-from service.sweeps.chunks import STRIKES, Chunks
+from service.sweeps.chunks import CHAIN, STRIKES, Chunks
 from service.sweeps.lease import Leases
 from service.sweeps.progress import Progress
 from service.sweeps.store import Done, NotOurs, SweepRow, SweepStore
@@ -40,6 +41,7 @@ class Run:
         self._writing = asyncio.Lock()
         self._stopping = False
         self._flights: dict[asyncio.Task[None], str] = {}  # chunks under way, by name
+        self._near: dict[int, Any] = {}  # what an item that was not begun goes on from
         self.progress = Progress()
 
     async def work(self) -> None:
@@ -49,7 +51,8 @@ class Run:
         try:
             done = await self._store.done_numbers(number)
             strikes = await self._store.strikes(number)
-            chunks = Chunks(self._row.size, done, self._engine.slots, strikes)
+            chain = CHAIN if self._spec.warm_start else 1
+            chunks = Chunks(self._row.size, done, self._engine.slots, strikes, chain)
             await self._store.start(number)
             self.progress.advanced(len(done))
             del done
@@ -111,6 +114,7 @@ class Run:
         try:
             answers = await self._engine.run(
                 solve_items, self._sent, wanted, self._budget_s, self._engine.task,
+                self._near.get(numbers[0]),
                 budget_s=self._budget_s + SLICE_S, behind=True, name=name,
             )  # fmt: skip
         except EngineUnreachable:
@@ -118,14 +122,22 @@ class Run:
             await asyncio.sleep(AGAIN_S)
             return
         except (WorkerLost, TimeBudgetExceeded) as error:
-            if not await self._to_blame(chunks, numbers):
+            suspects = chunks.undone(numbers)
+            if not await self._to_blame(chunks, suspects):
                 return
-            answers = [_blamed(numbers[0], error)]
+            answers, numbers = [_blamed(suspects[0], error)], suspects
         for answer in answers:
             chunks.took(answer.seconds)
-        chunks.back(numbers[len(answers) :])
+        self._near.pop(numbers[0], None)
+        left = numbers[len(answers) :]
+        if left and answers:
+            self._near[left[0]] = answers[-1].near
+        chunks.back(left)
         values = dict(wanted)
-        await self._kept([(answer, values[answer.number]) for answer in answers])
+        new = [answer for answer in answers if chunks.finish(answer.number)]
+        if new:
+            done = [(replace(answer, near=None), values[answer.number]) for answer in new]
+            await self._kept(done)
 
     async def _to_blame(self, chunks: Chunks, numbers: list[int]) -> bool:
         """Keep that a worker was lost at these; whether for the last time, else they come again."""

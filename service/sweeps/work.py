@@ -6,7 +6,7 @@ import json
 import time
 import zlib
 from collections.abc import Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import lru_cache
 from typing import Any, Literal, Protocol
 
@@ -27,7 +27,9 @@ SLICE_S = 1.0  # after this no further item of a chunk is begun: it goes back, a
 class Core(Protocol):
     """What solves one design and measures further objectives on it."""
 
-    def __call__(self, spec: bytes, budget_s: float, also: Sequence[Objective] = ()) -> Answer: ...
+    def __call__(
+        self, spec: bytes, budget_s: float, also: Sequence[Objective] = (), near: Any = None
+    ) -> Answer: ...
 
 
 @dataclass(frozen=True)
@@ -39,6 +41,7 @@ class ItemAnswer:
         quantities: by name with unit. gap: to the bound. seconds: time in the core.
         design_id: the design's own id; None where its answer is not that of the spec alone.
         design: the design's body, compressed. problem: why it failed, or why it ended early.
+        near: what it leaves to the next item of its chain; only of the last one that was begun.
     """
 
     number: int
@@ -49,10 +52,11 @@ class ItemAnswer:
     design_id: str | None = None
     design: bytes | None = None
     problem: dict[str, Any] | None = None
+    near: Any = None
 
 
 def solve_items(
-    sweep: bytes, wanted: Sequence[Wanted], budget_s: float, core: Core
+    sweep: bytes, wanted: Sequence[Wanted], budget_s: float, core: Core, near: Any = None
 ) -> list[ItemAnswer]:
     """Items of a sweep in the order they were wanted, as many as the time slice has room for.
 
@@ -61,6 +65,7 @@ def solve_items(
     Args:
         sweep: the SweepSpec, of whose axes only the fields matter here.
         wanted: the items. budget_s: for each. core: what solves one.
+        near: with warm starts, what the item before has left; each leaves its own to the next.
     """
     spec, started = _sweep(sweep), time.monotonic()
     answers: list[ItemAnswer] = []
@@ -68,9 +73,13 @@ def solve_items(
         if answers and time.monotonic() - started > SLICE_S:
             break
         try:
-            answers.append(_answered(spec, number, values, budget_s, core))
+            answer = _answered(spec, number, values, budget_s, core, near)
         except Cancelled:  # what is done counts
             break
+        near = answer.near or near
+        answers.append(replace(answer, near=None))
+    if answers and spec.warm_start:
+        answers[-1] = replace(answers[-1], near=near)
     return answers
 
 
@@ -80,11 +89,11 @@ def _sweep(body: bytes) -> SweepSpec:
 
 
 def _answered(
-    sweep: SweepSpec, number: int, values: list[JsonValue], budget_s: float, core: Core
+    sweep: SweepSpec, number: int, values: list[JsonValue], budget_s: float, core: Core, near: Any
 ) -> ItemAnswer:
     started = time.monotonic()
     try:
-        answer = _solved(sweep, values, budget_s, core)
+        answer = _solved(sweep, values, budget_s, core, near)
     except Cancelled:
         raise
     except TimeBudgetExceeded as error:
@@ -96,13 +105,16 @@ def _answered(
     return ItemAnswer(
         number, answer.status, answer.seconds, answer.quantities,  # type: ignore[arg-type]
         answer.summary["gap"], answer.id, zlib.compress(answer.design, 1),
+        near=answer.near if sweep.warm_start else None,
     )  # fmt: skip
 
 
-def _solved(sweep: SweepSpec, values: list[JsonValue], budget_s: float, core: Core) -> Answer:
+def _solved(
+    sweep: SweepSpec, values: list[JsonValue], budget_s: float, core: Core, near: Any
+) -> Answer:
     body = _body(sweep, values)
     try:
-        return core(body, budget_s, tuple(sweep.quantities))
+        return core(body, budget_s, tuple(sweep.quantities), near)
     except ValidationError:
         item_spec(sweep, values)  # raises the same once more, as the service tells it
         raise

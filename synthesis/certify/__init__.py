@@ -4,8 +4,9 @@ from __future__ import annotations
 
 from synthesis.certify.claims import certify
 from synthesis.certify.dimensions import certify_size
+from synthesis.certify.forces import forces
 from synthesis.certify.objectives import measure
 from synthesis.certify.simple import CROSSING
 from synthesis.numerics.enclosure import Enclosed
 
-__all__ = ["CROSSING", "Enclosed", "certify", "certify_size", "measure"]
+__all__ = ["CROSSING", "Enclosed", "certify", "certify_size", "forces", "measure"]

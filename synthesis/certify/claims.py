@@ -8,15 +8,17 @@ from collections.abc import Sequence
 from synthesis.certify.course import Course, Jump
 from synthesis.certify.dimensions import standing, stands
 from synthesis.certify.joints import NAMES, joins
+from synthesis.certify.loaded import cuts, measurable
 from synthesis.certify.overshoot import overshoot
-from synthesis.certify.quantities import QUANTITIES, Size, corner, enclose_all, infinite
+from synthesis.certify.quantities import Measurable, Size, corner, enclose_all, infinite
+from synthesis.certify.residual import left_ringing
 from synthesis.certify.simple import crosses
 from synthesis.certify.states import states
 from synthesis.certify.tables import tables
 from synthesis.design import Extreme
 from synthesis.limits.base import Claim, Limit, Machine
 from synthesis.motion import Motion
-from synthesis.numerics.enclosure import Answer, Question
+from synthesis.numerics.enclosure import Answer, Enclosed, Question
 from synthesis.units import DEGREE
 
 ENOUGH, FINE = 1e-10, 1e-14  # relative widths of enclosures, the second of a single value
@@ -44,7 +46,7 @@ def certify(
         keeps the promises of its spline laws.
     """
     size = tuple(float(value) for value in size)
-    course = Course(motion)
+    course = Course(motion, cuts(machine))
     asked = [claim for limit in limits for claim in limit.claims(motion.stretches, machine)]
     asked += standing(motion, machine, size)
     claims = [claim for claim in asked if len(course.pieces(claim.stretches))]
@@ -67,24 +69,54 @@ def certify(
 
 def _judged(claims: Sequence[Claim], course: Course, machine: Machine, size: Size) -> list[Extreme]:
     """The extremes of all claims, in their order; all quantities are enclosed at once."""
-    subjects = list(dict.fromkeys((claim.quantity, claim.path) for claim in claims))
-    jumps = [_jump(claim, course, machine, size) for claim in claims]
+    angled = [claim for claim in claims if not claim.rings]
+    subjects = list(dict.fromkeys(map(_subject, angled)))
+    measured = [
+        (measurable(name, flank, course, machine, size), path) for name, path, flank in subjects
+    ]
+    which = [subjects.index(_subject(claim)) for claim in angled]
+    jumps = [
+        _jump(measured[k][0], claim, course, machine, size)
+        for k, claim in zip(which, angled, strict=True)
+    ]
     questions = [
-        _question(course, claim, subjects.index((claim.quantity, claim.path)))
-        for claim, jump in zip(claims, jumps, strict=True)
+        _question(course, claim, k)
+        for k, claim, jump in zip(which, angled, jumps, strict=True)
         if jump is None
     ]
-    measured = [(QUANTITIES[name], path) for name, path in subjects]
     answers = iter(enclose_all(measured, course, machine, size, questions))
-    return [
+    each = iter(
         _extreme(claim, next(answers)) if jump is None else _infinite(claim, jump, machine)
-        for claim, jump in zip(claims, jumps, strict=True)
-    ]
+        for claim, jump in zip(angled, jumps, strict=True)
+    )
+    return [_ringing(claim, course) if claim.rings else next(each) for claim in claims]
 
 
-def _jump(claim: Claim, course: Course, machine: Machine, size: Size) -> Jump | None:
+def _ringing(claim: Claim, course: Course) -> Extreme:
+    """The largest amplitude where one of the runs ends."""
+    found = [left_ringing(course, ring) for ring in claim.rings]
+    worst = max(found, key=lambda each: each.upper)
+    how = "the train's equation by Taylor series with a bound of what they miss"
+    if len(found) > 1:
+        told = (f"{_wire(claim, each.value):.6g} at {_degrees(each.angle):.6g}°" for each in found)
+        how = f"{how}; {', '.join(told)}"
+    return _bounded(claim, worst, above=True, evidence=how)
+
+
+def _wire(claim: Claim, value: float) -> float:
+    told = claim.to_wire(value)
+    return math.nan if told is None else told
+
+
+def _subject(claim: Claim) -> tuple[str, str, str]:
+    """What a claim is about: quantity, path, flank."""
+    return claim.quantity, claim.path, claim.flank
+
+
+def _jump(
+    quantity: Measurable, claim: Claim, course: Course, machine: Machine, size: Size
+) -> Jump | None:
     """What makes the quantity of a claim infinite."""
-    quantity = QUANTITIES[claim.quantity]
     jump = infinite(quantity, course, claim.stretches, claim.part)
     return jump or corner(quantity, course, machine, size, claim)
 
@@ -104,10 +136,19 @@ def _question(course: Course, claim: Claim, function: int) -> Question:
 
 def _extreme(claim: Claim, answer: Answer) -> Extreme:
     """One claim, in the wire's units."""
-    found, above = answer.extreme, answer.side > 0
+    above = answer.side > 0
     bound = claim.upper if above else claim.lower
-    if bound is None or not math.isfinite(found.width):
-        return _unknown(claim, found.angle, f"no enclosure was found in {answer.boxes} boxes")
+    if bound is None or not math.isfinite(answer.extreme.width):
+        why = f"no enclosure was found in {answer.boxes} boxes"
+        return _unknown(claim, answer.extreme.angle, why)
+    evidence = f"branch and bound with Taylor models, {answer.boxes} boxes"
+    return _bounded(claim, answer.extreme, above=above, evidence=evidence)
+
+
+def _bounded(claim: Claim, found: Enclosed, *, above: bool, evidence: str) -> Extreme:
+    """What was enclosed beside its bound, in the wire's units."""
+    bound = claim.upper if above else claim.lower
+    assert bound is not None
     value, limit, *ends = map(claim.to_wire, (found.value, bound, found.lower, found.upper))
     holds = found.upper <= bound if above else found.lower >= bound
     width, margin = 0.0, None
@@ -120,7 +161,7 @@ def _extreme(claim: Claim, answer: Answer) -> Extreme:
     return Extreme(
         limit=claim.limit, value=value, unit=claim.unit, angle_deg=_degrees(found.angle),
         bound=_tidy(limit), margin=margin, width=width, holds=holds,
-        evidence=f"branch and bound with Taylor models, {answer.boxes} boxes", field=claim.field,
+        evidence=evidence, field=claim.field,
     )  # fmt: skip
 
 

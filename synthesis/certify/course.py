@@ -54,13 +54,15 @@ class Course:
         stroke: highest less lowest end of the stretches [mm].
     """
 
-    def __init__(self, motion: Motion) -> None:
-        self.motion, self.curve = motion, motion.curve
+    def __init__(self, motion: Motion, cuts: Sequence[float] = ()) -> None:
+        """``cuts``: cam angles at which pieces shall end as well [rad]."""
+        self.motion = motion
+        self.curve, owner = motion.curve.cut(cuts)
         placed = [s for s in motion.stretches if s.angle > 0.0]
         pieces = [s.law.count if s.law is not None else 0 for s in placed]
-        self.stretch: Indices = np.repeat([s.index for s in placed], pieces)
-        self._lift = np.repeat([abs(s.unit) for s in placed], pieces)
-        self._beta = np.repeat([s.angle for s in placed], pieces)
+        self.stretch: Indices = np.repeat([s.index for s in placed], pieces)[owner]
+        self._lift = np.repeat([abs(s.unit) for s in placed], pieces)[owner]
+        self._beta = np.repeat([s.angle for s in placed], pieces)[owner]
         levels = [level for s in placed for level in (s.s_start, s.s_end)]
         self.stroke = max(max(levels) - min(levels), *(abs(s.unit) for s in placed))
 

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
-from typing import Any
+from typing import Any, Protocol
 
 import numpy as np
 
@@ -74,6 +74,36 @@ def _derivative(order: int) -> Formula:
     return lambda follower, size, s: s[order]
 
 
+Box = tuple[Indices, Array, Array]  # piece, lower and upper end
+
+
+class Measurable(Protocol):
+    """What can be enclosed; the attributes as of ``Quantity``."""
+
+    @property
+    def order(self) -> int:
+        """Highest derivative of s."""
+
+    @property
+    def smooth(self) -> int:
+        """Derivatives below this one must not jump."""
+
+    @property
+    def absolute(self) -> float:
+        """Width that is good enough."""
+
+    @property
+    def share(self) -> float:
+        """The same as a share of the cam's size."""
+
+    @property
+    def turns(self) -> bool:
+        """Whether a corner makes it infinite."""
+
+    def at(self, trace: Trace, size: Size, s: tuple[Any, ...], box: Box) -> Any:
+        """Its model on boxes."""
+
+
 @dataclass(frozen=True)
 class Quantity:
     """A function of the cam angle.
@@ -94,7 +124,7 @@ class Quantity:
     share: float = 0.0
     turns: bool = False
 
-    def at(self, trace: Trace, size: Size, s: tuple[Taylor, ...]) -> Taylor:
+    def at(self, trace: Trace, size: Size, s: tuple[Any, ...], box: Box) -> Taylor:
         """Its model, from those of s and at least as many derivatives as it uses."""
         found = self.formula(trace, size, s[: self.order + 1] + (0.0,) * (3 - self.order))
         return found if isinstance(found, Taylor) else s[0].constant(found)
@@ -123,7 +153,7 @@ def traced(machine: Machine, path: str = "") -> Trace:
 
 
 def enclose_all(
-    subjects: Sequence[tuple[Quantity, str]],
+    subjects: Sequence[tuple[Measurable, str]],
     course: Course,
     machine: Machine,
     size: Size,
@@ -142,7 +172,7 @@ def enclose_all(
     def models(piece: Indices, lo: Array, hi: Array, wanted: Sequence[int]) -> list[Taylor]:
         highest = max(subjects[k][0].order for k in wanted)
         s = course.jets.models(piece, lo, hi, highest)
-        return [subjects[k][0].at(traces[k], size, s) for k in wanted]
+        return [subjects[k][0].at(traces[k], size, s, (piece, lo, hi)) for k in wanted]
 
     def values(piece: Indices, x: Array, wanted: Sequence[int]) -> list[Array]:
         s = tuple(course.curve.jet(x, piece, 3))
@@ -154,7 +184,7 @@ def enclose_all(
 
 
 def infinite(
-    quantity: Quantity,
+    quantity: Measurable,
     course: Course,
     stretches: Sequence[int],
     part: tuple[float, float] | None = None,
@@ -171,7 +201,7 @@ def infinite(
 
 
 def corner(
-    quantity: Quantity, course: Course, machine: Machine, size: Size, claim: Claim
+    quantity: Measurable, course: Course, machine: Machine, size: Size, claim: Claim
 ) -> Jump | None:
     """A jump of the velocity that turns the pitch curve's tangent the way the claim forbids."""
     if not quantity.turns or course.joined(2):

@@ -10,14 +10,15 @@ from flint import arb
 
 from synthesis.confirmation.arithmetic import degree
 from synthesis.confirmation.course import jump
+from synthesis.confirmation.forces import FORCES
 from synthesis.confirmation.promises import JUMPS, NAMES, joints_at
 from synthesis.confirmation.search import Found
-from synthesis.confirmation.subject import Measured, Subject, compared, within
+from synthesis.confirmation.subject import NOTHING, Measured, Subject, compared, within
 from synthesis.design import Extreme
 from synthesis.limits.base import Claim
 
 ORDERS = {"travel": 0, "displacement": 0, "velocity": 1, "acceleration": 2, "jerk": 3}
-PLAIN = "face_radius"  # told as it is measured
+PLAIN = ("face_radius", "camshaft_torque")  # told as they are measured
 NEARBY = 1e-6  # rad
 
 
@@ -35,6 +36,8 @@ class _Side:
 
 def measured(subject: Subject, claim: Claim, extreme: Extreme) -> Measured:
     """What a claim's quantity comes to next to the bound that the certificate names."""
+    if claim.quantity in FORCES and subject.burden.rubs:
+        return NOTHING  # |sin α| is no power series
     if extreme.value is None and not extreme.holds:
         return _infinite(subject, claim, extreme)
     sides = [
@@ -72,7 +75,7 @@ def _infinite(subject: Subject, claim: Claim, extreme: Extreme) -> Measured:
 def _side(subject: Subject, claim: Claim, sign: int, bound: float) -> _Side | None:
     """The extreme next to one bound; None where the wire has no value for it."""
     spans = subject.spans(claim)
-    found = subject.extreme(claim.quantity, claim.path, spans, sign)
+    found = subject.extreme(claim, spans, sign)
     to_wire = _to_wire(subject, claim)
     met, beyond = to_wire(found.lower * sign), to_wire(found.upper * sign)
     asked = claim.to_wire(bound)
@@ -83,7 +86,7 @@ def _side(subject: Subject, claim: Claim, sign: int, bound: float) -> _Side | No
     direction = -sign if _falls(subject, claim) else sign
     # what the value does within 1e-6 rad of the angle where it was found, at the end of a piece
     mine = [span for span in spans if span[0].stretch == found.piece.stretch]
-    slope = subject.slope(claim.quantity, claim.path, mine, found.x)
+    slope = subject.slope(claim, mine, found.x)
     further = to_wire(found.lower * sign + slope * NEARBY)
     steep = 0.0 if further is None else float(abs(further - met)) / NEARBY
     return _Side(low, high, asked, within(low, high, asked, direction), found, steep)
@@ -93,6 +96,8 @@ def _falls(subject: Subject, claim: Claim) -> bool:
     """Whether the value on the wire falls as the quantity grows."""
     if claim.quantity == "travel":
         return _sense(subject, claim) < 0
+    if claim.quantity == "contact_force":
+        return _pressing(subject, claim) < 0
     if claim.quantity != "pitch_curvature":
         return False
     values = [claim.to_wire(k) for k in (-2.0, -1.0, 1.0, 2.0)]  # on one side there are none
@@ -117,10 +122,21 @@ def _to_wire(subject: Subject, claim: Claim) -> Callable[[arb], arb | None]:
         return lambda rate: rate * subject.rate(order)
     if claim.unit == "deg":
         return lambda angle: angle / degree()
-    if claim.quantity == PLAIN:
+    if claim.quantity in PLAIN:
         return lambda value: value
+    if claim.quantity == "contact_force":
+        return lambda force: force * _pressing(subject, claim)
+    if claim.quantity == "pressure_square":
+        stiffness = subject.stiffness
+        return lambda value: (value.max(arb(0)) / stiffness).sqrt()
     told: Any = claim.to_wire  # of a length: sums and quotients, which balls have too
     return lambda value: told(value)
+
+
+def _pressing(subject: Subject, claim: Claim) -> int:
+    """Which sense of the contact force presses the flank of a claim."""
+    flanks = subject.machine.follower.flanks
+    return next(flank.side for flank in flanks if flank.name == claim.flank)
 
 
 def _at_rest(subject: Subject) -> arb:

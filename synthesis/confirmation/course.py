@@ -39,6 +39,7 @@ class Piece:
         stretch: index of the segment. law: its piece of the law.
         start, angle: of the whole segment [rad].
         level, unit: displacement at its start and what the law is multiplied by, mm or rad.
+        process: of the process force, cam angle, value there and slope; None: not asked about.
     """
 
     stretch: int
@@ -47,6 +48,7 @@ class Piece:
     angle: arb
     level: arb
     unit: arb
+    process: tuple[arb, arb, arb] | None = None
 
     def displacement(self, x: arb) -> arb_series:
         """s (mm) or φ (rad) as a series in the cam angle, about x or over a ball of x."""

@@ -12,6 +12,7 @@ from synthesis.confirmation.course import ExactCourse
 from synthesis.confirmation.crossing import crossing
 from synthesis.confirmation.promises import promise
 from synthesis.confirmation.report import Confirmation, Remeasured, Verdict
+from synthesis.confirmation.ringing import ringing
 from synthesis.confirmation.subject import DIGITS, Measured, Subject
 from synthesis.design import Design, Extreme
 from synthesis.errors import InputError
@@ -74,7 +75,8 @@ def _measured(
         return crossing(subject, extreme)
     asked = claims.get((extreme.limit, extreme.field))
     if asked:
-        return measured(subject, asked.pop(0), extreme)
+        claim = asked.pop(0)
+        return (ringing if claim.rings else measured)(subject, claim, extreme)
     return promise(extreme)(subject, extreme)
 
 

@@ -16,6 +16,7 @@ from typing import Any
 from flint import arb, arb_series
 
 from synthesis.confirmation.arithmetic import Pair, term
+from synthesis.followers.flank import Flank
 from synthesis.followers.link import Face, Link, Tip
 from synthesis.followers.trace import Vector2
 
@@ -26,10 +27,14 @@ class View:
 
     Attributes:
         link: at displacement 0. moved: displacement, mm or rad.
+        drive: force or moment that the cam gives along it, N or N m; None: not asked about.
+        flank: which is looked at.
     """
 
     link: Link
     moved: arb_series
+    drive: arb_series | None = None
+    flank: Flank | None = None
 
     @cached_property
     def _turning(self) -> Pair:
@@ -165,7 +170,7 @@ def _pressure_angle(view: View, path: str) -> arb_series:
     return turning.integral() + arb.atan2(term(across, 0), term(along, 0))
 
 
-def _curvature(view: View, path: str) -> arb_series:
+def curvature(view: View, path: str) -> arb_series:
     """κ of the traced curve, run clockwise: convex positive."""
     tangent = rate(contact(view, path).curve())
     square = dot(tangent, tangent)
@@ -195,7 +200,7 @@ QUANTITIES: dict[str, Callable[[View, str], arb_series]] = {
     "acceleration": _derivative(2),
     "jerk": _derivative(3),
     "pressure_angle": _pressure_angle,
-    "pitch_curvature": _curvature,
+    "pitch_curvature": curvature,
     "pitch_radius": _radius,
     "face_radius": lambda view, path: contact(view, path).radius(),
     "contact": lambda view, path: contact(view, path).reach(),

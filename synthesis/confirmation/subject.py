@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from typing import Final
@@ -12,6 +12,7 @@ from flint import arb, arb_series
 
 from synthesis.confirmation.arithmetic import degree, hull, term
 from synthesis.confirmation.course import ExactCourse, Piece
+from synthesis.confirmation.forces import FORCES, Burden
 from synthesis.confirmation.quantities import QUANTITIES, View
 from synthesis.confirmation.search import Found, Span, largest
 from synthesis.design import Design, Extreme
@@ -89,25 +90,59 @@ class Subject:
             low, high = piece.law.low.max(first).mid(), piece.law.high.min(last).mid()
             if low < high or (first == last and low <= high):
                 found.append((piece, low, high))
+        if claim.quantity in FORCES:
+            return [part for span in found for part in self.burden.cut(*span)]
         return found
 
-    def extreme(self, quantity: str, path: str, spans: Sequence[Span], sign: int) -> Found:
-        """The largest (sign 1) or smallest (−1) value of a quantity, times the sign."""
-        formula, link = QUANTITIES[quantity], self.link
+    @cached_property
+    def burden(self) -> Burden:
+        """What loads the follower."""
+        load = self.design.built.load
+        assert load is not None
+        side = load.reduced(self.machine.follower, 1.0).side
+        return Burden(load.as_told, self.omega, side, load.friction_told is not None)
+
+    @cached_property
+    def stiffness(self) -> arb:
+        """π b [(1 − ν1²)/E1 + (1 − ν2²)/E2] [mm/MPa]: force over it is p² times a length."""
+        load = self.design.built.load
+        assert load is not None
+        assert load.contact is not None
+        each = (load.contact.cam, load.contact.follower)
+        soft = sum(
+            ((1 - arb(m.poisson_ratio) ** 2) / arb(m.elastic_modulus_mpa) for m in each), arb(0)
+        )
+        return arb.pi() * arb(load.contact.width_mm) * soft
+
+    def extreme(self, claim: Claim, spans: Sequence[Span], sign: int) -> Found:
+        """The largest (sign 1) or smallest (−1) value of a claim's quantity, times the sign."""
+        formula = self._formula(claim)
 
         def at(piece: Piece, x: arb) -> arb_series:
-            return formula(View(link, piece.displacement(x)), path)
+            return formula(self._view(claim, piece, x), claim.path)
 
         return largest(at, spans, sign)
 
-    def slope(self, quantity: str, path: str, spans: Sequence[Span], x: arb) -> arb:
+    def slope(self, claim: Claim, spans: Sequence[Span], x: arb) -> arb:
         """How steep a quantity is at x, on the steeper side where pieces meet [per rad]."""
-        found = arb(0)
+        found, formula = arb(0), self._formula(claim)
         for piece, low, high in spans:
             if low <= x <= high:
-                view = View(self.link, piece.displacement(x))
-                found = found.max(abs(term(QUANTITIES[quantity](view, path), 1)))
+                found = found.max(abs(term(formula(self._view(claim, piece, x), claim.path), 1)))
         return found
+
+    @staticmethod
+    def _formula(claim: Claim) -> Callable[[View, str], arb_series]:
+        return FORCES.get(claim.quantity) or QUANTITIES[claim.quantity]
+
+    def _view(self, claim: Claim, piece: Piece, x: arb) -> View:
+        """The link at x of a piece, with what drives it where that is asked about."""
+        moved = piece.displacement(x)
+        if piece.process is None:
+            return View(self.link, moved)
+        flanks = self.machine.follower.flanks
+        flank = next((each for each in flanks if each.name == claim.flank), flanks[0])
+        return View(self.link, moved, self.burden.drive(moved, piece, x), flank)
 
     def value(self, quantity: str, path: str, displacement: arb) -> arb:
         """A quantity while the follower stands still."""

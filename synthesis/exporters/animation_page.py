@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -12,11 +13,11 @@ from synthesis.exporters import html
 from synthesis.exporters import svg_canvas as svg
 from synthesis.exporters.cam import Cam
 from synthesis.exporters.exporter import Exporter, untold
-from synthesis.exporters.panels import DIAGRAMS, MACHINE, Panels
+from synthesis.exporters.panels import DIAGRAMS, MACHINE, Panels, cam_scene
 from synthesis.exporters.picture_options import PictureOptions
-from synthesis.exporters.svg_heading import TURNS
+from synthesis.exporters.scene import Scene, reading
 from synthesis.exporters.svg_mechanism import Moving
-from synthesis.exporters.theme import style
+from synthesis.exporters.theme import Theme, style
 from synthesis.numerics.piecewise import Array
 from synthesis.units import DEGREE
 
@@ -41,30 +42,30 @@ step by 1&#176;, with <kbd>Shift</kbd> by 10&#176;, <kbd>Home</kbd> goes to 0&#1
 
 def _page(design: Design, options: PictureOptions) -> bytes:
     panels = Panels.of(design, FRAMES)
-    name = design.name.strip() or "Cam"
-    readings = _readings(design, panels)
-    data = {"parts": [told_part(part, panels.stage.decimals) for part in panels.moving()],
-            "readings": readings}  # fmt: skip
-    told = (
-        f"{design.follower.replace('_', ' ')} follower · the cam turns {TURNS[design.rotation]} at "
-        f"{svg.figure(design.speed_rpm, 6)} rpm · "
-        f"{'certified' if design.certificate.certified else 'not certified'} · {design.id[:8]}"
-    )
+    scene = cam_scene(design, FRAMES, panels)
+    return paged(replace(scene, readings=_readings(design, panels)), options.theme)
+
+
+def paged(scene: Scene, theme: Theme) -> bytes:
+    """The scene as a page with controls and numbers."""
+    name = scene.name or scene.shaft.partition(" ")[0]
+    data = {"parts": [told_part(part, scene.decimals) for part in scene.moving],
+            "readings": scene.readings}  # fmt: skip
     body = "\n".join(
         [
-            f"<h1>{html.plain(name)}</h1>\n<p>{html.plain(told)}</p>",
+            f"<h1>{html.plain(name)}</h1>\n<p>{html.plain(scene.about)}</p>",
             "<main>",
-            _inline("Cam and follower", MACHINE, panels.machine(tag)),
-            _inline("Displacement and pressure angle", DIAGRAMS, panels.diagrams(design, tag)),
+            _inline(scene.titles[0], MACHINE, scene.machine(tag)),
+            _inline(scene.titles[1], DIAGRAMS, scene.diagrams(tag)),
             "</main>",
-            CONTROLS,
-            _told(readings),
+            CONTROLS.replace("Cam angle", scene.shaft),
+            _told(scene),
             KEYS,
             f'<script type="application/json" id="frames">{_json(data)}</script>',
         ]
     )
-    sheet = style(1.0, options.theme) + panels.rules() + html.asset("animation.css")
-    return html.page(f"{name} in motion", sheet, body, options.theme, html.asset("animation.js"))
+    sheet = style(1.0, theme) + scene.rules + html.asset("animation.css")
+    return html.page(f"{name} in motion", sheet, body, theme, html.asset("animation.js"))
 
 
 def tag(part: str) -> str:
@@ -77,9 +78,10 @@ def _inline(title: str, size: tuple[float, float], body: list[str]) -> str:
     return "\n".join([head, f"<title>{title}</title>", *body, "</svg>"])
 
 
-def _told(readings: list[Reading]) -> str:
+def _told(scene: Scene) -> str:
     """Places of the numbers that follow the motion."""
-    rows = [("Cam angle", "theta", "°"), *((r["title"], r["name"], r["unit"]) for r in readings)]
+    rows = [(scene.shaft, "theta", "°")]
+    rows += [(r["title"], r["name"], r["unit"]) for r in scene.readings]
     told = [
         f'<div><dt>{title}</dt><dd><output id="{name}">&#8211;</output> {svg.unit(unit)}</dd></div>'
         for title, name, unit in rows
@@ -105,9 +107,7 @@ def _readings(design: Design, panels: Panels) -> list[Reading]:
 def _reading(name: str, title: str, unit: str, values: Array) -> Reading:
     finite = np.abs(values[np.isfinite(values) & (np.abs(values) < 1e6)])
     size = float(np.median(finite)) if name == "radius" else float(finite.max(initial=0.0))
-    digits = int(np.clip(3 - np.floor(np.log10(size)), 0, 9)) if size > 0.0 else 1
-    rounded = [round(v, digits) if np.isfinite(v) else None for v in values.tolist()]
-    return {"name": name, "title": title, "unit": unit, "digits": digits, "column": rounded}
+    return reading(name, title, unit, values, size)
 
 
 def told_part(part: Moving, decimals: int) -> dict[str, Any]:

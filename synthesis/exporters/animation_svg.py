@@ -7,62 +7,64 @@ the other after one of the cam, so that it never jumps.
 from __future__ import annotations
 
 from collections.abc import Iterator
+from dataclasses import replace
 
 import numpy as np
 
 from synthesis.design import Design
 from synthesis.exporters import svg_canvas as svg
 from synthesis.exporters.exporter import Exporter, untold
-from synthesis.exporters.panels import DIAGRAMS, MACHINE, Panels
+from synthesis.exporters.panels import DIAGRAMS, EDGE, MACHINE, cam_scene
 from synthesis.exporters.picture_options import PictureOptions
-from synthesis.exporters.svg_heading import heading
+from synthesis.exporters.scene import TURN_S, Scene
 from synthesis.exporters.svg_mechanism import Moving
+from synthesis.exporters.theme import Theme
 
 FRAMES = 240
-TURN_S = 8.0  # what one turn takes on the screen
-EDGE, HEADER, FOOTER = 8.0, 16.0, 8.0
+HEADER, FOOTER = 16.0, 8.0
+WIDTH = 2.0 * EDGE + MACHINE[0] + DIAGRAMS[0]
 FULL = 360.0
 
 
 def _animation(design: Design, options: PictureOptions) -> bytes:
-    panels, prefix = Panels.of(design, FRAMES), f"cw{design.id[:8]}"
-    width = 2.0 * EDGE + MACHINE[0] + DIAGRAMS[0]
+    return drawn(cam_scene(design, FRAMES), options.theme)
+
+
+def drawn(scene: Scene, theme: Theme) -> bytes:
+    """The scene as one SVG: the machine on the left, its diagrams on the right."""
+    prefix = f"cw{scene.key[:8]}"
     height = HEADER + max(MACHINE[1], DIAGRAMS[1]) + FOOTER
 
     def tag(part: str) -> str:
         return f'class="{prefix}-{part}"'
 
-    told = f"One turn is shown in {TURN_S:g} s; it takes {svg.figure(60.0 / design.speed_rpm)} s."
     body = [
-        *heading(design, EDGE, width - EDGE, 1.0),
+        *scene.heading,
         f'<g transform="translate({svg.num(EDGE)} {svg.num(HEADER)})">',
-        *panels.machine(tag),
+        *scene.machine(tag),
         "</g>",
         f'<g transform="translate({svg.num(EDGE + MACHINE[0])} {svg.num(HEADER)})">',
-        *panels.diagrams(design, tag),
+        *scene.diagrams(tag),
         "</g>",
-        svg.text("tick", EDGE, height - 3.5, told),
+        svg.text("tick", EDGE, height - 3.5, scene.footer),
     ]
-    rules = panels.rules() + "".join(_rules(prefix, panels))
-    title = f"{design.name or design.id} in motion"
-    described = "The cam turns, the follower with its roller moves, and points run on its diagrams."
-    return svg.document(
-        width, height, 1.0, title, described, body, theme=options.theme, rules=rules
-    )
+    rules = scene.rules + "".join(_rules(prefix, scene))
+    title = f"{scene.name or scene.key} in motion"
+    return svg.document(WIDTH, height, 1.0, title, scene.described, body, theme=theme, rules=rules)
 
 
-def _rules(prefix: str, panels: Panels) -> Iterator[str]:
+def _rules(prefix: str, scene: Scene) -> Iterator[str]:
     """Keyframes of everything that moves, unless less motion is asked for."""
-    decimals = panels.stage.decimals
+    decimals = scene.decimals
     yield "@media (prefers-reduced-motion:no-preference){"
-    for part in panels.moving():
+    for part in scene.moving:
         total = float(part.values[-1, 0] - part.values[0, 0])
-        if part.kind == "turn" and abs(total) > 1e-6 and part.name != "cam":
+        if part.rolls and abs(total) > 1e-6:
             yield _runs(prefix, f"{part.name}-mean", TURN_S * FULL / abs(total))
             end = FULL if total > 0.0 else -FULL
             yield f"@keyframes {prefix}-{part.name}-mean{{to{{transform:rotate({end:g}deg)}}}}"
             mean = np.linspace(0.0, total, len(part.values))[:, None]
-            part = Moving(part.name, part.kind, part.values - mean)
+            part = replace(part, values=part.values - mean)
         yield _runs(prefix, part.name, TURN_S)
         yield f"@keyframes {prefix}-{part.name}{{{''.join(_frames(part, decimals))}}}"
     yield "}"

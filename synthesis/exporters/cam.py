@@ -4,68 +4,33 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass, fields, replace
-from functools import cached_property
-
-import numpy as np
-from numpy.typing import NDArray
 
 from synthesis.design import Design
 from synthesis.errors import InputError
 from synthesis.exporters.options import CURVES, CurveName, PlacedCurve, is_cutter, is_pitch
+from synthesis.exporters.turn import Mask, Turn
 from synthesis.fields import Rotation
 from synthesis.followers import Follower
 from synthesis.followers.flank import Flank, labelled
-from synthesis.motion import Motion
 from synthesis.numerics.piecewise import Array, Side
 from synthesis.profile import CamProfile, cam_profile
-from synthesis.units import FULL_TURN, Travel, rad_per_s
-
-Mask = NDArray[np.bool_]
-
-# A step of a derivative smaller than this part of its peak is rounding, not a jump.
-ROUNDING = 1e-6
-SMOOTH = 4  # order of a joint where no derivative up to the third jumps
+from synthesis.units import rad_per_s
 
 
 @dataclass(frozen=True, eq=False)
-class Joints:
-    """Where pieces of the motion meet, the first at cam angle 0.
-
-    Attributes:
-        theta: (n,) cam angles in [0, 2π) [rad].
-        order: (n,) lowest derivative of s that jumps there; SMOOTH if none up to the third does.
-        border: (n,) whether two segments meet there.
-    """
-
-    theta: Array
-    order: NDArray[np.intp]
-    border: Mask
-
-    def breaking(self, highest: int) -> Array:
-        """Angles where a derivative up to the given one jumps [rad]."""
-        return self.theta[self.order <= highest]
-
-    def marked(self, highest: int) -> Array:
-        """The same, and every border of a segment [rad]."""
-        return self.theta[self.border | (self.order <= highest)]
-
-
-@dataclass(frozen=True, eq=False)
-class Cam:
+class Cam(Turn):
     """A design's cam and one of its curves.
 
     Attributes:
-        omega: its speed [rad/s]. flank: the flank that the curve is, or belongs to.
+        flank: the flank that the curve is, or belongs to.
         gap: of the curve inwards from the traced one, along its outward normal [mm]: σD of the
             flank itself, 0 of the pitch curve, σ(D − Rc) of the path of a cutter of radius Rc.
-        the rest as in ``cam_profile``.
+        the rest as of ``Turn`` and in ``cam_profile``.
     """
 
-    motion: Motion
     follower: Follower
     size: tuple[float, ...]
     rotation: Rotation
-    omega: float
     flank: Flank
     gap: float
 
@@ -88,23 +53,14 @@ class Cam:
         follower = design.built.follower
         flank = _flank(follower, options.curve if options else "profile")
         return cls(
-            design.curve, follower, tuple(design.size), design.rotation,
-            rad_per_s(design.speed_rpm), flank, _gap(flank, options),
+            design.curve, follower.travel, rad_per_s(design.speed_rpm), follower,
+            tuple(design.size), design.rotation, flank, _gap(flank, options),
         )  # fmt: skip
 
     def flanks(self) -> Iterator[Cam]:
         """The same cam once for each of its flanks."""
         for flank in self.follower.flanks:
             yield replace(self, flank=flank, gap=_gap(flank, None))
-
-    @property
-    def travel(self) -> Travel:
-        """How its displacement is told."""
-        return self.follower.travel
-
-    def rate(self, order: int) -> float:
-        """Factor from s^(order) per radian to the time derivative in the unit of travel."""
-        return self.travel.rate(order, self.omega)
 
     def at(self, theta: Array, left: Mask | None = None) -> CamProfile:
         """The cam at θ (n,) [rad]; where ``left`` (n,) holds, the limits from the left."""
@@ -120,44 +76,10 @@ class Cam:
         """x and y of the curve [mm], in the cam's frame."""
         return at.pitch_x - self.gap * at.normal_x, at.pitch_y - self.gap * at.normal_y
 
-    def derivatives(self, theta: Array, left: Mask) -> Array:
-        """s and its derivatives (4, n) at θ [mm, per radian], one-sided likewise."""
-        found = self.motion.derivatives(theta, 3, "right")
-        found[:, left] = self.motion.derivatives(theta[left], 3, "left")
-        return found
-
     def _one_sided(self, theta: Array, side: Side) -> CamProfile:
         return cam_profile(
             self.motion, self.follower, self.size, self.rotation, theta, side, self.flank
         )
-
-    @cached_property
-    def joints(self) -> Joints:
-        """Where pieces of the motion meet."""
-        theta = self.motion.curve.breaks[:-1]
-        left = self.motion.derivatives(theta, 3, "left")
-        right = self.motion.derivatives(theta, 3, "right")
-        turn = np.linspace(0.0, FULL_TURN, 721)
-        everywhere = np.abs(np.hstack([left, right, self.motion.derivatives(turn, 3)]))
-        peak = np.max(everywhere, axis=1, keepdims=True)
-        # Where a derivative vanishes altogether, its rounding is measured by the displacement's.
-        jumps = np.abs(right - left) > ROUNDING * np.maximum(peak, 0.1 * peak[0])
-        order = np.where(jumps.any(axis=0), np.argmax(jumps, axis=0), SMOOTH)
-        starts = [s.start for s in self.motion.stretches if s.angle > 0.0]
-        return Joints(theta, order, np.isin(theta, starts))
-
-    @cached_property
-    def seam(self) -> float:
-        """Middle of the longest dwell [rad], where a closed curve is best cut; without one, 0.
-
-        Dwells that touch count as one, also across cam angle 0.
-        """
-        moving = [s for s in self.motion.stretches if s.angle > 0.0 and s.kind != "dwell"]
-        ends = [s.end for s in moving]
-        starts = [s.start for s in moving[1:]] + [moving[0].start + FULL_TURN]
-        still = [(start - end, end) for end, start in zip(ends, starts, strict=True)]
-        length, begin = max(still, key=lambda rest: (round(rest[0], 9), -rest[1]))
-        return (begin + 0.5 * length) % FULL_TURN if length > 1e-9 else 0.0
 
 
 def profiles(design: Design) -> dict[str, CurveName]:

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -10,7 +11,8 @@ from numpy.typing import NDArray
 from synthesis.exporters.cam import Cam
 from synthesis.exporters.options import CurveOptions, MotionOptions, is_cutter, is_pitch
 from synthesis.exporters.placement import placed
-from synthesis.exporters.sampling import Rows, table_rows
+from synthesis.exporters.sampling import Rows, motion_rows, table_rows
+from synthesis.exporters.turn import Turn
 from synthesis.numerics.piecewise import Array
 from synthesis.units import DEGREE
 
@@ -25,6 +27,14 @@ class Column:
     unit: str
     meaning: str
     values: Array | NDArray[np.int64]
+
+
+def joined(parts: Sequence[Sequence[Column]]) -> list[Column]:
+    """One table of several with the same columns, each after the one before."""
+    return [
+        replace(same[0], values=np.concatenate([column.values for column in same]))
+        for same in zip(*parts, strict=True)
+    ]
 
 
 def profile_columns(cam: Cam, options: CurveOptions) -> list[Column]:
@@ -65,11 +75,11 @@ def _which(options: CurveOptions) -> str:
     return "pitch curve" if is_pitch(options.curve) else "profile"
 
 
-def motion_columns(cam: Cam, options: MotionOptions) -> list[Column]:
+def motion_columns(turn: Turn, options: MotionOptions) -> list[Column]:
     """The follower's motion at the given speed, and per radian of cam angle."""
-    rows = table_rows(cam, options)
-    s = cam.derivatives(rows.theta, rows.left)
-    return [_angle(rows), *_physical(s, cam), *_per_radian(s, cam), _side(rows)]
+    rows = motion_rows(turn, options.count)
+    s = turn.derivatives(rows.theta, rows.left)
+    return [_angle(rows), *_physical(s, turn), *_per_radian(s, turn), _side(rows)]
 
 
 def _axial(rows: Rows, z_mm: float | None) -> list[Column]:
@@ -88,24 +98,24 @@ def _side(rows: Rows) -> Column:
     return Column("side", "1", meaning, rows.side)
 
 
-def _physical(s: Array, cam: Cam) -> list[Column]:
+def _physical(s: Array, turn: Turn) -> list[Column]:
     told = ("displacement from the lowest position", "velocity", "acceleration", "jerk")
     return [
-        Column(named(letter, unit), unit, told[order], s[order] * cam.rate(order))
+        Column(named(letter, unit), unit, told[order], s[order] * turn.rate(order))
         for order, letter in enumerate("svaj")
-        for unit in [cam.travel.told(order)]
+        for unit in [turn.travel.told(order)]
     ]
 
 
-def _per_radian(s: Array, cam: Cam) -> list[Column]:
+def _per_radian(s: Array, turn: Turn) -> list[Column]:
     told = ("first", "second", "third")
     return [
         Column(
             named(letter, unit), unit, f"{told[order - 1]} derivative of s by the cam angle",
-            s[order] / cam.travel.per_unit,
+            s[order] / turn.travel.per_unit,
         )
         for order, letter in enumerate(("ds", "d2s", "d3s"), start=1)
-        for unit in [cam.travel.told(order).replace("/s", "/rad")]
+        for unit in [turn.travel.told(order).replace("/s", "/rad")]
     ]  # fmt: skip
 
 

@@ -18,8 +18,9 @@ from dataclasses import dataclass
 import numpy as np
 
 from synthesis.errors import InputError
-from synthesis.exporters.cam import Cam, Mask
+from synthesis.exporters.cam import Cam
 from synthesis.exporters.sampling import SAME_ANGLE
+from synthesis.exporters.turn import Mask
 from synthesis.geometry.course import ClosedCurve, Course, Indices
 from synthesis.numerics.piecewise import Array
 from synthesis.units import DEGREE, FULL_TURN

@@ -11,6 +11,7 @@ import numpy as np
 
 from synthesis.design import Design
 from synthesis.exporters.cam import Cam
+from synthesis.exporters.carried import force_columns
 from synthesis.exporters.columns import Column, motion_columns, profile_columns
 from synthesis.exporters.cutting import chosen
 from synthesis.exporters.exporter import Exporter, untold
@@ -22,7 +23,8 @@ from synthesis.numerics.piecewise import Array
 BLOCK = 1024  # rows at once: memory that stays in the cache is not fetched anew
 
 
-def _written(columns: Sequence[Column]) -> bytes:
+def table(columns: Sequence[Column]) -> bytes:
+    """A header row, then the columns' values."""
     header = ",".join(column.name for column in columns)
     rows = len(columns[0].values)
     parts = [header.encode(), b"\n"]
@@ -47,11 +49,12 @@ def _lines(values: Sequence[Array | Whole]) -> bytes:
 
 
 def _profile(design: Design, options: ProfileOptions) -> bytes:
-    return _written(profile_columns(chosen(design, options), options))
+    return table(profile_columns(chosen(design, options), options))
 
 
 def _motion(design: Design, options: MotionOptions) -> bytes:
-    return _written(motion_columns(Cam.of(design), options))
+    cam = Cam.of(design)
+    return table([*motion_columns(cam, options), *force_columns(design, cam, options)])
 
 
 _TITLE, _MEDIA = "Table, comma separated", "text/csv; charset=utf-8; header=present"

@@ -9,6 +9,7 @@ from typing import Generic, TypeVar
 from synthesis.design import Design
 from synthesis.exporters.options import Options
 
+Subject = TypeVar("Subject")
 Wanted = TypeVar("Wanted", bound=Options)
 
 
@@ -27,19 +28,17 @@ class Made:
 
 
 @dataclass(frozen=True)
-class Exporter(Generic[Wanted]):
-    """A file format. The same design and options give the same bytes.
+class FileFormat(Generic[Subject, Wanted]):
+    """A file format of some subject. The same subject and options give the same bytes.
 
     Attributes:
         name: as in ``profile.{name}``. title: for people.
         media_type: for HTTP. extension: of the file, with its dot.
-        make: design and options to the file; InputError where there is no cam to write.
+        make: subject and options to the file; InputError where there is no cam to write.
         options: what may be chosen; all of it has a default.
         purpose: what it is for, in a sentence; "" where the title says it.
-        placeable: whether a profile's points follow ``turn_deg`` and ``z_mm``.
-        apart: whether it loads so much that a service has it made by a worker.
         usual: whether it is written where nobody says which formats are wanted.
-        without_cam: whether it has something to write where no cam was found.
+        apart: whether it loads so much that a service has it made by a worker.
         measured: what is told of a file besides and takes time to find; None: nothing.
     """
 
@@ -47,24 +46,22 @@ class Exporter(Generic[Wanted]):
     title: str
     media_type: str
     extension: str
-    make: Callable[[Design, Wanted], Made]
+    make: Callable[[Subject, Wanted], Made]
     options: type[Wanted]
     purpose: str = ""
-    placeable: bool = True
     usual: bool = True
     apart: bool = False
-    without_cam: bool = False
-    measured: Callable[[Design, Wanted], Mapping[str, str]] | None = None
+    measured: Callable[[Subject, Wanted], Mapping[str, str]] | None = None
 
-    def whole(self, design: Design, options: Wanted) -> Made:
+    def whole(self, subject: Subject, options: Wanted) -> Made:
         """The file with all that is told of it."""
-        made = self.make(design, options)
-        more = {} if self.measured is None else self.measured(design, options)
+        made = self.make(subject, options)
+        more = {} if self.measured is None else self.measured(subject, options)
         return Made(made.data, {**made.told, **more})
 
-    def write(self, design: Design, options: Wanted) -> bytes:
+    def write(self, subject: Subject, options: Wanted) -> bytes:
         """The file's bytes."""
-        return self.make(design, options).data
+        return self.make(subject, options).data
 
     def adapted(self, given: Options) -> Wanted:
         """This format's options with what they share with another's and is not left open there."""
@@ -74,10 +71,24 @@ class Exporter(Generic[Wanted]):
         return self.options(**{name: value for name, value in told.items() if name in own})
 
 
-def untold(write: Callable[[Design, Wanted], bytes]) -> Callable[[Design, Wanted], Made]:
+@dataclass(frozen=True)
+class Exporter(FileFormat[Design, Wanted]):
+    """A file format of a design.
+
+    Attributes:
+        placeable: whether a profile's points follow ``turn_deg`` and ``z_mm``.
+        without_cam: whether it has something to write where no cam was found.
+        the rest as of ``FileFormat``.
+    """
+
+    placeable: bool = True
+    without_cam: bool = False
+
+
+def untold(write: Callable[[Subject, Wanted], bytes]) -> Callable[[Subject, Wanted], Made]:
     """A file of which nothing is told."""
 
-    def make(design: Design, options: Wanted) -> Made:
-        return Made(write(design, options))
+    def make(subject: Subject, options: Wanted) -> Made:
+        return Made(write(subject, options))
 
     return make

@@ -12,6 +12,7 @@ from pydantic import Field
 
 from synthesis.design import Design
 from synthesis.exporters.cam import Cam
+from synthesis.exporters.carried import force_columns
 from synthesis.exporters.columns import Column, motion_columns, profile_columns
 from synthesis.exporters.cutting import chosen
 from synthesis.exporters.exporter import Exporter, untold
@@ -78,7 +79,9 @@ def _placed(options: CurveOptions) -> str:
 def _motion(design: Design, options: MotionOptions) -> bytes:
     segments = [segment.model_dump(mode="json", exclude_none=True) for segment in design.motion]
     head = {"kind": "motion", "segments": segments}
-    return _written(design, head, asdict(options), motion_columns(Cam.of(design), options))
+    cam = Cam.of(design)
+    columns = [*motion_columns(cam, options), *force_columns(design, cam, options)]
+    return _written(design, head, asdict(options), columns)
 
 
 def _written(
@@ -94,6 +97,11 @@ def _written(
         "sampling": sampling,
         "rows": len(columns[0].values),
     }
+    return columned(body, columns)
+
+
+def columned(body: dict[str, Any], columns: Sequence[Column]) -> bytes:
+    """A document with the columns at its end."""
     inside = b",".join(_column(column) for column in columns)
     return _text(body)[:-1] + b',"columns":[' + inside + b"]}\n"
 

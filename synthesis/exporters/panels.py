@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
+from functools import partial
 
 import numpy as np
 
@@ -10,9 +11,11 @@ from synthesis.design import Design
 from synthesis.exporters import svg_canvas as svg
 from synthesis.exporters.cam import Cam
 from synthesis.exporters.plot import Plot
-from synthesis.exporters.readings import QUANTITIES
+from synthesis.exporters.readings import QUANTITIES, bounds
+from synthesis.exporters.scene import Scene, grouped, lasting
 from synthesis.exporters.svg_contact import DRAWN, pressure_plot
 from synthesis.exporters.svg_diagram import Frame, diagram, ranged
+from synthesis.exporters.svg_heading import about, heading
 from synthesis.exporters.svg_mechanism import Moving, Stage, Tag
 from synthesis.exporters.svg_motion import motion_plot
 from synthesis.exporters.svg_sheet import angle_axis, grounds
@@ -22,6 +25,7 @@ from synthesis.units import DEGREE
 
 MACHINE = (112.0, 122.0)  # width and height of the panels [mm]
 DIAGRAMS = (112.0, 122.0)
+EDGE = 8.0  # beside both [mm]
 LEFT, RIGHT, TOP, HEIGHT, GAP = 15.0, 4.0, 8.0, 38.0, 11.0
 LEGEND = (
     ("line circle", "base circle"),
@@ -48,7 +52,10 @@ class Panels:
     def of(cls, design: Design, count: int) -> Panels:
         """The panels of a design, with ``count`` + 1 positions of everything that moves."""
         cam = Cam.of(design)
-        shown = (motion_plot(design, cam, QUANTITIES[0], DRAWN), pressure_plot(design, cam))
+        shown = (
+            motion_plot(cam, QUANTITIES[0], DRAWN, bounds(design, QUANTITIES[0])),
+            pressure_plot(design, cam),
+        )
         plots = tuple(replace(plot, ends=()) for plot in shown)
         frames = [
             Frame(LEFT, TOP + k * (HEIGHT + GAP), DIAGRAMS[0] - LEFT - RIGHT, HEIGHT)
@@ -83,13 +90,13 @@ class Panels:
         """The diagrams' panel."""
         body = []
         for frame, plot in zip(self.frames, self.plots, strict=True):
-            body += [*grounds(design, frame), *diagram(plot, frame)]
+            body += [*grounds(design.motion, frame), *diagram(plot, frame)]
         last = self.frames[-1]
         body += angle_axis(last, every=60)
         bottom = last.top + last.height
-        body += _group("cursor", tag, self.moving(), [svg.line("phase", 0.0, TOP, 0.0, bottom)])
+        body += grouped("cursor", tag, self.moving(), [svg.line("phase", 0.0, TOP, 0.0, bottom)])
         for k in range(len(self.plots)):
-            body += _group(f"dot{k}", tag, self.moving(), [svg.circle("mark", 0.0, 0.0, 1.3)])
+            body += grouped(f"dot{k}", tag, self.moving(), [svg.circle("mark", 0.0, 0.0, 1.3)])
         return [*body, *self._legend(bottom + 14.5)]
 
     def rules(self) -> str:
@@ -106,6 +113,23 @@ class Panels:
         return body
 
 
-def _group(name: str, tag: Tag, moving: list[Moving], body: list[str]) -> list[str]:
-    first = next((part.first for part in moving if part.name == name), "translate(0 0)")
-    return [f'<g {tag(name)} transform="{first}">', *body, "</g>"]
+def cam_scene(design: Design, count: int, panels: Panels | None = None) -> Scene:
+    """A cam in motion, at ``count`` + 1 angles; its readings are left out."""
+    shown = panels or Panels.of(design, count)
+    return Scene(
+        name=design.name.strip(),
+        about=about(design),
+        key=design.id,
+        heading=heading(design, EDGE, EDGE + MACHINE[0] + DIAGRAMS[0], 1.0),
+        shaft="Cam angle",
+        titles=("Cam and follower", "Displacement and pressure angle"),
+        described="The cam turns, the follower with its roller moves, and points run on its "
+        "diagrams.",
+        machine=shown.machine,
+        diagrams=partial(shown.diagrams, design),
+        moving=shown.moving(),
+        readings=(),
+        decimals=shown.stage.decimals,
+        rules=shown.rules(),
+        footer=lasting(60.0 / design.speed_rpm),
+    )

@@ -10,9 +10,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from synthesis.design import Design
-from synthesis.exporters.cam import Cam
 from synthesis.exporters.options import MotionOptions
-from synthesis.exporters.sampling import in_degrees, table_rows
+from synthesis.exporters.sampling import in_degrees, motion_rows
+from synthesis.exporters.turn import Turn
 from synthesis.limits import Claim
 from synthesis.motion import Stretch
 from synthesis.numerics.piecewise import Array
@@ -70,19 +70,19 @@ class Trace:
         )
 
 
-def trace(cam: Cam, quantity: Quantity, options: MotionOptions) -> Trace:
+def trace(turn: Turn, quantity: Quantity, options: MotionOptions) -> Trace:
     """The quantity as a table samples it."""
-    rows = table_rows(cam, options)
-    values = cam.derivatives(rows.theta, rows.left)[quantity.order]
-    return Trace(rows.degrees, rows.side, values * cam.rate(quantity.order))
+    rows = motion_rows(turn, options.count)
+    values = turn.derivatives(rows.theta, rows.left)[quantity.order]
+    return Trace(rows.degrees, rows.side, values * turn.rate(quantity.order))
 
 
-def impulses(cam: Cam, quantity: Quantity) -> Trace:
+def impulses(turn: Turn, quantity: Quantity) -> Trace:
     """Where a lower derivative jumps: there the value is infinite, with the jump's sign."""
-    theta = cam.joints.breaking(quantity.order - 1)
-    order = cam.joints.order[cam.joints.order < quantity.order]
-    left = cam.motion.derivatives(theta, 3, "left")
-    right = cam.motion.derivatives(theta, 3, "right")
+    theta = turn.joints.breaking(quantity.order - 1)
+    order = turn.joints.order[turn.joints.order < quantity.order]
+    left = turn.motion.derivatives(theta, 3, "left")
+    right = turn.motion.derivatives(theta, 3, "right")
     jump = (right - left)[order, np.arange(len(theta))]
     return Trace(in_degrees(theta), np.zeros(len(theta), dtype=np.int64), np.inf * np.sign(jump))
 

@@ -15,10 +15,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from synthesis.errors import InputError
-from synthesis.exporters.cam import Cam, Mask
+from synthesis.exporters.cam import Cam
 from synthesis.exporters.chords import COARSEST, chord_angles
 from synthesis.exporters.options import CurveOptions, PointOptions, Sampled
 from synthesis.exporters.placement import placed
+from synthesis.exporters.turn import Mask, Turn
 from synthesis.numerics.piecewise import Array
 from synthesis.profile import CamProfile
 from synthesis.units import DEGREE, FULL_TURN
@@ -46,14 +47,22 @@ class Rows:
 
 
 def table_rows(cam: Cam, options: Sampled) -> Rows:
-    """Rows of a table: cam angle 0 to 360°."""
-    joints = cam.joints.marked(3)
-    if options.chord_mm is not None:
-        theta = chord_angles(cam, np.append(joints, FULL_TURN), options.chord_mm)
-    else:
-        theta = _merged(_uniform(options.count), joints, SAME_ANGLE)
-        theta = np.append(theta, FULL_TURN)
-    jumps = cam.joints.breaking(3)
+    """Rows of a table of one of the cam's curves: cam angle 0 to 360°."""
+    if options.chord_mm is None:
+        return motion_rows(cam, options.count)
+    marks = np.append(cam.joints.marked(3), FULL_TURN)
+    return _rows(cam, chord_angles(cam, marks, options.chord_mm))
+
+
+def motion_rows(turn: Turn, count: float) -> Rows:
+    """Rows of a table of the motion, so many in a turn, evenly: cam angle 0 to 360°."""
+    theta = _merged(_uniform(count), turn.joints.marked(3), SAME_ANGLE)
+    return _rows(turn, np.append(theta, FULL_TURN))
+
+
+def _rows(turn: Turn, theta: Array) -> Rows:
+    """The rows at these cam angles, two of them where a derivative jumps."""
+    jumps = turn.joints.breaking(3)
     twice = np.isin(theta, jumps[jumps > 0.0])
     rows = np.repeat(theta, 1 + twice)
     before = np.repeat(twice, 1 + twice) & (np.append(np.diff(rows), 1.0) == 0.0)

@@ -19,6 +19,7 @@ from synthesis.exporters.picture_options import PictureOptions
 from synthesis.exporters.plot import NOWHERE, Plot, radii
 from synthesis.exporters.readings import Bound, Ends, Trace, claimed
 from synthesis.exporters.sampling import in_degrees, table_rows
+from synthesis.exporters.svg_forces import force_plots
 from synthesis.exporters.svg_motion import MEASURED_PER_DEGREE
 from synthesis.exporters.svg_sheet import DRAWN_PER_DEGREE, sheet
 from synthesis.followers.flank import labelled
@@ -36,9 +37,12 @@ def _contact(design: Design, options: PictureOptions) -> bytes:
     ways = {cam.flank.path: cam for cam in reversed(cams)}
     plots = [pressure_plot(design, ways[path]) for path in reversed(ways)]
     plots += [radius_plot(design, cam) for cam in cams]
+    forces = list(force_plots(design, cams[0]))
     title = f"Contact of {design.name or design.id}"
     told = "Pressure angle and radius of curvature of the profile over the cam angle."
-    return sheet(design, plots, title, told, options.theme)
+    if forces:
+        told = f"{told[:-1]}, contact force and torque."
+    return sheet(design, [*plots, *forces], title, told, options.theme)
 
 
 def pressure_plot(design: Design, cam: Cam) -> Plot:
@@ -145,5 +149,6 @@ def _infinite(theta: Array, sign: Array) -> Trace:
 
 CONTACT = Exporter(
     "contact.svg", "Pressure angle and profile radius", "image/svg+xml", ".svg", untold(_contact),
-    PictureOptions, "Diagrams over the cam angle, of every roller's path and every flank.",
+    PictureOptions, "Diagrams over the cam angle, of every roller's path and every flank; with a "
+    "load contact force, Hertz pressure and torque, too.",
 )  # fmt: skip

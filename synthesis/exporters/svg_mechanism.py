@@ -24,19 +24,21 @@ from synthesis.exporters.svg_parts import (
     HUB,
     PIVOT,
     STEM,
+    Box,
     Flanks,
     Point,
     half_width,
     outline,
+    placed,
     point_from,
     rim_of,
+    scale_in,
 )  # fmt: skip
 from synthesis.numerics.piecewise import Array
 from synthesis.profile import CamProfile
 from synthesis.units import DEGREE
 
 Tag = Callable[[str], str]  # name of a part -> the attribute that its group carries
-Box = tuple[float, float, float, float]
 ACROSS = 92.0  # units from side to side of a cam
 DRAWN = ProfileOptions(points_per_degree=2.0)
 NEAR = (5.0, 2000.0)  # radii of cams that are drawn in their mm; others in powers of ten of them
@@ -50,6 +52,7 @@ class Moving:
     name: str
     kind: Literal["turn", "shift"]
     values: Array
+    rolls: bool = False  # not back where it began after a turn; drawn within a group of its mean
 
     @property
     def moves(self) -> bool:
@@ -116,20 +119,11 @@ class Stage:
 
     def scale(self, width: float, height: float) -> float:
         """How many times its size it has in a box [mm]."""
-        left, bottom, right, top = self.extent
-        return min(width / (right - left), height / (top - bottom))
+        return scale_in(self.extent, (width, height))
 
     def placed(self, width: float, height: float, tag: Tag) -> list[str]:
         """Its elements in the middle of a box [mm]."""
-        (left, bottom, right, top), k = self.extent, self.scale(width, height)
-        x = 0.5 * width - 0.5 * self.mirror * k * (left + right)
-        y = 0.5 * height + 0.5 * k * (bottom + top)
-        place = f"translate({svg.num(x)} {svg.num(y)}) scale({svg.num(self.mirror * k, 9)} "
-        return [
-            f'<g class="mechanism" transform="{place}{svg.num(-k, 9)})">',
-            *self.shapes(tag),
-            "</g>",
-        ]
+        return placed(self.shapes(tag), self.extent, (width, height), self.mirror)
 
     def shapes(self, tag: Tag) -> list[str]:
         """Its elements in its own mm."""
@@ -153,7 +147,7 @@ class Stage:
                 Moving(f"along{k}", "shift", np.outer(contact.along, _unit(contact.heading))),
                 Moving(f"normal{k}", "turn", contact.normal[:, None] / DEGREE),
                 Moving(f"drive{k}", "turn", contact.drive[:, None] / DEGREE),
-                Moving(f"roll{k}", "turn", contact.roll[:, None] / DEGREE),
+                Moving(f"roll{k}", "turn", contact.roll[:, None] / DEGREE, rolls=True),
             ]
         return found
 

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 from synthesis.design import Design
 from synthesis.exporters import svg_canvas as svg
 from synthesis.exporters.cam import Cam
@@ -9,8 +11,9 @@ from synthesis.exporters.exporter import Exporter, untold
 from synthesis.exporters.options import MotionOptions
 from synthesis.exporters.picture_options import DiagramOptions
 from synthesis.exporters.plot import Plot
-from synthesis.exporters.readings import QUANTITIES, Quantity, bounds, impulses, trace
+from synthesis.exporters.readings import QUANTITIES, Bound, Quantity, bounds, impulses, trace
 from synthesis.exporters.svg_sheet import DRAWN_PER_DEGREE, sheet
+from synthesis.exporters.turn import Turn
 
 MEASURED_PER_DEGREE = 20.0  # at which the extremes are read
 
@@ -18,21 +21,25 @@ MEASURED_PER_DEGREE = 20.0  # at which the extremes are read
 def _motion(design: Design, options: DiagramOptions) -> bytes:
     cam = Cam.of(design)
     per_degree = MotionOptions(max(options.count / 360.0, DRAWN_PER_DEGREE))
-    plots = [motion_plot(design, cam, quantity, per_degree) for quantity in QUANTITIES]
+    plots = [
+        motion_plot(cam, quantity, per_degree, bounds(design, quantity)) for quantity in QUANTITIES
+    ]
     title = f"Motion of {design.name or design.id}"
     told = "Displacement, velocity, acceleration and jerk of the follower over the cam angle."
     return sheet(design, plots, title, told, options.theme)
 
 
-def motion_plot(design: Design, cam: Cam, quantity: Quantity, options: MotionOptions) -> Plot:
+def motion_plot(
+    turn: Turn, quantity: Quantity, options: MotionOptions, limits: Sequence[Bound]
+) -> Plot:
     """The diagram of the displacement or of one of its derivatives."""
     return Plot(
         title=f"{quantity.title} {quantity.symbol}",
-        unit=svg.unit(cam.travel.told(quantity.order)),
-        curve=trace(cam, quantity, options),
-        fine=trace(cam, quantity, MotionOptions(MEASURED_PER_DEGREE)),
-        infinite=impulses(cam, quantity),
-        limits=bounds(design, quantity),
+        unit=svg.unit(turn.travel.told(quantity.order)),
+        curve=trace(turn, quantity, options),
+        fine=trace(turn, quantity, MotionOptions(MEASURED_PER_DEGREE)),
+        infinite=impulses(turn, quantity),
+        limits=limits,
         ends=(("max", True), ("min", False))[: 2 if quantity.order else 1],
     )
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 
 import numpy as np
 
@@ -15,6 +16,7 @@ PIVOT = 0.25  # radius of a pivot's eye, of the stem's length
 RIM = 0.6  # of the roller: wall that is drawn where none was asked for
 
 Point = tuple[float, float]
+Box = tuple[float, float, float, float]  # left, bottom, right, top
 Flanks = tuple[tuple[Flank, CamProfile], ...]
 
 
@@ -62,3 +64,20 @@ def point_from(centre: Point, up: Point, along: float, across: float) -> str:
     """A point so far along a direction, and across it to the right, as a path has it."""
     (x, y), (gx, gy) = centre, up
     return f"{svg.num(x + along * gx + across * gy)} {svg.num(y + along * gy - across * gx)}"
+
+
+def scale_in(extent: Box, size: tuple[float, float]) -> float:
+    """How many times its size a machine has in a panel of this width and height."""
+    left, bottom, right, top = extent
+    return min(size[0] / (right - left), size[1] / (top - bottom))
+
+
+def placed(
+    shapes: Sequence[str], extent: Box, size: tuple[float, float], mirror: float = 1.0
+) -> list[str]:
+    """A machine's elements, y upwards, in the middle of a panel of this width and height [mm]."""
+    (left, bottom, right, top), k = extent, scale_in(extent, size)
+    x = 0.5 * size[0] - 0.5 * mirror * k * (left + right)
+    y = 0.5 * size[1] + 0.5 * k * (bottom + top)
+    place = f"translate({svg.num(x)} {svg.num(y)}) scale({svg.num(mirror * k, 9)} "
+    return [f'<g class="mechanism" transform="{place}{svg.num(-k, 9)})">', *shapes, "</g>"]

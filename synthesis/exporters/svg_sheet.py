@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -23,32 +23,50 @@ DRAWN_PER_DEGREE = 2.0  # a sheet is not drawn more coarsely than this
 
 
 def sheet(design: Design, plots: Sequence[Plot], title: str, told: str, theme: Theme) -> bytes:
-    """The sheet; ``title`` and ``told`` are for those who do not see it."""
+    """The sheet of a design; ``title`` and ``told`` are for those who do not see it."""
+    above = heading(design, LEFT, WIDTH - RIGHT, 1.0)
+    moved = Moved(design.motion, design.spec.follower.travel.unit)
+    return stacked(moved, above, plots, (title, told), theme)
+
+
+@dataclass(frozen=True)
+class Moved:
+    """A motion as a sheet needs it: its segments, and the unit of their levels."""
+
+    motion: Sequence[SegmentMotion]
+    unit: str
+
+
+def stacked(
+    moved: Moved, above: Sequence[str], plots: Sequence[Plot], told: tuple[str, str], theme: Theme
+) -> bytes:
+    """The same under a heading of ``above``; ``told``: title, and what it shows."""
+    motion = moved.motion
     tops = [HEADER + BAND + GAP - 2.0 + k * (HEIGHT + GAP) for k in range(len(plots))]
     bottom = tops[-1] + HEIGHT
     body = [
-        *heading(design, LEFT, WIDTH - RIGHT, 1.0),
-        *grounds(design, STRIP),
-        *_band(design),
+        *above,
+        *grounds(motion, STRIP),
+        *_band(moved),
     ]
     for top, plot in zip(tops, plots, strict=True):
         frame = replace(STRIP, top=top, height=HEIGHT)
-        body += [*grounds(design, frame), *diagram(plot, frame)]
+        body += [*grounds(motion, frame), *diagram(plot, frame)]
     body += angle_axis(replace(STRIP, top=tops[-1], height=HEIGHT))
-    return svg.document(WIDTH, bottom + FOOTER, 1.0, title, told, body, theme=theme)
+    return svg.document(WIDTH, bottom + FOOTER, 1.0, *told, body, theme=theme)
 
 
 def _x(degrees: float) -> float:
     return LEFT + (WIDTH - LEFT - RIGHT) * degrees / 360.0
 
 
-def _segments(design: Design) -> list[SegmentMotion]:
-    return [segment for segment in design.motion if segment.angle_deg > 0.0]
+def _segments(motion: Sequence[SegmentMotion]) -> list[SegmentMotion]:
+    return [segment for segment in motion if segment.angle_deg > 0.0]
 
 
-def grounds(design: Design, frame: Frame) -> list[str]:
+def grounds(motion: Sequence[SegmentMotion], frame: Frame) -> list[str]:
     """A ground for what is drawn over the cam angle: dwells shaded, borders of segments drawn."""
-    segments, low = _segments(design), frame.top + frame.height
+    segments, low = _segments(motion), frame.top + frame.height
     starts = frame.x(np.array([segment.start_deg for segment in segments] + [360.0])).tolist()
     body = [
         svg.box("rest", a, frame.top, b - a, frame.height)
@@ -58,11 +76,11 @@ def grounds(design: Design, frame: Frame) -> list[str]:
     return body + [svg.line("border", x, frame.top, x, low) for x in starts]
 
 
-def _band(design: Design) -> list[str]:
+def _band(moved: Moved) -> list[str]:
     """The strip of segments: what each does and how, as far as there is room."""
     body = [svg.line("border", LEFT, y, WIDTH - RIGHT, y) for y in (HEADER, HEADER + BAND)]
-    unit = design.spec.follower.travel.unit
-    for segment in _segments(design):
+    segments, unit = _segments(moved.motion), moved.unit
+    for segment in segments:
         width = _x(segment.angle_deg) - LEFT
         middle = _x(segment.start_deg) + 0.5 * width
         told = svg.fitting(_names(segment, unit), width - 1.0, svg.LABEL)
@@ -72,7 +90,7 @@ def _band(design: Design) -> list[str]:
         told = svg.shortened(manner, width - 1.0, svg.TICK)
         if len(told) > SHORT or told == manner:
             body.append(svg.text("tick", middle, HEADER + 7.8, told, "middle"))
-    return body + _border_angles([s.start_deg for s in _segments(design)] + [360.0])
+    return body + _border_angles([s.start_deg for s in segments] + [360.0])
 
 
 def _border_angles(borders: list[float]) -> list[str]:
@@ -106,7 +124,7 @@ def _manner(segment: SegmentMotion, unit: str) -> str:
     return segment.law.replace("_", " ")
 
 
-def angle_axis(frame: Frame, every: int = 30) -> list[str]:
+def angle_axis(frame: Frame, every: int = 30, name: str = "Cam angle") -> list[str]:
     """Numbers and name of the abscissa under a diagram."""
     body, bottom = [], frame.top + frame.height
     for degrees in range(0, 361, every):
@@ -114,4 +132,4 @@ def angle_axis(frame: Frame, every: int = 30) -> list[str]:
         body.append(svg.line("axis", x, bottom, x, bottom + 1.2))
         body.append(svg.text("tick", x, bottom + 4.4, f"{degrees}", "middle"))
     middle = frame.left + 0.5 * frame.width
-    return [*body, svg.text("label", middle, bottom + 9.2, "Cam angle, degrees", "middle")]
+    return [*body, svg.text("label", middle, bottom + 9.2, f"{name}, degrees", "middle")]

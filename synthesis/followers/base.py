@@ -55,6 +55,7 @@ class Follower(BaseModel, Host, Sized, Judged, Told, ABC):
     title: ClassVar[str]
     size_charts: ClassVar[tuple[tuple[str, ...], ...]]  # names of z, by what is given
     always_convex: ClassVar[bool] = False  # a profile that is not undercut has no hollows
+    guided: ClassVar[bool] = False  # a roller whose slide runs in a guide
     face_ends: ClassVar[tuple[str, ...]] = ()  # of a flat face, as in the limit on its width
 
     @property

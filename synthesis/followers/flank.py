@@ -35,6 +35,7 @@ class Flank:
         path: name of the traced curve; "" where there is only one.
         trace: the point that draws it.
         rim: material behind a flank that is touched from inside [mm].
+        slack: what D is longer than the roller's radius [mm]: half of a groove's clearance.
     """
 
     name: str
@@ -43,10 +44,16 @@ class Flank:
     path: str
     trace: Trace
     rim: float = 0.0
+    slack: float = 0.0
+
+    @property
+    def roller(self) -> float:
+        """Radius of the roller that touches it [mm]; 0 for an edge and for a face."""
+        return self.distance - self.slack
 
     def magnified(self, by: float) -> Flank:
         """The same with its own lengths so many times as large; those of its trace stay."""
-        return replace(self, distance=by * self.distance, rim=by * self.rim)
+        return replace(self, distance=by * self.distance, rim=by * self.rim, slack=by * self.slack)
 
 
 @dataclass(frozen=True)

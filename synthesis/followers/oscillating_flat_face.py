@@ -314,6 +314,11 @@ class OscillatingFlatFace(Follower):
             ((r * ux - f * nx) * turn / length, (r * uy - f * ny) * turn / length),
         )
 
+    def lever(self, s: Any, z: Any) -> Any:
+        # s is the arc at the reference, contact is at (r, f) from the pivot
+        f, (r, *_) = self.face_offset_mm, self._contact(s, z)
+        return np.sqrt(r * r + f * f) / self.reference
+
     def normal(self, tangent: Vector2, s: Any, z: Any) -> Vector2:
         return self._frame(s, z)[1]
 

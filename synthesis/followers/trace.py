@@ -35,6 +35,14 @@ class Trace(ABC):
     def direction(self, s: Any, z: Any) -> tuple[Vector2, Vector2]:
         """Unit vector along which the follower is driven, and its θ-derivative."""
 
+    def lever(self, s: Any, z: Any) -> Any:
+        """How far the follower's material at the contact moves along ``direction``, per unit of s.
+
+        By virtual work a force N along the unit normal n does N (n · g) times this much per unit
+        of s. Negative where the follower moves against the direction of drive as s grows.
+        """
+        return 1.0
+
     def normal(self, tangent: Vector2, s: Any, z: Any) -> Vector2:
         """Outward common normal, of any length: of the traced curve, or of a face that has one.
 
@@ -96,3 +104,16 @@ class Host(Trace):
     def arm_angle(self, s: float, z: tuple[float, ...]) -> float:
         """Angle at its pivot from the line to the axis to the arm [rad]; only with an arm."""
         raise NotImplementedError(f"{type(self).__name__} has no arm")
+
+
+def leaning(path: Trace, s: Any, z: Any) -> tuple[Any, Any]:
+    """Sine and cosine of the pressure angle on a traced curve.
+
+    Args:
+        s: s and three derivatives, of any arithmetic type [mm, per rad]. z: the size [mm].
+    """
+    (px, py), (dx, dy), *_ = path.traced_point(s, z)
+    nx, ny = path.normal((dx + py, dy - px), s, z)
+    (gx, gy), _ = path.direction(s, z)
+    length = (nx * nx + ny * ny) ** 0.5
+    return (gx * ny - gy * nx) / length, (gx * nx + gy * ny) / length

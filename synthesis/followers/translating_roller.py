@@ -33,6 +33,7 @@ class TranslatingRoller(RollerFollower):
 
     kind: Literal["translating_roller"] = "translating_roller"
     title: ClassVar[str] = "Translating roller (radius 0: knife edge)"
+    guided: ClassVar[bool] = True
     size_charts: ClassVar[tuple[tuple[str, ...], ...]] = (("offset", "s0"),)
 
     roller_radius_mm: Annotated[

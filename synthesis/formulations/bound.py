@@ -23,6 +23,7 @@ from synthesis.formulations.ledger import Ledger
 from synthesis.formulations.multiplied import further, said
 from synthesis.formulations.multipliers import ends_priced, heard
 from synthesis.formulations.prices import end_prices
+from synthesis.formulations.resounding import resound
 from synthesis.formulations.switching import Switching
 from synthesis.formulations.tangents import tangents
 from synthesis.numerics.piecewise import Array
@@ -69,6 +70,7 @@ def bound(plan: Plan, solution: ConeSolution, ends: Sequence[Array] | None = Non
     ledger = Ledger(plan, order)
     for rows, mass in tangents(plan, solution, order):
         ledger.book(rows, mass)
+    resound(ledger, z)
     _book_rows(plan, ledger, z)
     psi = ledger.psi() if all(control.weight for control in steering) else ()
     ledger.book_ends(end_prices(plan, steering, psi, ledger.state, ends))
@@ -139,9 +141,10 @@ def _minimum(
     capped = sum(p.least(c.cap, c.weight) for p, c in zip(psi, steering, strict=True))
     paid: float = ledger.constant + capped - ROUNDING * (ledger.magnitude + abs(capped))
     paid -= _unknown_states(plan, solution, ledger, steering)
-    paid -= ROUNDING * sum(
-        spent * (c.cap if c.cap < inf else p.peak / (2.0 * c.weight))
-        for spent, p, c in zip(ledger.spent, psi, steering, strict=True)
+    blur = ROUNDING * ledger.spent + ledger.missed
+    paid -= sum(
+        each * (c.cap if c.cap < inf else (p.peak + each) / (2.0 * c.weight))
+        for each, p, c in zip(blur, psi, steering, strict=True)
     )
     norm = plan.problem.objective.norm(plan.problem.machine)
     bounds = np.array(plan.problem.sizing.bounds) / plan.scales.size
@@ -166,8 +169,8 @@ def _minimum(
     if plan.energy is not None:
         return paid
     price = abs(ledger.level) * ROUNDING - ledger.level
-    for p, c, spent in zip(psi, steering, ledger.spent, strict=True):
-        price += c.rate * (ROUNDING * spent - p.least(1.0, 0.0))
+    for p, c, each in zip(psi, steering, blur, strict=True):
+        price += c.rate * (each - p.least(1.0, 0.0))
     return paid / price if price > 0.0 else 0.0
 
 

@@ -125,10 +125,11 @@ def binding(state: Search, free: Stretch) -> Parts:
         if cam is None:
             continue
         (stretch,) = (s for s in cam.problem.stretches if s.index == free.index)
-        s = stretch.placed().derivatives(stretch.start + stretch.angle * x)
+        theta = stretch.start + stretch.angle * x
+        s = stretch.placed().derivatives(theta)
         for limit in cam.problem.limits:
             if limit.traced(stretch, cam.problem.machine):
-                for value in limit.smooth(stretch, cam.problem.machine, s, cam.size):
+                for value in limit.smooth(stretch, cam.problem.machine, theta, s, cam.size):
                     worst = np.maximum(worst, value)
     where = np.flatnonzero(worst > NEAR)
     if not len(where):

@@ -25,7 +25,7 @@ class Control:
 
 def controls(plan: Plan) -> list[Control] | None:
     """The steering derivative of every free law, of one order; None where there is none."""
-    if any(ball.norm is None for ball in plan.balls):
+    if any(ball.norm is None and ball.ring is None for ball in plan.balls):
         return None
     for order in (3, 2):
         if any(b.size.any() and b.alpha[order:].any() for b in plan.blocks):

@@ -27,6 +27,7 @@ from synthesis.formulations.energy import Energy, energy
 from synthesis.formulations.grid import TYPICAL, Grid, SettledLaw
 from synthesis.formulations.matrix import Ball, Writer
 from synthesis.formulations.problem import Problem
+from synthesis.formulations.ringing import Ring, ring
 from synthesis.formulations.rows import Block, Drawn, Scales
 from synthesis.numerics.digits import rounded
 from synthesis.numerics.piecewise import Array
@@ -47,6 +48,7 @@ class Plan:
         squares: columns of y, empty otherwise.
         exact: rows that are equalities, the last of the program's.
         equalities, blocks, balls: the rows, in the order of the program.
+        silent: runs after which nothing may ring: two equalities each, right before ``exact``.
         energy: the objective where it is a mean square.
     """
 
@@ -64,6 +66,7 @@ class Plan:
     balls: tuple[Ball, ...]
     energy: Energy | None
     program: ConeProgram
+    silent: tuple[Ring, ...] = ()
 
     def recover(self, x: Array) -> tuple[list[SettledLaw], Vector]:
         """The laws and the size variables [mm] at a point of the program."""
@@ -112,6 +115,18 @@ class Plan:
         first = self.program.equalities - ends[-1]
         return [z[first + a : first + b] for a, b in pairwise(ends)]
 
+    def ring_multipliers(self, z: Array) -> list[tuple[Ring, Array]]:
+        """Those of the two rows of every run that may leave little or nothing ringing."""
+        at = self.program.equalities - sum(len(block.rhs) for block in self.exact)
+        at -= 2 * len(self.silent)
+        found = [(one, z[at + 2 * k : at + 2 * k + 2]) for k, one in enumerate(self.silent)]
+        at = self.program.equalities + self.program.inequalities
+        for ball in self.balls:
+            if ball.ring is not None:
+                found.append((ball.ring, -z[at + 1 : at + 3]))
+            at += 1 + len(ball.shift)
+        return found
+
 
 def formulate(
     problem: Problem,
@@ -148,12 +163,19 @@ def formulate(
     at = size.stop + (extra is not None)
     squares = slice(at, at + (0 if energetic is None else energetic.rows))
     writer = Writer(squares.stop, columns, size, extra, settled)
-    balls = tuple(_balls(problem, grids, writer, scales, drawn.tighten))
+    placed = (ring(one, problem.stretches, grids) for one in problem.ringing)
+    rings = [one for one in placed if one is not None]
+    silent = [one for one in rings if one.radius == 0.0 and not paired]
+    balls = tuple(_balls(problem, grids, writer, scales, drawn.tighten)) + tuple(
+        writer.ring_ball(one, drawn.tighten) for one in rings if one not in silent
+    )
     for joint in joints:
         writer.joint(joint, free, grids)
     writer.fixed(problem.sizing.bounds, scales)
     if energetic is not None:
         writer.roots(energetic, squares.start)
+    for one in silent:
+        writer.silent(one)
     for block in exact:
         writer.block(block)
     equalities = writer.rows
@@ -170,7 +192,7 @@ def formulate(
     )  # fmt: skip
     return Plan(
         problem, tuple(grids), scales, tuple(settled), tuple(joints), tuple(columns), size, extra,
-        squares, exact, blocks, balls, energetic, program,
+        squares, exact, blocks, balls, energetic, program, tuple(silent),
     )  # fmt: skip
 
 

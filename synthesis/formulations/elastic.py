@@ -54,7 +54,7 @@ def diagnose(
             [core units]; None where there is no such cam.
         deadline: ``time.monotonic()`` after which no further relaxation is looked for.
     """
-    if problem.curved:
+    if problem.curved or problem.cramped:
         return stalemate(spec, deadline)
     scene = replace(Scene.of(spec, problem, grids), deadline=deadline)
     given = blocked(scene.parts, problem)

@@ -33,10 +33,11 @@ def blocked(parts: Sequence[Part], problem: Problem) -> dict[int, Blocked]:
         if jump is not None:
             found[position] = Blocked(None, jump)
             continue
-        for stretch in problem.stretches:
-            value = part.least(replace(problem, stretches=(stretch,)), None)
+        each = [((s,), f"program/{s.index} has a given law that needs this much by itself")
+                for s in problem.stretches]  # fmt: skip
+        for stretches, note in [*each, (problem.stretches, "given laws together leave this much")]:
+            value = part.least(replace(problem, stretches=stretches), None)
             if value is None or part.tighter(part.asked, value):
-                note = f"program/{stretch.index} has a given law that needs this much by itself"
                 if part.fixed(problem):
                     note = "the follower needs this much by itself, whatever law and size"
                 worst = found[position].value if position in found else part.asked

@@ -149,7 +149,8 @@ def _parts(spec: DesignSpec) -> Iterator[_Part]:
         for claim in limit.claims(stretches, machine):
             attribute = claim.field.rpartition("/")[2]
             asked = float(getattr(limit, attribute))
-            sign = "≤" if claim.upper is not None else "≥"
+            least = claim.upper is None or attribute.startswith("min_")
+            sign = "≥" if least else "≤"
             words = f"{claim.limit.replace('_', ' ')} {sign} {asked:.6g} {claim.unit}"
             field = f"limits/{position}/{attribute}"
             yield _Part(field, claim.limit, words, claim.unit, asked, position, attribute)

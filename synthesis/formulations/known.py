@@ -70,11 +70,12 @@ def near_to_binding(best: Candidate, free: Stretch) -> tuple[float, float] | Non
     problem = best.problem
     (stretch,) = (s for s in problem.stretches if s.index == free.index)
     x = np.linspace(0.0, 1.0, SAMPLES + 1)
-    s = stretch.placed().derivatives(stretch.start + stretch.angle * x)
+    theta = stretch.start + stretch.angle * x
+    s = stretch.placed().derivatives(theta)
     worst = np.full(len(x), -np.inf)
     for limit in problem.limits:
         if limit.implied(stretch, problem.machine):
-            for value in limit.smooth(stretch, problem.machine, s, best.size):
+            for value in limit.smooth(stretch, problem.machine, theta, s, best.size):
                 worst = np.maximum(worst, value)
     binding = x[worst > NEAR]
     if not len(binding) or np.max(worst) < 0.1 * NEAR:

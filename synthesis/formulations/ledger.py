@@ -24,6 +24,7 @@ class Ledger:
         state: per free law, (m,) factors of unknown initial values g^(j)(0).
         magnitude: sum of the absolute values of what went into ``constant``.
         spent, sized: the same of what went into every law's ψ and into ``size``.
+        missed: what every law's true ψ differs from the polynomials at most.
     """
 
     plan: Plan
@@ -35,6 +36,7 @@ class Ledger:
     magnitude: float = 0.0
     spent: Array = field(init=False)
     sized: Array = field(init=False)
+    missed: Array = field(init=False)
     _points: list[list[Array]] = field(init=False)
     _weights: list[list[Array]] = field(init=False)
     _spans: list[list[Array]] = field(init=False)
@@ -44,6 +46,7 @@ class Ledger:
         laws = range(len(self.plan.grids))
         self.size = np.zeros(len(self.plan.problem.sizing.bounds))
         self.sized, self.spent = np.zeros_like(self.size), np.zeros(len(laws))
+        self.missed = np.zeros(len(laws))
         self.state = [np.zeros(self.order) for _ in laws]
         self._points, self._weights = [[] for _ in laws], [[] for _ in laws]
         self._spans, self._polys = [[] for _ in laws], [[] for _ in laws]

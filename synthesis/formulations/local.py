@@ -5,14 +5,13 @@ from __future__ import annotations
 import time
 from math import inf
 
-import numpy as np
-
 from synthesis.formulations.candidate import Candidate, mended, settle
 from synthesis.formulations.convex import formulate
 from synthesis.formulations.cuts import Region
 from synthesis.formulations.missed import ALLOWED, misses
 from synthesis.formulations.rows import Drawn
 from synthesis.formulations.search import Search, Stage
+from synthesis.formulations.warm import from_neighbour
 from synthesis.numerics.piecewise import Array
 from synthesis.objectives.rms_acceleration import RmsAcceleration
 from synthesis.objectives.rms_jerk import RmsJerk
@@ -24,7 +23,9 @@ EXCHANGES = 3  # of rows between whose points something was missed
 
 
 def nonlinear(state: Search) -> None:
-    """From the relaxation's cam grown out of the limits, or from a gentler one."""
+    """From a neighbour's, the relaxation's cam grown out of the limits, or a gentler one."""
+    if from_neighbour(state):
+        return
     if state.best is None or state.best.value > FAR * state.lower:
         gentle(state)
     start = state.best or state.relaxed or state.last
@@ -46,15 +47,13 @@ def improve_from(state: Search, start: Candidate) -> None:
 
 def _improved(state: Search, start: Candidate) -> tuple[list[Array], float]:
     """One run of IPOPT; where its rows were missed between their points, and how far."""
-    from synthesis.formulations.nonlinear import improve  # CasADi only where it is needed
+    from synthesis.formulations.nonlinear import accuracies, improve  # CasADi where it is needed
 
     started = time.perf_counter()
     drawn = Drawn(state.tighten, state.margin)
     plan = formulate(state.problem, state.grids, 0.0, drawn, Region())  # smooth forms say more
-    # rows drawn in by a little of what the caller allows save rounds: peaks may lie between them
-    spare = float(np.clip(0.04 * state.tolerance, 1e-7, 1e-3))
-    accuracy = float(np.clip(1e-5 * state.tolerance, 1e-9, 1e-7))
-    solution = improve(plan, plan.point(start.laws, start.size), state.deadline, spare, accuracy)
+    asked = accuracies(state.tolerance)
+    solution = improve(plan, plan.point(start.laws, start.size), state.deadline, *asked)
     laws, size = plan.recover(solution.x)
     least: tuple[list[Array], float] = [], inf
     for keep_hint in (True, False):
@@ -64,6 +63,7 @@ def _improved(state: Search, start: Candidate) -> tuple[list[Array], float]:
         least = min(least, missed, key=lambda each: each[1])
         if missed[1] <= ALLOWED:
             state.accept(found)
+            state.left_behind = solution.left(plan, state.grids)
     state.stages.append(
         Stage(
             "nonlinear", "NLP", "IPOPT", len(solution.x), solution.rows, solution.iterations,

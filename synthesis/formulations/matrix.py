@@ -12,6 +12,7 @@ from scipy import sparse
 from synthesis.formulations.ends import Ends, Joint, joint_rows
 from synthesis.formulations.energy import Energy
 from synthesis.formulations.grid import Grid
+from synthesis.formulations.ringing import Ring
 from synthesis.formulations.rows import Block, Scales
 from synthesis.motion import Stretch
 from synthesis.numerics.digits import rounded
@@ -23,7 +24,8 @@ from synthesis.terms import Norm
 class Ball:
     """‖matrix x + shift‖ ≤ x[head] + radius; without head ≤ radius alone.
 
-    ``norm`` is set where the cone speaks of the size variables alone, ``source`` is its cone's.
+    ``norm`` is set where the cone speaks of the size variables alone, ``source`` is its cone's;
+    ``ring`` where it is about what the motion leaves an oscillator ringing with.
     """
 
     matrix: Array
@@ -33,6 +35,12 @@ class Ball:
     norm: Norm | None
     tighten: float = 0.0
     source: str = ""
+    ring: Ring | None = None
+
+    @property
+    def give(self) -> float:
+        """What it gives for one unit of a part that gives way: its radius, or a natural size."""
+        return self.radius if self.ring is None else max(self.radius, 1.0)
 
 
 @dataclass(eq=False)
@@ -137,6 +145,25 @@ class Writer:
             shift[at : at + len(factor)] = fixed / rest
             at += len(factor)
         return Ball(matrix, shift, None, 1.0, None)
+
+    def silent(self, ring: Ring) -> None:
+        """Nothing may be left ringing."""
+        matrix, shift = self._ringing(ring)
+        self._put(matrix, 0)
+        self._close(-shift)
+
+    def ring_ball(self, ring: Ring, tighten: float) -> Ball:
+        """What is left ringing ≤ its radius."""
+        return Ball(*self._ringing(ring), None, ring.radius, None, tighten, ring.source, ring)
+
+    def _ringing(self, ring: Ring) -> tuple[Array, Array]:
+        """A ring's two rows in the unknowns, and what is settled of them."""
+        matrix, shift = np.zeros((2, self.width)), ring.shift.copy()
+        for share, rows in zip(ring.shares, ring.rows, strict=True):
+            inner, fixed = self.settled[share.position].split(rows)
+            matrix[:, self.columns[share.position]] = inner
+            shift += fixed
+        return matrix, shift
 
     def finished(self) -> tuple[sparse.csc_matrix, Array]:
         """A in compressed columns, and b."""

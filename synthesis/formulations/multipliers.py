@@ -46,6 +46,10 @@ def _end_price(plan: Plan, law: SettledLaw, z: Array, position: int, order: int)
         if block.stretch == position and block.laws is not None:
             gradient += z[at : at + len(block.rhs)] @ block.laws[:, last]
         at += len(block.rhs)
+    for ring, y in plan.ring_multipliers(z):
+        for share, rows in zip(ring.shares, ring.rows, strict=True):
+            if share.position == position:
+                gradient += y @ rows[:, last]
     if plan.energy is not None:
         factor = plan.energy.factors[position]
         gradient += 2.0 / plan.energy.unit * (factor @ law.coefficients) @ factor[:, last]

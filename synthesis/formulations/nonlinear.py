@@ -17,6 +17,8 @@ import numpy as np
 
 from synthesis import clock
 from synthesis.formulations.convex import Plan
+from synthesis.formulations.grid import Grid
+from synthesis.formulations.neighbour import Neighbour
 from synthesis.formulations.problem import Problem
 from synthesis.formulations.spots import Spots, broken, spread
 from synthesis.formulations.statement import Statement
@@ -45,6 +47,20 @@ class NonlinearSolution:
     rows: int
     spots: tuple[Spots, ...]
     guess: Guess
+
+    def left(self, plan: Plan, grids: Sequence[Grid]) -> Neighbour:
+        """What it leaves to a neighbouring question."""
+        guess = self.guess
+        return Neighbour.of(plan, grids, self.spots, guess.x, (guess.rows, guess.bounds))
+
+
+def accuracies(tolerance: float) -> tuple[float, float]:
+    """What a relative gap asks of rows at points, and of the optimum: see ``improve``.
+
+    Rows drawn in by a little of what the caller allows save rounds: peaks may lie between them.
+    """
+    spare = float(np.clip(0.04 * tolerance, 1e-7, 1e-3))
+    return spare, float(np.clip(1e-5 * tolerance, 1e-9, 1e-7))
 
 
 def improve(

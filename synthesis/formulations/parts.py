@@ -14,18 +14,17 @@ import numpy as np
 from scipy.optimize import brentq
 
 from synthesis.formulations.problem import Problem
+from synthesis.formulations.ringing import amplitude, settles
 from synthesis.formulations.rows import exceeded
 from synthesis.limits import Claim, Limit
 from synthesis.motion import Stretch
-from synthesis.ranges import ends
-from synthesis.spec import DesignSpec
-from synthesis.terms import Cone, Curved, Row
+from synthesis.terms import Cone, Curved, Ringing, Row
 
 Vector = tuple[float, ...]
 CEILING = {"deg": 89.9}  # the largest value that makes sense, where there is one
 SAMPLES = 360  # of a given law, about, where a curved limit is measured
+SMALLEST = 1e-9  # where nothing is allowed: what is tried first [wire]
 ROUNDING = 1e-9  # of the natural size: what a value held may differ by
-OPEN = 1e4  # strokes: what the base radius may grow to while it is not limited
 
 
 @dataclass(frozen=True)
@@ -116,10 +115,11 @@ class LimitPart(Part):
 
         if excess(self.asked) <= 0.0:
             return self.asked
-        high, ceiling = 2.0 * self.asked, CEILING.get(self.unit, inf)
+        least = self.asked or SMALLEST
+        high, ceiling = 2.0 * least, CEILING.get(self.unit, inf)
         while excess(min(high, ceiling)) > 0.0:
             high *= 4.0
-            if high > min(4.0 * ceiling, 1e30 * self.asked):
+            if high > min(4.0 * ceiling, 1e30 * least):
                 return None
         root = float(brentq(excess, self.asked, min(high, ceiling), xtol=1e-300, rtol=1e-13))
         return root if excess(root) <= 0.0 else root * (1.0 + 1e-12)
@@ -138,6 +138,9 @@ class LimitPart(Part):
                         yield exceeded(row, stretch, size or ())
                 if stretch.law is not None and size is not None:
                     yield from self._curved(limit, stretch, settled, size)
+            for ring in limit.ringing(settled.stretches, settled.machine):
+                if settles(ring, settled.stretches):
+                    yield amplitude(ring, settled.stretches) - ring.largest
             if size is not None:
                 for cone in limit.cones(settled.stretches, settled.machine):
                     yield cone.norm.value(size) - cone.radius
@@ -160,7 +163,8 @@ class LimitPart(Part):
         return max(orders, default=0)
 
     def fixed(self, problem: Problem) -> bool:
-        return all(row.constant for row in self._rows(problem))
+        rows = list(self._rows(problem))
+        return bool(rows) and all(row.constant for row in rows)
 
     def _rows(self, problem: Problem) -> Iterator[Row]:
         """Its rows wherever it has any."""
@@ -335,61 +339,10 @@ def _window_part(problem: Problem, position: int, claim: Claim) -> WindowPart:
 
 
 def _sources(limit: Limit, problem: Problem) -> set[str]:
-    machine, terms = problem.machine, list[Row | Cone | Curved]()
+    machine, terms = problem.machine, list[Row | Cone | Curved | Ringing]()
+    terms += limit.ringing(problem.stretches, machine)
     for stretch in problem.stretches:
         terms += limit.rows(stretch, machine)
         if stretch.law is not None:
             terms += limit.curved(stretch, machine)
     return {term.source for term in (*terms, *limit.cones(problem.stretches, machine))}
-
-
-def open_size(problem: Problem) -> Problem:
-    """The problem with every range of its size left open (but for the unit of size)."""
-    follower = problem.machine.follower
-    names = [f"{name}_mm" for name in follower.size_names]
-    free = {name: None for name in names if name in type(follower).model_fields}
-    largest = OPEN * max(problem.length, problem.sizing.least)
-    sizing = follower.model_copy(update=free).sizing((1e-3 * problem.length, largest))
-    return replace(problem, sizing=replace(sizing, least=problem.sizing.least))
-
-
-def range_parts(spec: DesignSpec, problem: Problem) -> list[Part]:
-    """Ranges of the follower's own dimensions and of the base radius, as far as they are asked."""
-    found: list[Part] = []
-    follower, roller = spec.follower, problem.machine.follower.base_gap
-    for axis, size_name in enumerate(follower.size_names):
-        name = f"{size_name}_mm"
-        if name in type(follower).model_fields:
-            found += _sides(size_name, f"follower/{name}", ends(getattr(follower, name)), axis, 0.0)
-    low, high = ends(spec.base_radius_mm)
-    radii = list(_sides("base_radius", "base_radius_mm", (low, high), None, roller))
-    if _harmed_by_size(problem):
-        return found + radii
-    # a larger size eases everything, so that only the largest can be in the way
-    return found + [replace(part, low=-inf) for part in radii if part.high < inf]
-
-
-def _harmed_by_size(problem: Problem) -> bool:
-    """Whether a larger size may break a limit: its outer radius, or contact on a tilted face."""
-    follower, low = problem.machine.follower, tuple(low for low, _ in problem.sizing.bounds)
-    raised = follower.raised(low, 1.0)
-    rows = (row for s in problem.stretches for limit in problem.limits
-            for row in limit.rows(s, problem.machine))  # fmt: skip
-    return any(limit.cones(problem.stretches, problem.machine) for limit in problem.limits) or any(
-        sum(a * (new - old) for a, new, old in zip(row.size, raised, low, strict=False)) > 0.0
-        for row in rows
-    )
-
-
-def _sides(
-    name: str, field: str, asked: tuple[float, float], axis: int | None, shift: float
-) -> Iterator[RangePart]:
-    """The parts of one range: its two ends, or one part where it is a number."""
-    low, high = asked
-    ways = [("≥", low, inf, "/min"), ("≤", -inf, high, "/max")]
-    for sign, least, most, end in [("=", low, high, "")] if low == high else ways:
-        value = most if least == -inf else least
-        if abs(value) < inf:
-            words = f"{name.replace('_', ' ')} {sign} {value:.6g} mm"
-            members = (Member(field + end, value),)
-            yield RangePart(name, words, "mm", members, axis, least + shift, most + shift, shift)

@@ -14,7 +14,7 @@ from synthesis.limits import Limit, Machine
 from synthesis.motion import Stretch
 from synthesis.objectives import Objective
 from synthesis.spec import DesignSpec
-from synthesis.terms import Cone, Curved, Row
+from synthesis.terms import Cone, Curved, Ringing, Row
 
 RESTS = 1e-12  # of the stroke: what rounding may leave of the lowest position
 
@@ -70,6 +70,18 @@ class Problem:
     circle: float = 0.0
 
     @property
+    def cramped(self) -> str:
+        """Why no cam at all can be large enough for its base circle; empty where one may be."""
+        largest = self.radii[1]
+        if self.circle <= largest * (1.0 + 1e-9):
+            return ""
+        return (
+            "proven for every motion law: a dwell below is a part of the base circle, whose "
+            f"radius may be {largest:.6g} mm at most; a profile radius of {self.circle:.6g} mm is "
+            "asked for"
+        )
+
+    @property
     def free(self) -> tuple[Stretch, ...]:
         """The stretches whose law is part of the answer."""
         return tuple(s for s in self.stretches if s.law is None)
@@ -118,6 +130,12 @@ class Problem:
         for limit in self.limits:
             found += limit.cones(self.stretches, self.machine)
         return tuple(found)
+
+    @cached_property
+    def ringing(self) -> tuple[Ringing, ...]:
+        """What the motion may leave oscillators ringing with."""
+        rings = (limit.ringing(self.stretches, self.machine) for limit in self.limits)
+        return tuple(ring for each in rings for ring in each)
 
     def room(self, size: tuple[float, ...]) -> float:
         """How far a size can be raised within bounds and cones [mm]."""

@@ -19,6 +19,7 @@ from synthesis.formulations.grid import Grid, uniform
 from synthesis.formulations.knots import all_halved, denser, finer
 from synthesis.formulations.local import nonlinear
 from synthesis.formulations.missed import ALLOWED, misses
+from synthesis.formulations.neighbour import Neighbour
 from synthesis.formulations.pinned import pinned
 from synthesis.formulations.polish import polish
 from synthesis.formulations.problem import Problem
@@ -50,6 +51,7 @@ def search(
     tighten: float = 1e-7,
     *,
     thorough: bool = False,
+    near: Neighbour | None = None,
 ) -> Search:
     """Solve one problem to a relative gap, or as near as the ladder comes.
 
@@ -59,11 +61,12 @@ def search(
         deadline: ``time.monotonic()`` at which to stop with the best so far.
         tighten: relative amount by which limits are drawn in for the solver's sake.
         thorough: where limits that are not convex leave a gap, spend more on the bound.
+        near: where a neighbouring question's local search ended, to begin one there.
 
     Returns:
         the search as it ended; without a best cam where no rung gave a usable point.
     """
-    state = Search(problem, tolerance, deadline, tighten)
+    state = Search(problem, tolerance, deadline, tighten, near=near)
     _searched(state, thorough=thorough)
     return state.round_off()
 
@@ -71,6 +74,9 @@ def search(
 def _searched(state: Search, *, thorough: bool) -> None:
     """The ladder itself."""
     problem, tolerance = state.problem, state.tolerance
+    if problem.cramped:
+        state.infeasible, state.impossible = True, problem.cramped
+        return
     if problem.objective.limits(1.0, problem.machine):
         steepness(state, search)
         return

@@ -17,9 +17,10 @@ from scipy.optimize import minimize_scalar
 from synthesis import clock
 from synthesis.formulations.convex import Plan, formulate
 from synthesis.formulations.grid import Grid
-from synthesis.formulations.parts import Part, RangePart, limit_parts, open_size, range_parts
+from synthesis.formulations.parts import Part, RangePart, limit_parts
 from synthesis.formulations.problem import Nothing, Problem
 from synthesis.formulations.rows import Drawn
+from synthesis.formulations.size_parts import open_size, range_parts
 from synthesis.formulations.yielding import Yielded, least_yield, state
 from synthesis.numerics.piecewise import Array
 from synthesis.spec import DesignSpec

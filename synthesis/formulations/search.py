@@ -11,6 +11,7 @@ from synthesis.formulations.candidate import Candidate, grow
 from synthesis.formulations.convex import Plan
 from synthesis.formulations.cuts import Region
 from synthesis.formulations.grid import Grid
+from synthesis.formulations.neighbour import Neighbour
 from synthesis.formulations.problem import Problem
 from synthesis.solvers.clarabel import ConeSolution
 
@@ -48,6 +49,8 @@ class Search:
         improved: whether a local optimum was sought on the way.
         wide: whether the bound covers every law, not the splines on the present knots alone.
         last: the last cam read from a cone program, whatever it is worth.
+        near: where a neighbouring question's local search ended, to begin this one's there.
+        left_behind: the same of this question. from_near: whether ``near`` was of use.
         program: the last cone program that had a point, that point and its bound.
     """
 
@@ -70,6 +73,9 @@ class Search:
     improved: bool = False
     wide: bool = True
     last: Candidate | None = None
+    near: Neighbour | None = None
+    left_behind: Neighbour | None = None
+    from_near: bool = False
     program: tuple[Plan, ConeSolution, Bound] | None = None
 
     def left(self) -> float:

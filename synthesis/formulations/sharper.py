@@ -25,6 +25,7 @@ from synthesis.formulations.grid import SettledLaw
 from synthesis.formulations.ledger import Ledger, at_start, carried
 from synthesis.formulations.multiplied import Multiplied, further, said
 from synthesis.formulations.prices import end_prices
+from synthesis.formulations.resounding import resound, resounding
 from synthesis.formulations.tangents import tangents
 from synthesis.numerics.piecewise import Array
 from synthesis.solvers.clarabel import ConeProgram, ConeSolution, solve
@@ -102,6 +103,7 @@ class _Task:
         groups += [rows for rows, _ in further(plan, order, solution.multipliers)]
         groups += [_ends(plan, position, order) for position in range(len(plan.grids))]
         fixed = tangents(plan, solution, order)
+        fixed += [(rows, mass) for rows, mass, _ in resounding(plan, order, solution.multipliers)]
         return cls(plan, solution, steering, tuple(groups), fixed)
 
     @property
@@ -127,6 +129,7 @@ class _Task:
         ledger, laws = Ledger(self.plan, self.order), len(self.plan.grids)
         for rows, mass in self.fixed:
             ledger.book(rows, mass)
+        resound(ledger, self.solution.multipliers, booked=True)
         for at, rows in zip(self.first[:-1], self.groups[:-laws], strict=False):
             mass = found.x[at : at + len(rows.rhs)]
             ledger.book(rows, mass if rows.signed else np.maximum(mass, 0.0))

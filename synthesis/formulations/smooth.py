@@ -64,7 +64,7 @@ def _worst(problem: Problem, part: Samples, size: Vector) -> Array:
     """The largest smooth expression at every point, ∞ where one has no value: (n,)."""
     worst = np.full(len(part.theta), -np.inf)
     for limit in problem.limits:
-        for value in limit.smooth(part.stretch, problem.machine, part.s, size):
+        for value in limit.smooth(part.stretch, problem.machine, part.theta, part.s, size):
             worst = np.maximum(worst, np.where(np.isnan(value), np.inf, value))
     return worst
 

@@ -54,7 +54,7 @@ def broken(settled: Problem, size: Vector, eased: int = 0, above: float = 0.0) -
         theta, piece = _peaks(samples.theta.reshape(values.shape), values)
         curve = samples.stretch.placed()
         s = curve.jet(theta, piece, 3)
-        kept = _value(settled, limit, position, s, size) > above * (limit >= firm)
+        kept = _value(settled, limit, position, theta, s, size) > above * (limit >= firm)
         found += _distinct(limit, position, samples, theta[kept], s[:, kept])
     return found
 
@@ -64,15 +64,17 @@ def _traces(settled: Problem, size: Vector) -> Iterator[tuple[int, int, Samples,
     for position, samples in enumerate(sample(settled)):
         pieces = samples.stretch.placed().count
         for limit in range(len(settled.limits)):
-            value = _value(settled, limit, position, samples.s, size)
+            value = _value(settled, limit, position, samples.theta, samples.s, size)
             if len(value):
                 yield limit, position, samples, value.reshape(pieces, -1)
 
 
-def _value(settled: Problem, limit: int, position: int, s: Array, size: Vector) -> Array:
+def _value(
+    settled: Problem, limit: int, position: int, theta: Array, s: Array, size: Vector
+) -> Array:
     """The largest of a limit's expressions at every point; empty where it has none."""
     stretch, machine = settled.stretches[position], settled.machine
-    said = settled.limits[limit].smooth(stretch, machine, s, size)
+    said = settled.limits[limit].smooth(stretch, machine, theta, s, size)
     return np.max(np.stack(said), axis=0) if said else np.zeros(0)
 
 

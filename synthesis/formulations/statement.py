@@ -118,7 +118,8 @@ class Statement:
         image = casadi.mtimes(_constant(ball.matrix), self.x) + casadi.DM(ball.shift)
         least = (share * ball.radius) ** 2
         most = max((ball.radius * (1.0 - ball.tighten)) ** 2, least)
-        scale = max(float(np.sum((ball.matrix @ self.at + ball.shift) ** 2)), least) or most
+        here = 0.0 if ball.ring is not None else ball.matrix @ self.at + ball.shift
+        scale = max(float(np.sum(np.square(here))), least) or most
         lower = least / scale if least else -inf
         self._put(casadi.sumsqr(image) / scale, np.array([lower]), np.array([most / scale]))
 
@@ -129,7 +130,8 @@ class Statement:
         z = casadi.vertsplit(self.x[plan.size] * plan.scales.size)
         s = self._motion(spot)
         yields = spot.limit >= len(problem.limits) - self.eased
-        for value in problem.limits[spot.limit].smooth(stretch, problem.machine, s, z):
+        theta: Any = casadi.DM(stretch.start + stretch.angle * spot.x)  # a column, as s is
+        for value in problem.limits[spot.limit].smooth(stretch, problem.machine, theta, s, z):
             none = np.full(len(spot.x), -inf)
             given = value - self.x[plan.extra] if yields else value
             self._put(given, none, np.full(len(spot.x), -tighten))

@@ -130,7 +130,7 @@ def state(
     give = np.repeat([_natural(block) for block in plan.blocks], counts)
     sizes = program.cones
     owner_conic = np.repeat([position.get(ball.source, NOBODY) for ball in plan.balls], sizes)
-    heads = [np.append(ball.radius, np.zeros(len(ball.shift))) for ball in plan.balls]
+    heads = [np.append(ball.give, np.zeros(len(ball.shift))) for ball in plan.balls]
     give_conic = np.concatenate([np.zeros(0), *heads])
     equal = Rows(matrix[:first], program.rhs[:first], np.full(first, NOBODY), np.zeros(first))
     unequal = Rows(matrix[first:stop], program.rhs[first:stop], owner, give)

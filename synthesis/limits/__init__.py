@@ -8,13 +8,17 @@ from pydantic import Field
 
 from synthesis.limits.acceleration import Acceleration
 from synthesis.limits.base import Claim, Limit, Machine
+from synthesis.limits.camshaft_torque import CamshaftTorque
+from synthesis.limits.contact_force import ContactForce
 from synthesis.limits.counter_base_radius import CounterBaseRadius
 from synthesis.limits.cutter_radius import CutterRadius
 from synthesis.limits.face_width import FaceWidth
+from synthesis.limits.hertz_pressure import HertzPressure
 from synthesis.limits.jerk import Jerk
 from synthesis.limits.outer_radius import OuterRadius
 from synthesis.limits.pressure_angle import PressureAngle
 from synthesis.limits.profile_radius import ProfileRadius
+from synthesis.limits.residual_vibration import ResidualVibration
 from synthesis.limits.velocity import Velocity
 
 AnyLimit = Annotated[
@@ -26,7 +30,11 @@ AnyLimit = Annotated[
     | Jerk
     | OuterRadius
     | FaceWidth
-    | CounterBaseRadius,
+    | CounterBaseRadius
+    | ContactForce
+    | HertzPressure
+    | CamshaftTorque
+    | ResidualVibration,
     Field(discriminator="kind"),
 ]
 

@@ -10,8 +10,10 @@ from typing import Any, ClassVar
 from pydantic import BaseModel, ConfigDict
 
 from synthesis.followers.base import Follower
+from synthesis.forces import Load, Reduced
 from synthesis.motion import Stretch
-from synthesis.terms import Cone, Curved, Implied, Row, Traced
+from synthesis.numerics.piecewise import Array
+from synthesis.terms import Cone, Curved, Implied, Ringing, Row, Traced
 
 
 @dataclass(frozen=True)
@@ -21,10 +23,12 @@ class Machine:
     Attributes:
         follower: the follower's family and given dimensions.
         omega: cam speed ω [rad/s].
+        load: what loads the follower, where forces are asked about.
     """
 
     follower: Follower
     omega: float
+    load: Reduced | None = None
 
     def rate(self, order: int) -> float:
         """Factor from s^(order) per radian to the time derivative in the wire's unit."""
@@ -50,6 +54,8 @@ class Claim:
         path: name of the traced curve that is measured, among the follower's ``paths``.
         part: first and last x, in [0, 1], of these stretches where it must hold; None: all along.
         exact: the quantity has one value there; the bounds leave no more than rounding.
+        flank: name of the flank that is measured, where it is not the first.
+        rings: what is left where runs of these stretches end; the largest of it is measured.
     """
 
     limit: str
@@ -63,6 +69,8 @@ class Claim:
     path: str = ""
     part: tuple[float, float] | None = None
     exact: bool = False
+    flank: str = ""
+    rings: tuple[Ringing, ...] = ()
 
 
 class Limit(BaseModel, ABC):
@@ -72,6 +80,7 @@ class Limit(BaseModel, ABC):
 
     kind: str
     title: ClassVar[str]
+    of_forces: ClassVar[bool] = False  # it needs to know what loads the follower
 
     def suits(self, follower: Follower) -> bool:
         """Whether the limit says anything about such a follower."""
@@ -92,8 +101,21 @@ class Limit(BaseModel, ABC):
         """Radius that a circle about the cam's axis must have at least to be a part of it [mm]."""
         return 0.0
 
+    @property
+    def least_force(self) -> float:
+        """Contact force that it leaves at least [N]."""
+        return 0.0
+
     def check(self, follower: Follower) -> None:
         """Refuse a value that no cam of such a follower can keep."""
+        return None
+
+    def check_load(self, load: Load | None, follower: Follower, position: int) -> None:
+        """Refuse a limit on forces that are not told enough of; ``position``: of the limit."""
+        return None
+
+    def check_motion(self, stretches: Sequence[Stretch], machine: Machine) -> None:
+        """Refuse a value that makes no sense for such a program at such a speed."""
         return None
 
     def rows(self, stretch: Stretch, machine: Machine) -> tuple[Row, ...]:
@@ -116,11 +138,17 @@ class Limit(BaseModel, ABC):
         """Cones on the size variables."""
         return ()
 
-    def smooth(self, stretch: Stretch, machine: Machine, s: Any, z: Any) -> tuple[Any, ...]:
+    def ringing(self, stretches: Sequence[Stretch], machine: Machine) -> tuple[Ringing, ...]:
+        """What the motion may leave oscillators ringing with."""
+        return ()
+
+    def smooth(
+        self, stretch: Stretch, machine: Machine, theta: Array, s: Any, z: Any
+    ) -> tuple[Any, ...]:
         """Dimensionless expressions that must be ≤ 0, where rows and cones do not say it all.
 
         Args:
-            stretch: where. machine: the machine.
+            stretch: where. machine: the machine. theta: (n,) cam angles, numbers [rad].
             s: s, s', s'', s''' as NumPy arrays or CasADi columns of one length [mm, per rad].
             z: the size variables, scalars [mm].
         """

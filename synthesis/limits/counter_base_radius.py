@@ -12,6 +12,7 @@ from synthesis.followers.base import Follower
 from synthesis.followers.flank import Flank
 from synthesis.limits.base import Claim, Limit, Machine, where
 from synthesis.motion import Stretch
+from synthesis.numerics.piecewise import Array
 from synthesis.terms import Row
 
 
@@ -38,7 +39,9 @@ class CounterBaseRadius(Limit):
             for row in flank.trace.radius_rows(flank.distance + self.min_mm)
         )
 
-    def smooth(self, stretch: Stretch, machine: Machine, s: Any, z: Any) -> tuple[Any, ...]:
+    def smooth(
+        self, stretch: Stretch, machine: Machine, theta: Array, s: Any, z: Any
+    ) -> tuple[Any, ...]:
         if self.rows(stretch, machine):
             return ()
         found = []

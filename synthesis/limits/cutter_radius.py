@@ -11,6 +11,7 @@ from pydantic import Field
 from synthesis.followers.flank import Flank, labelled
 from synthesis.limits.base import Claim, Limit, Machine, where
 from synthesis.motion import Stretch
+from synthesis.numerics.piecewise import Array
 from synthesis.terms import Traced
 
 
@@ -43,7 +44,9 @@ class CutterRadius(Limit):
             for rows in flank.trace.curvature_implied(-flank.side, 1.0 / radius)
         )
 
-    def smooth(self, stretch: Stretch, machine: Machine, s: Any, z: Any) -> tuple[Any, ...]:
+    def smooth(
+        self, stretch: Stretch, machine: Machine, theta: Array, s: Any, z: Any
+    ) -> tuple[Any, ...]:
         found = []
         for flank, radius in self._hollows(machine):
             numerator, speed_squared = flank.trace.curvature_terms(s, z)

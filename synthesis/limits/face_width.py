@@ -12,6 +12,7 @@ from pydantic_core import PydanticCustomError
 from synthesis.followers.base import Follower
 from synthesis.limits.base import Claim, Limit, Machine, times, where
 from synthesis.motion import Stretch
+from synthesis.numerics.piecewise import Array
 from synthesis.terms import Curved, Implied, Row
 
 Width = Annotated[float, Field(gt=0.0, le=1e9)]
@@ -83,7 +84,9 @@ class FaceWidth(Limit):
             for curve in machine.follower.contact_curves(end, reach)
         )
 
-    def smooth(self, stretch: Stretch, machine: Machine, s: Any, z: Any) -> tuple[Any, ...]:
+    def smooth(
+        self, stretch: Stretch, machine: Machine, theta: Array, s: Any, z: Any
+    ) -> tuple[Any, ...]:
         return tuple(v for curve in self.curved(stretch, machine) for v in curve.excess(s, z))
 
     def implied(self, stretch: Stretch, machine: Machine) -> tuple[Implied, ...]:

@@ -6,7 +6,8 @@ from typing import ClassVar, Literal
 
 from pydantic import Field
 
-from synthesis.limits.derivative import DerivativeLimit, Largest
+from synthesis.limits.derivative import DerivativeLimit
+from synthesis.limits.travel import Largest
 
 
 class Jerk(DerivativeLimit):

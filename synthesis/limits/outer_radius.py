@@ -14,6 +14,7 @@ from synthesis.followers.flank import labelled, outer_gap
 from synthesis.followers.trace import Trace
 from synthesis.limits.base import Claim, Limit, Machine, where
 from synthesis.motion import Stretch
+from synthesis.numerics.piecewise import Array
 from synthesis.terms import Cone, Curved, Row
 
 
@@ -69,7 +70,9 @@ class OuterRadius(Limit):
         curves = machine.follower.outer_radius_curves(self.max_mm)
         return tuple(replace(curve, source="outer_radius") for curve in curves)
 
-    def smooth(self, stretch: Stretch, machine: Machine, s: Any, z: Any) -> tuple[Any, ...]:
+    def smooth(
+        self, stretch: Stretch, machine: Machine, theta: Array, s: Any, z: Any
+    ) -> tuple[Any, ...]:
         found = [v for curve in self.curved(stretch, machine) for v in curve.excess(s, z)]
         if _overshoots(stretch) and not found:
             for _, trace, gap in _edges(machine):

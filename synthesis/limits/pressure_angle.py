@@ -11,9 +11,10 @@ from pydantic import Field, model_validator
 from pydantic_core import PydanticCustomError
 
 from synthesis.followers.flank import labelled
-from synthesis.followers.trace import Trace
+from synthesis.followers.trace import leaning
 from synthesis.limits.base import Claim, Limit, Machine, times, where
 from synthesis.motion import Sense, Stretch
+from synthesis.numerics.piecewise import Array
 from synthesis.terms import Curved, Implied, Row
 from synthesis.units import DEGREE
 
@@ -65,7 +66,9 @@ class PressureAngle(Limit):
             for row in path.pressure_angle_rows(tan(largest))
         )
 
-    def smooth(self, stretch: Stretch, machine: Machine, s: Any, z: Any) -> tuple[Any, ...]:
+    def smooth(
+        self, stretch: Stretch, machine: Machine, theta: Array, s: Any, z: Any
+    ) -> tuple[Any, ...]:
         """What is curved, and of counter rollers that say nothing in rows |n × g| ≤ t n · g."""
         limits = [self._largest(kind) for kind in stretch.senses]
         slopes = [tan(largest) for largest in limits if largest is not None]
@@ -108,16 +111,3 @@ class PressureAngle(Limit):
             for kind in kinds
             if (largest := self._largest(kind)) is not None and where(stretches, kind)
         )
-
-
-def leaning(path: Trace, s: Any, z: Any) -> tuple[Any, Any]:
-    """Sine and cosine of the pressure angle on a traced curve.
-
-    Args:
-        s: s and three derivatives, of any arithmetic type [mm, per rad]. z: the size [mm].
-    """
-    (px, py), (dx, dy), *_ = path.traced_point(s, z)
-    nx, ny = path.normal((dx + py, dy - px), s, z)
-    (gx, gy), _ = path.direction(s, z)
-    length = (nx * nx + ny * ny) ** 0.5
-    return (gx * ny - gy * nx) / length, (gx * nx + gy * ny) / length

@@ -11,6 +11,7 @@ from pydantic import Field
 from synthesis.followers.flank import labelled
 from synthesis.limits.base import Claim, Limit, Machine, where
 from synthesis.motion import Stretch
+from synthesis.numerics.piecewise import Array
 from synthesis.terms import Curved, Implied, Row, Traced
 
 
@@ -59,7 +60,9 @@ class ProfileRadius(Limit):
             )
         )
 
-    def smooth(self, stretch: Stretch, machine: Machine, s: Any, z: Any) -> tuple[Any, ...]:
+    def smooth(
+        self, stretch: Stretch, machine: Machine, theta: Array, s: Any, z: Any
+    ) -> tuple[Any, ...]:
         curves = self.curved(stretch, machine)
         if curves:
             return tuple(value for curve in curves for value in curve.excess(s, z))

@@ -182,6 +182,20 @@ class Piecewise:
         breaks[0], breaks[-1] = low, high
         return Piecewise(breaks, self.origins[kept], self.poly[kept], self.waves[kept])
 
+    def cut(self, at: ArrayLike) -> tuple[Piecewise, NDArray[np.intp]]:
+        """The same function with further breaks, and of which piece each new one is a part.
+
+        A break less than 1e-12 of the interval from another one is left out.
+        """
+        far = 1e-12 * (self.breaks[-1] - self.breaks[0])
+        wanted = np.unique(np.asarray(at, dtype=float))
+        apart = np.abs(wanted[:, None] - self.breaks).min(axis=1, initial=np.inf)
+        inside = (wanted > self.breaks[0]) & (wanted < self.breaks[-1]) & (apart > far)
+        breaks = np.union1d(self.breaks, wanted[inside])
+        owner = self.piece_of(0.5 * (breaks[1:] + breaks[:-1]))
+        parts = Piecewise(breaks, self.origins[owner], self.poly[owner], self.waves[owner])
+        return parts, owner
+
     def placed(self, start: float, width: float, shift: float, scale: float) -> Piecewise:
         """x ↦ shift + scale · f((x − start)/width), on [start, start + width · span]."""
         powers = scale / width ** np.arange(self.poly.shape[1])

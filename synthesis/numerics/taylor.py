@@ -142,6 +142,13 @@ class Taylor:
         """A lower bound of |f| on each box; not positive where f may vanish."""
         return np.abs(self.c0) - np.abs(self.c1) - np.abs(self.c2) - self.rem
 
+    def __abs__(self) -> Taylor:
+        """|f|: where its sign is not known on a box, no more than how large it can be."""
+        sign = np.where(self.least() - ROUNDING * self.mag > 0.0, np.sign(self.c0), 0.0)
+        half = np.where(sign == 0.0, 0.5 * self.mag, 0.0)
+        rem = np.where(sign == 0.0, half, self.rem)
+        return Taylor(sign * self.c0 + half, sign * self.c1, sign * self.c2, rem, self.mag)
+
     def sqrt(self) -> Taylor:
         """√f, for f > 0 on the whole box."""
         c0 = np.sqrt(self.c0)
@@ -254,6 +261,7 @@ _UFUNCS: dict[np.ufunc, Callable[..., Any]] = {
     np.multiply: lambda a, b: b.__rmul__(a),
     np.divide: lambda a, b: b.__rtruediv__(a),
     np.negative: lambda a: -a,
+    np.absolute: Taylor.__abs__,
     np.sqrt: Taylor.sqrt,
     np.sin: Taylor.sin,
     np.cos: Taylor.cos,

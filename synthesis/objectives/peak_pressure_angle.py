@@ -8,8 +8,9 @@ from typing import ClassVar, Literal
 
 import numpy as np
 
+from synthesis.followers.trace import leaning
 from synthesis.limits.base import Limit, Machine
-from synthesis.limits.pressure_angle import PressureAngle, leaning
+from synthesis.limits.pressure_angle import PressureAngle
 from synthesis.motion import Stretch
 from synthesis.numerics.peaks import summit
 from synthesis.numerics.piecewise import Array

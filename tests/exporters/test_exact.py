@@ -223,7 +223,10 @@ def test_every_curve_of_every_machine(kind: str, sample: int) -> None:
     flanks = asked.follower.flanks
     for flank in flanks:
         gap = flank.side * flank.distance
-        cam = Cam(known.motion, asked.follower, known.size, asked.rotation, 1.0, flank, gap)
+        cam = Cam(
+            known.motion, asked.follower.travel, 1.0, asked.follower, known.size, asked.rotation,
+            flank, gap,
+        )  # fmt: skip
         spline = closed_spline(Contour.of(cam), 1e-7)
         at = cam.at(theta)
         found = away(
@@ -239,7 +242,9 @@ def test_a_profile_that_nearly_has_a_corner(room: float) -> None:
     motion = given(asked).motion
     s, _, bend, _ = motion.derivatives(np.linspace(0.0, 2.0 * np.pi, 200_001))
     size = (float(-np.min(s + bend)) + room,)
-    cam = Cam(motion, asked.follower, size, asked.rotation, 1.0, asked.follower.flanks[0], 0.0)
+    follower = asked.follower
+    flank = follower.flanks[0]
+    cam = Cam(motion, follower.travel, 1.0, follower, size, asked.rotation, flank, 0.0)
     spline = closed_spline(Contour.of(cam), 1e-6)
     at = cam.at(np.radians(SOME))
     found = away(np.column_stack([at.x, at.y]), BSpline(spline.knots, spline.points, 5))
@@ -262,7 +267,8 @@ def bent(steps: tuple[float, float], roller: float) -> Cam:
         ]
     )
     flank = follower.flanks[0]
-    return Cam(motion, follower, (3.1, 47.3), "ccw", 1.0, flank, flank.side * flank.distance)
+    gap = flank.side * flank.distance
+    return Cam(motion, follower.travel, 1.0, follower, (3.1, 47.3), "ccw", flank, gap)
 
 
 def test_where_velocity_jumps_the_roller_turns_on_the_spot() -> None:

@@ -15,9 +15,12 @@ from synthesis.design import Conflict
 from synthesis.formulations.convex import formulate
 from synthesis.formulations.elastic import diagnose
 from synthesis.formulations.grid import Grid, uniform
+from synthesis.formulations.impasse import stalemate
 from synthesis.formulations.problem import Problem
 from synthesis.formulations.reference import optimum
+from synthesis.formulations.refine import search
 from synthesis.formulations.scene import Scene
+from synthesis.formulations.search import Search
 from synthesis.solvers.clarabel import solve
 from synthesis.solvers.statuses import Stopped
 from synthesis.spec import DesignSpec
@@ -324,8 +327,11 @@ def test_a_jump_that_a_limit_may_have() -> None:
     assert needed.needed == pytest.approx(4.0 / 3.0 * needed.asked, rel=1e-9)
 
 
+ABOVE = (rise(131.7), dwell(31.0), fall(197.3))  # a dwell there leaves the base circle free
+
+
 def test_only_limits_that_are_not_convex_are_left() -> None:
-    spec = scene(PLAIN, angles(30.0, 44.0), {"kind": "profile_radius", "min_mm": 300.0},
+    spec = scene(ABOVE, angles(30.0, 44.0), {"kind": "profile_radius", "min_mm": 300.0},
                  base={"max": 60.0})  # fmt: skip
     asked = problem(spec)
     found = diagnose(spec, asked, even(asked, 12))
@@ -356,3 +362,32 @@ def test_it_is_quick() -> None:
     started = time.process_time()
     diagnose(spec, asked, even(asked, 24))
     assert time.process_time() - started < 1.5
+
+
+def test_a_profile_radius_that_the_base_circle_cannot_have() -> None:
+    """The dwell below is a part of the base circle: proven without a single cone program."""
+
+    def sought(least: float, *program: dict[str, Any]) -> Search:
+        radius = {"kind": "profile_radius", "min_mm": least}
+        spec = scene(program or PLAIN, angles(31.0, 43.0), radius, base={"max": 60.3})
+        return search(problem(spec), 0.1)
+
+    refused = sought(60.4)
+    assert refused.infeasible
+    assert "a dwell below is a part of the base circle" in refused.impossible
+    assert "60.3 mm at most; a profile radius of 60.4 mm" in refused.impossible
+    assert not refused.stages
+    assert not sought(60.2).impossible
+    assert not sought(
+        60.4, *TURNING[:1], dwell(31.0), fall(197.3)
+    ).impossible  # it rests above only
+
+
+def test_a_least_radius_is_eased_by_a_smaller_one() -> None:
+    radius = {"kind": "profile_radius", "min_mm": 60.4}
+    spec = scene(PLAIN, angles(31.0, 43.0), radius, base={"max": 60.3})
+    told = stalemate(spec)
+    assert told.limits == ["profile radius ≥ 60.4 mm", "base radius ≤ 60.3 mm"]
+    needed = told.relaxations[0].needed
+    assert needed is not None
+    assert 30.0 < needed < 60.3

@@ -144,4 +144,4 @@ def test_the_rows_are_linear_so_nothing_is_left_to_ipopt() -> None:
     scene = problem(asked(*SCENES["jerk and face"]))
     s = [np.zeros(3)] * 4
     for limit in scene.limits:
-        assert limit.smooth(scene.stretches[0], scene.machine, s, (30.0,)) == ()
+        assert limit.smooth(scene.stretches[0], scene.machine, np.zeros(1), s, (30.0,)) == ()

@@ -131,7 +131,7 @@ def test_a_roller_lifted_inside_a_ring_follows_the_law(cam: Cam, fraction: float
 
 
 # few cams are hollow enough
-@settings(max_examples=20, suppress_health_check=[HealthCheck.filter_too_much])
+@settings(max_examples=10, suppress_health_check=[HealthCheck.filter_too_much])
 @given(cams(only_gentle=True, knife_edge=False, lifts=(0.6, 1.4)), unspecial(0.2, 0.9))
 def test_a_roller_larger_than_the_pitch_curve_s_hollow_cuts_the_outer_flank(cam: Cam, share: float):
     hollow = -1.0 / np.min(bends(cam))

@@ -81,7 +81,7 @@ def test_a_design_and_its_files(found: Found, client: Any) -> None:
     table = found("api.files.get_profile_csv").sync(design.id, **asked_for)
     assert len(table.splitlines()) > 720
     assert found("api.files.get_profile_svg").sync(design.id, client=client).startswith("<")
-    listed = found("api.designs.list_designs").sync(client=client, limit=5)
+    listed = found("api.designs.list_designs").sync(client=client, limit=200)
     assert design.id in [line.id for line in listed.items]
 
 

@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import shlex
+import subprocess
+import sys
 from pathlib import Path
 
 import pytest
@@ -52,3 +54,11 @@ def test_the_manual_is_of_the_commands_that_there_are() -> None:
         assert name in root
     for word in ("mm/s³", "Exit codes", "CAMWRIGHT_URL"):
         assert word in root
+
+
+def test_the_package_takes_the_options_of_serve() -> None:
+    """`python -m service --port x` once was heard by nobody."""
+    asked = [sys.executable, "-m", "service", "--port", "x"]
+    done = subprocess.run(asked, capture_output=True, text=True, check=False)
+    assert done.returncode == 2
+    assert "'x' is not a valid" in done.stderr

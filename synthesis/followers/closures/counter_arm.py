@@ -43,6 +43,9 @@ class CounterArm(Trace):
     def direction(self, s: Any, z: Any) -> tuple[Vector2, Vector2]:
         return self.arm.direction(*self._seen(s, z))
 
+    def lever(self, s: Any, z: Any) -> Any:
+        return -self.ratio  # s2 = −(l2/l) s
+
     def curvature_terms(self, s: Any, z: Any) -> tuple[Any, Any]:
         return self.arm.curvature_terms(*self._seen(s, z))
 

@@ -41,6 +41,9 @@ class CounterSlide(Trace):
         zero = 0.0 * s[0]
         return (zero, zero - 1.0), (zero, zero)
 
+    def lever(self, s: Any, z: Any) -> Any:
+        return -1.0  # as s grows it follows the other way
+
     def curvature_terms(self, s: Any, z: Any) -> tuple[Any, Any]:
         y, v = self.distance - z[1] - s[0], self.offset - s[1]
         return y * y + v * (self.offset - 2.0 * s[1]) + y * s[2], y * y + v * v

@@ -31,9 +31,10 @@ class Groove(Closure):
 
     def flanks(self, trace: Host, roller_radius: float) -> tuple[Flank, ...]:
         distance = self._distance(roller_radius)
+        slack = 0.5 * self.clearance_mm
         return (
-            Flank("inner", 1, distance, "", trace),
-            Flank("outer", -1, distance, "", trace, self.rim_mm),
+            Flank("inner", 1, distance, "", trace, 0.0, slack),
+            Flank("outer", -1, distance, "", trace, self.rim_mm, slack),
         )
 
     def check(self, roller_radius: float, largest: float, gap: float) -> None:

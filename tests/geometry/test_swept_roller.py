@@ -1,19 +1,29 @@
-"""Walls of a globoidal cam: meshing, tangents, touch by rollers that know nothing of contacts."""
+"""Walls that swept rollers leave: meshing, tangents, and touch by rollers that know no contacts."""
 
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 
 import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from synthesis.geometry.globoidal import Contacts, Globoidal, Place, Roller, turned
+from synthesis.geometry.swept_roller import (
+    Contacts,
+    Guide,
+    Pivot,
+    Place,
+    Roller,
+    SweptRoller,
+    turned,
+)
 from synthesis.laws import LAWS
 
 Array = NDArray[np.float64]
 DISTANCE, INDEX, TURN, ROLLERS = 181.3, math.radians(60.0), math.radians(118.0), 6
 CYLINDER, CROWNED = Roller(23.7, 71.9, 102.4), Roller(23.7, 71.9, 102.4, 151.0)
+X, Y, Z = np.eye(3)
 RHO = np.linspace(72.3, 102.1, 7)
 CASES = [
     (roller, hand, sense) for roller in (CYLINDER, CROWNED) for hand in (1, -1) for sense in (1, -1)
@@ -29,11 +39,32 @@ def place(theta: Array, start: float, sense: int) -> Place:
     return Place(start + way * g[0], way / TURN * g[1] * moving, way / TURN**2 * g[2] * moving)
 
 
-def on_cam(cam: Globoidal, theta: Array, rho: Array, start: float, sense: int, side: int) -> Array:
+def globoidal(distance: float, roller: Roller, hand: int = 1) -> SweptRoller:
+    centre, joint = np.array([distance, 0.0, 0.0]), Pivot(np.zeros(3), Z)
+    return SweptRoller(centre, Y, joint, np.zeros(3), X, roller, hand)
+
+
+def drum(distance: float, roller: Roller, hand: int = 1) -> SweptRoller:
+    """A cylindrical cam about z, its follower on an arm that swings about a line across it."""
+    joint = Pivot(np.array([61.3, 17.7, -3.1]), X)
+    return SweptRoller(np.zeros(3), Z, joint, np.array([0.0, 1.9, 2.3]), X, roller, hand)
+
+
+def slide(distance: float, roller: Roller, hand: int = 1) -> SweptRoller:
+    """A cylindrical cam about z, its follower in a guide along it."""
+    return SweptRoller(np.zeros(3), Z, Guide(31.0 * Z), np.array([0.0, 3.1, 0.0]), X, roller, hand)
+
+
+MACHINES = {each.__name__: each for each in (globoidal, drum, slide)}
+
+
+def on_cam(
+    cam: SweptRoller, theta: Array, rho: Array, start: float, sense: int, side: int
+) -> Array:
     return cam.on_cam(theta, cam.contacts(place(theta, start, sense), rho, side).point)
 
 
-def all_contacts(cam: Globoidal, sense: int) -> list[tuple[Array, float, int, Contacts]]:
+def all_contacts(cam: SweptRoller, sense: int) -> list[tuple[Array, float, int, Contacts]]:
     theta = np.linspace(-0.4, TURN + 0.4, 71)
     return [
         (theta, start, side, cam.contacts(place(theta, start, sense), RHO, side))
@@ -42,24 +73,28 @@ def all_contacts(cam: Globoidal, sense: int) -> list[tuple[Array, float, int, Co
     ]
 
 
+@pytest.mark.parametrize("machine", MACHINES)
 @pytest.mark.parametrize(("roller", "hand", "sense"), CASES)
-def test_nothing_moves_along_the_normal(roller: Roller, hand: int, sense: int) -> None:
-    for *_, found in all_contacts(Globoidal(DISTANCE, roller, hand), sense):
+def test_nothing_moves_along_the_normal(
+    machine: str, roller: Roller, hand: int, sense: int
+) -> None:
+    for *_, found in all_contacts(MACHINES[machine](DISTANCE, roller, hand), sense):
         assert np.abs((found.normal * found.slip).sum(axis=0)).max() < 1e-12 * DISTANCE
         assert np.abs((found.normal**2).sum(axis=0) - 1.0).max() < 1e-14
 
 
+@pytest.mark.parametrize("machine", MACHINES)
 @pytest.mark.parametrize(("roller", "hand", "sense"), CASES)
 def test_the_normal_is_across_the_wall_s_own_differences(
-    roller: Roller, hand: int, sense: int
+    machine: str, roller: Roller, hand: int, sense: int
 ) -> None:
-    cam, h = Globoidal(DISTANCE, roller, hand), 1e-5
+    cam, h = MACHINES[machine](DISTANCE, roller, hand), 1e-5
     theta = np.linspace(0.05, TURN - 0.05, 23)
     for start in STARTS:
         for side in (1, -1):
             here = (start, sense, side)
             found = cam.contacts(place(theta, start, sense), RHO, side)
-            normal = turned(found.normal, -hand * theta)
+            normal = turned(found.normal, -hand * theta, cam.axis)
             by_theta = (on_cam(cam, theta + h, RHO, *here) - on_cam(cam, theta - h, RHO, *here)) / (
                 2 * h
             )
@@ -69,15 +104,27 @@ def test_the_normal_is_across_the_wall_s_own_differences(
             assert np.abs((normal * by_theta).sum(axis=0)).max() < 1e-6
             assert np.abs((normal * by_rho).sum(axis=0)).max() < 1e-7
             area = (np.cross(by_theta, by_rho, axis=0) * normal).sum(axis=0)
-            assert (
-                np.sign(area / area[0, 0]) == np.sign(found.regular / found.regular[0, 0])
-            ).all()
+            assert area == pytest.approx(found.regular * axis_area(cam, theta, here), abs=1e-4)
 
 
-def axis_distance(cam: Globoidal, points: Array, theta: float, psi: float) -> tuple[Array, Array]:
+def axis_area(cam: SweptRoller, theta: Array, here: tuple[float, int, int]) -> Array:
+    """Of the surface that feet of normals sweep, by differences of a roller of no radius."""
+    h, thin = 1e-5, replace(cam, roller=Roller(0.0, cam.roller.inner, cam.roller.outer))
+    radius, slope, _ = cam.roller.profile(RHO)
+    foot = RHO + radius * slope
+    ahead, behind = (on_cam(thin, theta + step, foot, *here) for step in (h, -h))
+    beyond = on_cam(thin, theta, foot + 1.0, *here) - on_cam(thin, theta, foot, *here)
+    start, sense, side = here
+    found = cam.contacts(place(theta, start, sense), RHO, side)
+    across = found.point - thin.contacts(place(theta, start, sense), RHO, side).point
+    normal = turned(across / radius, -cam.hand * theta, cam.axis)
+    return (np.cross((ahead - behind) / (2 * h), beyond, axis=0) * normal).sum(axis=0)
+
+
+def axis_distance(cam: SweptRoller, points: Array, theta: float, psi: float) -> tuple[Array, Array]:
     """Distance (n,) of points of the cam from a roller's axis, and their place along it."""
-    there = turned(points[:, None, :], np.array([cam.hand * theta]))[:, 0, :]
-    there = there + np.array([cam.distance, 0.0, 0.0])[:, None]
+    there = turned(points[:, None, :], np.array([cam.hand * theta]), Y)[:, 0, :]
+    there = there + cam.centre[:, None]
     u = np.array([math.cos(psi), math.sin(psi), 0.0])
     along = u @ there
     return np.linalg.norm(there - np.outer(u, along), axis=0), along
@@ -87,7 +134,7 @@ def axis_distance(cam: Globoidal, points: Array, theta: float, psi: float) -> tu
 @pytest.mark.parametrize("roller", [CYLINDER, CROWNED])
 def test_no_roller_comes_closer_than_its_radius(roller: Roller, hand: int) -> None:
     """Over a full index, with all rollers of the turret and points of both walls of one groove."""
-    cam = Globoidal(DISTANCE, roller, hand)
+    cam = globoidal(DISTANCE, roller, hand)
     theta = np.linspace(0.02, TURN - 0.02, 31)
     start = STARTS[1]
     touched = []
@@ -97,7 +144,7 @@ def test_no_roller_comes_closer_than_its_radius(roller: Roller, hand: int) -> No
         points = cam.on_cam(theta, found.point).reshape(3, -1)
         least = np.full(points.shape[1], np.inf)
         for t in np.linspace(0.0, TURN, 1501):
-            at = place(np.array([t]), 0.0, 1).psi[0]
+            at = place(np.array([t]), 0.0, 1).q[0]
             for i in range(ROLLERS):
                 psi = at + math.pi / ROLLERS + 2.0 * math.pi * i / ROLLERS
                 if math.cos(psi) < 0.3:
@@ -112,12 +159,10 @@ def test_no_roller_comes_closer_than_its_radius(roller: Roller, hand: int) -> No
 
 
 def test_the_pressure_angle_is_that_of_the_formula() -> None:
-    cam, theta = Globoidal(DISTANCE, CYLINDER), np.linspace(0.0, TURN, 41)
+    cam, theta = globoidal(DISTANCE, CYLINDER), np.linspace(0.0, TURN, 41)
     at = place(theta, STARTS[1], 1)
     found = cam.contacts(at, RHO, 1).pressure_angle
-    expected = np.arctan(
-        np.abs(at.psi1)[:, None] * RHO / (DISTANCE - RHO * np.cos(at.psi)[:, None])
-    )
+    expected = np.arctan(np.abs(at.q1)[:, None] * RHO / (DISTANCE - RHO * np.cos(at.q)[:, None]))
     assert np.abs(found - expected).max() < 1e-14
 
 
@@ -126,7 +171,7 @@ def test_a_roller_too_large_for_the_way_undercuts() -> None:
     theta = np.linspace(0.02, TURN - 0.02, 401)
 
     def least(radius: float) -> float:
-        cam = Globoidal(DISTANCE, Roller(radius, 71.9, 102.4))
+        cam = globoidal(DISTANCE, Roller(radius, 71.9, 102.4))
         return min(
             float(cam.contacts(place(theta, STARTS[1], 1), RHO, side).regular.min())
             for side in (1, -1)
@@ -139,13 +184,13 @@ def test_a_roller_too_large_for_the_way_undercuts() -> None:
     assert least(0.99 * low) > 0.0 > least(1.01 * low)
     # principal curvatures of the axis's own surface, by differences, say the same radius
     h = 1e-4
-    cam = Globoidal(DISTANCE, Roller(1e-9, 71.9, 102.4))
+    cam = globoidal(DISTANCE, Roller(1e-9, 71.9, 102.4))
 
     def axis(t: Array, rho: Array) -> Array:
         return cam.on_cam(t, cam.contacts(place(t, STARTS[1], 1), rho, 1).point)
 
     p = axis(theta, RHO)
-    normal = turned(cam.contacts(place(theta, STARTS[1], 1), RHO, 1).normal, -theta)
+    normal = turned(cam.contacts(place(theta, STARTS[1], 1), RHO, 1).normal, -theta, Y)
     pt = (axis(theta + h, RHO) - axis(theta - h, RHO)) / (2 * h)
     pr = (axis(theta, RHO + h) - axis(theta, RHO - h)) / (2 * h)
     ptt = (axis(theta + h, RHO) - 2 * p + axis(theta - h, RHO)) / h**2

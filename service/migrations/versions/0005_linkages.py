@@ -1,0 +1,34 @@
+"""Linkages: a table for each kind."""
+
+from __future__ import annotations
+
+import sqlalchemy as sa
+from alembic import op
+
+revision = "0005"
+down_revision = "0004"
+
+
+def upgrade() -> None:
+    """Make the tables."""
+    for name in ("six_bar_shapers", "palletising_arms"):
+        _answers(name)
+
+
+def _answers(name: str) -> None:
+    number = sa.BigInteger().with_variant(sa.Integer, "sqlite")
+    op.create_table(
+        name,
+        sa.Column("sequence", number, primary_key=True),
+        sa.Column("id", sa.String(64), nullable=False, unique=True),
+        sa.Column("name", sa.String(200), nullable=False),
+        sa.Column("created", sa.DateTime(timezone=True), nullable=False),
+        sa.Column("state", sa.String(16), nullable=False),
+        sa.Column("status", sa.String(16)),
+        sa.Column("spec", sa.LargeBinary, nullable=False),
+        sa.Column("design", sa.LargeBinary),
+        sa.Column("etag", sa.String(64)),
+        sa.Column("summary", sa.JSON, nullable=False),
+        sa.Column("problem", sa.JSON),
+    )
+    op.create_index(f"ix_{name}_state", name, ["state"])

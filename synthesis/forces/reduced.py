@@ -1,0 +1,102 @@
+"""The load reduced to the follower's displacement s: what the drive G is made of.
+
+    G(θ) = m s'' ω² + c s' ω + k s + σ F0 + W + P(θ)
+
+σ is +1 where the spring presses the follower towards the cam's axis and −1 in a ring, where it
+presses it outwards; there its force falls as s grows, F0 − k s, and k keeps its sign in G. On a cam
+with two flanks or a counter cam it presses inwards.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+from typing import Any, Final
+
+import numpy as np
+
+from synthesis.forces.contact import Contact, RollerBearing
+from synthesis.forces.friction import GuideFriction
+from synthesis.motion import Stretch
+from synthesis.numerics.piecewise import Array, Piecewise
+from synthesis.units import FULL_TURN
+
+MILLI: Final = 1e-3  # metres in a millimetre
+NEAR_END: Final = 1e-12  # rad
+SENSES: Final = {"rise": 1.0, "dwell": 0.0, "return": -1.0, "table": 0.0}
+
+
+@dataclass(frozen=True, eq=False)
+class Reduced:
+    """Everything that loads the follower, in N, mm, kg and s along its displacement.
+
+    Attributes:
+        mass: m [kg]. damping: c [N s/m]. rate: k [N/mm]. preload: F0 [N].
+        side: σ. weight: W [N]. process: P over the turn [N over rad].
+        friction: of a slide's guide. contact, bearing: what they are made of; None: not told.
+        speeds: least and largest speed of the cam at which it must not float [rad/s].
+        both_ways: whether the cam pushes it inwards as well as outwards.
+    """
+
+    mass: float
+    damping: float
+    rate: float
+    preload: float
+    side: int
+    weight: float
+    process: Piecewise
+    friction: GuideFriction | None
+    contact: Contact | None
+    bearing: RollerBearing | None
+    speeds: tuple[float, float]
+    both_ways: bool
+
+    def sprung(self, rate: float, preload: float) -> Reduced:
+        """The same with another spring [N/mm, N]."""
+        return replace(self, rate=rate, preload=preload)
+
+    @property
+    def constant(self) -> float:
+        """What of G neither motion nor cam angle changes [N]."""
+        return self.side * self.preload + self.weight
+
+    def coefficients(self, omega: float) -> tuple[float, float, float, float]:
+        """Factors of s to s''' in G at a cam speed [rad/s]: N over mm per rad^k."""
+        return (
+            self.rate, self.damping * omega * MILLI, self.mass * omega * omega * MILLI, 0.0
+        )  # fmt: skip
+
+    def drive(self, s: Any, process: Any, omega: float) -> Any:
+        """G [N] from s to s'' and the process force, of any arithmetic type."""
+        a, b, c, _ = self.coefficients(omega)
+        return s[0] * a + s[1] * b + s[2] * c + (process + self.constant)
+
+    def process_on(self, stretch: Stretch, theta: Array) -> Array:
+        """P at cam angles of a stretch [N]; of a jump at its end, the value before it."""
+        inside = np.clip(theta, stretch.start, min(stretch.end, FULL_TURN))
+        ends = inside >= stretch.end - NEAR_END
+        return np.where(ends, self.process(inside, 0, "left"), self.process(inside))
+
+    def process_range(self, stretch: Stretch) -> tuple[float, float]:
+        """Least and largest process force on a stretch [N]: straight pieces have them at ends."""
+        inner = self.process.breaks
+        inner = inner[(inner > stretch.start) & (inner < stretch.end)]
+        right = np.concatenate([[stretch.start], inner])
+        left = np.concatenate([inner, [stretch.end]])
+        each = np.concatenate([self.process(right), self.process(left, 0, "left")])
+        return float(each.min()), float(each.max())
+
+    def sliding(self, stretch: Stretch) -> float:
+        """Which way friction acts on a stretch: the sense of the motion, 0 at rest."""
+        return SENSES[stretch.kind]
+
+    def resisted(self, sense: Any, sine: Any, s: Any, absolute: Callable[[Any], Any]) -> Any:
+        """What friction takes from cos α: N (cos α − this) is what is left along the slide.
+
+        Args:
+            sense: of the motion, 1, 0 or −1. sine: sin α. s: displacement [mm].
+            absolute: |·| in the arithmetic of these.
+        """
+        if self.friction is None:
+            return 0.0
+        return absolute(sine) * self.friction.effective(s) * (sense * self.side)

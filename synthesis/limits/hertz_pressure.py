@@ -1,0 +1,93 @@
+"""Hertz pressure between cam and follower."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from math import sqrt
+from typing import Annotated, Any, ClassVar, Literal
+
+from pydantic import Field
+from pydantic_core import PydanticCustomError
+
+from synthesis.followers.base import Follower
+from synthesis.followers.flank import labelled
+from synthesis.forces import Load
+from synthesis.limits.base import Claim, Machine, where
+from synthesis.limits.force import ForceLimit, drive, loaded, pushing, yielding
+from synthesis.motion import Stretch
+from synthesis.numerics.piecewise import Array
+
+
+class HertzPressure(ForceLimit):
+    """p ≤ ``max_mpa`` of the line contact, on every flank.
+
+    p² = (N/B)(1/R1 + 1/R2) with 1/R2 = σκ/(1 − Dσκ). Times what does not vanish on a cam without
+    undercut, and with L = G/(B p_max²), a length:
+
+        roller     L [(1 − Dσκ)/R1 + σκ] ≤ (λ cos α − friction)(1 − Dσκ)
+        flat face  L ≤ (λ cos α) ρ
+
+    No formula divides by a curvature, so that straight and hollow flanks are nothing special.
+    """
+
+    kind: Literal["hertz_pressure"] = "hertz_pressure"
+    title: ClassVar[str] = "Hertz pressure"
+    max_mpa: Annotated[float, Field(gt=0.0, le=1e6, description="Largest contact pressure.")]
+
+    @property
+    def keeps_large(self) -> bool:
+        return True
+
+    def check_load(self, load: Load | None, follower: Follower, position: int) -> None:
+        super().check_load(load, follower, position)
+        if load is not None and load.contact is None:
+            raise PydanticCustomError(
+                "limit_needs_contact",
+                "limits/{position} is hertz_pressure, but nothing is told of the line contact. "
+                "Give load/contact with its width_mm.",
+                {"position": position},
+            )
+        edges = [flank for flank in follower.alone().flanks if flank.roller <= 0.0]
+        if edges and not follower.always_convex:
+            raise PydanticCustomError(
+                "edge_has_no_pressure",
+                "limits/{position} is hertz_pressure, but roller radius 0 is a knife edge, under "
+                "which the pressure is infinite. Give the roller a radius.",
+                {"position": position},
+            )
+
+    def smooth(
+        self, stretch: Stretch, machine: Machine, theta: Array, s: Any, z: Any
+    ) -> tuple[Any, ...]:
+        contact = loaded(machine).contact
+        assert contact is not None
+        force = drive(stretch, machine, theta, s) / (contact.stiffness * self.max_mpa**2)
+        found = list[Any]()
+        for flank in machine.follower.flanks:
+            way = pushing(flank, machine)
+            pressed = force * (flank.side * way)
+            grip = way * yielding(flank.trace, stretch, machine, s, z)
+            numerator, square = flank.trace.curvature_terms(s, z)
+            if machine.follower.always_convex:
+                natural = max(abs(stretch.s_start), abs(stretch.s_end), abs(stretch.lift), 1e-9)
+                found.append((pressed - grip * numerator / square**0.5) / natural)
+                continue
+            bend = flank.side * numerator / square**1.5
+            left = 1.0 - flank.distance * bend
+            found.append(pressed * (left / flank.roller + bend) - grip * left)
+        return tuple(found)
+
+    def claims(self, stretches: Sequence[Stretch], machine: Machine) -> tuple[Claim, ...]:
+        return tuple(
+            Claim(
+                labelled(self.kind, flank.name), "pressure_square", where(stretches), None,
+                self.max_mpa**2, "MPa", _root, f"{self.kind}/max_mpa", flank.path,
+                flank=flank.name,
+            )
+            for flank in machine.follower.flanks
+        )  # fmt: skip
+
+
+def _root(square: float) -> float:
+    """The pressure, 0 where nothing presses."""
+    return sqrt(max(square, 0.0))

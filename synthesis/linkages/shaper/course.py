@@ -1,0 +1,182 @@
+"""What a shaper does over a turn: dead centres in closed form, extremes by enclosures."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass
+from typing import Any, Final
+
+import numpy as np
+
+from synthesis.errors import InputError
+from synthesis.linkages.shaper.drive import Drive
+from synthesis.linkages.shaper.mechanism import SIGN, Motion, Shaper
+from synthesis.numerics.enclosure import Answer, Question, enclose
+from synthesis.numerics.taylor import Array, Taylor
+from synthesis.units import DEGREE, FULL_TURN
+
+Value = Any
+BOXES: Final = 64
+SAME: Final = 1e-9  # rad: dead centres closer than this are one
+CHANGE_POINT: Final = 1e-9  # of the pivots' distance: a crank that equals it
+
+
+@dataclass(frozen=True)
+class DeadCentre:
+    """Where the ram stands still.
+
+    Attributes:
+        turned: since the start of the turn [rad]. phi: crank angle [rad]. ram: x [mm].
+        cause: the guide turns back, or guide and coupler are in line.
+    """
+
+    turned: float
+    phi: float
+    ram: float
+    cause: str
+
+
+@dataclass(frozen=True)
+class Peak:
+    """One extreme: its value, where, and how wide its enclosure is."""
+
+    value: float
+    turned: float
+    width: float
+
+
+@dataclass(frozen=True)
+class Quantity:
+    """What has extremes over the turn: its name, its unit, how it follows from the motion.
+
+    Attributes:
+        name, unit: as on the wire. per_unit: of the core in one of the wire's.
+        of: motion, drive and angle turned to the value.
+    """
+
+    name: str
+    unit: str
+    of: Callable[[Motion, Drive, Value], Value]
+    per_unit: float = 1.0
+
+
+QUANTITIES: Final = (
+    Quantity("ram_velocity", "mm/s", lambda m, d, t: d.first(m.ram[1], t)),
+    Quantity("ram_acceleration", "mm/s²", lambda m, d, t: d.second(m.ram[1], m.ram[2], t)),
+    Quantity("guide_velocity", "deg/s", lambda m, d, t: d.first(m.guide_turn[0], t), DEGREE),
+    Quantity("guide_acceleration", "deg/s²", lambda m, d, t: d.second(*m.guide_turn, t), DEGREE),
+    Quantity("coupler_velocity", "deg/s", lambda m, d, t: d.first(m.coupler_turn[0], t), DEGREE),
+    Quantity(
+        "coupler_acceleration", "deg/s²", lambda m, d, t: d.second(*m.coupler_turn, t), DEGREE
+    ),
+    Quantity("sliding_velocity", "mm/s", lambda m, d, t: d.first(m.slide[1], t)),
+)  # fmt: skip
+
+
+def assembled(shaper: Shaper) -> None:
+    """Refuse what cannot turn all the way round.
+
+    Raises:
+        InputError: the crank is as long as the pivots are apart, or the coupler does not reach.
+    """
+    a, r = shaper.pivot_distance, shaper.crank
+    if abs(r - a) <= CHANGE_POINT * a:
+        raise InputError(
+            "/crank_mm", r, f"The crank's pin passes through the guide's pivot, {a:g} mm from the "
+            "crank's, where the guide may turn either way.",
+            "Give a shorter crank for a guide that rocks, or a longer one for a guide that turns "
+            "all the way round.",
+        )  # fmt: skip
+    low, high = shaper.heights()
+    worst = max((low, high), key=lambda sine: abs(shaper.rise(sine)))
+    apart = abs(shaper.ram_line - shaper.guide * worst)
+    if apart >= shaper.coupler:
+        psi = math.asin(worst)
+        phi = shaper.crank_at(psi, outer=True) / DEGREE
+        upper, lower = shaper.guide * high, shaper.guide * low
+        ways = f"Give a coupler of more than {apart:.6g} mm"
+        if upper - lower < 2.0 * shaper.coupler:
+            ways += (f", or a ram_line_mm between {upper - shaper.coupler:.6g} and "
+                     f"{lower + shaper.coupler:.6g}")  # fmt: skip
+        raise InputError(
+            "/coupler_mm", shaper.coupler,
+            f"At crank angle {phi:.6g}° the guide's end is {apart:.6g} mm off the ram's line, and "
+            "the coupler does not reach across.", f"{ways}.",
+        )  # fmt: skip
+
+
+def dead_centres(shaper: Shaper, drive: Drive) -> tuple[DeadCentre, ...]:
+    """All places where the ram stands still, in the order in which the crank passes them."""
+    found: list[DeadCentre] = []
+    for phi, cause in _standing(shaper):
+        at = drive.turned(phi)
+        ram = float(shaper.motion(np.array(phi)).ram[0])
+        known = [round((at - one.turned) / FULL_TURN) * FULL_TURN + one.turned for one in found]
+        if not any(abs(at - other) < SAME for other in known):
+            found.append(DeadCentre(at, float(drive.phi(at)), ram, cause))
+    return tuple(sorted(found, key=lambda one: one.turned))
+
+
+def _standing(shaper: Shaper) -> Iterator[tuple[float, str]]:
+    """Crank angles at which x' = 0: ψ' = 0, or γ = ψ, or γ = ψ + π."""
+    if not shaper.whirls:
+        for psi in (0.5 * math.pi - shaper.swing, 0.5 * math.pi + shaper.swing):
+            # the crank is square to the guide
+            yield psi + math.copysign(0.5 * math.pi, psi - 0.5 * math.pi), "guide_turns_back"
+    for along in (1.0, -1.0):
+        length = shaper.guide + along * shaper.coupler
+        if abs(shaper.ram_line) > abs(length) or length == 0.0:
+            continue
+        psi = math.asin(shaper.ram_line / length)
+        for each in (psi, math.pi - psi):
+            if along * math.cos(each) * SIGN[shaper.side] > 0.0:
+                yield from ((phi, "in_line") for phi in _cranks(shaper, each))
+
+
+def _cranks(shaper: Shaper, psi: float) -> Iterator[float]:
+    """Crank angles at which the guide stands at ψ; none outside of its swing."""
+    if shaper.whirls:
+        yield shaper.crank_at(psi, outer=True)
+    elif math.sin(psi) >= math.cos(shaper.swing):
+        yield from (shaper.crank_at(psi, outer) for outer in (True, False))
+
+
+def extremes(
+    shaper: Shaper, drive: Drive, quantities: Sequence[Quantity]
+) -> list[tuple[Peak, Peak]]:
+    """Largest and smallest value of each over the turn, with proven enclosures.
+
+    Values in the unit of the wire.
+    """
+    count = len(quantities)
+    whole = np.array([0])
+    questions = [Question(whole, -np.inf, 0.0, function=k, relative=1e-10) for k in range(count)]
+    questions += [Question(whole, 0.0, np.inf, function=k, relative=1e-10) for k in range(count)]
+
+    def models(_: Any, lo: Array, hi: Array, wanted: Sequence[int]) -> list[Taylor]:
+        centre = 0.5 * (lo + hi)
+        half = 0.5 * (hi - lo) + 2.0**-50 * (np.abs(lo) + np.abs(hi))
+        nothing = np.zeros_like(centre)
+        turned = Taylor.of(centre, half, nothing, nothing)
+        motion = shaper.motion(drive.phi(turned))
+        return [quantities[k].of(motion, drive, turned) for k in wanted]
+
+    found = enclose(models, np.array([0.0, FULL_TURN]), np.array([BOXES]), questions)
+    scales = [quantity.per_unit for quantity in quantities]
+    return [
+        (_peak(high, scale), _peak(low, scale))
+        for high, low, scale in zip(found[:count], found[count:], scales, strict=True)
+    ]
+
+
+def _peak(answer: Answer, scale: float) -> Peak:
+    found = answer.extreme
+    return Peak(found.value / scale, found.angle, found.width / scale)
+
+
+def coupler_range(shaper: Shaper) -> tuple[float, float]:
+    """Smallest and largest angle of the coupler to the ram's line [rad], in closed form."""
+    low, high = shaper.heights()
+    first, last = sorted((math.asin(shaper.rise(high)), math.asin(shaper.rise(low))))
+    return first, last

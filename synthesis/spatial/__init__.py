@@ -1,0 +1,1 @@
+"""Spatial cams: rollers on axes that do not lie along the cam's."""

@@ -1,0 +1,141 @@
+"""What a spatial cam is cut from, on a lathe: a hub, and a rim from the ribs' tops to the floor."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from typing import Annotated
+
+import numpy as np
+from pydantic import Field
+
+from synthesis.errors import InputError
+from synthesis.exporters.exact_options import Bore
+from synthesis.exporters.options import Options
+from synthesis.geometry.charts import Chart
+from synthesis.geometry.swept_roller import cross, dot, norm
+from synthesis.numerics.piecewise import Array
+from synthesis.spatial.grooves import Cuts
+from synthesis.units import FULL_TURN
+
+WALL = 2.0  # radii of a roller that a blank reaches beyond the rollers' axes: one is left of it
+RIM = np.linspace(0.0, FULL_TURN, 16, endpoint=False)
+Clearance = Annotated[float, Field(ge=0.0, le=1e4)]
+
+
+@dataclass(frozen=True, kw_only=True)
+class BlankOptions(Options):
+    """The body that the grooves are cut into.
+
+    Attributes:
+        bore_mm: diameter of a bore; None: none. width_mm: between flat ends; None: as far as
+            rollers are in mesh. tip_clearance_mm, end_clearance_mm: of ribs and floor.
+    """
+
+    bore_mm: Bore = None
+    width_mm: Annotated[
+        float | None,
+        Field(
+            gt=0.0,
+            le=1e5,
+            description="Width between two flat ends, midway between them the common "
+            "perpendicular; left out: the cam's own, or as far as rollers are in mesh, or one "
+            "radius of the roller beyond their grooves.",
+        ),
+    ] = None
+    tip_clearance_mm: Annotated[
+        Clearance,
+        Field(description="How far the ribs' tops stay off the rollers' ends."),
+    ] = 0.0
+    end_clearance_mm: Annotated[
+        Clearance, Field(description="How far the grooves' floor stays off the rollers' ends.")
+    ] = 1.0
+
+
+@dataclass(frozen=True, eq=False)
+class Blank:
+    """The body before grooves are cut.
+
+    Attributes:
+        chart: its coordinates. depth: (m,) from the ribs' tops to the floor [mm].
+        low, high: (m,) places across where it ends, at every depth.
+        bore: radius of the bore, 0: none [mm].
+    """
+
+    chart: Chart
+    depth: Array
+    low: Array
+    high: Array
+    bore: float = field(default=0.0)
+
+    @classmethod
+    def of(cls, cuts: Cuts, options: BlankOptions, depths: int) -> Blank:
+        """The blank that suits the machine's rollers.
+
+        Raises:
+            InputError: nothing is left of ribs, of the width, or round the bore.
+        """
+        top, root = _depths(cuts)
+        top, root = top + options.tip_clearance_mm, root + options.end_clearance_mm
+        if not top < root:
+            raise InputError(
+                "/tip_clearance_mm", options.tip_clearance_mm,
+                f"The grooves are {root - top + options.tip_clearance_mm:.6g} mm deep.",
+                "Take less.",
+            )  # fmt: skip
+        depth = np.linspace(top, root, depths)
+        low, high = (np.full(depths, end) for end in _ends(cuts))
+        width = options.width_mm
+        faces = cuts.cam.faces if width is None else (-0.5 * width, 0.5 * width)
+        if np.all(np.isfinite(faces)):
+            low = np.maximum(low, cuts.chart.level(depth, faces[0]))
+            high = np.minimum(high, cuts.chart.level(depth, faces[1]))
+        blank = cls(cuts.chart, depth, low, high, 0.5 * (options.bore_mm or 0.0))
+        blank._check(options)
+        return blank
+
+    def _check(self, options: BlankOptions) -> None:
+        across = np.linspace(self.low[-1], self.high[-1], 181)
+        thin = float(np.min(self.chart.meridian(self.depth[-1:], across)[0]))
+        if thin > self.bore:
+            return
+        if thin <= 0.0:
+            raise InputError(
+                "/end_clearance_mm", options.end_clearance_mm,
+                f"The grooves' floor reaches {-thin:.6g} mm beyond the cam's axis: the rollers "
+                "are too long or too thick for the centre distance to leave a body.",
+                "Take a larger centre distance, or shorter rollers.",
+            )  # fmt: skip
+        raise InputError(
+            "/bore_mm", options.bore_mm,
+            f"The grooves' floor is {thin:.6g} mm off the cam's axis.",
+            f"Take a diameter below {2.0 * thin:.6g} mm.",
+        )  # fmt: skip
+
+    @property
+    def heights(self) -> tuple[float, float]:
+        """Of the hub's two faces along the cam's axis [mm]."""
+        ends = np.array([self.low[-1], self.high[-1]])
+        low, high = self.chart.meridian(self.depth[-1:], ends)[1]
+        return float(low), float(high)
+
+
+def _depths(cuts: Cuts) -> tuple[float, float]:
+    """Depth of the ribs' tops and of what is deepest of the rollers [mm]."""
+    roller, way = cuts.cam.swept.roller, cuts.cam.swept.joint.way
+    u = cuts.directions()
+    ends = np.array([roller.inner, roller.outer])
+    deepest = [*cuts.chart.nominal(ends)]
+    for rho, radius in zip(ends, roller.profile(ends)[0], strict=True):
+        axis = cuts.axes(rho)
+        one = way(axis) - dot(way(axis), u) * u
+        one = one / norm(one)
+        rim = axis + radius * (np.cos(RIM) * one + np.sin(RIM) * cross(u, one))
+        deepest += [np.max(cuts.laid(axis)[1]), np.max(cuts.laid(rim)[1])]
+    return float(min(cuts.chart.nominal(ends))), float(max(deepest))
+
+
+def _ends(cuts: Cuts) -> tuple[float, float]:
+    """Places across between which the blank lies, where no width is asked for."""
+    across = cuts.laid(cuts.axes(cuts.cam.swept.roller.middle))[2]
+    room = 0.0 if np.isfinite(cuts.mesh[0]) else WALL * cuts.cam.swept.roller.radius
+    return float(np.min(across)) - room, float(np.max(across)) + room

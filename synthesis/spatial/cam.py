@@ -1,0 +1,105 @@
+"""A spatial cam with everything settled, and its walls."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Literal
+
+import numpy as np
+
+from synthesis.geometry.swept_roller import Contacts, Place, SweptRoller, dot, turned
+from synthesis.motion import Motion
+from synthesis.numerics.piecewise import Array
+from synthesis.spatial.machine import LEFT, Seat
+from synthesis.spatial.meshing import Span, between_faces, in_mesh
+from synthesis.spatial.spec import SpatialCamSpec
+from synthesis.units import FULL_TURN
+
+
+@dataclass(frozen=True)
+class Wall:
+    """What one side of one roller leaves of the cam in one turn.
+
+    Attributes:
+        seat: the roller. side: RIGHT for the one ahead of it as q grows, LEFT for the other; so
+            they appear from the cam, where a turret turns counter-clockwise seen from above.
+        spans: cam angles between which the roller meets the blank [rad].
+    """
+
+    seat: Seat
+    side: int
+    spans: tuple[Span, ...]
+
+    @property
+    def letter(self) -> Literal["L", "R"]:
+        """L or R."""
+        return "L" if self.side == LEFT else "R"
+
+    @property
+    def name(self) -> str:
+        """As flanks are named: ``2R`` is the one on the side to which roller 2 moves as q grows."""
+        return f"{self.seat.number}{self.letter}"
+
+
+@dataclass(frozen=True, eq=False)
+class SpatialCam:
+    """A spatial cam.
+
+    Attributes:
+        swept: its geometry. motion: q(θ) over one turn. walls: by roller, then by side.
+        sizes: the machine's dimensions by the names of their fields [mm].
+        faces: places of the end faces along its axis, from ``swept.centre`` [mm].
+        period: of q, after which a roller is where it was [rad or mm].
+    """
+
+    swept: SweptRoller
+    motion: Motion
+    walls: tuple[Wall, ...]
+    sizes: Mapping[str, float]
+    faces: Span = (-math.inf, math.inf)
+    period: float = math.inf
+
+    def place(self, seat: Seat, theta: Array) -> Place:
+        """Where a roller is at θ (n,) [rad], of any turn."""
+        q, q1, q2 = self.motion.derivatives(theta, 2)
+        turns = np.floor(theta / FULL_TURN)
+        return Place(seat.start + self.gain * turns + q, q1, q2)
+
+    @property
+    def gain(self) -> float:
+        """What the follower has moved on after a turn [rad or mm]."""
+        return self.motion.stretches[-1].s_end - self.motion.stretches[0].s_start
+
+    def contacts(self, wall: Wall, theta: Array, rho: Array) -> Contacts:
+        """Contacts of a wall at θ (n,) [rad] by places on the roller's axis (m,) [mm]."""
+        return self.swept.contacts(self.place(wall.seat, theta), rho, wall.side)
+
+    def between_faces(self, point: Array) -> Array:
+        """Which points (3, …) of the machine's frame lie between the end faces."""
+        shape = (3,) + (1,) * (point.ndim - 1)
+        along = dot(self.swept.axis.reshape(shape), point - self.swept.centre.reshape(shape))
+        return np.asarray((along >= self.faces[0]) & (along <= self.faces[1]))
+
+    def surface(self, wall: Wall, theta: Array, rho: Array) -> tuple[Array, Array]:
+        """Points [mm] and unit normals out of the cam, as the cam has them: (3, n, m) each."""
+        found = self.contacts(wall, theta, rho)
+        swept = self.swept
+        outward = turned(-found.normal, -swept.hand * theta, swept.axis)
+        return swept.on_cam(theta, found.point), outward
+
+
+def settled(spec: SpatialCamSpec, sizes: Mapping[str, float], motion: Motion) -> SpatialCam:
+    """The cam with these dimensions [mm] and this motion."""
+    machine = spec.machine
+    swept, mesh, faces = machine.swept(sizes, spec.turns), machine.mesh(sizes), machine.faces()
+    walls = []
+    for seat in machine.seats():
+        met = in_mesh(motion, seat, mesh, machine.period)
+        for side in seat.sides if met else ():
+            parts = (between_faces(swept, motion, seat, side, span, faces) for span in met)
+            spans = tuple(part for each in parts for part in each)
+            if spans:
+                walls.append(Wall(seat, side, spans))
+    return SpatialCam(swept, motion, tuple(walls), sizes, faces, machine.period)

@@ -1,0 +1,118 @@
+"""Cylindrical cams whose follower swings on an arm."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from typing import Annotated, ClassVar, Literal
+
+from pydantic import Field, model_validator
+from pydantic_core import PydanticCustomError
+
+from synthesis.geometry.charts import Chart, Drum
+from synthesis.geometry.swept_roller import SweptRoller
+from synthesis.ranges import Dimension, Range
+from synthesis.spatial import drum, roller
+from synthesis.spatial.machine import Seat, SpatialMachine
+from synthesis.units import DEGREE, Travel
+
+SQUARE = 0.5 * math.pi
+
+
+class CylindricalOscillating(SpatialMachine):
+    """An arm whose pivot crosses the cam's axis at a right angle, some way off, as its roller does.
+
+    Frame as in ``drum``; the pivot is at y = pivot distance, z = 0, and parallel to x. Where the
+    arm stands square to the cam's axis, its angle is 0.
+    """
+
+    kind: Literal["cylindrical_oscillating"] = "cylindrical_oscillating"
+    title: ClassVar[str] = "cylindrical cam, follower on an arm"
+    travel: ClassVar[Travel] = Travel("deg", DEGREE)
+    unrolls: ClassVar[bool] = True
+
+    arm_mm: Annotated[
+        float,
+        Field(
+            gt=0.0,
+            le=1e6,
+            description="Length of the arm: pivot to roller, or to the middle between two.",
+        ),
+    ]
+    pivot_distance_mm: Annotated[
+        float | None,
+        Field(
+            gt=0.0,
+            le=1e6,
+            description="Distance between the pivot's axis and the cam's; left out: the arm's "
+            "length, so that the axis of a single roller meets the cam's where the arm is square "
+            "to it.",
+        ),
+    ] = None
+    initial_angle_deg: Annotated[
+        float,
+        Field(
+            gt=-90.0,
+            lt=90.0,
+            description="Where the program starts: the arm's angle to the line square to the "
+            "cam's axis, growing with the motion. Minus half the swing is symmetric.",
+        ),
+    ] = 0.0
+    cylinder_radius_mm: Dimension = None
+    roller_radius_mm: Dimension = None
+    roller_width_mm: roller.RollerDepth
+    crown_radius_mm: roller.CrownRadius = None
+    roller_distance_mm: drum.RollerDistance = None
+
+    @model_validator(mode="after")
+    def _fits(self) -> CylindricalOscillating:
+        roller.check_crown(self.roller_width_mm, self.crown_radius_mm, self.roller_radius_mm)
+        drum.check_room(self.cylinder_radius_mm, self.roller_width_mm)
+        drum.check_rib(self.roller_distance_mm, self.roller_radius_mm)
+        return self
+
+    def sizes(self) -> Mapping[str, float | Range | None]:
+        return {name: getattr(self, name) for name in ("cylinder_radius_mm", "roller_radius_mm")}
+
+    def swept(self, sizes: Mapping[str, float], turns: int) -> SweptRoller:
+        joint, origin = drum.arm(*self._lengths)
+        width, crown = self.roller_width_mm, self.crown_radius_mm
+        return drum.swept(sizes, joint, origin, width, crown, turns)
+
+    @property
+    def _lengths(self) -> tuple[float, float]:
+        """Pivot to roller, and to the cam's axis [mm]."""
+        reach = math.hypot(self.arm_mm, 0.5 * (self.roller_distance_mm or 0.0))
+        return reach, self.pivot_distance_mm or self.arm_mm
+
+    def seats(self) -> tuple[Seat, ...]:
+        rest, distance = self.initial_angle_deg * DEGREE, self.roller_distance_mm
+        apart = None if distance is None else 2.0 * math.atan2(0.5 * distance, self.arm_mm)
+        return drum.seats(rest, apart)
+
+    def mesh(self, sizes: Mapping[str, float]) -> tuple[float, float]:
+        return drum.EVERYWHERE
+
+    def chart(self, sizes: Mapping[str, float]) -> Chart:
+        return Drum()
+
+    def cylinder(self, sizes: Mapping[str, float]) -> tuple[float, float]:
+        return drum.cylinder(sizes, self.roller_width_mm)
+
+    def check_gain(self, gain: float) -> None:
+        drum.check_return(gain, self.travel)
+
+    def check_reach(self, lowest: float, highest: float) -> None:
+        starts = [seat.start for seat in self.seats()]
+        least, most = min(starts) + lowest, max(starts) + highest
+        if least <= -SQUARE or most >= SQUARE:
+            raise PydanticCustomError(
+                "arm_along_cam",
+                "A roller on the arm swings from {least}° to {most}° about the line square to the "
+                "cam's axis; at 90° it runs along the cam and drives nothing. Change "
+                "initial_angle_deg, or make the swing smaller.",
+                {"least": round(least / DEGREE, 9), "most": round(most / DEGREE, 9)},
+            )
+        drum.check_beside(
+            *self._lengths, (least, most), self.cylinder_radius_mm, self.roller_width_mm
+        )

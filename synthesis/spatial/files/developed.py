@@ -1,0 +1,194 @@
+"""The walls of a cylindrical cam unrolled, as tables."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Iterator
+from dataclasses import dataclass
+from typing import Annotated, Any
+
+import numpy as np
+from pydantic import Field
+
+from synthesis.errors import InputError
+from synthesis.exporters.columns import Column, joined
+from synthesis.exporters.csv_table import table
+from synthesis.exporters.exporter import FileFormat, Made
+from synthesis.exporters.options import Options
+from synthesis.numerics.piecewise import Array
+from synthesis.spatial.cam import SpatialCam
+from synthesis.spatial.design import SpatialDesign
+from synthesis.spatial.development import Line, departures, path, wall
+from synthesis.spatial.files.origin import origin
+from synthesis.units import DEGREE
+
+FRAME = (
+    "A cylinder about the cam's axis, unrolled. angle_deg is the cam angle at which a place passes "
+    "the roller's side of the cam, arc_mm its length on the cylinder, z_mm runs along the axis the "
+    "way the follower moves. departure_mm: how far the true wall lies beyond the unrolled path of "
+    "the roller's axis, offset by the roller's radius on the cam's outer cylinder and wrapped to "
+    "this one; positive where the roller needs more than such a drawing leaves."
+)
+
+
+@dataclass(frozen=True, kw_only=True)
+class DevelopedOptions(Options):
+    """Which cylinder, and how finely.
+
+    Attributes:
+        radius_mm: of the cylinder; None: the cam's. points_per_degree: over the cam angle.
+    """
+
+    radius_mm: Annotated[
+        float | None,
+        Field(
+            gt=0.0,
+            le=1e6,
+            description="Radius of the cylinder that is unrolled; left out: the cam's.",
+        ),
+    ] = None
+    points_per_degree: Annotated[
+        float, Field(gt=0.0, le=20.0, description="Points per degree of cam angle.")
+    ] = 2.0
+
+
+@dataclass(frozen=True, eq=False)
+class Unrolled:
+    """A curve, and where it differs from the drawn offset.
+
+    Attributes:
+        line: the curve. departure: (n,) [mm]; NaN on the path of a roller's axis.
+    """
+
+    line: Line
+    departure: Array
+
+    @property
+    def name(self) -> str:
+        """Of the wall, or the roller whose axis it is."""
+        letter = {1: "R", 0: "", -1: "L"}[self.line.side]
+        return f"{self.line.seat.number}{letter}"
+
+
+def radius_of(design: SpatialDesign, options: DevelopedOptions) -> float:
+    """Radius of the cylinder that is unrolled [mm].
+
+    Raises:
+        InputError: the cam has none, or the roller does not reach this one.
+    """
+    span = design.spec.machine.cylinder(design.dimensions)
+    if span is None:
+        raise InputError(
+            "/radius_mm", options.radius_mm,
+            f"The cam of a {design.spec.machine.title} has no cylinder that could be unrolled.",
+            "Ask for files of its flanks.",
+        )  # fmt: skip
+    radius = span[1] if options.radius_mm is None else options.radius_mm
+    if not span[0] <= radius <= span[1]:
+        raise InputError(
+            "/radius_mm", radius,
+            f"The roller reaches into the cam from {span[1]:.9g} to {span[0]:.9g} mm of its axis.",
+            "Take a radius between these.",
+        )  # fmt: skip
+    return radius
+
+
+def unrolled(design: SpatialDesign, options: DevelopedOptions) -> list[Unrolled]:
+    """Paths of all rollers' axes and all walls, in runs without a break."""
+    cam, radius = design.cam, radius_of(design, options)
+    span = design.spec.machine.cylinder(design.dimensions)
+    assert span is not None  # or radius_of had refused
+    return list(_lines(cam, radius, span[1], options.points_per_degree / DEGREE))
+
+
+def _lines(cam: SpatialCam, radius: float, drawn: float, density: float) -> Iterator[Unrolled]:
+    pathed = set()
+    for each in cam.walls:
+        for start, end in each.spans:
+            theta = np.linspace(start, end, max(2, int(np.ceil((end - start) * density)) + 1))
+            if (each.seat, start) not in pathed:
+                pathed.add((each.seat, start))
+                axis = path(cam, each.seat, theta, radius)
+                yield from _runs(axis, np.full(len(theta), np.nan))
+            line = wall(cam, each, theta, radius)
+            yield from _runs(line, departures(cam, line, drawn, radius))
+
+
+def _runs(line: Line, departure: Array) -> Iterator[Unrolled]:
+    """Where the roller reaches the cylinder."""
+    there = np.flatnonzero(~np.isnan(line.z))
+    for run in np.split(there, np.flatnonzero(np.diff(there) > 1) + 1):
+        if len(run) > 1:
+            part = Line(
+                line.seat, line.side, line.theta[run], line.phi[run], line.z[run], line.rho[run]
+            )
+            yield Unrolled(part, departure[run])
+
+
+def error(found: list[Unrolled]) -> float:
+    """Largest departure [mm]; NaN where the drawing has nothing beside any wall."""
+    values = np.concatenate([np.abs(each.departure) for each in found])
+    known = values[~np.isnan(values)]
+    return float(known.max()) if len(known) else float("nan")
+
+
+def _columns(each: Unrolled, radius: float) -> list[Column]:
+    line = each.line
+    count = len(line.theta)
+    departure = np.where(np.isnan(each.departure), 0.0, each.departure)
+    return [
+        Column("roller", "1", "number of the roller", np.full(count, line.seat.number)),
+        Column("side", "1", "R: 1, L: -1, path of its axis: 0", np.full(count, line.side)),
+        Column("theta_deg", "deg", "cam angle of the contact", line.theta / DEGREE),
+        Column("angle_deg", "deg", "place round the cylinder", line.phi / DEGREE),
+        Column("arc_mm", "mm", "the same as a length", radius * line.phi),
+        Column("z_mm", "mm", "place along the cam's axis", line.z),
+        Column("rho_mm", "mm", "place on the roller's axis", line.rho),
+        Column("departure_mm", "mm", "of the true wall from the offset drawn flat", departure),
+    ]
+
+
+def _told(found: list[Unrolled], radius: float) -> dict[str, str]:
+    return {"Radius-Mm": f"{radius:.9g}", "Flat-Offset-Error-Mm": f"{error(found):.3g}"}
+
+
+def _csv(design: SpatialDesign, options: DevelopedOptions) -> Made:
+    found, radius = unrolled(design, options), radius_of(design, options)
+    columns = joined([_columns(each, radius) for each in found])
+    return Made(table(columns), _told(found, radius))
+
+
+def _json(design: SpatialDesign, options: DevelopedOptions) -> Made:
+    found, radius = unrolled(design, options), radius_of(design, options)
+    body = {
+        "kind": "development",
+        "frame": FRAME,
+        "design": origin(design),
+        "radius_mm": radius,
+        "flat_offset_error_mm": error(found),
+        "curves": [_curve(each, radius) for each in found],
+    }
+    text = json.dumps(body, ensure_ascii=False, allow_nan=False, separators=(",", ":"))
+    return Made(text.encode(), _told(found, radius))
+
+
+def _curve(each: Unrolled, radius: float) -> dict[str, Any]:
+    columns = {column.name: column.values.tolist() for column in _columns(each, radius)[2:]}
+    if each.line.side == 0:
+        del columns["departure_mm"]
+    return {"name": each.name, "roller": each.line.seat.number, "side": each.line.side, **columns}
+
+
+PURPOSE = (
+    "A cylindrical cam's walls and the paths of its rollers' axes on a cylinder about its axis, "
+    "unrolled. The header Camwright-Flat-Offset-Error-Mm says by how much the true walls differ "
+    "from the path offset by the roller's radius in the plane and wrapped."
+)
+CSV = FileFormat(
+    "developed.csv", "Unrolled walls, comma separated", "text/csv; charset=utf-8; header=present",
+    ".csv", _csv, DevelopedOptions, PURPOSE,
+)  # fmt: skip
+JSON = FileFormat(
+    "developed.json", "Unrolled walls", "application/json", ".json", _json, DevelopedOptions,
+    PURPOSE,
+)  # fmt: skip

@@ -1,0 +1,1 @@
+"""Spatial cams sized: law and dimension together, with a bound over all laws."""

@@ -1,0 +1,214 @@
+"""The grooves of a spatial cam's body: where a cut through the blank finds their walls.
+
+A row is a half-plane through the cam's axis, named by the cam angle t at which it faces the
+follower; in it a wall is one place across at every depth. The contact of roller and wall that lies
+in row t at depth d belongs to another cam angle θ and a place ρ on the roller's axis; these two
+follow from two equations, by Newton's method for all rows and depths at once.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from synthesis.errors import InputError
+from synthesis.geometry.charts import Chart
+from synthesis.numerics.piecewise import Array
+from synthesis.spatial.cam import SpatialCam
+from synthesis.spatial.frame import CamFrame
+from synthesis.spatial.machine import LEFT, RIGHT, Seat, SpatialMachine
+from synthesis.units import DEGREE, FULL_TURN
+
+STEPS = 40
+NEAR = 1e-10  # of a root: in rad and mm
+WRONG = 1e-7  # no root
+NUDGE = 1e-6  # for differences: rad and mm
+SAME = 1e-6  # of places of rollers
+FAR = 1.0  # how far from the blank a roller's wall is still looked for, in widths of the blank
+FOLLOWED = 721  # cam angles at which the rollers are followed over the turn
+
+
+@dataclass(frozen=True, eq=False)
+class Grooves:
+    """All grooves at rows t and depths d, in order of their places.
+
+    Attributes:
+        low, high: (k, n, m) places across of their two walls; ±∞ where they are off the blank, or
+            where that side of the roller does not run on the cam.
+        shift: the groove i at the end of the turn is the groove i + shift at its start.
+    """
+
+    low: Array
+    high: Array
+    shift: int
+
+
+class _Laid(NamedTuple):
+    """Contacts (n,) as a chart has them, and whether their wall is regular there."""
+
+    turn: Array
+    depth: Array
+    across: Array
+    regular: Array
+
+
+@dataclass(frozen=True, eq=False)
+class Cuts:
+    """Cuts through the grooves of one cam.
+
+    Attributes:
+        cam, machine: whose. chart: of its blank.
+        mesh: least and largest place q of a roller in mesh [rad or mm], maybe infinite.
+    """
+
+    cam: SpatialCam
+    machine: SpatialMachine
+    chart: Chart
+    mesh: tuple[float, float]
+
+    @classmethod
+    def of(cls, cam: SpatialCam, machine: SpatialMachine) -> Cuts:
+        """Of a machine's cam."""
+        return cls(cam, machine, machine.chart(cam.sizes), machine.mesh(cam.sizes))
+
+    def laid(self, point: Array) -> tuple[Array, Array, Array]:
+        """Angle about the cam's axis, depth and place across of points of the machine's frame.
+
+        Args:
+            point: (3, …) as they stand; the cam is not turned.
+        """
+        swept = self.cam.swept
+        away = point - swept.centre.reshape((3,) + (1,) * (point.ndim - 1))
+        x, y, z = np.tensordot(CamFrame.of(swept).axes, away, axes=1)
+        depth, across = self.chart.laid(np.hypot(x, y), z)
+        return np.arctan2(y, x), depth, across
+
+    def axes(self, rho: float) -> Array:
+        """Places ρ of all rollers' axes over the turn, while they are in mesh: (3, n, 1) [mm]."""
+        swept = self.cam.swept
+        q = np.concatenate([self._followed(seat) for seat in self.machine.seats()])
+        return swept.joint.moved((swept.origin + rho * swept.along).reshape(3, 1, 1), q)
+
+    def directions(self) -> Array:
+        """Directions of these axes: (3, n, 1)."""
+        q = np.concatenate([self._followed(seat) for seat in self.machine.seats()])
+        return self.cam.swept.joint.turned(self.cam.swept.along.reshape(3, 1, 1), q)
+
+    def _followed(self, seat: Seat) -> Array:
+        q = self.cam.place(seat, np.linspace(0.0, FULL_TURN, FOLLOWED)).q
+        return np.asarray(np.append(q[(q >= self.mesh[0]) & (q <= self.mesh[1])],
+                                    [end for end in self.mesh if np.isfinite(end)]))  # fmt: skip
+
+    def grooves(self, turn: Array, depth: Array) -> Grooves:
+        """The grooves at rows ``turn`` (n,) [rad] and ``depth`` (m,) [mm].
+
+        Raises:
+            InputError: a wall is undercut, or has a step, so that there is no single place.
+        """
+        seats = self._seats()
+        low, high = (
+            np.stack([self._wall(seat, side, turn, depth) for seat in seats])
+            for side in (LEFT, RIGHT)
+        )
+        return Grooves(low, high, self._shift([seat.start for seat in seats]))
+
+    def _seats(self) -> list[Seat]:
+        """All rollers that may come near, those of other turns too, in order of their places."""
+        gain, (least, most) = self.cam.gain, self.mesh
+        reach = int(np.ceil(FAR * (most - least) / abs(gain))) + 2 if gain else 0
+        found = [
+            Seat(seat.number, seat.start + gain * turn, seat.sides)
+            for seat in self.machine.seats()
+            for turn in range(-reach, reach + 1)
+        ]
+        found.sort(key=lambda seat: seat.start)
+        kept = [a for a, b in zip(found, [*found[1:], None], strict=True)
+                if b is None or b.start - a.start > SAME]  # fmt: skip
+        return [seat for seat in kept if np.any(self._near(self._followed_all(seat)))]
+
+    def _followed_all(self, seat: Seat) -> Array:
+        return self.cam.place(seat, np.linspace(0.0, FULL_TURN, FOLLOWED)).q
+
+    def _near(self, q: Array) -> Array:
+        least, most = self.mesh
+        far = FAR * (most - least)
+        return np.asarray((q > least - far) & (q < most + far))
+
+    def _shift(self, starts: list[float]) -> int:
+        """How many places of the order the follower goes on by in a turn."""
+        if len(starts) < 2:
+            return 0
+        return round(self.cam.gain / (starts[1] - starts[0]))
+
+    def _wall(self, seat: Seat, side: int, turn: Array, depth: Array) -> Array:
+        """Places across (n, m)."""
+        t, d = (each.ravel() for each in np.meshgrid(turn, depth, indexing="ij"))
+        if side not in seat.sides:
+            return np.full((len(turn), len(depth)), side * np.inf)
+        q = self.cam.place(seat, t).q
+        across = np.where(q > self.mesh[1], np.inf, -np.inf)
+        near = self._near(q)
+        if np.any(near):
+            across[near] = self._across(seat, side, t[near], d[near])
+        return np.asarray(across.reshape(len(turn), len(depth)))
+
+    def _across(self, seat: Seat, side: int, t: Array, d: Array) -> Array:
+        with np.errstate(all="ignore"):  # what runs off far from the blank is seen below
+            found, wrong = self._solved(seat, side, t, d)
+        q = self.cam.place(seat, t).q
+        solved = wrong < WRONG
+        met = (q > self.mesh[0]) & (q < self.mesh[1])
+        self._check(t, met & ~(solved & (found.regular > 0.0)), side)
+        away = np.where(q > np.clip(0.0, *self.mesh), np.inf, -np.inf)
+        return np.where(solved, found.across, away)
+
+    def _solved(self, seat: Seat, side: int, t: Array, d: Array) -> tuple[_Laid, Array]:
+        """The contacts in rows t at depths d (n,), and how wrong they are."""
+        theta, rho = t.copy(), self.chart.nominal(d)
+        for _ in range(STEPS):
+            found = self._laid(seat, side, theta, rho)
+            turned, sunk = found.turn - t, found.depth - d
+            if np.nanmax(np.abs([turned, sunk]), initial=0.0) < NEAR:
+                break
+            a, c = self._difference(seat, side, theta, rho, NUDGE, 0.0)
+            b, e = self._difference(seat, side, theta, rho, 0.0, NUDGE)
+            det = a * e - b * c
+            theta = theta - (turned * e - b * sunk) / det
+            rho = rho - (a * sunk - turned * c) / det
+        wrong = np.maximum(np.abs(turned), np.abs(sunk))
+        return found, np.where(np.isfinite(wrong), wrong, np.inf)
+
+    def _check(self, t: Array, bad: NDArray[np.bool_], side: int) -> None:
+        """Refuse what a graph over the turn cannot show."""
+        if not np.any(bad):
+            return
+        angle = t[int(np.argmax(bad))] / DEGREE % 360.0
+        which = "right" if side == RIGHT else "left"
+        raise InputError(
+            "/machine",
+            self.machine.kind,
+            f"Near cam angle {angle:.4g}° the wall on the {which} side of a roller is undercut, "
+            "has a step, or lies off the blank: the rollers leave no such body.",
+            "Take smaller rollers, a gentler law there or a smaller mesh angle; the flanks' points "
+            "can be had as they are.",
+        )
+
+    def _difference(
+        self, seat: Seat, side: int, theta: Array, rho: Array, turn: float, along: float
+    ) -> tuple[Array, Array]:
+        """How row and depth change with θ, or with ρ."""
+        after = self._laid(seat, side, theta + turn, rho + along)
+        before = self._laid(seat, side, theta - turn, rho - along)
+        step = 2.0 * (turn + along)
+        return (after.turn - before.turn) / step, (after.depth - before.depth) / step
+
+    def _laid(self, seat: Seat, side: int, theta: Array, rho: Array) -> _Laid:
+        swept = self.cam.swept
+        place = self.cam.place(seat, theta)
+        found = swept.contacts(place, rho[:, None], side)
+        angle, depth, across = self.laid(found.point[:, :, 0])
+        turn = theta - swept.hand * angle
+        return _Laid(turn, depth, self.chart.beside(across, place.q), found.regular[:, 0])

@@ -1,0 +1,118 @@
+"""SpatialCamSpec: what is asked of a spatial cam. It is the request body."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Mapping
+from itertools import accumulate
+from typing import Annotated, Any
+
+from pydantic import BaseModel, ConfigDict, Field, model_validator
+from pydantic_core import PydanticCustomError
+
+from synthesis.fields import CamRotation, CamSpeed, Name
+from synthesis.motion import Stretch
+from synthesis.placing import placed
+from synthesis.program import Segment
+from synthesis.ranges import Range, ends
+from synthesis.spatial.machines import AnyMachine
+from synthesis.units import FULL_TURN, Pace, rad_per_s
+
+MAX_SEGMENTS = 100
+ANGLE_SUM_TOLERANCE_DEG = 1e-6
+
+
+class SpatialCamSpec(BaseModel):
+    """What the follower must do and which machine it is part of."""
+
+    model_config = ConfigDict(frozen=True, extra="forbid", allow_inf_nan=False)
+
+    name: Annotated[Name, Field(description="Shown in reports and files.")] = ""
+    speed_rpm: CamSpeed = 60.0
+    rotation: CamRotation = "ccw"
+    program: Annotated[
+        list[Segment],
+        Field(
+            min_length=1,
+            max_length=MAX_SEGMENTS,
+            description="Segments in order; their angles sum to 360°. A turret goes on by a whole "
+            "number of rollers in a turn; any other follower ends where it began.",
+        ),
+    ]
+    machine: Annotated[AnyMachine, Field(description="The machine around the cam.")]
+
+    @model_validator(mode="after")
+    def _closes(self) -> SpatialCamSpec:
+        unit, kind = self.machine.travel.unit, self.machine.kind
+        for position, segment in enumerate(self.program):
+            for given in sorted(segment.units - {unit}):
+                raise PydanticCustomError(
+                    "lift_does_not_suit",
+                    "program/{position} gives its lift in {given}, but the follower of a {kind} "
+                    "moves by {unit}. Give lift_{unit} instead of lift_{given}.",
+                    {"position": position, "given": given, "kind": kind, "unit": unit},
+                )
+        turn = math.fsum(segment.degrees for segment in self.program)
+        if abs(turn - 360.0) > ANGLE_SUM_TOLERANCE_DEG:
+            raise PydanticCustomError(
+                "program_angles",
+                "The angles of program sum to {turn}°, not 360°. "
+                "{verb} {difference}°, or add a dwell.",
+                {"turn": round(turn, 9), "verb": "Add" if turn < 360.0 else "Remove",
+                 "difference": round(abs(360.0 - turn), 9)},
+            )  # fmt: skip
+        self.machine.check_gain(self.gain)
+        placed = self.stretches()
+        levels = [level for each in placed for level in (each.s_start, each.highest)]
+        self.machine.check_reach(min(*levels, placed[-1].s_end), max(levels))
+        return self
+
+    @property
+    def omega(self) -> float:
+        """Cam speed [rad/s]."""
+        return rad_per_s(self.speed_rpm)
+
+    @property
+    def turns(self) -> int:
+        """+1 where the cam turns ccw, −1 where it turns cw."""
+        return 1 if self.rotation == "ccw" else -1
+
+    @property
+    def gain(self) -> float:
+        """What the follower has moved on after a turn [rad or mm]."""
+        return math.fsum(segment.gain(self._pace) for segment in self.program)
+
+    @property
+    def _pace(self) -> Pace:
+        return Pace(self.machine.travel, self.omega)
+
+    def stretches(self) -> tuple[Stretch, ...]:
+        """The program placed on the cam: q is 0 where it starts [rad or mm]."""
+        degrees = [segment.degrees for segment in self.program]
+        turn = math.fsum(degrees)
+        angles = [FULL_TURN * at / turn for at in accumulate(degrees, initial=0.0)]
+        angles[-1] = FULL_TURN
+        gains = [segment.gain(self._pace) for segment in self.program]
+        levels = list(accumulate(gains, initial=0.0))[:-1]
+        return placed(self.program, angles, levels, self._pace)
+
+    def left_free(self) -> Iterator[tuple[str, Any]]:
+        """JSON pointer and value of everything that the answer would have to choose."""
+        for position, segment in enumerate(self.program):
+            for name, value in segment.left_open().items():
+                if isinstance(value, Range):
+                    yield f"/program/{position}/{name}", value.model_dump()
+        for stretch in self.stretches():
+            if stretch.sought:
+                yield f"/program/{stretch.index}/law", self.program[stretch.index].law_name
+        for name, given in self.machine.sizes().items():
+            low, high = ends(given)
+            if low != high:
+                yield f"/machine/{name}", given.model_dump() if isinstance(given, Range) else given
+
+    def given_sizes(self) -> Mapping[str, float] | None:
+        """The machine's dimensions where all of them are given [mm]."""
+        both = {name: ends(value) for name, value in self.machine.sizes().items()}
+        if any(low != high for low, high in both.values()):
+            return None
+        return {name: low for name, (low, _) in both.items()}

@@ -1,0 +1,130 @@
+"""Walls of cylindrical cams against formulas, and against rollers that know only their axes."""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+import numpy as np
+import pytest
+from pydantic import ValidationError
+
+from synthesis.spatial.cam import SpatialCam, Wall
+from synthesis.spatial.spec import SpatialCamSpec
+from tests.spatial.drums import (
+    ARM_SIZES,
+    INNER,
+    OUTER,
+    SAMPLES,
+    SIZES,
+    SLIDE,
+    SWING_ARM,
+    Array,
+    least_gap,
+    program,
+)
+
+RHO = np.linspace(INNER + 0.1, OUTER - 0.1, 4)
+CROWN = 83.0
+
+
+def angles(wall: Wall, count: int) -> Array:
+    return np.concatenate([np.linspace(a, b, count)[1:-1] for a, b in wall.spans])
+
+
+def wall_points(cam: SpatialCam, wall: Wall, theta: Array) -> Array:
+    return cam.surface(wall, theta, RHO)[0].reshape(3, -1)
+
+
+@pytest.mark.parametrize("rotation", ["ccw", "cw"])
+@pytest.mark.parametrize("crown", [0.0, CROWN])
+@pytest.mark.parametrize("name", SAMPLES)
+def test_no_roller_comes_closer_than_its_radius(name: str, crown: float, rotation: str) -> None:
+    """Over a full turn, and every point of the wall is touched by one."""
+    sample, turns = SAMPLES[name], 1 if rotation == "ccw" else -1
+    crowned = {"crown_radius_mm": crown} if crown else {}
+    cam = sample.cam(**sample.turning(rotation, **crowned))
+    for wall in cam.walls:
+        gap = least_gap(sample, wall_points(cam, wall, angles(wall, 23)), turns, crown)
+        assert gap.min() > -1e-9
+        assert gap.max() < 2e-3  # between two of the angles tried
+
+
+@pytest.mark.parametrize("name", SAMPLES)
+def test_nothing_moves_along_the_normal(name: str) -> None:
+    cam = SAMPLES[name].cam()
+    for wall in cam.walls:
+        found = cam.contacts(wall, angles(wall, 41), RHO)
+        assert np.abs((found.normal * found.slip).sum(axis=0)).max() < 1e-12 * OUTER
+
+
+@pytest.mark.parametrize("name", SAMPLES)
+def test_r_is_the_wall_ahead_of_the_roller(name: str) -> None:
+    cam = SAMPLES[name].cam()
+    for wall in cam.walls:
+        theta = angles(wall, 41)
+        found = cam.contacts(wall, theta, RHO)
+        ahead = (found.normal * cam.swept.joint.way(found.point)).sum(axis=0)
+        assert np.all(wall.side * ahead > 0.0)
+
+
+@pytest.mark.parametrize("rotation", ["ccw", "cw"])
+@pytest.mark.parametrize("name", ["slide in a groove", "arm in a groove", "turret"])
+def test_the_pressure_angle_is_that_of_the_formula(name: str, rotation: str) -> None:
+    """tan α = |s'|/ρ on a slide, |Lψ' ∓ ρ sin ψ|/(ρ cos ψ) on an arm of length L."""
+    sample = SAMPLES[name]
+    machine = sample.body["machine"]
+    cam = sample.cam(**sample.turning(rotation))
+    length = machine.get("arm_mm", machine.get("turret_radius_mm"))
+    turns = 1 if rotation == "ccw" else -1
+    for wall in cam.walls:
+        theta = angles(wall, 57)
+        q, q1, _ = cam.place(wall.seat, theta)
+        if length is None:
+            tangent = np.abs(q1)[:, None] / RHO
+        else:
+            sin, cos = np.sin(q)[:, None], np.cos(q)[:, None]
+            tangent = np.abs(length * q1[:, None] - turns * RHO * sin) / (RHO * cos)
+        found = cam.contacts(wall, theta, RHO).pressure_angle
+        assert np.abs(found - np.arctan(tangent)).max() < 1e-13
+
+
+def test_at_a_turning_point_a_wall_is_undercut_as_its_development_is() -> None:
+    """There the wall is not twisted: 1 ∓ Rr s''/ρ² of the unrolled roller's path is exact."""
+    sample = SAMPLES["slide in a groove"]
+    steps = program("mm", 33.7)[::2]
+    for step, angle in zip(steps, (157.0, 203.0), strict=True):
+        step |= {"angle_deg": angle, "law": {"kind": "simple_harmonic"}}
+    top = math.radians(157.0)
+    bend = -0.5 * 33.7 * (math.pi / top) ** 2
+    for radius in (8.7, 0.99 * RHO[0] ** 2 / -bend, 1.01 * RHO[0] ** 2 / -bend):
+        cam = sample.cam(program=steps, machine=sample.body["machine"] | {
+            "roller_radius_mm": radius})  # fmt: skip
+        for wall in cam.walls:
+            found = cam.contacts(wall, np.array([top - 1e-12]), RHO).regular
+            assert found[0] == pytest.approx(1.0 - wall.side * radius * bend / RHO**2, abs=1e-9)
+
+
+def test_a_rib_has_one_wall_of_each_roller() -> None:
+    assert [wall.name for wall in SAMPLES["slide astride a rib"].cam().walls] == ["1L", "2R"]
+
+
+REFUSED: list[tuple[str, dict[str, Any], str]] = [
+    (SLIDE, {"roller_width_mm": 61.3}, r"radius 61.3 mm to its axis. Make the cylinder larger"),
+    (SLIDE, {"roller_distance_mm": 17.4}, r"17.4 mm apart leave no rib between them"),
+    (SLIDE, {"crown_radius_mm": 6.9}, r"crown_radius_mm = 6.9 comes to the axis of a roller 13.9"),
+    (SWING_ARM, ARM_SIZES | {"initial_angle_deg": 68.7}, r"from 68.7° to 90.0° about the line"),
+]
+
+
+@pytest.mark.parametrize(("kind", "changes", "told"), REFUSED)
+def test_what_no_machine_can_do_is_refused(kind: str, changes: dict[str, Any], told: str) -> None:
+    steps = program("mm", 33.7) if kind == SLIDE else program("deg", 21.3)
+    with pytest.raises(ValidationError, match=told):
+        SpatialCamSpec(program=steps, machine={"kind": kind, **SIZES, **changes})
+
+
+def test_a_follower_that_does_not_come_back_is_refused() -> None:
+    steps = [*program("mm", 33.7)[:2], {"kind": "dwell", "angle_deg": 211.0}]
+    with pytest.raises(ValidationError, match=r"ends 33.7 mm away from where it began"):
+        SpatialCamSpec(program=steps, machine={"kind": SLIDE, **SIZES})
