@@ -25,6 +25,7 @@ NAMES = (
     "camshape_ipopt",
     "profile_points",
     "density",
+    "spatial",
     "exports",
     "scaling",
     "http",

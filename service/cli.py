@@ -14,6 +14,7 @@ from service.commands.confirm import confirm
 from service.commands.costs import costs
 from service.commands.design import design
 from service.commands.export import export
+from service.commands.linkage import linkage
 from service.commands.read_back import read_back
 from service.commands.serve import serve
 from service.commands.spatial import spatial
@@ -31,6 +32,7 @@ COMMANDS: Mapping[str, Callable[..., Any]] = {
     "confirm": confirm,
     "export": export,
     "read-back": read_back,
+    "linkage": linkage,
     "serve": serve,
 }
 app = typer.Typer(add_completion=False, no_args_is_help=True, pretty_exceptions_enable=False)

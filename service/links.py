@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Collection
+
 from synthesis.exporters import (
     DRAWINGS,
     MOTION_FORMATS,
@@ -9,7 +11,6 @@ from synthesis.exporters import (
     PROFILE_FORMATS,
     SOLID_FORMATS,
 )
-from synthesis.exporters.linkages import LINKAGE_FILES
 from synthesis.spatial.files import formats_of
 
 
@@ -31,10 +32,9 @@ def analysis_links(analysis_id: str) -> dict[str, str]:
     return {"self": self, **{name: f"{self}/{name}" for name in DRAWINGS}}
 
 
-def linkage_links(kind: str, name: str, *, has_linkage: bool) -> dict[str, str]:
-    """Where a linkage of this kind and its files are; where nothing fits there are none."""
+def linkage_links(kind: str, name: str, files: Collection[str]) -> dict[str, str]:
+    """Where a linkage of this kind and its files are."""
     self = f"/v1/linkages/{kind}/{name}"
-    files = LINKAGE_FILES[kind] if has_linkage else ()
     return {"self": self, **{file: f"{self}/{file}" for file in files}}
 
 

@@ -156,9 +156,7 @@ def _linkages(linkage: Linkage, row: type[Row]) -> Resource:
         spec=linkage.spec,
         name_of=lambda spec: question_id(spec, linkage.noun),
         task=partial(linked, linkage.name),
-        links=lambda name, summary: linkage_links(
-            linkage.name, name, has_linkage=bool(summary.get("quantities"))
-        ),
+        links=lambda name, summary: linkage_links(linkage.name, name, summary.get("files", ())),
         unknown=UnknownLinkage,
     )
 

@@ -14,6 +14,7 @@ from synthesis.design import Design
 from synthesis.dynamics import TrainSpec
 from synthesis.exporters import DRAWINGS, Exporter, Made, Options
 from synthesis.exporters.exporter import FileFormat
+from synthesis.exporters.linkages import LINKAGE_FILES
 from synthesis.findings import Analysis
 from synthesis.linkages import LINKAGES
 from synthesis.objectives import Objective
@@ -185,9 +186,11 @@ def linked(kind: str, spec: bytes, budget_s: float) -> Answer:
     asked = linkage.spec.model_validate_json(spec)
     found = linkage.work(asked, started + budget_s)
     quantities = linkage.told(found)
-    links = linkage_links(kind, found.id, has_linkage=bool(quantities))
+    written = LINKAGE_FILES[kind].values() if quantities else ()
+    files = [file.name for file in written if file.suits(found)]
+    links = linkage_links(kind, found.id, files)
     body = found.model_copy(update={"links": links}).model_dump_json().encode()
-    summary = {"quantities": quantities}
+    summary = {"quantities": quantities, "files": files}
     return Answer(body, found.status, summary, time.monotonic() - started, quantities, found.id)
 
 

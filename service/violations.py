@@ -68,6 +68,8 @@ PLACES = {
     "friction_does_not_suit": ("load", "friction"),
     "friction_needs_sense": ("load", "friction"),
     "overhang_too_short": ("load", "friction", "overhang_mm"),
+    "objective_needs_load": ("objective",),
+    "process_not_steady": ("objective",),
     "limit_needs_load": ("limits", "{position}"),
     "limit_needs_contact": ("limits", "{position}"),
     "never_floats": ("limits", "{position}", "min_n"),

@@ -192,8 +192,8 @@ class DesignSpec(BaseModel):
     def _load_suits(self) -> DesignSpec:
         if self.load is not None:
             self.load.check(self.follower, self.stretches())
-        for position, limit in enumerate(self.limits):
-            limit.check_load(self.load, self.follower, position)
+        for position, one in enumerate([*self.limits, *self.objectives()]):
+            one.check_load(self.load, self.follower, self.stretches(), position)
         return self
 
     @model_validator(mode="after")

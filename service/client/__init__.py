@@ -115,6 +115,10 @@ class Client:
         """The spatial cam for a SpatialCamSpec."""
         return run(self._calls.spatial_cam(spec))
 
+    def linkage(self, kind: str, spec: Spec) -> Json:
+        """A linkage of a kind, such as ``six-bar-shapers``."""
+        return run(self._calls.linkage(kind, spec))
+
     def train_response(self, spec: Spec) -> Json:
         """What a TrainSpec's follower train does on its cam."""
         return run(self._calls.train_response(spec))

@@ -54,6 +54,10 @@ class Calls:
         """The spatial cam for a SpatialCamSpec."""
         return await self._asked("/v1/spatial-cams", spec)
 
+    async def linkage(self, kind: str, spec: Spec) -> Json:
+        """A linkage of a kind, such as ``six-bar-shapers``."""
+        return await self._asked(f"/v1/linkages/{kind}", spec)
+
     async def train_response(self, spec: Spec) -> Json:
         """What a TrainSpec's follower train does on its cam."""
         return await self._asked("/v1/train-responses", spec)

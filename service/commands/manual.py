@@ -20,9 +20,9 @@ Exit codes: 0 done; 1 the service cannot start; 2 the question makes no sense, a
 read or written, or a service says no; 3 answered, and the answer is no (no cam fits, a limit is
 broken, a certificate is contradicted, items failed); 130 stopped by Ctrl-C.
 
-Environment: CAMWRIGHT_URL is a service that design, analyse, cam-set, read-back and sweep ask
-instead of working here; CAMWRIGHT_TIME_BUDGET_S is the time in seconds that one question may
-take here."""
+Environment: CAMWRIGHT_URL is a service that design, analyse, cam-set, read-back, linkage and
+sweep ask instead of working here; CAMWRIGHT_TIME_BUDGET_S is the time in seconds that one question
+may take here."""
 
 DESIGN = """Size one cam: base radius, offset or pivot and motion laws together, and prove it.
 
@@ -109,6 +109,19 @@ hollows that the follower does not reach.
 
 Exit codes: 0 read; 2 a file cannot be read, or the points are of no cam."""
 
+LINKAGE = """Analyse or size a linkage: a six-bar shaper, or a palletising arm.
+
+Writes linkage.json, tables, diagrams and animations; lengths in mm, angles in deg, velocities in
+mm/s and deg/s, torques in N·m. A shaper's lengths left free are chosen for a stroke and a
+quick-return ratio, with a proven bound.
+
+\b
+  camwright linkage six-bar-shapers openapi/examples/linkages/six-bar-shapers/p5.json --out results
+  camwright linkage palletising-arms openapi/examples/linkages/palletising-arms/irb-660.json
+
+Exit codes: 0 every wish is kept, every pose can be taken; 2 the question makes no sense; 3 not
+all of them, and what would help."""
+
 SWEEP = """Run a sweep: many designs out of one, over any fields of its question.
 
 Writes sweep.json and the table items.csv (items.parquet with the part `parquet`), one row an
@@ -168,5 +181,6 @@ HELP: Mapping[str, str] = {
     "confirm": _flowing(CONFIRM),
     "export": _flowing(EXPORT),
     "read-back": _flowing(READ_BACK),
+    "linkage": _flowing(LINKAGE),
     "serve": _flowing(SERVE),
 }

@@ -30,7 +30,7 @@ export class Form {
     byId("form-limits").replaceChildren(...this.#limits());
     byId("form-aim").replaceChildren(...this.#aim(properties));
     byId("form-machine").replaceChildren(
-      ...["name", "speed_rpm", "rotation"].map((name) => field(this, `/${name}`, properties[name])),
+      ...["name", "speed_rpm", "rotation", "load"].map((name) => field(this, `/${name}`, properties[name])),
     );
     if (focus) byId(focus)?.focus();
     this.#sums();

@@ -40,11 +40,24 @@ function proven({ gap, bound_over: over, lower_bound: bound, objective }) {
 }
 
 function sizes(design) {
-  const all = { ...design.dimensions, ...design.objectives, ...design.chosen };
+  const all = { ...design.dimensions, ...design.objectives, ...design.chosen, ...forces(design.forces) };
   return Object.entries(all).flatMap(([name, value]) => {
     const [text, unit] = parts(name);
     return [element("dt", {}, text), element("dd", {}, `${figure(value, 6)} ${unit}`.trim())];
   });
+}
+
+/** The forces in a few numbers; nothing where no load is told. */
+function forces(found) {
+  if (!found) return {};
+  const told = { camshaft_torque_rms_n_m: found.torque.rms_n_m, camshaft_power_w: found.torque.power_w };
+  for (const { flank, largest_n: force, largest_pressure_mpa: pressure } of found.flanks) {
+    const name = flank ? `_${flank}` : "";
+    if (force) told[`contact_force${name}_at_most_n`] = force.value;
+    if (pressure) told[`hertz_pressure${name}_at_most_mpa`] = pressure.value;
+  }
+  if (found.floats_from_rpm !== null) told.floats_from_rpm = found.floats_from_rpm;
+  return told;
 }
 
 /** A row for every limit that has a bound, with how much of it is used. */

@@ -31,7 +31,7 @@ from synthesis.limits.base import Machine
 from synthesis.numerics.jets import Jets
 from synthesis.numerics.piecewise import Array
 
-FORCES: Final = ("contact_force", "camshaft_torque", "pressure_square")
+FORCES: Final = ("drive_force", "contact_force", "camshaft_torque", "pressure_square")
 NEGLIGIBLE: Final = 1e-11  # of the largest value sampled: width of an enclosure that is enough
 
 
@@ -116,6 +116,8 @@ class Loaded:
 
     def _value(self, s: tuple[Any, ...], process: Any, piece: Indices) -> Any:
         place = self._place(s, process, piece)
+        if self.name == "drive_force":
+            return place.drive()
         if self.name == "camshaft_torque":
             return place.torque()
         force = place.contact_force()

@@ -7,6 +7,7 @@ from collections.abc import Callable, Sequence
 
 from synthesis.certify.course import Course
 from synthesis.certify.energy import rms
+from synthesis.certify.loaded import cuts, measurable
 from synthesis.certify.quantities import QUANTITIES, Size, enclose_all, infinite
 from synthesis.limits.base import Machine
 from synthesis.motion import Motion
@@ -19,7 +20,7 @@ def measure(quantity: str, motion: Motion, machine: Machine, size: Size) -> Encl
     Args:
         quantity: ``prime_radius``; the peaks ``acceleration`` and ``jerk`` over the turn;
             ``rms_acceleration`` and ``rms_jerk``; ``pressure_slope``, the peak of |tan α| over
-            rises and returns.
+            rises and returns; ``drive_force``, the peak of the force along the motion.
         motion, machine, size: the finished cam.
     """
     size = tuple(float(value) for value in size)
@@ -87,6 +88,27 @@ def _rms(name: str) -> Callable[[Course, Machine, Size], Enclosed]:
     return measured
 
 
+def _drive_force(course: Course, machine: Machine, size: Size) -> Enclosed:
+    """The largest drive in the sense in which it presses; pushed both ways, the largest |G| [N]."""
+    load = machine.load
+    if load is None:
+        return Enclosed(math.inf, math.inf, math.inf, 0.0)  # nobody has told what it is
+    course = Course(course.motion, cuts(machine))
+    quantity = measurable("drive_force", "", course, machine, size)
+    everywhere = [s.index for s in course.motion.stretches if s.angle > 0.0]
+    jump = infinite(quantity, course, everywhere)
+    if jump is not None:
+        return Enclosed(math.inf, math.inf, math.inf, jump.angle)
+    lower, upper = (-math.inf, 0.0) if load.side > 0 else (0.0, math.inf)
+    ends = (0.0, 0.0) if load.both_ways else (lower, upper)
+    question = Question(course.pieces(everywhere), *ends)
+    (answer,) = enclose_all([(quantity, "")], course, machine, size, [question])
+    found = answer.extreme
+    if answer.side > 0:
+        return found
+    return Enclosed(-found.value, -found.upper, -found.lower, found.angle)
+
+
 MEASURES: dict[str, Callable[[Course, Machine, Size], Enclosed]] = {
     "prime_radius": _prime_radius,
     "velocity": _peak("velocity"),
@@ -95,4 +117,5 @@ MEASURES: dict[str, Callable[[Course, Machine, Size], Enclosed]] = {
     "rms_acceleration": _rms("acceleration"),
     "rms_jerk": _rms("jerk"),
     "pressure_slope": _pressure_slope,
+    "drive_force": _drive_force,
 }

@@ -110,7 +110,9 @@ class Limit(BaseModel, ABC):
         """Refuse a value that no cam of such a follower can keep."""
         return None
 
-    def check_load(self, load: Load | None, follower: Follower, position: int) -> None:
+    def check_load(
+        self, load: Load | None, follower: Follower, stretches: Sequence[Stretch], position: int
+    ) -> None:
         """Refuse a limit on forces that are not told enough of; ``position``: of the limit."""
         return None
 

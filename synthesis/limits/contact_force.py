@@ -63,8 +63,10 @@ class ContactForce(ForceLimit):
     def least_force(self) -> float:
         return self.min_n or 0.0
 
-    def check_load(self, load: Load | None, follower: Follower, position: int) -> None:
-        super().check_load(load, follower, position)
+    def check_load(
+        self, load: Load | None, follower: Follower, stretches: Sequence[Stretch], position: int
+    ) -> None:
+        super().check_load(load, follower, stretches, position)
         if load is not None and self.min_n is not None and load.both_ways(follower):
             raise PydanticCustomError(
                 "never_floats",

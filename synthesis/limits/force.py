@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from abc import ABC
+from collections.abc import Sequence
 from typing import Any, ClassVar
 
 import numpy as np
@@ -24,7 +25,9 @@ class ForceLimit(Limit, ABC):
 
     of_forces: ClassVar[bool] = True
 
-    def check_load(self, load: Load | None, follower: Follower, position: int) -> None:
+    def check_load(
+        self, load: Load | None, follower: Follower, stretches: Sequence[Stretch], position: int
+    ) -> None:
         if load is None:
             raise PydanticCustomError(
                 "limit_needs_load",

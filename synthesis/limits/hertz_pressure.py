@@ -38,8 +38,10 @@ class HertzPressure(ForceLimit):
     def keeps_large(self) -> bool:
         return True
 
-    def check_load(self, load: Load | None, follower: Follower, position: int) -> None:
-        super().check_load(load, follower, position)
+    def check_load(
+        self, load: Load | None, follower: Follower, stretches: Sequence[Stretch], position: int
+    ) -> None:
+        super().check_load(load, follower, stretches, position)
         if load is not None and load.contact is None:
             raise PydanticCustomError(
                 "limit_needs_contact",

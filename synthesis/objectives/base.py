@@ -3,10 +3,13 @@
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
+from collections.abc import Sequence
 from typing import ClassVar
 
 from pydantic import BaseModel, ConfigDict
 
+from synthesis.followers.base import Follower
+from synthesis.forces import Load
 from synthesis.limits.base import Limit, Machine
 from synthesis.motion import Stretch
 from synthesis.terms import Norm, Row
@@ -29,6 +32,12 @@ class Objective(BaseModel, ABC):
     quantity: ClassVar[str]
     wire_name: ClassVar[str]
     fractional: ClassVar[bool] = False
+
+    def check_load(
+        self, load: Load | None, follower: Follower, stretches: Sequence[Stretch], position: int
+    ) -> None:
+        """Refuse an objective about forces that are not told enough of."""
+        return None
 
     def norm(self, machine: Machine) -> Norm | None:
         """The value as a norm of the size variables."""

@@ -84,10 +84,10 @@ class SpatialCam:
 
     def surface(self, wall: Wall, theta: Array, rho: Array) -> tuple[Array, Array]:
         """Points [mm] and unit normals out of the cam, as the cam has them: (3, n, m) each."""
-        found = self.contacts(wall, theta, rho)
         swept = self.swept
-        outward = turned(-found.normal, -swept.hand * theta, swept.axis)
-        return swept.on_cam(theta, found.point), outward
+        point, normal = swept.touched(self.place(wall.seat, theta), rho, wall.side)
+        outward = turned(-normal, -swept.hand * theta, swept.axis)
+        return swept.on_cam(theta, point), outward
 
 
 def settled(spec: SpatialCamSpec, sizes: Mapping[str, float], motion: Motion) -> SpatialCam:

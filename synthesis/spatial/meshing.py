@@ -58,8 +58,8 @@ def between_faces(
     def beyond(theta: Array) -> Array:
         """How far the nearest contact is outside [mm], (n,)."""
         q, q1, q2 = motion.derivatives(theta, 2)
-        found = swept.contacts(Place(seat.start + q, q1, q2), rho, side)
-        along = dot(swept.axis.reshape(3, 1, 1), found.point - swept.centre.reshape(3, 1, 1))
+        point, _ = swept.touched(Place(seat.start + q, q1, q2), rho, side)
+        along = dot(swept.axis.reshape(3, 1, 1), point - swept.centre.reshape(3, 1, 1))
         return np.asarray(np.maximum(faces[0] - along, along - faces[1]).min(axis=1))
 
     inner = [float(b) for b in motion.curve.breaks if span[0] < b < span[1]]

@@ -102,6 +102,19 @@ def test_a_limit_that_is_dragged_takes_the_design_along(studio: Page) -> None:
     assert float(studio.locator('[data-pointer="/limits/0/rise_deg"]').input_value()) > 30.0
 
 
+def test_a_load_and_what_it_does_are_shown(studio: Page) -> None:
+    """Its fields come with the schema; forces stand among sizes, their limits among the margins."""
+    choose(studio.locator("#example"), "hertz-limited")
+    expect(studio.locator("#margins")).to_contain_text("hertz pressure", timeout=PATIENT)
+    expect(studio.locator("#margins")).to_contain_text("contact force min")
+    assert 650.0 < size(studio, "hertz pressure at most") <= 700.0
+    mass = studio.locator('[data-pointer="/load/moving_mass_kg"]')
+    assert mass.input_value() == "2"
+    before = size(studio, "camshaft torque rms")
+    mass.fill("3")
+    assert changed(studio, "camshaft torque rms", before) > before
+
+
 def test_what_is_wrong_is_told_at_its_field(studio: Page) -> None:
     angle = studio.locator('[data-pointer="/program/0/angle_deg"]')
     angle.fill("-5")

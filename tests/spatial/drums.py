@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable
 from dataclasses import dataclass
+from functools import cache
 from typing import Any
 
 import numpy as np
@@ -12,6 +13,8 @@ from numpy.typing import NDArray
 
 from synthesis.motion import Motion
 from synthesis.spatial.cam import SpatialCam, settled
+from synthesis.spatial.design import SpatialDesign
+from synthesis.spatial.pipeline import synthesise_spatial
 from synthesis.spatial.spec import SpatialCamSpec
 
 Array = NDArray[np.float64]
@@ -151,3 +154,9 @@ def least_gap(sample: Sample, points: Array, turns: int, crown: float) -> Array:
             away += sag(np.where(within, x, 0.5 * (INNER + OUTER)), crown)
             least = np.minimum(least, np.where(within, away, np.inf).min(axis=0))
     return least
+
+
+@cache
+def designed(name: str) -> SpatialDesign:
+    """The answer to a sample, once for all tests."""
+    return synthesise_spatial(SAMPLES[name].spec(name=name, speed_rpm=83.0))

@@ -8,18 +8,22 @@ from typing import Any
 import numpy as np
 import pytest
 from pydantic import ValidationError
+from scipy.spatial import KDTree
 
 from synthesis.spatial.cam import SpatialCam, Wall
 from synthesis.spatial.spec import SpatialCamSpec
 from tests.spatial.drums import (
+    APART,
     ARM_SIZES,
     INNER,
     OUTER,
+    RADIUS,
     SAMPLES,
     SIZES,
     SLIDE,
     SWING_ARM,
     Array,
+    designed,
     least_gap,
     program,
 )
@@ -107,6 +111,17 @@ def test_at_a_turning_point_a_wall_is_undercut_as_its_development_is() -> None:
 
 def test_a_rib_has_one_wall_of_each_roller() -> None:
     assert [wall.name for wall in SAMPLES["slide astride a rib"].cam().walls] == ["1L", "2R"]
+
+
+def test_the_rib_s_thickness_is_the_least_distance_of_its_walls() -> None:
+    design = designed("arm astride a rib")
+    cam = design.cam
+    told = next(each for each in design.extremes if each.quantity == "rib_thickness")
+    theta, rho = np.linspace(0.0, 2.0 * math.pi, 1501), np.linspace(INNER, OUTER, 9)
+    one, other = (cam.surface(wall, theta, rho)[0].reshape(3, -1).T for wall in cam.walls)
+    away = KDTree(one).query(other)[0].min()
+    assert told.value == pytest.approx(away, abs=2e-3)
+    assert told.value < APART - 2.0 * RADIUS
 
 
 REFUSED: list[tuple[str, dict[str, Any], str]] = [

@@ -16,16 +16,14 @@ from synthesis.spatial.design import SpatialDesign
 from synthesis.spatial.files.developed import CSV, JSON, DevelopedOptions
 from synthesis.spatial.files.developed_svg import SVG, DrawnOptions
 from synthesis.spatial.pipeline import synthesise_spatial
-from synthesis.spatial.spec import SpatialCamSpec
-from tests.spatial.drums import INNER, OUTER, RADIUS, SAMPLES
-from tests.spatial.test_cam import body
+from tests.spatial.drums import INNER, OUTER, RADIUS, SAMPLES, designed
 
 SPACE = "{http://www.w3.org/2000/svg}"
 
 
 @pytest.fixture(scope="module", params=["slide in a groove", "arm astride a rib", "turret"])
 def design(request: pytest.FixtureRequest) -> SpatialDesign:
-    return synthesise_spatial(SAMPLES[request.param].spec(name=request.param))
+    return designed(request.param)
 
 
 def test_the_table_holds_every_wall_and_its_roller_s_path(design: SpatialDesign) -> None:
@@ -54,7 +52,7 @@ def test_the_json_says_the_same(design: SpatialDesign) -> None:
 def test_the_drawing_shows_each_wall_where_it_is() -> None:
     """In mm, from outside: where the cam turns ccw about its axis, angles run to the left."""
     design = synthesise_spatial(SAMPLES["slide in a groove"].spec(rotation="cw"))
-    mirrored = synthesise_spatial(SAMPLES["slide in a groove"].spec(rotation="ccw"))
+    mirrored = designed("slide in a groove")
     x, z = drawn(design, 0)
     assert np.ptp(x) == pytest.approx(2.0 * math.pi * OUTER, rel=2e-3)
     assert np.ptp(z) == pytest.approx(33.7, abs=2e-3)
@@ -77,9 +75,3 @@ def test_a_cylinder_that_the_roller_does_not_reach_is_refused(design: SpatialDes
     for radius in (INNER - 0.1, OUTER + 0.1):
         with pytest.raises(InputError, match=r"from 61.3 to 47.4 mm of its axis"):
             CSV.make(design, DevelopedOptions(radius_mm=radius))
-
-
-def test_a_globoidal_cam_does_not_unroll() -> None:
-    design = synthesise_spatial(SpatialCamSpec(**body()))
-    with pytest.raises(InputError, match=r"globoidal indexer has no cylinder"):
-        CSV.make(design, DevelopedOptions())

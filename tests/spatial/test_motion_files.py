@@ -14,13 +14,12 @@ from synthesis.exporters.options import MotionOptions
 from synthesis.exporters.picture_options import DiagramOptions
 from synthesis.spatial.design import SpatialDesign
 from synthesis.spatial.files.motion import CSV, JSON, SVG
-from synthesis.spatial.pipeline import synthesise_spatial
-from tests.spatial.drums import INDEX, SAMPLES, SWING, cycloid, there_and_back
+from tests.spatial.drums import INDEX, SWING, cycloid, designed, there_and_back
 
 
 @pytest.fixture(scope="module")
 def arm() -> SpatialDesign:
-    return synthesise_spatial(SAMPLES["arm in a groove"].spec(speed_rpm=83.0))
+    return designed("arm astride a rib")
 
 
 def read(design: SpatialDesign, per_degree: float) -> dict[str, np.ndarray]:
@@ -40,7 +39,7 @@ def test_the_table_is_the_law_at_the_cam_s_speed(arm: SpatialDesign) -> None:
 
 
 def test_an_indexer_goes_on_to_the_end_of_the_turn() -> None:
-    found = read(synthesise_spatial(SAMPLES["turret"].spec()), 0.5)
+    found = read(designed("turret"), 0.5)
     expected = 45.0 * cycloid(np.clip(found["theta_deg"] / INDEX, 0.0, 1.0))
     assert found["s_deg"] == pytest.approx(expected, abs=1e-9)
 

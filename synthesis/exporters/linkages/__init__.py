@@ -5,7 +5,13 @@ from __future__ import annotations
 from collections.abc import Mapping
 from types import MappingProxyType
 
-from synthesis.exporters.linkages import arm_pictures, arm_tables, shaper_pictures, shaper_tables
+from synthesis.exporters.linkages import (
+    arm_pictures,
+    arm_tables,
+    shaper_cam,
+    shaper_pictures,
+    shaper_tables,
+)
 from synthesis.exporters.linkages.file import LinkageFile
 
 
@@ -18,6 +24,7 @@ LINKAGE_FILES: Mapping[str, Mapping[str, LinkageFile]] = MappingProxyType(
         "six-bar-shapers": _named(
             shaper_tables.CSV,
             shaper_tables.JSON,
+            shaper_cam.CAM,
             shaper_pictures.MOTION,
             shaper_pictures.ANIMATION,
             shaper_pictures.PAGE,

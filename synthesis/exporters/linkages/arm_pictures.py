@@ -13,6 +13,7 @@ from synthesis.exporters import svg_canvas as svg
 from synthesis.exporters.animation_page import FRAMES as PAGE_FRAMES
 from synthesis.exporters.animation_page import paged
 from synthesis.exporters.animation_svg import FRAMES, drawn
+from synthesis.exporters.exporter import untold
 from synthesis.exporters.linkages import arm_shapes as shapes
 from synthesis.exporters.linkages.diagrams import Traced, plot
 from synthesis.exporters.linkages.file import LinkageFile
@@ -143,14 +144,29 @@ def _page(found: PalletisingArm, options: PictureOptions) -> bytes:
 
 
 WORKSPACE = LinkageFile(
-    "workspace.svg", "Workspace from the side", "image/svg+xml", _workspace, PictureOptions,
+    "workspace.svg",
+    "Workspace from the side",
+    "image/svg+xml",
+    ".svg",
+    untold(_workspace),
+    PictureOptions,
     "Borders are drawn as true arcs; the arm stands in every pose that it can take.",
-)  # fmt: skip
+)
 ANIMATION = LinkageFile(
-    "animation.svg", "Animation", "image/svg+xml", _svg, PictureOptions,
+    "animation.svg",
+    "Animation",
+    "image/svg+xml",
+    ".svg",
+    untold(_svg),
+    PictureOptions,
     "Through the poses and back, or round the limits where there are fewer than two.",
-)  # fmt: skip
+)
 PAGE = LinkageFile(
-    "animation.html", "Animation to play, stop and read", "text/html; charset=utf-8", _page,
-    PictureOptions, "One file that needs no network; by mouse, touch and keys.",
-)  # fmt: skip
+    "animation.html",
+    "Animation to play, stop and read",
+    "text/html; charset=utf-8",
+    ".html",
+    untold(_page),
+    PictureOptions,
+    "One file that needs no network; by mouse, touch and keys.",
+)

@@ -6,6 +6,7 @@ import csv
 import io
 from collections.abc import Iterable, Sequence
 
+from synthesis.exporters.exporter import untold
 from synthesis.exporters.linkages.file import LinkageFile
 from synthesis.exporters.options import Options
 from synthesis.linkages.arm import PalletisingArm
@@ -52,10 +53,20 @@ def _poses(found: PalletisingArm, options: Options) -> bytes:
 
 
 WORKSPACE = LinkageFile(
-    "workspace.csv", "Border of the workspace", MEDIA, _border, Options,
+    "workspace.csv",
+    "Border of the workspace",
+    MEDIA,
+    ".csv",
+    untold(_border),
+    Options,
     "A row for each arc, in order, in the plane of radius r and level z.",
-)  # fmt: skip
+)
 SOLUTIONS = LinkageFile(
-    "poses.csv", "Table of the poses", MEDIA, _poses, Options,
+    "poses.csv",
+    "Table of the poses",
+    MEDIA,
+    ".csv",
+    untold(_poses),
+    Options,
     "A row for each way of being at a place.",
-)  # fmt: skip
+)

@@ -1,4 +1,4 @@
-"""What every file of a linkage promises."""
+"""What a file of a linkage promises besides what every file does."""
 
 from __future__ import annotations
 
@@ -6,22 +6,16 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any
 
-from synthesis.exporters.options import Options
+from synthesis.exporters.exporter import FileFormat
 
 
 @dataclass(frozen=True)
-class LinkageFile:
-    """A file made from the answer about a linkage. The same answer and options, the same bytes.
+class LinkageFile(FileFormat[Any, Any]):
+    """A file made from the answer about a linkage; its name is the file's own: ``motion.csv``.
 
     Attributes:
-        name: of the file, as in ``motion.csv``. title: for people. media_type: for HTTP.
-        write: answer and options to its bytes. options: what may be chosen.
-        purpose: what it is for; "" where the title says it.
+        suits: whether it can be made of an answer that has a linkage.
+        the rest as of ``FileFormat``.
     """
 
-    name: str
-    title: str
-    media_type: str
-    write: Callable[[Any, Any], bytes]
-    options: type[Options]
-    purpose: str = ""
+    suits: Callable[[Any], bool] = lambda _: True

@@ -12,6 +12,7 @@ from synthesis.exporters import svg_canvas as svg
 from synthesis.exporters.animation_page import FRAMES as PAGE_FRAMES
 from synthesis.exporters.animation_page import paged
 from synthesis.exporters.animation_svg import FRAMES, drawn
+from synthesis.exporters.exporter import untold
 from synthesis.exporters.linkages import links
 from synthesis.exporters.linkages.diagrams import Traced, plot, sheet
 from synthesis.exporters.linkages.file import LinkageFile
@@ -212,14 +213,29 @@ def _page(found: SixBarShaper, options: PictureOptions) -> bytes:
 
 
 MOTION = LinkageFile(
-    "motion.svg", "Diagrams of the motion", "image/svg+xml", _motion, PictureOptions,
+    "motion.svg",
+    "Diagrams of the motion",
+    "image/svg+xml",
+    ".svg",
+    untold(_motion),
+    PictureOptions,
     "The quick stroke is shaded; a line stands at every dead centre.",
-)  # fmt: skip
+)
 ANIMATION = LinkageFile(
-    "animation.svg", "Animation", "image/svg+xml", _svg, PictureOptions,
+    "animation.svg",
+    "Animation",
+    "image/svg+xml",
+    ".svg",
+    untold(_svg),
+    PictureOptions,
     "For a document or a web page; no script.",
-)  # fmt: skip
+)
 PAGE = LinkageFile(
-    "animation.html", "Animation to play, stop and read", "text/html; charset=utf-8", _page,
-    PictureOptions, "One file that needs no network; by mouse, touch and keys.",
-)  # fmt: skip
+    "animation.html",
+    "Animation to play, stop and read",
+    "text/html; charset=utf-8",
+    ".html",
+    untold(_page),
+    PictureOptions,
+    "One file that needs no network; by mouse, touch and keys.",
+)

@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 
 from synthesis.exporters.csv_table import table
+from synthesis.exporters.exporter import untold
 from synthesis.exporters.linkages.file import LinkageFile
 from synthesis.exporters.linkages.shaper_rows import Rows
 from synthesis.exporters.options import MotionOptions
@@ -36,10 +37,18 @@ def _json(found: SixBarShaper, options: MotionOptions) -> bytes:
 
 
 CSV = LinkageFile(
-    "motion.csv", "Table of the motion", "text/csv; charset=utf-8; header=present", _csv,
+    "motion.csv",
+    "Table of the motion",
+    "text/csv; charset=utf-8; header=present",
+    ".csv",
+    untold(_csv),
     MotionOptions,
-)  # fmt: skip
+)
 JSON = LinkageFile(
-    "motion.json", "Table of the motion, with units and meanings", "application/json", _json,
+    "motion.json",
+    "Table of the motion, with units and meanings",
+    "application/json",
+    ".json",
+    untold(_json),
     MotionOptions,
-)  # fmt: skip
+)

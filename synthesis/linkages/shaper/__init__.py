@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from synthesis.linkages.linkage import Linkage
 from synthesis.linkages.shaper.found import SixBarShaper
+from synthesis.linkages.shaper.sizing import sized
 from synthesis.linkages.shaper.spec import ShaperSpec
 from synthesis.linkages.shaper.telling import told
 
@@ -15,7 +16,10 @@ def shaped(spec: ShaperSpec, deadline: float | None = None) -> SixBarShaper:
 
     Raises:
         InputError: it cannot turn all the way round, or its crank stops.
+        TimeBudgetExceeded: before lengths were found or excluded.
     """
+    if spec.free:
+        return sized(spec, deadline)
     return told(spec, {name: low for name, (low, _) in spec.given().items()})
 
 

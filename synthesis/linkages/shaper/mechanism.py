@@ -18,6 +18,7 @@ and x'' along the ram's line.
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any, Literal
 
@@ -26,9 +27,15 @@ import numpy as np
 from synthesis.numerics.piecewise import Array
 
 Value = Any  # an array, or Taylor models of the same
+Known = Callable[[Value], Value]
 Rates = tuple[Value, Value, Value]  # a quantity and its two derivatives with respect to φ
 Side = Literal["left", "right"]
 SIGN: dict[Side, float] = {"left": -1.0, "right": 1.0}
+
+
+def as_it_is(value: Value) -> Value:
+    """Nothing else is known."""
+    return value
 
 
 @dataclass(frozen=True, eq=False)
@@ -84,8 +91,11 @@ class Shaper:
         """Sine of the coupler's angle γ, where that of the guide's is given; beyond ±1: apart."""
         return (self.ram_line - self.guide * sine) / self.coupler
 
-    def motion(self, phi: Value) -> Motion:
-        """The motion at crank angles φ [rad], counted from the x axis, counter-clockwise."""
+    def motion(self, phi: Value, known: Known = as_it_is) -> Motion:
+        """The motion at crank angles φ [rad], counted from the x axis, counter-clockwise.
+
+        ``known`` makes use of what else is known of sin γ, where lengths are models.
+        """
         r, L, c = self.crank, self.guide, self.coupler
         cos, sin = np.cos(phi), np.sin(phi)
         bx, by = r * cos, self.pivot_distance + r * sin
@@ -96,7 +106,7 @@ class Shaper:
         psi1 = across / rho
         rho2 = rho * psi1 * psi1 - across
         psi2 = (ahead - 2.0 * ahead * psi1) / rho
-        gs = self.rise(us)
+        gs = known(self.rise(us))
         gc = SIGN[self.side] * np.sqrt(1.0 - gs * gs)
         gamma1 = -L * uc * psi1 / (c * gc)
         gamma2 = (L * (us * psi1 * psi1 - uc * psi2) + c * gs * gamma1 * gamma1) / (c * gc)

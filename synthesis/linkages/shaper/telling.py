@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 
-from synthesis.design import Conflict, Proof, Status, engine_version, question_id
+from synthesis.design import Conflict, engine_version, question_id
 from synthesis.linkages.shaper import course
 from synthesis.linkages.shaper import found as wire
 from synthesis.linkages.shaper.drive import Drive
@@ -19,9 +19,7 @@ EXACT = 1e-9  # of a wish: what rounding may leave
 ROUND = 1e-12  # rad
 
 
-def told(
-    spec: ShaperSpec, lengths: dict[str, float], proof: Proof | None = None
-) -> wire.SixBarShaper:
+def told(spec: ShaperSpec, lengths: dict[str, float]) -> wire.SixBarShaper:
     """Everything that is known of a shaper with these lengths.
 
     Raises:
@@ -47,7 +45,7 @@ def told(
         id=question_id(spec, KIND),
         name=spec.name,
         engine_version=engine_version(),
-        status=_status(spec, limits, proof),
+        status="feasible" if all(limit.holds for limit in limits) else "infeasible",
         spec=spec,
         dimensions={name: lengths[name] for name in LENGTHS},
         guide="turns" if rocks is None else "rocks",
@@ -59,7 +57,7 @@ def told(
         least_transmission_angle_deg=transmission,
         extremes=_extremes(shaper, drive),
         limits=limits,
-        certificate=proof,
+        certificate=None,
         conflict=None,
     )  # fmt: skip
 
@@ -73,13 +71,6 @@ def nothing_fits(spec: ShaperSpec, conflict: Conflict) -> wire.SixBarShaper:
         least_transmission_angle_deg=None, extremes=[], limits=[], certificate=None,
         conflict=conflict,
     )  # fmt: skip
-
-
-def _status(spec: ShaperSpec, limits: Sequence[wire.ShaperLimit], proof: Proof | None) -> Status:
-    if not all(limit.holds for limit in limits):
-        return "infeasible"
-    proven = proof is not None and proof.gap is not None and proof.gap <= spec.tolerance
-    return "optimal" if proven else "feasible"
 
 
 def _limit(spec: ShaperSpec, name: str, value: float, unit: str) -> wire.ShaperLimit | None:

@@ -10,6 +10,7 @@ from synthesis.exporters.exporter import FileFormat
 from synthesis.spatial.design import SpatialDesign
 from synthesis.spatial.files import (
     body_stl,
+    cutter_path,
     developed,
     developed_svg,
     flanks_ibl,
@@ -23,7 +24,7 @@ UNROLLED: tuple[Format, ...] = (developed.JSON, developed.CSV, developed_svg.SVG
 MOTION: tuple[Format, ...] = (motion.JSON, motion.CSV, motion.SVG)
 WHOLE: tuple[Format, ...] = (flanks_ibl.FLANKS, flanks_table.CSV, flanks_table.JSON, body_stl.STL)
 FORMATS: Mapping[str, Format] = MappingProxyType(
-    {each.name: each for each in (*MOTION, *UNROLLED, *WHOLE)}
+    {each.name: each for each in (*MOTION, *UNROLLED, *WHOLE, cutter_path.CSV)}
 )
 """Every format by the name of its file."""
 

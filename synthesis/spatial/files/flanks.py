@@ -53,7 +53,7 @@ def patches(design: SpatialDesign, options: FlankOptions) -> list[Patch]:
         InputError: there is no such flank, or there would be too many points.
     """
     cam = design.cam
-    walls = _chosen(cam, options.flank)
+    walls = chosen(cam, options.flank)
     counts = [[_count(options, b - a) for a, b in wall.spans] for wall in walls]
     _check(sum(map(sum, counts)), options)
     rho = np.linspace(cam.swept.roller.inner, cam.swept.roller.outer, options.depths)
@@ -89,7 +89,12 @@ def _strays(cam: SpatialCam, each: Patch) -> float:
     return float(np.max(np.abs(away)))
 
 
-def _chosen(cam: SpatialCam, name: str) -> list[Wall]:
+def chosen(cam: SpatialCam, name: str) -> list[Wall]:
+    """The flank of this name, all for "".
+
+    Raises:
+        InputError: there is none.
+    """
     walls = [wall for wall in cam.walls if name in ("", wall.name)]
     if not walls:
         names = ", ".join(wall.name for wall in cam.walls)

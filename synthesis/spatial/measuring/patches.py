@@ -35,6 +35,10 @@ class Patch:
         q, q1, q2 = (self.cam.motion.curve.at(theta, piece, order) for order in range(3))
         return Place(self.wall.seat.start + q, q1, q2)
 
+    def points(self, theta: Array, rho: Array) -> Array:
+        """Where the roller touches at θ (n,) and ρ (m,): (3, n, m), in the machine's frame [mm]."""
+        return self.cam.swept.touched(self.place(theta), rho, self.wall.side)[0]
+
     def contacts(self, theta: Array, rho: Array) -> Contacts:
         """Contacts at θ (n,) and ρ (m,)."""
         return self.cam.swept.contacts(self.place(theta), rho, self.wall.side)

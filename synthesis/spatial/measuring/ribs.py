@@ -43,7 +43,7 @@ class _Rib:
         Infinite where the wall is beyond the end faces.
         """
         cam = self.patch.cam
-        points = self.patch.contacts(theta, rho).point
+        points = self.patch.points(theta, rho)
         found = self._away(points.reshape(3, 1, -1), np.repeat(theta, len(rho)), offset)
         return np.where(cam.between_faces(points), found.reshape(-1, *points.shape[1:]), np.inf)
 

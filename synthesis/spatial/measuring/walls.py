@@ -153,7 +153,7 @@ def _values(quantity: Measured, patch: Patch, theta: Array, rho: Array) -> Array
     cam = patch.cam
     if np.all(np.isinf(cam.faces)):
         return values
-    inside = cam.between_faces(patch.contacts(theta, rho).point)
+    inside = cam.between_faces(patch.points(theta, rho))
     return np.where(inside, values, -np.inf if quantity.kind.largest else np.inf)
 
 

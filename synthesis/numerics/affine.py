@@ -1,0 +1,163 @@
+"""Affine models: what a function of several variables does on a box, with a proven remainder.
+
+On the box u_i = m_i + w_i t_i, t_i in [−1, 1], a model says
+
+    f = c + Σ g_i t_i + something not larger than rem,
+
+for many boxes at once. Sums, products, quotients, roots and maxima of models are models again, so a
+formula written for numbers bounds itself; the remainder shrinks with the square of the box (it is
+the centred form of interval analysis, Neumaier, Interval Methods for Systems of Equations, 2.3).
+Every operation adds an allowance for its roundings, ``ROUNDING`` times the terms that it handled.
+
+Where a model cannot be formed (a divisor that may vanish on the box) its remainder is inf or nan;
+evaluate under ``np.errstate(all="ignore")``.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any, Final
+
+import numpy as np
+
+from synthesis.numerics.piecewise import Array
+
+ROUNDING: Final = 2.0**-47
+FARTHER: Final = 1.2  # of a known range: slopes are worth as much
+
+
+class Affine:
+    """A model on each of n boxes; see the module's text.
+
+    Attributes:
+        c: (n,) centres. g: (d, n) slopes over half the box. rem: (n,) bound of the remainder.
+    """
+
+    __slots__ = ("c", "g", "rem")
+
+    def __init__(self, c: Array, g: Array, rem: Array) -> None:
+        self.c, self.g, self.rem = c, g, rem
+
+    @classmethod
+    def variables(cls, lo: Array, hi: Array) -> list[Affine]:
+        """The variables themselves, on boxes from ``lo`` to ``hi``, (n, d) each."""
+        count, size = lo.shape
+        found = []
+        for i in range(size):
+            g = np.zeros((size, count))
+            g[i] = 0.5 * (hi[:, i] - lo[:, i])
+            centre = 0.5 * (lo[:, i] + hi[:, i])
+            found.append(cls(centre, g, ROUNDING * (np.abs(centre) + g[i])))
+        return found
+
+    @property
+    def radius(self) -> Array:
+        """A bound of |f − c|."""
+        return np.asarray(np.sum(np.abs(self.g), axis=0) + self.rem)
+
+    @property
+    def lower(self) -> Array:
+        """A lower bound of f on each box."""
+        return np.asarray(self.c - self.radius)
+
+    @property
+    def upper(self) -> Array:
+        """An upper bound of f on each box."""
+        return np.asarray(self.c + self.radius)
+
+    def _size(self) -> Array:
+        return np.asarray(np.abs(self.c) + self.radius)
+
+    def __add__(self, other: Affine | float) -> Affine:
+        if isinstance(other, Affine):
+            c = self.c + other.c
+            rem = self.rem + other.rem + ROUNDING * (self._size() + other._size())
+            return Affine(c, self.g + other.g, rem)
+        return Affine(self.c + other, self.g, self.rem + ROUNDING * (self._size() + abs(other)))
+
+    def __neg__(self) -> Affine:
+        return Affine(-self.c, -self.g, self.rem)
+
+    def __sub__(self, other: Affine | float) -> Affine:
+        return self + (-other)
+
+    def __mul__(self, other: Affine | float) -> Affine:
+        if not isinstance(other, Affine):
+            rem = self.rem * abs(other) + ROUNDING * self._size() * abs(other)
+            return Affine(self.c * other, self.g * other, rem)
+        rem = np.abs(self.c) * other.rem + np.abs(other.c) * self.rem + self.radius * other.radius
+        rem = rem + ROUNDING * self._size() * other._size()
+        return Affine(self.c * other.c, self.c * other.g + other.c * self.g, rem)
+
+    def __truediv__(self, other: Affine | float) -> Affine:
+        return self * (other.reciprocal() if isinstance(other, Affine) else 1.0 / other)
+
+    __radd__ = __add__
+    __rmul__ = __mul__
+
+    def __rsub__(self, other: float) -> Affine:
+        return -self + other
+
+    def __rtruediv__(self, other: float) -> Affine:
+        return self.reciprocal() * other
+
+    def reciprocal(self) -> Affine:
+        """1/f, for f of one sign on the box: 1/(c + e) = 1/c − e/c² + e²/(c²(c + e))."""
+        least = np.abs(self.c) - self.radius
+        least = np.where(least > 0.0, least, 0.0)
+        inverse = 1.0 / self.c
+        rem = inverse**2 * (self.rem + self.radius**2 / least)
+        rem = rem + ROUNDING * (np.abs(inverse) + rem)
+        return Affine(inverse, -self.g * inverse**2, rem)
+
+    def sqrt(self) -> Affine:
+        """√f, for f > 0: √(c + e) = √c + e/(2√c) − (√(c + e) − √c)²/(2√c)."""
+        root = np.sqrt(self.c)
+        step = self.radius / (root + np.sqrt(self.c - self.radius))
+        rem = self.rem / (2.0 * root) + step**2 / (2.0 * root)
+        return Affine(root, self.g / (2.0 * root), rem + ROUNDING * (root + self.radius / root))
+
+    def __abs__(self) -> Affine:
+        """|f|: where f may have either sign, the chord over its range, halfway down to the kink."""
+        below, above = np.maximum(-self.lower, 0.0), np.maximum(self.upper, 0.0)
+        width = np.where(below + above > 0.0, below + above, 1.0)
+        slope, sag = (above - below) / width, below * above / width
+        rem = np.abs(slope) * self.rem + sag + ROUNDING * (self._size() + sag)
+        return Affine(slope * self.c + sag, slope * self.g, rem)
+
+    def within(self, low: float, high: float) -> Affine:
+        """The same where it is known to lie between two ends: these alone where they say more."""
+        middle, half = 0.5 * (low + high), 0.5 * (high - low)
+        own = np.abs(self.c - middle) + self.radius <= FARTHER * half
+        rem = np.where(own, self.rem, half + ROUNDING * (abs(low) + abs(high)))
+        return Affine(np.where(own, self.c, middle), np.where(own, self.g, 0.0), rem)
+
+    def __array_ufunc__(self, ufunc: np.ufunc, method: str, *inputs: Any, **kwargs: Any) -> Any:
+        rule = _UFUNCS.get(ufunc)
+        if rule is None or method != "__call__" or kwargs:
+            return NotImplemented
+        return rule(*inputs)
+
+
+def _maximum(f: Affine, g: Affine) -> Affine:
+    """The larger one where that is known, else (f + g + |f − g|)/2."""
+    apart = f - g
+    either = (f + g + abs(apart)) * 0.5
+    for sure, one in ((apart.lower >= 0.0, f), (apart.upper <= 0.0, g)):
+        pairs = zip((one.c, one.g, one.rem), (either.c, either.g, either.rem), strict=True)
+        either = Affine(*(np.where(sure, mine, other) for mine, other in pairs))
+    return either
+
+
+# NumPy's names for the same things, so that np.sqrt(f) and np.float64(2) * f work on models
+_UFUNCS: dict[np.ufunc, Callable[..., Any]] = {
+    np.add: lambda a, b: b.__radd__(a),
+    np.subtract: lambda a, b: b.__rsub__(a),
+    np.multiply: lambda a, b: b.__rmul__(a),
+    np.divide: lambda a, b: b.__rtruediv__(a),
+    np.negative: lambda a: -a,
+    np.sqrt: Affine.sqrt,
+    np.absolute: Affine.__abs__,
+    np.maximum: _maximum,
+    np.minimum: lambda f, g: -_maximum(-f, -g),
+}

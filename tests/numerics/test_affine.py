@@ -1,0 +1,55 @@
+"""Affine models hold what their formulas take on their boxes, and close in with the square."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+import pytest
+
+from synthesis.numerics.affine import Affine
+
+FORMULAS: dict[str, Callable[[Any, Any, Any], Any]] = {
+    "product": lambda x, y, z: (x - 1.7 * y) * (z * y - 0.31),
+    "quotient": lambda x, y, z: (x * y - 2.3) / (z + 1.9) - 3.1 / (x + 4.0),
+    "root": lambda x, y, z: np.sqrt(x * x + y * y + 0.7) / np.sqrt(2.5 + z),
+    "largest": lambda x, y, z: np.maximum(x * y, z - 0.2) - np.minimum(y, np.abs(x - z)),
+}
+SMOOTH = ("product", "quotient", "root")
+
+
+def boxes(width: float, count: int) -> tuple[np.ndarray, np.ndarray]:
+    middle = np.random.default_rng(11).uniform(-1.3, 1.3, (count, 3))
+    return middle - 0.5 * width, middle + 0.5 * width
+
+
+@pytest.mark.parametrize("name", FORMULAS)
+@pytest.mark.parametrize("width", [0.9, 0.13, 1e-3])
+def test_ranges_are_held(name: str, width: float) -> None:
+    lo, hi = boxes(width, 40)
+    with np.errstate(all="ignore"):
+        model = FORMULAS[name](*Affine.variables(lo, hi))
+    share = np.random.default_rng(5).random((300, 1, 3)).round(1)  # corners and edges among them
+    x, y, z = np.moveaxis(lo + share * (hi - lo), -1, 0)
+    values = FORMULAS[name](x, y, z)
+    known = np.isfinite(model.rem)
+    assert np.count_nonzero(known) > 20
+    assert np.all((values >= model.lower)[:, known])
+    assert np.all((values <= model.upper)[:, known])
+    line = model.c + np.einsum("dn,knd->kn", model.g, 2.0 * share - 1.0)
+    assert np.all((np.abs(values - line) <= model.rem)[:, known])
+
+
+@pytest.mark.parametrize("name", SMOOTH)
+def test_remainders_shrink_with_the_square(name: str) -> None:
+    wide, narrow = (FORMULAS[name](*Affine.variables(*boxes(width, 40))) for width in (2e-2, 2e-3))
+    assert np.all(narrow.rem <= wide.rem / 80.0)
+
+
+def test_where_a_divisor_may_vanish_nothing_is_said() -> None:
+    (x,) = Affine.variables(np.array([[-0.1], [0.2]]), np.array([[0.3], [0.4]]))
+    with np.errstate(all="ignore"):
+        found = 1.0 / x
+    assert not np.isfinite(found.rem[0])
+    assert found.rem[1] < 1.0
