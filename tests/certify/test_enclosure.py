@@ -137,6 +137,19 @@ def test_numbers_that_lie_cost_time_and_nothing_else(lie):
         assert answer.extreme.width < 3e-10
 
 
+def test_no_point_is_taken_from_where_a_question_does_not_ask():
+    """In numbers nothing is known of the piece asked for, and much of others."""
+
+    def elsewhere(piece, x, wanted):
+        return [np.where(piece == 2, np.nan, v) for v in told(piece, x, wanted)]
+
+    questions = [Question(np.array([k]), -math.inf, 0.0) for k in (2, 0)]
+    answer, _ = enclose(waves(*TERMS), BREAKS, COUNTS, questions, elsewhere)
+    assert 2.5 <= answer.extreme.angle <= 3.0
+    assert answer.extreme.value == pytest.approx(math.sin(6.3), abs=1e-12)  # at its right end
+    assert answer.extreme.width < 3e-10
+
+
 def test_what_roundings_leave_open_is_not_cut_on_and_on():
     """A value that is known to 1e-9 only, on an arc where it hardly changes."""
 

@@ -176,6 +176,25 @@ def test_whole_pieces_and_small_boxes_tell_the_same_travel_backwards(degree, mon
     assert count < more
 
 
+def test_whole_pieces_travel_back_no_farther_than_their_largest_speed():
+    rng = np.random.default_rng(6)
+    rise = spline(3, np.linspace(0.0, 1.0, 23), 6e-2 * rng.standard_normal(25))
+    course = Course(cam_of(rise, rise, FreeLaw(2, overshoot=False)).motion)
+    pieces = course.pieces([0, 2])
+    most = overshoot._on_pieces(course, pieces)
+    ends = course.curve.breaks[pieces], course.curve.breaks[pieces + 1]
+    theta = np.linspace(*ends, 2001)
+    v = course.curve.at(theta.ravel(), np.tile(pieces, 2001), 1).reshape(theta.shape)
+    back = np.where(course.stretch[pieces] == 0, -1.0, 1.0) * v
+    length = ends[1] - ends[0]
+    travelled = np.mean(np.maximum(back, 0.0), axis=0) * length
+    assert np.count_nonzero(travelled > 0.0) > 5
+    assert np.all(travelled <= most * (1.0 + 1e-9))
+    one_way = np.all(back >= 0.0, axis=0)
+    assert one_way.any()
+    assert np.all(most[one_way] <= 1.5 * (np.max(back, axis=0) * length)[one_way])
+
+
 def test_overshoot_is_measured():
     breaks = np.linspace(0.0, 1.0, 12)
     bumps = np.zeros(14)
