@@ -16,6 +16,7 @@ from service.commands.design import design
 from service.commands.export import export
 from service.commands.linkage import linkage
 from service.commands.read_back import read_back
+from service.commands.respond import respond
 from service.commands.serve import serve
 from service.commands.spatial import spatial
 from service.commands.sweep import sweep
@@ -32,6 +33,7 @@ COMMANDS: Mapping[str, Callable[..., Any]] = {
     "confirm": confirm,
     "export": export,
     "read-back": read_back,
+    "respond": respond,
     "linkage": linkage,
     "serve": serve,
 }

@@ -48,7 +48,7 @@ def spatial_links(cam_id: str, machine: str, *, has_cam: bool) -> dict[str, str]
 def train_links(train_id: str) -> dict[str, str]:
     """Where the train's response and its files are."""
     self = f"/v1/train-responses/{train_id}"
-    files = ("response.csv", "response.svg", "spectrum.svg")
+    files = ("response.csv", "response.svg", "spectrum.svg", "polydyne.csv")
     return {"self": self, **{name: f"{self}/{name}" for name in files}}
 
 

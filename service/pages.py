@@ -37,7 +37,17 @@ router = APIRouter(include_in_schema=False)
 @router.get("/")
 async def show_studio() -> Response:
     """The studio: a page that uses nothing but the public API."""
-    page = (HERE / "studio" / "index.html").read_bytes()
+    return _studio("index.html")
+
+
+@router.get("/spatial")
+async def show_spatial_studio() -> Response:
+    """The studio's page of spatial cams."""
+    return _studio("spatial.html")
+
+
+def _studio(name: str) -> Response:
+    page = (HERE / "studio" / name).read_bytes()
     return HTMLResponse(page, headers={"Content-Security-Policy": STUDIO_POLICY})
 
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import hashlib
 import json
+from collections.abc import Sequence
 from functools import cache, cached_property
 from importlib.metadata import version
 from typing import Annotated, Any, Literal
@@ -237,15 +238,20 @@ class Design(Part):
     @cached_property
     def curve(self) -> Motion:
         """The motion, rebuilt to the last bit from the spec and the spline coefficients."""
-        settled: list[Stretch] = []
-        for stretch, segment in zip(self.numbered.stretches(), self.motion, strict=True):
-            if segment.spline is None:
-                settled.append(stretch)
-                continue
-            space = SplineSpace(segment.spline.degree, np.array(segment.spline.knots))
-            curve = space.delivered(np.array(segment.spline.coefficients))
-            settled.append(stretch.with_law(curve))
-        return Motion.of(settled)
+        return rebuilt(self.numbered.stretches(), self.motion)
+
+
+def rebuilt(stretches: Sequence[Stretch], told: Sequence[SegmentMotion]) -> Motion:
+    """The motion of a program from what an answer tells of it, to the last bit."""
+    settled: list[Stretch] = []
+    for stretch, segment in zip(stretches, told, strict=True):
+        if segment.spline is None:
+            settled.append(stretch)
+            continue
+        space = SplineSpace(segment.spline.degree, np.array(segment.spline.knots))
+        curve = space.delivered(np.array(segment.spline.coefficients))
+        settled.append(stretch.with_law(curve))
+    return Motion.of(settled)
 
 
 @cache

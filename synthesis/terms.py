@@ -174,7 +174,7 @@ class Implied(ABC):
 
         Args:
             within: what is known of s and z at n points.
-            about: s and s' (2, n) and z where the rows shall be tight; None: rows all over the
+            about: s to s'' (3, n) and z where the rows shall be tight; None: rows all over the
                 range.
 
         Returns:

@@ -16,7 +16,7 @@ def respond(spec: TrainSpec, *, deadline: float | None = None) -> TrainResponse:
 
     Raises:
         InputError: nothing fits the cam's limits, so that there is no motion.
-        TimeBudgetExceeded, SolverFailed: as for a design.
+        TimeBudgetExceeded, SolverFailed: as for the design of the cam.
     """
     design = synthesise(spec.cam, deadline=deadline)
     if not design.motion:

@@ -109,6 +109,18 @@ hollows that the follower does not reach.
 
 Exit codes: 0 read; 2 a file cannot be read, or the points are of no cam."""
 
+RESPOND = """Say what an elastic follower train does on a cam: vibration, contact force, its loss.
+
+The question is a cam and a chain of masses in kg, springs in N/mm and dampers in N s/mm. Prints the
+train's modes in Hz and, for every speed in rpm, the output's error in mm, what swings on in the
+dwells in mm, and the contact force in N. With --out it writes the whole answer, a table, diagrams
+and the residual spectrum.
+
+\b
+  camwright respond openapi/examples/train-responses/press-feeder.json --out results
+
+Exit codes: 0 told; 2 the question makes no sense, or no cam fits."""
+
 LINKAGE = """Analyse or size a linkage: a six-bar shaper, or a palletising arm.
 
 Writes linkage.json, tables, diagrams and animations; lengths in mm, angles in deg, velocities in
@@ -181,6 +193,7 @@ HELP: Mapping[str, str] = {
     "confirm": _flowing(CONFIRM),
     "export": _flowing(EXPORT),
     "read-back": _flowing(READ_BACK),
+    "respond": _flowing(RESPOND),
     "linkage": _flowing(LINKAGE),
     "serve": _flowing(SERVE),
 }

@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Awaitable, Callable
+from dataclasses import dataclass
 from functools import partial
-from typing import Annotated
+from typing import Annotated, Any
 
 from fastapi import APIRouter, Query, Request, Response
 from pydantic import BaseModel, ConfigDict, Field
@@ -26,19 +27,16 @@ from service.routes.kept import (
     listed,
     shown,
 )  # fmt: skip
-from service.state import Parts, State
+from service.state import Parts
 from service.views import TrainResponsePage
 from synthesis.dynamics import TrainResponse
 from synthesis.exporters import Made
 from synthesis.exporters.svg_train import response_svg, spectrum_svg
 from synthesis.exporters.theme import Theme
-from synthesis.exporters.train_csv import MEDIA_TYPE, TrainOptions, response_csv
+from synthesis.exporters.train_csv import MEDIA_TYPE, TrainOptions, polydyne_csv, response_csv
 from synthesis.fields import Speed
 
 router = APIRouter(prefix="/v1/train-responses", tags=["follower trains"])
-TABLE = Download("response.csv", MEDIA_TYPE)
-RESPONSE = Download("response.svg", SVG)
-SPECTRUM = Download("spectrum.svg", SVG)
 MOST_TURNS, MOST_POINTS = 20, 20.0
 
 
@@ -51,6 +49,10 @@ class AtSpeed(BaseModel):
         Speed | None, Field(description="Any speed; left out, that of the cam's own spec.")
     ] = None
 
+    def options(self) -> TrainOptions:
+        """The same, as the core takes it."""
+        return TrainOptions(**self.model_dump(exclude={"theme"}))
+
 
 class Pictured(AtSpeed):
     """How a response is drawn."""
@@ -58,15 +60,20 @@ class Pictured(AtSpeed):
     theme: Annotated[Theme, Field(description="Colours of the picture.")] = "auto"
 
 
-class Tabled(AtSpeed):
+class Dense(AtSpeed):
+    """How close the rows of a table are."""
+
+    points_per_degree: Annotated[
+        float, Field(gt=0.0, le=MOST_POINTS, description="At least so many rows per degree.")
+    ] = TrainOptions().points_per_degree
+
+
+class Tabled(Dense):
     """What of a response is written as a table."""
 
     turns: Annotated[
         int, Field(ge=0, le=MOST_TURNS, description="Turns from rest; 0: the periodic response.")
     ] = 0
-    points_per_degree: Annotated[
-        float, Field(gt=0.0, le=MOST_POINTS, description="At least so many rows per degree.")
-    ] = TrainOptions().points_per_degree
 
 
 @router.post(
@@ -122,86 +129,76 @@ async def delete_train_response(train_id: str, parts: Parts) -> None:
     await forgotten(parts.train_responses, train_id)
 
 
-def _file(description: str, media_type: str) -> dict[int | str, dict[str, object]]:
-    content = {media_type.partition(";")[0]: {"schema": {"type": "string"}}}
-    return {**in_parts(description=description, content=content), **problems(404, 409, 422)}
+@dataclass(frozen=True)
+class File:
+    """A file of a response: how it is called, what may be asked of it, and how it is written."""
+
+    download: Download
+    title: str
+    told: str
+    query: type[AtSpeed]
+    write: Callable[[TrainResponse, Any], bytes]
 
 
-@router.get(
-    "/{train_id}/response.csv",
-    response_class=Response,
-    responses=_file("The table.", MEDIA_TYPE),
-    summary="The response as a table",
-)
-async def get_train_response_csv(
-    request: Request,
-    train_id: str,
-    parts: Parts,
-    wanted: Annotated[Tabled, Query()],
-    if_none_match: KnownTag = None,
-) -> Response:
-    """Motion of the cam and of every mass, contact force; a cam angle twice where it hits."""
-    options = TrainOptions(wanted.speed_rpm, wanted.turns, wanted.points_per_degree)
-    return await _sent(
-        request, parts, train_id, TABLE, lambda found: response_csv(found, options), repr(options)
+FILES = (
+    File(
+        Download("response.csv", MEDIA_TYPE), "The response as a table",
+        "Motion of the cam and of every mass, contact force; a cam angle twice where it hits.",
+        Tabled, lambda found, asked: response_csv(found, asked.options()),
+    ),
+    File(
+        Download("response.svg", SVG), "The response as diagrams",
+        "Output, its error and acceleration, and the contact force over the cam angle.",
+        Pictured, lambda found, asked: response_svg(found, asked.options(), asked.theme),
+    ),
+    File(
+        Download("spectrum.svg", SVG), "Residual spectrum of the cam's moves",
+        "What every natural frequency would be left swinging with, and the train's own ones.",
+        Pictured, lambda found, asked: spectrum_svg(found, asked.speed_rpm, asked.theme),
+    ),
+    File(
+        Download("polydyne.csv", MEDIA_TYPE), "The cam motion that moves the output as asked",
+        "A polydyne cam: its motion makes the last mass move as the spec's cam would have it, "
+        "exactly, at one speed. It takes 2n + 1 continuous derivatives of that motion for n "
+        "masses, and no dampers in the links; 422 says what is missing.",
+        Dense, lambda found, asked: polydyne_csv(found, asked.options()),
+    ),
+)  # fmt: skip
+
+
+def _handler(file: File) -> Callable[..., Awaitable[Response]]:
+    async def handler(
+        request: Request,
+        train_id: str,
+        parts: Parts,
+        wanted: Annotated[file.query, Query()],  # type: ignore[name-defined]
+        if_none_match: KnownTag = None,
+    ) -> Response:
+        row, body = await done(parts.train_responses, train_id)
+        make = in_thread(partial(_made, body, file, wanted))
+        made_by = (file.download.ending, repr(wanted))
+        return await file.download.sent(request, row, made_by, make)
+
+    # texts of annotations would be looked up where ``file`` is unknown
+    handler.__annotations__["wanted"] = Annotated[file.query, Query()]
+    return handler
+
+
+def _made(body: bytes, file: File, wanted: AtSpeed) -> Made:
+    return Made(file.write(TrainResponse.model_validate_json(body), wanted))
+
+
+for _file in FILES:
+    _content = {_file.download.media_type.partition(";")[0]: {"schema": {"type": "string"}}}
+    router.add_api_route(
+        f"/{{train_id}}/{_file.download.ending}",
+        _handler(_file),
+        name=f"get_train_{_file.download.ending.replace('.', '_')}",
+        summary=_file.title,
+        description=_file.told,
+        response_class=Response,
+        responses={
+            **in_parts(description=_file.title, content=_content),
+            **problems(404, 409, 422),
+        },
     )
-
-
-@router.get(
-    "/{train_id}/response.svg",
-    response_class=Response,
-    responses=_file("The diagrams.", SVG),
-    summary="The response as diagrams",
-)
-async def get_train_response_svg(
-    request: Request,
-    train_id: str,
-    parts: Parts,
-    wanted: Annotated[Pictured, Query()],
-    if_none_match: KnownTag = None,
-) -> Response:
-    """Output, its error and acceleration, and the contact force over the cam angle."""
-    options, theme = TrainOptions(wanted.speed_rpm), wanted.theme
-    return await _sent(
-        request, parts, train_id, RESPONSE,
-        lambda found: response_svg(found, options, theme), repr(options), theme,
-    )  # fmt: skip
-
-
-@router.get(
-    "/{train_id}/spectrum.svg",
-    response_class=Response,
-    responses=_file("The spectrum.", SVG),
-    summary="Residual spectrum of the cam's moves",
-)
-async def get_train_spectrum_svg(
-    request: Request,
-    train_id: str,
-    parts: Parts,
-    wanted: Annotated[Pictured, Query()],
-    if_none_match: KnownTag = None,
-) -> Response:
-    """What every natural frequency would be left swinging with, and where the train's own are."""
-    speed, theme = wanted.speed_rpm, wanted.theme
-    return await _sent(
-        request, parts, train_id, SPECTRUM,
-        lambda found: spectrum_svg(found, speed, theme), repr(speed), theme,
-    )  # fmt: skip
-
-
-async def _sent(
-    request: Request,
-    parts: State,
-    name: str,
-    file: Download,
-    write: Callable[[TrainResponse], bytes],
-    *made_by: str,
-) -> Response:
-    """A file of a finished response, or 304."""
-    row, body = await done(parts.train_responses, name)
-    make = in_thread(partial(_made, body, write))
-    return await file.sent(request, row, (file.ending, *made_by), make)
-
-
-def _made(body: bytes, write: Callable[[TrainResponse], bytes]) -> Made:
-    return Made(write(TrainResponse.model_validate_json(body)))

@@ -1,7 +1,8 @@
 // The cam turning under its follower. Shapes and positions come from the service, frame by frame;
 // here they are only shown.
 
-import { byId, figure, shape } from "./dom.js";
+import { byId, shape } from "./dom.js";
+import { Turning } from "./turning.js";
 
 const SVG = "http://www.w3.org/2000/svg";
 const MARGIN = 0.03; // of the picture
@@ -10,12 +11,8 @@ export class Cam {
   /** `moved` is told the cam angle [°] that is shown. */
   constructor(moved) {
     this.moved = moved;
-    this.turns = 0;
     this.parts = [];
-    byId("play").addEventListener("click", () => this.#run(!this.running));
-    byId("angle").addEventListener("input", () => this.turnTo(Number(byId("angle").value)));
-    byId("cam").addEventListener("keydown", (event) => this.#key(event));
-    this.#run(!matchMedia("(prefers-reduced-motion: reduce)").matches);
+    this.turning = new Turning((angle, turns) => this.#draw(angle, turns), byId("cam"));
   }
 
   /** The machine of a design; the outline of another one's cam is drawn dashed on it. */
@@ -33,55 +30,22 @@ export class Cam {
     }
     picture.replaceChildren(stage);
     this.parts = scene.parts.map((part) => ({ ...part, node: stage.querySelector(`[data-part="${part.name}"]`) }));
-    this.#draw();
+    this.turning.show();
   }
 
   /** Stops, and shows a cam angle [°]. */
   turnTo(angle) {
-    this.#run(false);
-    this.turns = Math.floor(this.turns) + Math.min(Math.max(angle, 0) / 360, 0.999999);
-    this.#draw();
+    this.turning.turnTo(angle);
   }
 
-  #key(event) {
-    const steps = { ArrowRight: 1, ArrowLeft: -1 };
-    if (event.key === " ") this.#run(!this.running);
-    else if (event.key in steps) {
-      this.#run(false);
-      const degrees = steps[event.key] * (event.shiftKey ? 10 : 1);
-      this.turns = Math.max(0, (Math.round(this.turns * 360) + degrees) / 360);
-      this.#draw();
-    } else return;
-    event.preventDefault();
-  }
-
-  #run(on) {
-    this.running = on;
-    this.before = null;
-    byId("play").textContent = on ? "Pause" : "Play";
-    byId("play").setAttribute("aria-pressed", on);
-    if (on) requestAnimationFrame((now) => this.#tick(now));
-  }
-
-  #tick(now) {
-    if (!this.running) return;
-    if (this.before !== null) this.turns += Math.min(now - this.before, 100) / 1000 / Number(byId("pace").value);
-    this.before = now;
-    if (this.parts.length > 0) this.#draw();
-    requestAnimationFrame((next) => this.#tick(next));
-  }
-
-  #draw() {
-    const whole = Math.floor(this.turns);
-    const part = this.turns - whole;
+  #draw(angle, [whole, part]) {
+    if (this.parts.length === 0) return;
     for (const { node, kind, columns } of this.parts) {
       const [a, b] = columns.map((column) => between(column, part));
       const perTurn = kind === "turn" ? columns[0].at(-1) - columns[0][0] : 0;
       node?.setAttribute("transform", kind === "turn" ? `rotate(${a + whole * perTurn})` : `translate(${a} ${b})`);
     }
-    byId("angle").value = 360 * part;
-    byId("angle-now").textContent = `${figure(Math.round(3600 * part) / 10, 4)}°`;
-    this.moved(360 * part);
+    this.moved(angle);
   }
 }
 

@@ -4,11 +4,12 @@ import { byId, element } from "./dom.js";
 import { labelled, words } from "./names.js";
 
 export class Files {
-  constructor(api, openapi) {
-    this.api = api;
-    this.paths = Object.entries(openapi.paths)
-      .map(([path, methods]) => [path.match(/^\/v1\/designs\/\{design_id\}\/([\w.-]+\.\w+)$/)?.[1], methods.get])
-      .filter(([name]) => name);
+  /** `where`: the path of a design in the contract; `first`: the file that is offered first. */
+  constructor(api, openapi, where, first) {
+    Object.assign(this, { api, chosen: first });
+    this.all = Object.entries(openapi.paths)
+      .filter(([path]) => path.startsWith(`${where}/`) && /\.\w+$/.test(path))
+      .map(([path, methods]) => [path.slice(where.length + 1), methods.get]);
   }
 
   /** `design` null: there is none. */
@@ -19,12 +20,14 @@ export class Files {
       box.replaceChildren(element("p", { class: "note" }, "Files come with a design."));
       return;
     }
+    this.paths = this.all.filter(([name]) => name in design.links);
     const select = element(
       "select",
       { id: "file-name", onchange: () => this.#choices(select.value) },
       ...this.paths.map(([name, get]) => element("option", { value: name, title: get.description }, `${name}: ${get.summary.replace(/^\w+: /, "")}`)),
     );
-    select.value = this.chosen ?? "profile.txt";
+    if (!(this.chosen in design.links)) [[this.chosen]] = this.paths;
+    select.value = this.chosen;
     box.replaceChildren(
       element("label", { for: "file-name" }, "File"), select,
       element("div", { id: "file-options" }),
@@ -63,7 +66,7 @@ export class Files {
       if (input.value !== "") query.set(input.id.slice("option-".length), input.value);
     }
     const asked = query.toString();
-    return `/v1/designs/${this.design.id}/${this.chosen}${asked ? `?${asked}` : ""}`;
+    return `${this.design.links.self}/${this.chosen}${asked ? `?${asked}` : ""}`;
   }
 
   #link() {

@@ -9,8 +9,9 @@ const LIFTS = ["lift_mm", "lift_deg"];
 const IN_ROW = ["kind", "angle_deg", ...LIFTS, "law"];
 
 export class Form {
-  constructor(store, schemas, titles) {
-    Object.assign(this, { store, schemas, titles });
+  /** `sized`: the fields of the follower, or machine, and its sizes. */
+  constructor(store, schemas, titles, sized) {
+    Object.assign(this, { store, schemas, titles, sized });
     this.open = new Set();
     store.addEventListener("change", (event) => {
       if (event.detail.structural) this.show();
@@ -23,17 +24,18 @@ export class Form {
     const focus = document.activeElement?.id;
     const { properties } = this.schemas.spec;
     byId("form-program").replaceChildren(...this.#program());
-    byId("form-follower").replaceChildren(
-      field(this, "/follower", properties.follower),
-      field(this, "/base_radius_mm", properties.base_radius_mm),
-    );
+    byId("form-follower").replaceChildren(...this.#some(this.sized));
     byId("form-limits").replaceChildren(...this.#limits());
     byId("form-aim").replaceChildren(...this.#aim(properties));
-    byId("form-machine").replaceChildren(
-      ...["name", "speed_rpm", "rotation", "load"].map((name) => field(this, `/${name}`, properties[name])),
-    );
+    byId("form-machine").replaceChildren(...this.#some(["name", "speed_rpm", "rotation", "load"]));
     if (focus) byId(focus)?.focus();
     this.#sums();
+  }
+
+  /** The fields of these that the spec has. */
+  #some(names) {
+    const { properties } = this.schemas.spec;
+    return names.filter((name) => name in properties).map((name) => field(this, `/${name}`, properties[name]));
   }
 
   // -- the program --------------------------------------------------------------------------
@@ -209,6 +211,7 @@ export class Form {
   // -- limits and aim -----------------------------------------------------------------------
 
   #limits() {
+    if (!this.schemas.spec.properties.limits) return [];
     const kinds = this.#kindsOf("limits");
     const shown = (this.store.spec.limits ?? []).map((limit, i) => {
       const schema = kinds.find(([kind]) => kind === limit.kind)?.[1] ?? {};
@@ -240,9 +243,9 @@ export class Form {
   #aim(properties) {
     const objective = Array.isArray(this.store.spec.objective)
       ? field(this, "/objective", {}, { label: "objectives, in order" })
-      : field(this, "/objective", properties.objective);
-    const rest = ["tolerance", "proof", "continuity", "price_smoothness", "time_budget_s"];
-    return [objective, ...rest.map((name) => field(this, `/${name}`, properties[name]))];
+      : properties.objective && field(this, "/objective", properties.objective);
+    const rest = this.#some(["tolerance", "proof", "continuity", "price_smoothness", "time_budget_s"]);
+    return [objective, ...rest].filter(Boolean);
   }
 
   // -- what is wrong ------------------------------------------------------------------------

@@ -22,10 +22,10 @@ const SLOW = 1500; // a design that takes longer is given up for a newer one [ms
 class Studio {
   constructor(api, openapi, titles) {
     this.api = api;
-    this.schemas = new Schemas(openapi);
+    this.schemas = new Schemas(openapi, "/v1/designs", "DesignSpec");
     this.store = new Store();
-    this.form = new Form(this.store, this.schemas, titles);
-    this.files = new Files(api, openapi);
+    this.form = new Form(this.store, this.schemas, titles, ["follower", "base_radius_mm"]);
+    this.files = new Files(api, openapi, "/v1/designs/{design_id}", "profile.txt");
     this.charts = new Charts((angle) => this.cam.turnTo(angle));
     this.cam = new Cam((angle) => this.charts.point(angle));
     this.sweep = new Sweep(api, this.store, this.schemas, (values) => this.#take(values));

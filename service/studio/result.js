@@ -39,7 +39,8 @@ function proven({ gap, bound_over: over, lower_bound: bound, objective }) {
   return `No ${name} is more than ${figure(100 * gap, 2)} % smaller, over ${over}.`;
 }
 
-function sizes(design) {
+/** Terms and figures of a design's dimensions, and of what else is told of it. */
+export function sizes(design) {
   const all = { ...design.dimensions, ...design.objectives, ...design.chosen, ...forces(design.forces) };
   return Object.entries(all).flatMap(([name, value]) => {
     const [text, unit] = parts(name);

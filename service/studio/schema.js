@@ -2,15 +2,11 @@
 // shows up in the page by itself.
 
 export class Schemas {
-  constructor(openapi) {
+  /** Of what is posted to a path, by the name of its schema. */
+  constructor(openapi, path, name) {
     this.named = openapi.components.schemas;
-    this.examples =
-      openapi.paths["/v1/designs"].post.requestBody.content["application/json"].examples;
-  }
-
-  /** The spec's own schema. */
-  get spec() {
-    return this.named.DesignSpec;
+    this.examples = openapi.paths[path].post.requestBody.content["application/json"].examples;
+    this.spec = this.named[name];
   }
 
   resolved(schema) {

@@ -59,7 +59,10 @@ class _Cam:
             floats=[] if both else list(self._arcs()),
             floats_from_rpm=None if both else self._floats_from(),
             changes_flank_deg=self._crossings() if both else [],
-            rollers=[self._roller(path) for path in self._turn.rolling],
+            rollers=[
+                self._roller(path)
+                for path in dict.fromkeys(flank.path for flank in flanks if flank.roller > 0.0)
+            ],
         )
 
     # -- extremes ----------------------------------------------------------------------------
@@ -135,7 +138,10 @@ class _Cam:
 
     def _roller(self, path: str) -> RollerLife:
         turn, (_, weights), bearing = self._turn, self._nodes, self.load.bearing
-        speed = turn.rolling[path]
+        mine = [flank.name for flank in self.machine.follower.flanks if flank.path == path]
+        forces = np.array([turn.contact[name] for name in mine])
+        pressed = np.argmax(forces, axis=0), np.arange(forces.shape[1])
+        speed = np.array([turn.rolling[name] for name in mine])[pressed]
         mean = float(weights @ speed) / FULL_TURN
         known = RollerLife(
             path=path, mean_speed_rpm=mean * PER_MINUTE,
@@ -144,8 +150,7 @@ class _Cam:
         )  # fmt: skip
         if bearing is None or mean <= 0.0:
             return known
-        mine = [flank.name for flank in self.machine.follower.flanks if flank.path == path]
-        borne = np.max([np.maximum(turn.contact[name], 0.0) for name in mine], axis=0)
+        borne = np.maximum(forces[pressed], 0.0)
         p = bearing.life_exponent
         largest = float(borne.max())
         if largest <= 0.0:

@@ -57,7 +57,8 @@ def _steps(course: Course, ring: Ringing) -> _Steps:
     for index in ring.run:
         for k in course.pieces([index]).tolist():
             low, high = course.curve.breaks[k], course.curve.breaks[k + 1]
-            fastest = max(ring.frequency, float(np.max(course.curve.waves[k, :, 1], initial=0.0)))
+            waves = float(np.max(np.abs(course.curve.waves[k, :, 1]), initial=0.0))
+            fastest = max(ring.frequency, waves)
             count = max(int(np.ceil(fastest * (high - low) / STEP)), 1)
             ends = np.linspace(low, high, count + 1)
             theta.append(ends[:-1])

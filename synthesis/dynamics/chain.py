@@ -119,11 +119,6 @@ class Modes:
         worst = self.rates[np.argmax(self.rates.real)]
         return complex(worst) if worst.real > GROWS * np.max(np.abs(self.rates)) else None
 
-    @property
-    def condition(self) -> float:
-        """How far the modes are from orthogonal; large where two are nearly one (ζ = 1)."""
-        return float(np.linalg.cond(np.vstack([self.shapes * np.abs(self.rates), self.speeds])))
-
     def amplitudes(self, state: Complex) -> Array:
         """(n, kept) by how much every mass swings in every mode, of a free train at state ξ."""
         pairs = np.where(np.abs(self.rates[self.kept].imag) > 0.0, 2.0, 1.0)

@@ -23,7 +23,7 @@ from synthesis.units import DEGREE, FULL_TURN, rad_per_s
 PER_SWING = 40  # steps of one swing of the fastest mode, within
 FEWEST, MOST = 720, 8192  # steps of a turn
 HALVINGS = 24  # of the interval in which contact is first lost
-UNIT = 2.0**-52
+ROUNDINGS = 8.0 * 2.0**-52  # of what modes add up to, some of which may cancel
 
 
 @dataclass(frozen=True, eq=False)
@@ -102,7 +102,10 @@ def summed_up(spec: TrainSpec, design: Design) -> TrainResponse:
 def _modes(chain: Chain) -> list[Mode]:
     rates = chain.modes.rates[chain.modes.kept]
     return [
-        Mode(natural_frequency_hz=abs(rate) / (2.0 * pi), damping_ratio=-rate.real / abs(rate))
+        Mode(
+            natural_frequency_hz=abs(rate) / (2.0 * pi),
+            damping_ratio=max(-rate.real / abs(rate), 0.0),
+        )
         for rate in rates.tolist()
     ]
 
@@ -113,7 +116,7 @@ def _at_speed(machine: Machine, speed_rpm: float, turns: int, *, held: bool) -> 
     pulls = output_acceleration(found)
     starts = machine.starting(speed_rpm, turns)
     floats = not held and bool(np.min(force) <= 0.0)
-    rates = machine.chain.modes.rates
+    modes = machine.chain.modes
     return AtSpeed(
         speed_rpm=speed_rpm,
         output_error_max=_peak(found, error),
@@ -124,13 +127,12 @@ def _at_speed(machine: Machine, speed_rpm: float, turns: int, *, held: bool) -> 
         contact_force_min_n=_peak(found, -force, -1.0),
         floats=floats,
         dwells=_dwells(machine, found),
-        remembers=float(np.exp(np.max(rates.real) * FULL_TURN / found.omega)),
+        remembers=float(np.exp(np.max(modes.rates.real) * FULL_TURN / found.omega)),
         turns=[float(np.max(np.abs(each.deflection[-1] - error))) for each in starts],
         flight=_flight(machine, found.omega, turns) if floats and turns else None,
         steps=len(found.theta) - 1,
-        rounding=UNIT * machine.chain.modes.condition * float(np.max(np.abs(found.state)))
-        * float(np.max(np.abs(machine.chain.modes.shapes))) * len(rates),
-    )  # fmt: skip
+        rounding=ROUNDINGS * float(np.max(np.abs(modes.shapes) @ np.abs(found.state))),
+    )
 
 
 def _flight(machine: Machine, omega: float, turns: int) -> Flight | None:

@@ -3,11 +3,26 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
-
-from synthesis.design import Design
+from typing import Protocol
 
 NO_TIME = "1980-01-01T00:00:00"  # the same design, the same bytes: no clock
 AUTHOR = "Camwright"
+
+
+class Told(Protocol):
+    """What a file tells of what it was made from."""
+
+    @property
+    def id(self) -> str:
+        """Of the design."""
+
+    @property
+    def name(self) -> str:
+        """That its owner gave it."""
+
+    @property
+    def engine_version(self) -> str:
+        """Of what made it."""
 
 
 class Entities:
@@ -34,7 +49,7 @@ class Entities:
         return (f"#{i}={text};" for i, text in enumerate(self._lines, start=1))
 
 
-def exchange_file(design: Design, title: str, schema: str, data: Iterable[str]) -> bytes:
+def exchange_file(design: Told, title: str, schema: str, data: Iterable[str]) -> bytes:
     """A whole file, which says what made it and from which design."""
     version = f"Camwright {design.engine_version}"
     lines = [

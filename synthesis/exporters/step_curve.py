@@ -6,7 +6,7 @@ from synthesis.design import Design
 from synthesis.exporters.exact import ExactCurve, exact_curve, facts
 from synthesis.exporters.exact_options import ExactOptions
 from synthesis.exporters.exporter import Exporter, Made
-from synthesis.exporters.part21 import Entities, exchange_file, many, real, text
+from synthesis.exporters.part21 import Entities, Told, exchange_file, many, real, text
 
 SCHEMA = "AP242_MANAGED_MODEL_BASED_3D_ENGINEERING_MIM_LF { 1 0 10303 442 1 1 4 }"
 FINEST = 1e-7  # uncertainty that a reader may work with [mm]; below, kernels cannot
@@ -15,15 +15,15 @@ FINEST = 1e-7  # uncertainty that a reader may work with [mm]; below, kernels ca
 def _profile(design: Design, options: ExactOptions) -> Made:
     curve = exact_curve(design, options)
     data = Entities()
-    context = _context(data, max(curve.spline.error, FINEST))
+    shared = context(data, max(curve.spline.error, FINEST))
     name = text(curve.name)
     origin = data.add("CARTESIAN_POINT", "''", many(map(real, (0.0, 0.0, 0.0))))
-    axes = data.add("AXIS2_PLACEMENT_3D", "''", origin, *_axes(data))
+    placed = data.add("AXIS2_PLACEMENT_3D", "''", origin, *axes(data))
     drawn = data.add("GEOMETRIC_CURVE_SET", name, many([_spline(data, curve)]))
     shape = data.add(
-        "GEOMETRICALLY_BOUNDED_WIREFRAME_SHAPE_REPRESENTATION", name, many([axes, drawn]), context
+        "GEOMETRICALLY_BOUNDED_WIREFRAME_SHAPE_REPRESENTATION", name, many([placed, drawn]), shared
     )
-    data.add("SHAPE_DEFINITION_REPRESENTATION", _product(data, design), shape)
+    data.add("SHAPE_DEFINITION_REPRESENTATION", product(data, design), shape)
     title = f"Cam curve {curve.name}, within {curve.spline.error:.2g} mm of the true curve"
     return Made(exchange_file(design, title, SCHEMA, data.lines()), facts(curve))
 
@@ -40,7 +40,7 @@ def _spline(data: Entities, curve: ExactCurve) -> str:
     )  # fmt: skip
 
 
-def _axes(data: Entities) -> tuple[str, str]:
+def axes(data: Entities) -> tuple[str, str]:
     """The z axis and the x axis."""
     return (
         data.add("DIRECTION", "''", many(map(real, (0.0, 0.0, 1.0)))),
@@ -48,7 +48,7 @@ def _axes(data: Entities) -> tuple[str, str]:
     )
 
 
-def _context(data: Entities, uncertainty: float) -> str:
+def context(data: Entities, uncertainty: float) -> str:
     """Three dimensions, mm, radians, and how near is the same place."""
     length = data.add_complex(
         ("LENGTH_UNIT", ()), ("NAMED_UNIT", ("*",)), ("SI_UNIT", (".MILLI.", ".METRE."))
@@ -71,19 +71,19 @@ def _context(data: Entities, uncertainty: float) -> str:
     )
 
 
-def _product(data: Entities, design: Design) -> str:
+def product(data: Entities, design: Told) -> str:
     """The cam as a product, which the geometry is the shape of."""
     application = data.add("APPLICATION_CONTEXT", "'managed model based 3d engineering'")
     data.add(
         "APPLICATION_PROTOCOL_DEFINITION", "'international standard'",
         "'ap242_managed_model_based_3d_engineering'", "2014", application,
     )  # fmt: skip
-    context = data.add("PRODUCT_CONTEXT", "''", application, "'mechanical'")
+    inside = data.add("PRODUCT_CONTEXT", "''", application, "'mechanical'")
     name = text(design.name or "cam")
     made = f"Camwright {design.engine_version}, design {design.id}"
-    product = data.add("PRODUCT", text(design.id), name, text(made), many([context]))
-    data.add("PRODUCT_RELATED_PRODUCT_CATEGORY", "'part'", "$", many([product]))
-    formation = data.add("PRODUCT_DEFINITION_FORMATION", "''", "''", product)
+    made_of = data.add("PRODUCT", text(design.id), name, text(made), many([inside]))
+    data.add("PRODUCT_RELATED_PRODUCT_CATEGORY", "'part'", "$", many([made_of]))
+    formation = data.add("PRODUCT_DEFINITION_FORMATION", "''", "''", made_of)
     whole = data.add("PRODUCT_DEFINITION_CONTEXT", "'part definition'", application, "'design'")
     definition = data.add("PRODUCT_DEFINITION", "'design'", "''", formation, whole)
     return data.add("PRODUCT_DEFINITION_SHAPE", "''", "''", definition)

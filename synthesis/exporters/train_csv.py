@@ -7,6 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from synthesis.dynamics.polydyne import polydyne
 from synthesis.dynamics.report import TrainResponse
 from synthesis.dynamics.response import Response, Steps, from_rest, steady
 from synthesis.dynamics.summary import output_acceleration
@@ -67,6 +68,27 @@ def response_csv(found: TrainResponse, options: TrainOptions) -> bytes:
                 [t.contact_force for t in turns]),
     ]  # fmt: skip
     return table(columns)
+
+
+def polydyne_csv(found: TrainResponse, options: TrainOptions) -> bytes:
+    """The cam motion under which the output moves as the cam of the spec would have it.
+
+    Raises:
+        InputError: it would not be smooth, or is in no closed form.
+    """
+    omega, motion = rad_per_s(options.speed_rpm or found.spec.cam.speed_rpm), found.cam.curve
+    wanted = polydyne(found.spec.train.chain(), motion, omega)
+    theta = Steps.of(motion, int(np.ceil(360.0 * options.points_per_degree))).theta
+    s = wanted.derivatives(theta)
+    return table(
+        [
+            Column("angle_deg", "deg", "cam angle", theta / DEGREE),
+            Column("output_mm", "mm", "motion of the last mass", motion.derivatives(theta, 0)[0]),
+            Column("cam_mm", "mm", "motion of the cam", s[0]),
+            Column("cam_velocity_mm_per_s", "mm/s", "its velocity", s[1] * omega),
+            Column("cam_acceleration_mm_per_s2", "mm/s²", "its acceleration", s[2] * omega**2),
+        ]
+    )
 
 
 def _in(turns: Sequence[Response]) -> list[tuple[int, Response]]:

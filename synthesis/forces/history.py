@@ -32,7 +32,8 @@ class History:
         torque: T on the camshaft [N m].
         contact: by flank, its force where it is pressed; negative where it is not [N].
         pressure: by flank, 0 where it is not pressed [MPa]; empty without a line contact.
-        rolling: by path, how fast its roller turns on its pin [rad/s]; of rollers only.
+        rolling: by flank, how fast a roller on it turns on its pin [rad/s]; of rollers only. In a
+            groove it turns the other way on the other flank.
     """
 
     theta: Array
@@ -93,7 +94,7 @@ def history(
             if load.contact is not None and (flank.roller > 0.0 or follower.always_convex)
         },
         rolling={
-            flank.path: _rolling(flank, omega, s, size)
+            flank.name: _rolling(flank, omega, s, size)
             for flank in follower.flanks
             if flank.roller > 0.0
         },

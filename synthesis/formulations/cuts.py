@@ -28,10 +28,10 @@ class About:
     size: Vector
 
     def at(self, position: int, stretch: Stretch, x: Array) -> tuple[Array, Vector]:
-        """s and s' at points of a free law, (2, n), and the size."""
+        """s to s'' at points of a free law, (3, n), and the size."""
         law = self.laws[position]
-        s = stretch.s_start + stretch.lift * law(x)
-        return np.stack([s, stretch.lift / stretch.angle * law(x, 1)]), self.size
+        g = [stretch.lift / stretch.angle**order * law(x, order) for order in range(3)]
+        return np.stack([stretch.s_start + g[0], *g[1:]]), self.size
 
 
 @dataclass(frozen=True, eq=False)

@@ -188,7 +188,7 @@ def _not_convex(spec: DesignSpec, problem: Problem, reached: Reached | None) -> 
     for position, limit in enumerate(problem.limits):
         curved = any(limit.curved(s, machine) for s in stretches)
         linear = any(limit.rows(s, machine) for s in stretches) or limit.cones(stretches, machine)
-        if linear and not curved:
+        if linear and not curved and not limit.said_in_part:
             continue
         asked_for = position < len(spec.limits)
         for claim in limit.claims(stretches, machine):

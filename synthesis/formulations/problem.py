@@ -10,12 +10,14 @@ from typing import Literal
 
 from synthesis.followers import Follower
 from synthesis.followers.sizing import Sizing
+from synthesis.formulations.ringing import amplitude, settles
 from synthesis.limits import Limit, Machine
 from synthesis.motion import Stretch
 from synthesis.objectives import Objective
 from synthesis.spec import DesignSpec
 from synthesis.terms import Cone, Curved, Ringing, Row
 
+QUIET = 1e-9  # of the stroke: an amplitude that is none
 RESTS = 1e-12  # of the stroke: what rounding may leave of the lowest position
 
 
@@ -136,6 +138,14 @@ class Problem:
         """What the motion may leave oscillators ringing with."""
         rings = (limit.ringing(self.stretches, self.machine) for limit in self.limits)
         return tuple(ring for each in rings for ring in each)
+
+    @cached_property
+    def loud(self) -> float:
+        """By how much runs whose laws are all given ring too much, over the stroke; 0: nowhere."""
+        given = [ring for ring in self.ringing if settles(ring, self.stretches)]
+        beyond = (amplitude(ring, self.stretches) - ring.largest for ring in given)
+        worst = max(beyond, default=0.0) / self.length
+        return worst if worst > QUIET else 0.0
 
     def room(self, size: tuple[float, ...]) -> float:
         """How far a size can be raised within bounds and cones [mm]."""

@@ -121,6 +121,8 @@ def estimate(
     where a larger cam would mend them. ``guess``: first trial level of a fractional objective.
     """
     state = Search(problem, 1e-2, deadline, 1e-7)
+    if problem.loud:
+        return None
     if _closed_form(state):
         return None if state.best is None else state.best.value
     for _ in range(LEVELS):

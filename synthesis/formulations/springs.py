@@ -33,7 +33,7 @@ FIRST, DENSE = 9, 33  # points on a piece: of the first rows, of the search for 
 ROUNDS, ZOOMS = 12, 10
 FAN: Final = np.linspace(-1.0, 1.0, 9)
 MISSED = 1e-10  # of the peak: what rows between their points may miss
-SPARE = 1e-7  # of the peak: kept off float, for the certificate's sake
+SPARE = 1e-4  # of the largest force without a spring: kept off float, for the certificate's sake
 FLOATING = 1e4  # price of a newton of float, in newtons of peak: no spring helps where it is paid
 
 Indices = NDArray[np.intp]

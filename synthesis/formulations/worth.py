@@ -137,7 +137,7 @@ class Worth:
                 found = yielded(scene, scene.plan(), range(len(scene.parts)), exact=False)
             except OutOfTime:
                 return None
-            return None if found is None else max(found.total, 0.0)
+            return None if found is None else max(found.total, 0.0) + problem.loud
 
         return value
 

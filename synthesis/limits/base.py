@@ -5,6 +5,7 @@ from __future__ import annotations
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from math import inf
 from typing import Any, ClassVar
 
 from pydantic import BaseModel, ConfigDict
@@ -102,9 +103,19 @@ class Limit(BaseModel, ABC):
         return 0.0
 
     @property
+    def said_in_part(self) -> bool:
+        """Whether its rows leave something to its smooth form."""
+        return False
+
+    @property
     def least_force(self) -> float:
         """Contact force that it leaves at least [N]."""
         return 0.0
+
+    @property
+    def steepest(self) -> float:
+        """tan of the largest pressure angle that it allows; infinite where it is silent of it."""
+        return inf
 
     def check(self, follower: Follower) -> None:
         """Refuse a value that no cam of such a follower can keep."""

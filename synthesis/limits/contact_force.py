@@ -60,6 +60,10 @@ class ContactForce(ForceLimit):
         return self
 
     @property
+    def said_in_part(self) -> bool:
+        return self.max_n is not None or bool(self.min_n)
+
+    @property
     def least_force(self) -> float:
         return self.min_n or 0.0
 

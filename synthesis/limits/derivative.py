@@ -16,6 +16,17 @@ class DerivativeLimit(TravelLimit, ABC):
     """|s^(order)| ω^order ≤ a limit, at every cam angle and on both sides of a jump."""
 
     order: ClassVar[int]
+    upper: ClassVar[bool] = True  # ``bound`` is a largest value
+
+    @property
+    def quantity(self) -> str:
+        """What is measured for it."""
+        return self.kind
+
+    @property
+    def bound(self) -> float:
+        """The limit in the wire's unit."""
+        return self.largest
 
     def rows(self, stretch: Stretch, machine: Machine) -> tuple[Row, ...]:
         upper = self.largest / machine.rate(self.order)

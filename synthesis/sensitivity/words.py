@@ -9,7 +9,7 @@ from synthesis.sensitivity.numbers import Asked
 from synthesis.sensitivity.slopes import Slopes
 
 MANY = 1000.0  # numbers from here on are told for one per cent more instead of one unit
-UNIT = re.compile(r"(?P<name>.+)_(?P<unit>mm|deg)(?P<per>_per_s(?P<power>[23])?)?")
+UNIT = re.compile(r"(?P<name>.+)_(?P<unit>mm|deg|hz)(?P<per>_per_s(?P<power>[23])?)?")
 
 
 def words(number: Asked, slopes: Slopes, objective: str) -> str:
@@ -54,4 +54,5 @@ def _with_unit(field: str | int) -> tuple[str, str]:
     if found is None:
         return str(field), ""
     power = {"2": "²", "3": "³"}.get(found["power"] or "", "")
-    return found["name"], found["unit"] + (f"/s{power}" if found["per"] else "")
+    unit = found["unit"].replace("hz", "Hz")
+    return found["name"], unit + (f"/s{power}" if found["per"] else "")

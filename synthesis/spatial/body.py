@@ -67,8 +67,8 @@ class Body:
         return np.stack([self.radius * np.cos(way), self.radius * np.sin(way), self.height])
 
 
-def body_of(cuts: Cuts, blank: Blank, rows: int) -> Body:
-    """The body of so many rows.
+def body_of(cuts: Cuts, blank: Blank, rows: int, parts: int | None = None) -> Body:
+    """The body of so many rows, lines across in so many flat parts; None: as suits its chart.
 
     Raises:
         InputError: as ``Cuts.grooves``.
@@ -77,7 +77,7 @@ def body_of(cuts: Cuts, blank: Blank, rows: int) -> Body:
     grooves = cuts.grooves(turn[:-1], blank.depth)
     kept = _met(blank, grooves)
     ribs = ribs_of(blank, *_closed(grooves, kept))
-    outline = _Outline(blank, ribs)
+    outline = _Outline(blank, ribs, blank.chart.parts if parts is None else parts)
     radius, height = outline.drawn()
     hand = cuts.cam.swept.hand
     return Body(blank, turn, kept, ribs, radius, height, tuple(outline.strips), hand)
@@ -155,8 +155,8 @@ def flank_error(cuts: Cuts, body: Body) -> float:
 class _Outline:
     """Collects the columns of all outlines."""
 
-    def __init__(self, blank: Blank, ribs: Array) -> None:
-        self.blank, self.ribs = blank, ribs
+    def __init__(self, blank: Blank, ribs: Array, parts: int) -> None:
+        self.blank, self.ribs, self.count = blank, ribs, parts
         self.strips: list[Strip] = []
         self.depths: list[Array] = []
         self.places: list[Array] = []
@@ -199,8 +199,7 @@ class _Outline:
     def _bridge(self, kind: str, start: Array, end: Array, depth: float) -> None:
         """Columns between two walls, of which the first and the last are the walls' own."""
         first = self._columns - 1
-        count = self.blank.chart.parts
-        parts = np.arange(1, count) / count
+        parts = np.arange(1, self.count) / self.count
         self.depths.append(np.full(len(parts), depth))
         self.places.append(start[:, None] + (end - start)[:, None] * parts)
         self.strips.append(Strip(kind, first, self._columns))

@@ -103,6 +103,7 @@ class CylindricalOscillating(SpatialMachine):
         drum.check_return(gain, self.travel)
 
     def check_reach(self, lowest: float, highest: float) -> None:
+        drum.check_moves(lowest, highest)
         starts = [seat.start for seat in self.seats()]
         least, most = min(starts) + lowest, max(starts) + highest
         if least <= -SQUARE or most >= SQUARE:
@@ -111,7 +112,7 @@ class CylindricalOscillating(SpatialMachine):
                 "A roller on the arm swings from {least}° to {most}° about the line square to the "
                 "cam's axis; at 90° it runs along the cam and drives nothing. Change "
                 "initial_angle_deg, or make the swing smaller.",
-                {"least": round(least / DEGREE, 9), "most": round(most / DEGREE, 9)},
+                {"least": drum.figure(least / DEGREE), "most": drum.figure(most / DEGREE)},
             )
         drum.check_beside(
             *self._lengths, (least, most), self.cylinder_radius_mm, self.roller_width_mm

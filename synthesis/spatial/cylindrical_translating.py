@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping
 from typing import ClassVar, Literal
 
@@ -12,6 +13,7 @@ from synthesis.geometry.swept_roller import Guide, SweptRoller
 from synthesis.ranges import Dimension, Range
 from synthesis.spatial import drum, roller
 from synthesis.spatial.machine import Seat, SpatialMachine
+from synthesis.terms import Row
 from synthesis.units import Travel
 
 
@@ -24,6 +26,7 @@ class CylindricalTranslating(SpatialMachine):
     kind: Literal["cylindrical_translating"] = "cylindrical_translating"
     title: ClassVar[str] = "cylindrical cam, follower on a slide"
     travel: ClassVar[Travel] = Travel()
+    sought: ClassVar[str] = "cylinder_radius_mm"
     unrolls: ClassVar[bool] = True
 
     cylinder_radius_mm: Dimension = None
@@ -60,3 +63,20 @@ class CylindricalTranslating(SpatialMachine):
 
     def check_gain(self, gain: float) -> None:
         drum.check_return(gain, self.travel)
+
+    def check_reach(self, lowest: float, highest: float) -> None:
+        drum.check_moves(lowest, highest)
+
+    def rest_rib(self, sizes: Mapping[str, float]) -> float:
+        distance = self.roller_distance_mm
+        return math.inf if distance is None else distance - 2.0 * sizes["roller_radius_mm"]
+
+    def pressure_angle_rows(self, sizes: Mapping[str, float], slope: float) -> tuple[Row, ...]:
+        """|s'| ≤ t (R − depth) for every place so deep in the cylinder, t what is left of tan α."""
+        width = self.roller_width_mm
+        kept = roller.of(sizes["roller_radius_mm"], 0.0, width, self.crown_radius_mm)
+        return tuple(
+            Row((0.0, sign, 0.0, 0.0), (-left,), -left * (width - foot))
+            for foot, left in roller.steepest(kept, slope)
+            for sign in (1.0, -1.0)
+        )

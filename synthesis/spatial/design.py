@@ -5,21 +5,21 @@ from __future__ import annotations
 from functools import cached_property
 from typing import Literal
 
-import numpy as np
 from pydantic import Field
 
 from synthesis.design import (
     Certificate,
+    Conflict,
     Part,
     Report,
     SegmentMotion,
     Status,
     question_id,
+    rebuilt,
     told,
 )  # fmt: skip
 from synthesis.fields import Rotation
-from synthesis.motion import Motion, Stretch
-from synthesis.numerics.bspline import SplineSpace
+from synthesis.motion import Motion
 from synthesis.spatial.cam import SpatialCam, settled
 from synthesis.spatial.spec import SpatialCamSpec
 
@@ -86,6 +86,7 @@ class SpatialDesign(Part):
     walls: list[SpatialWall] = told("By roller, then by side.")
     extremes: list[SpatialExtreme] = told("Measured on the finished cam.")
     certificate: Certificate = told("What was proven.")
+    conflict: Conflict | None = Field(None, description="Why nothing fits, where nothing does.")
     report: Report = told("What was modelled and what it cost.")
     spec: SpatialCamSpec = told("The question.")
     links: dict[str, str] = Field({}, description="Where to find it and its files.")
@@ -93,25 +94,13 @@ class SpatialDesign(Part):
     @cached_property
     def curve(self) -> Motion:
         """The motion, rebuilt to the last bit from the spec and the spline coefficients."""
-        return Motion.of(
-            [
-                _settled(stretch, segment)
-                for stretch, segment in zip(self.spec.stretches(), self.motion, strict=True)
-            ]
-        )
+        return rebuilt(self.spec.stretches(), self.motion)
 
     @cached_property
     def cam(self) -> SpatialCam:
         """The cam that files are made of."""
         sizes = {name: self.dimensions[name] for name in self.spec.machine.sizes()}
         return settled(self.spec, sizes, self.curve)
-
-
-def _settled(stretch: Stretch, segment: SegmentMotion) -> Stretch:
-    if segment.spline is None:
-        return stretch
-    space = SplineSpace(segment.spline.degree, np.array(segment.spline.knots))
-    return stretch.with_law(space.delivered(np.array(segment.spline.coefficients)))
 
 
 def spatial_id(spec: SpatialCamSpec) -> str:

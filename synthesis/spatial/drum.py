@@ -95,13 +95,13 @@ def check_beside(
         raise PydanticCustomError(
             "roller_beside_cylinder",
             "The roller's axis passes {away} mm beside the cam's, but a roller {width} mm wide "
-            "reaches into a cylinder of radius {radius} mm only within {room} mm. Bring the "
-            "pivot's distance nearer to the arm's length, or make the cylinder larger.",
+            "reaches into a cylinder of radius {radius} mm only within {room} mm. Change how far "
+            "the arm's pivot or the turret is from the cam's axis, or make the cylinder larger.",
             {
-                "away": round(abs(away), 9),
+                "away": figure(abs(away)),
                 "width": width,
                 "radius": largest,
-                "room": round(room, 9),
+                "room": figure(room),
             },
         )
 
@@ -111,6 +111,11 @@ def seats(rest: float, apart: float | None) -> tuple[Seat, ...]:
     if apart is None:
         return (Seat(1, rest),)
     return Seat(1, rest + 0.5 * apart, (LEFT,)), Seat(2, rest - 0.5 * apart, (RIGHT,))
+
+
+def figure(value: float) -> float:
+    """A number as messages tell it."""
+    return float(f"{value:.6g}")
 
 
 def check_return(gain: float, travel: Travel) -> None:
@@ -126,6 +131,20 @@ def check_return(gain: float, travel: Travel) -> None:
             "The follower ends {rest} {unit} away from where it began. "
             "Make the lifts of rises and returns sum to zero.",
             {"rest": float(f"{rest:.9g}"), "unit": travel.unit},
+        )
+
+
+def check_moves(lowest: float, highest: float) -> None:
+    """Refuse a follower that stands still all the turn.
+
+    Raises:
+        PydanticCustomError: it does.
+    """
+    if lowest == highest:
+        raise PydanticCustomError(
+            "program_still",
+            "The follower never moves: program holds no rise and no return. Add both.",
+            {},
         )
 
 

@@ -14,6 +14,7 @@ from synthesis.geometry.charts import Chart, Torus
 from synthesis.geometry.swept_roller import Pivot, Roller, SweptRoller
 from synthesis.ranges import Dimension, Range, ends
 from synthesis.spatial import roller, turret
+from synthesis.spatial.bulging import TurretBulge
 from synthesis.spatial.leverage import Leverage, TurretPressure, places
 from synthesis.spatial.machine import Seat, SpatialMachine
 from synthesis.units import DEGREE, FULL_TURN, Travel
@@ -35,6 +36,7 @@ class GloboidalIndexer(SpatialMachine):
     travel: ClassVar[Travel] = Travel("deg", DEGREE)
     period: ClassVar[float] = FULL_TURN
     sought: ClassVar[str] = "centre_distance_mm"
+    place_field: ClassVar[str] = "roller_inner_mm"
 
     rollers: turret.Rollers
     hand: turret.Hand = "right"
@@ -144,6 +146,11 @@ class GloboidalIndexer(SpatialMachine):
     def check_gain(self, gain: float) -> None:
         turret.check_index(gain, self.rollers)
 
+    def rest_rib(self, sizes: Mapping[str, float]) -> float:
+        # from the contact of one roller to the next roller, that is not to the contact there
+        gap = turret.gap(self.rollers, sizes["roller_inner_mm"], sizes["roller_radius_mm"])
+        return gap * math.cos(0.5 * turret.spacing(self.rollers))
+
     def reach(self, sizes: Mapping[str, float]) -> float:
         return sizes["roller_inner_mm"] + self.roller_width_mm
 
@@ -153,3 +160,12 @@ class GloboidalIndexer(SpatialMachine):
         length, first = self.reach(sizes), self.seats()[0].start
         spacing, at = turret.spacing(self.rollers), places(self._roller(sizes), length, slope)
         return (TurretPressure("pressure_angle", first, spacing, length, at),)
+
+    def wall_curves(self, sizes: Mapping[str, float], least: float) -> tuple[Leverage, ...]:
+        found = self._roller(sizes)
+        if found.crown:
+            return ()
+        at = (found.inner, found.outer)
+        spacing, first = turret.spacing(self.rollers), self.seats()[0].start
+        mesh, radius = self.mesh(sizes)[1], found.radius + least
+        return (TurretBulge("wall_radius", first, spacing, self.reach(sizes), radius, at, mesh),)

@@ -46,6 +46,8 @@ class SpatialMachine(BaseModel, ABC):
     travel: ClassVar[Travel]
     period: ClassVar[float] = math.inf  # of q, after which a roller is where it was [rad or mm]
     sought: ClassVar[str] = ""  # field of the dimension that is made small; empty: none yet
+    roller_field: ClassVar[str] = "roller_radius_mm"
+    place_field: ClassVar[str] = ""  # of the rollers' inner end on a turret; empty: none
     unrolls: ClassVar[bool] = False  # whether cylinders about its axis cut the cam's walls
 
     @model_validator(mode="after")
@@ -116,6 +118,13 @@ class SpatialMachine(BaseModel, ABC):
 
     # -- what is asked where the dimension ``sought`` is made small ------------------------------
 
+    def rest_rib(self, sizes: Mapping[str, float]) -> float:
+        """Thickness of the thinnest rib where the follower rests; infinite where it has none [mm].
+
+        ``sizes``: the radius of the rollers, and their place where it is one of them.
+        """
+        return math.inf
+
     def reach(self, sizes: Mapping[str, float]) -> float:
         """A length for one unit of q, near that of the rollers' travel [mm]."""
         return 1.0
@@ -132,4 +141,10 @@ class SpatialMachine(BaseModel, ABC):
         self, sizes: Mapping[str, float], slope: float
     ) -> tuple[Leverage, ...]:
         """The same where it is not linear, the motion being ``reach`` times q."""
+        return ()
+
+    def wall_curves(self, sizes: Mapping[str, float], least: float) -> tuple[Leverage, ...]:
+        """Convex radius of walls ≥ least [mm], 0 where they are not undercut; () where no form of
+        it is known: then cams grow until it is kept.
+        """
         return ()

@@ -15,7 +15,10 @@ from synthesis.motion import Stretch
 from synthesis.placing import placed
 from synthesis.program import Segment
 from synthesis.ranges import Range, ends
+from synthesis.spatial.freedom import check_free
+from synthesis.spatial.limits import AnySpatialLimit
 from synthesis.spatial.machines import AnyMachine
+from synthesis.spatial.objectives import AnySpatialObjective
 from synthesis.units import FULL_TURN, Pace, rad_per_s
 
 MAX_SEGMENTS = 100
@@ -40,6 +43,24 @@ class SpatialCamSpec(BaseModel):
         ),
     ]
     machine: Annotated[AnyMachine, Field(description="The machine around the cam.")]
+    limits: Annotated[
+        list[AnySpatialLimit], Field(max_length=50, description="What may not be exceeded.")
+    ] = []
+    objective: Annotated[
+        AnySpatialObjective | None,
+        Field(
+            description="What to make small where something is left free; left out: the dimension "
+            "that the machine grows by, its centre distance or its cylinder's radius."
+        ),
+    ] = None
+    tolerance: Annotated[
+        float,
+        Field(
+            ge=1e-6,
+            le=1.0,
+            description="Relative gap to the best possible that is good enough: it buys time.",
+        ),
+    ] = 1e-3
 
     @model_validator(mode="after")
     def _closes(self) -> SpatialCamSpec:
@@ -65,6 +86,34 @@ class SpatialCamSpec(BaseModel):
         placed = self.stretches()
         levels = [level for each in placed for level in (each.s_start, each.highest)]
         self.machine.check_reach(min(*levels, placed[-1].s_end), max(levels))
+        return self
+
+    @model_validator(mode="after")
+    def _limits_suit(self) -> SpatialCamSpec:
+        unit, kind = self.machine.travel.unit, self.machine.kind
+        for position, limit in enumerate(self.limits):
+            if limit.travel_unit not in (None, unit):
+                raise PydanticCustomError(
+                    "limit_unit_does_not_suit",
+                    "limits/{position} ({limit}) is given in {given}, but the follower of a {kind} "
+                    "moves by {unit}. Give the limit's field with {unit} in its name.",
+                    {"position": position, "limit": limit.kind, "given": limit.travel_unit,
+                     "kind": kind, "unit": unit},
+                )  # fmt: skip
+        return self
+
+    @model_validator(mode="after")
+    def _has_a_best(self) -> SpatialCamSpec:
+        sought, objective = self.machine.sought, self.objective
+        if objective is not None and objective.wire_name != sought:
+            raise PydanticCustomError(
+                "objective_does_not_suit",
+                "{objective} is no dimension that a {kind} is made small by. Leave objective out, "
+                "or give {own}.",
+                {"objective": objective.kind, "kind": self.machine.kind,
+                 "own": sought.removesuffix("_mm") or "none"},
+            )  # fmt: skip
+        check_free(self.machine, self.limits, any(s.sought for s in self.stretches()))
         return self
 
     @property
@@ -97,18 +146,17 @@ class SpatialCamSpec(BaseModel):
         return placed(self.program, angles, levels, self._pace)
 
     def left_free(self) -> Iterator[tuple[str, Any]]:
-        """JSON pointer and value of everything that the answer would have to choose."""
+        """JSON pointer and value of numbers of the program that are left free."""
         for position, segment in enumerate(self.program):
             for name, value in segment.left_open().items():
                 if isinstance(value, Range):
                     yield f"/program/{position}/{name}", value.model_dump()
-        for stretch in self.stretches():
-            if stretch.sought:
-                yield f"/program/{stretch.index}/law", self.program[stretch.index].law_name
-        for name, given in self.machine.sizes().items():
-            low, high = ends(given)
-            if low != high:
-                yield f"/machine/{name}", given.model_dump() if isinstance(given, Range) else given
+
+    @property
+    def given(self) -> bool:
+        """Whether every law and every dimension is given, so that nothing is left to choose."""
+        free = any(stretch.sought for stretch in self.stretches())
+        return not free and self.given_sizes() is not None
 
     def given_sizes(self) -> Mapping[str, float] | None:
         """The machine's dimensions where all of them are given [mm]."""

@@ -90,6 +90,7 @@ def test_closed_forms_of_a_cycloidal_and_a_parabolic_rise(swings: float) -> None
 
 LAWS = [
     ("modified_sine", "polynomial_5_6_7_8_9"),
+    ("cycloidal", {"kind": "gutman_1_3", "inflection": 0.944}),  # waves far faster than the train
     ("constant_velocity", "freudenstein_1_3_5"),  # the velocity jumps: impacts
 ]
 
@@ -264,6 +265,23 @@ def test_given_laws_that_ring_too_much() -> None:
                             laws=("cycloidal", "parabolic"), base_radius_mm=90.0))  # fmt: skip
     assert eased.status == "optimal"
     assert confirm(eased).verdict == "confirmed"
+
+
+def test_angles_are_chosen_so_that_given_laws_leave_little() -> None:
+    """Of cycloidal moves, near a whole number of swings from two on."""
+    frequency = hertz(2.0, 90.0)
+    body = spec(ANGLES, quiet(frequency, 0.2), laws=("cycloidal", "cycloidal")).model_dump(
+        mode="json", exclude_none=True
+    )
+    free = {"min": 60.0, "max": 105.0}
+    body["program"][0]["angle_deg"] = body["program"][2]["angle_deg"] = free
+    body["program"][3]["angle_deg"] = {"min": 80.0, "max": 300.0}
+    design = synthesise(DesignSpec.model_validate(body))
+    assert design.status == "feasible"
+    for angle in (design.chosen[f"program/{k}/angle_deg"] for k in (0, 2)):
+        swings = frequency / hertz(1.0, angle)
+        left = LIFT * abs(np.sin(pi * swings)) / (pi * swings * abs(1.0 - swings**2))
+        assert left <= 0.2 * (1.0 + 1e-9)
 
 
 def test_what_cannot_be_less_is_said() -> None:

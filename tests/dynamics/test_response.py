@@ -203,7 +203,7 @@ BODY = examples(TRAINS)["press-feeder"]["value"]
 
 
 def test_the_example_rests_in_its_first_mode_and_floats() -> None:
-    found = respond(TrainSpec.model_validate(BODY))
+    found = respond(TrainSpec.model_validate({**BODY, "turns": 1}))
     slow = found.modes[0]
     assert slow.natural_frequency_hz == pytest.approx(31.0, abs=1e-3)
     designed = next(each for each in found.speeds if each.speed_rpm == 240.0)
@@ -214,7 +214,12 @@ def test_the_example_rests_in_its_first_mode_and_floats() -> None:
     assert found.float_onset_rpm is not None
     assert 240.0 < found.float_onset_rpm < 480.0
     assert [each.floats for each in found.speeds] == [False, False, False, True]
-    slightly = {**BODY, "speeds_rpm": [0.999 * found.float_onset_rpm, found.float_onset_rpm]}
+    assert [each.flight is None for each in found.speeds] == [True, True, True, False]
+    slightly = {
+        **BODY,
+        "turns": 0,
+        "speeds_rpm": [0.999 * found.float_onset_rpm, found.float_onset_rpm],
+    }
     under, over = respond(TrainSpec.model_validate(slightly)).speeds
     assert under.contact_force_min_n.value > 0.0 >= over.contact_force_min_n.value
     table = response_csv(found, TrainOptions(turns=2)).decode().splitlines()
@@ -240,3 +245,26 @@ def mass(**changes: Any) -> dict[str, Any]:
 def test_trains_that_make_no_sense(masses: list[dict[str, Any]], words: str) -> None:
     with pytest.raises(ValidationError, match=words):
         TrainSpec.model_validate({**BODY, "train": {"masses": masses}})
+
+
+def test_critical_damping_costs_what_rounding_says() -> None:
+    """Two modes are one there: half of the digits go, and the answer says so."""
+    body = {**BODY, "speeds_rpm": [61.7], "turns": 0}
+    body["cam"] = {**BODY["cam"], "limits": []}
+    body["cam"]["program"] = [
+        {**each, **({"law": {"kind": "modified_sine"}} if "lift_mm" in each else {})}
+        for each in BODY["cam"]["program"]
+    ]
+    damping = 2.0 * sqrt(40e-3)
+
+    def told(factor: float) -> Any:
+        masses = [{"mass_kg": 1.0, "stiffness_n_per_mm": 40.0,
+                   "damping_n_s_per_mm": damping * factor}]  # fmt: skip
+        asked = TrainSpec.model_validate({**body, "train": {"masses": masses}})
+        return respond(asked).speeds[0]
+
+    critical, *beside = (told(factor) for factor in (1.0, 1.0 - 1e-5, 1.0 + 1e-5))
+    between = 0.5 * sum(each.output_error_max.value for each in beside)
+    assert critical.output_error_max.value == pytest.approx(between, rel=1e-7)
+    assert beside[0].rounding < critical.rounding < 1e-5
+    assert abs(critical.output_error_max.value - between) < 10.0 * critical.rounding

@@ -157,3 +157,10 @@ def test_each_limit_bites(free: Design, limit: dict[str, Any], name: str, short:
     assert design.certificate.certified
     assert told.value == pytest.approx(short, rel=2e-3)
     assert design.dimensions["base_radius_mm"] > free.dimensions["base_radius_mm"]
+
+
+def test_a_force_that_nothing_can_keep_is_named_in_the_conflict() -> None:
+    design = limited({"kind": "contact_force", "min_n": 1e6})
+    assert design.status == "infeasible"
+    named = {change.limit for change in design.conflict.relaxations}
+    assert "contact_force_min" in named

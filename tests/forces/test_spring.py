@@ -23,9 +23,23 @@ KINDS = [("translating_roller", 0), ("translating_roller", 2), ("translating_fla
          ("oscillating_roller", 1), ("oscillating_flat_face", 0)]  # fmt: skip
 
 
-def dense_rows(kind: str, sample: int) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
+def pulled(angle: float, damping: float) -> dict[str, Any]:
+    """Drawn off the cam about one angle: where inertia presses it on, slow speeds are the worst,
+    or one in between, if the damper draws as well.
+    """
+    points = [(angle - 21.0, 0.0), (angle, -900.0), (angle + 19.0, 0.0)]
+    process = [{"angle_deg": place, "force_n": force} for place, force in points]
+    return SLIDE | {"damping_n_s_per_m": damping, "process": process}
+
+
+CASES = [(kind, sample, load_of(kind, sample)) for kind, sample in KINDS]
+
+
+def dense_rows(
+    kind: str, sample: int, load: dict[str, Any]
+) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
     """N = (s k + F0 + rest)/grip by unit springs: s, smallest and largest rest, grip."""
-    asked = spec(kind, sample, load=load_of(kind, sample) | SPEEDS)
+    asked = spec(kind, sample, load=load | SPEEDS)
     cam, machine = given(asked), asked.machine()
     theta = np.concatenate(
         [np.radians(np.linspace(0.0, 360.0, 3_601)[:-1]), np.radians([120.5 - 1e-9])]
@@ -44,13 +58,19 @@ def dense_rows(kind: str, sample: int) -> tuple[np.ndarray, np.ndarray, np.ndarr
     return s, np.min(each, axis=0), np.max(each, axis=0), grip
 
 
-@pytest.mark.parametrize(("kind", "sample"), KINDS)
-def test_it_is_the_best_of_all_springs(kind: str, sample: int) -> None:
-    asked = spec(kind, sample, load=load_of(kind, sample) | SPEEDS)
+@pytest.mark.parametrize(
+    ("kind", "sample", "load"), [
+        *CASES,
+        ("translating_roller", 0, pulled(25.0, 41.0)),
+        ("translating_roller", 0, pulled(235.0, 900.0)),
+    ],
+)  # fmt: skip
+def test_it_is_the_best_of_all_springs(kind: str, sample: int, load: dict[str, Any]) -> None:
+    asked = spec(kind, sample, load=load | SPEEDS)
     cam, machine = given(asked), asked.machine()
     ends = (0.0, np.inf)
     found = Sprung(cam.motion, machine, machine.load, cam.size, ends, ends).chosen()
-    s, low, high, grip = dense_rows(kind, sample)
+    s, low, high, grip = dense_rows(kind, sample, load)
     one = np.ones_like(s)
     scale = np.abs(high).max()
     rows = (
@@ -61,14 +81,14 @@ def test_it_is_the_best_of_all_springs(kind: str, sample: int) -> None:
         bounds=[(0, None), (0, None), (None, None)],
     )  # fmt: skip
     assert wanted.success
-    assert found.peak == pytest.approx(wanted.fun, rel=1e-4)
+    assert found.peak == pytest.approx(wanted.fun, rel=3e-4)
     assert found.lacking == 0.0
     # every spring around: one that does not float has a peak that is no lower
     rates = found.rate * np.linspace(0.0, 2.0, 41) + 0.02 * np.arange(41) * (found.rate == 0.0)
     for rate in rates:
         preload = max(np.max(-(s * rate + low)), 0.0)
         peak = np.max((s * rate + preload + high) / grip)
-        assert peak >= found.peak * (1.0 - 1e-4)
+        assert peak >= found.peak * (1.0 - 3e-4)
 
 
 @pytest.fixture(scope="module")
@@ -81,7 +101,7 @@ def sprung() -> Design:
 def test_a_cam_comes_with_its_spring(sprung: Design) -> None:
     assert sprung.status == "optimal"
     assert set(sprung.chosen) == {"load/spring/rate_n_per_mm", "load/spring/preload_n"}
-    assert sprung.forces.floats_from_rpm == pytest.approx(391.0, rel=1e-5)
+    assert sprung.forces.floats_from_rpm == pytest.approx(391.0, rel=1e-3)
     assert sprung.forces.floats_from_rpm >= 391.0
     assert "any spring" in sprung.certificate.bound_over
     spring = sprung.built.load.spring
@@ -123,4 +143,18 @@ def test_an_arm_s_spring_is_told_in_its_own_unit() -> None:
     load = ARM | {"spring": {}, "speeds": {"min_rpm": 1, "max_rpm": 502.0}}
     design = synthesise(spec("oscillating_roller", 0, load=load))
     assert set(design.chosen) == {"load/spring/rate_n_m_per_rad", "load/spring/preload_n_m"}
-    assert design.forces.floats_from_rpm == pytest.approx(502.0, rel=1e-5)
+    assert design.forces.floats_from_rpm == pytest.approx(502.0, rel=1e-3)
+
+
+def test_a_follower_that_nothing_else_presses_keeps_a_little_force() -> None:
+    """The best spring has no preload to speak of; what there is keeps the certificate content."""
+    load = {name: value for name, value in BODY["load"].items() if name != "process"}
+    limits = [*BODY["limits"], {"kind": "contact_force", "min_n": 0}]
+    body = BODY | {"load": load | {"spring": {}}, "limits": limits}
+    design = synthesise(DesignSpec.model_validate(body))
+    assert design.status == "optimal"
+    assert (
+        0.0
+        < design.forces.flanks[0].smallest_n.value
+        < 1e-3 * (design.forces.flanks[0].largest_n.value)
+    )

@@ -17,6 +17,7 @@ from typing import Any
 import numpy as np
 
 from tests.hard.own_cam import RAD, Face, Path, Stretch, base_gap, paths, sides, stretches, unit_of
+from tests.hard.own_ringing import amplitudes
 
 Quantity = Callable[[list[np.ndarray]], np.ndarray]
 ALWAYS = "always"
@@ -284,6 +285,14 @@ def derivative(cam: Cam, limit: dict[str, Any]) -> Iterable[Reading]:
     yield Reading(limit["kind"], value * rate, bound, 1e-9 * bound + cam.noise(order) * rate)
 
 
+def residual_vibration(cam: Cam, limit: dict[str, Any]) -> Iterable[Reading]:
+    levels = [level for m in cam.moves for level in (m.level, m.level + m.lift)]
+    stroke = max(levels) - min(levels)
+    asked = next(limit[key] for key in ("max_mm", "max_deg") if limit.get(key) is not None)
+    value = max(amplitudes(cam.moves, cam.omega, limit), default=0.0)
+    yield Reading("residual_vibration", value, asked or 1e-9 * stroke, 2e-10 * stroke)
+
+
 def peak(cam: Cam, order: int) -> float:
     """Largest |s^(n)| per radian; infinite where a lower one jumps."""
     for below in range(order):
@@ -303,6 +312,7 @@ MEASURES: dict[str, Callable[[Cam, dict[str, Any]], Iterable[Reading]]] = {
     "velocity": derivative,
     "acceleration": derivative,
     "jerk": derivative,
+    "residual_vibration": residual_vibration,
 }
 
 

@@ -14,6 +14,8 @@ from tests.service.test_spatial_cams import P4, WHERE
 from tests.service.test_trouble import is_problem
 
 SMALL: dict[str, dict[str, Any]] = {
+    "flanks.step": {"tolerance_um": 3.0, "flank": "1L"},
+    "surfaces.json": {"points_per_degree": 0.2, "bore_mm": 37.5},
     **{name: {"points_per_degree": 0.5} for name in FORMATS if name.startswith("motion")},
     "cutter.csv": {"cutter_diameter_mm": 41.0, "flank": "2R", "points_per_degree": 0.2},
     "body.stl": {"points_per_degree": 0.2, "depths": 3, "bore_mm": 37.5},

@@ -5,13 +5,17 @@ from __future__ import annotations
 import csv
 import io
 import json
+import re
 from copy import deepcopy
+from pathlib import Path
 from typing import Any
 from xml.etree import ElementTree
 
 import httpx2
 import pytest
+from typer.testing import CliRunner
 
+from service import cli
 from service.client import Client
 from service.examples import TRAINS, examples
 from synthesis.dynamics import TrainSpec
@@ -34,14 +38,15 @@ def quick() -> dict[str, Any]:
 
 
 def test_the_library_says_the_same(service: Running) -> None:
+    asked = {**BODY, "turns": 0}
     with Client(service.url) as client:
-        answer = client.train_response(BODY)
-    mine = json.loads(respond(TrainSpec.model_validate(BODY)).model_dump_json())
+        answer = client.train_response(asked)
+    mine = json.loads(respond(TrainSpec.model_validate(asked)).model_dump_json())
     for same in ("id", "modes", "speeds", "float_onset_rpm"):
         assert answer[same] == mine[same]
     document = service.client.get("/openapi.json").json()
-    asked = document["paths"][WHERE]["post"]["requestBody"]["content"]["application/json"]
-    assert asked["examples"] == examples(TRAINS)
+    body = document["paths"][WHERE]["post"]["requestBody"]["content"]["application/json"]
+    assert body["examples"] == examples(TRAINS)
 
 
 def test_now_and_later_with_files(client: httpx2.Client, quick: dict[str, Any]) -> None:
@@ -67,10 +72,24 @@ def test_now_and_later_with_files(client: httpx2.Client, quick: dict[str, Any]) 
     again = client.get(answer["links"]["response.csv"], params=asked,
                        headers=tag)  # fmt: skip
     assert again.status_code == 304
+    refused = client.get(answer["links"]["polydyne.csv"])
+    assert refused.status_code == 422
+    assert "/train/masses/0/damping_n_s_per_mm" in refused.text
     assert client.delete(where).status_code == 204
     gone = client.get(where)
     assert gone.status_code == 404
     assert gone.json()["type"] == "/problems/unknown-train-response"
+
+
+def test_the_command_tells_and_writes(tmp_path: Path, quick: dict[str, Any]) -> None:
+    question = tmp_path / "train.json"
+    question.write_text(json.dumps({**quick, "turns": 0}), encoding="utf-8")
+    run = CliRunner().invoke(cli.app, ["respond", str(question), "--out", str(tmp_path / "out")])
+    assert run.exit_code == 0, run.output
+    assert "Modes: 31 Hz" in run.output
+    assert re.search(r"231 .* to .* to ", run.output)
+    written = {file.name for file in (tmp_path / "out").iterdir()}
+    assert written == {"train-response.json", "response.csv", "response.svg", "spectrum.svg"}
 
 
 @pytest.mark.parametrize(

@@ -7,11 +7,14 @@ from typing import Any
 
 import numpy as np
 import pytest
+from numpy.typing import NDArray
 from pydantic import ValidationError
 
 from synthesis.motion import Motion
 from synthesis.spatial.cam import SpatialCam, settled
 from synthesis.spatial.spec import SpatialCamSpec
+
+Array = NDArray[np.float64]
 
 
 def body(**changes: Any) -> dict[str, Any]:
@@ -93,6 +96,42 @@ def test_a_right_hand_thread_is_a_right_hand_screw(kind: str, hand: str, rotatio
     turn = np.cross(across[:, :-1], across[:, 1:], axis=0)
     helix = np.sign((e @ turn) * np.diff(along))
     assert np.all(helix == (1.0 if hand == "right" else -1.0))
+
+
+@pytest.mark.parametrize(("rollers", "steps"), [(4, 1), (5, -2), (6, 2), (8, 3), (7, -1)])
+@pytest.mark.parametrize("dwell_on", ["rib", "groove"])
+def test_walls_are_met_when_rollers_are_there(rollers: int, steps: int, dwell_on: str) -> None:
+    """Threads and senses of all kinds: by counting rollers in the mesh, whatever their numbers."""
+    lift = abs(steps) * 360.0 / rollers
+    kind = "rise" if steps > 0 else "return"
+    move = {"kind": kind, "angle_deg": 217.0, "lift_deg": lift, "law": {"kind": "cycloidal"}}
+    machine = body(rollers=rollers, roller_radius_mm=11.3, dwell_on=dwell_on, mesh_angle_deg=71.0)
+    asked = machine | {"program": [move, {"kind": "dwell", "angle_deg": 143.0}]}
+    cam = cam_of(SpatialCamSpec(**asked))
+    theta = np.linspace(0.0, 2.0 * math.pi, 811)[1:-1]
+    told = sum(
+        ((theta > a) & (theta < b)).astype(int)
+        for wall in cam.walls if wall.letter == "L" for a, b in wall.spans
+    )  # fmt: skip
+    first = 0.5 if dwell_on == "rib" else 0.0
+    q = lift * np.sign(steps) * np.interp(theta, *law_of(217.0))
+    places = q[:, None] + 360.0 / rollers * (first - np.arange(rollers))
+    near = np.abs((places + 180.0) % 360.0 - 180.0) < 71.0
+    assert np.mean(told != near.sum(axis=1)) < 0.01  # within a sample of where one comes or goes
+
+
+def law_of(angle: float) -> tuple[Array, Array]:
+    """The cycloidal law as many points."""
+    x = np.linspace(0.0, 1.0, 4001)
+    return np.radians(angle) * x, x - np.sin(2.0 * math.pi * x) / (2.0 * math.pi)
+
+
+def test_seen_from_the_other_end_the_cam_is_the_same() -> None:
+    points = []
+    for rotation in ("ccw", "cw"):
+        cam = cam_of(SpatialCamSpec(**body(), rotation=rotation))
+        points.append(cam.surface(cam.walls[3], np.array([0.7]), np.array([80.0]))[0])
+    assert np.array_equal(*points)
 
 
 def test_a_gain_that_is_no_whole_number_of_rollers_is_refused() -> None:

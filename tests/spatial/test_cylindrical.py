@@ -109,6 +109,13 @@ def test_at_a_turning_point_a_wall_is_undercut_as_its_development_is() -> None:
             assert found[0] == pytest.approx(1.0 - wall.side * radius * bend / RHO**2, abs=1e-9)
 
 
+def test_a_turret_s_roller_leaves_where_its_inner_end_passes_beside_the_cylinder() -> None:
+    cam = SAMPLES["turret"].cam()
+    ((_, end),) = next(wall.spans for wall in cam.walls if wall.name == "1L")
+    y, _ = SAMPLES["turret"].ways(np.array([end]))[0]
+    assert y**2 + INNER**2 == pytest.approx(OUTER**2)
+
+
 def test_a_rib_has_one_wall_of_each_roller() -> None:
     assert [wall.name for wall in SAMPLES["slide astride a rib"].cam().walls] == ["1L", "2R"]
 
@@ -139,7 +146,28 @@ def test_what_no_machine_can_do_is_refused(kind: str, changes: dict[str, Any], t
         SpatialCamSpec(program=steps, machine={"kind": kind, **SIZES, **changes})
 
 
+def test_a_follower_that_stands_still_is_refused() -> None:
+    with pytest.raises(ValidationError, match="never moves"):
+        SpatialCamSpec(
+            program=[{"kind": "dwell", "angle_deg": 360.0}], machine={"kind": SLIDE, **SIZES}
+        )
+
+
 def test_a_follower_that_does_not_come_back_is_refused() -> None:
     steps = [*program("mm", 33.7)[:2], {"kind": "dwell", "angle_deg": 211.0}]
     with pytest.raises(ValidationError, match=r"ends 33.7 mm away from where it began"):
         SpatialCamSpec(program=steps, machine={"kind": SLIDE, **SIZES})
+
+
+@pytest.mark.parametrize("crown", [None, CROWN])
+def test_rows_of_the_pressure_angle_are_kept_up_to_it(crown: float | None) -> None:
+    """Where the walls' largest is the limit, the tightest row is met."""
+    sample = SAMPLES["slide in a groove"]
+    spec = sample.spec(machine=sample.body["machine"] | {"crown_radius_mm": crown})
+    cam = sample.cam(machine=sample.body["machine"] | {"crown_radius_mm": crown})
+    theta, rho = np.array([0.6, 1.03]), np.linspace(INNER, OUTER, 4001)
+    slope = np.tan(cam.contacts(cam.walls[0], theta, rho).pressure_angle.max(axis=1))
+    for limit, speed in zip(slope, cam.motion.derivatives(theta, 1)[1], strict=True):
+        rows = spec.machine.pressure_angle_rows({"roller_radius_mm": RADIUS}, float(limit))
+        spare = [row.upper - row.coefficients[1] * speed - row.size[0] * OUTER for row in rows]
+        assert min(spare) == pytest.approx(0.0, abs=1e-9 if crown is None else 2e-2)

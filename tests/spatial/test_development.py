@@ -32,6 +32,20 @@ def test_its_curves_are_touched_by_rollers_and_not_cut(
         assert gap.max() < 2e-3  # between two of the angles tried
 
 
+@pytest.mark.parametrize("rotation", ["ccw", "cw"])
+@pytest.mark.parametrize("name", ["slide astride a rib", "arm astride a rib"])
+def test_paths_are_where_the_rollers_axes_are(name: str, rotation: str) -> None:
+    sample, turns = SAMPLES[name], 1 if rotation == "ccw" else -1
+    cam, theta = sample.cam(rotation=rotation), np.linspace(0.1, 6.2, 43)
+    # the first roller is the one ahead
+    for each, (y, z) in zip(cam.walls, reversed(sample.ways(theta)), strict=True):
+        line = path(cam, each.seat, theta, DEEP)
+        there = DEEP * np.exp(1j * turns * (theta - line.phi))
+        assert there.imag == pytest.approx(y, abs=1e-9)
+        assert there.real == pytest.approx(line.rho, abs=1e-9)
+        assert line.z == pytest.approx(z, abs=1e-9)
+
+
 @pytest.mark.parametrize("drawn", [OUTER, DEEP])
 @pytest.mark.parametrize("name", ["slide in a groove", "arm in a groove"])
 def test_departures_are_distances_from_the_curve_drawn(name: str, drawn: float) -> None:

@@ -13,6 +13,7 @@ from scipy.spatial import KDTree
 from synthesis.spatial.cam import SpatialCam
 from synthesis.spatial.design import SpatialDesign, SpatialExtreme
 from synthesis.spatial.measuring import enclosing, ribs
+from synthesis.spatial.measuring.demands import kept
 from synthesis.spatial.measuring.follower import holding, in_time
 from synthesis.spatial.measuring.found import told
 from synthesis.spatial.measuring.patches import patches
@@ -172,16 +173,44 @@ def test_the_turret_s_peaks_are_the_law_s(indexer: SpatialDesign) -> None:
         assert extreme(indexer, name).value == pytest.approx(expected, rel=1e-9)
 
 
-def test_rollers_turn_as_fast_as_the_cam_passes_them_at_rest(indexer: SpatialDesign) -> None:
-    """While the turret rests, a roller at ψ rolls at (C − ρ cos ψ)/Rr, and only its middle does."""
+def slips(cam: SpatialCam, start: float, theta: Array, point: Array, rho: Array) -> list[Array]:
+    """At contacts, by cross products: slip, what of it stays when the roller's middle rolls, rate.
+
+    The rate is how fast the roller turns for that, against the cam.
+    """
+    q, q1 = cam.motion.derivatives(theta, 1)
+    psi = (q + start)[:, None]
+    u = np.stack([np.cos(psi), np.sin(psi), 0.0 * psi])
+    across = np.cross(point - rho * u, u + 0.0 * point, axis=0) / 29.1
+    moved = np.cross(np.array([0.0, 0.0, 1.0]), point, axis=0) * q1[:, None]
+    away = point - np.array([181.3, 0.0, 0.0]).reshape(3, 1, 1)
+    slip = moved - np.cross(np.array([0.0, 1.0, 0.0]), away, axis=0)
+    rate = (slip * across).sum(axis=0)[:, [len(rho) // 2]]
+    sizes = [np.sqrt((each**2).sum(axis=0)) for each in (slip, slip - rate * across)]
+    return [*sizes, np.abs(rate) / 29.1 + 0.0 * sizes[0]]
+
+
+def test_rollers_roll_at_their_middle_and_slide_elsewhere(indexer: SpatialDesign) -> None:
+    cam, rho, most = indexer.cam, np.linspace(71.9, 102.4, 31), [0.0, 0.0, 0.0]
+    for wall in cam.walls:
+        for low, high in wall.spans:
+            theta = np.linspace(low + 1e-9, min(high, math.radians(125.0)), 241)
+            point = cam.contacts(wall, theta, rho).point
+            found = slips(cam, wall.seat.start, theta, point, rho)
+            there = cam.between_faces(point)
+            most = [max(old, float(new[there].max())) for old, new in zip(most, found, strict=True)]
     omega = SPEED * 2.0 * math.pi / 60.0
-    rolling = omega * (181.3 - 0.5 * (71.9 + 102.4) * math.cos(math.radians(30.0))) / 29.1
-    fastest = extreme(indexer, "roller_speed").value
-    assert fastest is not None
-    assert fastest * 2.0 * math.pi / 60.0 > rolling
-    sliding = extreme(indexer, "sliding_speed").value
-    assert sliding is not None
-    assert sliding > omega * 0.5 * 30.5 * math.cos(math.radians(30.0))
+    names = {"contact_speed": omega, "sliding_speed": omega, "roller_speed": SPEED}
+    for (name, factor), largest in zip(names.items(), most, strict=True):
+        assert extreme(indexer, name).value == pytest.approx(factor * largest, rel=2e-3)
+
+
+def test_the_core_is_what_rims_of_rollers_leave(indexer: SpatialDesign) -> None:
+    psi, phi = np.meshgrid(np.linspace(-1.5, 1.5, 801), np.linspace(0.0, 2.0 * math.pi, 241))
+    x = 102.4 * np.cos(psi) - 29.1 * np.cos(phi) * np.sin(psi)
+    nearest = np.hypot(x - 181.3, 29.1 * np.sin(phi)).min()
+    assert indexer.dimensions["core_radius_mm"] == pytest.approx(nearest, abs=1e-3)
+    assert extreme(indexer, "core_radius").value == indexer.dimensions["core_radius_mm"]
 
 
 def test_some_wall_holds_the_turret_on_either_side(indexer: SpatialDesign) -> None:
@@ -229,3 +258,37 @@ def test_undercut_is_a_result_with_its_place() -> None:
     assert undercut.value < 0.0
     assert undercut.angle_deg is not None
     assert 0.0 < undercut.angle_deg < 60.0
+
+
+def test_a_jump_of_the_velocity_breaks_the_walls() -> None:
+    asked = body()
+    asked["program"][0]["law"] = {"kind": "constant_velocity"}
+    found = synthesise_spatial(SpatialCamSpec(**asked))
+    assert found.status == "infeasible"
+    undercut = extreme(found, "undercut")
+    assert (undercut.value, undercut.angle_deg, undercut.holds) == (None, 0.0, False)
+    assert undercut.evidence.startswith("the velocity jumps there")
+    assert extreme(found, "acceleration").value is None
+
+
+def test_windows_and_points_are_looked_at() -> None:
+    """The cycloidal law is half way at the middle, and there at twice the mean speed."""
+    asked, speed = body(), SPEED * 6.0 / 120.0
+    asked["program"][0] |= {
+        "points": [{"angle_deg": 60.0, "travel_deg": 30.0}],
+        "windows": [{"from_deg": 40.0, "to_deg": 70.0,
+                     "velocity_deg_per_s": {"max": 119.0 * speed}}],
+    }  # fmt: skip
+    spec = SpatialCamSpec(**asked, speed_rpm=SPEED)
+    found = {kind.name: told(kind, each, {}) for kind, each in kept(spec, cam_of(spec))}
+    assert {each.field for each in found.values()} == {
+        "program/0/points/0/travel_deg", "program/0/windows/0/velocity_deg_per_s/max"
+    }  # fmt: skip
+    window = found.pop("program_0_window_0_velocity_max")
+    assert window.value == pytest.approx(120.0 * speed)
+    assert window.angle_deg == pytest.approx(60.0, abs=1e-6)
+    assert not window.holds
+    assert len(found) == 2
+    for point in found.values():
+        assert point.value == pytest.approx(30.0, abs=1e-12)
+        assert point.holds

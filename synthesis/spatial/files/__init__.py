@@ -14,15 +14,24 @@ from synthesis.spatial.files import (
     developed,
     developed_svg,
     flanks_ibl,
+    flanks_step,
     flanks_table,
     motion,
+    surfaces_json,
 )
 from synthesis.spatial.machines import MACHINES
 
 Format = FileFormat[SpatialDesign, Any]
 UNROLLED: tuple[Format, ...] = (developed.JSON, developed.CSV, developed_svg.SVG)
 MOTION: tuple[Format, ...] = (motion.JSON, motion.CSV, motion.SVG)
-WHOLE: tuple[Format, ...] = (flanks_ibl.FLANKS, flanks_table.CSV, flanks_table.JSON, body_stl.STL)
+WHOLE: tuple[Format, ...] = (
+    flanks_ibl.FLANKS,
+    flanks_table.CSV,
+    flanks_table.JSON,
+    flanks_step.STEP,
+    body_stl.STL,
+    surfaces_json.SURFACES,
+)
 FORMATS: Mapping[str, Format] = MappingProxyType(
     {each.name: each for each in (*MOTION, *UNROLLED, *WHOLE, cutter_path.CSV)}
 )

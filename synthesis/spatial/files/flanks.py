@@ -90,6 +90,7 @@ def _strays(cam: SpatialCam, each: Patch) -> float:
 
 
 def chosen(cam: SpatialCam, name: str) -> list[Wall]:
+    """The walls of this name; of "", all."""
     """The flank of this name, all for "".
 
     Raises:

@@ -89,7 +89,13 @@ class SizedMachine:
 
     def pressure_angle_curves(self, slope: float) -> tuple[Leverage, ...]:
         """|tan α| ≤ slope where it is not."""
-        curves = self.machine.pressure_angle_curves(self.sizes, slope)
+        return self._turned(self.machine.pressure_angle_curves(self.sizes, slope))
+
+    def profile_radius_curves(self, least: float) -> tuple[Leverage, ...]:
+        """Convex radius of the walls ≥ least [mm]."""
+        return self._turned(self.machine.wall_curves(self.sizes, least))
+
+    def _turned(self, curves: tuple[Leverage, ...]) -> tuple[Leverage, ...]:
         return tuple(curve.made_safe() for curve in curves) if self.safe else curves
 
 

@@ -19,8 +19,9 @@ from synthesis.formulations.convex import Plan, formulate
 from synthesis.formulations.cuts import About, Region
 from synthesis.formulations.ends import meet
 from synthesis.formulations.gentlest import gentlest
-from synthesis.formulations.grid import uniform
+from synthesis.formulations.grid import SettledLaw, uniform
 from synthesis.formulations.knots import finer
+from synthesis.formulations.local import gentle
 from synthesis.formulations.missed import ALLOWED, misses
 from synthesis.formulations.problem import Problem
 from synthesis.formulations.rows import Drawn
@@ -33,7 +34,8 @@ from synthesis.spatial.formulations.fastest import Track, least_size
 from synthesis.spatial.formulations.scene import made_safe
 
 FIRST = 24  # intervals of the first knots
-ROUNDS, TURNS = 7, 6
+ROUNDS, FEW, TURNS = 7, 3, 12  # few where no bound says what finer knots are worth
+SHARES = (0.5, 0.25, 0.1)  # of a step, where the whole of it leads to no smaller cam
 STAYS = 0.05  # of the tolerance: gain of a turn that is none
 IDLE = 0.1  # of the tolerance: gain of a round after which knots have little left to gain
 EVERY = "all motion laws"
@@ -70,8 +72,9 @@ def squeezed(problem: Problem, tolerance: float, deadline: float, tighten: float
     state = squeeze.state
     state.grids = tuple(uniform(stretch, FIRST) for stretch in problem.free)
     _outrun(state)
+    squeeze.last = gentle(state) if _bulges(problem) else None
     before, idle = inf, 0
-    for number in range(1, ROUNDS + 1):
+    for number in range(1, (FEW if _bulges(problem) else ROUNDS) + 1):
         lower, missed = _turned(squeeze, number)
         if lower is None:
             if number > 1 or not _eased(state):
@@ -87,6 +90,11 @@ def squeezed(problem: Problem, tolerance: float, deadline: float, tighten: float
                 break
         state.grids = finer(problem, state.grids, squeeze.last, lower, missed)
     return state
+
+
+def _bulges(problem: Problem) -> bool:
+    """Whether limits speak of accelerations too: the fastest laws are then no good start."""
+    return any(curve.order > 1 for stretch in problem.free for curve in problem.curves_on(stretch))
 
 
 def _outrun(state: Search) -> None:
@@ -115,26 +123,47 @@ def _turned(squeeze: _Squeeze, number: int) -> tuple[Bound | None, list[Array]]:
         None where there was no cam. And where rows were missed between their points.
     """
     state, began, iterations = squeeze.state, time.perf_counter(), 0
-    value, missed, lower = inf, list[Array](), None
+    missed, lower, base = list[Array](), None, squeeze.last
     for _ in range(TURNS):
         plan, solution = _safe(squeeze)
         iterations += solution.iterations
         if solution.stopped not in USABLE:
             break
         lower = bound(plan, solution)
-        found = settle(state.problem, *plan.recover(solution.x))
-        squeeze.last = found
+        found = _stepped(state, settle(state.problem, *plan.recover(solution.x)), base)
         missed, excess = misses(state, found)
         if excess > ALLOWED:
             state.margin = 1.1 * (state.margin + excess)
         elif found.value < squeeze.value:
             state.best = found
-        before, value = value, found.value
-        stays = before - value <= STAYS * state.tolerance * value and excess <= ALLOWED
-        if stays or state.left() <= 0.0:
+        before, base = inf if base is None else base.value, found
+        squeeze.last = found
+        stays = before - found.value <= STAYS * state.tolerance * found.value
+        if (stays and excess <= ALLOWED) or state.left() <= 0.0:
             break
     report(state, f"tangents {number}", plan, solution, iterations, began)
     return lower, missed
+
+
+def _stepped(state: Search, found: Candidate, base: Candidate | None) -> Candidate:
+    """The cam, or one on the way to it from the last one where that is smaller."""
+    if base is None:
+        return found
+    best, before = (
+        found,
+        [law.on(grid.space) for law, grid in zip(base.laws, state.grids, strict=True)],
+    )
+    enough = base.value * (1.0 + STAYS * state.tolerance)
+    for share in SHARES:
+        if best.value <= enough:
+            break
+        laws = [
+            SettledLaw(law.space, share * law.coefficients + (1.0 - share) * old)
+            for law, old in zip(found.laws, before, strict=True)
+        ]
+        tried = settle(state.problem, laws, found.size)
+        best = min(best, tried, key=lambda each: each.value)
+    return best
 
 
 def _safe(squeeze: _Squeeze) -> tuple[Plan, ConeSolution]:

@@ -34,15 +34,15 @@ class SpatialPressureAngle(SpatialLimit):
         return True
 
     @property
-    def _slope(self) -> float:
+    def steepest(self) -> float:
         return tan(self.max_deg * DEGREE)
 
     def rows(self, stretch: Stretch, machine: Machine) -> tuple[Row, ...]:
         return tuple(
             row
             for path in machine.follower.paths.values()
-            for row in path.pressure_angle_rows(self._slope)
+            for row in path.pressure_angle_rows(self.steepest)
         )
 
     def curved(self, stretch: Stretch, machine: Machine) -> tuple[Curved, ...]:
-        return machine.follower.pressure_angle_curves(self._slope)
+        return machine.follower.pressure_angle_curves(self.steepest)

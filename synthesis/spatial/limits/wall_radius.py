@@ -6,7 +6,10 @@ from typing import Annotated, ClassVar, Literal
 
 from pydantic import Field
 
+from synthesis.limits.base import Machine
+from synthesis.motion import Stretch
 from synthesis.spatial.limits.base import SpatialLimit
+from synthesis.terms import Curved
 
 
 class WallRadius(SpatialLimit):
@@ -25,3 +28,6 @@ class WallRadius(SpatialLimit):
     @property
     def bound(self) -> float:
         return self.min_mm
+
+    def curved(self, stretch: Stretch, machine: Machine) -> tuple[Curved, ...]:
+        return machine.follower.profile_radius_curves(self.min_mm)

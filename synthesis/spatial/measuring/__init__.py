@@ -6,7 +6,7 @@ from collections.abc import Iterator, Mapping
 
 from synthesis.spatial.cam import SpatialCam
 from synthesis.spatial.design import SpatialExtreme
-from synthesis.spatial.measuring import follower, ribs, walls
+from synthesis.spatial.measuring import demands, follower, ribs, walls
 from synthesis.spatial.measuring.found import Bound, Bounds, Found, Kind, told
 from synthesis.spatial.measuring.patches import patches
 from synthesis.spatial.spec import SpatialCamSpec
@@ -23,12 +23,12 @@ def measured(
     Args:
         bounds: by quantity, in its unit on the wire; what every cam must keep counts anyway.
     """
-    return [told(kind, found, bounds) for kind, found in _all(spec, cam)]
+    return [told(kind, found, bounds) for kind, found in _all(spec, cam, bounds)]
 
 
-def _all(spec: SpatialCamSpec, cam: SpatialCam) -> Iterator[tuple[Kind, Found]]:
+def _all(spec: SpatialCamSpec, cam: SpatialCam, bounds: Bounds) -> Iterator[tuple[Kind, Found]]:
     parts = list(patches(cam))
-    yield from walls.extremes(cam, parts, spec.omega)
+    yield from walls.extremes(cam, parts, spec.omega, bounds)
     thinnest = ribs.thinnest(cam, parts, spec.machine.seats())
     if thinnest is not None:
         yield ribs.RIB, thinnest
@@ -36,3 +36,4 @@ def _all(spec: SpatialCamSpec, cam: SpatialCam) -> Iterator[tuple[Kind, Found]]:
         yield Kind(name, "mm", largest=False, must=Bound(0.0)), Found(room, room, "closed form")
     yield from follower.holding(cam)
     yield from follower.in_time(cam, spec.machine.travel, spec.omega)
+    yield from demands.kept(spec, cam)

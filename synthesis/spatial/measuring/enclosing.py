@@ -34,7 +34,8 @@ from synthesis.spatial.measuring.patches import Patch
 
 Vector = tuple[Any, Any, Any]
 ANGLES, PLACES = 40, 16  # boxes to begin with, of a wall along it and across
-SPLIT = 2, 4  # of a box: models are quadratic in θ, intervals in ρ
+SPLITS = (2, 4), (1, 4)  # of a box, in turn: models are quadratic in θ, intervals in ρ
+NEAR = 0.9  # of what a bound leaves over: a proof so far does
 MOST_ROUNDS, MOST_BOXES = 30, 100_000
 RELATIVE = 1e-9
 EVIDENCE = "enclosed: every cam angle and every place on the roller"
@@ -134,13 +135,13 @@ class _Boxes:
         """Some of them."""
         return _Boxes(*(part[which] for part in vars(self).values()))
 
-    def split(self) -> _Boxes:
-        """Each cut both ways."""
-        theta = _cut(self.low, self.high, SPLIT[0])
-        rho = _cut(self.inner, self.outer, SPLIT[1])
-        wide = (len(self.low), *SPLIT)
+    def split(self, counts: tuple[int, int]) -> _Boxes:
+        """Each cut both ways, in θ and in ρ."""
+        theta = _cut(self.low, self.high, counts[0])
+        rho = _cut(self.inner, self.outer, counts[1])
+        wide = (len(self.low), *counts)
         cut = (theta[:, :-1, None], theta[:, 1:, None], rho[:, None, :-1], rho[:, None, 1:])
-        patch = np.repeat(self.patch, SPLIT[0] * SPLIT[1])
+        patch = np.repeat(self.patch, counts[0] * counts[1])
         return _Boxes(patch, *(np.broadcast_to(part, wide).ravel() for part in cut))
 
 
@@ -210,39 +211,55 @@ class _Models:
         return x, y, z
 
 
-def proven(cam: SpatialCam, parts: Sequence[Patch], proof: Proof, found: Found) -> Found:
+def proven(
+    cam: SpatialCam,
+    parts: Sequence[Patch],
+    proof: Proof,
+    found: Found,
+    allowed: float | None = None,
+) -> Found:
     """What was found of a quantity, and how far it can go beyond that; as it was if that is open.
 
     Crowned rollers sweep something else than a ruled surface.
+
+    Args:
+        allowed: what the quantity may come to: where it is all but constant along an arc, a
+            proof that it does not pass that is within reach, and one that it stays there is not.
     """
     if cam.swept.roller.crown > 0.0:
         return found
-    limit = _limit(cam, parts, proof, proof.into(found.value))
+    reached = proof.into(found.value)
+    limit = _limit(cam, parts, proof, reached, reached)
+    if allowed is not None and proof.sign * (limit - proof.into(allowed)) > 0.0:
+        limit = _limit(cam, parts, proof, reached, proof.into(allowed))
     if not math.isfinite(limit):
         return found
     return replace(found, limit=proof.back(limit), evidence=EVIDENCE)
 
 
-def _limit(cam: SpatialCam, parts: Sequence[Patch], proof: Proof, reached: float) -> float:
+def _limit(
+    cam: SpatialCam, parts: Sequence[Patch], proof: Proof, reached: float, allowed: float
+) -> float:
     """What a quantity, reached somewhere, does not pass anywhere; infinite if nothing is proven."""
     models, sign = _Models(cam, parts), proof.sign
     roller = cam.swept.roller
     boxes = _first(parts, np.linspace(roller.inner, roller.outer, PLACES + 1))
     best, most, last = sign * reached, -math.inf, math.inf
-    enough = best + RELATIVE * max(abs(best), 1e-3)
+    enough = best + max(RELATIVE * max(abs(best), 1e-3), NEAR * (sign * allowed - best))
     with np.errstate(all="ignore"):
-        for _ in range(MOST_ROUNDS):
+        for number in range(MOST_ROUNDS):
             swept = models.at(boxes)
             high, low = _range(proof.of(swept))
             above = np.where(_outside(cam, swept), -np.inf, high if sign > 0.0 else -low)
             keep = above > enough
             most = max(most, float(above[~keep].max(initial=-np.inf)))
             boxes = boxes.take(np.flatnonzero(keep))
-            if not keep.any() or SPLIT[0] * SPLIT[1] * np.count_nonzero(keep) > MOST_BOXES:
+            counts = SPLITS[number % len(SPLITS)]
+            if not keep.any() or counts[0] * counts[1] * np.count_nonzero(keep) > MOST_BOXES:
                 most = max(most, float(above[keep].max(initial=-np.inf)))
                 break
             last = float(above[keep].max())
-            boxes = boxes.split()
+            boxes = boxes.split(counts)
         else:
             most = max(most, last)
     return sign * max(most, best)

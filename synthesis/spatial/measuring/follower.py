@@ -24,7 +24,7 @@ def in_time(cam: SpatialCam, travel: Travel, omega: float) -> Iterator[tuple[Kin
     for order, name in enumerate(NAMES, start=1):
         rate = travel.rate(order, omega)
         kind = Kind(name, travel.told(order), True, times(rate))
-        if order > 1 and (at := _jump(curve, order - 1)) is not None:
+        if order > 1 and (at := jump(curve, order - 1)) is not None:
             evidence = f"{NAMES[order - 2]} jumps there"
             yield kind, Found(np.inf, np.inf, evidence, at)
             continue
@@ -38,7 +38,7 @@ def times(rate: float) -> Callable[[float], float]:
     return lambda value: value * rate
 
 
-def _jump(curve: Piecewise, order: int) -> float | None:
+def jump(curve: Piecewise, order: int) -> float | None:
     """The first cam angle where a derivative jumps, over the end of the turn as well."""
     ends, pieces = curve.breaks, np.arange(curve.count)
     after = curve.at(ends[:-1], pieces, order)

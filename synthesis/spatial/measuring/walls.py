@@ -7,7 +7,7 @@ ever closer. What the last steps still gained is told as the width: a measuremen
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -15,7 +15,8 @@ from synthesis.geometry.swept_roller import cross, dot, norm
 from synthesis.numerics.piecewise import Array
 from synthesis.spatial.cam import SpatialCam
 from synthesis.spatial.measuring.enclosing import PRESSURE, UNDERCUT, Proof, proven
-from synthesis.spatial.measuring.found import Bound, Found, Kind, leading
+from synthesis.spatial.measuring.follower import jump
+from synthesis.spatial.measuring.found import Bound, Bounds, Found, Kind, leading
 from synthesis.spatial.measuring.patches import Patch, Tried, tried
 from synthesis.units import DEGREE
 
@@ -89,6 +90,9 @@ RADII = (
         lambda p, theta, rho: p.curvatures(theta, rho)[1],
     ),
 )
+CORNER = Found(
+    -np.inf, -np.inf, "the velocity jumps there: walls on one side cross, on the other do not meet"
+)
 NO_RADIUS = Found(-np.inf, -np.inf, "a wall is undercut: there is no such radius")
 
 
@@ -105,7 +109,9 @@ def _speeds(omega: float) -> Sequence[Measured]:
     )
 
 
-def extremes(cam: SpatialCam, parts: Sequence[Patch], omega: float) -> Iterator[tuple[Kind, Found]]:
+def extremes(
+    cam: SpatialCam, parts: Sequence[Patch], omega: float, bounds: Bounds
+) -> Iterator[tuple[Kind, Found]]:
     """Every quantity's extreme over all patches."""
     if not parts:
         return
@@ -113,10 +119,13 @@ def extremes(cam: SpatialCam, parts: Sequence[Patch], omega: float) -> Iterator[
     grids = list(tried(parts, ANGLES, WHOLE))
 
     def over(quantity: Measured) -> Found:
-        return _extreme(quantity, parts, grids, rho)
+        bound = bounds.get(quantity.kind.name, quantity.kind.must)
+        allowed = None if bound is None else bound.value / quantity.kind.told(1.0)
+        return _extreme(quantity, parts, grids, rho, allowed)
 
     yield STEEPNESS.kind, over(STEEPNESS)
-    area = over(AREA)
+    corner = jump(cam.motion.curve, 1)
+    area = over(AREA) if corner is None else replace(CORNER, theta=corner)
     yield AREA.kind, area
     for radius in RADII:
         yield radius.kind, over(radius) if area.value > 0.0 else NO_RADIUS
@@ -125,9 +134,16 @@ def extremes(cam: SpatialCam, parts: Sequence[Patch], omega: float) -> Iterator[
 
 
 def _extreme(
-    quantity: Measured, parts: Sequence[Patch], walls: Sequence[Tried], rho: Array
+    quantity: Measured,
+    parts: Sequence[Patch],
+    walls: Sequence[Tried],
+    rho: Array,
+    allowed: float | None,
 ) -> Found:
-    """The extreme over all patches, which are tried wall by wall; proven where it can be."""
+    """The extreme over all patches, which are tried wall by wall; proven where it can be.
+
+    ``allowed``: what it may come to [core units], of quantities in proportion to what is told.
+    """
     sign = 1.0 if quantity.kind.largest else -1.0
     seen = [
         (part, theta, values)
@@ -144,7 +160,7 @@ def _extreme(
     most = max(found, key=lambda each: leading(sign * each.value))
     if quantity.proof is None or not np.isfinite(most.value):
         return most
-    return proven(parts[0].cam, parts, quantity.proof, most)
+    return proven(parts[0].cam, parts, quantity.proof, most, allowed)
 
 
 def _values(quantity: Measured, patch: Patch, theta: Array, rho: Array) -> Array:

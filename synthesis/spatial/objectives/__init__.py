@@ -15,4 +15,10 @@ AnySpatialObjective = Annotated[CentreDistance | CylinderRadius, Field(discrimin
 OBJECTIVES: tuple[type[SpatialObjective], ...] = get_args(get_args(AnySpatialObjective)[0])
 """The same as a tuple, in that order."""
 
-__all__ = ["OBJECTIVES", "AnySpatialObjective", "SpatialObjective"]
+
+def objective_of(dimension: str) -> SpatialObjective:
+    """The objective that makes a dimension small, by its field's name."""
+    return next(kind for kind in OBJECTIVES if kind.wire_name == dimension).model_validate({})
+
+
+__all__ = ["OBJECTIVES", "AnySpatialObjective", "SpatialObjective", "objective_of"]

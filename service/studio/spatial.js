@@ -1,0 +1,161 @@
+// The studio's page of spatial cams: a spec as a form, the cam turning in space, and its files.
+
+import { Api, Problem } from "./api.js";
+import { listCalls } from "./calls.js";
+import { byId, element, figure, settled } from "./dom.js";
+import { Files } from "./files.js";
+import { Form } from "./form.js";
+import { words } from "./names.js";
+import { say, showProblem, sizes } from "./result.js";
+import { Scene } from "./scene.js";
+import { Schemas } from "./schema.js";
+import { Store } from "./store.js";
+import { Turning } from "./turning.js";
+
+const PATH = "/v1/spatial-cams";
+const LIVE_WAIT = 300; // after the last change [ms]
+
+class Studio {
+  constructor(api, openapi, titles) {
+    this.api = api;
+    this.schemas = new Schemas(openapi, PATH, "SpatialCamSpec");
+    this.store = new Store();
+    this.form = new Form(this.store, this.schemas, titles, ["machine"]);
+    this.files = new Files(api, openapi, `${PATH}/{cam_id}`, "body.stl");
+    this.scene = sceneOn(byId("scene"));
+    this.turning = new Turning((angle) => this.scene?.turnTo(angle), byId("scene"));
+    listCalls(api);
+    this.#listen();
+  }
+
+  begin() {
+    const menu = byId("example");
+    menu.append(...Object.entries(this.schemas.examples).map(([name, { summary }]) => element("option", { value: name }, summary)));
+    menu.addEventListener("change", () => this.#open(menu.value));
+    menu.value = "p4";
+    this.#open(menu.value);
+  }
+
+  #open(name) {
+    this.store.replace(this.schemas.examples[name].value);
+    this.design();
+  }
+
+  #listen() {
+    const later = settled(LIVE_WAIT, () => {
+      if (byId("live").checked && JSON.stringify(this.store.spec) !== this.asked) this.design();
+    });
+    this.store.addEventListener("change", later);
+    byId("design").addEventListener("click", () => this.design());
+    document.addEventListener("keydown", (event) => {
+      if (event.key === "Enter" && (event.ctrlKey || event.metaKey)) this.design();
+    });
+  }
+
+  /** Asks for a cam of the present spec; an older question is given up. */
+  async design() {
+    this.asked = JSON.stringify(this.store.spec);
+    this.abort?.abort();
+    const { signal } = (this.abort = new AbortController());
+    const slow = setTimeout(() => say("Working …", "working"), 300);
+    try {
+      const began = performance.now();
+      const design = await this.api.post(PATH, structuredClone(this.store.spec), { signal });
+      clearTimeout(slow);
+      byId("took").textContent = `${Math.round(performance.now() - began)} ms with the way there; ${Math.round(1000 * design.report.seconds)} ms in the core`;
+      this.form.faults([]);
+      byId("conflict").replaceChildren();
+      show(design);
+      this.files.show(design);
+      await this.#draw(design, signal);
+    } catch (error) {
+      if (error instanceof Problem) showProblem(error, this.form.faults(error.document.errors ?? []));
+      else if (error.name !== "AbortError") throw error;
+    } finally {
+      clearTimeout(slow);
+    }
+  }
+
+  /** The picture; a cam that leaves no body is told instead. */
+  async #draw(design, signal) {
+    if (!this.scene || design.motion.length === 0) return;
+    try {
+      this.scene.show(await this.api.get(`${design.links.self}/surfaces.json`, { signal }));
+      told("");
+    } catch (error) {
+      if (!(error instanceof Problem)) throw error;
+      this.scene.clear();
+      told(error.message);
+    }
+  }
+}
+
+/** The picture, or what a browser without one is told. */
+function sceneOn(canvas) {
+  try {
+    const scene = new Scene(canvas);
+    canvas.addEventListener("pointerdown", (event) => canvas.setPointerCapture(event.pointerId));
+    canvas.addEventListener("pointermove", (event) => event.buttons && scene.orbit(event.movementX, event.movementY));
+    canvas.addEventListener("wheel", (event) => {
+      if (document.activeElement !== canvas) return;
+      event.preventDefault();
+      scene.zoom(Math.exp(0.001 * event.deltaY));
+    });
+    canvas.addEventListener("keydown", ({ key }) => {
+      const steps = { a: [-25, 0], d: [25, 0], w: [0, -25], s: [0, 25], ArrowUp: [0, -25], ArrowDown: [0, 25] };
+      if (steps[key]) scene.orbit(...steps[key]);
+      if ("+-".includes(key)) scene.zoom(key === "+" ? 0.9 : 1.1);
+    });
+    return scene;
+  } catch (error) {
+    told(error.message);
+    return null;
+  }
+}
+
+function told(text) {
+  byId("no-picture").textContent = text;
+  byId("no-picture").hidden = text === "";
+}
+
+const TOLD = {
+  optimal: "Optimal: every limit holds, and the gap is within the tolerance.",
+  feasible: "Feasible: every limit holds, and no wall is undercut.",
+  infeasible: "Infeasible: a limit is broken, or a wall is undercut.",
+};
+
+function show(design) {
+  say(TOLD[design.status], design.status);
+  byId("sizes").replaceChildren(...sizes(design));
+  const head = ["quantity", "value", "cam angle", "where", "bound", ""].map((text) => element("th", { scope: "col" }, text));
+  byId("margins").replaceChildren(
+    element("thead", {}, element("tr", {}, ...head)),
+    element("tbody", {}, ...design.extremes.map(row)),
+  );
+}
+
+function row(each) {
+  const where = [each.roller ? `${each.roller}${each.side ?? ""}` : "", each.rho_mm === null ? "" : `ρ = ${figure(each.rho_mm, 4)} mm`];
+  return element(
+    "tr",
+    { class: each.holds ? "" : "broken", title: each.evidence },
+    element("th", { scope: "row" }, words(each.quantity)),
+    element("td", {}, `${figure(each.value, 5)} ${each.unit}`),
+    element("td", {}, each.angle_deg === null ? "" : `${figure(each.angle_deg, 4)}°`),
+    element("td", {}, where.filter(Boolean).join(", ")),
+    element("td", {}, each.bound === null ? "" : figure(each.bound, 5)),
+    element("td", {}, each.bound === null ? "" : each.holds ? "holds" : "broken"),
+  );
+}
+
+async function start() {
+  const api = new Api();
+  const paths = ["/openapi.json", "/v1/motion-laws"];
+  const [openapi, laws] = await Promise.all(paths.map((path) => api.get(path, { silent: true })));
+  new Studio(api, openapi, Object.fromEntries(laws.map(({ kind, title }) => [kind, title]))).begin();
+}
+
+start().catch((error) => {
+  say(`The studio could not start: ${error.message}`, "problem");
+  throw error;
+});

@@ -1,0 +1,191 @@
+"""STEP AP242: every flank as B-spline surfaces within a tolerance, in mm. No kernel is needed.
+
+A surface is interpolated through contacts on a grid that gets finer until it is near enough to the
+flank midway between the grid's lines too. Flanks are cut where the motion's derivatives jump.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from itertools import pairwise
+from typing import Annotated
+
+import numpy as np
+from pydantic import Field
+from scipy.interpolate import NdBSpline, make_interp_spline
+
+from synthesis.errors import InputError
+from synthesis.exporters.exporter import FileFormat, Made
+from synthesis.exporters.options import Options
+from synthesis.exporters.part21 import Entities, exchange_file, many, real, text
+from synthesis.exporters.step_curve import FINEST, SCHEMA, axes, context, product
+from synthesis.numerics.piecewise import Array
+from synthesis.spatial.cam import SpatialCam, Wall
+from synthesis.spatial.design import SpatialDesign
+from synthesis.spatial.files.flanks import chosen, patch
+from synthesis.spatial.files.options import Flank
+from synthesis.spatial.meshing import Span
+from synthesis.units import DEGREE
+
+DEGREES = 5, 3  # of a surface in cam angle and along the roller
+FIRST, MOST = (9, 5), (577, 65)  # lines of a grid: those to begin with, and those to end with
+MANY = 24  # pieces of a motion: of more, only the program's segments cut the flanks
+SHORT = 1e-6  # a cut so near to another is none [rad]
+
+
+@dataclass(frozen=True, kw_only=True)
+class SurfaceOptions(Options):
+    """Which flanks, and how near.
+
+    Attributes:
+        flank: a wall's name; "": all.
+        tolerance_um: largest distance of a surface from its flank [µm].
+    """
+
+    flank: Flank = ""
+    tolerance_um: Annotated[
+        float,
+        Field(
+            ge=0.01,
+            le=1e3,
+            description="Largest distance of the surfaces from the flanks, along the normal [µm]. "
+            "What is reached is told in the header Camwright-Surface-Error-Mm.",
+        ),
+    ] = 1.0
+
+
+@dataclass(frozen=True, eq=False)
+class Face:
+    """A part of a flank.
+
+    Attributes:
+        name: the flank's. knots: in cam angle [rad] and along the roller [mm], repeated ones too.
+        points: (n, m, 3) control points [mm]. error: seen distance from the flank [mm].
+    """
+
+    name: str
+    knots: tuple[Array, Array]
+    points: Array
+    error: float
+
+
+def faces(design: SpatialDesign, options: SurfaceOptions) -> list[Face]:
+    """The flanks asked for, in smooth parts.
+
+    Raises:
+        InputError: there is no such flank, or one does not come near enough.
+    """
+    cam = design.cam
+    return [
+        _face(cam, wall, part, options.tolerance_um)
+        for wall in chosen(cam, options.flank)
+        for span in wall.spans
+        for part in _parts(cam, span)
+    ]
+
+
+def _parts(cam: SpatialCam, span: Span) -> list[Span]:
+    """A span cut where the motion's derivatives may jump."""
+    cuts = cam.motion.curve.breaks
+    if len(cuts) > MANY:
+        cuts = np.array([stretch.end for stretch in cam.motion.stretches])
+    inside = cuts[(cuts > span[0] + SHORT) & (cuts < span[1] - SHORT)]
+    return list(pairwise([span[0], *inside.tolist(), span[1]]))
+
+
+def _face(cam: SpatialCam, wall: Wall, span: Span, tolerance_um: float) -> Face:
+    n, m = FIRST
+    roller = cam.swept.roller
+    while True:
+        theta, rho = np.linspace(*span, n), np.linspace(roller.inner, roller.outer, m)
+        spline = _interpolated(theta, rho, _points(cam, wall, span, theta, rho))
+        errors = _errors(cam, wall, span, spline, theta, rho)
+        if max(errors) <= 1e-3 * tolerance_um:
+            return Face(wall.name, (spline.t[0], spline.t[1]), spline.c, max(errors))
+        # finer where it is worse: across the lines of one kind, midway between these alone
+        finer = (2 * n - 1, m) if errors[0] >= errors[1] else (n, 2 * m - 1)
+        if finer[0] > MOST[0] or finer[1] > MOST[1]:
+            raise InputError(
+                "/tolerance_um",
+                tolerance_um,
+                f"Flank {wall.name} from {span[0] / DEGREE:.6g}° to {span[1] / DEGREE:.6g}° comes "
+                f"to {1e3 * max(errors):.3g} µm with {n} by {m} points, and no surface has more.",
+                "Allow more, or take the flank as points.",
+            )
+        n, m = finer
+
+
+def _inside(span: Span, theta: Array) -> Array:
+    """Cam angles that belong to this part at its ends too, whatever comes after."""
+    tiny = 1e-12 * (span[1] - span[0])
+    return np.clip(theta, span[0] + tiny, span[1] - tiny)
+
+
+def _points(cam: SpatialCam, wall: Wall, span: Span, theta: Array, rho: Array) -> Array:
+    """(n, m, 3)"""
+    return np.moveaxis(patch(cam, wall, 1, _inside(span, theta), rho).points, 0, -1)
+
+
+def _interpolated(theta: Array, rho: Array, points: Array) -> NdBSpline:
+    by_theta = make_interp_spline(theta, points, k=DEGREES[0], axis=0)
+    by_rho = make_interp_spline(rho, by_theta.c, k=DEGREES[1], axis=1)
+    return NdBSpline((by_theta.t, by_rho.t), np.moveaxis(by_rho.c, 0, 1), DEGREES)
+
+
+def _errors(
+    cam: SpatialCam, wall: Wall, span: Span, spline: NdBSpline, theta: Array, rho: Array
+) -> tuple[float, float]:
+    """Largest distances midway between lines of cam angle, and between places on the roller."""
+    between = 0.5 * (theta[1:] + theta[:-1]), 0.5 * (rho[1:] + rho[:-1])
+    return (
+        _away(cam, wall, spline, between[0], rho),
+        _away(cam, wall, spline, _inside(span, theta), between[1]),
+    )
+
+
+def _away(cam: SpatialCam, wall: Wall, spline: NdBSpline, theta: Array, rho: Array) -> float:
+    true = patch(cam, wall, 1, theta, rho)
+    places = np.stack(np.meshgrid(theta, rho, indexing="ij"), axis=-1)
+    off = np.moveaxis(spline(places), -1, 0) - true.points
+    return float(np.max(np.abs(np.einsum("inm,inm->nm", off, true.normals))))
+
+
+def _flanks(design: SpatialDesign, options: SurfaceOptions) -> Made:
+    made = faces(design, options)
+    error = max(face.error for face in made)
+    data = Entities()
+    shared = context(data, max(error, FINEST))
+    name = text(f"flanks of {design.name or design.id}")
+    origin = data.add("CARTESIAN_POINT", "''", many(map(real, (0.0, 0.0, 0.0))))
+    placed = data.add("AXIS2_PLACEMENT_3D", "''", origin, *axes(data))
+    drawn = data.add("GEOMETRIC_SET", name, many([_surface(data, face) for face in made]))
+    shape = data.add(
+        "GEOMETRICALLY_BOUNDED_SURFACE_SHAPE_REPRESENTATION", name, many([placed, drawn]), shared
+    )
+    data.add("SHAPE_DEFINITION_REPRESENTATION", product(data, design), shape)
+    title = f"Flanks of a spatial cam, within {error:.2g} mm of the true ones"
+    told = {"Surface-Error-Mm": f"{error:.3g}", "Surfaces": str(len(made))}
+    return Made(exchange_file(design, title, SCHEMA, data.lines()), told)
+
+
+def _surface(data: Entities, face: Face) -> str:
+    rows = [
+        many([data.add("CARTESIAN_POINT", "''", many(map(real, point))) for point in row])
+        for row in face.points.tolist()
+    ]
+    each = [np.unique(knots, return_counts=True) for knots in face.knots]
+    return data.add(
+        "B_SPLINE_SURFACE_WITH_KNOTS", text(face.name), *map(str, DEGREES), many(rows),
+        ".UNSPECIFIED.", ".F.", ".F.", ".F.",
+        *(many(map(str, times.tolist())) for _, times in each),
+        *(many(map(real, knots.tolist())) for knots, _ in each), ".UNSPECIFIED.",
+    )  # fmt: skip
+
+
+STEP = FileFormat(
+    "flanks.step", "STEP AP242, flanks as surfaces", "model/step", ".step",
+    _flanks, SurfaceOptions,
+    "Master geometry for CAD: every flank as B-spline surfaces within tolerance_um, named as the "
+    "flank and cut where the motion's derivatives jump, to be trimmed and sewn there. Surfaces, "
+    "not a solid: for that see body.stl.",
+)  # fmt: skip
