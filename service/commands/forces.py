@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from synthesis.forces.told import Forces, Peak
+from synthesis.forces.told import ForcePeak, Forces
 
 
 def force_lines(forces: Forces) -> Iterator[str]:
@@ -35,5 +35,5 @@ def force_lines(forces: Forces) -> Iterator[str]:
         yield f"roller{name} {roller.mean_speed_rpm:.4g} rpm in the mean{life}"
 
 
-def _peak(peak: Peak | None, unit: str) -> str:
+def _peak(peak: ForcePeak | None, unit: str) -> str:
     return "without end" if peak is None else f"{peak.value:.4g} {unit} at {peak.angle_deg:.5g}°"

@@ -21,14 +21,14 @@ class Mode(Told):
     damping_ratio: float = told("Damping as a share of the critical one; 1 where it creeps.")
 
 
-class Peak(Told):
+class ResponsePeak(Told):
     """An extreme over the turn."""
 
     value: float = told("Its value.")
     angle_deg: float = told("Cam angle where it is.")
 
 
-class Dwell(Told):
+class DwellResponse(Told):
     """What swings on when a dwell begins, in the periodic response."""
 
     segment: int = told("Index of the dwell in the program.")
@@ -62,14 +62,18 @@ class AtSpeed(Told):
     """The periodic response at one speed, and how it is reached from rest."""
 
     speed_rpm: float = told("Speed of the cam.")
-    output_error_max: Peak = told("Output less the cam's motion, at its largest.")
-    output_error_min: Peak = told("The same at its smallest.")
-    output_acceleration_max: Peak = told("Acceleration of the output at its largest, per s².")
-    output_acceleration_min: Peak = told("The same at its smallest.")
-    contact_force_max_n: Peak = told("Largest force between cam and train.")
-    contact_force_min_n: Peak = told("Smallest; below 0 the linear train would pull at the cam.")
+    output_error_max: ResponsePeak = told("Output less the cam's motion, at its largest.")
+    output_error_min: ResponsePeak = told("The same at its smallest.")
+    output_acceleration_max: ResponsePeak = told(
+        "Acceleration of the output at its largest, per s²."
+    )
+    output_acceleration_min: ResponsePeak = told("The same at its smallest.")
+    contact_force_max_n: ResponsePeak = told("Largest force between cam and train.")
+    contact_force_min_n: ResponsePeak = told(
+        "Smallest; below 0 the linear train would pull at the cam."
+    )
     floats: bool = told("The force that holds the train on the cam does not do: contact is lost.")
-    dwells: list[Dwell] = told("What is left when each dwell begins.")
+    dwells: list[DwellResponse] = told("What is left when each dwell begins.")
     remembers: float = told(
         "Share of a disturbance that is left after a turn; 1 without damping: then the periodic "
         "response is the one that repeats itself, but none is forgotten for it."

@@ -12,7 +12,14 @@ import numpy as np
 from synthesis.design import Design, engine_version, question_id
 from synthesis.dynamics.chain import Chain
 from synthesis.dynamics.floating import flights
-from synthesis.dynamics.report import AtSpeed, Dwell, Flight, Mode, Peak, TrainResponse
+from synthesis.dynamics.report import (
+    AtSpeed,
+    DwellResponse,
+    Flight,
+    Mode,
+    ResponsePeak,
+    TrainResponse,
+)
 from synthesis.dynamics.response import Response, Steps, from_rest, steady
 from synthesis.dynamics.spectrum import moves, residuals
 from synthesis.dynamics.train import TrainSpec
@@ -157,12 +164,12 @@ def output_acceleration(found: Response) -> Array:
     return np.asarray(forces[-1] / chain.masses[-1])
 
 
-def _peak(found: Response, values: Array, sign: float = 1.0) -> Peak:
+def _peak(found: Response, values: Array, sign: float = 1.0) -> ResponsePeak:
     at = int(np.argmax(values))
-    return Peak(value=sign * float(values[at]), angle_deg=float(found.theta[at]) / DEGREE)
+    return ResponsePeak(value=sign * float(values[at]), angle_deg=float(found.theta[at]) / DEGREE)
 
 
-def _dwells(machine: Machine, found: Response) -> list[Dwell]:
+def _dwells(machine: Machine, found: Response) -> list[DwellResponse]:
     motion, rates = machine.motion, machine.chain.modes.rates[machine.chain.modes.kept]
     runs = {run[-1]: run for run in moves(motion)}
     placed = [s for s in motion.stretches if s.angle > 0.0]
@@ -178,7 +185,7 @@ def _dwells(machine: Machine, found: Response) -> list[Dwell]:
             for rate in rates.tolist()
         ]  # fmt: skip
         dwells.append(
-            Dwell(
+            DwellResponse(
                 segment=stretch.index, start_deg=stretch.start / DEGREE, modes=left.tolist(),
                 amplitude=float(np.sum(left)), alone=alone,
             )

@@ -18,7 +18,7 @@ class Told(BaseModel):
     model_config = ConfigDict(frozen=True, extra="forbid")
 
 
-class Peak(Told):
+class ForcePeak(Told):
     """A largest or smallest value, proven for every cam angle."""
 
     value: float = told("The value.")
@@ -30,11 +30,11 @@ class FlankForces(Told):
     """What one flank of the cam bears."""
 
     flank: str = told("Name of the flank; empty where the cam has one.")
-    largest_n: Peak | None = told("Largest contact force; null where it is infinite.")
-    smallest_n: Peak | None = told(
+    largest_n: ForcePeak | None = told("Largest contact force; null where it is infinite.")
+    smallest_n: ForcePeak | None = told(
         "Smallest contact force: where it is not positive, this flank does not touch."
     )
-    largest_pressure_mpa: Peak | None = told(
+    largest_pressure_mpa: ForcePeak | None = told(
         "Largest Hertz pressure; null where it is infinite or no line contact is told of."
     )
 
@@ -42,8 +42,10 @@ class FlankForces(Told):
 class Torque(Told):
     """Torque on the camshaft at constant speed, positive where the cam has to be driven."""
 
-    largest_n_m: Peak | None = told("Largest torque; null where it is infinite.")
-    smallest_n_m: Peak | None = told("Smallest torque, negative where the cam drives its shaft.")
+    largest_n_m: ForcePeak | None = told("Largest torque; null where it is infinite.")
+    smallest_n_m: ForcePeak | None = told(
+        "Smallest torque, negative where the cam drives its shaft."
+    )
     mean_n_m: float = told("Mean over the turn.")
     rms_n_m: float = told("Root mean square over the turn.")
     power_w: float = told("Mean power at the camshaft.")

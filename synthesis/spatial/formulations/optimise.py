@@ -19,6 +19,7 @@ from synthesis.formulations.candidate import Candidate
 from synthesis.formulations.closed_form import nearest
 from synthesis.formulations.grid import SettledLaw
 from synthesis.formulations.problem import Problem
+from synthesis.formulations.refine import search as climbed
 from synthesis.formulations.search import Search, Stage
 from synthesis.formulations.tables import Tables
 from synthesis.motion import Motion, Stretch
@@ -38,6 +39,7 @@ LARGEST = 1e6  # mm: of an open end
 TINY = 1e-3  # mm: a radius or a place as small as one likes
 CLEAR = 3e-8  # relative: a size stays this far off what binds it
 SPARE = 2e-6  # relative: what samples of walls may miss
+ROOM = 2e-5  # relative: what ribs at rest keep for what samples of walls may miss
 SLACK = 0.02  # of the tolerance
 WALLS = "convex_radius"  # quantity of limits on walls
 EXACT = 1e-12  # relative: the size of given laws is known so well
@@ -151,7 +153,10 @@ def _searched(
     problem: Problem, found: Sized, tolerance: float, deadline: float, tighten: float
 ) -> Search:
     """A search whose stages and bound are told; bounds without limits on walls hold with them."""
-    search = squeezed(problem, tolerance, deadline, tighten)
+    if problem.curved:
+        search = squeezed(problem, tolerance, deadline, tighten)
+    else:  # linear in motion and size together, as a translating roller's
+        search = climbed(problem, tolerance, deadline, tighten)
     found.stages += search.stages
     if search.lower > found.lower:
         found.lower, found.over = search.lower, search.over
@@ -240,7 +245,7 @@ def least_rollers(
         return found if machine.rest_rib(found) >= rib * (1.0 - EXACT) else None
 
     def missing(at: float) -> float:
-        return rib - machine.rest_rib({**found, place: at})
+        return rib + ROOM * at - machine.rest_rib({**found, place: at})
 
     if missing(found[place]) <= 0.0:
         return found
@@ -259,7 +264,7 @@ def _largest_radius(
     low, high = sizes[name], min(ranges[name][1], LARGEST)
 
     def spare(radius: float) -> float:
-        return machine.rest_rib({**sizes, name: radius}) - rib
+        return machine.rest_rib({**sizes, name: radius}) - rib - ROOM * radius
 
     if high <= low or spare(high) >= 0.0:
         return max(low, high)

@@ -51,7 +51,7 @@ class Soundness:
         unit = sizes[self.spec.machine.sought]
         rooms = self.spec.machine.rooms(sizes).values()
         least = min((room / unit for room in rooms), default=inf)
-        return least if least <= 0.0 else min(least, self._regular(cam))
+        return least - self.kept if least <= 0.0 else self._regular(cam)
 
     def thickness(self, sizes: Sizes) -> float:
         """What the thinnest rib has left over, relative; that takes a while."""
