@@ -13,12 +13,12 @@ from scipy.optimize import brentq
 
 from synthesis.certify.course import Course
 from synthesis.certify.loaded import Loaded, cuts
-from synthesis.certify.quantities import Size, corner, enclose_all, infinite
+from synthesis.certify.quantities import Size, enclose_all, infinite
 from synthesis.followers.flank import Flank
 from synthesis.forces.history import History, history
 from synthesis.forces.reduced import MILLI, Reduced
 from synthesis.forces.told import FlankForces, FloatArc, ForcePeak, Forces, RollerLife, Torque
-from synthesis.limits.base import Claim, Machine, times, where
+from synthesis.limits.base import Machine, where
 from synthesis.motion import Motion
 from synthesis.numerics.enclosure import Question
 from synthesis.numerics.piecewise import Array
@@ -68,36 +68,57 @@ class _Cam:
     # -- extremes ----------------------------------------------------------------------------
 
     def _flank(self, flank: Flank) -> FlankForces:
-        up = flank.side
-        pressure = None
-        told = self.load.contact is not None
-        if told and (flank.roller > 0.0 or self.machine.follower.always_convex):
-            pressure = self._peak("pressure_square", flank, 1, 1)
-        largest, smallest = (self._peak("contact_force", flank, side * up, up) for side in (1, -1))
-        return FlankForces(
-            flank=flank.name, largest_n=largest, smallest_n=smallest,
-            largest_pressure_mpa=None if pressure is None else _root(pressure),
-        )  # fmt: skip
-
-    def _peak(self, name: str, flank: Flank, side: int, factor: int) -> ForcePeak | None:
-        """The largest value (side 1) or the smallest (−1), times a factor."""
-        quantity = Loaded(name, self.machine, self.load, self.course, flank, self.size)
-        everywhere = where(self.course.motion.stretches)
-        lower, upper = (-math.inf, 0.0) if side > 0 else (0.0, math.inf)
-        claim = Claim(name, name, everywhere, None, upper, "", times(1.0), "", flank.path)
-        if infinite(quantity, self.course, everywhere) or corner(
-            quantity, self.course, self.machine, self.size, claim
-        ):
-            return None
-        question = Question(self.course.pieces(everywhere), lower, upper)
-        subjects = [(quantity, flank.path)]
-        (answer,) = enclose_all(subjects, self.course, self.machine, self.size, [question])
-        found = answer.extreme
-        if not math.isfinite(found.width):
-            return None
-        return ForcePeak(
-            value=factor * found.value, angle_deg=found.angle / DEGREE, width=found.width
+        pressure = self._peaks.get(("pressure_square", flank.name, 1))
+        largest, smallest = (
+            self._peaks.get(("contact_force", flank.name, side * flank.side)) for side in (1, -1)
         )
+        return FlankForces(
+            flank=flank.name,
+            largest_n=None if largest is None else _times(largest, flank.side),
+            smallest_n=None if smallest is None else _times(smallest, flank.side),
+            largest_pressure_mpa=None if pressure is None else _root(pressure),
+        )
+
+    def _wanted(self) -> Iterator[tuple[str, Flank, int]]:
+        """What is enclosed: quantity, flank, 1 for its largest value or −1 for its smallest."""
+        flanks = self.machine.follower.flanks
+        for flank in flanks:
+            yield "contact_force", flank, 1
+            yield "contact_force", flank, -1
+            round_ = flank.roller > 0.0 or self.machine.follower.always_convex
+            if self.load.contact is not None and round_:
+                yield "pressure_square", flank, 1
+        yield "camshaft_torque", flanks[0], 1
+        yield "camshaft_torque", flanks[0], -1
+
+    @cached_property
+    def _peaks(self) -> dict[tuple[str, str, int], ForcePeak]:
+        """Finite extremes by quantity, flank and sense, all enclosed at once."""
+        everywhere = where(self.course.motion.stretches)
+        pieces = self.course.pieces(everywhere)
+        wanted = list(self._wanted())
+        each = {(name, flank.name): flank for name, flank, _ in wanted}
+        subjects = [
+            (Loaded(name, self.machine, self.load, self.course, flank, self.size), flank.path)
+            for (name, _), flank in each.items()
+        ]
+        if infinite(subjects[0][0], self.course, everywhere):
+            return {}
+        ends = {1: (-math.inf, 0.0), -1: (0.0, math.inf)}
+        which = {key: k for k, key in enumerate(each)}
+        questions = [
+            Question(pieces, *ends[side], function=which[name, flank.name])
+            for name, flank, side in wanted
+        ]
+        answers = enclose_all(subjects, self.course, self.machine, self.size, questions)
+        found = {}
+        for (name, flank, side), answer in zip(wanted, answers, strict=True):
+            peak = answer.extreme
+            if math.isfinite(peak.width):
+                found[name, flank.name, side] = ForcePeak(
+                    value=peak.value, angle_deg=peak.angle / DEGREE, width=peak.width
+                )
+        return found
 
     # -- integrals ---------------------------------------------------------------------------
 
@@ -127,8 +148,8 @@ class _Cam:
         process = float(weights @ against)
         loss = float(weights @ ((turn.damping + turn.friction) * speed))
         return Torque(
-            largest_n_m=self._peak("camshaft_torque", flank, 1, 1),
-            smallest_n_m=self._peak("camshaft_torque", flank, -1, 1),
+            largest_n_m=self._peaks.get(("camshaft_torque", flank.name, 1)),
+            smallest_n_m=self._peaks.get(("camshaft_torque", flank.name, -1)),
             mean_n_m=work / FULL_TURN,
             rms_n_m=math.sqrt(float(weights @ turn.torque**2) / FULL_TURN),
             power_w=work / FULL_TURN * self.machine.omega,
@@ -244,6 +265,10 @@ class _Cam:
             found = [2.0 * rest / (-b + root), 2.0 * rest / (-b - root)]
         each = [np.where(np.isfinite(w) & (w > 0.0), w, np.inf) for w in found]
         return np.where(rest <= 0.0, 0.0, np.minimum(*each))
+
+
+def _times(peak: ForcePeak, factor: int) -> ForcePeak:
+    return peak.model_copy(update={"value": factor * peak.value})
 
 
 def _root(square: ForcePeak) -> ForcePeak:

@@ -23,6 +23,7 @@ from synthesis.units import FULL_TURN
 
 MILLI: Final = 1e-3  # metres in a millimetre
 NEAR_END: Final = 1e-12  # rad
+BESIDE: Final = 1e-9  # rad, of a jump
 SENSES: Final = {"rise": 1.0, "dwell": 0.0, "return": -1.0, "table": 0.0}
 
 
@@ -76,6 +77,20 @@ class Reduced:
         inside = np.clip(theta, stretch.start, min(stretch.end, FULL_TURN))
         ends = inside >= stretch.end - NEAR_END
         return np.where(ends, self.process(inside, 0, "left"), self.process(inside))
+
+    def parted(self, stretch: Stretch) -> Stretch:
+        """The stretch with pieces of its law that end just before and just after a jump of P.
+
+        So both sides of the jump are among the ends of pieces, wherever these are looked at.
+        """
+        inner = self.process.breaks
+        inner = inner[(inner > stretch.start) & (inner < stretch.end)]
+        jumps = inner[self.process(inner) != self.process(inner, 0, "left")]
+        if stretch.law is None or not len(jumps):
+            return stretch
+        beside = np.concatenate([jumps - BESIDE, jumps + BESIDE])
+        law, _ = stretch.law.cut((beside - stretch.start) / stretch.angle)
+        return stretch.with_law(law)
 
     def process_range(self, stretch: Stretch) -> tuple[float, float]:
         """Least and largest process force on a stretch [N]: straight pieces have them at ends."""

@@ -36,8 +36,9 @@ class Samples:
 
 def sample(problem: Problem) -> list[Samples]:
     """Every stretch of a settled problem."""
-    found = []
-    for stretch in problem.stretches:
+    found, load = [], problem.machine.load
+    for whole in problem.stretches:
+        stretch = whole if load is None else load.parted(whole)
         curve = stretch.placed()
         density = 2 if stretch.kind == "dwell" else max(LEAST_DENSITY, DENSITY // curve.count)
         step = np.linspace(0.0, 1.0, density)

@@ -164,3 +164,23 @@ def test_a_force_that_nothing_can_keep_is_named_in_the_conflict() -> None:
     assert design.status == "infeasible"
     named = {change.limit for change in design.conflict.relaxations}
     assert "contact_force_min" in named
+
+
+@pytest.mark.parametrize(
+    ("limit", "name", "short"),
+    [
+        ({"kind": "contact_force", "max_n": 1000.0}, "contact_force_max", 1000.0),
+        ({"kind": "hertz_pressure", "max_mpa": 610.0}, "hertz_pressure", 610.0),
+    ],
+)
+def test_a_process_force_may_jump_in_the_middle_of_a_rise(
+    limit: dict[str, Any], name: str, short: float
+) -> None:
+    """Where the limit decides just before the jump, that side is kept too."""
+    points = [(0, 0), (33.3, 400), (33.3, -60), (117.7, -60), (117.7, 300), (140, 0)]
+    process = [{"angle_deg": a, "force_n": f} for a, f in points]
+    design = limited(limit, process=process)
+    told = {extreme.limit: extreme for extreme in design.extremes}[name]
+    assert design.certificate.certified
+    assert told.value == pytest.approx(short, rel=2e-3)
+    assert told.angle_deg == pytest.approx(33.3, abs=4.0)  # held along an arc that ends there

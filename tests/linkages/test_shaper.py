@@ -13,7 +13,7 @@ import pytest
 from synthesis.errors import InputError
 from synthesis.linkages.shaper import course
 from synthesis.linkages.shaper.drive import Drive
-from synthesis.linkages.shaper.mechanism import Motion, Shaper, angle
+from synthesis.linkages.shaper.mechanism import Motion, Shaper, Side, angle
 from tests.forty_digits import cos, sin
 
 P5 = Shaper(125.0, 600.0, 150.0, 275.0, 575.0, "left")
@@ -72,8 +72,9 @@ def test_branches_are_mirror_images() -> None:
 
 
 @pytest.mark.parametrize("shaper", [P5, ROCKING, TURNING, IN_LINE], ids=lambda one: f"{one.crank}")
-@pytest.mark.parametrize("sense", [1.0, -1.0])
-def test_dead_centres_are_all_turns_of_the_ram(shaper: Shaper, sense: float) -> None:
+@pytest.mark.parametrize(("sense", "side"), [(1.0, "right"), (-1.0, "right"), (1.0, "left")])
+def test_dead_centres_are_all_turns_of_the_ram(shaper: Shaper, sense: float, side: Side) -> None:
+    shaper = replace(shaper, side=side)
     drive = Drive(0.3, sense, 1.0)
     found = course.dead_centres(shaper, drive)
     for one in found:
@@ -106,9 +107,21 @@ def test_extremes_enclose_what_is_found_by_sampling() -> None:
         for peak, sampled in ((largest, values.max()), (smallest, values.min())):
             assert peak.value == pytest.approx(sampled, rel=1e-6)
             assert abs(peak.value - sampled) <= 1e-6 * np.ptp(values)
+            assert peak.width is not None
             assert peak.width <= 1e-6 * np.ptp(values)
-        assert largest.value + largest.width >= values.max()
-        assert smallest.value - smallest.width <= values.min()
+        assert largest.value + (largest.width or 0.0) >= values.max()
+        assert smallest.value - (smallest.width or 0.0) <= values.min()
+
+
+def test_what_is_not_proven_is_not_claimed() -> None:
+    """A coupler that all but stands upright: values that are reached, without an enclosure."""
+    coupler = P5.ram_line - P5.guide * math.cos(P5.swing)
+    nearly = replace(P5, coupler=coupler * (1.0 + 2.0**-50))
+    found = course.extremes(nearly, Drive(0.0, 1.0, 1.0), course.QUANTITIES)
+    widths = {q.name: peaks[0].width for q, peaks in zip(course.QUANTITIES, found, strict=True)}
+    assert widths["coupler_velocity"] is None
+    assert widths["guide_velocity"] is not None
+    assert all(math.isfinite(peak.value) for peaks in found for peak in peaks)
 
 
 def test_time_is_not_angle_where_the_crank_speeds_up() -> None:
@@ -145,6 +158,7 @@ def test_a_turning_guide_turns_once() -> None:
         ({"ram_line": 900.0}, "/coupler_mm", "more than 365.566 mm"),
         ({"crank": 275.0}, "/crank_mm", "shorter crank"),
         ({"crank": 290.0}, "/coupler_mm", "more than 1175 mm"),
+        ({"crank": 1e-4}, "/crank_mm", "at least 0.0006 mm"),
     ],
 )
 def test_what_cannot_turn_is_refused(change: dict[str, float], field: str, words: str) -> None:

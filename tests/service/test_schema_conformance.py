@@ -11,6 +11,7 @@ from schemathesis.checks import CHECKS, load_all_checks
 
 from service.app import create_app
 from service.settings import Settings
+from synthesis.linkages.shaper.spec import LENGTHS
 from tests.service.conftest import Running
 from tests.service.specs import spec
 
@@ -24,7 +25,8 @@ def asked() -> dict[str, Any]:
     """The document; what a sweep and a cam set hold a whole spec in is given.
 
     Designs are gone through under their own address: once more inside of cams of a set they take
-    four fifths of the time that it takes to think of all cases.
+    four fifths of the time that it takes to think of all cases. Shapers are given in full: to
+    search for one takes seconds where chance has chosen the ranges.
     """
     document = copy.deepcopy(create_app(Settings()).openapi())
     known = document["components"]["schemas"]
@@ -33,7 +35,12 @@ def asked() -> dict[str, Any]:
     shared = {name: value for name, value in spec("on a shaft").items() if name != "speed_rpm"}
     cam["properties"]["spec"] = {"enum": [shared]}
     cams["properties"]["cams"]["items"] = cam
-    for path, body in (("/v1/sweeps", sweep), ("/v1/cam-sets", cams)):
+    shaper = copy.deepcopy(known["ShaperSpec"])
+    for field in LENGTHS:
+        shaper["properties"][field] = shaper["properties"][field]["anyOf"][0]
+    bodies = {"sweeps": sweep, "cam-sets": cams, "linkages/six-bar-shapers": shaper}
+    for name, body in bodies.items():
+        path = f"/v1/{name}"
         content = document["paths"][path]["post"]["requestBody"]["content"]
         content["application/json"]["schema"] = body
     return document

@@ -12,11 +12,12 @@ from scipy.spatial import KDTree
 
 from synthesis.spatial.cam import SpatialCam
 from synthesis.spatial.design import SpatialDesign, SpatialExtreme
-from synthesis.spatial.measuring import enclosing, ribs
+from synthesis.spatial.measuring import enclosing, radii, ribs
 from synthesis.spatial.measuring.demands import kept
 from synthesis.spatial.measuring.follower import holding, in_time
-from synthesis.spatial.measuring.found import told
+from synthesis.spatial.measuring.found import Found, told
 from synthesis.spatial.measuring.patches import patches
+from synthesis.spatial.measuring.walls import Prover
 from synthesis.spatial.pipeline import synthesise_spatial
 from synthesis.spatial.spec import SpatialCamSpec
 from synthesis.units import DEGREE
@@ -51,12 +52,12 @@ def test_the_judge_s_surface_says_what_contacts_say(name: str) -> None:
     """At points, where Taylor models are numbers: two sets of formulas, one cam."""
     cam: SpatialCam = CAMS[name]
     parts = list(patches(cam))
-    models, rng = enclosing._Models(cam, parts), np.random.default_rng(3)
+    models, rng = enclosing.Models(cam, parts), np.random.default_rng(3)
     roller = cam.swept.roller
     for i, part in enumerate(parts):
         theta = part.low + (part.high - part.low) * rng.random(4)
         rho = roller.inner + (roller.outer - roller.inner) * rng.random(4)
-        at = models.at(enclosing._Boxes(np.full(4, i), theta, theta, rho, rho))
+        at = models.at(enclosing.Boxes(np.full(4, i), theta, theta, rho, rho))
         found = part.contacts(theta, rho)
         steep = np.tan(np.diag(found.pressure_angle)) ** 2
         assert np.abs(enclosing.pressure(at).c0 - steep).max() < 1e-12
@@ -159,6 +160,23 @@ def test_radii_are_the_least_of_many(indexer: SpatialDesign) -> None:
     assert concave.value == pytest.approx(1.0 / hollow, rel=2e-3)
     assert concave.value is not None
     assert concave.value > 29.1  # no groove is narrower than its roller
+
+
+@pytest.mark.parametrize(("claim", "name"), [(radii.bulging, "convex"), (radii.hollow, "hollow")])
+def test_no_smaller_radius_is_proven_and_no_larger_one(
+    indexer: SpatialDesign, claim: Prover, name: str
+) -> None:
+    told, cam = extreme(indexer, f"{name}_radius"), indexer.cam
+    assert told.value is not None
+    assert told.evidence == enclosing.EVIDENCE
+    assert told.width <= 1.01e-2 * told.value
+    for share, proven in ((0.999, True), (1.03, False)):
+        asked = Found(-1.0 / (share * told.value), 0.0, "asked")
+        found = claim(cam, list(patches(cam)), asked, None)
+        assert (found.evidence == enclosing.EVIDENCE) is proven
+    bound = 0.985 * told.value
+    bounded = claim(cam, list(patches(cam)), Found(-1.0 / told.value, 0.0, ""), -1.0 / bound)
+    assert -1.0 / bounded.limit > bound
 
 
 def test_the_turret_s_peaks_are_the_law_s(indexer: SpatialDesign) -> None:

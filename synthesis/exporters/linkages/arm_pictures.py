@@ -10,11 +10,9 @@ from functools import cached_property
 import numpy as np
 
 from synthesis.exporters import svg_canvas as svg
-from synthesis.exporters.animation_page import FRAMES as PAGE_FRAMES
-from synthesis.exporters.animation_page import paged
-from synthesis.exporters.animation_svg import FRAMES, drawn
 from synthesis.exporters.exporter import untold
 from synthesis.exporters.linkages import arm_shapes as shapes
+from synthesis.exporters.linkages.animated import as_page, as_svg
 from synthesis.exporters.linkages.diagrams import Traced, plot
 from synthesis.exporters.linkages.file import LinkageFile
 from synthesis.exporters.panels import DIAGRAMS, EDGE, MACHINE
@@ -135,14 +133,6 @@ def _scene(found: PalletisingArm, count: int) -> Scene:
     )  # fmt: skip
 
 
-def _svg(found: PalletisingArm, options: PictureOptions) -> bytes:
-    return drawn(_scene(found, FRAMES), options.theme)
-
-
-def _page(found: PalletisingArm, options: PictureOptions) -> bytes:
-    return paged(_scene(found, PAGE_FRAMES), options.theme)
-
-
 WORKSPACE = LinkageFile(
     "workspace.svg",
     "Workspace from the side",
@@ -152,21 +142,7 @@ WORKSPACE = LinkageFile(
     PictureOptions,
     "Borders are drawn as true arcs; the arm stands in every pose that it can take.",
 )
-ANIMATION = LinkageFile(
-    "animation.svg",
-    "Animation",
-    "image/svg+xml",
-    ".svg",
-    untold(_svg),
-    PictureOptions,
-    "Through the poses and back, or round the limits where there are fewer than two.",
+ANIMATION = as_svg(
+    _scene, "Through the poses and back, or round the limits where there are fewer than two."
 )
-PAGE = LinkageFile(
-    "animation.html",
-    "Animation to play, stop and read",
-    "text/html; charset=utf-8",
-    ".html",
-    untold(_page),
-    PictureOptions,
-    "One file that needs no network; by mouse, touch and keys.",
-)
+PAGE = as_page(_scene)

@@ -9,11 +9,9 @@ from functools import cached_property, partial
 import numpy as np
 
 from synthesis.exporters import svg_canvas as svg
-from synthesis.exporters.animation_page import FRAMES as PAGE_FRAMES
-from synthesis.exporters.animation_page import paged
-from synthesis.exporters.animation_svg import FRAMES, drawn
 from synthesis.exporters.exporter import untold
 from synthesis.exporters.linkages import links
+from synthesis.exporters.linkages.animated import as_page, as_svg
 from synthesis.exporters.linkages.diagrams import Traced, plot, sheet
 from synthesis.exporters.linkages.file import LinkageFile
 from synthesis.exporters.linkages.shaper_rows import Rows
@@ -204,14 +202,6 @@ def _read(rows: Rows) -> dict[str, Array]:
             "psi": rows.guide / DEGREE, "mu": transmission}  # fmt: skip
 
 
-def _svg(found: SixBarShaper, options: PictureOptions) -> bytes:
-    return drawn(_scene(found, FRAMES), options.theme)
-
-
-def _page(found: SixBarShaper, options: PictureOptions) -> bytes:
-    return paged(_scene(found, PAGE_FRAMES), options.theme)
-
-
 MOTION = LinkageFile(
     "motion.svg",
     "Diagrams of the motion",
@@ -221,21 +211,5 @@ MOTION = LinkageFile(
     PictureOptions,
     "The quick stroke is shaded; a line stands at every dead centre.",
 )
-ANIMATION = LinkageFile(
-    "animation.svg",
-    "Animation",
-    "image/svg+xml",
-    ".svg",
-    untold(_svg),
-    PictureOptions,
-    "For a document or a web page; no script.",
-)
-PAGE = LinkageFile(
-    "animation.html",
-    "Animation to play, stop and read",
-    "text/html; charset=utf-8",
-    ".html",
-    untold(_page),
-    PictureOptions,
-    "One file that needs no network; by mouse, touch and keys.",
-)
+ANIMATION = as_svg(_scene, "For a document or a web page; no script.")
+PAGE = as_page(_scene)

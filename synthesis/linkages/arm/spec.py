@@ -27,7 +27,7 @@ class Body(BaseModel):
     model_config = ConfigDict(frozen=True, extra="forbid", allow_inf_nan=False)
 
 
-Length = Annotated[float, Field(gt=0.0, le=LARGEST)]
+Length = Annotated[float, Field(ge=1e-6, le=LARGEST)]
 Offset = Annotated[float, Field(ge=-LARGEST, le=LARGEST)]
 Angle = Annotated[float, Field(ge=-720.0, le=720.0)]
 Swing = Annotated[float, Field(ge=-180.0, le=180.0)]

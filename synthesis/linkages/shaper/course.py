@@ -19,6 +19,7 @@ from synthesis.units import DEGREE, FULL_TURN
 Value = Any
 BOXES: Final = 64
 SAME: Final = 1e-9  # rad: dead centres closer than this are one
+UNLIKE: Final = 1e-6  # of the longest: a length as short as that
 CHANGE_POINT: Final = 1e-9  # of the pivots' distance: a crank that equals it
 
 
@@ -39,11 +40,11 @@ class DeadCentre:
 
 @dataclass(frozen=True)
 class Peak:
-    """One extreme: its value, where, and how wide its enclosure is."""
+    """One extreme: a value that is reached, where, and the width of its enclosure, if proven."""
 
     value: float
     turned: float
-    width: float
+    width: float | None
 
 
 @dataclass(frozen=True)
@@ -78,9 +79,11 @@ def assembled(shaper: Shaper) -> None:
     """Refuse what cannot turn all the way round.
 
     Raises:
-        InputError: the crank is as long as the pivots are apart, or the coupler does not reach.
+        InputError: the crank is as long as the pivots are apart, the coupler does
+            not reach, or lengths differ a millionfold.
     """
     a, r = shaper.pivot_distance, shaper.crank
+    _comparable(shaper)
     if abs(r - a) <= CHANGE_POINT * a:
         raise InputError(
             "/crank_mm", r, f"The crank's pin passes through the guide's pivot, {a:g} mm from the "
@@ -103,6 +106,21 @@ def assembled(shaper: Shaper) -> None:
             "/coupler_mm", shaper.coupler,
             f"At crank angle {phi:.6g}° the guide's end is {apart:.6g} mm off the ram's line, and "
             "the coupler does not reach across.", f"{ways}.",
+        )  # fmt: skip
+
+
+def _comparable(shaper: Shaper) -> None:
+    """Refuse lengths so unlike that the ram's motion drowns in rounding."""
+    lengths = {
+        "crank_mm": shaper.crank, "guide_mm": shaper.guide, "coupler_mm": shaper.coupler,
+        "pivot_distance_mm": shaper.pivot_distance,
+    }  # fmt: skip
+    shortest, longest = (pick(lengths, key=lambda name: lengths[name]) for pick in (min, max))
+    if lengths[shortest] < UNLIKE * lengths[longest]:
+        raise InputError(
+            f"/{shortest}", lengths[shortest],
+            f"It is less than a millionth of {longest} ({lengths[longest]:g} mm): the ram's motion "
+            "would be lost in rounding.", f"Give at least {UNLIKE * lengths[longest]:g} mm.",
         )  # fmt: skip
 
 
@@ -163,16 +181,20 @@ def extremes(
         return [quantities[k].of(motion, drive, turned) for k in wanted]
 
     found = enclose(models, np.array([0.0, FULL_TURN]), np.array([BOXES]), questions)
-    scales = [quantity.per_unit for quantity in quantities]
+    both = zip(quantities, found[:count], found[count:], strict=True)
     return [
-        (_peak(high, scale), _peak(low, scale))
-        for high, low, scale in zip(found[:count], found[count:], scales, strict=True)
+        (_peak(shaper, drive, quantity, high), _peak(shaper, drive, quantity, low))
+        for quantity, high, low in both
     ]
 
 
-def _peak(answer: Answer, scale: float) -> Peak:
-    found = answer.extreme
-    return Peak(found.value / scale, found.angle, found.width / scale)
+def _peak(shaper: Shaper, drive: Drive, quantity: Quantity, answer: Answer) -> Peak:
+    """An answer in the wire's unit; where nothing was proven, the value at its angle."""
+    found, value = answer.extreme, answer.extreme.value
+    if not math.isfinite(value):
+        value = float(quantity.of(shaper.motion(drive.phi(found.angle)), drive, found.angle))
+    width = found.width / quantity.per_unit if math.isfinite(found.width) else None
+    return Peak(value / quantity.per_unit, found.angle, width)
 
 
 def coupler_range(shaper: Shaper) -> tuple[float, float]:

@@ -42,7 +42,11 @@ class ShaperPeak(Part):
     value: float = told("The value, in the quantity's unit.")
     crank_deg: float = told("Crank angle there, from 0 to 360.")
     turned_deg: float = told("The same, counted from the start of the turn.")
-    width: float = told("Width of the proven enclosure of the value.")
+    width: float | None = told(
+        "Width of the proven enclosure of the value; null: so close to where a coupler stands "
+        "upright, or a guide may turn either way, nothing is proven, and the value is one that is "
+        "reached."
+    )
 
 
 class ShaperExtremes(Part):

@@ -10,11 +10,18 @@ from pydantic_core import PydanticCustomError
 from synthesis.fields import Name, Rotation, Speed
 from synthesis.linkages.shaper.drive import Drive
 from synthesis.linkages.shaper.mechanism import Shaper, Side
-from synthesis.ranges import ArmRange, Range, ends
+from synthesis.ranges import Range, ends
 from synthesis.units import DEGREE, rad_per_s
 
 LENGTHS = ("crank_mm", "guide_mm", "coupler_mm", "pivot_distance_mm", "ram_line_mm")
-LARGEST = 1e6
+SMALLEST, LARGEST = 1e-6, 1e6
+
+
+class LengthRange(Range):
+    """A length left free between two ends."""
+
+    min: Annotated[float, Field(ge=SMALLEST, le=LARGEST, description="Smallest allowed [mm].")]
+    max: Annotated[float, Field(ge=SMALLEST, le=LARGEST, description="Largest allowed [mm].")]
 
 
 class HeightRange(Range):
@@ -27,8 +34,8 @@ class HeightRange(Range):
 class StrokeRange(Range):
     """A stroke wanted between two ends."""
 
-    min: Annotated[float, Field(gt=0.0, le=LARGEST, description="Smallest stroke [mm].")]
-    max: Annotated[float, Field(gt=0.0, le=LARGEST, description="Largest stroke [mm].")]
+    min: Annotated[float, Field(ge=SMALLEST, le=LARGEST, description="Smallest stroke [mm].")]
+    max: Annotated[float, Field(ge=SMALLEST, le=LARGEST, description="Largest stroke [mm].")]
 
 
 class RatioRange(Range):
@@ -38,7 +45,7 @@ class RatioRange(Range):
     max: Annotated[float, Field(ge=1.0, le=100.0, description="Largest ratio.")]
 
 
-Given = Annotated[float, Field(gt=0.0, le=LARGEST)]
+Given = Annotated[float, Field(ge=SMALLEST, le=LARGEST)]
 FREE = "{min, max} leaves it free in between."
 
 
@@ -83,11 +90,11 @@ class ShaperSpec(BaseModel):
     model_config = ConfigDict(frozen=True, extra="forbid", allow_inf_nan=False)
 
     name: Annotated[Name, Field(description="Shown in reports and files.")] = ""
-    crank_mm: Annotated[Given | ArmRange, length("Crank")]
-    guide_mm: Annotated[Given | ArmRange, length("Guide, from its pivot to its end")]
-    coupler_mm: Annotated[Given | ArmRange, length("Coupler, from the guide's end to the ram")]
+    crank_mm: Annotated[Given | LengthRange, length("Crank")]
+    guide_mm: Annotated[Given | LengthRange, length("Guide, from its pivot to its end")]
+    coupler_mm: Annotated[Given | LengthRange, length("Coupler, from the guide's end to the ram")]
     pivot_distance_mm: Annotated[
-        Given | ArmRange, length("Height of the crank's pivot above the guide's")
+        Given | LengthRange, length("Height of the crank's pivot above the guide's")
     ]
     ram_line_mm: Annotated[
         Annotated[float, Field(ge=-LARGEST, le=LARGEST)] | HeightRange,

@@ -65,8 +65,8 @@ class Swept:
     Attributes:
         point: P from the cam's centre. u, w: the axis's direction, and dP/dq. v: P_θ.
         normal: u × v, not of unit length.
-        bend, twist: P_θθ and u_θ. radius: the roller's. side: (n,) whether the wall's normal is
-            along ``normal`` or against it.
+        bend, twist: P_θθ and u_θ. roller: its radius. radius: of the one that is asked.
+        side: (n,) whether the wall's normal is along ``normal`` or against it.
     """
 
     point: Vector
@@ -76,6 +76,7 @@ class Swept:
     normal: Vector
     bend: Vector
     twist: Vector
+    roller: float
     radius: float
     side: Array
 
@@ -83,7 +84,7 @@ class Swept:
 def along(at: Swept, axis: Vector) -> Any:
     """Where the contact is along an axis through the origin [mm]."""
     square = dot(at.normal, at.normal)
-    return dot(at.point, axis) + at.radius * at.side * dot(at.normal, axis) / square.sqrt()
+    return dot(at.point, axis) + at.roller * at.side * dot(at.normal, axis) / square.sqrt()
 
 
 def pressure(at: Swept) -> Any:
@@ -122,7 +123,7 @@ UNDERCUT = Proof(undercut, -1.0)
 
 
 @dataclass(frozen=True, eq=False)
-class _Boxes:
+class Boxes:
     """Boxes: which patch (n,), its cam angles and its places on the roller's axis."""
 
     patch: NDArray[np.intp]
@@ -131,18 +132,18 @@ class _Boxes:
     inner: Array
     outer: Array
 
-    def take(self, which: NDArray[np.intp]) -> _Boxes:
+    def take(self, which: NDArray[np.intp]) -> Boxes:
         """Some of them."""
-        return _Boxes(*(part[which] for part in vars(self).values()))
+        return Boxes(*(part[which] for part in vars(self).values()))
 
-    def split(self, counts: tuple[int, int]) -> _Boxes:
+    def split(self, counts: tuple[int, int]) -> Boxes:
         """Each cut both ways, in θ and in ρ."""
         theta = _cut(self.low, self.high, counts[0])
         rho = _cut(self.inner, self.outer, counts[1])
         wide = (len(self.low), *counts)
         cut = (theta[:, :-1, None], theta[:, 1:, None], rho[:, None, :-1], rho[:, None, 1:])
         patch = np.repeat(self.patch, counts[0] * counts[1])
-        return _Boxes(patch, *(np.broadcast_to(part, wide).ravel() for part in cut))
+        return Boxes(patch, *(np.broadcast_to(part, wide).ravel() for part in cut))
 
 
 def _cut(low: Array, high: Array, count: int) -> Array:
@@ -152,12 +153,20 @@ def _cut(low: Array, high: Array, count: int) -> Array:
     return ends
 
 
-class _Models:
-    """The swept surface of every patch on boxes."""
+class Models:
+    """The swept surface of every patch on boxes.
 
-    def __init__(self, cam: SpatialCam, parts: Sequence[Patch]) -> None:
+    ``radius``: of the roller that is asked whether it undercuts; None: the cam's own.
+    """
+
+    def __init__(
+        self, cam: SpatialCam, parts: Sequence[Patch], radius: float | None = None
+    ) -> None:
         swept = cam.swept
-        self._jets, self._radius = Jets(cam.motion.curve), swept.roller.radius
+        self.cam, self.parts = cam, parts
+        self._jets = Jets(cam.motion.curve)
+        self._roller = swept.roller.radius
+        self._radius = self._roller if radius is None else radius
         self._piece = np.array([part.piece for part in parts])
         self._start = np.array([part.wall.seat.start for part in parts])
         self._side = np.array([part.wall.side for part in parts])
@@ -172,11 +181,11 @@ class _Models:
         patch, at = parts[0], np.array([0.5 * (parts[0].low + parts[0].high)])
         rho = np.array([swept.roller.middle])
         normal = patch.contacts(at, rho).normal[:, 0, 0]
-        box = _Boxes(*(np.array([x]) for x in (0, at[0], at[0], rho[0], rho[0])))
+        box = Boxes(*(np.array([x]) for x in (0, at[0], at[0], rho[0], rho[0])))
         mine = np.array([part.c0[0] for part in self.at(box).normal])
         self._side = self._side * patch.wall.side * (1 if float(mine @ normal) > 0.0 else -1)
 
-    def at(self, boxes: _Boxes) -> Swept:
+    def at(self, boxes: Boxes) -> Swept:
         """Models on boxes."""
         piece = self._piece[boxes.patch]
         q, q1, q2 = self._jets.models(piece, boxes.low, boxes.high, 2)
@@ -195,7 +204,7 @@ class _Models:
         bend = _sum((q2, w), (q1 * q1, w1), (-2.0 * q1, self._turned(w)), (1.0, again))
         twist = _sum((q1, u1), (-1.0, self._turned(u)))
         side = self._side[boxes.patch]
-        return Swept(p, u, w, v, cross(u, v), bend, twist, self._radius, side)
+        return Swept(p, u, w, v, cross(u, v), bend, twist, self._roller, self._radius, side)
 
     def _moving(self, table: Array, q: Taylor, cos: Taylor, sin: Taylor) -> Sequence[Vector]:
         """A point or direction of the follower and its derivatives by q."""
@@ -228,24 +237,27 @@ def proven(
     """
     if cam.swept.roller.crown > 0.0:
         return found
-    reached = proof.into(found.value)
-    limit = _limit(cam, parts, proof, reached, reached)
-    if allowed is not None and proof.sign * (limit - proof.into(allowed)) > 0.0:
-        limit = _limit(cam, parts, proof, reached, proof.into(allowed))
-    if not math.isfinite(limit):
+    models, sign = Models(cam, parts), proof.sign
+    best = sign * proof.into(found.value)
+    enough = best + RELATIVE * max(abs(best), 1e-3)
+    most = largest(models, proof, enough)
+    if allowed is not None and most > sign * proof.into(allowed):
+        room = NEAR * (sign * proof.into(allowed) - best)
+        most = largest(models, proof, max(enough, best + room))
+    if not math.isfinite(most):
         return found
-    return replace(found, limit=proof.back(limit), evidence=EVIDENCE)
+    return replace(found, limit=proof.back(sign * max(most, best)), evidence=EVIDENCE)
 
 
-def _limit(
-    cam: SpatialCam, parts: Sequence[Patch], proof: Proof, reached: float, allowed: float
-) -> float:
-    """What a quantity, reached somewhere, does not pass anywhere; infinite if nothing is proven."""
-    models, sign = _Models(cam, parts), proof.sign
-    roller = cam.swept.roller
-    boxes = _first(parts, np.linspace(roller.inner, roller.outer, PLACES + 1))
-    best, most, last = sign * reached, -math.inf, math.inf
-    enough = best + max(RELATIVE * max(abs(best), 1e-3), NEAR * (sign * allowed - best))
+def largest(models: Models, proof: Proof, enough: float) -> float:
+    """What a quantity, times its sign, does not pass anywhere; infinite if nothing is proven.
+
+    Args:
+        enough: boxes that do not pass this are not looked at more closely.
+    """
+    cam, sign, roller = models.cam, proof.sign, models.cam.swept.roller
+    boxes = _first(models.parts, np.linspace(roller.inner, roller.outer, PLACES + 1))
+    most, last = -math.inf, math.inf
     with np.errstate(all="ignore"):
         for number in range(MOST_ROUNDS):
             swept = models.at(boxes)
@@ -262,7 +274,7 @@ def _limit(
             boxes = boxes.split(counts)
         else:
             most = max(most, last)
-    return sign * max(most, best)
+    return most
 
 
 def _range(model: Taylor) -> tuple[Array, Array]:
@@ -280,7 +292,7 @@ def _outside(cam: SpatialCam, swept: Swept) -> Array:
     return np.asarray((high < cam.faces[0]) | (low > cam.faces[1]))
 
 
-def _first(parts: Sequence[Patch], edges: Array) -> _Boxes:
+def _first(parts: Sequence[Patch], edges: Array) -> Boxes:
     """Boxes to begin with: as many angles of each patch as keep those of a wall to a number."""
     angles = max(1, ANGLES * len({part.wall for part in parts}) // len(parts))
     low, high = np.array([(part.low, part.high) for part in parts]).T
@@ -288,4 +300,4 @@ def _first(parts: Sequence[Patch], edges: Array) -> _Boxes:
     wide = (len(parts), angles, len(edges) - 1)
     cut = (theta[:, :-1, None], theta[:, 1:, None], edges[:-1], edges[1:])
     patch = np.repeat(np.arange(len(parts)), angles * (len(edges) - 1))
-    return _Boxes(patch, *(np.broadcast_to(part, wide).ravel() for part in cut))
+    return Boxes(patch, *(np.broadcast_to(part, wide).ravel() for part in cut))

@@ -32,13 +32,15 @@ class Kind:
 
     Attributes:
         name, unit: on the wire. largest: whether its largest is looked for.
-        told: the core's value on the wire. must: what every cam has to keep, whoever asks.
+        told: the core's value on the wire. core: the wire's in the core.
+        must: what every cam has to keep, whoever asks.
     """
 
     name: str
     unit: str
     largest: bool
     told: Callable[[float], float] = float
+    core: Callable[[float], float] = float
     must: Bound | None = None
 
 

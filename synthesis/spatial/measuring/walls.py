@@ -14,6 +14,7 @@ import numpy as np
 from synthesis.geometry.swept_roller import cross, dot, norm
 from synthesis.numerics.piecewise import Array
 from synthesis.spatial.cam import SpatialCam
+from synthesis.spatial.measuring import radii
 from synthesis.spatial.measuring.enclosing import PRESSURE, UNDERCUT, Proof, proven
 from synthesis.spatial.measuring.follower import jump
 from synthesis.spatial.measuring.found import Bound, Bounds, Found, Kind, leading
@@ -26,6 +27,7 @@ KEPT = 2  # patches that are looked at more closely
 CLOSER, ROUNDS, SHRINK = 7, 17, 0.4  # a grid around the best so far, and how it narrows
 EVIDENCE = "measured on a grid of every smooth part of a wall, then closer"
 Values = Callable[[Patch, Array, Array], Array]
+Prover = Callable[[SpatialCam, Sequence[Patch], Found, float | None], Found]
 
 
 @dataclass(frozen=True)
@@ -37,7 +39,7 @@ class Measured:
 
     kind: Kind
     of: Values
-    proof: Proof | None = None
+    proof: Prover | None = None
 
 
 def _sliding(patch: Patch, theta: Array, rho: Array) -> Array:
@@ -70,24 +72,30 @@ def _radius(curvature: float) -> float:
     return -1.0 / curvature if curvature < 0.0 else np.inf
 
 
+def _enclosed(proof: Proof) -> Prover:
+    return lambda cam, parts, found, allowed: proven(cam, parts, proof, found, allowed)
+
+
 STEEPNESS = Measured(
-    Kind("pressure_angle", "deg", True, lambda value: value / DEGREE),
+    Kind("pressure_angle", "deg", True, lambda v: v / DEGREE, lambda v: v * DEGREE),
     lambda p, theta, rho: p.contacts(theta, rho).pressure_angle,
-    PRESSURE,
+    _enclosed(PRESSURE),
 )
 AREA = Measured(
     Kind("undercut", "1", False, must=Bound(0.0)),
     lambda p, theta, rho: p.contacts(theta, rho).regular,
-    UNDERCUT,
+    _enclosed(UNDERCUT),
 )
 RADII = (
     Measured(
-        Kind("convex_radius", "mm", False, _radius),
+        Kind("convex_radius", "mm", False, _radius, lambda radius: -1.0 / radius),
         lambda p, theta, rho: -p.curvatures(theta, rho)[0],
+        radii.bulging,
     ),
     Measured(
-        Kind("hollow_radius", "mm", False, _radius),
+        Kind("hollow_radius", "mm", False, _radius, lambda radius: -1.0 / radius),
         lambda p, theta, rho: p.curvatures(theta, rho)[1],
+        radii.hollow,
     ),
 )
 CORNER = Found(
@@ -120,7 +128,7 @@ def extremes(
 
     def over(quantity: Measured) -> Found:
         bound = bounds.get(quantity.kind.name, quantity.kind.must)
-        allowed = None if bound is None else bound.value / quantity.kind.told(1.0)
+        allowed = None if bound is None else quantity.kind.core(bound.value)
         return _extreme(quantity, parts, grids, rho, allowed)
 
     yield STEEPNESS.kind, over(STEEPNESS)
@@ -142,7 +150,7 @@ def _extreme(
 ) -> Found:
     """The extreme over all patches, which are tried wall by wall; proven where it can be.
 
-    ``allowed``: what it may come to [core units], of quantities in proportion to what is told.
+    ``allowed``: what it may come to [core units].
     """
     sign = 1.0 if quantity.kind.largest else -1.0
     seen = [
@@ -160,7 +168,7 @@ def _extreme(
     most = max(found, key=lambda each: leading(sign * each.value))
     if quantity.proof is None or not np.isfinite(most.value):
         return most
-    return proven(parts[0].cam, parts, quantity.proof, most, allowed)
+    return quantity.proof(parts[0].cam, parts, most, allowed)
 
 
 def _values(quantity: Measured, patch: Patch, theta: Array, rho: Array) -> Array:
