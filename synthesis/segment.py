@@ -112,6 +112,11 @@ class Part(BaseModel):
         return {"angle_deg": self.angle_deg}
 
     @property
+    def open(self) -> bool:
+        """Whether a field is left free."""
+        return any(low != high for low, high in map(ends, self.left_open().values()))
+
+    @property
     def signed_lift(self) -> float:
         """Displacement gained over the segment, in its own unit; the smallest while it is free."""
         return 0.0

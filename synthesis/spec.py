@@ -236,6 +236,8 @@ class DesignSpec(BaseModel):
     @property
     def _numbered(self) -> list[Segment]:
         """The program; while numbers are left free, with some that fit together."""
+        if not any(segment.open for segment in self.program):
+            return self.program
         openings = self.openings
         middle = openings.polytope.centre() if openings.free else None
         return self.program if middle is None else openings.at(middle)[0]
@@ -300,33 +302,30 @@ class DesignSpec(BaseModel):
         pace = self._pace()
         return [segment.gain(pace) for segment in self._numbered]
 
-    def _levels(self) -> list[float]:
-        """Displacement at the ends of the segments, from where the program starts [mm]."""
-        return list(accumulate(self.lifts(), initial=0.0))
-
-    def _reach(self) -> tuple[float, float]:
-        """Lowest and highest displacement, from where the program starts [mm]."""
-        pace = self._pace()
-        spans = [segment.span(pace) for segment in self._numbered]
-        both = [
-            (at + low, at + high) for at, (low, high) in zip(self._levels(), spans, strict=False)
-        ]
-        return min(low for low, _ in both), max(high for _, high in both)
+    def _reach(self) -> tuple[float, float, list[float]]:
+        """Lowest and highest displacement, and those at the segments' starts [mm]; the program
+        starts at 0.
+        """
+        pace, program = self._pace(), self._numbered
+        levels = list(accumulate((segment.gain(pace) for segment in program[:-1]), initial=0.0))
+        spans = [segment.span(pace) for segment in program]
+        both = [(at + low, at + high) for at, (low, high) in zip(levels, spans, strict=True)]
+        return min(low for low, _ in both), max(high for _, high in both), levels
 
     def stretches(self) -> tuple[Stretch, ...]:
         """The program placed on the cam, displacements measured from the lowest position."""
-        turn = math.fsum(segment.degrees for segment in self._numbered)
-        ends_deg = list(accumulate((segment.degrees for segment in self._numbered), initial=0.0))
+        program = self._numbered
+        turn = math.fsum(segment.degrees for segment in program)
+        ends_deg = list(accumulate((segment.degrees for segment in program), initial=0.0))
         angles = [FULL_TURN * value / turn for value in ends_deg]
         angles[-1] = FULL_TURN
-        levels = self._levels()
-        lowest, _ = self._reach()
-        starts = [level - lowest for level in levels[:-1]]
-        return placed(self._numbered, angles, starts, self._pace(), self.continuity or 0)
+        lowest, _, levels = self._reach()
+        starts = [level - lowest for level in levels]
+        return placed(program, angles, starts, self._pace(), self.continuity or 0)
 
     def stroke(self) -> float:
         """Highest less lowest displacement [mm]: the unit of length inside the formulations."""
-        lowest, highest = self._reach()
+        lowest, highest, _ = self._reach()
         return highest - lowest
 
     def base_radius_range(self) -> tuple[float, float]:

@@ -37,6 +37,9 @@ class Travel:
         return float(omega**order / self.per_unit)
 
 
+SLIDE = Travel()
+
+
 @dataclass(frozen=True)
 class Pace:
     """What turns displacements and rates of the wire into the core's mm and mm per radian.
@@ -45,7 +48,7 @@ class Pace:
         travel: how the follower's displacement is told. omega: cam speed ω [rad/s].
     """
 
-    travel: Travel = Travel()
+    travel: Travel = SLIDE
     omega: float = 1.0
 
     def core(self, value: float, order: int = 0) -> float:

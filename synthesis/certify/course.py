@@ -114,7 +114,7 @@ class Course:
         """With how many boxes to begin on each piece: few, yet most of them soon excluded."""
         length = np.diff(self.curve.breaks)
         still = np.all(self.curve.poly[:, 1:] == 0.0, axis=1)
-        fewest = 2.0 + 12.0 * length / self._beta
+        fewest = 1.0 + 12.0 * length / self._beta
         if self.curve.waves.shape[1]:
             real = self.curve.waves[..., 0] != 0.0
             angle = np.max(np.abs(self.curve.waves[..., 1]) * real, axis=1) * length
@@ -161,10 +161,12 @@ class Course:
 
         Between two dwells the whole stroke stands for the lift.
         """
-        orders = np.arange(HIGHEST_JOIN + 1)[:, None]
-        sides = self._lift / length**orders
+        powers = np.ones((HIGHEST_JOIN + 1, len(length)))
+        for order in range(1, len(powers)):
+            powers[order] = powers[order - 1] * length
+        sides = self._lift / powers
         scale = np.maximum(sides, sides[:, self.after])
-        spare = self.stroke / np.minimum(length, length[self.after]) ** orders
+        spare = self.stroke / np.minimum(powers, powers[:, self.after])
         return np.maximum(np.where(scale > 0.0, scale, spare), TINY)
 
     def worst(self, order: int, joints: Indices) -> Jump:

@@ -95,6 +95,13 @@ class Loaded:
     def values(self, piece: Indices, x: Array) -> Array:
         """Its values at cam angles of pieces: (n,)."""
         s = tuple(self.course.curve.jet(x, piece, 3))
+        return self.value(self.flank.trace, self.size, s, (piece, x))
+
+    def value(
+        self, trace: Trace, size: Size, s: tuple[Any, ...], at: tuple[Indices, Array]
+    ) -> Array:
+        """Its values at points, from s to s''' there: (n,)."""
+        piece, x = at
         process, over = self._process
         return np.asarray(self._value(s, process.curve.at(x, over[piece], 0), piece))
 

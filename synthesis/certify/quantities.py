@@ -75,6 +75,7 @@ def _derivative(order: int) -> Formula:
 
 
 Box = tuple[Indices, Array, Array]  # piece, lower and upper end
+Points = tuple[Indices, Array]  # piece and cam angle
 
 
 class Measurable(Protocol):
@@ -103,6 +104,9 @@ class Measurable(Protocol):
     def at(self, trace: Trace, size: Size, s: tuple[Any, ...], box: Box) -> Any:
         """Its model on boxes."""
 
+    def value(self, trace: Trace, size: Size, s: tuple[Any, ...], at: Points) -> Array:
+        """Its values at points, from s to s''' there: (n,)."""
+
 
 @dataclass(frozen=True)
 class Quantity:
@@ -127,8 +131,11 @@ class Quantity:
     def at(self, trace: Trace, size: Size, s: tuple[Any, ...], box: Box) -> Taylor:
         """Its model, from those of s and at least as many derivatives as it uses."""
         found = self.formula(trace, size, s[: self.order + 1] + (0.0,) * (3 - self.order))
-        assert isinstance(found, Taylor)
-        return found
+        return found if isinstance(found, Taylor) else s[0].constant(found)
+
+    def value(self, trace: Trace, size: Size, s: tuple[Any, ...], at: Points) -> Array:
+        """Its values at points."""
+        return np.asarray(self.formula(trace, size, s))
 
 
 QUANTITIES = {
@@ -175,9 +182,13 @@ def enclose_all(
         s = course.jets.models(piece, lo, hi, highest)
         return [subjects[k][0].at(traces[k], size, s, (piece, lo, hi)) for k in wanted]
 
+    def values(piece: Indices, x: Array, wanted: Sequence[int]) -> list[Array]:
+        s = tuple(course.curve.jet(x, piece, 3))
+        return [subjects[k][0].value(traces[k], size, s, (piece, x)) for k in wanted]
+
     enough = [quantity.absolute + quantity.share * scale for quantity, _ in subjects]
     asked = [replace(q, absolute=q.absolute + enough[q.function]) for q in questions]
-    return enclose(models, course.curve.breaks, course.counts, asked)
+    return enclose(models, course.curve.breaks, course.counts, asked, values)
 
 
 def infinite(

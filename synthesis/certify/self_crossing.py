@@ -34,7 +34,6 @@ from dataclasses import dataclass
 from typing import Final
 
 import numpy as np
-from numpy.lib.stride_tricks import sliding_window_view
 from numpy.typing import NDArray
 
 from synthesis.certify.course import Indices
@@ -53,6 +52,7 @@ ROUNDS: Final = 10
 TOUCHING: Final = 1e-9  # of the roller: so deep a crossing counts as none
 FINE: Final = 1e-9  # of the roller: width of an enclosure that is good enough
 ROUNDING: Final = 2.0**-46  # of the distances compared
+HALF_TURN: Final = math.pi * (1.0 - ROUNDING)
 BESIDE: Final = 1e-12  # rad: roundings of the angles compared
 
 
@@ -89,7 +89,8 @@ def nearest(path: Path) -> Nearest:
             where = float(boxes.lo[np.argmax(unsteady)])
             return Nearest(math.inf, 0.0, where, where, 0)
         groups = _Groups.of(len(boxes))
-        apart = groups.near(low, high) | groups.aside(*drawn.shadow())
+        apart = groups.aside(*drawn.shadow())
+        apart |= groups.near(low, high, groups.longest(~apart))
         return _Search(path, boxes).run(*groups.pairs(~apart))
 
 
@@ -126,16 +127,27 @@ class _Groups:
         first = np.arange(0, boxes, math.ceil(boxes / GROUPS))
         return cls(first, np.diff(np.append(first, boxes)))
 
-    def near(self, low: Array, high: Array) -> NDArray[np.bool_]:
-        """Pairs that one of the arcs between them brings together, by the tangent's angle."""
+    def longest(self, pairs: NDArray[np.bool_]) -> int:
+        """How many groups on the shorter arcs between these pairs are, both ends with them."""
+        count, index = len(self.first), np.flatnonzero(pairs)
+        between = np.abs(index % count - index // count)
+        return int(np.max(np.minimum(between, count - between), initial=0)) + 1
+
+    def near(self, low: Array, high: Array, longest: int) -> NDArray[np.bool_]:
+        """Pairs that one of the arcs between them brings together, by the tangent's angle.
+
+        Of arcs of no more than so many groups.
+        """
         # neighbours meet in a point: their angles differ by a corner's, less than half a turn
         (bottom, top), turn = self._ends(low, high)
-        bottom = np.minimum.accumulate(_round(bottom, turn), axis=1)
-        top = np.maximum.accumulate(_round(top, turn), axis=1)
-        near = top - bottom < math.pi * (1.0 - ROUNDING)  # [i, k]: the arc from i over k more
-        index = np.arange(len(self.first))
-        forward: NDArray[np.bool_] = near[index[:, None], (index - index[:, None]) % len(index)]
-        return forward | forward.T
+        count = len(self.first)
+        start = np.arange(count)[:, None]
+        arcs = start + np.arange(longest)
+        bottom, top = (np.concatenate([each, each + turn])[arcs] for each in (bottom, top))
+        turning = np.maximum.accumulate(top, axis=1) - np.minimum.accumulate(bottom, axis=1)
+        forward = np.zeros((count, count), dtype=bool)
+        forward[start, arcs % count] = turning < HALF_TURN
+        return np.asarray(forward | forward.T)
 
     def aside(self, low: Array, high: Array) -> NDArray[np.bool_]:
         """Pairs of which the one lies beside the other, seen from the cam's axis."""
@@ -152,8 +164,8 @@ class _Groups:
         Of a group that is continued wrongly the range is too wide, never too narrow.
         """
         middle = 0.5 * (low + high)
-        steady = np.unwrap(np.append(middle, middle[0]))
-        shift, turn = steady[:-1] - middle, float(steady[-1] - steady[0])
+        wraps = np.cumsum(np.round(np.diff(middle, append=middle[0]) / FULL_TURN))
+        shift, turn = np.append(0.0, wraps[:-1]) * -FULL_TURN, -FULL_TURN * float(wraps[-1])
         ends = (
             np.minimum.reduceat(low + shift, self.first),
             np.maximum.reduceat(high + shift, self.first),
@@ -167,12 +179,6 @@ class _Groups:
         each = np.repeat(np.repeat(chosen, self.counts, axis=0), self.counts, axis=1)
         profile, roller = np.nonzero(each)
         return profile, roller
-
-
-def _round(angle: Array, turn: float) -> Array:
-    """(n, n): row i holds the angle from group i on, once round, through which it gains a turn."""
-    twice = np.concatenate([angle, angle + turn])
-    return sliding_window_view(twice, len(angle))[: len(angle)]
 
 
 class _Search:

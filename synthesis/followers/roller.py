@@ -49,4 +49,5 @@ class RollerFollower(Follower, ABC):
         return self._closed(self.closure.completed(values))
 
     def _closed(self, closure: Closure) -> Self:
-        return self if closure == self.closure else self.model_copy(update={"closure": closure})
+        same = closure is self.closure or closure == self.closure
+        return self if same else self.model_copy(update={"closure": closure})

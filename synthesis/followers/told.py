@@ -8,7 +8,7 @@ from dataclasses import dataclass
 
 from synthesis.followers.trace import Trace
 from synthesis.motion import Motion
-from synthesis.units import Travel
+from synthesis.units import SLIDE, Travel
 
 
 @dataclass(frozen=True)
@@ -36,7 +36,7 @@ class Told(Trace):
     @property
     def travel(self) -> Travel:
         """How its displacement is told on the wire."""
-        return Travel()
+        return SLIDE
 
     @property
     @abstractmethod

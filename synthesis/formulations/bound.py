@@ -10,6 +10,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from functools import lru_cache
 from math import inf, sqrt
 
 import numpy as np
@@ -154,11 +155,8 @@ def _minimum(
         if len(matrix) == matrix.shape[1]:
             y = np.linalg.solve(matrix.T, -ledger.size)
             # sizes twice as good as the solution's or better: of others nothing is to be shown
-            far = (
-                2.0
-                * np.linalg.norm(np.linalg.inv(matrix), 2)
-                * (abs(float(solution.x[plan.extra])) + np.linalg.norm(shift))
-            )
+            largest = abs(float(solution.x[plan.extra])) + float(np.linalg.norm(shift))
+            far = 2.0 * _stretched(norm.matrix) * largest
             reach = np.minimum(reach, far)
         else:  # all but what the norm does not speak of: that is least at one end of its range
             y = np.linalg.lstsq(matrix.T, -ledger.size, rcond=None)[0]
@@ -174,6 +172,12 @@ def _minimum(
     for p, c, each in zip(psi, steering, blur, strict=True):
         price += c.rate * (each - p.least(1.0, 0.0))
     return paid / price if price > 0.0 else 0.0
+
+
+@lru_cache(maxsize=64)
+def _stretched(matrix: tuple[tuple[float, ...], ...]) -> float:
+    """How much longer than its image under an invertible matrix a vector may be."""
+    return float(np.linalg.norm(np.linalg.inv(np.array(matrix)), 2))
 
 
 def _unknown_states(

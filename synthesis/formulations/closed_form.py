@@ -8,12 +8,14 @@ that the answer breaks are added until there is none.
 
 from __future__ import annotations
 
+from functools import lru_cache
+
 import numpy as np
+from numpy.typing import NDArray
 
 from synthesis.formulations import rows
 from synthesis.formulations.exchange import tightest
 from synthesis.formulations.problem import Problem
-from synthesis.formulations.rows import Scales
 from synthesis.numerics.piecewise import Array
 
 Vector = tuple[float, ...]
@@ -26,11 +28,9 @@ def half_planes(problem: Problem) -> tuple[Array, Array]:
     normals: list[Array] = []
     offsets: list[float] = []
     for stretch in problem.stretches:
-        for row in problem.rows_on(stretch, 0.0):
-            block = rows.on_given(row, stretch, Scales(1.0, 1.0), 0.0)
-            if block is not None and not block.level:
-                normals.append(block.size)
-                offsets.append(float(block.rhs[0]))
+        planes = rows.half_planes(list(problem.rows_on(stretch, 0.0)), stretch)
+        normals += planes[0]
+        offsets += planes[1]
     for j, (low, high) in enumerate(problem.sizing.bounds):
         unit = np.eye(len(problem.sizing.bounds))[j]
         normals += [unit, -unit]
@@ -111,11 +111,18 @@ def _nearest_to_origin(a: Array, b: Array, tolerance: float) -> Array | None:
     return np.asarray(allowed[np.argmin(np.sum(allowed**2, axis=1))])
 
 
+@lru_cache(maxsize=64)
+def _pairs(count: int) -> tuple[NDArray[np.intp], NDArray[np.intp]]:
+    """All pairs of so many lines."""
+    first, second = np.triu_indices(count, 1)
+    return first, second
+
+
 def _corners(a: Array, b: Array) -> Array:
     """Where two lines of the plane meet; one size variable has none."""
     if a.shape[1] == 1:
         return np.zeros((0, 1))
-    first, second = np.triu_indices(len(b), 1)
+    first, second = _pairs(len(b))
     cross = a[first, 0] * a[second, 1] - a[first, 1] * a[second, 0]
     meeting = np.abs(cross) > 1e-12
     i, j, d = first[meeting], second[meeting], cross[meeting]

@@ -28,7 +28,7 @@ def controls(plan: Plan) -> list[Control] | None:
     if any(ball.norm is None and ball.ring is None for ball in plan.balls):
         return None
     for order in (3, 2):
-        if any(np.any(b.alpha[order:]) and np.any(b.size) for b in plan.blocks):
+        if any(b.size.any() and b.alpha[order:].any() for b in plan.blocks):
             return None  # the size caps it too: a bound over all laws would lose that row
         found = [_control(plan, position, order) for position in range(len(plan.grids))]
         if any(control is not None for control in found):

@@ -14,6 +14,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
+from functools import lru_cache
 from itertools import pairwise
 
 import numpy as np
@@ -308,10 +309,16 @@ def _balls(
 
 def _objective(squares: slice, extra: int | None) -> tuple[sparse.csc_matrix, Array]:
     """P and q: the extra unknown alone, or the sum of squares of y."""
-    width, linear = squares.stop, np.zeros(squares.stop)
+    linear = np.zeros(squares.stop)
     if extra is not None:
         linear[extra] = 1.0
-    at, count = np.arange(squares.start, width), width - squares.start
-    ends = np.append(np.zeros(squares.start, dtype=int), np.arange(count + 1))
-    quadratic = sparse.csc_matrix((np.full(count, 2.0), at, ends), shape=(width, width))
-    return quadratic, linear
+    return _sum_of_squares(squares.start, squares.stop), linear
+
+
+@lru_cache(maxsize=64)
+def _sum_of_squares(start: int, width: int) -> sparse.csc_matrix:
+    """P of the unknowns from a first one to the last: made once, and never written to."""
+    count = width - start
+    ends = np.append(np.zeros(start, dtype=int), np.arange(count + 1))
+    packed = np.full(count, 2.0), np.arange(start, width), ends
+    return sparse.csc_matrix(packed, shape=(width, width))

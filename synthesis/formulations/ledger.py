@@ -4,12 +4,10 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field
-from math import factorial
 
 import numpy as np
 
 from synthesis.formulations.convex import Plan
-from synthesis.formulations.densities import DEGREE
 from synthesis.formulations.ends import Joint, joint_rows
 from synthesis.formulations.multiplied import Multiplied
 from synthesis.formulations.switching import Switching, switching
@@ -80,9 +78,9 @@ class Ledger:
         """Σ weights[i, k] g^(k)(x_i), split into initial values and an integral over g^(m)."""
         self._points[position].append(x)
         self._weights[position].append(weights)
-        self.spent[position] += float(np.sum(np.abs(weights)))
+        self.spent[position] += float(np.abs(weights).sum())
         start = self.plan.settled[position].start
-        shares = at_start(x, weights).sum(axis=0)
+        shares = _sums_at_start(x, weights)
         known = min(len(start), self.order)
         for share, value in zip(shares[:known], start[:known], strict=True):
             self.add(float(share * value))
@@ -109,17 +107,19 @@ class Ledger:
     def _psi(self, position: int) -> Switching:
         points = np.concatenate([np.zeros(0), *self._points[position]])
         weights = np.concatenate([np.zeros((0, self.order)), *self._weights[position]])
-        spans = np.concatenate([np.zeros((0, 2)), *self._spans[position]])
-        poly = np.concatenate([np.zeros((0, DEGREE + 1)), *self._polys[position]])
-        used = np.flatnonzero(np.any(poly, axis=0))
+        found = switching(points, weights, self.order)
+        if not self._spans[position]:
+            return found
+        poly = np.concatenate(self._polys[position])
+        used = np.flatnonzero(poly.any(axis=0))
         poly = poly[:, : used[-1] + 1] if len(used) else poly[:, :1]
-        return switching(points, weights, self.order).raised(spans, poly)
+        return found.raised(np.concatenate(self._spans[position]), poly)
 
 
 def at_start(x: Array, weights: Array) -> Array:
     """What weights (n, m) on g, g', … at x (n,) come to in them at 0, by Taylor: (n, m)."""
     order = weights.shape[1]
-    powers = [x**n / factorial(n) for n in range(order)]
+    powers = _powers(x, order)
     return np.stack(
         [
             np.sum([weights[:, k] * powers[j - k] for k in range(j + 1)], axis=0)
@@ -127,6 +127,21 @@ def at_start(x: Array, weights: Array) -> Array:
         ],
         axis=1,
     )
+
+
+def _sums_at_start(x: Array, weights: Array) -> Array:
+    """The sums over all x of what ``at_start`` says of each: (m,)."""
+    order = weights.shape[1]
+    moments = (_powers(x, order) @ weights).tolist()
+    return np.array([sum(moments[j - k][k] for k in range(j + 1)) for j in range(order)])
+
+
+def _powers(x: Array, count: int) -> Array:
+    """x^n/n! for n < count: (count, n)."""
+    found = np.ones((count, len(x)))
+    for n in range(1, count):
+        found[n] = found[n - 1] * (x / n)
+    return found
 
 
 def carried(plan: Plan, joint: Joint, order: int) -> Iterator[tuple[int, float]]:

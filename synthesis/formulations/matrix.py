@@ -168,5 +168,12 @@ class Writer:
     def finished(self) -> tuple[sparse.csc_matrix, Array]:
         """A in compressed columns, and b."""
         row, column, value = (np.concatenate(part) for part in zip(*self._entries, strict=True))
-        matrix = sparse.csc_matrix((value, (row, column)), shape=(self.rows, self.width))
-        return matrix, np.concatenate(self._rhs)
+        place = column * self.rows + row
+        order = np.argsort(place)
+        place, shape = place[order], (self.rows, self.width)
+        rhs = np.concatenate(self._rhs)
+        if (place[1:] == place[:-1]).any():  # a law that meets itself: entries add up
+            return sparse.csc_matrix((value, (row, column)), shape=shape), rhs
+        first = np.searchsorted(place, self.rows * np.arange(self.width + 1))
+        packed = value[order], row[order].astype(np.int32), first.astype(np.int32)
+        return sparse.csc_matrix(packed, shape=shape), rhs

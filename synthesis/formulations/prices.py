@@ -71,7 +71,7 @@ def end_prices(
         return []
     matrix, rhs = _shared(plan, steering[0].order, state)
     near = np.concatenate(guess)
-    prices = near + _least(matrix, rhs - matrix @ near)
+    prices = near + _least(matrix, rhs - matrix @ near) if len(rhs) else near
     if not all(control.weight for control in steering):
         return list(prices.reshape(len(steering), -1))
     laws = [_law(plan, k, *both) for k, both in enumerate(zip(steering, psi, strict=True))]

@@ -14,7 +14,7 @@ from synthesis.formulations.grid import TYPICAL, Grid
 from synthesis.motion import Stretch
 from synthesis.numerics.bspline import SplineSpace
 from synthesis.numerics.digits import rounded
-from synthesis.numerics.peaks import peak
+from synthesis.numerics.peaks import heights, peak
 from synthesis.numerics.piecewise import Array
 from synthesis.terms import Row
 
@@ -96,8 +96,11 @@ def in_g(row: Row, stretch: Stretch) -> tuple[Array, float]:
 
 def row_scale(row: Row, stretch: Stretch, scales: Scales) -> float:
     """Natural size of the row's terms: rows are divided by it."""
-    alpha, rhs = in_g(row, stretch)
-    parts = [*(np.abs(alpha) * TYPICAL), abs(row.level * scales.level)]
+    return _scale(row, *in_g(row, stretch), scales)
+
+
+def _scale(row: Row, alpha: Array, rhs: float, scales: Scales) -> float:
+    parts = [*(np.abs(alpha) * TYPICAL).tolist(), abs(row.level * scales.level)]
     parts += [abs(share * scales.size) for share in row.size]
     return float(max(parts) if row.size or row.level else max(*parts, abs(rhs)))
 
@@ -131,7 +134,7 @@ def on_law(
     orders = np.flatnonzero(alpha)
     size = np.array(row.size) * scales.size if row.size else np.zeros(0)
     level = row.level * scales.level
-    scale = row_scale(row, stretch, scales)
+    scale = _scale(row, alpha, rhs, scales)
     space = grid.space
     if row.part is not None:
         return _on_part(row, row.part, position, stretch, grid, scale, drawn)
@@ -158,7 +161,7 @@ def _settling_end(alpha: Array, stretch: Stretch, known: Ends) -> slice | None:
     With 0 ≤ g ≤ 1 and α1 g' ≤ 0 the end where α0 g is largest is the place, if g' = 0 there.
     """
     assert stretch.free is not None
-    if stretch.free.overshoot or np.any(alpha[2:]) or alpha[1] > 0.0:
+    if stretch.free.overshoot or alpha[2] != 0.0 or alpha[3] != 0.0 or alpha[1] > 0.0:
         return None
     state, end = (known.start, slice(0, 1)) if alpha[0] <= 0.0 else (known.end, slice(-1, None))
     return end if len(state) > 1 and state[1] == 0.0 else None
@@ -245,6 +248,21 @@ def on_given(row: Row, stretch: Stretch, scales: Scales, tighten: float) -> Bloc
         float(rounded(level / scale)), rounded(np.array([(row.upper - worst) / scale])),
         row.source, tighten,
     )  # fmt: skip
+
+
+def half_planes(each: Sequence[Row], stretch: Stretch) -> tuple[list[Array], list[float]]:
+    """normals · z ≤ offsets of the rows that bound the size on a given law, at their worst angles.
+
+    Of size 1, and without their last digits, as in ``on_given``.
+    """
+    bounding = [row for row in each if row.size and not row.level]
+    if not bounding:
+        return [], []
+    worst = heights(stretch.placed(), [row.coefficients for row in bounding])
+    sizes = np.array([row.size for row in bounding])
+    scale = np.max(np.abs(sizes), axis=1)
+    offsets = (np.array([row.upper for row in bounding]) - worst) / scale
+    return list(rounded(sizes / scale[:, None])), rounded(offsets).tolist()
 
 
 def monotone(position: int, grid: Grid, known: Ends, drawn: Drawn) -> Block:

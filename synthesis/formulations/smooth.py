@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from functools import cache
 
 import numpy as np
 from numpy.typing import NDArray
@@ -41,12 +42,18 @@ def sample(problem: Problem) -> list[Samples]:
         stretch = whole if load is None else load.parted(whole)
         curve = stretch.placed()
         density = 2 if stretch.kind == "dwell" else max(LEAST_DENSITY, DENSITY // curve.count)
-        step = np.linspace(0.0, 1.0, density)
-        theta = (curve.breaks[:-1, None] + np.diff(curve.breaks)[:, None] * step).ravel()
+        left, right = curve.breaks[:-1, None], curve.breaks[1:, None]
+        theta = (left + (right - left) * _parts(density)).ravel()
         piece = np.repeat(np.arange(curve.count), density)
         s = curve.jet(theta, piece, 3)
         found.append(Samples(stretch, theta, s, piece))
     return found
+
+
+@cache
+def _parts(count: int) -> Array:
+    """So many equally spaced numbers from 0 to 1."""
+    return np.linspace(0.0, 1.0, count)
 
 
 def violation(problem: Problem, samples: list[Samples], size: Vector) -> float:

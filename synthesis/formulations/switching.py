@@ -89,10 +89,10 @@ class Switching:
         edge = 2.0 * weight * cap
         values = (0.0,) if weight == 0.0 or not np.isfinite(edge) else (0.0, edge, -edge)
         cuts = self._cut(values)
-        width = np.diff(cuts)
+        width = cuts[1:] - cuts[:-1]
         if weight == 0.0:
-            size = np.mean(np.abs(self._pieces(cuts) @ _bernstein(self.poly.shape[1])), axis=1)
-            return -cap * float(np.sum(size * width))
+            size = np.abs(self._pieces(cuts) @ _bernstein(self.poly.shape[1])).mean(axis=1)
+            return -cap * float(size @ width)
         tau = cuts[:-1, None] + width[:, None] * (NODES + 1.0) / 2.0
         psi = np.abs(self(tau))
         inner = -(psi**2) / (4.0 * weight)
@@ -123,10 +123,12 @@ class Switching:
 
     def _cut(self, values: tuple[float, ...]) -> Array:
         """The breaks and the roots of ψ − value, sorted."""
-        found, width = [self.breaks], np.diff(self.breaks)
+        found, width = [self.breaks], self.breaks[1:] - self.breaks[:-1]
         for value in values:
-            apart = self.poly.copy()
-            apart[:, 0] -= value
+            apart = self.poly
+            if value:
+                apart = apart.copy()
+                apart[:, 0] -= value
             for root in _roots(apart):
                 inside = (root > 0.0) & (root < 1.0)
                 found.append((self.breaks[:-1] + width * root)[inside])
@@ -134,16 +136,23 @@ class Switching:
 
     def _pieces(self, breaks: Array) -> Array:
         """The polynomials between finer breaks: (n, d)."""
-        middle = 0.5 * (breaks[:-1] + breaks[1:])
-        piece = np.clip(np.searchsorted(self.breaks, middle, "right") - 1, 0, len(self.poly) - 1)
-        low, high = self.breaks[piece], self.breaks[piece + 1]
-        shares = [(side - low) / (high - low) for side in (breaks[:-1], breaks[1:])]
-        return within(self.poly[piece], *shares)
+        left, right = breaks[:-1], breaks[1:]
+        piece = np.searchsorted(self.breaks[1:-1], 0.5 * (left + right), "right")
+        low = self.breaks[piece]
+        width = self.breaks[piece + 1] - low
+        return within(self.poly[piece], (left - low) / width, (right - low) / width)
 
 
 def within(poly: Array, low: Array, high: Array) -> Array:
     """Polynomials (n, d) in s on parts low to high (n,) of [0, 1], from 0 to 1 along the part."""
-    degree = poly.shape[1]
+    degree, width = poly.shape[1], high - low
+    if degree <= 3:
+        columns = [poly[:, j] for j in range(degree)]
+        c, b, a = columns + [np.zeros(1)] * (3 - degree)
+        found = np.empty((len(low), 3))
+        found[:, 0], found[:, 1] = c + low * (b + low * a), width * (b + 2.0 * low * a)
+        found[:, 2] = width * width * a
+        return found[:, :degree]
     powers = [low**i for i in range(degree)]
     return np.stack(
         [
@@ -167,9 +176,8 @@ def _bernstein(count: int) -> Array:
 def _roots(poly: Array) -> Sequence[Array]:
     """Roots of polynomials (n, d), as many arrays as there may be; NaN or far off where none."""
     if poly.shape[1] <= 3:
-        padded = np.zeros((len(poly), 3))
-        padded[:, : poly.shape[1]] = poly
-        c, b, a = padded.T
+        columns = [poly[:, j] for j in range(poly.shape[1])]
+        c, b, a = columns + [np.zeros(1)] * (3 - len(columns))
         return quadratic_roots(a, b, c)
     signs = np.sign(poly @ _bernstein(poly.shape[1]))
     mixed = np.any(signs != signs[:, :1], axis=1)  # others have none
@@ -196,13 +204,14 @@ def switching(points: Array, weights: Array, order: int) -> Switching:
     """
     sorting = np.argsort(points, kind="stable")
     x, w = points[sorting], weights[sorting]
-    breaks = np.unique(np.concatenate([[0.0, 1.0], x]))
+    breaks = np.concatenate([[0.0], x[(x > 0.0) & (x < 1.0)], [1.0]])
+    breaks = breaks[np.concatenate([[True], breaks[1:] != breaks[:-1]])]  # they are in order
     # Σ w (x − τ)^n/n! of all rows with x ≥ breaks[i+1], in powers of τ and then about breaks[i]
     w2, w1, w0 = w[:, -1], w[:, -2], w[:, -3] if order > 2 else np.zeros(len(x))
     table = np.stack([w2 + x * (w1 + 0.5 * x * w0), -w1 - x * w0, 0.5 * w0], axis=1)
     suffix = np.zeros((len(x) + 1, 3))
     suffix[:-1] = np.cumsum(table[::-1], axis=0)[::-1]
     c, b, a = suffix[np.searchsorted(x, breaks[1:], side="left")].T
-    first, width = breaks[:-1], np.diff(breaks)
+    first, width = breaks[:-1], breaks[1:] - breaks[:-1]
     poly = [c + first * (b + first * a), width * (b + 2.0 * a * first), width**2 * a]
     return Switching(breaks, np.stack(poly[:order], axis=1))

@@ -87,8 +87,7 @@ class SplineSpace:
         table, columns, share = coefficients, list[Array](), 1.0
         for order in range(self.degree + 1):
             if order:
-                high, low = self._apart(order)
-                table = np.diff(table) / (high - low)
+                table = (table[1:] - table[:-1]) / self._gaps[order - 1][0]
                 share *= (self.degree - order + 1) / order
             columns.append(share * self._at_left(table, order))
         return self._pieces(columns)
@@ -103,7 +102,7 @@ class SplineSpace:
         columns, share = list[Array](), 1.0
         for order in range(self.degree + 1):
             if order:
-                table = quotient(differences(table), difference(*self._apart(order)))
+                table = quotient(differences(table), self._gaps[order - 1])
                 share *= (self.degree - order + 1) / order
             columns.append(share * self._at_left(table[0], order))
         return self._pieces(columns)
@@ -112,25 +111,45 @@ class SplineSpace:
         left = self.breaks[:-1]
         return Piecewise(self.breaks, left, np.stack(columns, axis=1), np.zeros((len(left), 0, 3)))
 
-    def _apart(self, order: int) -> tuple[Array, Array]:
-        """Upper and lower knots by whose distance the differences for a derivative are divided."""
-        knots, p = self.knots[order : len(self.knots) - order], self.degree - order + 1
-        return knots[p:], knots[:-p]
+    @cached_property
+    def _gaps(self) -> tuple[Twofold, ...]:
+        """By what differences are divided for the derivatives from the first to the highest."""
+        found, t = [], self.knots
+        for order in range(1, self.degree + 1):
+            inner, p = t[order : len(t) - order], self.degree - order + 1
+            found.append(difference(inner[p:], inner[:-p]))
+        return tuple(found)
 
     def _at_left(self, table: Array, order: int) -> Array:
         """Values, where each interval begins, of a derivative that has these coefficients: (n,).
 
         De Boor's recurrence in terms of blossoms: one argument of each is that knot already.
         """
-        u, q, n = self.knots[order:], self.degree - order, len(self.breaks) - 1
-        x, values = u[q : q + n], [table[m : m + n] for m in range(max(q, 1))]
-        for r in range(1, q):
+        n = len(self.breaks) - 1
+        values = [table[m : m + n] for m in range(max(self.degree - order, 1))]
+        for shares in self._shares[order]:
             values = [
-                here + (x - u[m + r : m + r + n]) * (there - here)
-                / (u[m + q + 1 : m + q + 1 + n] - u[m + r : m + r + n])
-                for m, (here, there) in enumerate(pairwise(values))
-            ]  # fmt: skip
+                here + ahead * (there - here) / gap
+                for (ahead, gap), (here, there) in zip(shares, pairwise(values), strict=True)
+            ]
         return values[0]
+
+    @cached_property
+    def _shares(self) -> tuple[tuple[tuple[tuple[Array, Array], ...], ...], ...]:
+        """Of every derivative and step of that recurrence: how far ahead in gaps of how much."""
+        found, n = [], len(self.breaks) - 1
+        for order in range(self.degree + 1):
+            u, q = self.knots[order:], self.degree - order
+            x = u[q : q + n]
+            steps = [
+                tuple(
+                    (x - u[m + r : m + r + n], u[m + q + 1 : m + q + 1 + n] - u[m + r : m + r + n])
+                    for m in range(q - r)
+                )
+                for r in range(1, q)
+            ]
+            found.append(tuple(steps))
+        return tuple(found)
 
 
 def _kept(table: Array) -> Array:

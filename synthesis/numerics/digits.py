@@ -14,7 +14,8 @@ def rounded(values: Array | float, bits: int = BITS) -> Array:
 
     A program with one optimum of many answers differently where the last bit of a number differs:
     so a cam a million times as large would be another one. Numbers whose last digits are gone are
-    the same for both.
+    the same for both. Values are finite, and smaller than 1e290.
     """
-    mantissa, exponent = np.frexp(values)
-    return np.asarray(np.ldexp(np.round(np.ldexp(mantissa, bits)), exponent - bits), dtype=float)
+    # Veltkamp's splitting (Dekker, Numer. Math. 18 (1971) 224): to the nearest, ties either way
+    spread = values * (2.0 ** (53 - bits) + 1.0)
+    return np.asarray(spread - (spread - values), dtype=float)

@@ -1,30 +1,30 @@
-"""Proven extremes by branch and bound over boxes, for many questions at once."""
+"""Proven extremes by branch and bound over boxes, for many questions at once.
+
+Where the functions are at hand in plain numbers too, these say first where each extreme seems to
+be. The boxes are small there from the start, and as a rule the first round proves it.
+"""
 
 from __future__ import annotations
 
 import math
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import Final
 
 import numpy as np
-from numpy.typing import NDArray
 
+from synthesis.numerics.boxes import SPLIT, Boxes, Indices, Mask
+from synthesis.numerics.looking import sighted
 from synthesis.numerics.taylor import Array, Taylor
 
-Indices = NDArray[np.intp]
-Mask = NDArray[np.bool_]
 Models = Callable[[Indices, Array, Array, Sequence[int]], Sequence[Taylor]]
+Values = Callable[[Indices, Array, Sequence[int]], Sequence[Array]]
 
-SPLIT: Final = 16
-MOST_PARTS: Final = 64
-ROUND: Final = 256  # boxes that cost little more than one
 MOST_ROUNDS: Final = 12
 MOST_BOXES: Final = 100_000  # of each function
-VAGUE: Final = 1e-14  # of a value: more than that is not left open of it
 UNBOUNDED: Final = 1e300  # stands for "nothing is known on this box"
 ULPS: Final = 2.0**-50
-WIDENED: Final = 16.0 * 2.0**-53  # of |x|: by how much a model's box may be wider than it was asked
+CLEAR: Final = 3.0  # roundings of a value: two lie between its ends, of a box there are some more
 
 
 @dataclass(frozen=True)
@@ -87,53 +87,40 @@ class Answer:
 
 
 @dataclass(frozen=True, eq=False)
-class _Boxes:
-    """Boxes (n,) of one piece each, and which questions they are for: (questions, n)."""
+class _Points:
+    """One point (k,) each for some of the questions."""
 
+    question: Indices
     piece: Indices
-    lo: Array
-    hi: Array
-    asked: Mask
+    at: Array
 
-    def left(self, asked: Mask) -> _Boxes:
-        """Those that are still asked for."""
-        return replace(self, asked=asked).at(np.flatnonzero(asked.any(axis=0)))
+    def boxes(self, questions: int) -> Boxes:
+        """The same as boxes of no width."""
+        return Boxes(
+            self.piece, self.at, self.at, np.arange(questions)[:, None] == self.question
+        )  # fmt: skip
 
-    def at(self, which: Indices) -> _Boxes:
-        """Some of them, in this order."""
-        return _Boxes(self.piece[which], self.lo[which], self.hi[which], self.asked[:, which])
 
-    def split(self) -> _Boxes:
-        """Each cut into equal parts: into many where there are few, for a round costs much."""
-        count = max(SPLIT, min(MOST_PARTS, ROUND // len(self.lo)))
-        parts = np.arange(count + 1) / count
-        edges = self.lo[:, None] + (self.hi - self.lo)[:, None] * parts
-        edges[:, -1] = self.hi
-        piece, asked = np.repeat(self.piece, count), np.repeat(self.asked, count, axis=1)
-        return _Boxes(piece, edges[:, :-1].ravel(), edges[:, 1:].ravel(), asked)
-
-    def joined(self, other: _Boxes) -> _Boxes:
-        """These and the others."""
-        pairs = zip(vars(self).values(), vars(other).values(), strict=True)
-        return _Boxes(*(np.concatenate(pair, axis=-1) for pair in pairs))
+NONE: Final = np.zeros(0, dtype=np.intp)
+NOWHERE: Final = _Points(NONE, NONE, np.zeros(0))
 
 
 @dataclass(frozen=True, eq=False)
-class _Reached:
-    """What one box each has for several questions (q,): so much is reached inside of it.
+class _View:
+    """What the models say of boxes.
 
     Attributes:
-        sure: excess over a bound, less ``blur``. above: it is over the upper one.
-        blur: what the model leaves open of the value.
-        value: the function's value at ``angle``. piece: of the box.
+        boxes: all of them. live: (q,) the questions that are asked there.
+        slot: (q,) which of the models answers each. model: (functions, n).
+        excess: (q, n) how far each question's function may exceed a bound, up to ± the model's
+            remainder; −inf where it is not asked for.
     """
 
-    sure: Array
-    blur: Array
-    above: Mask
-    value: Array
-    angle: Array
-    piece: Indices
+    boxes: Boxes
+    live: Indices
+    slot: Indices
+    model: Taylor
+    excess: Array
 
 
 class _Search:
@@ -149,88 +136,77 @@ class _Search:
         self.best = np.full(count, -np.inf)
         self.proven = np.full(count, -np.inf)
         self.above = np.ones(count, dtype=bool)
-        self.value = np.zeros(count)
+        self.value, self.blur = np.zeros(count), np.zeros(count)
         self.angle = np.zeros(count)
-        self.piece = np.array([q.pieces[0] for q in questions])
-        self.blur = np.full(count, np.inf)
         self.boxes = np.zeros(count, dtype=int)
 
-    def weigh(self, boxes: _Boxes, models: Models) -> tuple[Array, _Boxes]:
-        """Take in what the models say.
-
-        Returns:
-            (questions, n) the largest excess possible on each box, −inf where it is not asked
-            for, and the points that look best so far.
-        """
-        live, function, model, excess = self._look(boxes, models)
-        rem = model.rem[function]
-        leader, top = np.argmax(excess, axis=1), np.argmax(excess - rem, axis=1)
-        found = self._reached(live, boxes.at(top), model.take(function, top))
-        self._note(live, found, found.sure > self.best[live])
-        leading = self._reached(live, boxes.at(leader), model.take(function, leader))
-        possible = np.full(boxes.asked.shape, -np.inf)
-        possible[live] = excess + rem
-        return possible, self._points(live, leading.piece, leading.angle)
-
-    def settle(self, points: _Boxes, models: Models) -> None:
-        """Take values from points, where models are exact but for rounding, if they are vague."""
-        vague = self.blur > VAGUE * np.abs(self.value)
-        if not vague.any():
-            return
-        tops = self._points(np.arange(len(self.best)), self.piece, self.angle)
-        points = tops.joined(points)
-        points = points.left(points.asked & vague[:, None])
-        live, function, model, excess = self._look(points, models)
-        top = np.argmax(np.where(model.rem[function] < UNBOUNDED, excess, -np.inf), axis=1)
-        found = self._reached(live, points.at(top), model.take(function, top))
-        self._note(live, found, found.sure > -0.1 * UNBOUNDED)
-
-    def _look(self, boxes: _Boxes, models: Models) -> tuple[Indices, Indices, Taylor, Array]:
-        """What the models say of these boxes.
-
-        Returns:
-            the questions (q,) that are asked there, which model answers each (q,), the models of
-            (functions, n), and how far each question's function may exceed a bound, up to ±rem:
-            (q, n), −inf where it is not asked for.
-        """
-        live = np.flatnonzero(boxes.asked.any(axis=1))
+    def _functions(self, live: Indices) -> tuple[list[int], Indices]:
+        """The functions that these questions speak of, and which of them each does."""
         wanted = sorted(set(self.function[live].tolist()))
-        function = np.searchsorted(wanted, self.function[live])
-        model = _stacked(models(boxes.piece, boxes.lo, boxes.hi, wanted))
-        model = _cleared(model, boxes.lo == boxes.hi)
-        high, low = (end[function] for end in model.range())
-        asked = boxes.asked[live]
-        self.boxes[live] += np.count_nonzero(asked, axis=1)
-        excess = np.maximum(high - self.upper[live, None], self.lower[live, None] - low)
-        return live, function, model, np.where(asked, excess, -np.inf)
+        return wanted, np.searchsorted(wanted, self.function[live])
 
-    def _reached(self, questions: Indices, box: _Boxes, model: Taylor) -> _Reached:
-        """Where a function comes nearest to one of its bounds on one box for each question."""
-        high, low, t_high, t_low = model.extremes()
-        over, under = high - self.upper[questions], self.lower[questions] - low
-        above = over >= under
-        value, t = np.where(above, high, low), np.where(above, t_high, t_low)
-        half = 0.5 * (box.hi - box.lo)
-        where = np.clip(0.5 * (box.lo + box.hi) + t * half, box.lo, box.hi)
-        # the extreme may lie in the margin for roundings of the box's ends, outside of it
-        margin = WIDENED * (np.abs(box.lo) + np.abs(box.hi))
-        share = np.where(half == 0.0, 0.0, margin / (half + margin))
-        spare = share * (np.abs(model.c1) + 2.0 * np.abs(model.c2))
-        blur = model.rem + spare
-        return _Reached(np.where(above, over, under) - blur, blur, above, value, where, box.piece)
+    def _excess(self, live: Indices, high: Array, low: Array) -> Array:
+        """How far values (q, n) of these questions' functions are beyond a bound."""
+        return np.asarray(
+            np.maximum(high - self.upper[live, None], self.lower[live, None] - low)
+        )  # fmt: skip
 
-    def _note(self, questions: Indices, found: _Reached, which: Mask) -> None:
-        """Keep what was reached, for some of these questions."""
-        q = questions[which]
-        self.best[q] = np.maximum(self.best[q], found.sure[which])
-        self.above[q], self.value[q] = found.above[which], found.value[which]
-        self.angle[q], self.piece[q] = found.angle[which], found.piece[which]
-        self.blur[q] = found.blur[which]
+    def look(self, boxes: Boxes, values: Values) -> tuple[_Points, Array]:
+        """Where each extreme seems to be; and where to cut boxes beside those that seem to be."""
+        every = np.arange(len(self.best))
+        wanted, slot = self._functions(every)
 
-    def _points(self, questions: Indices, piece: Indices, at: Array) -> _Boxes:
-        """Points, one for each of these questions."""
-        asked = np.arange(len(self.best))[:, None] == questions
-        return _Boxes(piece, at, at, asked)
+        def heights(piece: Indices, x: Array) -> Array:
+            found = np.stack(values(piece, x, wanted))[slot]
+            return self._excess(every, found, found)
+
+        seen = sighted(boxes, heights)
+        return _Points(seen.question, seen.piece, seen.at), seen.cuts
+
+    def weigh(self, boxes: Boxes, points: _Points, models: Models) -> _View:
+        """Take in what the models say of points, where they are exact but for rounding.
+
+        Returns:
+            what they say of boxes and, behind these, of points.
+        """
+        both = boxes.joined(points.boxes(len(self.best)))
+        live = np.flatnonzero(both.asked.any(axis=1))
+        wanted, slot = self._functions(live)
+        model = _stacked(models(both.piece, both.lo, both.hi, wanted))
+        model = _cleared(model, both.lo == both.hi)
+        high, low = (end[slot] for end in model.range())
+        excess = np.where(both.asked[live], self._excess(live, high, low), -np.inf)
+        self.boxes += np.count_nonzero(both.asked, axis=1)
+        row = np.searchsorted(live, points.question)
+        column = np.arange(len(boxes), len(both))
+        rem = model.rem[slot[row], column]
+        sure = np.where(rem < UNBOUNDED, excess[row, column] - rem, -np.inf)
+        self._note(points, high[row, column], sure, rem)
+        return _View(both, live, slot, model, excess)
+
+    def _note(self, points: _Points, value: Array, sure: Array, blur: Array) -> None:
+        """Keep what was reached at points: values, their excess over a bound, their roundings."""
+        better = sure > self.best[points.question]
+        q, value = points.question[better], value[better]
+        self.best[q], self.value[q], self.angle[q] = sure[better], value, points.at[better]
+        self.blur[q] = blur[better]
+        self.above[q] = value - self.upper[q] >= self.lower[q] - value
+
+    def leaders(self, view: _View) -> _Points:
+        """Where the model of the box that looks best has its extreme, question by question."""
+        known = view.model.rem[view.slot] < UNBOUNDED
+        leader = np.argmax(np.where(known, view.excess, -np.inf), axis=1)
+        high, low, t_high, t_low = view.model.take(view.slot, leader).extremes()
+        above = high - self.upper[view.live] >= self.lower[view.live] - low
+        piece, lo, hi = (part[leader] for part in (view.boxes.piece, view.boxes.lo, view.boxes.hi))
+        where = 0.5 * (lo + hi) + np.where(above, t_high, t_low) * 0.5 * (hi - lo)
+        return _Points(view.live, piece, np.clip(where, lo, hi))
+
+    def possible(self, view: _View, boxes: int) -> Array:
+        """The largest excess that is possible on each box, −inf where not asked: (questions, n)."""
+        found = np.full((len(self.best), boxes), -np.inf)
+        found[view.live] = (view.excess + view.model.rem[view.slot])[:, :boxes]
+        return found
 
     def survivors(self, possible: Array) -> Mask:
         """Which boxes may still hold more than the target width above the best found."""
@@ -239,10 +215,11 @@ class _Search:
         return keep
 
     def _enough(self) -> Array:
-        """The width that is good enough for each question."""
+        """The width that is good enough for each question; no box is narrower than roundings."""
         bound = np.where(self.above, self.upper, self.lower)
         size = np.maximum(np.abs(self.value), np.where(np.isfinite(bound), np.abs(bound), 0.0))
-        return np.asarray(np.maximum(self.absolute, self.relative * size))
+        wanted = np.maximum(self.absolute, self.relative * size)
+        return np.asarray(np.maximum(wanted, CLEAR * self.blur))
 
     def exclude(self, which: Mask, possible: Array) -> None:
         """Leave these boxes: what is possible there stays in the proven bound."""
@@ -267,7 +244,11 @@ class _Search:
 
 
 def enclose(
-    models: Models, breaks: Array, counts: Indices, questions: Sequence[Question]
+    models: Models,
+    breaks: Array,
+    counts: Indices,
+    questions: Sequence[Question],
+    values: Values | None = None,
 ) -> list[Answer]:
     """Answer all questions about functions of one variable, defined piece by piece.
 
@@ -278,24 +259,31 @@ def enclose(
         breaks: (n+1,) ends of the pieces; every piece is taken with both its ends.
         counts: (n,) how many boxes to begin with on each piece.
         questions: what is asked.
+        values: the functions wanted at points (piece, x) in numbers, which are not relied on.
     """
     if not questions:
         return []
-    search = _Search(questions)
+    search, points, seen = _Search(questions), NOWHERE, 0
     boxes = _first_boxes(breaks, counts, questions)
     most = MOST_BOXES * len(set(search.function.tolist()))
-    seen = 0
     with np.errstate(all="ignore"):
+        if values is not None:
+            points, cuts = search.look(boxes, values)
+            boxes = boxes.cut(cuts)
         for rounds_left in range(MOST_ROUNDS, 0, -1):
-            possible, points = search.weigh(boxes, models)
+            view = search.weigh(boxes, points, models)
+            possible = search.possible(view, len(boxes))
             keep = search.survivors(possible)
-            seen += len(boxes.lo)
+            seen += len(boxes)
             left = np.count_nonzero(keep.any(axis=0))
-            if left == 0 or seen + SPLIT * left > most or rounds_left == 1:
-                search.exclude(keep, possible)
+            if left == 0:
                 break
-            boxes = boxes.left(keep).split().joined(points)
-        search.settle(points, models)
+            points = search.leaders(view)
+            if seen + SPLIT * left > most or rounds_left == 1:
+                search.exclude(keep, possible)
+                search.weigh(boxes.at(NONE), points, models)
+                break
+            boxes = boxes.left(keep).split()
     return search.answers()
 
 
@@ -319,7 +307,7 @@ def _cleared(model: Taylor, points: Mask) -> Taylor:
     return Taylor(c0, c1, c2, rem, model.mag)
 
 
-def _first_boxes(breaks: Array, counts: Indices, questions: Sequence[Question]) -> _Boxes:
+def _first_boxes(breaks: Array, counts: Indices, questions: Sequence[Question]) -> Boxes:
     """Every piece that is asked for, cut into its number of boxes; parts of pieces by themselves.
 
     Those of a piece serve all questions that ask for the whole of it.
@@ -329,22 +317,11 @@ def _first_boxes(breaks: Array, counts: Indices, questions: Sequence[Question]) 
         if question.spans is None:
             whole[q, question.pieces] = True
     pieces = np.flatnonzero(whole.any(axis=0))
-    found = _cut(pieces, breaks[pieces], breaks[pieces + 1], counts, whole[:, pieces])
+    found = Boxes.spans(pieces, breaks[pieces], breaks[pieces + 1], counts, whole[:, pieces])
     for q, question in enumerate(questions):
         if question.spans is not None:
             asked = np.zeros((len(questions), len(question.pieces)), dtype=bool)
             asked[q] = True
             first, last = question.spans.T
-            found = found.joined(_cut(question.pieces, first, last, counts, asked))
+            found = found.joined(Boxes.spans(question.pieces, first, last, counts, asked))
     return found
-
-
-def _cut(pieces: Indices, first: Array, last: Array, counts: Indices, asked: Mask) -> _Boxes:
-    """Spans [first, last], each on one piece, cut into the number of boxes of that piece."""
-    parts = np.where(last > first, counts[pieces], 1)
-    step = (last - first) / parts
-    owner = np.repeat(np.arange(len(pieces)), parts)
-    nth = np.arange(len(owner)) - np.repeat(np.cumsum(parts) - parts, parts)
-    lo = first[owner] + nth * step[owner]
-    hi = np.where(nth + 1 == parts[owner], last[owner], first[owner] + (nth + 1) * step[owner])
-    return _Boxes(pieces[owner], lo, hi, asked[:, owner])

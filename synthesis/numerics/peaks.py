@@ -64,17 +64,35 @@ def peak(curve: Piecewise, coefficients: Sequence[float]) -> tuple[float, float]
 
 def _of_cubics(curve: Piecewise) -> tuple[float, float]:
     """The same of polynomials up to the third degree, whose stationary points have a formula."""
-    c0, c1, c2, c3 = [*curve.poly.T, *np.zeros((4 - curve.poly.shape[1], curve.count))]
-    left, right = curve.breaks[:-1] - curve.origins, curve.breaks[1:] - curve.origins
-    between = (
-        np.where((left < root) & (root < right), root, left)
-        for root in quadratic_roots(3.0 * c3, 2.0 * c2, c1)
-    )
-    t = np.stack([left, right, *between])
-    value = c0 + t * (c1 + t * (c2 + t * c3))
+    t, value = _candidates(curve, curve.poly)
     k, i = np.unravel_index(np.argmax(value), value.shape)
     x = min(max(curve.origins[i] + t[k, i], curve.breaks[i]), curve.breaks[i + 1])
     return float(value[k, i]), float(x)
+
+
+def heights(curve: Piecewise, coefficients: Sequence[Sequence[float]]) -> Array:
+    """The largest value of each of several combinations, as ``peak`` finds it: (k,)."""
+    if curve.waves.shape[1] or curve.poly.shape[1] > 4:
+        return np.array([peak(curve, each)[0] for each in coefficients])
+    table = curve.table
+    weights = np.zeros((len(coefficients), len(table)))
+    given = np.array(coefficients)[:, : len(table)]
+    weights[:, : given.shape[1]] = given
+    _, value = _candidates(curve, np.tensordot(weights, table, 1))
+    return np.asarray(value.max(axis=(0, 2)))
+
+
+def _candidates(curve: Piecewise, poly: Array) -> tuple[Array, Array]:
+    """Ends and stationary points of cubics (…, n, d), about each origin, and values: (4, …, n)."""
+    columns = [poly[..., k] for k in range(poly.shape[-1])]
+    c0, c1, c2, c3 = columns + [np.zeros(1)] * (4 - len(columns))
+    left, right = curve.breaks[:-1] - curve.origins, curve.breaks[1:] - curve.origins
+    t = np.empty((4, *c0.shape))
+    t[:] = left
+    t[1] = right
+    t[2], t[3] = quadratic_roots(3.0 * c3, 2.0 * c2, c1)
+    t = np.fmin(np.fmax(t, left), right)  # of what is no number, an end
+    return t, c0 + t * (c1 + t * (c2 + t * c3))
 
 
 def quadratic_roots(a: Array, b: Array, c: Array) -> tuple[Array, Array]:

@@ -14,6 +14,9 @@ operation commits at most about 15 roundings of terms not larger than the mag of
 adds ``ROUNDING`` · mag (32 of those roundings) to the remainder. Underflow is not covered:
 quantities below 1e-290 do not occur in cams.
 
+What does not move is a number, not a model: a model times 0 is the number 0, so that constant
+parts of a formula cost next to nothing. (Functions are finite even where their models say nothing.)
+
 Where a model cannot be formed (a divisor that may vanish on the box) the remainder is inf or nan;
 evaluate under ``np.errstate(all="ignore")`` and ask ``finite``.
 """
@@ -58,6 +61,8 @@ class Taylor:
             mag = self.mag + other.mag
             rem = self.rem + other.rem + ROUNDING * mag
             return Taylor(self.c0 + other.c0, self.c1 + other.c1, self.c2 + other.c2, rem, mag)
+        if isinstance(other, float) and other == 0.0:
+            return self
         mag = self.mag + np.abs(other)
         return Taylor(self.c0 + other, self.c1, self.c2, self.rem + ROUNDING * mag, mag)
 
@@ -71,21 +76,39 @@ class Taylor:
     def __neg__(self) -> Taylor:
         return Taylor(-self.c0, -self.c1, -self.c2, self.rem, self.mag)
 
-    def __mul__(self, other: Taylor | Array | float) -> Taylor:
+    def __mul__(self, other: Taylor | Array | float) -> Any:
         if not isinstance(other, Taylor):
-            size = np.abs(other)
-            mag = self.mag * size
-            rem = self.rem * size + ROUNDING * mag
-            return Taylor(self.c0 * other, self.c1 * other, self.c2 * other, rem, mag)
+            return self._times(other)
+        if other is self:
+            return self._squared()
         a0, a1, a2, b0, b1, b2 = self.c0, self.c1, self.c2, other.c0, other.c1, other.c2
         mag = self.mag * other.mag
         dropped = np.abs(a1 * b2 + a2 * b1) + np.abs(a2 * b2)  # t³ and t⁴
         rem = dropped + self.rem * other.mag + other.rem * self.mag + ROUNDING * mag
         return Taylor(a0 * b0, a0 * b1 + a1 * b0, a0 * b2 + a1 * b1 + a2 * b0, rem, mag)
 
-    def __truediv__(self, other: Taylor | Array | float) -> Taylor:
+    def _times(self, other: Array | float) -> Any:
+        """The product with numbers: a number itself if they are 0."""
+        if isinstance(other, float):
+            if other == 1.0:
+                return self
+            if other == 0.0:
+                return 0.0
+        size = np.abs(other)
+        mag = self.mag * size
+        rem = self.rem * size + ROUNDING * mag
+        return Taylor(self.c0 * other, self.c1 * other, self.c2 * other, rem, mag)
+
+    def _squared(self) -> Taylor:
+        """f²: the product with itself in fewer steps."""
+        a0, a1, a2, mag = self.c0, self.c1, self.c2, self.mag * self.mag
+        twice, square = a0 + a0, a2 * a2
+        rem = 2.0 * (np.abs(a1 * a2) + self.rem * self.mag) + square + ROUNDING * mag
+        return Taylor(a0 * a0, twice * a1, twice * a2 + a1 * a1, rem, mag)
+
+    def __truediv__(self, other: Taylor | Array | float) -> Any:
         if not isinstance(other, Taylor):
-            return self * (1.0 / other)
+            return self._times(1.0 / other)
         b0, b1, b2 = other.c0, other.c1, other.c2
         c0 = self.c0 / b0
         c1 = (self.c1 - c0 * b1) / b0
@@ -103,12 +126,17 @@ class Taylor:
     def __rsub__(self, other: Array | float) -> Taylor:
         return -self + other
 
-    def __rmul__(self, other: Array | float) -> Taylor:
+    def __rmul__(self, other: Array | float) -> Any:
         return self * other
 
     def __rtruediv__(self, other: Array | float) -> Taylor:
-        zero = 0.0 * self.c0
-        return Taylor.of(zero + other, zero, zero, zero) / self
+        quotient: Taylor = self.constant(other) / self
+        return quotient
+
+    def constant(self, value: Array | float) -> Taylor:
+        """A number as a model on the same boxes."""
+        zero = np.zeros_like(self.c0)
+        return Taylor.of(zero + value, zero, zero, zero)
 
     def least(self) -> Array:
         """A lower bound of |f| on each box; not positive where f may vanish."""
@@ -152,14 +180,9 @@ class Taylor:
         rem = rem + ROUNDING * (1.0 + self.mag + step * step)
         return Taylor.of(here, slope * a1, slope * a2 - 0.5 * here * a1 * a1, rem)
 
-    def arctan2(self, x: Taylor) -> Taylor:
+    def arctan2(self, x: Taylor | float) -> Taylor:
         """The angle of (x, f) [rad], continued steadily from its value at the box's centre."""
-        x0, y0 = x.c0, self.c0
-        turned = (self * x0 - x * y0) / (x * x0 + self * y0)  # tangent of the angle from (x0, y0)
-        angle = np.arctan2(y0, x0)
-        mag = np.abs(angle) + turned.mag
-        rem = turned.rem + turned.mag**3 / 3.0 + ROUNDING * mag  # |atan q − q| ≤ |q|³/3
-        return Taylor(angle + turned.c0, turned.c1, turned.c2, rem, mag + rem)
+        return _angle(self, x)
 
     def finite(self) -> NDArray[np.bool_]:
         """Where the model says something."""
@@ -200,6 +223,32 @@ class Taylor:
         return rule(*inputs)
 
 
+def _angle(y: Taylor | float, x: Taylor | float) -> Taylor:
+    """The angle of (x, y), of which one may be a number."""
+    (y0, y1, y2, y_rem, y_mag), (x0, x1, x2, x_rem, x_mag) = _parts(y), _parts(x)
+    # tangent of the angle from (x0, y0): q = n/d, n = y x0 − x y0, d = x x0 + y y0; 0 at t = 0
+    d0, d1, d2 = x0 * x0 + y0 * y0, x1 * x0 + y1 * y0, x2 * x0 + y2 * y0
+    width, height = np.abs(x0), np.abs(y0)
+    n_rem, d_rem = y_rem * width + x_rem * height, x_rem * width + y_rem * height
+    mag = (x_mag + y_mag) * (width + height)  # of n and of d
+    q1 = (y1 * x0 - x1 * y0) / d0
+    q2 = (y2 * x0 - x2 * y0 - q1 * d1) / d0
+    size = np.abs(q1) + np.abs(q2)
+    residual = np.abs(q1 * d2 + q2 * d1) + np.abs(q2 * d2) + n_rem + size * d_rem
+    rounding = ROUNDING * mag
+    least = d0 - np.abs(d1) - np.abs(d2) - d_rem - rounding
+    rem = (residual + (1.0 + size) * rounding) / _positive(least)
+    q_mag, angle = size + rem, np.arctan2(y0, x0)
+    mag = np.abs(angle) + q_mag
+    rem = rem + q_mag * q_mag * q_mag / 3.0 + ROUNDING * mag  # |atan q − q| ≤ |q|³/3
+    return Taylor(angle, q1, q2, rem, mag + rem)
+
+
+def _parts(value: Taylor | float) -> tuple[Any, Any, Any, Any, Any]:
+    """Those of a model; a number is one that does not move."""
+    return value.parts if isinstance(value, Taylor) else (value, 0.0, 0.0, 0.0, abs(value))
+
+
 def _positive(value: Array) -> Array:
     """The value where it is positive, else 0: dividing by it leaves no remainder standing."""
     return np.where(value > 0.0, value, 0.0)
@@ -216,5 +265,5 @@ _UFUNCS: dict[np.ufunc, Callable[..., Any]] = {
     np.sqrt: Taylor.sqrt,
     np.sin: Taylor.sin,
     np.cos: Taylor.cos,
-    np.arctan2: Taylor.arctan2,
+    np.arctan2: _angle,
 }

@@ -97,6 +97,74 @@ def test_questions_about_several_functions_do_not_disturb_each_other():
         assert max(reached) == pytest.approx(max(found), abs=1e-6 + question.absolute)
 
 
+TERMS = (2.0, 0.3), (3.3, 0.1), (9.0, -1.7)
+ASKED = [
+    Question(EVERYWHERE, -1.3, 1.2, function=1),
+    Question(np.array([0, 2]), -math.inf, 0.9, function=0),
+    Question(
+        np.array([0, 1]), -0.4, math.inf, spans=np.array([[0.2, 0.7], [1.3, 2.1]]), function=2
+    ),
+]  # fmt: skip
+
+
+def told(piece, x, wanted):
+    """The functions of TERMS in numbers."""
+    return [np.sin(frequency * x + phase) for frequency, phase in (TERMS[k] for k in wanted)]
+
+
+def test_a_look_at_the_numbers_saves_rounds():
+    blind = enclose(waves(*TERMS), BREAKS, COUNTS, ASKED)
+    seeing = enclose(waves(*TERMS), BREAKS, COUNTS, ASKED, told)
+    for one, other in zip(blind, seeing, strict=True):
+        assert other.side == one.side
+        assert other.extreme.value == pytest.approx(one.extreme.value, abs=1e-10)
+        assert other.extreme.width < 3e-10
+    assert sum(answer.boxes for answer in seeing) < 0.5 * sum(answer.boxes for answer in blind)
+
+
+@pytest.mark.parametrize(
+    "lie",
+    [lambda v: -v, lambda v: np.full_like(v, np.nan), lambda v: 0.0 * v, lambda v: np.inf * v],
+)
+def test_numbers_that_lie_cost_time_and_nothing_else(lie):
+    answers = enclose(
+        waves(*TERMS), BREAKS, COUNTS, ASKED, lambda *asked: [lie(v) for v in told(*asked)]
+    )
+    for answer, true in zip(answers, enclose(waves(*TERMS), BREAKS, COUNTS, ASKED), strict=True):
+        assert answer.side == true.side
+        assert answer.extreme.lower <= true.extreme.upper
+        assert answer.extreme.upper >= true.extreme.lower
+        assert answer.extreme.width < 3e-10
+
+
+def test_no_point_is_taken_from_where_a_question_does_not_ask():
+    """In numbers nothing is known of the piece asked for, and much of others."""
+
+    def elsewhere(piece, x, wanted):
+        return [np.where(piece == 2, np.nan, v) for v in told(piece, x, wanted)]
+
+    questions = [Question(np.array([k]), -math.inf, 0.0) for k in (2, 0)]
+    answer, _ = enclose(waves(*TERMS), BREAKS, COUNTS, questions, elsewhere)
+    assert 2.5 <= answer.extreme.angle <= 3.0
+    assert answer.extreme.value == pytest.approx(math.sin(6.3), abs=1e-12)  # at its right end
+    assert answer.extreme.width < 3e-10
+
+
+def test_what_roundings_leave_open_is_not_cut_on_and_on():
+    """A value that is known to 1e-9 only, on an arc where it hardly changes."""
+
+    def models(piece, lo, hi, wanted):
+        centre, r = 0.5 * (lo + hi), 0.5 * (hi - lo)
+        zero = np.zeros_like(r)
+        x = Taylor.of(1e-7 * centre, 1e-7 * r, zero, zero)
+        square = x * x
+        return [Taylor(1.0 - square.c0, square.c1, square.c2, square.rem + 1e-9, square.mag + 1.0)]
+
+    (answer,) = enclose(models, BREAKS, COUNTS, [Question(EVERYWHERE, -math.inf, 2.0)])
+    assert answer.boxes < 1000
+    assert 2e-9 <= answer.extreme.width < 4e-9
+
+
 def test_a_pole_is_reported_as_unknown():
     def model(piece, lo, hi, wanted):
         centre, r = 0.5 * (lo + hi), 0.5 * (hi - lo)

@@ -6,7 +6,8 @@ import math
 import numpy as np
 import pytest
 
-from synthesis.certify import certify, measure
+from synthesis.certify import certify, measure, overshoot
+from synthesis.certify.course import Course
 from synthesis.design import Extreme
 from synthesis.laws import LAWS
 from synthesis.limits import Acceleration, CutterRadius, Jerk, ProfileRadius, Velocity
@@ -155,6 +156,43 @@ def test_a_promise_broken_by_a_millionth_is_found(order):
     assert found[name].angle_deg in (
         pytest.approx(63.0 * 5 / 11), pytest.approx(63.0 * 6 / 11),
     )  # fmt: skip
+
+
+@pytest.mark.parametrize("degree", [3, 4])
+def test_whole_pieces_and_small_boxes_tell_the_same_travel_backwards(degree, monkeypatch):
+    rng = np.random.default_rng(10 + degree)
+    breaks = np.linspace(0.0, 1.0, 23)
+    bumps = 3e-2 * rng.standard_normal(len(breaks) - 1 + degree)
+    free = FreeLaw(2, overshoot=False)
+    course = Course(cam_of(spline(degree, breaks, bumps), spline(degree, breaks), free).motion)
+    pieces = course.pieces([0, 2])
+    least, most, count = overshoot._travel(course, pieces)
+    monkeypatch.setattr(overshoot, "_on_pieces", lambda _, some: np.full(len(some), np.inf))
+    also_least, also_most, more = overshoot._travel(course, pieces)
+    assert most[0] > 1e-3
+    assert np.all(least <= also_most)
+    assert np.all(also_least <= most)
+    assert np.max(most - least) <= 1.01 * np.max(also_most - also_least) < 1e-3 * most[0]
+    assert count < more
+
+
+def test_whole_pieces_travel_back_no_farther_than_their_largest_speed():
+    rng = np.random.default_rng(6)
+    rise = spline(3, np.linspace(0.0, 1.0, 23), 6e-2 * rng.standard_normal(25))
+    course = Course(cam_of(rise, rise, FreeLaw(2, overshoot=False)).motion)
+    pieces = course.pieces([0, 2])
+    most = overshoot._on_pieces(course, pieces)
+    ends = course.curve.breaks[pieces], course.curve.breaks[pieces + 1]
+    theta = np.linspace(*ends, 2001)
+    v = course.curve.at(theta.ravel(), np.tile(pieces, 2001), 1).reshape(theta.shape)
+    back = np.where(course.stretch[pieces] == 0, -1.0, 1.0) * v
+    length = ends[1] - ends[0]
+    travelled = np.mean(np.maximum(back, 0.0), axis=0) * length
+    assert np.count_nonzero(travelled > 0.0) > 5
+    assert np.all(travelled <= most * (1.0 + 1e-9))
+    one_way = np.all(back >= 0.0, axis=0)
+    assert one_way.any()
+    assert np.all(most[one_way] <= 1.5 * (np.max(back, axis=0) * length)[one_way])
 
 
 def test_overshoot_is_measured():

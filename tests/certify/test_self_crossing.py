@@ -8,7 +8,7 @@ import pytest
 from synthesis.certify import certify
 from synthesis.certify.course import Course
 from synthesis.certify.path import Boxes, Path
-from synthesis.certify.self_crossing import Nearest, nearest
+from synthesis.certify.self_crossing import Nearest, _Groups, nearest
 from synthesis.design import Extreme
 from synthesis.followers import TranslatingFlatFace, TranslatingRoller
 from synthesis.followers.closures.groove import Groove
@@ -94,6 +94,23 @@ def test_brute_force_sees_crossing_and_sound_cams_alike() -> None:
             R = min(R, 0.97 * sharpest(motion, e, s0))
         told.append(agree(motion, e, math.sqrt((base + R) ** 2 - e * e), R))
     assert 6 <= sum(told) <= 18
+
+
+@pytest.mark.parametrize("seed", range(6))
+def test_arcs_no_longer_than_needed_say_the_same_of_these_pairs(seed: int) -> None:
+    rng = np.random.default_rng(seed)
+    groups, count = _Groups.of(41), 41
+    heading = np.cumsum(rng.uniform(-0.2, 0.5, count)) % 6.0
+    low, high = heading - 0.1, heading + rng.uniform(0.1, 0.4, count)
+    index = np.arange(count)
+    between = np.abs(index - index[:, None])
+    pairs = np.minimum(between, count - between) <= rng.integers(3, 15)
+    longest = groups.longest(pairs)
+    assert longest == np.max(np.minimum(between, count - between)[pairs]) + 1
+    short, full = groups.near(low, high, longest), groups.near(low, high, count)
+    assert not np.any(short & ~full)
+    beside = (index - index[:, None]) % count < longest
+    np.testing.assert_array_equal(short[beside | beside.T], full[beside | beside.T])
 
 
 @pytest.mark.parametrize(

@@ -73,6 +73,24 @@ def test_numbers_on_either_side(a, k):
         assert holds(np.float64(k) / f, [c / p for p in u])
 
 
+@given(models(), st.floats(-7.0, 7.0).filter(lambda k: abs(k) > 1e-3))
+def test_an_angle_of_a_model_and_a_number(a, k):
+    f, u = a
+    c = Decimal(k)
+    with np.errstate(all="ignore"):
+        above, beside = np.arctan2(f, k), np.arctan2(k, f)
+    turned_back(above, [(p, c) for p in u])
+    turned_back(beside, [(c, p) for p in u])
+
+
+def test_what_does_not_move_is_a_number():
+    f = Taylor.of(*(np.array([c]) for c in (0.7, 0.2, -0.1, 1e-3)))
+    assert type(f * 0.0) is float
+    assert 0.0 * f + 2.5 == 2.5
+    assert (f + 0.0) is f
+    assert (1.0 * f) is f
+
+
 @given(models(positive=True))
 def test_roots(a):
     f, u = a
@@ -92,15 +110,18 @@ def test_sines_and_cosines(a):
 def test_angles(a, b):
     (y, v), (x, u) = a, b
     with np.errstate(all="ignore"):
-        model = np.arctan2(y, x)
+        turned_back(np.arctan2(y, x), list(zip(v, u, strict=True)))
+
+
+def turned_back(model: Taylor, pairs: list[tuple[Decimal, Decimal]]) -> None:
+    """Turned back by what the model says, each point (y, x) must lie near the x axis."""
     if not model.finite()[0]:
         return
     c0, c1, c2, rem = (Decimal(float(c[0])) for c in (model.c0, model.c1, model.c2, model.rem))
     if rem >= 1:
         return
-    for t, p, q in zip(T, u, v, strict=True):
+    for t, (q, p) in zip(T, pairs, strict=True):
         said = c0 + c1 * t + c2 * t * t
-        # turned back by what is said, the point must lie within rem of the x axis
         across, along = q * cos(said) - p * sin(said), p * cos(said) + q * sin(said)
         assert along > 0
         assert abs(across) <= sin(rem) * (p * p + q * q).sqrt()

@@ -15,6 +15,7 @@ from scipy.optimize import brentq
 from synthesis.formulations.bound import Bound, bound
 from synthesis.formulations.convex import formulate
 from synthesis.formulations.grid import uniform
+from synthesis.formulations.ledger import _sums_at_start, at_start
 from synthesis.formulations.problem import Held, Problem
 from synthesis.solvers.clarabel import solve
 from synthesis.spec import DesignSpec
@@ -283,3 +284,11 @@ def test_the_least_velocity_limit_that_can_be_met(a: float, j: float) -> None:
         grids = [uniform(stretch, 200) for stretch in asked.free]
         word = solve(formulate(asked, grids).program).word
         assert (word == "Solved") == feasible, word
+
+
+def test_initial_values_of_many_points_are_summed_as_one_by_one() -> None:
+    rng = np.random.default_rng(4)
+    for order in (2, 3):
+        x, weights = rng.random(7), rng.standard_normal((7, order))
+        each = np.sum(at_start(x, weights), axis=0)
+        np.testing.assert_allclose(_sums_at_start(x, weights), each, rtol=1e-12)

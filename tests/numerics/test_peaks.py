@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from numpy.polynomial import Polynomial
 
-from synthesis.numerics.peaks import peak
+from synthesis.numerics.peaks import heights, peak
 from synthesis.numerics.piecewise import Piecewise
 
 
@@ -45,6 +45,15 @@ def test_of_polynomials(size: int, seed: int) -> None:
     ]
     assert there
     assert min(abs(np.array(there) - value)) <= 1e-12 * max(scale, 1e-300)
+
+
+@pytest.mark.parametrize("size", range(1, 8))
+def test_several_combinations_at_once(size: int) -> None:
+    curve, weights = polynomials(size, 3)
+    rows = [weights, (0.0, 0.0, 0.0, 0.0), (-0.7, 1.3, 0.0, 0.0), (0.0, 0.0, 1.1, -0.2)]
+    scale = 10.0 * float(np.max(np.abs(curve.poly)))
+    wanted = [largest(curve, row) if any(row) else 0.0 for row in rows]
+    np.testing.assert_allclose(heights(curve, rows), wanted, atol=1e-11 * scale)
 
 
 def test_inside_a_piece_and_not_where_the_cubic_goes_on() -> None:

@@ -182,8 +182,8 @@ class Models:
         rho = np.array([swept.roller.middle])
         normal = patch.contacts(at, rho).normal[:, 0, 0]
         box = Boxes(*(np.array([x]) for x in (0, at[0], at[0], rho[0], rho[0])))
-        mine = np.array([part.c0[0] for part in self.at(box).normal])
-        self._side = self._side * patch.wall.side * (1 if float(mine @ normal) > 0.0 else -1)
+        alike = dot(self.at(box).normal, tuple(normal.tolist()))
+        self._side = self._side * patch.wall.side * (1 if float(alike.c0[0]) > 0.0 else -1)
 
     def at(self, boxes: Boxes) -> Swept:
         """Models on boxes."""

@@ -1,0 +1,87 @@
+"""Boxes of one variable, and which questions about functions of it each of them is for."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from typing import Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from synthesis.numerics.taylor import Array
+
+Indices = NDArray[np.intp]
+Mask = NDArray[np.bool_]
+
+SPLIT: Final = 16
+MOST_PARTS: Final = 64
+ROUND: Final = 256  # boxes that cost little more than one
+
+
+@dataclass(frozen=True, eq=False)
+class Boxes:
+    """Boxes (n,) of one piece each, and which questions they are for: (questions, n)."""
+
+    piece: Indices
+    lo: Array
+    hi: Array
+    asked: Mask
+
+    def __len__(self) -> int:
+        return len(self.lo)
+
+    @classmethod
+    def spans(
+        cls, pieces: Indices, first: Array, last: Array, counts: Indices, asked: Mask
+    ) -> Boxes:
+        """Spans [first, last], each on one piece, cut into equal parts.
+
+        Args:
+            pieces, first, last: (k,). counts: of every piece, into how many boxes.
+            asked: (questions, k).
+        """
+        parts = np.where(last > first, counts[pieces], 1)
+        step = (last - first) / parts
+        owner, nth = _counted(parts)
+        lo = first[owner] + nth * step[owner]
+        hi = np.where(nth + 1 == parts[owner], last[owner], first[owner] + (nth + 1) * step[owner])
+        return cls(pieces[owner], lo, hi, asked[:, owner])
+
+    def left(self, asked: Mask) -> Boxes:
+        """Those that are still asked for."""
+        which = np.flatnonzero(asked.any(axis=0))
+        return replace(self, asked=asked).at(which)
+
+    def at(self, which: Indices) -> Boxes:
+        """Some of them, in this order."""
+        return Boxes(self.piece[which], self.lo[which], self.hi[which], self.asked[:, which])
+
+    def split(self) -> Boxes:
+        """Each cut into equal parts: into many where there are few, for a round costs much."""
+        count = max(SPLIT, min(MOST_PARTS, ROUND // len(self.lo)))
+        parts = np.arange(count + 1) / count
+        edges = self.lo[:, None] + (self.hi - self.lo)[:, None] * parts
+        edges[:, -1] = self.hi
+        piece, asked = np.repeat(self.piece, count), np.repeat(self.asked, count, axis=1)
+        return Boxes(piece, edges[:, :-1].ravel(), edges[:, 1:].ravel(), asked)
+
+    def cut(self, cuts: Array) -> Boxes:
+        """Each cut at those of the sorted points that lie inside of it."""
+        before, behind = np.searchsorted(cuts, self.lo, "right"), np.searchsorted(cuts, self.hi)
+        parts = np.maximum(behind - before, 0) + 1
+        owner, nth = _counted(parts)
+        lo, hi, cut = self.lo[owner], self.hi[owner], before[owner] + nth
+        inner = np.flatnonzero(nth)  # of neighbours in one box
+        lo[inner] = hi[inner - 1] = cuts[cut[inner] - 1]
+        return Boxes(self.piece[owner], lo, hi, self.asked[:, owner])
+
+    def joined(self, other: Boxes) -> Boxes:
+        """These and the others."""
+        pairs = zip(vars(self).values(), vars(other).values(), strict=True)
+        return Boxes(*(np.concatenate(pair, axis=-1) for pair in pairs))
+
+
+def _counted(parts: Indices) -> tuple[Indices, Indices]:
+    """Of things with so many parts each, (n,): whose each part is, and the how manieth of it."""
+    owner = np.repeat(np.arange(len(parts)), parts)
+    return owner, np.arange(len(owner)) - np.repeat(np.cumsum(parts) - parts, parts)

@@ -1,0 +1,63 @@
+"""Boxes cut at points: they cover what they covered, for whom they did."""
+
+import numpy as np
+
+from synthesis.numerics.boxes import Boxes
+from synthesis.numerics.looking import sighted
+
+RNG = np.random.default_rng(8)
+
+
+def some() -> Boxes:
+    """Boxes of two pieces that overlap, and a point."""
+    pieces, asked = np.array([0, 0, 1, 1]), np.array([[1, 0, 1, 0], [0, 1, 1, 1]], dtype=bool)
+    first, last = np.array([0.0, 0.3, 1.1, 1.7]), np.array([1.1, 0.9, 2.3, 1.7])
+    return Boxes.spans(pieces, first, last, np.array([3, 4]), asked)
+
+
+def test_equal_parts_from_end_to_end() -> None:
+    boxes = some()
+    assert boxes.lo.tolist()[:4] == [0.0, 1.1 / 3, 2.2 / 3, 0.3]
+    np.testing.assert_array_equal(boxes.piece, [0] * 6 + [1] * 5)
+    assert (boxes.lo[-1], boxes.hi[-1]) == (1.7, 1.7)
+    assert boxes.hi[2] == 1.1
+
+
+def test_cut_boxes_cover_the_same_for_the_same() -> None:
+    boxes = some()
+    cuts = np.sort(np.concatenate([RNG.uniform(-0.5, 2.5, 40), [0.3, 1.7]]))
+    cut = boxes.cut(cuts)
+    x = np.concatenate([RNG.uniform(0.0, 2.3, 500), cuts, boxes.lo])
+    for piece in (0, 1):
+        for question in (0, 1):
+            before, after = (
+                np.any(
+                    (b.lo <= x[:, None]) & (x[:, None] <= b.hi)
+                    & (b.piece == piece) & b.asked[question], axis=1,
+                )
+                for b in (boxes, cut)
+            )  # fmt: skip
+            np.testing.assert_array_equal(before, after)
+    inside = (cut.lo[:, None] < cuts) & (cuts < cut.hi[:, None])
+    assert not inside.any()
+    assert len(cut) > len(boxes) + 40
+
+
+def test_the_highest_of_several_peaks_is_seen_where_it_is_asked_for() -> None:
+    def heights(piece, x):
+        hill = 1.0 - (x - 0.4123) ** 2 - (x - 0.4123) ** 3
+        other = 1.3 - 3.0 * (x - 1.9271) ** 2
+        return np.stack([np.where(x < 1.1, hill, 0.2), np.where(x < 1.1, hill, other)])
+
+    whole = np.ones((2, 2), dtype=bool)
+    boxes = Boxes.spans(
+        np.array([0, 1]), np.array([0.0, 1.1]), np.array([1.1, 2.3]), np.array([5, 7]), whole
+    )
+    with np.errstate(all="ignore"):
+        seen = sighted(boxes, heights)
+    np.testing.assert_array_equal(seen.question, [0, 1])
+    np.testing.assert_array_equal(seen.piece, [0, 1])
+    np.testing.assert_allclose(seen.at, [0.4123, 1.9271], atol=1e-5)
+    assert np.all(np.diff(seen.cuts) > 0.0)
+    apart = np.abs(seen.cuts[:, None] - seen.at)
+    assert np.max(np.min(apart, axis=0)) < 2e-4
