@@ -250,7 +250,7 @@ def test_the_bound_where_the_follower_turns_back_within_a_run() -> None:
 
 def test_a_mode_too_fast_for_the_knots_keeps_a_bound() -> None:
     """Splines pay for rest that other laws have almost for nothing; the bound does not."""
-    fast = synthesise(spec(ANGLES, JERK, quiet(1100.0 * TURNS, 0.0), tolerance=1e-3))
+    fast = synthesise(spec(ANGLES, JERK, quiet(900.0 * TURNS, 0.0), tolerance=1e-3))
     assert fast.certificate.gap is not None
     assert 0.0 < fast.certificate.gap < 0.05
     free = synthesise(spec(ANGLES, JERK, tolerance=1e-3))
