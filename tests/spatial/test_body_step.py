@@ -8,6 +8,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from numpy.typing import NDArray
 from OCP.BRep import BRep_Tool
 from OCP.BRepCheck import BRepCheck_Analyzer
 from OCP.BRepGProp import BRepGProp
@@ -28,6 +29,7 @@ from tests.exporters import kernel
 from tests.spatial.drums import SAMPLES
 from tests.spatial.test_cam import body
 
+Array = NDArray[np.float64]
 CAMS: dict[str, tuple[SpatialCamSpec, dict[str, Any]]] = {
     "groove, flat where it rests": (
         SAMPLES["slide in a groove"].spec(),
@@ -59,14 +61,49 @@ def test_a_kernel_reads_one_sound_closed_solid(file: Made, tmp_path: Path) -> No
     assert told.Mass() == pytest.approx(float(file.told["Volume-Mm3"]), rel=1e-9)
 
 
+class Read:
+    """The entities of a faceted solid, by the file's own numbers."""
+
+    def __init__(self, file: Made) -> None:
+        rows = re.findall(r"^#(\d+)=(\w+)\('',(.*)\);$", file.data.decode(), re.MULTILINE)
+        self.given = {int(number): (kind, given) for number, kind, given in rows}
+
+    def place(self, number: int) -> Array:
+        return np.array(re.findall(r"[-\d.E]+", self.given[number][1]), dtype=float)
+
+    def used(self, number: int) -> list[int]:
+        return [int(each) for each in re.findall(r"#(\d+)", self.given[number][1])]
+
+    def faces(self) -> list[tuple[Array, list[list[int]]]]:
+        """Normal of the plane and points of the loops of every face."""
+        found = []
+        for number, (kind, _) in self.given.items():
+            if kind == "FACE_SURFACE":
+                *bounds, plane = self.used(number)
+                _, axis = self.used(self.used(plane)[0])
+                loops = [self.used(self.used(bound)[0]) for bound in bounds]
+                found.append((self.place(axis), loops))
+        return found
+
+
 def test_every_edge_is_run_once_each_way(file: Made) -> None:
-    ends = []
-    for line in file.data.decode().splitlines():
-        if "=POLY_LOOP(" in line:
-            loop = re.findall(r"#\d+", line.partition("=")[2])
-            ends += list(zip(loop, [*loop[1:], loop[0]], strict=True))
+    loops = [loop for _, each in Read(file).faces() for loop in each]
+    ends = [pair for loop in loops for pair in zip(loop, [*loop[1:], loop[0]], strict=True)]
     assert len(set(ends)) == len(ends)
     assert {(b, a) for a, b in ends} == set(ends)
+
+
+def test_faces_look_outwards(file: Made) -> None:
+    """Kernels turn what looks inwards, and do not say so: the file's own volume is not."""
+    read, volume = Read(file), 0.0
+    for normal, loops in read.faces():
+        points = [np.array([read.place(each) for each in loop]) for loop in loops]
+        areas = [0.5 * np.cross(each, np.roll(each, -1, axis=0)).sum(axis=0) for each in points]
+        area = np.sum(areas, axis=0)
+        assert area @ normal == pytest.approx(np.linalg.norm(area), rel=1e-6)
+        assert areas[0] @ normal >= area @ normal  # holes run the other way
+        volume += float(area @ points[0][0]) / 3.0
+    assert volume == pytest.approx(float(file.told["Volume-Mm3"]), rel=1e-9)
 
 
 def test_what_is_flat_across_the_axis_is_one_face(file: Made) -> None:

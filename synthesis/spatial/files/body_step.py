@@ -55,8 +55,8 @@ def _body(design: SpatialDesign, options: FacetedOptions) -> Made:
     shape = data.add("FACETED_BREP_SHAPE_REPRESENTATION", name, many([placed, solid]), shared)
     data.add("SHAPE_DEFINITION_REPRESENTATION", product(data, design), shape)
     title = (
-        f"Spatial cam, faceted: flat faces, {made.told['Surface-Error-Mm']} mm measured to the true surface; "
-        "the smooth walls are in flanks.step"
+        f"Spatial cam, faceted: flat faces, {made.told['Surface-Error-Mm']} mm measured to the "
+        "true surface; the smooth walls are in flanks.step"
     )
     told = {**made.told, "Faces": str(len(facets))}
     return Made(exchange_file(design, title, SCHEMA, data.lines()), told)
