@@ -24,8 +24,8 @@ NO_FAULT = CHECKS.get_by_names(["not_a_server_error"])
 def asked() -> dict[str, Any]:
     """The document; what a sweep, a cam set and a train hold a whole spec in is given.
 
-    Designs are gone through under their own address: once more inside of cams of a set they take
-    four fifths of the time that it takes to think of all cases. Shapers are given in full: to
+    Designs are gone through under their own address: once more for analyses or inside of cams of a
+    set they take most of the time that it takes to think of all cases. Shapers are given in full: to
     search for one takes seconds where chance has chosen the ranges.
     """
     document = copy.deepcopy(create_app(Settings()).openapi())
@@ -41,6 +41,7 @@ def asked() -> dict[str, Any]:
     train = copy.deepcopy(known["TrainSpec"])
     train["properties"]["cam"] = {"enum": [spec("driven")]}
     bodies = {
+        "analyses": {"enum": [spec("analysed")]},
         "train-responses": train,
         "sweeps": sweep,
         "cam-sets": cams,
