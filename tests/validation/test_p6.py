@@ -1,7 +1,7 @@
 """P6: a palletising arm, against formulas that the product does not use.
 
-Places by a chain of matrices, angles by two circles that cut, areas by integrating the Jacobian over
-the angles, and torques by the free bodies of its six links.
+Places by a chain of matrices, angles by two circles that cut, areas by integrating the Jacobian
+over the angles, and torques by the free bodies of its six links.
 """
 
 from __future__ import annotations
@@ -99,7 +99,7 @@ def test_the_stated_reach_implies_70_degrees(p6: PalletisingArm) -> None:
 
 
 def over_angles(low: float, high: float) -> tuple[float, float]:
-    """∬ |J| and 2π ∬ r |J| with J = a2 a3 cos q, over the angles with q between two limits [deg]."""
+    """∬ |J| and 2π ∬ r |J| with J = a2 a3 cos q, over angles with q within limits [deg]."""
     breaks = {UPPER[0], UPPER[1], *(fore + q for fore in FORE for q in (low, high))}
     edges = sorted(each for each in breaks if UPPER[0] <= each <= UPPER[1])
     nodes, weights = np.polynomial.legendre.leggauss(16)
