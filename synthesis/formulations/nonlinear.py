@@ -21,7 +21,7 @@ from synthesis.formulations.grid import Grid
 from synthesis.formulations.neighbour import Neighbour
 from synthesis.formulations.problem import Problem
 from synthesis.formulations.spots import Spots, broken, spread
-from synthesis.formulations.statement import Statement
+from synthesis.formulations.statement import Statement, whole
 from synthesis.numerics.piecewise import Array
 from synthesis.solvers.ipopt import Guess, solve
 from synthesis.solvers.statuses import USABLE, Stopped
@@ -98,6 +98,7 @@ def exchanged(
 ) -> NonlinearSolution:
     """The same from given spots, and multipliers where they are known."""
     began, iterations, rows = time.perf_counter(), 0, 0
+    guess = Guess(whole(plan, guess.x), guess.rows, guess.bounds)
     stopped, word = Stopped.OUT_OF_TIME, "deadline"
     for _ in range(ROUNDS):
         left = inf if deadline is None else deadline - clock.now()
@@ -131,7 +132,7 @@ def settled(plan: Plan, x: Array) -> tuple[Problem, tuple[float, ...]]:
 
 def with_norm(plan: Plan, x: Array) -> Array:
     """The point with the objective's norm, which IPOPT does not know as an unknown."""
-    x = x.copy()
+    x = x[: plan.program.matrix.shape[1]].copy()
     for ball in plan.balls:
         if ball.head is not None:
             x[ball.head] = float(np.linalg.norm(ball.matrix @ x + ball.shift)) - ball.radius

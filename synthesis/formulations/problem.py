@@ -139,6 +139,12 @@ class Problem:
         rings = (limit.ringing(self.stretches, self.machine) for limit in self.limits)
         return tuple(ring for each in rings for ring in each)
 
+    @property
+    def unrung(self) -> Problem:
+        """The same without limits on what rings: a bound of its cams is one of these."""
+        kept = (one for one in self.limits if not one.ringing(self.stretches, self.machine))
+        return replace(self, limits=tuple(kept))
+
     @cached_property
     def loud(self) -> float:
         """By how much runs whose laws are all given ring too much, over the stroke; 0: nowhere."""

@@ -91,6 +91,7 @@ def _searched(state: Search, *, thorough: bool) -> None:
         state.grids = tuple(uniform(stretch, first) for stretch in problem.free)
         _climb(state)
         polish(state, _once)
+        _unrung(state)
     if _elsewhere(state):
         pinned(state, search)
         return
@@ -100,6 +101,21 @@ def _searched(state: Search, *, thorough: bool) -> None:
             enclose(state, thorough=thorough)
         elif thorough:
             close(state)
+
+
+def _unrung(state: Search) -> None:
+    """A bound without what rings, where its own is not near: a mode too fast for the knots.
+
+    Splines that cannot swing with it pay for rest far more than other laws would.
+    """
+    problem = state.problem
+    unfit = problem.curved or problem.objective.fractional or not state.grids
+    if not problem.ringing or unfit or state.close(state.best) or state.left() <= 0.0:
+        return
+    plan = formulate(problem.unrung, state.grids, 0.0, Drawn(state.tighten, state.margin))
+    solution = solve(plan.program, state.left())
+    if solution.stopped in USABLE:
+        state.learn(bound(plan, solution))
 
 
 def _elsewhere(state: Search) -> bool:

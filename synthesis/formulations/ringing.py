@@ -32,6 +32,7 @@ FINE = 0.25  # of a rad of the swing: pieces of ψ, each a polynomial of the fou
 CHEBYSHEV = np.cos(np.pi * (2.0 * np.arange(5) + 1.0) / 10.0)
 SERIES = 0.5  # |κ| below which Q is summed, as its closed form cancels
 TERMS = 14
+ROUNDING = 1e-14  # of the largest value of ψ: of closed forms and of their interpolation
 
 
 @dataclass(frozen=True, eq=False)
@@ -177,7 +178,7 @@ def swing(share: Share, y: Array, order: int) -> Swing:
     values = (factor * _kernel(tau, kappa, order)).real
     inverse = np.linalg.inv(np.vander((CHEBYSHEV + 1.0) / 2.0, 5, increasing=True))
     fifth = abs(factor) * abs(kappa) ** (6 - order)
-    missed = fifth * (0.5 / count) ** 5 / 1920.0 + 1e-13 * abs(factor)
+    missed = fifth * (0.5 / count) ** 5 / 1920.0 + ROUNDING * float(np.max(np.abs(values)))
     return Swing(state, np.stack([breaks[:-1], breaks[1:]], axis=1), values @ inverse.T, missed)
 
 

@@ -35,12 +35,15 @@ class Statement:
     at: Array
     eased: int = 0
     x: Any = field(init=False)
+    own: Any = field(init=False)
     _rows: list[Any] = field(default_factory=list)
     _lower: list[Array] = field(default_factory=list)
     _upper: list[Array] = field(default_factory=list)
 
     def __post_init__(self) -> None:
+        self.at = whole(self.plan, self.at)
         self.x = casadi.MX.sym("x", len(self.at))
+        self.own = self.x[: self.plan.program.matrix.shape[1]]
 
     def stated(self, spots: Sequence[Spots], tighten: float) -> SmoothProgram:
         """All rows and the objective."""
@@ -73,7 +76,7 @@ class Statement:
         for one, other in self._opposites():
             lower[one], kept[other] = -upper[other], False
         matrix = sparse.csr_matrix(program.matrix)[:last][kept]
-        self._put(casadi.mtimes(_constant(matrix), self.x), lower[kept], upper[kept])
+        self._put(casadi.mtimes(_constant(matrix), self.own), lower[kept], upper[kept])
 
     def _opposites(self) -> Iterator[tuple[slice, slice]]:
         """Rows of two blocks that bound the same from above and from below: one row for IPOPT."""
@@ -115,13 +118,26 @@ class Statement:
 
     def _ball(self, ball: Ball, share: float) -> None:
         """Least ≤ ‖image‖² ≤ radius² over a scale; an equality where they leave no room."""
-        image = casadi.mtimes(_constant(ball.matrix), self.x) + casadi.DM(ball.shift)
+        image, here = self._image(ball)
         least = (share * ball.radius) ** 2
         most = max((ball.radius * (1.0 - ball.tighten)) ** 2, least)
-        here = 0.0 if ball.ring is not None else ball.matrix @ self.at + ball.shift
         scale = max(float(np.sum(np.square(here))), least) or most
         lower = least / scale if least else -inf
         self._put(casadi.sumsqr(image) / scale, np.array([lower]), np.array([most / scale]))
+
+    def _image(self, ball: Ball) -> tuple[Any, Array]:
+        """What a ball bounds, and its value at hand; of what rings, unknowns of its own.
+
+        It depends on every coefficient: squared it would fill the Hessian.
+        """
+        matrix, first = _constant(ball.matrix), self.own.numel()
+        image = casadi.mtimes(matrix, self.own) + casadi.DM(ball.shift)
+        if ball.ring is None:
+            return image, ball.matrix @ self.at[:first] + ball.shift
+        rings = [one for one in self.plan.balls if one.ring is not None]
+        first += 2 * next(k for k, one in enumerate(rings) if one is ball)
+        self._put(image - self.x[first : first + 2], np.zeros(2), np.zeros(2))
+        return self.x[first : first + 2], np.zeros(2)
 
     def _smooth(self, spot: Spots, tighten: float) -> None:
         """One limit at its spots, drawn in."""
@@ -159,15 +175,22 @@ class Statement:
         program = self.plan.program
         for ball in self.plan.balls:
             if ball.head is not None:
-                image = casadi.mtimes(_constant(ball.matrix), self.x) + casadi.DM(ball.shift)
+                image = casadi.mtimes(_constant(ball.matrix), self.own) + casadi.DM(ball.shift)
                 # its slope is finite at 0 too, where IPOPT may pass
                 return casadi.sqrt(casadi.sumsqr(image) + NOWHERE)
-        value = casadi.dot(casadi.DM(program.linear), self.x)
+        value = casadi.dot(casadi.DM(program.linear), self.own)
         if program.quadratic.nnz:
             upper = program.quadratic
             full = upper + upper.T - sparse.diags(upper.diagonal())
-            value += 0.5 * casadi.bilin(_constant(full), self.x, self.x)
+            value += 0.5 * casadi.bilin(_constant(full), self.own, self.own)
         return value
+
+
+def whole(plan: Plan, x: Array) -> Array:
+    """A point of the plan, and what IPOPT has as unknowns besides: what runs leave ringing."""
+    x = x[: plan.program.matrix.shape[1]]
+    rings = [ball.matrix @ x + ball.shift for ball in plan.balls if ball.ring is not None]
+    return np.concatenate([x, *rings])
 
 
 def _opposite(one: Block, other: Block) -> bool:

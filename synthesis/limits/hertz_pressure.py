@@ -6,16 +6,19 @@ from collections.abc import Sequence
 from math import sqrt
 from typing import Annotated, Any, ClassVar, Literal
 
+import numpy as np
 from pydantic import Field
 from pydantic_core import PydanticCustomError
 
 from synthesis.followers.base import Follower
 from synthesis.followers.flank import labelled
+from synthesis.followers.trace import leaning
 from synthesis.forces import Load
 from synthesis.limits.base import Claim, Machine, where
 from synthesis.limits.force import ForceLimit, drive, loaded, pushing, yielding
 from synthesis.motion import Stretch
 from synthesis.numerics.piecewise import Array
+from synthesis.terms import Row
 
 
 class HertzPressure(ForceLimit):
@@ -58,12 +61,43 @@ class HertzPressure(ForceLimit):
                 {"position": position},
             )
 
+    @property
+    def said_in_part(self) -> bool:
+        return True
+
+    def rows(self, stretch: Stretch, machine: Machine) -> tuple[Row, ...]:
+        """Of a face on a slide, whose pressure angle is one and ρ linear, all of it.
+
+        Where the process force changes along the stretch, with the least that presses.
+        """
+        follower, load = machine.follower, loaded(machine)
+        radii = follower.profile_radius_rows(0.0)
+        if not radii:
+            return ()
+        by = np.array(load.coefficients(machine.omega)) / self._scale(machine)
+        least = min(load.process_range(stretch))
+        _, grip = leaning(follower, (0.0,) * 4, (1.0,) * len(radii[0].size))
+        found = []
+        for radius in radii:
+            s, v, a, j = (by + grip * np.array(radius.coefficients)).tolist()
+            size = tuple(grip * each for each in radius.size)
+            upper = grip * radius.upper - (load.constant + least) / self._scale(machine)
+            found.append(Row((s, v, a, j), size, upper, source=self.kind))
+        return tuple(found)
+
+    def _scale(self, machine: Machine) -> float:
+        """B p_max² [N/mm]."""
+        contact = loaded(machine).contact
+        assert contact is not None
+        return contact.stiffness * self.max_mpa**2
+
     def smooth(
         self, stretch: Stretch, machine: Machine, theta: Array, s: Any, z: Any
     ) -> tuple[Any, ...]:
-        contact = loaded(machine).contact
-        assert contact is not None
-        force = drive(stretch, machine, theta, s) / (contact.stiffness * self.max_mpa**2)
+        low, high = loaded(machine).process_range(stretch)
+        if low == high and self.rows(stretch, machine):
+            return ()
+        force = drive(stretch, machine, theta, s) / self._scale(machine)
         found = list[Any]()
         for flank in machine.follower.flanks:
             way = pushing(flank, machine)

@@ -53,7 +53,7 @@ class TurretBulge(Leverage):
     mesh: float
     safe: bool = False
 
-    def fastest(self, s: Array, size: float) -> Array:
+    def fastest(self, s: Array, size: float, sense: float) -> Array:
         return np.full(len(s), np.inf)
 
     def made_safe(self) -> TurretBulge:

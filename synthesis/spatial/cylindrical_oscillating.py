@@ -13,7 +13,9 @@ from synthesis.geometry.charts import Chart, Drum
 from synthesis.geometry.swept_roller import SweptRoller
 from synthesis.ranges import Dimension, Range
 from synthesis.spatial import drum, roller
+from synthesis.spatial.leverage import Leverage
 from synthesis.spatial.machine import Seat, SpatialMachine
+from synthesis.spatial.swinging import SwingPressure
 from synthesis.units import DEGREE, Travel
 
 SQUARE = 0.5 * math.pi
@@ -29,6 +31,7 @@ class CylindricalOscillating(SpatialMachine):
     kind: Literal["cylindrical_oscillating"] = "cylindrical_oscillating"
     title: ClassVar[str] = "cylindrical cam, follower on an arm"
     travel: ClassVar[Travel] = Travel("deg", DEGREE)
+    sought: ClassVar[str] = "cylinder_radius_mm"
     unrolls: ClassVar[bool] = True
 
     arm_mm: Annotated[
@@ -117,3 +120,21 @@ class CylindricalOscillating(SpatialMachine):
         drum.check_beside(
             *self._lengths, (least, most), self.cylinder_radius_mm, self.roller_width_mm
         )
+
+    @property
+    def sizable(self) -> bool:
+        # where a roller's axis passes beside the cam's, a crown's contacts lean otherwise
+        return self.crown_radius_mm is None
+
+    def rest_rib(self, sizes: Mapping[str, float]) -> float:
+        distance = self.roller_distance_mm
+        return math.inf if distance is None else distance - 2.0 * sizes["roller_radius_mm"]
+
+    def reach(self, sizes: Mapping[str, float]) -> float:
+        return self._lengths[0]
+
+    def pressure_angle_curves(
+        self, sizes: Mapping[str, float], slope: float, turns: int
+    ) -> tuple[Leverage, ...]:
+        starts, place = tuple(seat.start for seat in self.seats()), (self.roller_width_mm, slope)
+        return (SwingPressure("pressure_angle", starts, self._lengths[0], turns, (place,)),)

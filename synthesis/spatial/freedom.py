@@ -28,11 +28,11 @@ def check_free(machine: SpatialMachine, limits: Sequence[Limit], laws: bool) -> 
     keeps_large = any(limit.keeps_large for limit in limits)
     if not free and not laws:
         return
-    if not machine.sought:
+    if not machine.sizable:
         raise PydanticCustomError(
             "machine_in_full",
-            "A {kind} is measured, and not sized yet: {what} is left free. Give the number, or "
-            "name the law.",
+            "Such a {kind} is measured, and not sized yet: {what} is left free. Give the number, "
+            "or name the law.",
             {"kind": machine.kind, "what": free[0] if free else "a law"},
         )
     if (laws or machine.sought in free) and not keeps_large:

@@ -155,7 +155,7 @@ class GloboidalIndexer(SpatialMachine):
         return sizes["roller_inner_mm"] + self.roller_width_mm
 
     def pressure_angle_curves(
-        self, sizes: Mapping[str, float], slope: float
+        self, sizes: Mapping[str, float], slope: float, turns: int
     ) -> tuple[Leverage, ...]:
         length, first = self.reach(sizes), self.seats()[0].start
         spacing, at = turret.spacing(self.rollers), places(self._roller(sizes), length, slope)

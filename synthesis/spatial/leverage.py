@@ -28,10 +28,10 @@ import numpy as np
 
 from synthesis.geometry.swept_roller import Roller
 from synthesis.numerics.piecewise import Array
+from synthesis.spatial.roller import steepest as roller_feet
 from synthesis.terms import Curved, Cuts, Vector, Within
 
 UPRIGHT = 0.5 * pi
-PLACES = 129  # on a crowned roller
 
 
 @dataclass(frozen=True)
@@ -41,8 +41,12 @@ class Leverage(Curved):
     order: ClassVar[int] = 1
 
     @abstractmethod
-    def fastest(self, s: Array, size: float) -> Array:
-        """The largest |s'| [mm/rad] that it leaves at displacements s (n,) and a size [mm]."""
+    def fastest(self, s: Array, size: float, sense: float) -> Array:
+        """The largest speed [mm/rad] that it leaves at displacements s (n,) and a size [mm].
+
+        Args:
+            sense: +1 of motion towards growing s, −1 of the other.
+        """
 
     @abstractmethod
     def made_safe(self) -> Leverage:
@@ -71,7 +75,7 @@ class TurretPressure(Leverage):
         psi = self.first + s / self.length
         return np.asarray(psi - self.spacing * np.round(psi / self.spacing))
 
-    def fastest(self, s: Array, size: float) -> Array:
+    def fastest(self, s: Array, size: float, sense: float) -> Array:
         cosine = np.cos(self.nearest(s))
         return np.asarray(np.min([(size - rho * cosine) / b for rho, b in self.places], axis=0))
 
@@ -146,12 +150,8 @@ def places(roller: Roller, length: float, slope: float) -> tuple[tuple[float, fl
     """
     if roller.crown == 0.0:
         return ((roller.outer, roller.outer / (length * slope)),)
-    rho = np.linspace(roller.inner, roller.outer, PLACES)
-    radius, lean, _ = roller.profile(rho)
-    foot = rho + radius * lean
-    left = np.sqrt((1.0 + slope**2) / (1.0 + lean**2) - 1.0)
-    pairs = zip(foot.tolist(), (foot / (length * left)).tolist(), strict=True)
-    return tuple(pairs)
+    pairs = roller_feet(roller, slope)
+    return tuple((foot, foot / (length * left)) for foot, left in pairs)
 
 
 def steepest(roller: Roller) -> float:

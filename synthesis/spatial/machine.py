@@ -118,6 +118,11 @@ class SpatialMachine(BaseModel, ABC):
 
     # -- what is asked where the dimension ``sought`` is made small ------------------------------
 
+    @property
+    def sizable(self) -> bool:
+        """Whether something may be left free."""
+        return bool(self.sought)
+
     def rest_rib(self, sizes: Mapping[str, float]) -> float:
         """Thickness of the thinnest rib where the follower rests; infinite where it has none [mm].
 
@@ -138,9 +143,13 @@ class SpatialMachine(BaseModel, ABC):
         return ()
 
     def pressure_angle_curves(
-        self, sizes: Mapping[str, float], slope: float
+        self, sizes: Mapping[str, float], slope: float, turns: int
     ) -> tuple[Leverage, ...]:
-        """The same where it is not linear, the motion being ``reach`` times q."""
+        """The same where it is not linear, the motion being ``reach`` times q.
+
+        Args:
+            turns: +1 where the cam turns ccw, −1 where it turns cw.
+        """
         return ()
 
     def wall_curves(self, sizes: Mapping[str, float], least: float) -> tuple[Leverage, ...]:

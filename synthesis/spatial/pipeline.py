@@ -62,8 +62,8 @@ def _chosen(spec: SpatialCamSpec, tables: Tables, stop: float, started: float) -
     from synthesis.spatial.formulations.optimise import sized
 
     stages: list[StageReport] = []
-    for tighten in DRAWN_IN:
-        found = sized(spec, tables, stop, tighten)
+    for number, tighten in enumerate(DRAWN_IN):
+        found = sized(spec, tables, stop, tighten, ribs=number > 0)  # most have room for theirs
         stages += [StageReport(**asdict(stage)) for stage in found.stages]
         if found.sizes is None:
             break

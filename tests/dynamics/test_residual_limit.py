@@ -248,6 +248,16 @@ def test_the_bound_where_the_follower_turns_back_within_a_run() -> None:
     assert 0.0 <= sharp.certificate.gap <= 1e-3
 
 
+def test_a_mode_too_fast_for_the_knots_keeps_a_bound() -> None:
+    """Splines pay for rest that other laws have almost for nothing; the bound does not."""
+    fast = synthesise(spec(ANGLES, JERK, quiet(900.0 * TURNS, 0.0), tolerance=1e-3))
+    assert fast.certificate.gap is not None
+    assert 0.0 < fast.certificate.gap < 0.05
+    free = synthesise(spec(ANGLES, JERK, tolerance=1e-3))
+    assert fast.certificate.lower_bound is not None
+    assert fast.certificate.lower_bound <= free.objectives["base_radius_mm"]
+
+
 def test_given_laws_that_ring_too_much() -> None:
     design = synthesise(spec(quiet(hertz(1.6), 0.1), laws=("cycloidal", "spline"), dwell=0.0,
                              base_radius_mm=90.0))  # fmt: skip

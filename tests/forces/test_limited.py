@@ -184,3 +184,29 @@ def test_a_process_force_may_jump_in_the_middle_of_a_rise(
     assert design.certificate.certified
     assert told.value == pytest.approx(short, rel=2e-3)
     assert told.angle_deg == pytest.approx(33.3, abs=4.0)  # held along an arc that ends there
+
+
+@pytest.mark.parametrize("tilt", [0.0, -8.3])
+def test_under_a_flat_face_the_pressure_is_linear_and_the_gap_closes(tilt: float) -> None:
+    """p² = N/(B ρ): force and radius are linear in law and size, so the bound is over all laws."""
+    points = [(0, 150), (97, 150), (97, 0), (360, 0), (360, 150)]
+    process = [{"angle_deg": a, "force_n": f} for a, f in points]
+    body = BODY | {
+        "follower": {"kind": "translating_flat_face", "tilt_deg": tilt},
+        "load": BODY["load"] | {"process": process},
+        "limits": [BODY["limits"][1], {"kind": "hertz_pressure", "max_mpa": 480.0}],
+    }
+    design = synthesise(DesignSpec.model_validate(body))
+    assert design.status == "optimal"
+    assert "all motion laws" in design.certificate.bound_over
+    # on the finished cam, by radius and force from the motion alone
+    theta = np.linspace(0.0, 2.0 * np.pi, 20_001)[:-1]
+    s, _v, a, _ = design.curve.derivatives(theta)
+    cos, omega = np.cos(np.radians(tilt)), RPM * 2.0 * np.pi / 60.0
+    radius = design.dimensions["base_radius_mm"] + (s + a) * cos
+    process_n = np.where(np.degrees(theta) < 97.0, 150.0, 0.0)
+    force = (MASS * a * omega**2 * 1e-3 + RATE * s + PRELOAD + process_n) / cos
+    elastic = 2.0 * (1.0 - NU**2) / E
+    pressure = np.sqrt(np.maximum(force, 0.0) / radius / (np.pi * WIDTH * elastic))
+    assert pressure.max() == pytest.approx(480.0, rel=1e-3)
+    assert pressure.max() <= 480.0 * (1.0 + 1e-9)

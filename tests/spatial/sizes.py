@@ -46,5 +46,11 @@ def problem_of(body: dict[str, Any]) -> Problem:
     machine = spec.machine
     sizes = {name: float(v) for name, v in machine.sizes().items() if isinstance(v, float)}
     return posed(
-        machine, spec.stretches(), spec.omega, spec.limits, objective_of(machine.sought), sizes
+        machine,
+        spec.stretches(),
+        spec.omega,
+        spec.limits,
+        objective_of(machine.sought),
+        sizes,
+        spec.turns,
     )

@@ -16,7 +16,7 @@ from synthesis.spatial.design import SpatialDesign
 from synthesis.spatial.files.developed import CSV, JSON, DevelopedOptions
 from synthesis.spatial.files.developed_svg import SVG, DrawnOptions
 from synthesis.spatial.pipeline import synthesise_spatial
-from tests.spatial.drums import INNER, OUTER, RADIUS, SAMPLES, designed
+from tests.spatial.drums import INNER, OUTER, RADIUS, SAMPLES, TURRET, designed
 
 SPACE = "{http://www.w3.org/2000/svg}"
 
@@ -75,3 +75,13 @@ def test_a_cylinder_that_the_roller_does_not_reach_is_refused(design: SpatialDes
     for radius in (INNER - 0.1, OUTER + 0.1):
         with pytest.raises(InputError, match=r"from 61.3 to 47.4 mm of its axis"):
             CSV.make(design, DevelopedOptions(radius_mm=radius))
+
+
+def test_a_cylinder_that_all_rollers_pass_beside_is_refused() -> None:
+    """44.1 mm beside the axis at least they cross the outside, but no cylinder of 31 mm."""
+    changes = {"roller_width_mm": 30.9, "centre_distance_mm": TURRET + 44.1}
+    machine = SAMPLES["turret"].body["machine"] | changes
+    design = synthesise_spatial(SAMPLES["turret"].spec(machine=machine))
+    with pytest.raises(InputError, match=r"pass beside the cylinder of this radius.*up to 61.3"):
+        CSV.make(design, DevelopedOptions(radius_mm=31.0))
+    assert CSV.make(design, DevelopedOptions()).data

@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 
 from synthesis.geometry.swept_roller import Place
+from synthesis.spatial.cylindrical_oscillating import CylindricalOscillating
 from synthesis.spatial.leverage import Leverage
 from synthesis.spatial.machine import LEFT, RIGHT
 from synthesis.spatial.spec import SpatialCamSpec
@@ -33,7 +34,7 @@ def spec_of(**machine: Any) -> SpatialCamSpec:
 
 def curves(spec: SpatialCamSpec) -> tuple[Leverage, dict[str, float]]:
     sizes = {"roller_inner_mm": 71.3, "roller_radius_mm": 11.2}
-    (pressure,) = spec.machine.pressure_angle_curves(sizes, math.tan(ALPHA))
+    (pressure,) = spec.machine.pressure_angle_curves(sizes, math.tan(ALPHA), 1)
     return pressure, sizes
 
 
@@ -92,6 +93,29 @@ def test_what_walls_have_left_is_what_contacts_say(machine: dict[str, Any]) -> N
         wider = np.array([1.03, 1.1, 1.4, 3.0]) * c
         assert all(curve.excess(length * at, (size,))[0] < 1e-9 for size in wider)
     assert touched > 12  # elsewhere rollers on their way in are the hardest, or none is hard
+
+
+@pytest.mark.parametrize("turns", [1, -1])
+@pytest.mark.parametrize("machine", [{}, {"roller_distance_mm": 31.3, "pivot_distance_mm": 93.0}])
+def test_an_arm_s_least_cylinder_is_where_contacts_lean_as_far_as_they_may(
+    machine: dict[str, Any], turns: int
+) -> None:
+    asked = {"arm_mm": 97.3, "initial_angle_deg": -9.1, "cylinder_radius_mm": 80.0,
+             "roller_radius_mm": 8.9, "roller_width_mm": 13.7} | machine  # fmt: skip
+    arm = CylindricalOscillating.model_validate(asked)
+    sizes = {"roller_radius_mm": 8.9}
+    (curve,) = arm.pressure_angle_curves(sizes, math.tan(ALPHA), turns)
+    state = states(24) * np.array([0.4, 0.6, 1.0, 1.0])[:, None]
+    (planes,) = curve.half_planes(arm.reach(sizes) * state)
+    for k, radius in enumerate(-planes.upper):
+        swept = arm.swept({**sizes, "cylinder_radius_mm": float(radius)}, turns)
+        at, rho = state[:, k : k + 1], np.linspace(swept.roller.inner, swept.roller.outer, 9)
+        most = max(
+            float(swept.contacts(Place(seat.start + at[0], at[1], at[2]), rho, side)
+                  .pressure_angle.max())
+            for seat in arm.seats() for side in (LEFT, RIGHT)
+        )  # fmt: skip
+        assert most == pytest.approx(ALPHA, abs=1e-9)
 
 
 def test_chords_refuse_no_law_and_tangents_none_that_is_broken() -> None:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from threading import Event
 from typing import Any
 
 import numpy as np
@@ -10,9 +11,11 @@ import pytest
 from numpy.typing import NDArray
 from scipy.spatial import KDTree
 
+from synthesis import clock
+from synthesis.errors import Cancelled
 from synthesis.spatial.cam import SpatialCam
 from synthesis.spatial.design import SpatialDesign, SpatialExtreme
-from synthesis.spatial.measuring import enclosing, radii, ribs
+from synthesis.spatial.measuring import enclosing, measured, radii, ribs
 from synthesis.spatial.measuring.demands import kept
 from synthesis.spatial.measuring.follower import holding, in_time
 from synthesis.spatial.measuring.found import Found, told
@@ -287,6 +290,13 @@ def test_a_jump_of_the_velocity_breaks_the_walls() -> None:
     assert (undercut.value, undercut.angle_deg, undercut.holds) == (None, 0.0, False)
     assert undercut.evidence.startswith("the velocity jumps there")
     assert extreme(found, "acceleration").value is None
+
+
+def test_measuring_stops_where_nobody_waits() -> None:
+    event, spec = Event(), SpatialCamSpec(**body())
+    event.set()
+    with pytest.raises(Cancelled), clock.cancelled_by(event):
+        measured(spec, cam_of(spec))
 
 
 def test_windows_and_points_are_looked_at() -> None:

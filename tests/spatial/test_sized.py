@@ -153,6 +153,26 @@ def test_a_cylinder_is_as_small_as_its_pressure_angle_lets_it() -> None:
     assert found.dimensions["cylinder_radius_mm"] < 1.001 * best
 
 
+def test_under_an_arm_a_free_law_needs_a_smaller_cylinder_than_a_given_one() -> None:
+    arm = {"kind": "cylindrical_oscillating", "arm_mm": 107.0, "pivot_distance_mm": 105.0,
+           "initial_angle_deg": -9.3, "roller_radius_mm": 9.3, "roller_width_mm": 14.7}  # fmt: skip
+    bodies = [cylinder(law) | {"machine": arm} for law in (CYCLOIDAL, {"kind": "spline"})]
+    for body in bodies:
+        for segment in body["program"]:
+            if segment.pop("lift_mm", None):
+                segment["lift_deg"] = 23.1
+    bodies[1]["limits"].append({"kind": "acceleration", "max_deg_per_s2": 23.1 * 6.5 / 0.2694**2})
+    given, free = (designed(body) for body in bodies)
+    for found in (given, free):
+        assert found.certificate.certified
+        assert extreme(found, "pressure_angle").value == pytest.approx(34.1, abs=0.01)
+        assert found.certificate.lower_bound is not None
+        assert found.certificate.lower_bound <= found.dimensions["cylinder_radius_mm"]
+    assert free.certificate.gap is not None
+    assert free.certificate.gap < 0.01
+    assert free.dimensions["cylinder_radius_mm"] < 0.9 * given.dimensions["cylinder_radius_mm"]
+
+
 @pytest.mark.parametrize(("changes", "error"), [
     ({"limits": []}, "nothing_keeps_large"),
     ({"objective": {"kind": "cylinder_radius"}}, "objective_does_not_suit"),

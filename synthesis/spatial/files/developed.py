@@ -94,11 +94,21 @@ def radius_of(design: SpatialDesign, options: DevelopedOptions) -> float:
 
 
 def unrolled(design: SpatialDesign, options: DevelopedOptions) -> list[Unrolled]:
-    """Paths of all rollers' axes and all walls, in runs without a break."""
+    """Paths of all rollers' axes and all walls, in runs without a break.
+
+    Raises:
+        InputError: as ``radius_of``, and where rollers pass beside the cylinder.
+    """
     cam, radius = design.cam, radius_of(design, options)
     span = design.spec.machine.cylinder(design.dimensions)
     assert span is not None  # or radius_of had refused
-    return list(_lines(cam, radius, span[1], options.points_per_degree / DEGREE))
+    found = list(_lines(cam, radius, span[1], options.points_per_degree / DEGREE))
+    if not any(each.line.side for each in found):
+        raise InputError(
+            "/radius_mm", radius, "All rollers pass beside the cylinder of this radius.",
+            f"Take a larger one, up to {span[1]:.9g}.",
+        )  # fmt: skip
+    return found
 
 
 def _lines(cam: SpatialCam, radius: float, drawn: float, density: float) -> Iterator[Unrolled]:
@@ -125,11 +135,11 @@ def _runs(line: Line, departure: Array) -> Iterator[Unrolled]:
             yield Unrolled(part, departure[run])
 
 
-def error(found: list[Unrolled]) -> float:
-    """Largest departure [mm]; NaN where the drawing has nothing beside any wall."""
+def error(found: list[Unrolled]) -> float | None:
+    """Largest departure [mm]; None where the drawing has nothing beside any wall."""
     values = np.concatenate([np.abs(each.departure) for each in found])
     known = values[~np.isnan(values)]
-    return float(known.max()) if len(known) else float("nan")
+    return float(known.max()) if len(known) else None
 
 
 def _columns(each: Unrolled, radius: float) -> list[Column]:
@@ -144,18 +154,26 @@ def _columns(each: Unrolled, radius: float) -> list[Column]:
         Column("arc_mm", "mm", "the same as a length", radius * line.phi),
         Column("z_mm", "mm", "place along the cam's axis", line.z),
         Column("rho_mm", "mm", "place on the roller's axis", line.rho),
-        Column("departure_mm", "mm", "of the true wall from the offset drawn flat", departure),
+        Column(
+            "departure_mm",
+            "mm",
+            "of the true wall from the offset drawn flat; 0 where that has nothing beside it",
+            departure,
+        ),
     ]
 
 
-def _told(found: list[Unrolled], radius: float) -> dict[str, str]:
-    return {"Radius-Mm": f"{radius:.9g}", "Flat-Offset-Error-Mm": f"{error(found):.3g}"}
+def told(found: list[Unrolled], radius: float) -> dict[str, str]:
+    """What is told of a file besides."""
+    worst = error(found)
+    known = {} if worst is None else {"Flat-Offset-Error-Mm": f"{worst:.3g}"}
+    return {"Radius-Mm": f"{radius:.9g}", **known}
 
 
 def _csv(design: SpatialDesign, options: DevelopedOptions) -> Made:
     found, radius = unrolled(design, options), radius_of(design, options)
     columns = joined([_columns(each, radius) for each in found])
-    return Made(table(columns), _told(found, radius))
+    return Made(table(columns), told(found, radius))
 
 
 def _json(design: SpatialDesign, options: DevelopedOptions) -> Made:
@@ -169,7 +187,7 @@ def _json(design: SpatialDesign, options: DevelopedOptions) -> Made:
         "curves": [_curve(each, radius) for each in found],
     }
     text = json.dumps(body, ensure_ascii=False, allow_nan=False, separators=(",", ":"))
-    return Made(text.encode(), _told(found, radius))
+    return Made(text.encode(), told(found, radius))
 
 
 def _curve(each: Unrolled, radius: float) -> dict[str, Any]:

@@ -23,6 +23,7 @@ from synthesis.spatial.files.developed import (
     Unrolled,
     error,
     radius_of,
+    told,
     unrolled,
 )
 from synthesis.spatial.files.heading import above
@@ -97,12 +98,12 @@ def _svg(design: SpatialDesign, options: DrawnOptions) -> Made:
         *_legend(plane, found, scale),
     ]
     title = f"Unrolled walls of {design.name or design.id}"
-    told = (
+    shown = (
         f"The cylinder of radius {radius:.9g} mm about the cam's axis, unrolled as seen from "
         "outside with the axis upwards. One unit of the coordinates is 1 mm of the cylinder."
     )
-    data = svg.document(width, height, u, title, told, body, scale, options.theme)
-    return Made(data, {"Radius-Mm": f"{radius:.9g}", "Flat-Offset-Error-Mm": f"{error(found):.3g}"})
+    data = svg.document(width, height, u, title, shown, body, scale, options.theme)
+    return Made(data, told(found, radius))
 
 
 def _clipped(plane: _Plane, body: list[str]) -> list[str]:
@@ -179,18 +180,19 @@ def _legend(plane: _Plane, found: list[Unrolled], scale: float) -> list[str]:
         ("line pitch", "path of the roller's axis"),
     ]
     body = []
-    for k, (kind, told) in enumerate(lines):
+    for k, (kind, meaning) in enumerate(lines):
         y = top + 5.0 * k * u
         body.append(svg.line(kind, left, y, left + 11.0 * u, y))
-        told = svg.shortened(told, middle - left - 15.0 * u, svg.LABEL * u)
-        body.append(svg.text("label", left + 13.0 * u, y + u, told))
+        name = svg.shortened(meaning, middle - left - 15.0 * u, svg.LABEL * u)
+        body.append(svg.text("label", left + 13.0 * u, y + u, name))
+    worst = error(found)
     remarks = [
         f"radius {svg.figure(plane.radius, 6)} mm, seen from outside, {ratio(scale)}",
-        f"offset drawn flat and wrapped: off by {svg.figure(error(found), 3)} mm",
+        "" if worst is None else f"offset drawn flat and wrapped: off by {svg.figure(worst, 3)} mm",
     ]
-    for k, told in enumerate(remarks):
-        told = svg.shortened(told, left + plane.width - middle - 4.0 * u, svg.LABEL * u)
-        body.append(svg.text("label", middle + 4.0 * u, top + (5.0 * k + 1.0) * u, told))
+    for k, remark in enumerate(remarks):
+        line = svg.shortened(remark, left + plane.width - middle - 4.0 * u, svg.LABEL * u)
+        body.append(svg.text("label", middle + 4.0 * u, top + (5.0 * k + 1.0) * u, line))
     return body
 
 

@@ -103,7 +103,7 @@ class Track:
         s = self.stretch.s_start + sense * p
         found = np.full(len(p), self.caps.velocity)
         for curve in leverages(self.problem, self.stretch):
-            found = np.minimum(found, curve.fastest(s, size))
+            found = np.minimum(found, curve.fastest(s, size, sense))
         return found
 
     def run(self, size: float) -> Run | None:

@@ -82,6 +82,7 @@ def sized(
     deadline: float = inf,
     tighten: float = 1e-7,
     *,
+    ribs: bool = True,
     quick: bool = False,
 ) -> Sized:
     """Choose what a spec leaves free.
@@ -90,7 +91,8 @@ def sized(
         spec: what is asked. tables: its program with tables smoothed.
         deadline: ``clock.now()`` at which to stop with the best so far.
         tighten: relative amount by which rows are drawn in for the solver's sake.
-        quick: only whether there is a cam: ribs in motion are not looked at, rollers not enlarged.
+        ribs: whether the cam is grown for ribs in motion, which takes a while to measure.
+        quick: only whether there is a cam: neither that, nor are walls sampled or rollers enlarged.
     """
     found = Sized(tables.stretches, dict(tables.splines), list(tables.stages))
     ranges = {name: ends(given) for name, given in spec.machine.sizes().items()}
@@ -118,7 +120,7 @@ def sized(
     if quick:
         found.sizes = sizes
     else:
-        _sound(spec, found, sizes, ranges, tighten)
+        _sound(spec, found, sizes, ranges, tighten, ribs=ribs)
     return found
 
 
@@ -132,7 +134,7 @@ def _pressed(
     limits = [*(limit for limit in spec.limits if limit.quantity != WALLS), *demands]
     radius = least_of(spec.limits, WALLS)
     objective = objective_of(machine.sought)
-    problem = posed(machine, found.stretches, spec.omega, limits, objective, rollers)
+    problem = posed(machine, found.stretches, spec.omega, limits, objective, rollers, spec.turns)
     whole = replace(problem, limits=(*problem.limits, WallRadius(min_mm=radius)))
     if not problem.free:
         return _closed_form(whole, found)
@@ -203,6 +205,8 @@ def _sound(
     sizes: Sizes,
     ranges: Mapping[str, tuple[float, float]],
     tighten: float,
+    *,
+    ribs: bool,
 ) -> None:
     """Grow the cam until walls and ribs are sound, then the rollers."""
     began, machine = time.perf_counter(), spec.machine
@@ -210,7 +214,7 @@ def _sound(
     radius = least_of(spec.limits, WALLS)
     sound = Soundness(spec, found.motion, radius, rib, max(SPARE, 20.0 * tighten))
     high = min(ranges[machine.sought][1], LARGEST)
-    whole = grown(sound, sizes, high)
+    whole = grown(sound, sizes, high, ribs=ribs)
     if whole is None:
         found.why, found.cramped = "no cam so small has sound walls and ribs", True
         return

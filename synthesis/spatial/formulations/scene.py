@@ -30,6 +30,7 @@ class SizedMachine:
     Attributes:
         machine: the machine. sizes: its other dimensions [mm].
         reach: length of the core for one unit of q [mm]. largest: end of the size [mm].
+        turns: +1 where the cam turns ccw, −1 where it turns cw.
         safe: limits that are not linear give rows that exclude whatever breaks them.
     """
 
@@ -37,6 +38,7 @@ class SizedMachine:
     sizes: Mapping[str, float]
     reach: float
     largest: float
+    turns: int = 1
     safe: bool = False
 
     companions: ClassVar[tuple[str, ...]] = ()
@@ -89,7 +91,7 @@ class SizedMachine:
 
     def pressure_angle_curves(self, slope: float) -> tuple[Leverage, ...]:
         """|tan α| ≤ slope where it is not."""
-        return self._turned(self.machine.pressure_angle_curves(self.sizes, slope))
+        return self._turned(self.machine.pressure_angle_curves(self.sizes, slope, self.turns))
 
     def profile_radius_curves(self, least: float) -> tuple[Leverage, ...]:
         """Convex radius of the walls ≥ least [mm]."""
@@ -106,6 +108,7 @@ def posed(
     limits: Sequence[Limit],
     objective: SpatialObjective,
     sizes: Mapping[str, float],
+    turns: int,
 ) -> Problem:
     """The question with every dimension given but the one that is made small.
 
@@ -113,11 +116,12 @@ def posed(
         machine: around the cam. stretches: the program on the cam [rad or mm].
         omega: cam speed ω [rad/s]. limits: what may not be exceeded.
         objective: names that dimension. sizes: the others [mm].
+        turns: +1 where the cam turns ccw, −1 where it turns cw.
     """
     reach = machine.reach(sizes)
     placed = tuple(_in_mm(stretch, reach) for stretch in stretches if stretch.angle > 0.0)
     stroke = max(abs(stretch.lift) for stretch in placed)
-    sized = SizedMachine(machine, sizes, reach, FARTHEST * max(stroke, reach))
+    sized = SizedMachine(machine, sizes, reach, FARTHEST * max(stroke, reach), turns)
     # formulations ask of a follower what SizedMachine promises, and no more
     around = Machine(cast(Follower, sized), omega)
     return Problem(placed, around, tuple(limits), sized.sizing((0.0, inf)), objective, stroke)

@@ -98,14 +98,15 @@ def _inside(cam: SpatialCam, points: Array) -> Array:
     return np.asarray(cam.between_faces(points) if np.all(np.isfinite(cam.faces)) else True)
 
 
-def grown(sound: Soundness, sizes: Sizes, largest: float) -> Sizes | None:
+def grown(sound: Soundness, sizes: Sizes, largest: float, *, ribs: bool) -> Sizes | None:
     """The same sizes with the one sought as little larger as walls need; None: no size will do."""
     name, found = sound.spec.machine.sought, dict(sizes)
 
     def by(left: Callable[[Sizes], float]) -> Callable[[float], float]:
         return lambda at: left({**sizes, name: at}) - sound.kept
 
-    for left, accuracy in ((sound.spare, EXACT), (sound.thickness, ROUGH)):
+    wanted = ((sound.spare, EXACT), (sound.thickness, ROUGH))
+    for left, accuracy in wanted if ribs else wanted[:1]:
         size = _enough(by(left), found[name], largest, accuracy)
         if size is None:
             return None
