@@ -25,8 +25,8 @@ def asked() -> dict[str, Any]:
     """The document; what a sweep, a cam set and a train hold a whole spec in is given.
 
     Designs are gone through under their own address: once more for analyses or inside of cams of a
-    set they take most of the time that it takes to think of all cases. Shapers are given in full: to
-    search for one takes seconds where chance has chosen the ranges.
+    set they take most of the time that it takes to think of all cases. Shapers are given in full:
+    to search for one takes seconds where chance has chosen the ranges.
     """
     document = copy.deepcopy(create_app(Settings()).openapi())
     known = document["components"]["schemas"]
