@@ -38,7 +38,7 @@ def _body(design: SpatialDesign, options: FacetedOptions) -> Made:
         raise InputError(
             "/points_per_degree", options.points_per_degree,
             f"A face {thin:.2g} mm wide comes about; solids need {FINEST:.2g} mm.",
-            "Ask for a few points more or fewer, or take the mesh as STL.",
+            "Change the number of points, the width or the bore, or take the mesh as STL.",
         )  # fmt: skip
     facets = facets_of(made.mesh)
     data = Entities()
