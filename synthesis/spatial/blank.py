@@ -103,7 +103,7 @@ class Blank:
                 "/end_clearance_mm", options.end_clearance_mm,
                 f"The grooves' floor reaches {-thin:.6g} mm beyond the cam's axis: the rollers "
                 "are too long or too thick for the centre distance to leave a body.",
-                "Take a larger centre distance, or shorter rollers.",
+                "Take less clearance, a larger centre distance, or shorter rollers.",
             )  # fmt: skip
         raise InputError(
             "/bore_mm", options.bore_mm,

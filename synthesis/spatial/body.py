@@ -113,6 +113,8 @@ def ribs_of(blank: Blank, low: Array, high: Array) -> Array:
     gone = starts > ends
     middle = 0.5 * (starts + ends)
     starts, ends = np.where(gone, middle, starts), np.where(gone, middle, ends)
+    if len(blank.depth) < 2:
+        return np.stack([starts, ends])
     # what is left of a rib beside a flat end may hang over the floor; it must not only touch it
     hung = (starts[..., -1] == ends[..., -1]) & (starts[..., -2] < ends[..., -2])
     below = hung & (starts[..., -1] > blank.low[-1])

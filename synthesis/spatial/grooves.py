@@ -25,6 +25,7 @@ from synthesis.units import DEGREE, FULL_TURN
 STEPS = 40
 NEAR = 1e-10  # of a root: in rad and mm
 WRONG = 1e-7  # no root
+TURN, PLACE = 0.05, 0.03  # longest steps: of θ [rad], and of ρ in largest depths
 NUDGE = 1e-6  # for differences: rad and mm
 SAME = 1e-6  # of places of rollers
 FAR = 1.0  # how far from the blank a roller's wall is still looked for, in widths of the blank
@@ -150,24 +151,31 @@ class Cuts:
             return np.full((len(turn), len(depth)), side * np.inf)
         q = self.cam.place(seat, t).q
         across = np.where(q > self.mesh[1], np.inf, -np.inf)
+        sound = np.full(len(t), True)
         near = self._near(q)
         if np.any(near):
-            across[near] = self._across(seat, side, t[near], d[near])
-        return np.asarray(across.reshape(len(turn), len(depth)))
+            across[near], sound[near] = self._across(seat, side, t[near], d[near])
+        shape = len(turn), len(depth)
+        return _straight_down(across.reshape(shape), sound.reshape(shape))
 
-    def _across(self, seat: Seat, side: int, t: Array, d: Array) -> Array:
+    def _across(self, seat: Seat, side: int, t: Array, d: Array) -> tuple[Array, NDArray[np.bool_]]:
+        """Places across (n,), and where they are a wall's."""
         with np.errstate(all="ignore"):  # what runs off far from the blank is seen below
             found, wrong = self._solved(seat, side, t, d)
         q = self.cam.place(seat, t).q
         solved = wrong < WRONG
         met = (q > self.mesh[0]) & (q < self.mesh[1])
-        self._check(t, met & ~(solved & (found.regular > 0.0)), side)
+        bad = met & ~(solved & (found.regular > 0.0))
+        ends = np.array([self.cam.swept.roller.inner, self.cam.swept.roller.outer])
+        reached = d <= np.max(self.chart.nominal(ends))
+        self._check(t, d, bad & reached, side)
         away = np.where(q > np.clip(0.0, *self.mesh), np.inf, -np.inf)
-        return np.where(solved, found.across, away)
+        return np.where(solved, found.across, away), ~bad
 
     def _solved(self, seat: Seat, side: int, t: Array, d: Array) -> tuple[_Laid, Array]:
         """The contacts in rows t at depths d (n,), and how wrong they are."""
         theta, rho = t.copy(), self.chart.nominal(d)
+        size = float(np.max(np.abs(d)))
         for _ in range(STEPS):
             found = self._laid(seat, side, theta, rho)
             turned, sunk = found.turn - t, found.depth - d
@@ -176,22 +184,26 @@ class Cuts:
             a, c = self._difference(seat, side, theta, rho, NUDGE, 0.0)
             b, e = self._difference(seat, side, theta, rho, 0.0, NUDGE)
             det = a * e - b * c
-            theta = theta - (turned * e - b * sunk) / det
-            rho = rho - (a * sunk - turned * c) / det
+            theta = theta - np.clip((turned * e - b * sunk) / det, -TURN, TURN)
+            rho = rho - np.clip((a * sunk - turned * c) / det, -PLACE * size, PLACE * size)
         wrong = np.maximum(np.abs(turned), np.abs(sunk))
-        return found, np.where(np.isfinite(wrong), wrong, np.inf)
+        # beyond a quarter of a turn it is the contact of another row, that looks the other way
+        here = np.isfinite(wrong) & (np.abs(theta - t) < 0.25 * FULL_TURN)
+        return found, np.where(here, wrong, np.inf)
 
-    def _check(self, t: Array, bad: NDArray[np.bool_], side: int) -> None:
+    def _check(self, t: Array, d: Array, bad: NDArray[np.bool_], side: int) -> None:
         """Refuse what a graph over the turn cannot show."""
         if not np.any(bad):
             return
-        angle = t[int(np.argmax(bad))] / DEGREE % 360.0
+        first = int(np.argmax(bad))
+        angle, place = t[first] / DEGREE % 360.0, float(self.chart.nominal(d[first]))
         which = "right" if side == RIGHT else "left"
         raise InputError(
             "/machine",
             self.machine.kind,
-            f"Near cam angle {angle:.4g}° the wall on the {which} side of a roller is undercut, "
-            "has a step, or lies off the blank: the rollers leave no such body.",
+            f"Near cam angle {angle:.4g}° and ρ = {place:.6g} mm the wall on the {which} side of a "
+            "roller is undercut, has a step, or lies off the blank: the rollers leave no such "
+            "body.",
             "Take smaller rollers, a gentler law there or a smaller mesh angle; the flanks' points "
             "can be had as they are.",
         )
@@ -212,3 +224,13 @@ class Cuts:
         angle, depth, across = self.laid(found.point[:, :, 0])
         turn = theta - swept.hand * angle
         return _Laid(turn, depth, self.chart.beside(across, place.q), found.regular[:, 0])
+
+
+def _straight_down(across: Array, sound: NDArray[np.bool_]) -> Array:
+    """Walls (n, m) that below the rollers' ends go straight down where longer ones would undercut.
+
+    There nothing touches them.
+    """
+    for k in range(1, across.shape[1]):
+        across[:, k] = np.where(sound[:, k], across[:, k], across[:, k - 1])
+    return across

@@ -22,7 +22,7 @@ from tests.spatial.test_cam import body, cam_of
 
 Array = NDArray[np.float64]
 COARSE = {"points_per_degree": 0.5, "depths": 7}
-STEPS = 2000  # cam angles at which rollers are put into the body, one after the other
+STEPS = 1500  # cam angles at which rollers are put into the body, one after the other
 ERROR = 0.2  # mm: of so coarse a mesh
 
 
@@ -143,11 +143,11 @@ def test_the_body_is_whole_where_no_roller_has_been(
     """Points all over the ribs' rim, told apart by rollers that know no contacts."""
     design, _, read, error = cam
     assert error < ERROR
-    points = np.random.default_rng(7).choice(rim_points(design), 150, replace=False)
+    points = np.random.default_rng(7).choice(rim_points(design), 90, replace=False)
     clear = rollers_clear(design, points)
     far = np.abs(clear) > 2.0 * ERROR
-    assert np.count_nonzero(far & (clear > 0.0)) > 25
-    assert np.count_nonzero(far & (clear < 0.0)) > 25
+    assert np.count_nonzero(far & (clear > 0.0)) > 15
+    assert np.count_nonzero(far & (clear < 0.0)) > 15
     assert np.array_equal(read.holds(points[far]), clear[far] > 0.0)
 
 
@@ -173,7 +173,7 @@ def test_the_volume_is_that_of_its_slices() -> None:
     """A groove's cross-sections, integrated by Gauss's rule, for a cam whose ribs are two rings."""
     spec, options = CAMS["groove"]
     design = made(spec)
-    fine = {"points_per_degree": 1.0, "depths": 9}
+    fine = {"points_per_degree": 0.7, "depths": 7}
     file = STL.whole(design, StlOptions(**fine, **options))
     sizes = design.dimensions
     reach, radius = sizes["cylinder_radius_mm"], sizes["roller_radius_mm"]
@@ -214,3 +214,20 @@ def test_a_wall_that_is_undercut_has_no_body() -> None:
     cuts = Cuts.of(cam_of(spec), spec.machine)
     with pytest.raises(InputError, match="wall on the left side of a roller is undercut"):
         body_of(cuts, Blank.of(cuts, BlankOptions(), 4), 180)
+
+
+def test_a_wall_that_only_longer_rollers_would_undercut_goes_straight_down() -> None:
+    asked = body(
+        dwell_on="groove", roller_inner_mm=72.0, roller_radius_mm=30.0, roller_width_mm=30.0
+    )
+    asked["machine"]["centre_distance_mm"] = 180.0
+    asked["program"][0]["law"] = {"kind": "cv50_half_sine"}
+    spec = SpatialCamSpec(**asked)
+    cuts = Cuts.of(cam_of(spec), spec.machine)
+    turn, depth = np.linspace(0.0, 2.2, 60), np.array([90.0, 101.9, 104.5, 107.3])
+    found = cuts.grooves(turn, depth)
+    for walls in (found.low, found.high):
+        whole = walls[np.all(np.isfinite(walls) & (np.abs(walls) < 1.4), axis=2)]
+        assert np.max(np.abs(np.diff(whole, axis=1))) < math.radians(8.0)
+        straight = whole[:, 2] == whole[:, 3]
+        assert 0 < np.count_nonzero(straight) < 0.2 * len(straight)
