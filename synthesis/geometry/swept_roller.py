@@ -196,12 +196,12 @@ class SweptRoller:
     roller: Roller
     hand: int = 1
 
-    def contacts(self, place: Place, rho: Array, side: int) -> Contacts:
-        """The contacts at all ``place`` (n,) and ``rho`` (m,) [mm].
+    def contacts(self, place: Place, rho: Array, side: int | Array) -> Contacts:
+        """The contacts at all ``place`` (n,) and ``rho``, (m,) or (n, m) [mm].
 
         Args:
             side: +1 for those on the side to which the follower moves with growing q, −1 for the
-                others.
+                others; or (n, 1) one for every place.
         """
         touch, wall = self._wall(place, rho, side)
         way = self.joint.way(wall.axis)
@@ -214,7 +214,7 @@ class SweptRoller:
             / dot(cross(touch.slip, touch.u), touch.direction),
         )
 
-    def curvatures(self, place: Place, rho: Array, side: int) -> Array:
+    def curvatures(self, place: Place, rho: Array, side: int | Array) -> Array:
         """Principal curvatures of the wall at the contacts, the larger first: (2, n, m) [1/mm].
 
         Positive where the cam bulges. Where the wall is undercut they say nothing of a cam.
@@ -236,14 +236,14 @@ class SweptRoller:
         half = np.sqrt(np.maximum(mean**2 - gauss, 0.0))
         return np.stack([mean + half, mean - half])
 
-    def touched(self, place: Place, rho: Array, side: int) -> tuple[Array, Array]:
+    def touched(self, place: Place, rho: Array, side: int | Array) -> tuple[Array, Array]:
         """Points and normals of ``contacts`` alone, (3, n, m) each: a third of the work."""
         radius, slope, _ = self.roller.profile(rho)
         touch, _ = self._touch(place, rho, side)
         normal = (touch.direction - slope * touch.u) / np.sqrt(1.0 + slope**2)
         return self._axis(place.q, rho) + radius * touch.direction, normal
 
-    def _touch(self, place: Place, rho: Array, side: int) -> tuple[_Touch, Array]:
+    def _touch(self, place: Place, rho: Array, side: int | Array) -> tuple[_Touch, Array]:
         """Where the roller touches, and the feet of the normals there on its axis."""
         radius, slope, _ = self.roller.profile(rho)
         u = self.joint.turned(_column(self.along), place.q)
@@ -251,7 +251,7 @@ class SweptRoller:
         sign = side * self.hand * self._facing
         return _Touch(u, self._slip(feet, place.q1[:, None]), slope, sign), feet
 
-    def _wall(self, place: Place, rho: Array, side: int) -> tuple[_Touch, _Wall]:
+    def _wall(self, place: Place, rho: Array, side: int | Array) -> tuple[_Touch, _Wall]:
         """Where the roller touches, and the wall there with its tangents."""
         radius, slope, bend = self.roller.profile(rho)
         q1, x = place.q1[:, None], self._axis(place.q, rho)
@@ -331,7 +331,7 @@ class _Touch:
     by_theta: Array
     by_rho: Array
 
-    def __init__(self, u: Array, slip: Array, slope: Array, sign: int) -> None:
+    def __init__(self, u: Array, slip: Array, slope: Array, sign: int | Array) -> None:
         self.u, self.slip, self.slope, self.sign = u, slip, slope, sign
         self.along = dot(u, slip)
         self.p = cross(u, slip)

@@ -19,7 +19,7 @@ from synthesis.spatial.measuring import enclosing, measured, radii, ribs
 from synthesis.spatial.measuring.demands import kept
 from synthesis.spatial.measuring.follower import holding, in_time
 from synthesis.spatial.measuring.found import Found, told
-from synthesis.spatial.measuring.patches import patches
+from synthesis.spatial.measuring.patches import Spots, patches
 from synthesis.spatial.measuring.walls import Prover
 from synthesis.spatial.pipeline import synthesise_spatial
 from synthesis.spatial.spec import SpatialCamSpec
@@ -64,11 +64,32 @@ def test_the_judge_s_surface_says_what_contacts_say(name: str) -> None:
         found = part.contacts(theta, rho)
         steep = np.tan(np.diag(found.pressure_angle)) ** 2
         assert np.abs(enclosing.pressure(at).c0 - steep).max() < 1e-12
-        assert np.abs(enclosing.undercut(at).c0 - np.diag(found.regular)).max() < 1e-12
+        assert (
+            np.abs(enclosing.undercut(roller.radius)(at).c0 - np.diag(found.regular)).max() < 1e-12
+        )
         axis = tuple(cam.swept.axis)
         away = found.point - cam.swept.centre.reshape(3, 1, 1)
         along = np.diag(np.einsum("i,inm->nm", cam.swept.axis, away))
         assert np.abs(enclosing.along(at, axis).c0 - along).max() < 1e-11 * roller.outer
+
+
+def test_places_on_several_walls_are_those_of_each(indexer: SpatialDesign) -> None:
+    """Every patch with angles and places of its own, all in one go and one by one."""
+    cam, rng, each = indexer.cam, np.random.default_rng(7), 3
+    parts = list(patches(cam))[::3]
+    assert len({part.wall.side for part in parts}) == 2
+    theta = np.array([part.low + (part.high - part.low) * rng.random(each) for part in parts])
+    rho = rng.uniform(71.9, 102.4, (*theta.shape, 2))
+    together = Spots(cam, parts, each)
+    slips = together.contacts(theta.ravel(), rho.reshape(-1, 2)).slip
+    bends = together.curvatures(theta.ravel(), rho.reshape(-1, 2))
+    for i, part in enumerate(parts):
+        rows = slice(each * i, each * (i + 1))
+        one = part.contacts(theta[i], rho[i, 0])
+        assert slips[:, rows][:, :1] == pytest.approx(one.slip[:, :1], rel=1e-12)
+        assert bends[:, rows][:, :1] == pytest.approx(
+            part.curvatures(theta[i], rho[i, 0])[:, :1], rel=1e-9
+        )
 
 
 def test_the_largest_pressure_angle_is_that_of_the_closed_form(indexer: SpatialDesign) -> None:
@@ -173,12 +194,13 @@ def test_no_smaller_radius_is_proven_and_no_larger_one(
     assert told.value is not None
     assert told.evidence == enclosing.EVIDENCE
     assert told.width <= 1.01e-2 * told.value
+    models = enclosing.Models(cam, list(patches(cam)))
     for share, proven in ((0.999, True), (1.03, False)):
         asked = Found(-1.0 / (share * told.value), 0.0, "asked")
-        found = claim(cam, list(patches(cam)), asked, None)
+        found = claim(models, asked, None)
         assert (found.evidence == enclosing.EVIDENCE) is proven
     bound = 0.985 * told.value
-    bounded = claim(cam, list(patches(cam)), Found(-1.0 / told.value, 0.0, ""), -1.0 / bound)
+    bounded = claim(models, Found(-1.0 / told.value, 0.0, ""), -1.0 / bound)
     assert -1.0 / bounded.limit > bound
 
 
