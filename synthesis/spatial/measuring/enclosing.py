@@ -34,8 +34,12 @@ from synthesis.spatial.measuring.found import Found
 from synthesis.spatial.measuring.patches import Patch
 
 Vector = tuple[Any, Any, Any]
+Splits = tuple[tuple[int, int], ...]
 ANGLES, PLACES = 40, 16  # boxes to begin with, of a wall along it and across
-SPLIT = (2, 8)  # of a box in θ and in ρ: models are quadratic in θ, intervals in ρ
+# of a box in θ and ρ, in turn; models are quadratic in θ, intervals in ρ. Where a quantity is all
+# but constant along an arc there are fewer boxes if they are cut less
+QUICK: Splits = ((2, 8),)
+SPARING: Splits = ((2, 4), (1, 4))
 NEAR = 0.9  # of what a bound leaves over: a proof so far does
 MOST_ROUNDS, MOST_BOXES = 30, 100_000
 RELATIVE = 1e-9
@@ -66,7 +70,7 @@ class Swept:
     Attributes:
         point: P from the cam's centre. u, w: the axis's direction, and dP/dq. v: P_θ.
         normal: u × v, not of unit length.
-        bend, twist: P_θθ and u_θ. roller: its radius.
+        bends: makes P_θθ and u_θ, which not every quantity needs. roller: its radius.
         side: (n,) whether the wall's normal is along ``normal`` or against it.
     """
 
@@ -75,17 +79,17 @@ class Swept:
     w: Vector
     v: Vector
     normal: Vector
-    bend: Vector
-    twist: Vector
+    bends: Callable[[], tuple[Vector, Vector]]
     roller: float
     side: Array
 
     @cached_property
     def curved(self) -> tuple[Any, Any]:
         """2H and K of the surface, as if its normal were the wall's."""
+        bend, twist = self.bends()
         square = dot(self.normal, self.normal)  # W², as u is a unit vector
-        f, m = dot(self.u, self.v), dot(self.normal, self.twist)
-        mean = self.side * (dot(self.normal, self.bend) - 2.0 * f * m) / (square * square.sqrt())
+        f, m = dot(self.u, self.v), dot(self.normal, twist)
+        mean = self.side * (dot(self.normal, bend) - 2.0 * f * m) / (square * square.sqrt())
         return mean, -(m * m) / (square * square)
 
 
@@ -200,13 +204,15 @@ class Models:
         u, u1, u2 = self._moving(self._along, q, cos, sin)
         o, o1, o2 = self._moving(self._origin, q, cos, sin)
         p = _sum((1.0, o), (rho, u), (-1.0, tuple(self._centre)))
-        w, w1 = _sum((1.0, o1), (rho, u1)), _sum((1.0, o2), (rho, u2))
-        v = _sum((q1, w), (-1.0, self._turned(p)))
-        again = self._turned(self._turned(p))
-        bend = _sum((q2, w), (q1 * q1, w1), (-2.0 * q1, self._turned(w)), (1.0, again))
-        twist = _sum((q1, u1), (-1.0, self._turned(u)))
-        side = self._side[boxes.patch]
-        return Swept(p, u, w, v, cross(u, v), bend, twist, self._roller, side)
+        w, turned = _sum((1.0, o1), (rho, u1)), self._turned(p)
+        v = _sum((q1, w), (-1.0, turned))
+
+        def bends() -> tuple[Vector, Vector]:
+            w1, again = _sum((1.0, o2), (rho, u2)), self._turned(turned)
+            bend = _sum((q2, w), (q1 * q1, w1), (-2.0 * q1, self._turned(w)), (1.0, again))
+            return bend, _sum((q1, u1), (-1.0, self._turned(u)))
+
+        return Swept(p, u, w, v, cross(u, v), bends, self._roller, self._side[boxes.patch])
 
     @cached_property
     def first(self) -> tuple[Boxes, Swept]:
@@ -243,22 +249,23 @@ def proven(models: Models, proof: Proof, found: Found, allowed: float | None = N
     most = largest(models, proof, enough)
     if allowed is not None and most > sign * proof.into(allowed):
         room = NEAR * (sign * proof.into(allowed) - best)
-        most = largest(models, proof, max(enough, best + room))
+        most = largest(models, proof, max(enough, best + room), SPARING)
     if not math.isfinite(most):
         return found
     return replace(found, limit=proof.back(sign * max(most, best)), evidence=EVIDENCE)
 
 
-def largest(models: Models, proof: Proof, enough: float) -> float:
+def largest(models: Models, proof: Proof, enough: float, splits: Splits = QUICK) -> float:
     """What a quantity, times its sign, does not pass anywhere; infinite if nothing is proven.
 
     Args:
         enough: boxes that do not pass this are not looked at more closely.
+        splits: how the others are cut, in turn.
     """
     boxes, swept = models.first
     most, last = -math.inf, math.inf
     with np.errstate(all="ignore"):
-        for _ in range(MOST_ROUNDS):
+        for number in range(MOST_ROUNDS):
             high, low = _range(proof.of(swept))
             above = np.where(
                 _outside(models.cam, swept), -np.inf, high if proof.sign > 0.0 else -low
@@ -266,11 +273,12 @@ def largest(models: Models, proof: Proof, enough: float) -> float:
             keep = above > enough
             most = max(most, float(above[~keep].max(initial=-np.inf)))
             boxes = boxes.take(np.flatnonzero(keep))
-            if not keep.any() or math.prod(SPLIT) * np.count_nonzero(keep) > MOST_BOXES:
+            split = splits[number % len(splits)]
+            if not keep.any() or math.prod(split) * np.count_nonzero(keep) > MOST_BOXES:
                 most = max(most, float(above[keep].max(initial=-np.inf)))
                 break
             last = float(above[keep].max())
-            boxes = boxes.split(SPLIT)
+            boxes = boxes.split(split)
             swept = models.at(boxes)
         else:
             most = max(most, last)
