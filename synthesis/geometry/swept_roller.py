@@ -38,6 +38,8 @@ import numpy as np
 
 from synthesis.numerics.piecewise import Array
 
+EDGE = 1e-14  # sin² of the angle between tangents below which they are along one line
+
 
 @dataclass(frozen=True)
 class Roller:
@@ -217,7 +219,8 @@ class SweptRoller:
     def curvatures(self, place: Place, rho: Array, side: int | Array) -> Array:
         """Principal curvatures of the wall at the contacts, the larger first: (2, n, m) [1/mm].
 
-        Positive where the cam bulges. Where the wall is undercut they say nothing of a cam.
+        Positive where the cam bulges. Where the wall is undercut they say nothing of a cam; on the
+        edge where that begins its tangents are along one line, and they are infinite.
         """
         touch, wall = self._wall(place, rho, side)
         _, slope, bend = self.roller.profile(rho)
@@ -232,9 +235,13 @@ class SweptRoller:
         )
         l, m, n = -dot(wall.by_theta, turns), -dot(wall.by_rho, turns), -dot(wall.by_rho, tilts)
         area = e * g - f**2
+        edge = ~(area > EDGE * e * g)
+        area = np.where(edge, np.inf, area)
         mean, gauss = (l * g - 2.0 * m * f + n * e) / (2.0 * area), (l * n - m**2) / area
         half = np.sqrt(np.maximum(mean**2 - gauss, 0.0))
-        return np.stack([mean + half, mean - half])
+        return np.stack([
+            np.where(edge, np.inf, mean + half), np.where(edge, -np.inf, mean - half)
+        ])  # fmt: skip
 
     def touched(self, place: Place, rho: Array, side: int | Array) -> tuple[Array, Array]:
         """Points and normals of ``contacts`` alone, (3, n, m) each: a third of the work."""

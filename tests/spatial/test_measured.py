@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 import pytest
 from numpy.typing import NDArray
+from scipy.optimize import brentq
 from scipy.spatial import KDTree
 
 from synthesis import clock
@@ -139,6 +140,34 @@ def test_curvatures_are_those_of_the_surface_an_offset_away(indexer: SpatialDesi
     # M of a ruled surface: u, its change and V span it; u_θ = ψ' w + J u, J about the cam's axis
     twist = (-q1 * room * 1.0 - rho * q1 * np.cos(psi)) / w
     assert gauss == pytest.approx(-(twist**2) / w**2, rel=1e-9)
+
+
+def test_curvatures_are_infinite_where_undercut_begins() -> None:
+    cam = cam_of(SpatialCamSpec(**body(centre_distance_mm=131.9)))
+    wall = next(wall for wall in cam.walls if wall.name == "2L")
+    rho = np.array([102.4])
+    tried = np.linspace(0.1, 1.9, 400)
+    area = cam.contacts(wall, tried, rho).regular[:, 0]
+    first = int(np.flatnonzero(area < 0.0)[0])
+    edge = brentq(
+        lambda t: float(cam.contacts(wall, np.array([t]), rho).regular[0, 0]),
+        tried[first - 1], tried[first], xtol=1e-15,
+    )  # fmt: skip
+    theta = np.array([edge - 1e-3, edge, edge + 1e-3])
+    with np.errstate(all="raise"):
+        kappa = cam.swept.curvatures(cam.place(wall.seat, theta), rho, wall.side)[:, :, 0]
+    assert kappa[:, 1].tolist() == [math.inf, -math.inf]
+    assert np.isfinite(kappa[:, [0, 2]]).all()
+
+
+def test_a_small_pressure_angle_is_proven_as_closely_as_a_large_one() -> None:
+    """tan α = 2 ρ (Ψ/β)/(C − ρ) in the middle of a cycloidal index, about 0.06°."""
+    spec = SpatialCamSpec(**body(centre_distance_mm=1e5))
+    cam = cam_of(spec)
+    models = enclosing.Models(cam, list(patches(cam)))
+    angle = math.atan(102.4 / (1e5 - 102.4))
+    found = enclosing.proven(models, enclosing.PRESSURE, Found(angle, math.nan, ""))
+    assert angle <= found.limit < angle * (1.0 + 1e-6)
 
 
 def roller_skins(cam: SpatialCam, start: float) -> Array:

@@ -69,6 +69,7 @@ class Swept:
 
     Attributes:
         point: P from the cam's centre. u, w: the axis's direction, and dP/dq. v: P_θ.
+        lead: u·w. carried: J(P), what the cam does there.
         normal: u × v, not of unit length.
         bends: makes P_θθ and u_θ, which not every quantity needs. roller: its radius.
         side: (n,) whether the wall's normal is along ``normal`` or against it.
@@ -78,6 +79,8 @@ class Swept:
     u: Vector
     w: Vector
     v: Vector
+    lead: Any
+    carried: Vector
     normal: Vector
     bends: Callable[[], tuple[Vector, Vector]]
     roller: float
@@ -100,10 +103,14 @@ def along(at: Swept, axis: Vector) -> Any:
 
 
 def pressure(at: Swept) -> Any:
-    """tan²α."""
-    away = cross(at.normal, at.w)
-    along = dot(at.normal, at.w)
-    return dot(away, away) / (along * along)
+    """tan²α.
+
+    n × w = (u·w) v − (v·w) u, and of v only what the cam adds to q'w leaves something of n·w: so
+    written, nothing large cancels where the angle is small.
+    """
+    across, along = dot(at.v, at.w), dot(cross(at.u, at.carried), at.w)
+    away = at.lead * at.lead * dot(at.v, at.v) - 2.0 * (at.lead * across) * dot(at.u, at.v)
+    return (across * across + away) / (along * along)
 
 
 def undercut(radius: float) -> Callable[[Swept], Any]:
@@ -212,7 +219,10 @@ class Models:
             bend = _sum((q2, w), (q1 * q1, w1), (-2.0 * q1, self._turned(w)), (1.0, again))
             return bend, _sum((q1, u1), (-1.0, self._turned(u)))
 
-        return Swept(p, u, w, v, cross(u, v), bends, self._roller, self._side[boxes.patch])
+        lead = dot(u, o1)  # u·u' is 0
+        return Swept(
+            p, u, w, v, lead, turned, cross(u, v), bends, self._roller, self._side[boxes.patch]
+        )
 
     @cached_property
     def first(self) -> tuple[Boxes, Swept]:
