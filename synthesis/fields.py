@@ -9,7 +9,7 @@ from pydantic import Field
 Name = Annotated[str, Field(max_length=200)]
 """What a person calls a cam or a set of cams."""
 
-Speed = Annotated[float, Field(gt=0.0, le=1e9)]
+Speed = Annotated[float, Field(ge=1e-6, le=1e9)]
 """Constant speed of a cam or its shaft [rpm]."""
 
 Rotation = Literal["ccw", "cw"]

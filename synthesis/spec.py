@@ -30,6 +30,7 @@ from synthesis.units import FULL_TURN, Pace, rad_per_s
 MAX_SEGMENTS = 100
 ANGLE_SUM_TOLERANCE_DEG = 1e-6
 ROUGHEST = 2  # class of the splines that smoother ones are compared with
+ALWAYS = (ProfileRadius(), CounterBaseRadius())  # what every cam must keep
 
 
 class DesignSpec(BaseModel):
@@ -348,8 +349,7 @@ class DesignSpec(BaseModel):
         """
         demands = [d for i, segment in enumerate(self._numbered) for d in segment.demands(i)]
         named = {limit.kind for limit in self.limits}
-        always = (ProfileRadius(), CounterBaseRadius())
-        rest = (a for a in always if a.kind not in named and a.suits(self.follower))
+        rest = (a for a in ALWAYS if a.kind not in named and a.suits(self.follower))
         return (*self.limits, *rest, *demands)
 
     def alone(self) -> DesignSpec:

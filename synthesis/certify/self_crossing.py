@@ -18,6 +18,15 @@ the circle's own upper arc reaches, and beyond it lies beside the circle. The ce
 circle is O(θ). Corners that turn away from the circle only help. The curvature is the business
 of the limit ``profile_radius``, which every spec of a roller has.
 
+**A curve that goes round the axis** needs no search at all. Let P's tangent lines, where P runs
+smoothly, pass the axis on one side and farther than R: n · P > R, n the normal on the other side
+of the cam. Then P(θ) − (R − d) n has n · P > 0 too, for every d from 0 to R, and where nothing is
+undercut its polar angle runs one way, once round as P's does: s comes back without a turn about
+the axis. So these curves are simple, each lies around those of smaller d, and P(φ), which lies on
+the outermost, is on no other. But if O(θ) were the profile's nearest point to it, at less than R,
+P(φ) would lie on n(θ) at that height above O(θ), which is a point of another one. Where the
+profile lies around P the same is said of P + d n, for which n · P > 0 is enough.
+
 **Pairs aside** of each other need none either: seen from the cam's axis, the roller at φ fills the
 angle ± arcsin R/|P(φ)| about its centre, and O(θ) lies in the same about P(θ). Where these do not
 overlap, the point is outside of the roller. On most cams that leaves no far pair at all.
@@ -82,7 +91,11 @@ class Nearest:
 def nearest(path: Path) -> Nearest:
     """The nearest far pair, closely only where it is nearer than the roller's radius."""
     with np.errstate(all="ignore"):
-        boxes, drawn = _boxes(path)
+        boxes = Boxes.of(path.course, WIDEST)
+        drawn = path.on(boxes)
+        if path.course.joined(2) and drawn.rounds_axis():
+            return Nearest(math.inf, abs(path.distance) * (1.0 - TOUCHING), 0.0, 0.0, 0)
+        boxes, drawn = _turning_little(path, boxes, drawn)
         low, high = drawn.heading
         unsteady = ~(high - low < UNSTEADY)
         if unsteady.any():
@@ -94,11 +107,9 @@ def nearest(path: Path) -> Nearest:
         return _Search(path, boxes).run(*groups.pairs(~apart))
 
 
-def _boxes(path: Path) -> tuple[Boxes, Drawn]:
-    """Boxes on which the tangent turns little, and what is drawn there."""
-    boxes = Boxes.of(path.course, WIDEST)
+def _turning_little(path: Path, boxes: Boxes, drawn: Drawn) -> tuple[Boxes, Drawn]:
+    """Boxes cut until the tangent turns little on each, and what is drawn there."""
     while True:
-        drawn = path.on(boxes)
         low, high = drawn.heading
         wide = ~(high - low <= TURNING)
         if not wide.any() or np.min((boxes.hi - boxes.lo)[wide]) < 1e-12:
@@ -108,6 +119,7 @@ def _boxes(path: Path) -> tuple[Boxes, Drawn]:
         finer, kept = boxes.take(wide).split(SPLIT), boxes.take(~wide)
         order = np.lexsort((np.append(kept.lo, finer.lo), np.append(kept.piece, finer.piece)))
         boxes = kept.joined(finer).take(order)
+        drawn = path.on(boxes)
 
 
 @dataclass(frozen=True, eq=False)

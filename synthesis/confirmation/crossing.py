@@ -132,7 +132,7 @@ class _Flank:
         contact = self._contact(piece, x)
         tangent = rate(contact.curve())
         square = dot(tangent, tangent)
-        if term(square.sqrt(), 0).lower() <= 0:  # too wide a box: the tangent might vanish
+        if not term(square, 0).lower() > 0:  # too wide a box: the tangent might vanish
             lost = arb(0, arb.pos_inf())
             return _Box(piece, low, high, (lost, lost), (lost, lost), (0.0, 0.0), math.inf)
         # the heading on the cam, counter-clockwise: as seen from it the tangent turns so fast

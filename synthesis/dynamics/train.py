@@ -26,10 +26,10 @@ class Mass(BaseModel):
     model_config = SETTLED
 
     mass_kg: Annotated[
-        float, Field(gt=0.0, le=1e9, description="Reduced to the follower's displacement.")
+        float, Field(ge=1e-9, le=1e9, description="Reduced to the follower's displacement.")
     ]
     stiffness_n_per_mm: Annotated[
-        float, Field(gt=0.0, le=1e15, description="Of the link to the mass before, or to the cam.")
+        float, Field(ge=1e-9, le=1e15, description="Of the link to the mass before, or to the cam.")
     ]
     damping_n_s_per_mm: Annotated[
         float, Field(ge=-1e9, le=1e9, description="Of that link, viscous.")

@@ -48,7 +48,9 @@ def axes(data: Entities) -> tuple[str, str]:
     )
 
 
-def context(data: Entities, uncertainty: float) -> str:
+def context(
+    data: Entities, uncertainty: float, meaning: str = "largest distance from the true curve"
+) -> str:
     """Three dimensions, mm, radians, and how near is the same place."""
     length = data.add_complex(
         ("LENGTH_UNIT", ()), ("NAMED_UNIT", ("*",)), ("SI_UNIT", (".MILLI.", ".METRE."))
@@ -61,7 +63,7 @@ def context(data: Entities, uncertainty: float) -> str:
     )
     near = data.add(
         "UNCERTAINTY_MEASURE_WITH_UNIT", f"LENGTH_MEASURE({real(uncertainty)})", length,
-        "'distance_accuracy_value'", "'largest distance from the true curve'",
+        "'distance_accuracy_value'", text(meaning),
     )  # fmt: skip
     return data.add_complex(
         ("GEOMETRIC_REPRESENTATION_CONTEXT", ("3",)),

@@ -43,8 +43,9 @@ def _end_price(plan: Plan, law: SettledLaw, z: Array, position: int, order: int)
     last = slice(space.size - len(end), space.size)
     at = plan.program.equalities - sum(len(block.rhs) for block in plan.exact)
     for block in (*plan.exact, *plan.blocks):
-        if block.stretch == position and block.laws is not None:
-            gradient += z[at : at + len(block.rhs)] @ block.laws[:, last]
+        own = z[at : at + len(block.rhs)]
+        if block.stretch == position and block.laws is not None and own.any():
+            gradient += own @ block.laws[:, last]
         at += len(block.rhs)
     for ring, y in plan.ring_multipliers(z):
         for share, rows in zip(ring.shares, ring.rows, strict=True):

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 from math import inf
 from typing import Literal
@@ -17,6 +17,7 @@ from synthesis.objectives import Objective
 from synthesis.spec import DesignSpec
 from synthesis.terms import Cone, Curved, Ringing, Row
 
+Place = tuple[object, ...]
 QUIET = 1e-9  # of the stroke: an amplitude that is none
 RESTS = 1e-12  # of the stroke: what rounding may leave of the lowest position
 
@@ -70,6 +71,8 @@ class Problem:
     held: tuple[Held, ...] = ()
     radii: tuple[float, float] = (0.0, inf)
     circle: float = 0.0
+    _rows: dict[Place, tuple[Row, ...]] = field(default_factory=dict, init=False, repr=False)
+    _curves: dict[Place, tuple[Curved, ...]] = field(default_factory=dict, init=False, repr=False)
 
     @property
     def cramped(self) -> str:
@@ -98,11 +101,18 @@ class Problem:
         yield from self.limit_rows(stretch)
         yield from self.objective.rows(stretch, self.machine, level)
 
-    def limit_rows(self, stretch: Stretch) -> Iterator[Row]:
+    def limit_rows(self, stretch: Stretch) -> tuple[Row, ...]:
         """The rows on one stretch that do not speak of the objective at hand.
 
         Constant ones leave nothing to choose: whether they hold is the certificate's business.
+        A limit says them of a place in the program, whatever the law there: they are made once.
         """
+        place = _place(stretch)
+        if place not in self._rows:
+            self._rows[place] = tuple(self._limit_rows(stretch))
+        return self._rows[place]
+
+    def _limit_rows(self, stretch: Stretch) -> Iterator[Row]:
         for limit in self.limits:
             yield from (row for row in limit.rows(stretch, self.machine) if not row.constant)
         for earlier in self.held:
@@ -110,15 +120,18 @@ class Problem:
                 value = 0.0 if earlier.objective.fractional else earlier.value
                 yield replace(row, upper=row.upper - row.level * value, level=0.0)
 
-    def curves_on(self, stretch: Stretch) -> Iterator[Curved]:
-        """What limits say on one stretch that no fixed row does."""
-        for limit in self.limits:
-            yield from limit.curved(stretch, self.machine)
+    def curves_on(self, stretch: Stretch) -> tuple[Curved, ...]:
+        """What limits say on one stretch that no fixed row does: made once, as their rows."""
+        place = _place(stretch)
+        if place not in self._curves:
+            each = (limit.curved(stretch, self.machine) for limit in self.limits)
+            self._curves[place] = tuple(curve for curves in each for curve in curves)
+        return self._curves[place]
 
     @cached_property
     def curved(self) -> bool:
         """Whether any limit says such a thing."""
-        return any(True for stretch in self.stretches for _ in self.curves_on(stretch))
+        return any(self.curves_on(stretch) for stretch in self.stretches)
 
     @cached_property
     def rigid(self) -> bool:
@@ -169,7 +182,16 @@ class Problem:
     def settled(self, stretches: Sequence[Stretch]) -> Problem:
         """The same question with these stretches in place of the free ones."""
         by_index = {s.index: s for s in stretches}
-        return replace(self, stretches=tuple(by_index.get(s.index, s) for s in self.stretches))
+        found = replace(self, stretches=tuple(by_index.get(s.index, s) for s in self.stretches))
+        found._rows.update(self._rows)
+        found._curves.update(self._curves)
+        return found
+
+
+def _place(stretch: Stretch) -> Place:
+    """What of a stretch limits may speak of: all but its law."""
+    s = stretch
+    return s.index, s.kind, s.start, s.angle, s.s_start, s.s_end, s.free
 
 
 def pose(

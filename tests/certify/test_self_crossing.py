@@ -7,7 +7,7 @@ import pytest
 
 from synthesis.certify import certify
 from synthesis.certify.course import Course
-from synthesis.certify.path import Boxes, Path
+from synthesis.certify.path import Boxes, Drawn, Path
 from synthesis.certify.self_crossing import Nearest, _Groups, nearest
 from synthesis.design import Extreme
 from synthesis.followers import TranslatingFlatFace, TranslatingRoller
@@ -17,7 +17,7 @@ from synthesis.limits import Machine
 from synthesis.limits.profile_radius import ProfileRadius
 from synthesis.motion import Motion
 from tests.certify.cams import motion_of
-from tests.certify.crossing import Horseshoe, brute, sharpest
+from tests.certify.crossing import Horseshoe, brute, pitch, sharpest
 
 SMOOTH = ("cycloidal", "polynomial_3_4_5", "polynomial_4_5_6_7", "modified_sine", "peisakh_11")
 
@@ -211,6 +211,19 @@ def test_a_corner_that_turns_away_is_no_crossing() -> None:
     assert search(motion, 3.1, 41.7, 1e-3).holds_off(1e-3)
 
 
+def test_normals_say_nothing_of_a_curve_with_a_corner(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Even where all of them point away from the axis: what they do at the corner is not seen."""
+    monkeypatch.setattr(Drawn, "rounds_axis", lambda _: True)
+    line = LAWS["constant_velocity"]
+    motion = motion_of([
+        ("rise", 31.0, 57.0, line.curve("rise")), ("dwell", 5.0, 0.0, None),
+        ("return", 33.0, 57.0, line.curve("return")), ("dwell", 291.0, 0.0, None),
+    ])  # fmt: skip
+    assert not search(motion, 1.3, 7.0, 7.6).holds_off(7.6)
+    smooth, _, (e, s0) = thin_lobe(0.51)
+    assert search(smooth, e, s0, 7.6).holds_off(7.6)
+
+
 def test_what_cannot_be_proven_is_not_called_sound() -> None:
     """A roller whose centre runs through the cam's axis with the offset 0: no tangent there."""
     motion, _, _ = thin_lobe(1.0)
@@ -226,6 +239,26 @@ def test_every_flank_is_judged_by_itself() -> None:
     assert found["self_crossing_inner"].value == alone.value
     assert not found["self_crossing_inner"].holds
     assert found["self_crossing_outer"].holds
+
+
+@pytest.mark.parametrize("side", [1.0, -1.0])
+def test_a_curve_round_the_axis_is_told_by_its_normals(side: float) -> None:
+    """n · P from differences of samples, against the depth of the profile below P."""
+    rng, told = np.random.default_rng(57), []
+    for _ in range(30):
+        motion, R = thin_lobed(rng), rng.uniform(2.0, 9.0)
+        e, s0 = rng.uniform(-2.0, 2.0), R * rng.uniform(0.6, 4.0)
+        theta, d = np.linspace(0.0, 2.0 * np.pi, 4001), 1e-6
+        along = pitch(motion, e, s0, theta + d) - pitch(motion, e, s0, theta - d)
+        here = pitch(motion, e, s0, theta)
+        turning = here[:, 1] * along[:, 0] - here[:, 0] * along[:, 1]
+        over = np.min(turning / np.hypot(*along.T)) - max(side * R, 0.0)
+        follower = TranslatingRoller(roller_radius_mm=R, offset_mm=e)
+        path = Path(Course(motion), lambda s, f=follower, z=(e, s0): f.traced_point(s, z), side * R)
+        told.append(path.on(Boxes.of(path.course, 0.01)).rounds_axis())
+        assert told[-1] or over < 0.1 * R
+        assert over > 0.0 or not told[-1]
+    assert 5 <= sum(told) <= 30 - 5 * (side > 0.0)
 
 
 @pytest.mark.parametrize("side", [1.0, -1.0])

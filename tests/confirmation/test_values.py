@@ -13,6 +13,7 @@ from synthesis import Design, DesignSpec, confirm, synthesise
 from synthesis.errors import ExtraMissing, InputError
 from tests.forty_digits import PI
 from tests.hard import cases
+from tests.hard.random_specs import random_spec
 
 H, RISE, RPM = 17.3, 71.25, 83.5
 LIMITS = [
@@ -132,3 +133,10 @@ def test_without_the_extra_it_is_named(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setitem(sys.modules, "flint", None)
     with pytest.raises(ExtraMissing, match=r"camwright\[exact\]"):
         confirm(given())
+
+
+def test_a_cam_so_sharp_that_its_tangent_seems_to_vanish_on_wide_boxes() -> None:
+    """A random spec whose design could not be confirmed: the square of a tangent held 0."""
+    design = synthesise(DesignSpec.model_validate(random_spec(122)))
+    assert design.motion
+    assert confirm(design).verdict == "confirmed"

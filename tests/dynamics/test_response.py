@@ -234,8 +234,8 @@ def mass(**changes: Any) -> dict[str, Any]:
 @pytest.mark.parametrize(
     ("masses", "words"),
     [
-        ([mass(mass_kg=-1.0)], "greater than 0"),
-        ([mass(stiffness_n_per_mm=0.0)], "greater than 0"),
+        ([mass(mass_kg=-1.0)], "greater than or equal to 0.000000001"),
+        ([mass(stiffness_n_per_mm=0.0)], "greater than or equal to 0.000000001"),
         ([mass(), mass(damping_n_s_per_mm=-0.01)], "grows by itself"),
         ([mass(), mass(ground_stiffness_n_per_mm=-30.0)], "not stable at rest"),
         ([mass(stiffness_n_per_mm=1e-3 * (2.0 * pi * 12.0) ** 2)], "exactly 12 times in a turn"),

@@ -7,6 +7,7 @@ from itertools import pairwise
 
 import numpy as np
 import pytest
+from pydantic import ValidationError
 
 from synthesis.errors import InputError
 from synthesis.linkages.arm import ArmSpec, posed, statics, workspace
@@ -171,3 +172,5 @@ def test_limits_that_exclude_each_other_are_refused() -> None:
     with pytest.raises(InputError, match="No arm angle is left") as refused:
         posed(spec)
     assert refused.value.field == "/opening_deg"
+    with pytest.raises(ValidationError, match=r"min = 80.0 is above max = 70.0"):
+        ArmSpec.model_validate({**SPEC, "opening_deg": {"min": 80, "max": 70}})

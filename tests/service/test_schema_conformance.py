@@ -22,11 +22,11 @@ NO_FAULT = CHECKS.get_by_names(["not_a_server_error"])
 
 
 def asked() -> dict[str, Any]:
-    """The document; what a sweep and a cam set hold a whole spec in is given.
+    """The document; what a sweep, a cam set and a train hold a whole spec in is given.
 
-    Designs are gone through under their own address: once more inside of cams of a set they take
-    four fifths of the time that it takes to think of all cases. Shapers are given in full: to
-    search for one takes seconds where chance has chosen the ranges.
+    Designs are gone through under their own address: once more for analyses or inside of cams of a
+    set they take most of the time that it takes to think of all cases. Shapers are given in full:
+    to search for one takes seconds where chance has chosen the ranges.
     """
     document = copy.deepcopy(create_app(Settings()).openapi())
     known = document["components"]["schemas"]
@@ -38,7 +38,15 @@ def asked() -> dict[str, Any]:
     shaper = copy.deepcopy(known["ShaperSpec"])
     for field in LENGTHS:
         shaper["properties"][field] = shaper["properties"][field]["anyOf"][0]
-    bodies = {"sweeps": sweep, "cam-sets": cams, "linkages/six-bar-shapers": shaper}
+    train = copy.deepcopy(known["TrainSpec"])
+    train["properties"]["cam"] = {"enum": [spec("driven")]}
+    bodies = {
+        "analyses": {"enum": [spec("analysed")]},
+        "train-responses": train,
+        "sweeps": sweep,
+        "cam-sets": cams,
+        "linkages/six-bar-shapers": shaper,
+    }
     for name, body in bodies.items():
         path = f"/v1/{name}"
         content = document["paths"][path]["post"]["requestBody"]["content"]

@@ -13,7 +13,8 @@ from synthesis.errors import InputError
 from synthesis.spatial.blank import Blank, BlankOptions
 from synthesis.spatial.body import body_of
 from synthesis.spatial.design import SpatialDesign
-from synthesis.spatial.files.body_stl import STL, StlOptions
+from synthesis.spatial.files.body_mesh import MeshOptions
+from synthesis.spatial.files.body_stl import STL
 from synthesis.spatial.grooves import Cuts
 from synthesis.spatial.pipeline import synthesise_spatial
 from synthesis.spatial.spec import SpatialCamSpec
@@ -82,7 +83,7 @@ class Read:
 def cam(request: pytest.FixtureRequest) -> tuple[SpatialDesign, dict[str, Any], Read, float]:
     spec, options = CAMS[request.param]
     design = made(spec)
-    file = STL.whole(design, StlOptions(**COARSE, **options))
+    file = STL.whole(design, MeshOptions(**COARSE, **options))
     return design, options, Read(file.data), float(file.told["Surface-Error-Mm"])
 
 
@@ -174,7 +175,7 @@ def test_the_volume_is_that_of_its_slices() -> None:
     spec, options = CAMS["groove"]
     design = made(spec)
     fine = {"points_per_degree": 0.7, "depths": 7}
-    file = STL.whole(design, StlOptions(**fine, **options))
+    file = STL.whole(design, MeshOptions(**fine, **options))
     sizes = design.dimensions
     reach, radius = sizes["cylinder_radius_mm"], sizes["roller_radius_mm"]
     root = reach - 13.9 - 1.0
@@ -206,7 +207,7 @@ def test_what_leaves_no_body_is_refused(
 ) -> None:
     design = made(SpatialCamSpec(**body(**machine)))
     with pytest.raises(InputError, match=told):
-        STL.write(design, StlOptions(**options))
+        STL.write(design, MeshOptions(**options))
 
 
 def test_a_wall_that_is_undercut_has_no_body() -> None:

@@ -51,7 +51,7 @@ class SwingLimits(JointLimits):
     max: Annotated[float, Field(ge=-180.0, le=180.0, description="Largest angle [deg].")]
 
 
-class OpeningLimits(Body):
+class OpeningLimits(Range):
     """From where to where the upper arm's angle less the forearm's goes; an end may be open."""
 
     min: Annotated[

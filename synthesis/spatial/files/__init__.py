@@ -9,6 +9,7 @@ from typing import Any
 from synthesis.exporters.exporter import FileFormat
 from synthesis.spatial.design import SpatialDesign
 from synthesis.spatial.files import (
+    body_step,
     body_stl,
     cutter_path,
     developed,
@@ -30,6 +31,7 @@ WHOLE: tuple[Format, ...] = (
     flanks_table.JSON,
     flanks_step.STEP,
     body_stl.STL,
+    body_step.STEP,
     surfaces_json.SURFACES,
 )
 FORMATS: Mapping[str, Format] = MappingProxyType(

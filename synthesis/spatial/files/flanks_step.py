@@ -187,5 +187,5 @@ STEP = FileFormat(
     _flanks, SurfaceOptions,
     "Master geometry for CAD: every flank as B-spline surfaces within tolerance_um, named as the "
     "flank and cut where the motion's derivatives jump, to be trimmed and sewn there. Surfaces, "
-    "not a solid: for that see body.stl.",
+    "not a solid: for that see body.step.",
 )  # fmt: skip
