@@ -1,4 +1,4 @@
-"""Flanks of a globoidal cam: 200 × 200 points with normals, and the whole answer."""
+"""Flanks of a globoidal cam: 200 × 200 points with normals; whole answers, given and sized."""
 
 import json
 
@@ -14,7 +14,8 @@ from synthesis.spatial.spec import SpatialCamSpec
 POINTS = 200
 TEXT = (
     "The published indexing cam P4: its flank 2R as a grid of cam angle by depth. The error is "
-    "against the literature's meshing formula in the processor's longest numbers."
+    "against the literature's meshing formula in the processor's longest numbers. The last row is "
+    "the example globoidal-sized."
 )
 Longest = np.longdouble
 
