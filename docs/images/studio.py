@@ -1,4 +1,4 @@
-"""docs/images/studio.png, of a running service: ``python docs/images/studio.py [URL]``."""
+"""studio.png and spatial.png, of a running service: ``python docs/images/studio.py [URL]``."""
 
 from __future__ import annotations
 
@@ -9,13 +9,14 @@ from pathlib import Path
 from playwright.sync_api import expect, sync_playwright
 
 HERE = Path(__file__).parent
-ANGLE = "58"  # cam angle that is shown [deg]
+ANGLE, SPATIAL_ANGLE = "58", "219"  # cam angles that are shown [deg]
 
 
 def main(url: str = "http://127.0.0.1:8000") -> None:
     with sync_playwright() as playwright:
         browser = playwright.chromium.launch(
-            executable_path=shutil.which("chromium"), args=["--no-sandbox", "--disable-gpu"]
+            executable_path=shutil.which("chromium"),
+            args=["--no-sandbox", "--use-gl=swiftshader", "--enable-unsafe-swiftshader"],
         )
         page = browser.new_page(viewport={"width": 1440, "height": 1000}, color_scheme="light")
         page.goto(url)
@@ -26,6 +27,12 @@ def main(url: str = "http://127.0.0.1:8000") -> None:
         page.locator("#angle").fill(ANGLE)
         page.evaluate("window.scrollTo(0, 0)")
         page.screenshot(path=HERE / "studio.png")
+        page.goto(f"{url}/spatial")
+        expect(page.get_by_text("Feasible")).to_be_visible(timeout=60_000)
+        page.wait_for_load_state("networkidle")
+        page.get_by_role("button", name="Pause").click()
+        page.get_by_role("slider", name="cam angle").fill(SPATIAL_ANGLE)
+        page.locator("canvas").screenshot(path=HERE / "spatial.png")
         browser.close()
 
 

@@ -140,7 +140,7 @@ function row(each) {
     "tr",
     { class: each.holds ? "" : "broken", title: each.evidence },
     element("th", { scope: "row" }, words(each.quantity)),
-    element("td", {}, `${figure(each.value, 5)} ${each.unit}`),
+    element("td", {}, `${figure(each.value, 5)} ${each.unit === "1" ? "" : each.unit}`),
     element("td", {}, each.angle_deg === null ? "" : `${figure(each.angle_deg, 4)}°`),
     element("td", {}, where.filter(Boolean).join(", ")),
     element("td", {}, each.bound === null ? "" : figure(each.bound, 5)),

@@ -288,7 +288,7 @@ def with_second(**changes: Any) -> dict[str, Any]:
         (named("wrong", cams=[{"name": "x"}]), "/cams/0/spec", None, "is required"),
         (named("wrong", cams=[]), "/cams", [], "at least 1"),
         (named("wrong", cams=[{"spec": INLET}] * (MAX_CAMS + 1)), "/cams", ..., "at most 50"),
-        (named("wrong", speed_rpm=0), "/speed_rpm", 0, "greater than 0"),
+        (named("wrong", speed_rpm=0), "/speed_rpm", 0, "at least 1e-06"),
         (named("wrong", speed_rpm="fast"), "/speed_rpm", "fast", "number"),
         (named("wrong", axle=1), "/axle", 1, "cams"),
         (named("wrong", cams=[3]), "/cams/0", 3, "must be"),

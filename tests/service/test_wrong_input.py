@@ -311,7 +311,7 @@ TABLE: dict[str, tuple[Change, str, Any, str]] = {
         "peak_jerks", "'peak_jerk'",
     ),
     "unknown field": (changed(speed=3), "/speed", 3, "Did you mean 'speed_rpm'"),
-    "standing still": (changed(speed_rpm=0), "/speed_rpm", 0, "greater than 0"),
+    "standing still": (changed(speed_rpm=0), "/speed_rpm", 0, "at least 1e-06"),
     "wrong sense": (changed(rotation="left"), "/rotation", "left", "ccw"),
     "no tolerance left": (changed(tolerance=0), "/tolerance", 0, "at least"),
     "a name without end": (changed(name="x" * 300), "/name", ..., "at most 200"),
