@@ -38,6 +38,8 @@ import numpy as np
 
 from synthesis.numerics.piecewise import Array
 
+EDGE = 1e-14  # sin² of the angle between tangents below which they are along one line
+
 
 @dataclass(frozen=True)
 class Roller:
@@ -196,12 +198,12 @@ class SweptRoller:
     roller: Roller
     hand: int = 1
 
-    def contacts(self, place: Place, rho: Array, side: int) -> Contacts:
-        """The contacts at all ``place`` (n,) and ``rho`` (m,) [mm].
+    def contacts(self, place: Place, rho: Array, side: int | Array) -> Contacts:
+        """The contacts at all ``place`` (n,) and ``rho``, (m,) or (n, m) [mm].
 
         Args:
             side: +1 for those on the side to which the follower moves with growing q, −1 for the
-                others.
+                others; or (n, 1) one for every place.
         """
         touch, wall = self._wall(place, rho, side)
         way = self.joint.way(wall.axis)
@@ -214,10 +216,11 @@ class SweptRoller:
             / dot(cross(touch.slip, touch.u), touch.direction),
         )
 
-    def curvatures(self, place: Place, rho: Array, side: int) -> Array:
+    def curvatures(self, place: Place, rho: Array, side: int | Array) -> Array:
         """Principal curvatures of the wall at the contacts, the larger first: (2, n, m) [1/mm].
 
-        Positive where the cam bulges. Where the wall is undercut they say nothing of a cam.
+        Positive where the cam bulges. Where the wall is undercut they say nothing of a cam; on the
+        edge where that begins its tangents are along one line, and they are infinite.
         """
         touch, wall = self._wall(place, rho, side)
         _, slope, bend = self.roller.profile(rho)
@@ -232,18 +235,22 @@ class SweptRoller:
         )
         l, m, n = -dot(wall.by_theta, turns), -dot(wall.by_rho, turns), -dot(wall.by_rho, tilts)
         area = e * g - f**2
+        edge = ~(area > EDGE * e * g)
+        area = np.where(edge, np.inf, area)
         mean, gauss = (l * g - 2.0 * m * f + n * e) / (2.0 * area), (l * n - m**2) / area
         half = np.sqrt(np.maximum(mean**2 - gauss, 0.0))
-        return np.stack([mean + half, mean - half])
+        return np.stack([
+            np.where(edge, np.inf, mean + half), np.where(edge, -np.inf, mean - half)
+        ])  # fmt: skip
 
-    def touched(self, place: Place, rho: Array, side: int) -> tuple[Array, Array]:
+    def touched(self, place: Place, rho: Array, side: int | Array) -> tuple[Array, Array]:
         """Points and normals of ``contacts`` alone, (3, n, m) each: a third of the work."""
         radius, slope, _ = self.roller.profile(rho)
         touch, _ = self._touch(place, rho, side)
         normal = (touch.direction - slope * touch.u) / np.sqrt(1.0 + slope**2)
         return self._axis(place.q, rho) + radius * touch.direction, normal
 
-    def _touch(self, place: Place, rho: Array, side: int) -> tuple[_Touch, Array]:
+    def _touch(self, place: Place, rho: Array, side: int | Array) -> tuple[_Touch, Array]:
         """Where the roller touches, and the feet of the normals there on its axis."""
         radius, slope, _ = self.roller.profile(rho)
         u = self.joint.turned(_column(self.along), place.q)
@@ -251,7 +258,7 @@ class SweptRoller:
         sign = side * self.hand * self._facing
         return _Touch(u, self._slip(feet, place.q1[:, None]), slope, sign), feet
 
-    def _wall(self, place: Place, rho: Array, side: int) -> tuple[_Touch, _Wall]:
+    def _wall(self, place: Place, rho: Array, side: int | Array) -> tuple[_Touch, _Wall]:
         """Where the roller touches, and the wall there with its tangents."""
         radius, slope, bend = self.roller.profile(rho)
         q1, x = place.q1[:, None], self._axis(place.q, rho)
@@ -331,7 +338,7 @@ class _Touch:
     by_theta: Array
     by_rho: Array
 
-    def __init__(self, u: Array, slip: Array, slope: Array, sign: int) -> None:
+    def __init__(self, u: Array, slip: Array, slope: Array, sign: int | Array) -> None:
         self.u, self.slip, self.slope, self.sign = u, slip, slope, sign
         self.along = dot(u, slip)
         self.p = cross(u, slip)

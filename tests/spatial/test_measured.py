@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 import pytest
 from numpy.typing import NDArray
+from scipy.optimize import brentq
 from scipy.spatial import KDTree
 
 from synthesis import clock
@@ -19,7 +20,7 @@ from synthesis.spatial.measuring import enclosing, measured, radii, ribs
 from synthesis.spatial.measuring.demands import kept
 from synthesis.spatial.measuring.follower import holding, in_time
 from synthesis.spatial.measuring.found import Found, told
-from synthesis.spatial.measuring.patches import patches
+from synthesis.spatial.measuring.patches import Spots, patches
 from synthesis.spatial.measuring.walls import Prover
 from synthesis.spatial.pipeline import synthesise_spatial
 from synthesis.spatial.spec import SpatialCamSpec
@@ -64,11 +65,32 @@ def test_the_judge_s_surface_says_what_contacts_say(name: str) -> None:
         found = part.contacts(theta, rho)
         steep = np.tan(np.diag(found.pressure_angle)) ** 2
         assert np.abs(enclosing.pressure(at).c0 - steep).max() < 1e-12
-        assert np.abs(enclosing.undercut(at).c0 - np.diag(found.regular)).max() < 1e-12
+        assert (
+            np.abs(enclosing.undercut(roller.radius)(at).c0 - np.diag(found.regular)).max() < 1e-12
+        )
         axis = tuple(cam.swept.axis)
         away = found.point - cam.swept.centre.reshape(3, 1, 1)
         along = np.diag(np.einsum("i,inm->nm", cam.swept.axis, away))
         assert np.abs(enclosing.along(at, axis).c0 - along).max() < 1e-11 * roller.outer
+
+
+def test_places_on_several_walls_are_those_of_each(indexer: SpatialDesign) -> None:
+    """Every patch with angles and places of its own, all in one go and one by one."""
+    cam, rng, each = indexer.cam, np.random.default_rng(7), 3
+    parts = list(patches(cam))[::3]
+    assert len({part.wall.side for part in parts}) == 2
+    theta = np.array([part.low + (part.high - part.low) * rng.random(each) for part in parts])
+    rho = rng.uniform(71.9, 102.4, (*theta.shape, 2))
+    together = Spots(cam, parts, each)
+    slips = together.contacts(theta.ravel(), rho.reshape(-1, 2)).slip
+    bends = together.curvatures(theta.ravel(), rho.reshape(-1, 2))
+    for i, part in enumerate(parts):
+        rows = slice(each * i, each * (i + 1))
+        one = part.contacts(theta[i], rho[i, 0])
+        assert slips[:, rows][:, :1] == pytest.approx(one.slip[:, :1], rel=1e-12)
+        assert bends[:, rows][:, :1] == pytest.approx(
+            part.curvatures(theta[i], rho[i, 0])[:, :1], rel=1e-9
+        )
 
 
 def test_the_largest_pressure_angle_is_that_of_the_closed_form(indexer: SpatialDesign) -> None:
@@ -118,6 +140,34 @@ def test_curvatures_are_those_of_the_surface_an_offset_away(indexer: SpatialDesi
     # M of a ruled surface: u, its change and V span it; u_θ = ψ' w + J u, J about the cam's axis
     twist = (-q1 * room * 1.0 - rho * q1 * np.cos(psi)) / w
     assert gauss == pytest.approx(-(twist**2) / w**2, rel=1e-9)
+
+
+def test_curvatures_are_infinite_where_undercut_begins() -> None:
+    cam = cam_of(SpatialCamSpec(**body(centre_distance_mm=131.9)))
+    wall = next(wall for wall in cam.walls if wall.name == "2L")
+    rho = np.array([102.4])
+    tried = np.linspace(0.1, 1.9, 400)
+    area = cam.contacts(wall, tried, rho).regular[:, 0]
+    first = int(np.flatnonzero(area < 0.0)[0])
+    edge = brentq(
+        lambda t: float(cam.contacts(wall, np.array([t]), rho).regular[0, 0]),
+        tried[first - 1], tried[first], xtol=1e-15,
+    )  # fmt: skip
+    theta = np.array([edge - 1e-3, edge, edge + 1e-3])
+    with np.errstate(all="raise"):
+        kappa = cam.swept.curvatures(cam.place(wall.seat, theta), rho, wall.side)[:, :, 0]
+    assert kappa[:, 1].tolist() == [math.inf, -math.inf]
+    assert np.isfinite(kappa[:, [0, 2]]).all()
+
+
+def test_a_small_pressure_angle_is_proven_as_closely_as_a_large_one() -> None:
+    """tan α = 2 ρ (Ψ/β)/(C − ρ) in the middle of a cycloidal index, about 0.06°."""
+    spec = SpatialCamSpec(**body(centre_distance_mm=1e5))
+    cam = cam_of(spec)
+    models = enclosing.Models(cam, list(patches(cam)))
+    angle = math.atan(102.4 / (1e5 - 102.4))
+    found = enclosing.proven(models, enclosing.PRESSURE, Found(angle, math.nan, ""))
+    assert angle <= found.limit < angle * (1.0 + 1e-6)
 
 
 def roller_skins(cam: SpatialCam, start: float) -> Array:
@@ -173,12 +223,13 @@ def test_no_smaller_radius_is_proven_and_no_larger_one(
     assert told.value is not None
     assert told.evidence == enclosing.EVIDENCE
     assert told.width <= 1.01e-2 * told.value
+    models = enclosing.Models(cam, list(patches(cam)))
     for share, proven in ((0.999, True), (1.03, False)):
         asked = Found(-1.0 / (share * told.value), 0.0, "asked")
-        found = claim(cam, list(patches(cam)), asked, None)
+        found = claim(models, asked, None)
         assert (found.evidence == enclosing.EVIDENCE) is proven
     bound = 0.985 * told.value
-    bounded = claim(cam, list(patches(cam)), Found(-1.0 / told.value, 0.0, ""), -1.0 / bound)
+    bounded = claim(models, Found(-1.0 / told.value, 0.0, ""), -1.0 / bound)
     assert -1.0 / bounded.limit > bound
 
 

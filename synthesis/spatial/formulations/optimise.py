@@ -13,10 +13,12 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from math import inf
 
+import numpy as np
 from scipy.optimize import brentq
 
 from synthesis.formulations.candidate import Candidate
 from synthesis.formulations.closed_form import nearest
+from synthesis.formulations.exchange import tightest
 from synthesis.formulations.grid import SettledLaw
 from synthesis.formulations.problem import Problem
 from synthesis.formulations.refine import search as climbed
@@ -135,7 +137,8 @@ def _pressed(
     radius = least_of(spec.limits, WALLS)
     objective = objective_of(machine.sought)
     problem = posed(machine, found.stretches, spec.omega, limits, objective, rollers, spec.turns)
-    whole = replace(problem, limits=(*problem.limits, WallRadius(min_mm=radius)))
+    walls = WallRadius(min_mm=radius)
+    whole = replace(problem, limits=(*problem.limits, walls))
     if not problem.free:
         return _closed_form(whole, found)
     search = _searched(problem, found, spec.tolerance, deadline, tighten)
@@ -144,7 +147,7 @@ def _pressed(
         found.proven = search.infeasible
         found.why = search.impossible or search.undecided or "no motion law was found"
         return None
-    if not _kept(whole, best):
+    if not _kept(problem, walls, best):
         bulging = _searched(whole, found, spec.tolerance, deadline, tighten)
         best = bulging.best or best
     _settle(found, problem, best)
@@ -165,11 +168,10 @@ def _searched(
     return search
 
 
-def _kept(whole: Problem, cam: Candidate) -> bool:
+def _kept(problem: Problem, walls: WallRadius, cam: Candidate) -> bool:
     """Whether the walls of a cam are as they shall be, as far as limits on them are known."""
-    settled = replace(whole, stretches=cam.problem.stretches)
-    size = nearest(settled)
-    return size is not None and size[0] <= cam.size[0]
+    asked = replace(problem, limits=(walls,), stretches=cam.problem.stretches)
+    return not np.any(tightest(asked, cam.size).excess > 0.0)
 
 
 def _closed_form(problem: Problem, found: Sized) -> float | None:

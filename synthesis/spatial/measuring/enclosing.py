@@ -20,6 +20,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
+from functools import cached_property
 from typing import Any
 
 import numpy as np
@@ -33,8 +34,12 @@ from synthesis.spatial.measuring.found import Found
 from synthesis.spatial.measuring.patches import Patch
 
 Vector = tuple[Any, Any, Any]
+Splits = tuple[tuple[int, int], ...]
 ANGLES, PLACES = 40, 16  # boxes to begin with, of a wall along it and across
-SPLITS = (2, 4), (1, 4)  # of a box, in turn: models are quadratic in θ, intervals in ρ
+# of a box in θ and ρ, in turn; models are quadratic in θ, intervals in ρ. Where a quantity is all
+# but constant along an arc there are fewer boxes if they are cut less
+QUICK: Splits = ((2, 8),)
+SPARING: Splits = ((2, 4), (1, 4))
 NEAR = 0.9  # of what a bound leaves over: a proof so far does
 MOST_ROUNDS, MOST_BOXES = 30, 100_000
 RELATIVE = 1e-9
@@ -64,8 +69,9 @@ class Swept:
 
     Attributes:
         point: P from the cam's centre. u, w: the axis's direction, and dP/dq. v: P_θ.
+        lead: u·w. carried: J(P), what the cam does there.
         normal: u × v, not of unit length.
-        bend, twist: P_θθ and u_θ. roller: its radius. radius: of the one that is asked.
+        bends: makes P_θθ and u_θ, which not every quantity needs. roller: its radius.
         side: (n,) whether the wall's normal is along ``normal`` or against it.
     """
 
@@ -73,12 +79,21 @@ class Swept:
     u: Vector
     w: Vector
     v: Vector
+    lead: Any
+    carried: Vector
     normal: Vector
-    bend: Vector
-    twist: Vector
+    bends: Callable[[], tuple[Vector, Vector]]
     roller: float
-    radius: float
     side: Array
+
+    @cached_property
+    def curved(self) -> tuple[Any, Any]:
+        """2H and K of the surface, as if its normal were the wall's."""
+        bend, twist = self.bends()
+        square = dot(self.normal, self.normal)  # W², as u is a unit vector
+        f, m = dot(self.u, self.v), dot(self.normal, twist)
+        mean = self.side * (dot(self.normal, bend) - 2.0 * f * m) / (square * square.sqrt())
+        return mean, -(m * m) / (square * square)
 
 
 def along(at: Swept, axis: Vector) -> Any:
@@ -88,19 +103,24 @@ def along(at: Swept, axis: Vector) -> Any:
 
 
 def pressure(at: Swept) -> Any:
-    """tan²α."""
-    away = cross(at.normal, at.w)
-    along = dot(at.normal, at.w)
-    return dot(away, away) / (along * along)
+    """tan²α.
+
+    n × w = (u·w) v − (v·w) u, and of v only what the cam adds to q'w leaves something of n·w: so
+    written, nothing large cancels where the angle is small.
+    """
+    across, along = dot(at.v, at.w), dot(cross(at.u, at.carried), at.w)
+    away = at.lead * at.lead * dot(at.v, at.v) - 2.0 * (at.lead * across) * dot(at.u, at.v)
+    return (across * across + away) / (along * along)
 
 
-def undercut(at: Swept) -> Any:
-    """(1 − Rr κ1)(1 − Rr κ2)."""
-    square = dot(at.normal, at.normal)  # W², as u is a unit vector
-    length = square.sqrt()
-    f, m, n = dot(at.u, at.v), dot(at.normal, at.twist), dot(at.normal, at.bend)
-    mean = (n - 2.0 * f * m) / (square * length)
-    return 1.0 - at.radius * at.side * mean - at.radius**2 * (m * m) / (square * square)
+def undercut(radius: float) -> Callable[[Swept], Any]:
+    """(1 − R κ1)(1 − R κ2) for a roller of this radius R on the same axis."""
+
+    def of(at: Swept) -> Any:
+        twice_mean, gauss = at.curved
+        return 1.0 - radius * twice_mean + radius**2 * gauss
+
+    return of
 
 
 @dataclass(frozen=True, eq=False)
@@ -119,7 +139,6 @@ class Proof:
 
 
 PRESSURE = Proof(pressure, 1.0, lambda a: math.tan(a) ** 2, lambda t: math.atan(math.sqrt(t)))
-UNDERCUT = Proof(undercut, -1.0)
 
 
 @dataclass(frozen=True, eq=False)
@@ -154,19 +173,13 @@ def _cut(low: Array, high: Array, count: int) -> Array:
 
 
 class Models:
-    """The swept surface of every patch on boxes.
+    """The swept surface of every patch on boxes."""
 
-    ``radius``: of the roller that is asked whether it undercuts; None: the cam's own.
-    """
-
-    def __init__(
-        self, cam: SpatialCam, parts: Sequence[Patch], radius: float | None = None
-    ) -> None:
+    def __init__(self, cam: SpatialCam, parts: Sequence[Patch]) -> None:
         swept = cam.swept
         self.cam, self.parts = cam, parts
         self._jets = Jets(cam.motion.curve)
         self._roller = swept.roller.radius
-        self._radius = self._roller if radius is None else radius
         self._piece = np.array([part.piece for part in parts])
         self._start = np.array([part.wall.seat.start for part in parts])
         self._side = np.array([part.wall.side for part in parts])
@@ -198,13 +211,26 @@ class Models:
         u, u1, u2 = self._moving(self._along, q, cos, sin)
         o, o1, o2 = self._moving(self._origin, q, cos, sin)
         p = _sum((1.0, o), (rho, u), (-1.0, tuple(self._centre)))
-        w, w1 = _sum((1.0, o1), (rho, u1)), _sum((1.0, o2), (rho, u2))
-        v = _sum((q1, w), (-1.0, self._turned(p)))
-        again = self._turned(self._turned(p))
-        bend = _sum((q2, w), (q1 * q1, w1), (-2.0 * q1, self._turned(w)), (1.0, again))
-        twist = _sum((q1, u1), (-1.0, self._turned(u)))
-        side = self._side[boxes.patch]
-        return Swept(p, u, w, v, cross(u, v), bend, twist, self._roller, self._radius, side)
+        w, turned = _sum((1.0, o1), (rho, u1)), self._turned(p)
+        v = _sum((q1, w), (-1.0, turned))
+
+        def bends() -> tuple[Vector, Vector]:
+            w1, again = _sum((1.0, o2), (rho, u2)), self._turned(turned)
+            bend = _sum((q2, w), (q1 * q1, w1), (-2.0 * q1, self._turned(w)), (1.0, again))
+            return bend, _sum((q1, u1), (-1.0, self._turned(u)))
+
+        lead = dot(u, o1)  # u·u' is 0
+        return Swept(
+            p, u, w, v, lead, turned, cross(u, v), bends, self._roller, self._side[boxes.patch]
+        )
+
+    @cached_property
+    def first(self) -> tuple[Boxes, Swept]:
+        """Boxes over all patches and the models there: one for all quantities to begin with."""
+        roller = self.cam.swept.roller
+        boxes = _first(self.parts, np.linspace(roller.inner, roller.outer, PLACES + 1))
+        with np.errstate(all="ignore"):
+            return boxes, self.at(boxes)
 
     def _moving(self, table: Array, q: Taylor, cos: Taylor, sin: Taylor) -> Sequence[Vector]:
         """A point or direction of the follower and its derivatives by q."""
@@ -220,58 +246,50 @@ class Models:
         return x, y, z
 
 
-def proven(
-    cam: SpatialCam,
-    parts: Sequence[Patch],
-    proof: Proof,
-    found: Found,
-    allowed: float | None = None,
-) -> Found:
+def proven(models: Models, proof: Proof, found: Found, allowed: float | None = None) -> Found:
     """What was found of a quantity, and how far it can go beyond that; as it was if that is open.
-
-    Crowned rollers sweep something else than a ruled surface.
 
     Args:
         allowed: what the quantity may come to: where it is all but constant along an arc, a
             proof that it does not pass that is within reach, and one that it stays there is not.
     """
-    if cam.swept.roller.crown > 0.0:
-        return found
-    models, sign = Models(cam, parts), proof.sign
+    sign = proof.sign
     best = sign * proof.into(found.value)
     enough = best + RELATIVE * max(abs(best), 1e-3)
     most = largest(models, proof, enough)
     if allowed is not None and most > sign * proof.into(allowed):
         room = NEAR * (sign * proof.into(allowed) - best)
-        most = largest(models, proof, max(enough, best + room))
+        most = largest(models, proof, max(enough, best + room), SPARING)
     if not math.isfinite(most):
         return found
     return replace(found, limit=proof.back(sign * max(most, best)), evidence=EVIDENCE)
 
 
-def largest(models: Models, proof: Proof, enough: float) -> float:
+def largest(models: Models, proof: Proof, enough: float, splits: Splits = QUICK) -> float:
     """What a quantity, times its sign, does not pass anywhere; infinite if nothing is proven.
 
     Args:
         enough: boxes that do not pass this are not looked at more closely.
+        splits: how the others are cut, in turn.
     """
-    cam, sign, roller = models.cam, proof.sign, models.cam.swept.roller
-    boxes = _first(models.parts, np.linspace(roller.inner, roller.outer, PLACES + 1))
+    boxes, swept = models.first
     most, last = -math.inf, math.inf
     with np.errstate(all="ignore"):
         for number in range(MOST_ROUNDS):
-            swept = models.at(boxes)
             high, low = _range(proof.of(swept))
-            above = np.where(_outside(cam, swept), -np.inf, high if sign > 0.0 else -low)
+            above = np.where(
+                _outside(models.cam, swept), -np.inf, high if proof.sign > 0.0 else -low
+            )
             keep = above > enough
             most = max(most, float(above[~keep].max(initial=-np.inf)))
             boxes = boxes.take(np.flatnonzero(keep))
-            counts = SPLITS[number % len(SPLITS)]
-            if not keep.any() or counts[0] * counts[1] * np.count_nonzero(keep) > MOST_BOXES:
+            split = splits[number % len(splits)]
+            if not keep.any() or math.prod(split) * np.count_nonzero(keep) > MOST_BOXES:
                 most = max(most, float(above[keep].max(initial=-np.inf)))
                 break
             last = float(above[keep].max())
-            boxes = boxes.split(counts)
+            boxes = boxes.split(split)
+            swept = models.at(boxes)
         else:
             most = max(most, last)
     return most
@@ -293,11 +311,16 @@ def _outside(cam: SpatialCam, swept: Swept) -> Array:
 
 
 def _first(parts: Sequence[Patch], edges: Array) -> Boxes:
-    """Boxes to begin with: as many angles of each patch as keep those of a wall to a number."""
+    """Boxes to begin with: as many angles of each patch as keep those of a wall to a number.
+
+    Where the follower rests the cam sees the same at every angle: one box.
+    """
     angles = max(1, ANGLES * len({part.wall for part in parts}) // len(parts))
-    low, high = np.array([(part.low, part.high) for part in parts]).T
-    theta = _cut(low, high, angles)
-    wide = (len(parts), angles, len(edges) - 1)
-    cut = (theta[:, :-1, None], theta[:, 1:, None], edges[:-1], edges[1:])
-    patch = np.repeat(np.arange(len(parts)), angles * (len(edges) - 1))
-    return Boxes(patch, *(np.broadcast_to(part, wide).ravel() for part in cut))
+    counts = np.array([1 if part.rests else angles for part in parts])
+    patch = np.repeat(np.arange(len(parts)), counts)
+    nth = np.arange(len(patch)) - np.repeat(np.cumsum(counts) - counts, counts)
+    start, end = np.array([(part.low, part.high) for part in parts]).T[:, patch]
+    step, last = (end - start) / counts[patch], nth + 1 == counts[patch]
+    low, high = start + nth * step, np.where(last, end, start + (nth + 1) * step)
+    cut = (patch[:, None], low[:, None], high[:, None], edges[:-1], edges[1:])
+    return Boxes(*(part.ravel() for part in np.broadcast_arrays(*cut)))

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from abc import ABC, abstractmethod
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field
 from itertools import groupby
@@ -15,8 +16,39 @@ from synthesis.numerics.piecewise import Array
 from synthesis.spatial.cam import SpatialCam, Wall
 
 
+class Touching(ABC):
+    """Contacts by one or several pieces of the motion, at their ends by their own formulas too."""
+
+    cam: SpatialCam
+
+    @abstractmethod
+    def place(self, theta: Array) -> Place:
+        """The roller at θ (n,)."""
+
+    @property
+    @abstractmethod
+    def side(self) -> int | Array:
+        """Of the wall: one, or (n, 1) one for every angle."""
+
+    def points(self, theta: Array, rho: Array) -> Array:
+        """Where the roller touches, (3, n, m), in the machine's frame [mm].
+
+        Args:
+            theta: (n,) [rad]. rho: (m,), or (n, m) for every angle others [mm].
+        """
+        return self.cam.swept.touched(self.place(theta), rho, self.side)[0]
+
+    def contacts(self, theta: Array, rho: Array) -> Contacts:
+        """Contacts there."""
+        return self.cam.swept.contacts(self.place(theta), rho, self.side)
+
+    def curvatures(self, theta: Array, rho: Array) -> Array:
+        """Principal curvatures there, (2, n, m) [1/mm]."""
+        return self.cam.swept.curvatures(self.place(theta), rho, self.side)
+
+
 @dataclass(frozen=True, eq=False)
-class Patch:
+class Patch(Touching):
     """A part of a wall on one piece of the motion.
 
     Attributes:
@@ -30,22 +62,44 @@ class Patch:
     high: float
 
     def place(self, theta: Array) -> Place:
-        """The roller at θ (n,), by the piece's own formula also at its ends."""
-        piece = np.full(len(theta), self.piece)
-        q, q1, q2 = (self.cam.motion.curve.at(theta, piece, order) for order in range(3))
-        return Place(self.wall.seat.start + q, q1, q2)
+        return _placed(self.cam, self.wall.seat.start, np.full(len(theta), self.piece), theta)
 
-    def points(self, theta: Array, rho: Array) -> Array:
-        """Where the roller touches at θ (n,) and ρ (m,): (3, n, m), in the machine's frame [mm]."""
-        return self.cam.swept.touched(self.place(theta), rho, self.wall.side)[0]
+    @property
+    def side(self) -> int:
+        return self.wall.side
 
-    def contacts(self, theta: Array, rho: Array) -> Contacts:
-        """Contacts at θ (n,) and ρ (m,)."""
-        return self.cam.swept.contacts(self.place(theta), rho, self.wall.side)
+    @property
+    def rests(self) -> bool:
+        """Whether the follower stands still on the whole of it; False of several pieces at once."""
+        curve, piece = self.cam.motion.curve, np.asarray(self.piece)
+        return bool(piece.ndim == 0 and not curve.poly[piece, 1:].any()
+                    and not curve.waves[piece, :, 0].any())  # fmt: skip
 
-    def curvatures(self, theta: Array, rho: Array) -> Array:
-        """Principal curvatures there, (2, n, m) [1/mm]."""
-        return self.cam.swept.curvatures(self.place(theta), rho, self.wall.side)
+
+@dataclass(frozen=True, eq=False)
+class Spots(Touching):
+    """Some patches, whosever they are, each with ``each`` angles of its own."""
+
+    cam: SpatialCam
+    parts: Sequence[Patch]
+    each: int
+
+    def place(self, theta: Array) -> Place:
+        start, piece = zip(
+            *((part.wall.seat.start, part.piece) for part in self.parts), strict=True
+        )
+        return _placed(
+            self.cam, np.repeat(start, self.each), np.repeat(piece, self.each), theta
+        )  # fmt: skip
+
+    @property
+    def side(self) -> Array:
+        return np.repeat([part.wall.side for part in self.parts], self.each)[:, None]
+
+
+def _placed(cam: SpatialCam, start: float | Array, piece: NDArray[np.intp], theta: Array) -> Place:
+    q, q1, q2 = (cam.motion.curve.at(theta, piece, order) for order in range(3))
+    return Place(start + q, q1, q2)
 
 
 @dataclass(frozen=True, eq=False)
@@ -56,6 +110,10 @@ class Together(Patch):
     """
 
     kept: dict[tuple[str, bytes], Any] = field(default_factory=dict)
+
+    def points(self, theta: Array, rho: Array) -> Array:
+        known = self.kept.get(("contacts", rho.tobytes()))
+        return super().points(theta, rho) if known is None else cast(Contacts, known).point
 
     def contacts(self, theta: Array, rho: Array) -> Contacts:
         key = "contacts", rho.tobytes()

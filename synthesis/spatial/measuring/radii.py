@@ -10,39 +10,33 @@ sharply, that one of R = Rr − r would not, a roller of negative radius being o
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
 from dataclasses import replace
 
-from synthesis.spatial.cam import SpatialCam
-from synthesis.spatial.measuring.enclosing import EVIDENCE, UNDERCUT, Models, largest
+from synthesis.spatial.measuring.enclosing import EVIDENCE, Models, Proof, largest, undercut
 from synthesis.spatial.measuring.found import Found
-from synthesis.spatial.measuring.patches import Patch
 
-SHY = 1e-2, 1e-4, 1e-6  # of a radius: by how much less is claimed than was found, in turn
+SHY = 1e-6, 1e-4, 1e-2  # of a radius: by how much less is claimed than was found, in turn
 NEAR = 0.9  # of what a bound leaves over: a claim so far does
 
 
-def bulging(cam: SpatialCam, parts: Sequence[Patch], found: Found, allowed: float | None) -> Found:
+def bulging(models: Models, found: Found, allowed: float | None) -> Found:
     """What was found of the least convex radius, with a proof that none is smaller."""
-    return _claimed(cam, parts, found, allowed, 1.0)
+    return _claimed(models, found, allowed, 1.0)
 
 
-def hollow(cam: SpatialCam, parts: Sequence[Patch], found: Found, allowed: float | None) -> Found:
+def hollow(models: Models, found: Found, allowed: float | None) -> Found:
     """The same of the least hollow radius."""
-    return _claimed(cam, parts, found, allowed, -1.0)
+    return _claimed(models, found, allowed, -1.0)
 
 
-def _claimed(
-    cam: SpatialCam, parts: Sequence[Patch], found: Found, allowed: float | None, sign: float
-) -> Found:
+def _claimed(models: Models, found: Found, allowed: float | None, sign: float) -> Found:
     """With found and allowed as curvatures with their signs turned [1/mm]; as it was if open."""
-    if cam.swept.roller.crown > 0.0 or found.value >= 0.0:
+    if found.value >= 0.0:
         return found
-    radius, best = -1.0 / found.value, found
+    radius, roller = -1.0 / found.value, models.cam.swept.roller.radius
     least = -math.inf if allowed is None else radius - NEAR * (radius + 1.0 / allowed)
     for claim in (max(radius * (1.0 - shy), min(least, radius)) for shy in SHY):
-        models = Models(cam, parts, cam.swept.roller.radius + sign * claim)
-        if largest(models, UNDERCUT, 0.0) > 0.0:
-            break
-        best = replace(found, limit=-1.0 / claim, evidence=EVIDENCE)
-    return best
+        proof = Proof(undercut(roller + sign * claim), -1.0)
+        if largest(models, proof, 0.0) <= 0.0:
+            return replace(found, limit=-1.0 / claim, evidence=EVIDENCE)
+    return found

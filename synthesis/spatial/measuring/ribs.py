@@ -22,9 +22,9 @@ from synthesis.spatial.measuring.patches import Patch, tried
 from synthesis.units import FULL_TURN
 
 RIB = Kind("rib_thickness", "mm", largest=False, must=Bound(0.0))
-ANGLES, PLACES, TURNS = 25, 3, 97  # tried: of the wall, along it, and of the other roller
-CLOSER, ROUNDS, SHRINK = 5, 22, 0.55
-WHOLE = 100  # angles of a wall that has many patches, about
+ANGLES, PLACES, TURNS = 25, 3, 73  # tried: of the wall, along it, and of the other roller
+CLOSER, ROUNDS, SHRINK = 7, 13, 0.4
+WHOLE = 72  # angles of a wall that has many patches, about
 KEPT = 3  # places looked at more closely
 EVIDENCE = "measured from points of each wall to the next roller, at every cam angle, then closer"
 

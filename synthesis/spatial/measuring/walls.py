@@ -15,24 +15,24 @@ from synthesis.geometry.swept_roller import cross, dot, norm
 from synthesis.numerics.piecewise import Array
 from synthesis.spatial.cam import SpatialCam
 from synthesis.spatial.measuring import radii
-from synthesis.spatial.measuring.enclosing import PRESSURE, UNDERCUT, Proof, proven
+from synthesis.spatial.measuring.enclosing import PRESSURE, Models, Proof, proven, undercut
 from synthesis.spatial.measuring.follower import jump
 from synthesis.spatial.measuring.found import Bound, Bounds, Found, Kind, leading
-from synthesis.spatial.measuring.patches import Patch, Tried, tried
+from synthesis.spatial.measuring.patches import Patch, Spots, Touching, Tried, tried
 from synthesis.units import DEGREE
 
-ANGLES, PLACES = 49, 7  # tried on each patch
-WHOLE = 480  # angles tried on a wall of many patches
+ANGLES, PLACES = 49, 5  # tried on each patch
+WHOLE = 240  # angles tried on a wall of many patches
 KEPT = 2  # patches that are looked at more closely
-CLOSER, ROUNDS, SHRINK = 7, 17, 0.4  # a grid around the best so far, and how it narrows
+CLOSER, ROUNDS, SHRINK = 11, 8, 0.25  # a grid around the best so far, and how it narrows
 EVIDENCE = "measured on a grid of every smooth part of a wall, then closer"
-Values = Callable[[Patch, Array, Array], Array]
-Prover = Callable[[SpatialCam, Sequence[Patch], Found, float | None], Found]
+Values = Callable[[Touching, Array, Array], Array]
+Prover = Callable[[Models, Found, float | None], Found]
 
 
 @dataclass(frozen=True)
 class Measured:
-    """A quantity that contacts have: its values (n, m) at θ (n,) and ρ (m,) of a patch.
+    """A quantity that contacts have: its values (n, m) at θ (n,) and ρ, (m,) or (n, m).
 
     ``proof`` says how its extreme is enclosed; None: it is measured and no more.
     """
@@ -42,20 +42,21 @@ class Measured:
     proof: Prover | None = None
 
 
-def _sliding(patch: Patch, theta: Array, rho: Array) -> Array:
+def _sliding(patch: Touching, theta: Array, rho: Array) -> Array:
     """What slides where the roller turns so that nothing slides across its middle [mm]."""
     swept = patch.cam.swept
-    both = np.append(rho, swept.roller.middle)
+    middle = np.full((*rho.shape[:-1], 1), swept.roller.middle)
+    both = np.concatenate([rho, middle], axis=-1)
     found = patch.contacts(theta, both)
     u = swept.joint.turned(swept.along.reshape(3, 1, 1), patch.place(theta).q)
     across = cross(u, found.normal)
     across = across / norm(across)
     radius = swept.roller.profile(both)[0]
-    spin = (dot(across, found.slip) / radius)[:, -1:]
+    spin = dot(across, found.slip)[:, -1:] / swept.roller.radius
     return norm(found.slip - spin * radius * across)[:, :-1]
 
 
-def _spin(patch: Patch, theta: Array, rho: Array) -> Array:
+def _spin(patch: Touching, theta: Array, rho: Array) -> Array:
     """How fast the roller turns for that, against the turn of the cam."""
     swept = patch.cam.swept
     found = patch.contacts(theta, np.array([swept.roller.middle]))
@@ -72,19 +73,23 @@ def _radius(curvature: float) -> float:
     return -1.0 / curvature if curvature < 0.0 else np.inf
 
 
-def _enclosed(proof: Proof) -> Prover:
-    return lambda cam, parts, found, allowed: proven(cam, parts, proof, found, allowed)
+def _steepness(models: Models, found: Found, allowed: float | None) -> Found:
+    return proven(models, PRESSURE, found, allowed)
+
+
+def _area(models: Models, found: Found, allowed: float | None) -> Found:
+    return proven(models, Proof(undercut(models.cam.swept.roller.radius), -1.0), found, allowed)
 
 
 STEEPNESS = Measured(
     Kind("pressure_angle", "deg", True, lambda v: v / DEGREE, lambda v: v * DEGREE),
     lambda p, theta, rho: p.contacts(theta, rho).pressure_angle,
-    _enclosed(PRESSURE),
+    _steepness,
 )
 AREA = Measured(
     Kind("undercut", "1", False, must=Bound(0.0)),
     lambda p, theta, rho: p.contacts(theta, rho).regular,
-    _enclosed(UNDERCUT),
+    _area,
 )
 RADII = (
     Measured(
@@ -125,11 +130,16 @@ def extremes(
         return
     rho = np.linspace(cam.swept.roller.inner, cam.swept.roller.outer, PLACES)
     grids = list(tried(parts, ANGLES, WHOLE))
+    # crowned rollers sweep something else than a ruled surface
+    models = None if cam.swept.roller.crown > 0.0 else Models(cam, parts)
 
     def over(quantity: Measured) -> Found:
         bound = bounds.get(quantity.kind.name, quantity.kind.must)
         allowed = None if bound is None else quantity.kind.core(bound.value)
-        return _extreme(quantity, parts, grids, rho, allowed)
+        found = _extreme(quantity, parts, grids, rho)
+        if models is None or quantity.proof is None or not np.isfinite(found.value):
+            return found
+        return quantity.proof(models, found, allowed)
 
     yield STEEPNESS.kind, over(STEEPNESS)
     corner = jump(cam.motion.curve, 1)
@@ -142,16 +152,9 @@ def extremes(
 
 
 def _extreme(
-    quantity: Measured,
-    parts: Sequence[Patch],
-    walls: Sequence[Tried],
-    rho: Array,
-    allowed: float | None,
+    quantity: Measured, parts: Sequence[Patch], walls: Sequence[Tried], rho: Array
 ) -> Found:
-    """The extreme over all patches, which are tried wall by wall; proven where it can be.
-
-    ``allowed``: what it may come to [core units].
-    """
+    """The extreme over all patches, which are tried wall by wall."""
     sign = 1.0 if quantity.kind.largest else -1.0
     seen = [
         (part, theta, values)
@@ -164,14 +167,10 @@ def _extreme(
         )
     ]
     best = sorted(seen, key=lambda each: -leading(each[2].max()))[:KEPT]
-    found = [_closer(quantity, sign, *each, rho) for each in best]
-    most = max(found, key=lambda each: leading(sign * each.value))
-    if quantity.proof is None or not np.isfinite(most.value):
-        return most
-    return quantity.proof(parts[0].cam, parts, most, allowed)
+    return max(_closer(quantity, sign, best, rho), key=lambda each: leading(sign * each.value))
 
 
-def _values(quantity: Measured, patch: Patch, theta: Array, rho: Array) -> Array:
+def _values(quantity: Measured, patch: Touching, theta: Array, rho: Array) -> Array:
     """Values (n, m), and of what lies beyond the end faces nothing that could count."""
     values = quantity.of(patch, theta, rho)
     cam = patch.cam
@@ -182,22 +181,30 @@ def _values(quantity: Measured, patch: Patch, theta: Array, rho: Array) -> Array
 
 
 def _closer(
-    quantity: Measured, sign: float, patch: Patch, angles: Array, values: Array, rho: Array
-) -> Found:
-    """The best near the best of a grid."""
-    n, m = np.unravel_index(int(np.argmax(values)), values.shape)
-    theta, place, value = float(angles[n]), float(rho[m]), float(values[n, m])
-    wide = (patch.high - patch.low) / max(len(angles) - 1, 1)
-    long = (rho[-1] - rho[0]) / (len(rho) - 1)
-    before = value
+    quantity: Measured, sign: float, best: Sequence[tuple[Patch, Array, Array]], rho: Array
+) -> Sequence[Found]:
+    """The best near the best of grids, each on its own patch; all of them in one go."""
+    parts, spots = [part for part, *_ in best], np.arange(len(best))
+    n, m = np.array([np.unravel_index(np.argmax(values), values.shape) for *_, values in best]).T
+    theta, value = np.array([(a[i], v[i, j]) for (_, a, v), i, j in zip(best, n, m, strict=True)]).T
+    place, long = rho[m], (rho[-1] - rho[0]) / (len(rho) - 1)
+    low, high = np.array([(part.low, part.high) for part in parts]).T[:, :, None]
+    wide = (high - low) / np.array([[max(len(angles) - 1, 1)] for _, angles, _ in best])
+    grid, before = np.linspace(-1.0, 1.0, CLOSER), value
+    together = Spots(parts[0].cam, parts, CLOSER)
     for _ in range(ROUNDS):
-        around = np.clip(theta + wide * np.linspace(-1.0, 1.0, CLOSER), patch.low, patch.high)
-        along = np.clip(place + long * np.linspace(-1.0, 1.0, CLOSER), rho[0], rho[-1])
-        values = sign * _values(quantity, patch, around, along)
-        n, m = np.unravel_index(int(np.argmax(values)), values.shape)
-        before = value
-        if values[n, m] > value:
-            value, theta, place = float(values[n, m]), float(around[n]), float(along[m])
+        around = np.clip(theta[:, None] + wide * grid, low, high)
+        along = np.clip(place[:, None] + long * grid, rho[0], rho[-1])
+        each = np.repeat(along, CLOSER, axis=0)
+        found = sign * _values(quantity, together, around.ravel(), each)
+        found = found.reshape(len(best), -1)
+        at = np.argmax(found, axis=1)
+        n, m = np.divmod(at, CLOSER)
+        before, better = value, found[spots, at] > value
+        value = np.where(better, found[spots, at], value)
+        theta = np.where(better, around[spots, n], theta)
+        place = np.where(better, along[spots, m], place)
         wide, long = SHRINK * wide, SHRINK * long
     limit = value + 2.0 * (value - before)
-    return Found(sign * value, sign * limit, EVIDENCE, theta, patch.wall, place)
+    told = zip(parts, *np.stack([sign * value, sign * limit, theta, place]).tolist(), strict=True)
+    return [Found(v, l, EVIDENCE, t, part.wall, r) for part, v, l, t, r in told]
