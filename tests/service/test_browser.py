@@ -21,7 +21,7 @@ def test_swagger_sends_a_worked_example(
     page = closed.page
     page.goto(f"{real_service.url}/docs")
     operation = page.locator("#operations-designs-create_design")
-    expect(operation).to_be_visible()
+    expect(operation).to_be_visible(timeout=60_000)
     assert page.locator(".opblock").count() >= 15
     picture(page, tmp_path, "operations")
     operation.locator(".opblock-summary-control").click()

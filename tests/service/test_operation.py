@@ -26,7 +26,7 @@ def test_probes(client: httpx2.Client) -> None:
 def test_metrics_count_by_route_and_not_by_path(client: httpx2.Client) -> None:
     client.post("/v1/designs", json=spec("counted"))
     wait_until_idle(client)
-    client.get("/v1/designs/0123")
+    client.get("/v1/designs/no-such-design")
     client.get("/some/where")
     page = client.get("/metrics").text
     for line in (
@@ -40,7 +40,7 @@ def test_metrics_count_by_route_and_not_by_path(client: httpx2.Client) -> None:
         "camwright_workers 2.0",
     ):
         assert line in page, line
-    assert "0123" not in page
+    assert "no-such-design" not in page
 
 
 @pytest.mark.parametrize(
