@@ -72,7 +72,7 @@ class HertzPressure(ForceLimit):
         """
         follower, load = machine.follower, loaded(machine)
         radii = follower.profile_radius_rows(0.0)
-        if not radii:
+        if not radii or follower.profile_radius_curves(0.0):  # then the rows are not all of it
             return ()
         by = np.array(load.coefficients(machine.omega)) / self._scale(machine)
         least = min(load.process_range(stretch))

@@ -21,7 +21,7 @@ from tests.hard.verifier import verify
 from tests.hard.witnesses import best, constant_jerk, contradictions
 
 HERE = Path(__file__).parent
-OWN = ("own_laws", "own_cam", "verifier", "witnesses")
+OWN = ("own_laws", "own_cam", "own_ringing", "verifier", "witnesses")
 
 
 @pytest.mark.parametrize("module", OWN)
