@@ -266,7 +266,7 @@ def scenes(draw: st.DrawFn) -> tuple[DesignSpec, int]:
     return spec, draw(st.integers(6, 12))
 
 
-@settings(max_examples=25)
+@settings(max_examples=12)
 @given(scenes())
 def test_random_scenes(drawn: tuple[DesignSpec, int]) -> None:
     spec, intervals = drawn

@@ -58,7 +58,7 @@ def angles_between(cam: Cam, fraction: float) -> np.ndarray:
     return np.concatenate([TURN * (np.arange(23) + fraction) / 23, cam.inside(fraction)[0]])
 
 
-@settings(max_examples=40)
+@settings(max_examples=20)
 @given(cams(only_gentle=True), unspecial(0.1, 0.9))
 def test_a_sound_cam_drives_the_follower_by_the_law(cam: Cam, fraction: float):
     cam = with_roller(cam, min(cam.Rr, 0.8 * sharpest(cam)))
@@ -73,7 +73,7 @@ def test_a_sound_cam_drives_the_follower_by_the_law(cam: Cam, fraction: float):
     agree("displacement", theta, law, measured, allowed)
 
 
-@settings(max_examples=30)
+@settings(max_examples=15)
 @given(cams(only_gentle=True), unspecial(0.1, 0.9))
 def test_on_a_sound_cam_the_roller_touches_and_never_penetrates(cam: Cam, fraction: float):
     cam = with_roller(cam, min(cam.Rr, 0.8 * sharpest(cam)))

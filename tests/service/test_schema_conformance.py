@@ -59,7 +59,7 @@ schema = schemathesis.openapi.from_dict(asked())
 
 @schema.parametrize()
 @settings(
-    max_examples=15, deadline=None, derandomize=True, database=None,
+    max_examples=8, deadline=None, derandomize=True, database=None,
     suppress_health_check=list(HealthCheck),
 )  # fmt: skip
 def test_answers_are_as_documented(case: schemathesis.Case, service: Running) -> None:

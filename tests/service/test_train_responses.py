@@ -37,13 +37,31 @@ def quick() -> dict[str, Any]:
     return {**body, "name": "quick", "speeds_rpm": [231.0], "turns": 2}
 
 
-def test_the_library_says_the_same(service: Running) -> None:
-    asked = {**BODY, "turns": 0}
+def alike(one: Any, other: Any) -> None:
+    """The same but for last digits: products of matrices depend on how many threads make them."""
+    if isinstance(one, dict):
+        assert one.keys() == other.keys()
+        for key, value in one.items():
+            if key != "rounding":
+                alike(value, other[key])
+    elif isinstance(one, list):
+        assert len(one) == len(other)
+        for a, b in zip(one, other, strict=True):
+            alike(a, b)
+    elif isinstance(one, float):
+        assert one == pytest.approx(other, rel=1e-9, abs=1e-12)
+    else:
+        assert one == other
+
+
+def test_the_library_says_the_same(service: Running, quick: dict[str, Any]) -> None:
+    asked = {**quick, "turns": 0}
     with Client(service.url) as client:
         answer = client.train_response(asked)
     mine = json.loads(respond(TrainSpec.model_validate(asked)).model_dump_json())
-    for same in ("id", "modes", "speeds", "float_onset_rpm"):
-        assert answer[same] == mine[same]
+    assert answer["id"] == mine["id"]
+    for same in ("modes", "speeds", "float_onset_rpm"):
+        alike(answer[same], mine[same])
     document = service.client.get("/openapi.json").json()
     body = document["paths"][WHERE]["post"]["requestBody"]["content"]["application/json"]
     assert body["examples"] == examples(TRAINS)
