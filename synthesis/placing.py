@@ -7,10 +7,11 @@ neighbour has none to give, and two splines share what is left, as part of the a
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from dataclasses import replace
 from functools import lru_cache
-from itertools import pairwise
+from itertools import accumulate, pairwise
 from typing import Any
 
 from pydantic_core import PydanticCustomError
@@ -19,10 +20,37 @@ from synthesis.laws.characteristics import extremes
 from synthesis.motion import EndState, Stretch
 from synthesis.numerics.piecewise import Piecewise
 from synthesis.program import Segment
-from synthesis.units import Pace
+from synthesis.units import FULL_TURN, Pace
 
+ANGLE_SUM_TOLERANCE_DEG = 1e-6
 SAME = 1e-9  # of lift/β^k: two values of s^(k) that agree
 BACKWARD = 1e-9  # of g': motion backwards that is rounding
+
+
+def check_turn(program: Sequence[Segment]) -> None:
+    """Refuse a program that does not go round once.
+
+    Raises:
+        PydanticCustomError: with the sum of its angles, and what to add or remove.
+    """
+    turn = math.fsum(segment.degrees for segment in program)
+    if abs(turn - 360.0) > ANGLE_SUM_TOLERANCE_DEG:
+        raise PydanticCustomError(
+            "program_angles",
+            "The angles of program sum to {turn}°, not 360°. "
+            "{verb} {difference}°, or add a dwell.",
+            {"turn": round(turn, 9), "verb": "Add" if turn < 360.0 else "Remove",
+             "difference": round(abs(360.0 - turn), 9)},
+        )  # fmt: skip
+
+
+def angles_of(program: Sequence[Segment]) -> list[float]:
+    """(n+1,) cam angles where the segments start and where the last one ends [rad]."""
+    degrees = [segment.degrees for segment in program]
+    turn = math.fsum(degrees)
+    found = [FULL_TURN * at / turn for at in accumulate(degrees, initial=0.0)]
+    found[-1] = FULL_TURN
+    return found
 
 
 def placed(

@@ -21,14 +21,13 @@ from synthesis.motion import Stretch
 from synthesis.objectives import AnyObjective
 from synthesis.objectives.base_radius import BaseRadius
 from synthesis.openings import Filled, Openings
-from synthesis.placing import placed
+from synthesis.placing import angles_of, check_turn, placed
 from synthesis.program import Segment
 from synthesis.ranges import Dimension, Range, ends
 from synthesis.roughness import check_roughness
-from synthesis.units import FULL_TURN, Pace, rad_per_s
+from synthesis.units import Pace, rad_per_s
 
 MAX_SEGMENTS = 100
-ANGLE_SUM_TOLERANCE_DEG = 1e-6
 ROUGHEST = 2  # class of the splines that smoother ones are compared with
 ALWAYS = (ProfileRadius(), CounterBaseRadius())  # what every cam must keep
 
@@ -132,15 +131,7 @@ class DesignSpec(BaseModel):
     @model_validator(mode="after")
     def _closes(self) -> DesignSpec:
         self._numbers_fit()
-        turn = math.fsum(segment.degrees for segment in self._numbered)
-        if abs(turn - 360.0) > ANGLE_SUM_TOLERANCE_DEG:
-            raise PydanticCustomError(
-                "program_angles",
-                "The angles of program sum to {turn}°, not 360°. "
-                "{verb} {difference}°, or add a dwell.",
-                {"turn": round(turn, 9), "verb": "Add" if turn < 360.0 else "Remove",
-                 "difference": round(abs(360.0 - turn), 9)},
-            )  # fmt: skip
+        check_turn(self._numbered)
         lifts = self.lifts()
         rest, largest = math.fsum(lifts), self.stroke()
         if abs(rest) > 1e-9 * largest:
@@ -316,13 +307,9 @@ class DesignSpec(BaseModel):
     def stretches(self) -> tuple[Stretch, ...]:
         """The program placed on the cam, displacements measured from the lowest position."""
         program = self._numbered
-        turn = math.fsum(segment.degrees for segment in program)
-        ends_deg = list(accumulate((segment.degrees for segment in program), initial=0.0))
-        angles = [FULL_TURN * value / turn for value in ends_deg]
-        angles[-1] = FULL_TURN
         lowest, _, levels = self._reach()
         starts = [level - lowest for level in levels]
-        return placed(program, angles, starts, self._pace(), self.continuity or 0)
+        return placed(program, angles_of(program), starts, self._pace(), self.continuity or 0)
 
     def stroke(self) -> float:
         """Highest less lowest displacement [mm]: the unit of length inside the formulations."""

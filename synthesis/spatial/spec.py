@@ -12,17 +12,16 @@ from pydantic_core import PydanticCustomError
 
 from synthesis.fields import CamRotation, CamSpeed, Name
 from synthesis.motion import Stretch
-from synthesis.placing import placed
+from synthesis.placing import angles_of, check_turn, placed
 from synthesis.program import Segment
 from synthesis.ranges import Range, ends
 from synthesis.spatial.freedom import check_free
 from synthesis.spatial.limits import AnySpatialLimit
 from synthesis.spatial.machines import AnyMachine
 from synthesis.spatial.objectives import AnySpatialObjective
-from synthesis.units import FULL_TURN, Pace, rad_per_s
+from synthesis.units import Pace, rad_per_s
 
 MAX_SEGMENTS = 100
-ANGLE_SUM_TOLERANCE_DEG = 1e-6
 
 
 class SpatialCamSpec(BaseModel):
@@ -73,15 +72,7 @@ class SpatialCamSpec(BaseModel):
                     "moves by {unit}. Give lift_{unit} instead of lift_{given}.",
                     {"position": position, "given": given, "kind": kind, "unit": unit},
                 )
-        turn = math.fsum(segment.degrees for segment in self.program)
-        if abs(turn - 360.0) > ANGLE_SUM_TOLERANCE_DEG:
-            raise PydanticCustomError(
-                "program_angles",
-                "The angles of program sum to {turn}°, not 360°. "
-                "{verb} {difference}°, or add a dwell.",
-                {"turn": round(turn, 9), "verb": "Add" if turn < 360.0 else "Remove",
-                 "difference": round(abs(360.0 - turn), 9)},
-            )  # fmt: skip
+        check_turn(self.program)
         self.machine.check_gain(self.gain)
         placed = self.stretches()
         levels = [level for each in placed for level in (each.s_start, each.highest)]
@@ -137,13 +128,9 @@ class SpatialCamSpec(BaseModel):
 
     def stretches(self) -> tuple[Stretch, ...]:
         """The program placed on the cam: q is 0 where it starts [rad or mm]."""
-        degrees = [segment.degrees for segment in self.program]
-        turn = math.fsum(degrees)
-        angles = [FULL_TURN * at / turn for at in accumulate(degrees, initial=0.0)]
-        angles[-1] = FULL_TURN
         gains = [segment.gain(self._pace) for segment in self.program]
         levels = list(accumulate(gains, initial=0.0))[:-1]
-        return placed(self.program, angles, levels, self._pace)
+        return placed(self.program, angles_of(self.program), levels, self._pace)
 
     def left_free(self) -> Iterator[tuple[str, Any]]:
         """JSON pointer and value of numbers of the program that are left free."""
