@@ -38,8 +38,8 @@ from service.views import CamSetPage
 from synthesis.camset import CamSet
 from synthesis.exporters import MOTION_FORMATS, PROFILE_FORMATS, Made, MotionOptions, ProfileOptions
 from synthesis.exporters.bundle import MEDIA_TYPE, BundleOptions, bundle
+from synthesis.exporters.diagrams.timing import timing_diagram
 from synthesis.exporters.options import ChordTolerance
-from synthesis.exporters.svg_timing import timing_diagram
 
 router = APIRouter(prefix="/v1/cam-sets", tags=["cam sets"])
 MAX_POINTS_PER_DEGREE = 10.0  # in an archive, of which one may hold fifty cams

@@ -31,9 +31,14 @@ from service.state import Parts
 from service.views import TrainResponsePage
 from synthesis.dynamics import TrainResponse
 from synthesis.exporters import Made
-from synthesis.exporters.svg_train import response_svg, spectrum_svg
-from synthesis.exporters.theme import Theme
-from synthesis.exporters.train_csv import MEDIA_TYPE, TrainOptions, polydyne_csv, response_csv
+from synthesis.exporters.diagrams.train import response_svg, spectrum_svg
+from synthesis.exporters.drawing.theme import Theme
+from synthesis.exporters.tables.train_csv import (
+    MEDIA_TYPE,
+    TrainOptions,
+    polydyne_csv,
+    response_csv,
+)
 from synthesis.fields import Speed
 
 router = APIRouter(prefix="/v1/train-responses", tags=["follower trains"])

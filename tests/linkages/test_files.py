@@ -16,8 +16,8 @@ from service.examples import LINKAGES as FOLDER
 from service.examples import examples
 from synthesis import DesignSpec, synthesise
 from synthesis.errors import InputError
-from synthesis.exporters.cam import Cam
 from synthesis.exporters.linkages import LINKAGE_FILES
+from synthesis.exporters.samples.cam import Cam
 from synthesis.linkages import LINKAGES
 from synthesis.linkages.shaper.mechanism import Shaper
 

@@ -11,11 +11,11 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from synthesis.exporters import svg_canvas as svg
+from synthesis.exporters.animations.scene import grouped
+from synthesis.exporters.drawing import canvas as svg
+from synthesis.exporters.figures.machine import Moving, Tag
+from synthesis.exporters.figures.parts import Box
 from synthesis.exporters.linkages import links
-from synthesis.exporters.scene import grouped
-from synthesis.exporters.svg_mechanism import Moving, Tag
-from synthesis.exporters.svg_parts import Box
 from synthesis.linkages.arm import PalletisingArm
 from synthesis.linkages.arm.geometry import Arm
 from synthesis.linkages.arm.workspace import Arc, Region, image, in_line, regions

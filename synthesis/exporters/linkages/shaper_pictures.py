@@ -8,23 +8,23 @@ from functools import cached_property, partial
 
 import numpy as np
 
-from synthesis.exporters import svg_canvas as svg
+from synthesis.exporters.animations.panels import DIAGRAMS, EDGE, MACHINE
+from synthesis.exporters.animations.scene import Scene, grouped, lasting, reading
+from synthesis.exporters.diagrams.diagram import Frame
+from synthesis.exporters.diagrams.plot import Plot
+from synthesis.exporters.diagrams.sheet import LEFT, RIGHT, WIDTH
+from synthesis.exporters.drawing import canvas as svg
+from synthesis.exporters.drawing.heading import TURNS, two_lines
+from synthesis.exporters.drawing.picture_options import PictureOptions
+from synthesis.exporters.drawing.theme import lines
 from synthesis.exporters.exporter import untold
+from synthesis.exporters.figures.machine import Moving, Tag
+from synthesis.exporters.figures.parts import Box, placed, scale_in
 from synthesis.exporters.linkages import links
 from synthesis.exporters.linkages.animated import as_page, as_svg
 from synthesis.exporters.linkages.diagrams import Traced, plot, sheet
 from synthesis.exporters.linkages.file import LinkageFile
 from synthesis.exporters.linkages.shaper_rows import Rows
-from synthesis.exporters.panels import DIAGRAMS, EDGE, MACHINE
-from synthesis.exporters.picture_options import PictureOptions
-from synthesis.exporters.plot import Plot
-from synthesis.exporters.scene import Scene, grouped, lasting, reading
-from synthesis.exporters.svg_diagram import Frame
-from synthesis.exporters.svg_heading import TURNS, two_lines
-from synthesis.exporters.svg_mechanism import Moving, Tag
-from synthesis.exporters.svg_parts import Box, placed, scale_in
-from synthesis.exporters.svg_sheet import LEFT, RIGHT, WIDTH
-from synthesis.exporters.theme import lines
 from synthesis.linkages.shaper import SixBarShaper
 from synthesis.numerics.piecewise import Array
 from synthesis.units import DEGREE
