@@ -5,10 +5,10 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 
-from synthesis.exporters import svg_canvas as svg
+from synthesis.exporters.drawing import canvas as svg
+from synthesis.exporters.figures.machine import Tag
+from synthesis.exporters.figures.parts import Box
 from synthesis.exporters.linkages import links
-from synthesis.exporters.svg_mechanism import Tag
-from synthesis.exporters.svg_parts import Box
 from synthesis.linkages.arm import PalletisingArm
 from synthesis.linkages.arm.limits import Span
 from synthesis.units import DEGREE, FULL_TURN

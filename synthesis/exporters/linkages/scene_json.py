@@ -11,14 +11,14 @@ from typing import Any
 
 import numpy as np
 
-from synthesis.exporters.animation_page import tag, told_part
+from synthesis.exporters.animations.animation_page import tag, told_part
 from synthesis.exporters.exporter import untold
+from synthesis.exporters.figures.parts import Box
 from synthesis.exporters.linkages import arm_shapes
 from synthesis.exporters.linkages.arm_plan import Plan
 from synthesis.exporters.linkages.file import LinkageFile
 from synthesis.exporters.linkages.shaper_pictures import Stage
 from synthesis.exporters.options import Options
-from synthesis.exporters.svg_parts import Box
 from synthesis.linkages.arm import PalletisingArm
 from synthesis.linkages.arm.found import ArmPose
 from synthesis.linkages.shaper import SixBarShaper
