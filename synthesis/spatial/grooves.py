@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 
 from synthesis.errors import InputError
 from synthesis.geometry.charts import Chart
+from synthesis.geometry.swept_roller import Place, dot, norm
 from synthesis.numerics.piecewise import Array
 from synthesis.spatial.cam import SpatialCam
 from synthesis.spatial.frame import CamFrame
@@ -233,14 +234,22 @@ class Cuts:
         deep = roller.outer if self.chart.nominal(np.array(1.0)) > 0.0 else roller.inner
         return np.minimum(rho, deep) if deep == roller.outer else np.maximum(rho, deep)
 
+    def _onwards(self, place: Place, rho: Array, normal: Array) -> Array:
+        """The way (3, n) on along rollers from contacts at ρ, for a step of 1 along their axes."""
+        swept = self.cam.swept
+        axis = swept.joint.turned(swept.along.reshape(3, 1, 1), place.q)[:, :, 0]
+        outwards = normal - dot(normal, axis) * axis
+        return np.asarray(axis + swept.roller.profile(rho)[1] * outwards / norm(outwards))
+
     def _laid(self, seat: Seat, side: int, theta: Array, rho: Array) -> _Laid:
         swept = self.cam.swept
         place = self.cam.place(seat, theta)
         touched = self._touched(rho)
         found = swept.contacts(place, touched[:, None], side)
-        axis = swept.joint.turned(swept.along.reshape(3, 1, 1), place.q)
-        beyond = (rho - touched)[:, None] * axis
-        angle, depth, across = self.laid((found.point + beyond)[:, :, 0])
+        point = found.point[:, :, 0]
+        if self.straight:
+            point = point + (rho - touched) * self._onwards(place, touched, found.normal[:, :, 0])
+        angle, depth, across = self.laid(point)
         turn = theta - swept.hand * angle
         return _Laid(turn, depth, self.chart.beside(across, place.q), found.regular[:, 0])
 

@@ -67,10 +67,7 @@ def smooth(design: SpatialDesign, options: BlankOptions, tolerance: float) -> Ma
     body = data.add("MANIFOLD_SOLID_BREP", name, told_shell(data, solid.shell))
     shape = data.add("ADVANCED_BREP_SHAPE_REPRESENTATION", name, many([placed, body]), shared)
     data.add("SHAPE_DEFINITION_REPRESENTATION", product(data, design), shape)
-    title = f"Spatial cam, a solid of its true surfaces, walls within {solid.error:.2g} mm"
-    told = {
-        "Body": "smooth",
-        "Surface-Error-Mm": f"{solid.error:.3g}",
-        "Faces": str(len(solid.shell.faces)),
-    }
+    error = f"{solid.error:.3g}"
+    title = f"Spatial cam, a solid of its true surfaces, walls within {error} mm"
+    told = {"Body": "smooth", "Surface-Error-Mm": error, "Faces": str(len(solid.shell.faces))}
     return Made(exchange_file(design, title, SCHEMA, data.lines()), told)

@@ -131,8 +131,8 @@ class Ring(Surface):
     tube: float
 
     def normal(self, place: Array) -> Array:
-        away = np.hypot(place[0], place[1])
-        return place - self.middle / away * np.array([place[0], place[1], 0.0])
+        away = float(np.hypot(place[0], place[1]))
+        return np.asarray(place - self.middle / away * np.array([place[0], place[1], 0.0]))
 
     def told(self, data: Entities) -> str:
         return data.add("TOROIDAL_SURFACE", "''", upright(data), real(self.middle), real(self.tube))

@@ -24,7 +24,7 @@ from synthesis.units import FULL_TURN
 
 ROWS = 360  # at which walls are looked for
 WIDEST = 60  # rows of a sector, if there is a line to end it
-MOST = 150  # rows of a sector: less than half a turn
+MOST = 300  # rows of a sector: faces that go all round are not made
 PAD = 2  # rows between a line and a wall's way out of the blank
 LEVELS = 5  # depths at which walls are looked for
 LOW, IN, HIGH = -1, 0, 1
@@ -150,7 +150,7 @@ class Sheets:
             near = ahead[ahead <= found[-1] + WIDEST]
             found.append(int(near[-1] if len(near) else ahead[0]))
             if found[-1] - found[-2] > MOST:
-                raise NotSmooth("walls run out of the blank over more than half of a turn")
+                raise NotSmooth("walls run out of the blank nearly all around the cam")
         return found
 
     @property

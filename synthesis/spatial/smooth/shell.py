@@ -68,11 +68,11 @@ class Shell:
         """
         normal = surface.normal(place)
         ahead = float(normal @ out)
-        loops = [self._turned(self._chained(edges), out)]
-        loops += [self._turned(self._chained(each), -out) for each in holes]
+        loops = [self._turned(self.chained(edges), out)]
+        loops += [self._turned(self.chained(each), -out) for each in holes]
         self.faces.append(Face(surface, loops, ahead > 0.0))
 
-    def _chained(self, edges: Iterable[Key]) -> list[Run]:
+    def chained(self, edges: Iterable[Key]) -> list[Run]:
         """Edges one after the other."""
         left = list(edges)
         at = left.pop(0)
