@@ -131,8 +131,11 @@ def _paid(
     plan: Plan, wanted: Wanted, z: Array, ends: Array
 ) -> tuple[list[tuple[Array, Array]], Array]:
     """All that acts on every law, its end prices among it: points, weights; and these prices."""
-    said = list(_said(plan))
-    laws = [_booked(plan, position, said, wanted, z) for position in range(len(plan.grids))]
+    said: list[list[tuple[int, Block]]] = [[] for _ in plan.grids]
+    for first, block in _said(plan):
+        if block.stretch is not None:
+            said[block.stretch].append((first, block))
+    laws = [_booked(plan, position, own, wanted, z) for position, own in enumerate(said)]
     starts = np.stack([_starts(x, weights) for x, weights in laws], axis=1)
     ends = _matched(plan, starts, ends)
     paid = [
@@ -176,11 +179,9 @@ def _booked(
     wanted: Wanted,
     z: Array,
 ) -> tuple[Array, Array]:
-    """What all rows and the quantities put on one law: points (p,), weights (q, p, 3)."""
+    """What its rows and the quantities put on one law: points (p,), weights (q, p, 3)."""
     points, weights = [np.zeros(0)], [np.zeros((len(z), 0, ORDER))]
     for first, block in said:
-        if block.stretch != position:
-            continue
         prices = z[:, first : first + len(block.rhs)]
         x, alpha = _acting(plan, block)
         points.append(x)
