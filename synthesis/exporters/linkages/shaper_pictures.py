@@ -88,6 +88,14 @@ class Stage:
     rows: Rows
     by: float
 
+    @classmethod
+    def of(cls, found: SixBarShaper, count: int) -> Stage:
+        """The stage of an answer, at ``count`` + 1 angles of its crank."""
+        rows = Rows.of(found, count)
+        shaper = rows.shaper
+        reach = max(shaper.guide, shaper.crank + shaper.pivot_distance, abs(shaper.ram_line))
+        return cls(rows, links.magnified(reach))
+
     @cached_property
     def places(self) -> dict[str, Array]:
         """Where crank's pin, guide's end and ram's pin are: (n, 2)."""
@@ -163,10 +171,8 @@ class Stage:
 
 
 def _scene(found: SixBarShaper, count: int) -> Scene:
-    rows = Rows.of(found, count)
-    shaper = rows.shaper
-    reach = max(shaper.guide, shaper.crank + shaper.pivot_distance, abs(shaper.ram_line))
-    stage = Stage(rows, links.magnified(reach))
+    stage = Stage.of(found, count)
+    rows = stage.rows
     traced = Traced(tuple(_plots(rows, extremes=False)[:2]), SHAFT, partial(_grounds, found))
     name = found.name.strip() or TITLE
     size = {key: float(np.max(np.abs(values))) for key, values in _read(rows).items()}
