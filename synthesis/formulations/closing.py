@@ -50,6 +50,8 @@ ROUNDS = 5  # of finer knots
 MOST_BOXES = 21
 SPREAD = 14  # points between two rows over which multipliers are spread
 RAYS = (1e2, 1e4, 1e6)
+# of laws whose second derivative may jump, one more angle says nothing of the angles beside it
+LEFT_OUT = "; limits on curvature left out: a jerk limit on every free law would bring them in"
 
 
 @dataclass(frozen=True, eq=False)
@@ -91,8 +93,11 @@ def close(state: Search) -> None:
     if state.problem.objective.fractional or not state.problem.free:
         return
     parts = {k: near for k, s in enumerate(state.problem.free) if (near := binding(state, s))}
-    quest = asked(state, best) if parts else None
+    if not parts:
+        return
+    quest = asked(state, best)
     if quest is None:
+        state.over += LEFT_OUT
         return
     started = time.perf_counter()
     lair = unknown(quest.problem, quest.steering, parts)
