@@ -104,7 +104,7 @@ def close(state: Search) -> None:
     boxes, count = [explored(quest, climbed(quest, Box(lair, state.lower, state.over)))], 1
     while count < MOST_BOXES and state.left() > 0.0:
         worst = min(boxes, key=lambda box: box.lower)
-        if worst.lower >= quest.target:
+        if worst.lower >= quest.target or not worst.lair.divisible:
             break
         if count == 3:
             quest = improved(quest, worst)
