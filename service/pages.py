@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from pathlib import Path
 
 import fastapi_swagger
@@ -22,30 +23,36 @@ DOCS_POLICY = (
 )
 REDOC_POLICY = f"{DOCS_POLICY}; script-src 'self' 'unsafe-inline'"
 STUDIO_POLICY = "default-src 'self'; img-src 'self' data:; frame-ancestors 'self'"
+INCLUDED = re.compile(r" *<!-- include: (\w+) -->\n")
 router = APIRouter(include_in_schema=False)
 
 
 @router.get("/")
 async def show_studio() -> Response:
     """The studio: a page that uses nothing but the public API."""
-    return _studio("index.html")
+    return _studio("index")
 
 
 @router.get("/spatial")
 async def show_spatial_studio() -> Response:
     """The studio's page of spatial cams."""
-    return _studio("spatial.html")
+    return _studio("spatial")
 
 
 @router.get("/linkages")
 async def show_linkage_studio() -> Response:
     """The studio's page of linkages."""
-    return _studio("linkages.html")
+    return _studio("linkages")
 
 
 def _studio(name: str) -> Response:
-    page = (HERE / "studio" / name).read_bytes()
+    """A page of the studio, with the parts that all of them have."""
+    page = INCLUDED.sub(lambda found: _written("parts", found[1]), _written(name))
     return HTMLResponse(page, headers={"Content-Security-Policy": STUDIO_POLICY})
+
+
+def _written(*names: str) -> str:
+    return (HERE / "studio" / Path(*names)).with_suffix(".html").read_text("utf-8")
 
 
 @router.get("/docs")
