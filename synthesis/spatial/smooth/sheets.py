@@ -27,6 +27,7 @@ WIDEST = 60  # rows of a sector, if there is a line to end it
 MOST = 300  # rows of a sector: faces that go all round are not made
 PAD = 2  # rows between a line and a wall's way out of the blank
 LEVELS = 5  # depths at which walls are looked for
+LEAP = 0.3  # from depth to depth: where a wall runs out of the blank [rad]
 LOW, IN, HIGH = -1, 0, 1
 TURNS = FULL_TURN * np.arange(2 * ROWS) / ROWS  # of the rows over two turns [rad]
 
@@ -205,6 +206,8 @@ class Sheets:
         found = elementwise.find_root(off, ends, args=(index,), tolerances={"xatol": 1e-13})
         if not np.all(found.success):
             raise NotSmooth("where a wall runs out of the blank was not found")
+        if np.max(np.abs(np.diff(found.x))) > LEAP:
+            raise NotSmooth("a wall rests where the blank ends")
         return np.asarray(found.x)
 
     def points(self, turn: Array, depth: Array, across: Array) -> Array:
