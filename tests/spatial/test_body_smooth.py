@@ -22,10 +22,11 @@ from synthesis.exporters.exporter import Made
 from synthesis.spatial.blank import Blank, BlankOptions
 from synthesis.spatial.body import body_of
 from synthesis.spatial.design import SpatialDesign
+from synthesis.spatial.files.body_smooth import solid_of
 from synthesis.spatial.files.body_step import STEP, FacetedOptions
 from synthesis.spatial.grooves import Cuts
 from synthesis.spatial.mesh import mesh_of
-from synthesis.spatial.smooth.geometry import Line
+from synthesis.spatial.smooth.geometry import Cylinder, Line, SplineSurface
 from synthesis.spatial.smooth.sheets import NotSmooth
 from synthesis.spatial.smooth.shell import Shell
 from tests.exporters import kernel
@@ -120,6 +121,42 @@ def test_its_walls_are_touched_and_not_cut_by_rollers(read: Read) -> None:
     clear = rollers_clear(read.design, walls)
     assert clear.min() > -1.5 * read.tolerance
     assert np.max(clear) < 1.5 * read.tolerance + BETWEEN
+
+
+def test_faces_look_outwards_and_their_loops_run_counter_clockwise() -> None:
+    """Kernels turn what looks inwards, and do not say so: the file's own faces are looked at."""
+    design, bore = designed("slide in a groove"), 23.1
+    asked = FacetedOptions(form="smooth", bore_mm=bore)
+    shell = solid_of(design, asked, 1e-3).shell
+    middle = np.mean(list(shell.vertices.values()), axis=0)
+    share, holes = np.linspace(0.0, 1.0, 40), 0
+    for face in shell.faces:
+        rings = [
+            np.concatenate([shell.edges[key].curve.points(share if along else 1.0 - share)
+                            for key, along in loop])
+            for loop in face.loops
+        ]  # fmt: skip
+        place = rings[0][np.argmax(rings[0] @ (np.mean(rings[0], axis=0) * [1.0, 1.0, 0.0]))]
+        normal = face.surface.normal(place) * (1.0 if face.outwards else -1.0)
+        areas = [np.cross(ring, np.roll(ring, -1, axis=0)).sum(axis=0) for ring in rings]
+        assert areas[0] @ normal > 0.0
+        assert all(area @ normal < 0.0 for area in areas[1:])
+        holes += len(areas) - 1
+        away = np.array([place[0], place[1], 0.0])
+        if isinstance(face.surface, SplineSurface):
+            point = face.surface.spline(np.array([0.5, 0.5]))
+            step = 0.05 * normal / np.linalg.norm(normal)
+            inside, outside = rollers_clear(design, np.array([point - step, point + step]))
+            assert inside > 0.04 > -0.04 > outside
+        elif isinstance(face.surface, Cylinder):
+            bored = np.hypot(*away[:2]) < 0.51 * bore
+            assert (normal @ away < 0.0) == bored
+        else:
+            assert normal[2] * (place[2] - middle[2]) > 0.0
+    assert holes == 2
+    lines = STEP.whole(design, asked).data.splitlines()
+    senses = [line.endswith(b".T.);") for line in lines if b"=ADVANCED_FACE(" in line]
+    assert senses == [face.outwards for face in shell.faces]
 
 
 def test_what_it_is_stands_in_the_header(read: Read) -> None:
