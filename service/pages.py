@@ -46,6 +46,12 @@ async def show_spatial_studio() -> Response:
     return _studio("spatial.html")
 
 
+@router.get("/linkages")
+async def show_linkage_studio() -> Response:
+    """The studio's page of linkages."""
+    return _studio("linkages.html")
+
+
 def _studio(name: str) -> Response:
     page = (HERE / "studio" / name).read_bytes()
     return HTMLResponse(page, headers={"Content-Security-Policy": STUDIO_POLICY})
