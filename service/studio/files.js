@@ -10,6 +10,7 @@ export class Files {
     this.all = Object.entries(openapi.paths)
       .filter(([path]) => path.startsWith(`${where}/`) && /\.\w+$/.test(path))
       .map(([path, methods]) => [path.slice(where.length + 1), methods.get]);
+    this.shared = openapi.components.parameters;
   }
 
   /** `design` null: there is none. */
@@ -44,7 +45,9 @@ export class Files {
   #choices(name) {
     this.chosen = name;
     const [, get] = this.paths.find(([each]) => each === name) ?? this.paths[0];
-    const asked = (get.parameters ?? []).filter((each) => each.in === "query");
+    const asked = (get.parameters ?? [])
+      .map((each) => (each.$ref ? this.shared[each.$ref.split("/").at(-1)] : each))
+      .filter((each) => each.in === "query");
     byId("file-options").replaceChildren(
       ...asked.map((each) => {
         const values = choices(each.schema);

@@ -47,9 +47,12 @@ SPARE = 1e-9
 TURNS = 8  # of hulls and rows in a box
 WORTH = 0.85  # of the hulls' width: what a turn must leave at most for another one
 ROUNDS = 5  # of finer knots
+GAIN = 0.1  # of what is missing: less is not worth another climb
 MOST_BOXES = 21
 SPREAD = 14  # points between two rows over which multipliers are spread
 RAYS = (1e2, 1e4, 1e6)
+# of laws whose second derivative may jump, one more angle says nothing of the angles beside it
+LEFT_OUT = "; limits on curvature left out: a jerk limit on every free law would bring them in"
 
 
 @dataclass(frozen=True, eq=False)
@@ -91,22 +94,25 @@ def close(state: Search) -> None:
     if state.problem.objective.fractional or not state.problem.free:
         return
     parts = {k: near for k, s in enumerate(state.problem.free) if (near := binding(state, s))}
-    quest = asked(state, best) if parts else None
+    if not parts:
+        return
+    quest = asked(state, best)
     if quest is None:
+        state.over += LEFT_OUT
         return
     started = time.perf_counter()
     lair = unknown(quest.problem, quest.steering, parts)
     boxes, count = [explored(quest, climbed(quest, Box(lair, state.lower, state.over)))], 1
     while count < MOST_BOXES and state.left() > 0.0:
         worst = min(boxes, key=lambda box: box.lower)
-        if worst.lower >= quest.target:
+        if worst.lower >= quest.target or not worst.lair.divisible:
             break
         if count == 3:
             quest = improved(quest, worst)
         boxes.remove(worst)
         boxes += [explored(quest, half) for half in halves(worst)]
         count += 2
-    lowest = min(boxes, key=lambda box: box.lower)
+    lowest = finished(quest, boxes)
     state.raise_to(min(lowest.lower, quest.target), lowest.over)
     state.stages.append(
         Stage(
@@ -222,8 +228,23 @@ def _narrower(quest: Quest, box: Box, among: Collection[int]) -> Lair | None:
     return None if left == asked else lair
 
 
-def climbed(quest: Quest, box: Box) -> Box:
-    """Cone programs with the implied rows, on finer knots where these are what is missing."""
+def finished(quest: Quest, boxes: list[Box]) -> Box:
+    """The lowest box in the end: where rows gain nothing more, finer knots still may."""
+    lowest = min(boxes, key=lambda box: box.lower)
+    while lowest.lower < quest.target and quest.state.left() > 0.0:
+        better = climbed(quest, lowest, patient=True)
+        if better.lower <= lowest.lower + GAIN * (quest.target - lowest.lower):
+            break
+        boxes = [better if box is lowest else box for box in boxes]
+        lowest = min(boxes, key=lambda box: box.lower)
+    return lowest
+
+
+def climbed(quest: Quest, box: Box, *, patient: bool = False) -> Box:
+    """Cone programs with the implied rows, on finer knots where these are what is missing.
+
+    ``patient``: on finer knots even where it is rows that leave more.
+    """
     # a cam grows in its last size variable: left open above, there is a cam to every row
     grown = (box.lair.sizes[-1][0], quest.problem.sizing.bounds[-1][1])
     inside = replace(quest.problem.sizing, bounds=(*box.lair.sizes[:-1], grown))
@@ -257,7 +278,8 @@ def climbed(quest: Quest, box: Box) -> Box:
         if box.lower >= quest.target or quest.state.left() <= 0.0:
             break
         left = quest.target - found.value
-        if left > 0.0 and (number >= FEW or found.value - lower.value < ENOUGH * left):
+        few = number >= FEW or found.value - lower.value < ENOUGH * left
+        if left > 0.0 and few and not patient:
             break
         grids = finer(problem, grids, found, lower, [np.zeros(0)] * len(grids))
     return box

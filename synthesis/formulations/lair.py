@@ -27,6 +27,7 @@ from synthesis.terms import Seen, Traced, Vector
 
 APART = 0.05  # of a law, between nodes of a hull
 OPEN = 1e9  # strokes: nothing known
+SPARE = 1e-9  # relative: sizes known this well are known
 FAN, TURN = 24, 0.03  # tangents of a circle: most of them, and their step [rad]
 
 Sizes = tuple[tuple[float, float], ...]
@@ -60,6 +61,11 @@ class Lair:
         """Whether there is no such cam."""
         crossed = any(low > high for low, high in self.sizes)
         return crossed or any(hull.empty for hull in self.hulls.values())
+
+    @property
+    def divisible(self) -> bool:
+        """Whether it has a size that is still open."""
+        return any(high - low > SPARE * max(abs(low), abs(high)) for low, high in self.sizes)
 
     @property
     def width(self) -> float:

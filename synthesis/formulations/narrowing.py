@@ -56,13 +56,13 @@ def narrowed(
     whole, stuck, said = Whole(plan), set[int](), list[Planes]()
     pieces = {k: _Piece.of(whole, k, steering, fans, lair) for k in among}
     directions = all_round(lair.sizes)
-    for k, piece in pieces.items():
+    for k, piece in pieces.items() if len(directions) else ():
         values = piece.floors(_sizes(directions, plan.scales.size), lair, until)
         if values is None:
             stuck.add(k)
         else:
             said.append(Planes(directions, values))
-    lair = _shared(lair, directions, said)
+    lair = _shared(lair, directions, said) if said else lair
     for k in sorted({position for position, _ in lair.hulls} & set(among) - stuck):
         if lair.empty:
             break

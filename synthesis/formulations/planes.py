@@ -19,7 +19,7 @@ from synthesis.solvers.highs import LinearRows, least
 from synthesis.solvers.statuses import Stopped
 
 ROUND = 16  # directions of a plane
-SPARE = 1e-9  # of the box, by which sizes may break half-spaces: what breaks them by less is kept
+SPARE = 1e-9  # of the box, by which sizes may break half-spaces, and of its place, its least width
 ROUNDING = 1e-12  # relative allowance for the floating-point sums below
 
 Sizes = Sequence[tuple[float, float]]
@@ -61,15 +61,13 @@ class Planes:
 
         Bounds from the multipliers of linear programs, whatever these are.
         """
-        low, high = np.array(box, dtype=float).T
-        middle, half = 0.5 * (low + high), 0.5 * (high - low)
+        middle, half = _middle(box)
         # y from −1 to 1 and a slack t: normals · half · y + t ≥ floors − normals · middle
         known = np.isfinite(self.floors)
         matrix = self.normals[known] * half
         rhs = self.floors[known] - self.normals[known] @ middle
-        length = np.linalg.norm(matrix, axis=1) + np.abs(rhs)
-        kept = length > 0.0
-        matrix, rhs = matrix[kept] / length[kept, None], rhs[kept] / length[kept]
+        length = np.linalg.norm(matrix, axis=1)
+        matrix, rhs = matrix / length[:, None], rhs / length
         task = _Task(np.column_stack([matrix, np.ones(len(rhs))]), rhs)
         far = np.append(np.zeros(len(box)), 1.0)
         (excess,) = task.floors(far[None], 4.0)
@@ -103,15 +101,22 @@ class _Task:
         return np.asarray(total - ROUNDING * spent)
 
 
+def _middle(box: Sizes) -> tuple[Array, Array]:
+    """The middle of a box, and half of its widths, none of them nothing."""
+    low, high = np.array(box, dtype=float).T
+    middle, half = 0.5 * (low + high), 0.5 * (high - low)
+    return middle, np.maximum(half, SPARE * np.max(np.abs(middle) + half))
+
+
 def all_round(box: Sizes) -> Array:
     """Directions (q, d) in which sizes of a box are bounded: along the axes, and between two."""
-    half = np.array([0.5 * (high - low) for low, high in box])
-    open_ = np.flatnonzero(half > 0.0)
+    half = _middle(box)[1]
+    open_ = np.flatnonzero([high > low for low, high in box])
     if len(open_) != 2:
         axes = np.eye(len(box))[open_]
         return np.concatenate([axes, -axes])
     angle = 2.0 * pi / ROUND * np.arange(ROUND)
     found = np.zeros((ROUND, len(box)))
     found[:, open_] = np.stack([np.cos(angle), np.sin(angle)], axis=1) / half[open_]
-    found[np.abs(found) * half < 1e-12] = 0.0  # along the axes
+    found[np.abs(found) * half < SPARE] = 0.0  # along the axes
     return found

@@ -241,6 +241,15 @@ def test_hollow_flanks_that_a_cutter_must_fit():
     assert close.certificate.lower_bound <= quick.objectives["base_radius_mm"]
 
 
+def test_without_a_jerk_limit_the_answer_says_what_its_bound_leaves_out():
+    scene = deepcopy(SCENE)
+    scene["limits"][1] = {"kind": "acceleration", "max_mm_per_s2": 2.5e4}
+    told = synthesise(DesignSpec.model_validate({**scene, "proof": "thorough"})).certificate
+    assert told.gap > 0.1
+    assert told.bound_over.startswith("all motion laws with a bounded acceleration; limits on curv")
+    assert "jerk limit" in told.bound_over
+
+
 def test_a_ring_s_outer_flank_too():
     scene = {**deepcopy(SCENE), "tolerance": 0.02}
     scene["follower"]["closure"] = {"kind": "force", "contact": "inside"}

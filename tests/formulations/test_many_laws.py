@@ -103,6 +103,19 @@ def test_a_proof_of_many_laws_comes_to_its_end():
     assert thorough.lower <= quick.best.value
 
 
+def test_where_the_size_is_given_hulls_are_narrowed_and_no_box_is_cut():
+    body = program(4, dwells=True).model_dump(exclude_none=True, exclude_unset=True)
+    body["follower"]["offset_mm"] = 7.24
+    body |= {"base_radius_mm": 33.26, "objective": {"kind": "peak_acceleration"}}
+    spec = DesignSpec.model_validate(body)
+    quick, thorough = (
+        search(pose(spec, spec.objectives()[0]), 5e-3, thorough=proof) for proof in (False, True)
+    )
+    assert thorough.best is not None
+    assert quick.lower < thorough.lower <= thorough.best.value
+    assert thorough.stages[-1].model.endswith("1 boxes")
+
+
 def test_the_work_grows_with_the_laws_and_not_with_their_square(monkeypatch):
     """Entries of the linear programs, times the quantities that are bounded under them."""
     work, own = list[int](), narrowing.least

@@ -174,8 +174,10 @@ def test_it_fits_a_phone(
     picture(page, tmp_path, f"phone-{kind}")
 
 
-def test_each_page_leads_to_the_others(real_service: Running) -> None:
+def test_each_page_is_whole_and_leads_to_the_others(real_service: Running) -> None:
     pages = ("/", "/spatial", "/linkages")
     for page in pages:
         text = real_service.client.get(page).text
         assert [f'href="{other}"' in text for other in pages] == [other != page for other in pages]
+        once = ("</html>", 'id="call-list"', 'id="files"', 'name="viewport"', 'href="/redoc"')
+        assert [text.count(part) for part in (*once, "include:")] == [1, 1, 1, 1, 1, 0]
