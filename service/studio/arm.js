@@ -95,7 +95,9 @@ export class Arm {
     const rows = ways.map((each, k) => this.#row(each, k === chosen));
     byId("ways").replaceChildren(...(ways.length > 0 ? tabled(HEAD, rows) : []));
     byId("target").replaceChildren(...(pose ? terms({ x_mm: pose.x_mm, y_mm: pose.y_mm, z_mm: pose.z_mm, yaw_deg: pose.yaw_deg }) : []));
-    this.pictures.show(scene, pose, this.index, chosen);
+    const asked = this.store.at(`/poses/${this.index}`);
+    const fresh = ["x_mm", "y_mm", "z_mm"].every((key) => (asked?.[key] ?? 0) === (found.spec.poses[this.index]?.[key] ?? 0));
+    this.pictures.show(scene, pose, this.index, chosen, fresh);
   }
 
   #row(each, chosen) {

@@ -14,18 +14,18 @@ export class ArmPictures {
     this.plan = new Picture(byId("plan"), ([x, y]) => moved({ x_mm: x, y_mm: y }));
   }
 
-  /** A pose of the scene, one of its solutions in full and the others pale. */
-  show(scene, pose, index, chosen) {
+  /** A pose of the scene, one of its solutions in full and the others pale; `fresh`: as is asked now. */
+  show(scene, pose, index, chosen, fresh) {
     this.pose = pose;
     const placed = scene.poses[index];
     const off = pose ? !pose.reachable : false;
     const ways = (placed?.solutions ?? []).map((each, k) => standing(scene.arm, each, pose.solutions[k], k === chosen));
     ways.push(...ways.splice(chosen, 1)); // the chosen one on top
-    this.side.show(scene, [...drawn(scene.shapes), ...ways], placed?.target, off);
+    this.side.show(scene, [...drawn(scene.shapes), ...ways], placed?.target, off, fresh);
     const plan = shape("g", {}, ...drawn(scene.plan.shapes));
     const base = placed?.solutions[chosen]?.base_deg;
     plan.querySelector('[data-part="base"]').setAttribute("transform", `rotate(${base ?? 0})`);
-    this.plan.show({ ...scene, extent: scene.plan.extent }, [plan], placed?.plan_target, off);
+    this.plan.show({ ...scene, extent: scene.plan.extent }, [plan], placed?.plan_target, off, fresh);
   }
 
   /** A radius the way the target lies: along x where it is on axis 1. */
@@ -70,9 +70,9 @@ class Picture {
     node.addEventListener("keydown", (event) => this.#key(event));
   }
 
-  show({ extent, scale }, shapes, at, off) {
+  show({ extent, scale }, shapes, at, off, fresh) {
     this.scale = scale;
-    this.at = at ?? null;
+    if (fresh || !this.at) this.at = at ?? null;
     this.shapes.replaceChildren(...shapes);
     const [left, bottom, right, top] = this.#room(extent);
     this.node.setAttribute("viewBox", [left, -top, right - left, top - bottom].join(" "));
@@ -81,7 +81,7 @@ class Picture {
     const unit = (extent[2] - extent[0]) / 100;
     this.target.children[0].setAttribute("r", 4.5 * unit);
     this.target.children[1].setAttribute("r", 1.6 * unit);
-    if (at && !this.held) this.#put(at);
+    if (this.at && !this.held) this.#put(this.at);
   }
 
   /** The extent with the target in it; it stands still while the target is held. */
@@ -104,9 +104,10 @@ class Picture {
   }
 
   #pulled({ clientX, clientY }) {
-    const at = new DOMPoint(clientX, clientY).matrixTransform(this.stage.getScreenCTM().inverse());
-    this.#put([at.x, at.y]);
-    this.moved([at.x / this.scale, at.y / this.scale]);
+    const { x, y } = new DOMPoint(clientX, clientY).matrixTransform(this.stage.getScreenCTM().inverse());
+    this.at = [x, y]; // keys go on from here before an answer comes
+    this.#put(this.at);
+    this.moved([x / this.scale, y / this.scale]);
   }
 
   #key(event) {
