@@ -10,7 +10,7 @@ made larger until it does not.
 from __future__ import annotations
 
 import time
-from dataclasses import asdict, dataclass, field, replace
+from dataclasses import dataclass, field, replace
 from math import inf
 
 from synthesis import clock
@@ -126,7 +126,7 @@ def synthesise_beside(
     question, stages = spec, list[StageReport]()
     spec, numbers = _numbered(question, now + budget, stages)
     tables = smooth_tables(spec.stretches(), now + budget)
-    stages += [StageReport(**asdict(stage)) for stage in tables.stages]
+    stages += [StageReport(**vars(stage)) for stage in tables.stages]
     attempt = _drawn_in(spec, tables, now + budget, stages, near)
     if attempt.crosses:
         attempt = _grown(spec, tables, attempt, now + budget, stages)
@@ -181,7 +181,7 @@ def _numbered(
     from synthesis.formulations.proportions import chosen
 
     numbered, numbers, stage = chosen(spec, stop)
-    stages.append(StageReport(**asdict(stage)))
+    stages.append(StageReport(**vars(stage)))
     return numbered, numbers
 
 
@@ -199,7 +199,7 @@ def _drawn_in(
     for tighten in DRAWN_IN:
         attempt = _attempt(spec, tables, stop, tighten, near if tighten == DRAWN_IN[0] else None)
         for tried in attempt.searches:
-            stages += [StageReport(**asdict(stage)) for stage in tried.stages]
+            stages += [StageReport(**vars(stage)) for stage in tried.stages]
         settled = attempt.certified or attempt.crosses or attempt.hopeless
         if settled or clock.now() >= stop:
             break

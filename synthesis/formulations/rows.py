@@ -147,7 +147,8 @@ def on_law(
         kind: Literal["point", "control"] = "point" if space.degree - order == 1 else "control"
     else:
         x, kind, tighten = grid.points, "point", tighten + drawn.margin
-        laws = sum(factors[k] * grid.table(int(k)) for k in orders)
+        first, *others = (factors[k] * grid.table(int(k)) for k in orders)
+        laws = sum(others, start=first)
         end = _settling_end(alpha, stretch, known)
         if end is not None:
             x, laws = x[end], laws[end]
@@ -268,7 +269,7 @@ def half_planes(each: Sequence[Row], stretch: Stretch) -> tuple[list[Array], lis
 def monotone(position: int, grid: Grid, known: Ends, drawn: Drawn) -> Block:
     """Coefficients that never fall: the law never moves backwards."""
     first, stop = len(known.first) - 1, grid.space.size - len(known.last)
-    laws = -np.diff(np.eye(grid.space.size), axis=0)[first:stop]
+    laws = grid.space.steps[first:stop]
     nothing = np.zeros(len(laws))
     return Block(
         "monotone", position, laws, nothing, np.zeros(4), np.zeros(0), 0.0, nothing, "overshoot",

@@ -82,6 +82,11 @@ class SplineSpace:
             found.append(_kept(p * np.diff(found[-1], axis=0) / rise[:, None]))
         return tuple(found)
 
+    @cached_property
+    def steps(self) -> Array:
+        """Matrix to what each coefficient is more than the next one: (size − 1, size)."""
+        return _kept(-np.diff(np.eye(self.size), axis=0))
+
     def curve(self, coefficients: Array) -> Piecewise:
         """The spline as polynomial pieces about their left ends."""
         table, columns, share = coefficients, list[Array](), 1.0

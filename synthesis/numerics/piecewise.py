@@ -203,7 +203,9 @@ class Piecewise:
         powers = scale / width ** np.arange(self.poly.shape[1])
         poly = self.poly * powers
         poly[:, 0] += shift
-        waves = self.waves * np.array([scale, 1.0 / width, 1.0])
+        waves = self.waves
+        if waves.shape[1]:
+            waves = waves * np.array([scale, 1.0 / width, 1.0])
         return Piecewise(start + width * self.breaks, start + width * self.origins, poly, waves)
 
     def reversed(self) -> Piecewise:
