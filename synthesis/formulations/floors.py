@@ -18,6 +18,7 @@ import numpy as np
 from synthesis.formulations.control import Control
 from synthesis.formulations.convex import Plan
 from synthesis.formulations.ends import Joint, joint_rows
+from synthesis.formulations.multiplied import in_order
 from synthesis.formulations.rows import Block
 from synthesis.numerics.piecewise import Array
 
@@ -194,17 +195,9 @@ def _acting(plan: Plan, block: Block) -> tuple[Array, Array]:
 
     Coefficients in order act as g' near by.
     """
-    count = len(block.rhs)
     if block.kind != "monotone":
-        return block.x, np.broadcast_to(block.alpha[:ORDER].T, (count, ORDER))
-    assert block.stretch is not None
-    space = plan.grids[block.stretch].space
-    p, knots = space.degree, space.knots
-    i = len(plan.settled[block.stretch].first) - 1 + np.arange(count)
-    x = np.mean([knots[i + 2 + j] for j in range(p - 1)], axis=0)
-    alpha = np.zeros((count, ORDER))
-    alpha[:, 1] = -(knots[i + p + 1] - knots[i + 1]) / p
-    return x, alpha
+        return block.x, np.broadcast_to(block.alpha[:ORDER].T, (len(block.rhs), ORDER))
+    return in_order(plan, block, ORDER)
 
 
 def _end_prices(plan: Plan, position: int, wanted: Wanted, z: Array) -> Array:
@@ -232,8 +225,7 @@ def _end_prices(plan: Plan, position: int, wanted: Wanted, z: Array) -> Array:
             prices[:, joint.lowest : joint.highest + 1] = (mu * before.units)[
                 :, : prices.shape[1] - joint.lowest
             ]
-    ends = space.boundary(1.0, count)[:, last]
-    prices[:, :count] = -np.linalg.solve(ends.T, gradient.T).T
+    prices[:, :count] = space.end_prices(gradient)
     return prices[:, :ORDER]
 
 

@@ -131,7 +131,7 @@ def _said(plan: Plan, block: Block, at: int, order: int) -> Said | None:
     if len(block.size):
         size[:] = block.size
     if block.kind == "monotone":
-        x, weights = _in_order(plan, block, order)
+        x, weights = in_order(plan, block, order)
         points = Multiplied(block.stretch, x, weights, block.rhs, size)
         return Said(at, points, alike=False, jumps=False, windowed=False)
     windowed = block.spans is not None
@@ -149,15 +149,15 @@ def _said(plan: Plan, block: Block, at: int, order: int) -> Said | None:
     return Said(at, points, alike and shape[0] > 1, jumps, windowed)
 
 
-def _in_order(plan: Plan, block: Block, order: int) -> tuple[Array, Array]:
-    """−g' ≤ 0: c_i − c_(i+1) is −gap/p times a coefficient of g', which stands for g' near by."""
+def in_order(plan: Plan, block: Block, order: int) -> tuple[Array, Array]:
+    """Where coefficients in order stand for −g' ≤ 0, and with what weights: (r,), (r, m)."""
     assert block.stretch is not None
-    space = plan.grids[block.stretch].space
-    p, knots = space.degree, space.knots
-    i = len(plan.settled[block.stretch].first) - 1 + np.arange(len(block.rhs))
-    weights = np.zeros((len(i), order))
-    weights[:, 1] = -(knots[i + p + 1] - knots[i + 1]) / p
-    return np.mean([knots[i + 2 + j] for j in range(p - 1)], axis=0), weights
+    first = len(plan.settled[block.stretch].first) - 1
+    x, factors = plan.grids[block.stretch].space.slopes
+    here = slice(first, first + len(block.rhs))
+    weights = np.zeros((len(block.rhs), order))
+    weights[:, 1] = factors[here]
+    return x[here], weights
 
 
 def _steered(block: Block, order: int, size: Array) -> Multiplied:

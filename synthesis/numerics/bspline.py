@@ -87,6 +87,32 @@ class SplineSpace:
         """Matrix to what each coefficient is more than the next one: (size − 1, size)."""
         return _kept(-np.diff(np.eye(self.size), axis=0))
 
+    @cached_property
+    def slopes(self) -> tuple[Array, Array]:
+        """What a coefficient's step stands for: c_i − c_(i+1) = factor · a coefficient of g'.
+
+        Returns:
+            (size − 1,) where on [0, 1] that coefficient of g' stands, and (size − 1,) factors ≤ 0.
+        """
+        p, knots, count = self.degree, self.knots, self.size - 1
+        x = np.mean([knots[2 + j : 2 + j + count] for j in range(p - 1)], axis=0)
+        return _kept(x), _kept(-(knots[p + 1 : p + 1 + count] - knots[1 : 1 + count]) / p)
+
+    def end_prices(self, gradient: Array) -> Array:
+        """Prices of g to g^(q−1) at 1 that pay for a gradient (…, q) over the last q coefficients.
+
+        Of a function that is made stationary in these by multiplying the known values at the end.
+        """
+        count = gradient.shape[-1]
+        if count not in self._end_inverses:
+            rows = self.boundary(1.0, count)[:, self.size - count :]
+            self._end_inverses[count] = np.asarray(np.linalg.inv(rows), dtype=float)
+        return np.asarray(-gradient @ self._end_inverses[count])
+
+    @cached_property
+    def _end_inverses(self) -> dict[int, Array]:
+        return {}
+
     def curve(self, coefficients: Array) -> Piecewise:
         """The spline as polynomial pieces about their left ends."""
         table, columns, share = coefficients, list[Array](), 1.0
