@@ -249,7 +249,7 @@ def rebuilt(stretches: Sequence[Stretch], told: Sequence[SegmentMotion]) -> Moti
             settled.append(stretch)
             continue
         space = SplineSpace(segment.spline.degree, np.array(segment.spline.knots))
-        curve = space.delivered(np.array(segment.spline.coefficients))
+        curve = space.curve(np.array(segment.spline.coefficients))
         settled.append(stretch.with_law(curve))
     return Motion.of(settled)
 

@@ -48,7 +48,11 @@ class SettledLaw:
     coefficients: Array
 
     def curve(self) -> Piecewise:
-        """g(x) on [0, 1]."""
+        """g(x) on [0, 1], made once."""
+        return self._curve
+
+    @cached_property
+    def _curve(self) -> Piecewise:
         return self.space.curve(self.coefficients)
 
     def on(self, space: SplineSpace) -> Array:

@@ -114,20 +114,10 @@ class SplineSpace:
         return {}
 
     def curve(self, coefficients: Array) -> Piecewise:
-        """The spline as polynomial pieces about their left ends."""
-        table, columns, share = coefficients, list[Array](), 1.0
-        for order in range(self.degree + 1):
-            if order:
-                table = (table[1:] - table[:-1]) / self._gaps[order - 1][0]
-                share *= (self.degree - order + 1) / order
-            columns.append(share * self._at_left(table, order))
-        return self._pieces(columns)
-
-    def delivered(self, coefficients: Array) -> Piecewise:
-        """The same curve, its polynomials right to the last digits: what is judged and handed out.
+        """The spline as polynomial pieces about their left ends, right to the last digits.
 
         Differences of neighbouring coefficients over close knots lose digits, most in the highest
-        derivative; here they are taken in doubled precision, and rounded once.
+        derivative; so they are taken in doubled precision, and rounded once.
         """
         table: Twofold = (coefficients, np.zeros_like(coefficients))
         columns, share = list[Array](), 1.0
@@ -136,9 +126,6 @@ class SplineSpace:
                 table = quotient(differences(table), self._gaps[order - 1])
                 share *= (self.degree - order + 1) / order
             columns.append(share * self._at_left(table[0], order))
-        return self._pieces(columns)
-
-    def _pieces(self, columns: list[Array]) -> Piecewise:
         left = self.breaks[:-1]
         return Piecewise(self.breaks, left, np.stack(columns, axis=1), np.zeros((len(left), 0, 3)))
 
