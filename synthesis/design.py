@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import hashlib
-import json
 from collections.abc import Sequence
 from functools import cache, cached_property
 from importlib.metadata import version
@@ -214,7 +213,7 @@ class Design(Part):
 
     def asked_as(self, spec: DesignSpec) -> Design:
         """The same design as the answer to a spec that left more open."""
-        if spec == self.spec:
+        if spec is self.spec or spec == self.spec:
             return self
         return self.model_copy(update={"spec": spec, "id": design_id(spec)})
 
@@ -270,6 +269,5 @@ def question_id(spec: BaseModel, *kind: str) -> str:
 
     ``kind`` keeps questions of different kinds apart.
     """
-    body = json.dumps(spec.model_dump(mode="json"), sort_keys=True, separators=(",", ":"))
-    lines = "\n".join((*kind, engine_version(), body))
+    lines = "\n".join((*kind, engine_version(), spec.model_dump_json()))
     return hashlib.sha256(lines.encode()).hexdigest()[:32]

@@ -147,12 +147,9 @@ def _basis(plan: Plan, position: int, x: float, alpha: Array) -> Array:
 
 def _said(plan: Plan) -> Iterator[tuple[int, Block]]:
     """The blocks that speak of arbitrary laws, with the number of their first row."""
-    at = plan.program.equalities - sum(len(block.rhs) for block in plan.exact)
-    for block in (*plan.exact, *plan.blocks):
-        steered = block.kind == "control" or np.any(block.alpha[ORDER:])
-        if not steered:
+    for at, block in plan.every_block:
+        if block.kind != "control" and block.highest < ORDER:
             yield at, block
-        at += len(block.rhs)
 
 
 def _fixed(plan: Plan, z: Array, total: Array, residual: Array) -> tuple[Array, Array]:
@@ -206,11 +203,9 @@ def _end_prices(plan: Plan, position: int, wanted: Wanted, z: Array) -> Array:
     count = len(end)
     last = slice(space.size - count, space.size)
     gradient = np.zeros((len(z), count))
-    at = plan.program.equalities - sum(len(block.rhs) for block in plan.exact)
-    for block in (*plan.exact, *plan.blocks):
+    for at, block in plan.every_block:
         if block.stretch == position and block.laws is not None:
             gradient += z[:, at : at + len(block.rhs)] @ block.laws[:, last]
-        at += len(block.rhs)
     for k in np.flatnonzero(wanted.law == position):
         gradient[k] += _basis(plan, position, wanted.x[k], wanted.alpha[k])[0, last]
     prices, at = np.zeros((len(z), max(ORDER, count))), 0

@@ -48,11 +48,7 @@ class SettledLaw:
     coefficients: Array
 
     def curve(self) -> Piecewise:
-        """g(x) on [0, 1], made once."""
-        return self._curve
-
-    @cached_property
-    def _curve(self) -> Piecewise:
+        """g(x) on [0, 1]."""
         return self.space.curve(self.coefficients)
 
     def on(self, space: SplineSpace) -> Array:
@@ -61,6 +57,16 @@ class SettledLaw:
             return self.coefficients
         found = np.linalg.solve(space.basis(space.greville), self.curve()(space.greville))
         return np.asarray(found, dtype=float)
+
+
+def curves(laws: Sequence[SettledLaw]) -> list[Piecewise]:
+    """g(x) on [0, 1] of every law; those on one space are made together."""
+    found: dict[int, Piecewise] = {}
+    for space in {id(law.space): law.space for law in laws}.values():
+        own = [k for k, law in enumerate(laws) if law.space is space]
+        made = space.curves(np.stack([laws[k].coefficients for k in own]))
+        found |= zip(own, made, strict=True)
+    return [found[k] for k in range(len(laws))]
 
 
 def uniform(stretch: Stretch, intervals: int) -> Grid:

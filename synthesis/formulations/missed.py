@@ -14,7 +14,7 @@ from synthesis.formulations.problem import Problem
 from synthesis.formulations.rows import inside, row_scale, sampled
 from synthesis.formulations.search import Search
 from synthesis.motion import Stretch
-from synthesis.numerics.piecewise import Array
+from synthesis.numerics.piecewise import Array, distinct
 from synthesis.terms import Row
 
 ALLOWED = 1e-9  # relative excess of a row that is solver noise: the certificate decides
@@ -35,7 +35,7 @@ def misses(state: Search, found: Candidate) -> tuple[list[Array], float]:
             worst = max(worst, float(np.max(excess)))
             if writable:
                 exceeding.append(x[excess > ALLOWED])
-        points.append(np.unique(np.concatenate(exceeding)))
+        points.append(distinct(np.concatenate(exceeding)))
     return points, max(worst, _outgrown(state, found))
 
 

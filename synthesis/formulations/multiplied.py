@@ -115,12 +115,8 @@ class Said:
 
 def said(plan: Plan, order: int, z: Array | None = None) -> Iterator[Said]:
     """All rows that speak of arbitrary laws, or of the size alone; those of multipliers z ≠ 0."""
-    at = plan.program.equalities - sum(len(block.rhs) for block in plan.exact)
-    for block in (*plan.exact, *plan.blocks):
-        one = None
-        if z is None or z[at : at + len(block.rhs)].any():
-            one = _said(plan, block, at, order)
-        at += len(block.rhs)
+    for at, block in plan.every_block if z is None else plan.heard_blocks(z):
+        one = _said(plan, block, at, order)
         if one is not None:
             yield one
 
@@ -135,17 +131,17 @@ def _said(plan: Plan, block: Block, at: int, order: int) -> Said | None:
         points = Multiplied(block.stretch, x, weights, block.rhs, size)
         return Said(at, points, alike=False, jumps=False, windowed=False)
     windowed = block.spans is not None
-    if windowed and not block.alpha[order + 1 :].any():
-        if block.alpha[order : order + 1].any():
+    if windowed and block.highest <= order:
+        if block.highest == order:
             points = _steered(block, order, size)
             return Said(at, points, alike=False, jumps=False, windowed=True)
-    elif block.kind == "control" or block.alpha[order:].any() or block.exact:
+    elif block.kind == "control" or block.highest >= order or block.exact:
         return None  # says nothing more of arbitrary laws, or is the steering itself
     weights = np.empty((shape[0], order))
     weights[:] = block.alpha[:order].T
     points = Multiplied(block.stretch, block.x, weights, block.rhs, size, block.level, block.exact)
     alike = block.stretch is not None and block.alpha.ndim == 1 and block.size.ndim == 1
-    jumps = bool(block.alpha[order - 1 : order].any())
+    jumps = block.highest == order - 1
     return Said(at, points, alike and shape[0] > 1, jumps, windowed)
 
 

@@ -51,11 +51,9 @@ def ends_priced(plan: Plan, solution: ConeSolution, z: Array, order: int) -> lis
 def _gradients(plan: Plan, solution: ConeSolution, z: Array) -> list[Array]:
     """What rows and objective ask of every law's last coefficients, joints apart."""
     found = [np.zeros(len(known.end)) for known in plan.settled]
-    at = plan.program.equalities - sum(len(block.rhs) for block in plan.exact)
-    for block in (*plan.exact, *plan.blocks):
-        own = z[at : at + len(block.rhs)]
-        at += len(own)
-        if block.laws is not None and block.stretch is not None and own.any():
+    for at, block in plan.heard_blocks(z):
+        if block.laws is not None and block.stretch is not None:
+            own = z[at : at + len(block.rhs)]
             found[block.stretch] += own @ block.laws[:, _last(plan, block.stretch)]
     for ring, y in plan.ring_multipliers(z):
         for share, rows in zip(ring.shares, ring.rows, strict=True):

@@ -49,6 +49,10 @@ def test_polynomials_to_the_last_digits(degree: int) -> None:
     true = np.array([[float(c) for c in exact(space, coefficients, i)] for i in range(len(found))])
     largest = np.abs(true).max(axis=0)
     assert np.all(np.abs(found - true) <= 4e-16 * largest)
+    other = space.greville**3
+    both = space.curves(np.stack([other, coefficients]))
+    np.testing.assert_array_equal(both[0].poly, space.curve(other).poly)
+    np.testing.assert_array_equal(both[1].poly, found)
     # plain differences keep fewer of the highest derivative, which is why these are not
     plain = BSpline(space.knots, coefficients, degree).derivative(degree)(space.breaks[:-1])
     assert np.max(np.abs(plain / factorial(degree) - true[:, -1])) > 1e-15 * largest[-1]
