@@ -220,9 +220,9 @@ def climbed(quest: Quest, box: Box) -> Box:
     for number in range(ROUNDS):
         grids = tuple(Grid(grid.space, grid.space.breaks) for grid in grids)
         relaxed = formulate(problem, grids)
-        plan = with_rows(relaxed, box.lair.rows(relaxed))
+        plan = with_rows(relaxed, box.lair.rows(relaxed, sparing=True))
         solution = solve(plan.program, quest.state.left())
-        between = box.lair.spread(plan, SPREAD)
+        between = box.lair.spread(plan, SPREAD, sparing=True)
         ends = ends_priced(plan, solution, heard(plan, solution), 3)
         dense = replace(solution, multipliers=between.masses(solution.multipliers, ends))
         if solution.stopped is Stopped.INFEASIBLE:
@@ -279,9 +279,13 @@ def _excluded(plan: Plan, solution: ConeSolution, ends: Sequence[Array]) -> Boun
 
 
 def halves(box: Box) -> list[Box]:
-    """The box cut in two across the widest of its sizes."""
+    """The box cut in two across the widest of its sizes.
+
+    Not across the last while there is another: a cam grows in it, so that it bounds nothing.
+    """
     sizes = box.lair.sizes
-    axis = int(np.argmax([high - low for low, high in sizes]))
+    widths = [high - low for low, high in sizes]
+    axis = int(np.argmax(widths[:-1] if any(widths[:-1]) else widths))
     low, high = sizes[axis]
     middle = 0.5 * (low + high)
     found = []

@@ -68,15 +68,21 @@ class Lair:
         """How far the hulls are open, on average [mm]."""
         return float(np.mean([hull.width for hull in self.hulls.values()]))
 
-    def rows(self, plan: Plan) -> list[Block]:
-        """Rows that limits imply along the hulls: tight in the middle, and at the guess."""
+    def rows(self, plan: Plan, *, sparing: bool = False) -> list[Block]:
+        """Rows that limits imply along the hulls: tight in the middle, and at the guess.
+
+        ``sparing``: at the guess alone, where there is one: multipliers of two rows that say
+        nearly the same at a knot alternate, and the bound pays for it.
+        """
         return [
             block
             for (position, _), implied, hull in self._implying(plan.problem)
-            for block in self._written(plan, position, implied, hull, _places(hull, plan, position))
+            for block in self._written(
+                plan, position, implied, hull, _places(hull, plan, position), sparing
+            )
         ]
 
-    def spread(self, plan: Plan, each: int) -> Spreading:
+    def spread(self, plan: Plan, each: int, *, sparing: bool = False) -> Spreading:
         """The same rows between the points where they are written, for a plan that ends in them.
 
         ``each``: points between two of these.
@@ -84,7 +90,7 @@ class Lair:
         blocks, arcs = list[Block](), list[Arcs]()
         for (position, _), implied, hull in self._implying(plan.problem):
             arc = Arcs.of(_places(hull, plan, position), hull.parts, each)
-            found = list(self._written(plan, position, implied, hull, arc.points))
+            found = list(self._written(plan, position, implied, hull, arc.points, sparing))
             blocks += found
             arcs += [arc] * len(found)
         return Spreading.of(plan, blocks, arcs, each)
@@ -98,11 +104,12 @@ class Lair:
                         yield key, implied, self.hulls[key]
 
     def _written(
-        self, plan: Plan, position: int, implied: Traced, hull: Hull, x: Array
+        self, plan: Plan, position: int, implied: Traced, hull: Hull, x: Array, sparing: bool
     ) -> Iterator[Block]:
         stretch, grid = plan.problem.free[position], Grid(plan.grids[position].space, x)
         low, high = hull.at(x)
-        for about in (None, *self._about(position, stretch, implied.seen, x)):
+        near = self._about(position, stretch, implied.seen, x)
+        for about in near if sparing and near else (None, *near):
             found = implied.cuts(low, high, about)
             if found is not None:
                 yield cuts.block(
