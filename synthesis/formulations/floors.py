@@ -40,15 +40,13 @@ class Wanted:
 
     def costs(self, plan: Plan) -> list[Array]:
         """The same as objectives of the plan's program, but for constants: one (n,) each."""
-        found = []
-        for position, x, alpha, size in zip(self.law, self.x, self.alpha, self.size, strict=True):
-            cost = np.zeros(plan.program.matrix.shape[1])
-            cost[plan.size] = size
-            if np.any(alpha):
-                inner, _ = plan.settled[position].split(_basis(plan, position, x, alpha))
-                cost[plan.columns[position]] = inner[0]
-            found.append(cost)
-        return found
+        found = np.zeros((len(self.law), plan.program.matrix.shape[1]))
+        found[:, plan.size] = self.size
+        for position, columns in enumerate(plan.columns):
+            mine = np.flatnonzero(self.law == position)
+            dense = _basis(plan, position, self.x[mine], self.alpha[mine])
+            found[mine, columns] = plan.settled[position].split(dense)[0]
+        return list(found)
 
 
 def floors(
@@ -139,9 +137,10 @@ def solved_prices(plan: Plan, wanted: Wanted, multipliers: Array) -> Array:
     return np.stack([_end_prices(plan, k, wanted, multipliers) for k in laws], axis=1)
 
 
-def _basis(plan: Plan, position: int, x: float, alpha: Array) -> Array:
-    space, at = plan.grids[position].space, np.array([x])
-    return np.asarray(sum(a * space.basis(at, k) for k, a in enumerate(alpha)))
+def _basis(plan: Plan, position: int, x: Array, alpha: Array) -> Array:
+    """alpha · (g, g', g'') at x of every basis function: (q, n)."""
+    space = plan.grids[position].space
+    return np.asarray(sum(alpha[:, k, None] * space.basis(x, k) for k in range(ORDER)))
 
 
 def _said(plan: Plan) -> Iterator[tuple[int, Block]]:
@@ -218,8 +217,8 @@ def _end_prices(plan: Plan, position: int, wanted: Wanted, z: Array) -> Array:
         if block.stretch == position and block.laws is not None:
             gradient += z[:, at : at + len(block.rhs)] @ block.laws[:, last]
         at += len(block.rhs)
-    for k in np.flatnonzero(wanted.law == position):
-        gradient[k] += _basis(plan, position, wanted.x[k], wanted.alpha[k])[0, last]
+    mine = np.flatnonzero(wanted.law == position)
+    gradient[mine] += _basis(plan, position, wanted.x[mine], wanted.alpha[mine])[:, last]
     prices, at = np.zeros((len(z), max(ORDER, count))), 0
     for joint in plan.joints:
         before, after = joint_rows(joint, plan.problem.free, plan.grids)

@@ -88,9 +88,7 @@ def improve(
             much larger keeps those that are exceeded between points, they get no rows there.
     """
     spots = spread(*settled(plan, start))
-    return exchanged(
-        plan, spots, Guess(start), deadline, tighten, accuracy, eased, growth=growth
-    )
+    return exchanged(plan, spots, Guess(start), deadline, tighten, accuracy, eased, growth=growth)
 
 
 def exchanged(
