@@ -13,7 +13,7 @@ from math import ceil, floor, isfinite, log10
 import numpy as np
 
 from benchmarks.axis import Axis
-from synthesis.exporters import svg_canvas as svg
+from synthesis.exporters.drawing import canvas as svg
 
 WIDTH, LEFT, RIGHT, TOP, HEIGHT = 160.0, 25.0, 9.0, 14.0, 84.0
 BELOW, ROW = 15.0, 4.8  # from the plot to the legend, and of its rows

@@ -10,6 +10,7 @@ from fastapi.openapi.utils import get_openapi
 from fastapi.routing import APIRoute
 from pydantic import BaseModel
 
+from service.components import refer_to_what_repeats
 from service.errors import BY_STATUS, PROBLEMS
 from service.examples import examples
 from service.problem import MEDIA_TYPE, LateProblem, Problem
@@ -176,6 +177,7 @@ def describe(app: FastAPI) -> dict[str, Any]:
         _without_default_errors(document)
         _without_default_objects(document)
         document["components"]["schemas"] = dict(sorted(schemas.items()))
+        refer_to_what_repeats(document)
         app.openapi_schema = document
     return app.openapi_schema
 

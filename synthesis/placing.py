@@ -44,6 +44,34 @@ def check_turn(program: Sequence[Segment]) -> None:
         )  # fmt: skip
 
 
+def check_units(program: Sequence[Segment], limits: Sequence[Any], unit: str, moves: str) -> None:
+    """Refuse lifts and limits in another unit than the follower moves in.
+
+    Args:
+        unit: mm or deg. moves: how the follower does, for people, as in "the … follower slides".
+
+    Raises:
+        PydanticCustomError: with the first of them, and the unit to give it in.
+    """
+    for position, segment in enumerate(program):
+        for given in sorted(segment.units - {unit}):
+            raise PydanticCustomError(
+                "lift_does_not_suit",
+                "program/{position} gives its lift in {given}, but {moves}. "
+                "Give lift_{unit} instead of lift_{given}.",
+                {"position": position, "given": given, "moves": moves, "unit": unit},
+            )
+    for position, limit in enumerate(limits):
+        if limit.travel_unit not in (None, unit):
+            raise PydanticCustomError(
+                "limit_unit_does_not_suit",
+                "limits/{position} ({limit}) is given in {given}, but {moves}. "
+                "Give the limit's field with {unit} in its name.",
+                {"position": position, "limit": limit.kind, "given": limit.travel_unit,
+                 "moves": moves, "unit": unit},
+            )  # fmt: skip
+
+
 def angles_of(program: Sequence[Segment]) -> list[float]:
     """(n+1,) cam angles where the segments start and where the last one ends [rad]."""
     degrees = [segment.degrees for segment in program]

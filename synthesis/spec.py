@@ -21,7 +21,7 @@ from synthesis.motion import Stretch
 from synthesis.objectives import AnyObjective
 from synthesis.objectives.base_radius import BaseRadius
 from synthesis.openings import Filled, Openings
-from synthesis.placing import angles_of, check_turn, placed
+from synthesis.placing import angles_of, check_turn, check_units, placed
 from synthesis.program import Segment
 from synthesis.ranges import Dimension, Range, ends
 from synthesis.roughness import check_roughness
@@ -107,25 +107,8 @@ class DesignSpec(BaseModel):
     @model_validator(mode="after")
     def _units_suit(self) -> DesignSpec:
         unit, kind = self.follower.travel.unit, self.follower.kind
-        move = {"mm": "slides", "deg": "swings"}[unit]
-        for position, segment in enumerate(self.program):
-            for given in sorted(segment.units - {unit}):
-                raise PydanticCustomError(
-                    "lift_does_not_suit",
-                    "program/{position} gives its lift in {given}, but the {kind} follower {move}. "
-                    "Give lift_{unit} instead of lift_{given}.",
-                    {"position": position, "given": given, "kind": kind,
-                     "move": move, "unit": unit},
-                )  # fmt: skip
-        for position, limit in enumerate(self.limits):
-            if limit.travel_unit not in (None, unit):
-                raise PydanticCustomError(
-                    "limit_unit_does_not_suit",
-                    "limits/{position} ({limit}) is given in {given}, but the {kind} follower "
-                    "{move}. Give the limit's field with {unit} in its name.",
-                    {"position": position, "limit": limit.kind, "given": limit.travel_unit,
-                     "kind": kind, "move": move, "unit": unit},
-                )  # fmt: skip
+        moves = {"mm": "slides", "deg": "swings"}[unit]
+        check_units(self.program, self.limits, unit, f"the {kind} follower {moves}")
         return self
 
     @model_validator(mode="after")

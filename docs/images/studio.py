@@ -1,4 +1,4 @@
-"""studio.png and spatial.png, of a running service: ``python docs/images/studio.py [URL]``."""
+"""Pictures of the studio in a running service: ``python docs/images/studio.py [URL]``."""
 
 from __future__ import annotations
 
@@ -33,6 +33,10 @@ def main(url: str = "http://127.0.0.1:8000") -> None:
         page.get_by_role("button", name="Pause").click()
         page.get_by_role("slider", name="cam angle").fill(SPATIAL_ANGLE)
         page.locator("canvas").screenshot(path=HERE / "spatial.png")
+        page.goto(f"{url}/linkages#kind=palletising-arms")
+        expect(page.locator("#side .way").first).to_be_visible(timeout=60_000)
+        page.wait_for_load_state("networkidle")
+        page.locator("#answer .seen").last.screenshot(path=HERE / "linkages.png")
         browser.close()
 
 

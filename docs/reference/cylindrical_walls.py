@@ -9,6 +9,7 @@ from pathlib import Path
 
 import numpy as np
 
+from docs.reference.tables import table
 from synthesis import SpatialCamSpec, synthesise_spatial
 from synthesis.spatial.cam import SpatialCam
 from synthesis.spatial.design import SpatialDesign
@@ -27,12 +28,6 @@ THETA = np.linspace(0.0, 2.0 * pi, 2401)
 def design(**machine: float) -> SpatialDesign:
     asked = BODY | {"machine": BODY["machine"] | machine}
     return synthesise_spatial(SpatialCamSpec.model_validate(asked))
-
-
-def table(*rows: tuple[str, ...]) -> None:
-    head, *body = rows
-    lines = [head, tuple("--:" for _ in head), *body]
-    print("\n".join("| " + " | ".join(row) + " |" for row in lines) + "\n")
 
 
 def fastest(found: SpatialDesign) -> float:
@@ -55,7 +50,7 @@ def flat(found: SpatialDesign) -> None:
         closed = roller * (1.0 - cos(alpha) / cos(drawn))
         rows.append((f"{radius:.0f}", f"{alpha * 180.0 / pi:.2f}", f"{own:.4f}", f"{wrapped:.3f}",
                      f"{closed:.3f}"))  # fmt: skip
-    table(*rows)
+    table(*rows, first="--:")
 
 
 def undercut(found: SpatialDesign) -> None:
@@ -72,7 +67,7 @@ def undercut(found: SpatialDesign) -> None:
             radius = 0.5 * (low + high)
             low, high = (radius, high) if stands(found, radius, inner) else (low, radius)
         rows.append((f"{inner:.0f}", f"{low:.2f}", f"{flat_radius:.2f}"))
-    table(*rows)
+    table(*rows, first="--:")
 
 
 def stands(found: SpatialDesign, radius: float, inner: float) -> bool:
@@ -95,7 +90,7 @@ def cutters(found: SpatialDesign) -> None:
         upright, wrapped = 1.0 - cos(inner - middle), 1.0 - cos(inner) / cos(outer)
         rows.append((f"{diameter:.0f}", f"{1e3 * float(made.told['Wall-Error-Mm']):.2f}",
                      f"{1e3 * less * upright:.1f}", f"{1e3 * less * wrapped:.0f}"))  # fmt: skip
-    table(*rows)
+    table(*rows, first="--:")
 
 
 if __name__ == "__main__":

@@ -7,6 +7,7 @@ from math import pi, sqrt
 
 import numpy as np
 
+from docs.reference.tables import number
 from synthesis.motion import Motion
 from synthesis.profile import cam_profile
 from synthesis.spec import DesignSpec
@@ -37,10 +38,6 @@ def row(k: int) -> tuple[float, ...]:
     p = cam_profile(Motion.of(SPEC.stretches()), SPEC.follower, SIZE, SPEC.rotation, theta)
     s, v, a = p.s[0, 0], p.s[1, 0] * OMEGA, p.s[2, 0] * OMEGA**2
     return s, v, a, p.pitch_x[0], p.pitch_y[0], p.x[0], p.y[0]
-
-
-def number(value: float, digits: int) -> str:
-    return f"{round(value, digits) + 0.0:.{digits}f}"
 
 
 def main() -> None:

@@ -7,22 +7,13 @@ import json
 from math import degrees, pi, radians
 from pathlib import Path
 
+from docs.reference.tables import number, table
 from synthesis import Analysis, DesignSpec, analyse
 
 EXAMPLE = Path(__file__).resolve().parents[2] / "openapi/examples/analyses/p2-as-given.json"
 SPEC = DesignSpec.model_validate(json.loads(EXAMPLE.read_text(encoding="utf-8"))["value"])
 LIFT, RISE, BACK = 60.0, 100.0, 90.0  # mm, degrees
 SIDES = {"left": "−", "right": "+", "both": ""}
-
-
-def number(value: float, digits: int = 4) -> str:
-    return f"{round(value, digits) + 0.0:.{digits}f}"
-
-
-def table(*rows: tuple[str, ...]) -> None:
-    head, *body = rows
-    lines = [head, tuple("--:" if i else "---" for i in range(len(head))), *body]
-    print("\n".join("| " + " | ".join(row) + " |" for row in lines) + "\n")
 
 
 def limits(found: Analysis) -> None:

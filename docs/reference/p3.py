@@ -9,6 +9,7 @@ from pathlib import Path
 
 import numpy as np
 
+from docs.reference.tables import number, table
 from synthesis import Analysis, DesignSpec, analyse
 from synthesis.motion import Motion
 from synthesis.profile import CamProfile, cam_profile
@@ -26,16 +27,6 @@ def example(sense: str) -> DesignSpec:
 
 
 SPECS = {sense: example(sense) for sense in SENSES}
-
-
-def number(value: float, digits: int = 4) -> str:
-    return f"{round(value, digits) + 0.0:.{digits}f}"
-
-
-def table(*rows: tuple[str, ...]) -> None:
-    head, *body = rows
-    lines = [head, tuple("--:" if i else "---" for i in range(len(head))), *body]
-    print("\n".join("| " + " | ".join(row) + " |" for row in lines) + "\n")
 
 
 def profile(sense: str, theta: np.ndarray) -> CamProfile:

@@ -9,21 +9,12 @@ from pathlib import Path
 
 import numpy as np
 
+from docs.reference.tables import number, table
 from synthesis import SpatialCamSpec, SpatialDesign, synthesise_spatial
 
 EXAMPLE = Path(__file__).resolve().parents[2] / "openapi/examples/spatial-cams/p4.json"
 C, RR, INNER, OUTER = 180.0, 30.0, 72.0, 102.0
 UNITS = {"deg": "°", "1": ""}
-
-
-def number(value: float | None, digits: int = 4) -> str:
-    return "" if value is None else f"{round(value, digits) + 0.0:.{digits}f}"
-
-
-def table(*rows: tuple[str, ...]) -> None:
-    head, *body = rows
-    lines = [head, tuple("--:" if i else "---" for i in range(len(head))), *body]
-    print("\n".join("| " + " | ".join(row) + " |" for row in lines) + "\n")
 
 
 def dimensions(p4: SpatialDesign) -> None:

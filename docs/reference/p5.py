@@ -9,6 +9,7 @@ from pathlib import Path
 
 import numpy as np
 
+from docs.reference.tables import number, table
 from synthesis.linkages.shaper import ShaperSpec, SixBarShaper, shaped
 from synthesis.linkages.shaper.course import QUANTITIES, Quantity
 from synthesis.linkages.shaper.mechanism import Motion
@@ -23,16 +24,6 @@ def asked(**changes: object) -> SixBarShaper:
 
 
 P5 = asked()
-
-
-def number(value: float, digits: int = 4) -> str:
-    return f"{round(value, digits) + 0.0:.{digits}f}"
-
-
-def table(*rows: tuple[str, ...]) -> None:
-    head, *body = rows
-    lines = [head, tuple("--:" if i else "---" for i in range(len(head))), *body]
-    print("\n".join("| " + " | ".join(row) + " |" for row in lines) + "\n")
 
 
 def motion(crank_deg: float, found: SixBarShaper = P5) -> Motion:

@@ -35,9 +35,8 @@ def linkage(
         from synthesis.exporters.linkages import LINKAGE_FILES
 
         made = LINKAGE_FILES[kind].values()
-        files |= {
-            file.name: file.write(found, file.options()) for file in made if file.suits(found)
-        }
+        wanted = (file for file in made if file.usual and file.suits(found))
+        files |= {file.name: file.write(found, file.options()) for file in wanted}
     save(files, out_dir)
     out.print(f"Written to {out_dir}: {', '.join(files)}")
     if found.status == "infeasible":

@@ -57,8 +57,8 @@ def _table(found: TrainResponse) -> Table:
 
 
 def _files(found: TrainResponse) -> dict[str, bytes]:
-    from synthesis.exporters.svg_train import response_svg, spectrum_svg
-    from synthesis.exporters.train_csv import TrainOptions, response_csv
+    from synthesis.exporters.diagrams.train import response_svg, spectrum_svg
+    from synthesis.exporters.tables.train_csv import TrainOptions, response_csv
 
     options = TrainOptions()
     return {

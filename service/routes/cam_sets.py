@@ -17,29 +17,16 @@ from pydantic_core import PydanticCustomError
 from service.documentation import in_parts, problems, spec_body
 from service.errors import NothingFits
 from service.examples import CAM_SETS
+from service.routes.collection import STOPPED, WAITING, Kept, Said, declare
 from service.routes.download import SVG, Download, in_thread
-from service.routes.kept import (
-    CREATED,
-    SHOWN,
-    Cursor,
-    Key,
-    KnownTag,
-    PageSize,
-    Prefer,
-    WithStatus,
-    created,
-    done,
-    forgotten,
-    listed,
-    shown,
-)  # fmt: skip
+from service.routes.kept import KnownTag, WithStatus, done
 from service.state import Parts, State
 from service.views import CamSetPage
 from synthesis.camset import CamSet
 from synthesis.exporters import MOTION_FORMATS, PROFILE_FORMATS, Made, MotionOptions, ProfileOptions
 from synthesis.exporters.bundle import MEDIA_TYPE, BundleOptions, bundle
+from synthesis.exporters.diagrams.timing import timing_diagram
 from synthesis.exporters.options import ChordTolerance
-from synthesis.exporters.svg_timing import timing_diagram
 
 router = APIRouter(prefix="/v1/cam-sets", tags=["cam sets"])
 MAX_POINTS_PER_DEGREE = 10.0  # in an archive, of which one may hold fifty cams
@@ -104,56 +91,37 @@ class BundleQuery(BaseModel):
         )
 
 
-@router.post(
-    "",
-    response_model=CamSet,
-    responses=CREATED,
-    openapi_extra=spec_body(CAM_SETS, "CamSetSpec"),
-    summary="Synthesise the cams of a shaft",
-)
-async def create_cam_set(
-    request: Request, parts: Parts, prefer: Prefer = "", idempotency_key: Key = None
-) -> Response:
+CREATE = Said(
+    "Synthesise the cams of a shaft",
     """Designs every cam as `POST /v1/designs` does, and puts them on the shaft by their phases.
 
     `turn_deg` says how a cam is turned on the shaft, `keyway_deg` where its keyway is; `timing`
     says what happens when and which followers move together. The cams share the time budget. The
     set's status is the worst of its cams'. The same spec gives the same id and the same bytes.
-    """
-    return await created(request, parts, parts.cam_sets, prefer, idempotency_key)
-
-
-@router.get("", response_model=CamSetPage, responses=problems(422), summary="List cam sets")
-async def list_cam_sets(
-    parts: Parts,
-    limit: Annotated[PageSize, Query(description="Cam sets on a page.")] = 50,
-    cursor: Cursor = None,
-    status: WithStatus = None,
-) -> CamSetPage:
-    """The newest first."""
-    return await listed(parts.cam_sets, CamSetPage, limit, cursor, status)
-
-
-@router.get(
-    "/{set_id}",
-    response_model=CamSet,
-    responses=SHOWN,
-    summary="A cam set",
+    """,
 )
-async def get_cam_set(
-    request: Request, set_id: str, parts: Parts, if_none_match: KnownTag = None
-) -> Response:
-    """Every cam with its design and its place on the shaft, the timing, and links.
-
-    202 while it is being worked on; where it failed, the problem that the work ended with.
-    """
-    return await shown(request, parts.cam_sets, set_id)
-
-
-@router.delete("/{set_id}", status_code=204, responses=problems(404), summary="Forget a cam set")
-async def delete_cam_set(set_id: str, parts: Parts) -> None:
-    """A set being worked on is stopped; a finished one is discarded."""
-    await forgotten(parts.cam_sets, set_id)
+declare(
+    router,
+    Kept(
+        jobs=lambda parts: parts.cam_sets,
+        one="cam_set",
+        many="cam_sets",
+        id="set_id",
+        found=CamSet,
+        page=CamSetPage,
+        on_page="Cam sets on a page.",
+        body=spec_body(CAM_SETS, "CamSetSpec"),
+        status=WithStatus,
+    ),
+    create=CREATE,
+    list="List cam sets",
+    get=Said(
+        "A cam set",
+        "Every cam with its design and its place on the shaft, the timing, and links.\n\n"
+        + WAITING,
+    ),
+    delete=Said("Forget a cam set", f"A set {STOPPED}"),
+)
 
 
 @router.get(

@@ -2,28 +2,13 @@
 
 from __future__ import annotations
 
-from typing import Annotated
-
-from fastapi import APIRouter, Query, Request, Response
+from fastapi import APIRouter, Request, Response
 
 from service.documentation import problems, spec_body, tagged
 from service.errors import PartOfSweep
 from service.etag import tag_of, unchanged
-from service.routes.kept import (
-    CREATED,
-    SHOWN,
-    Cursor,
-    Key,
-    KnownTag,
-    PageSize,
-    Prefer,
-    WithStatus,
-    created,
-    done,
-    listed,
-    shown,
-    unknown,
-)  # fmt: skip
+from service.routes.collection import WAITING, Kept, Said, declare
+from service.routes.kept import KnownTag, WithStatus, done, unknown
 from service.solve import priced
 from service.state import Parts
 from service.sweeps.views import at
@@ -33,50 +18,35 @@ from synthesis.findings import Sensitivities
 
 router = APIRouter(prefix="/v1/designs", tags=["designs"])
 
-
-@router.post(
-    "",
-    response_model=Design,
-    responses=CREATED,
-    openapi_extra=spec_body(),
-    summary="Synthesise a cam",
-)
-async def create_design(
-    request: Request, parts: Parts, prefer: Prefer = "", idempotency_key: Key = None
-) -> Response:
+CREATE = Said(
+    "Synthesise a cam",
     """Picks base radius, offset and spline laws together and proves that every limit holds.
 
     Infeasible is a result (status `infeasible`, with the conflict), not an error. The same spec
     gives the same id and the same bytes.
-    """
-    return await created(request, parts, parts.designs, prefer, idempotency_key)
-
-
-@router.get("", response_model=DesignPage, responses=problems(422), summary="List designs")
-async def list_designs(
-    parts: Parts,
-    limit: Annotated[PageSize, Query(description="Designs on a page.")] = 50,
-    cursor: Cursor = None,
-    status: WithStatus = None,
-) -> DesignPage:
-    """The newest first."""
-    return await listed(parts.designs, DesignPage, limit, cursor, status)
-
-
-@router.get(
-    "/{design_id}",
-    response_model=Design,
-    responses=SHOWN,
-    summary="A design",
+    """,
 )
-async def get_design(
-    request: Request, design_id: str, parts: Parts, if_none_match: KnownTag = None
-) -> Response:
-    """Dimensions, motion, extremes, certificate, report and links.
-
-    202 while it is being worked on; where it failed, the problem that the work ended with.
-    """
-    return await shown(request, parts.designs, design_id)
+declare(
+    router,
+    Kept(
+        jobs=lambda parts: parts.designs,
+        one="design",
+        many="designs",
+        id="design_id",
+        found=Design,
+        page=DesignPage,
+        on_page="Designs on a page.",
+        body=spec_body(),
+        status=WithStatus,
+    ),
+    create=CREATE,
+    list="List designs",
+    get=Said(
+        "A design",
+        f"Dimensions, motion, extremes, certificate, report and links.\n\n{WAITING}",
+    ),
+    delete=None,  # see below: it may be part of a sweep
+)
 
 
 @router.get(

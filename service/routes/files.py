@@ -25,8 +25,8 @@ from synthesis.exporters import (
     form,
     report_with,
 )
+from synthesis.exporters.drawing.picture_options import Colours, PictureOptions
 from synthesis.exporters.exporter import FileFormat
-from synthesis.exporters.picture_options import Colours, PictureOptions
 from synthesis.findings import Sensitivities
 
 router = APIRouter(prefix="/v1/designs/{design_id}", tags=["files"])

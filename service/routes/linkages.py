@@ -12,22 +12,9 @@ from fastapi import APIRouter, Query, Request, Response
 from service.documentation import in_parts, problems, spec_body
 from service.errors import NothingFits
 from service.examples import LINKAGES as EXAMPLES
+from service.routes.collection import Kept, Said, declare
 from service.routes.download import Download, in_thread
-from service.routes.kept import (
-    CREATED,
-    SHOWN,
-    Cursor,
-    Key,
-    KnownTag,
-    PageSize,
-    Prefer,
-    WithStatus,
-    created,
-    done,
-    forgotten,
-    listed,
-    shown,
-)  # fmt: skip
+from service.routes.kept import WithStatus, done
 from service.state import Parts
 from service.views import LinkagePage
 from synthesis.exporters import Made, form
@@ -43,43 +30,6 @@ def _made(linkage: Linkage, body: bytes, file: LinkageFile, options: Any) -> Mad
     if not linkage.told(found):
         raise NothingFits("No lengths keep these wishes: see conflict in the answer.")
     return Made(file.write(found, options))
-
-
-def _create(kind: str) -> Handler:
-    async def handler(
-        request: Request, parts: Parts, prefer: Prefer = "", idempotency_key: Key = None
-    ) -> Response:
-        return await created(request, parts, parts.linkages[kind], prefer, idempotency_key)
-
-    return handler
-
-
-def _list(kind: str) -> Handler:
-    async def handler(
-        parts: Parts,
-        limit: Annotated[PageSize, Query(description="Linkages on a page.")] = 50,
-        cursor: Cursor = None,
-        status: WithStatus = None,
-    ) -> LinkagePage:
-        return await listed(parts.linkages[kind], LinkagePage, limit, cursor, status)
-
-    return handler
-
-
-def _get(kind: str) -> Handler:
-    async def handler(
-        request: Request, linkage_id: str, parts: Parts, if_none_match: KnownTag = None
-    ) -> Response:
-        return await shown(request, parts.linkages[kind], linkage_id)
-
-    return handler
-
-
-def _delete(kind: str) -> Handler:
-    async def handler(linkage_id: str, parts: Parts) -> None:
-        await forgotten(parts.linkages[kind], linkage_id)
-
-    return handler
 
 
 def _download(linkage: Linkage, name: str, file: LinkageFile) -> Handler:
@@ -104,35 +54,36 @@ def _download(linkage: Linkage, name: str, file: LinkageFile) -> Handler:
 
 def _resource(linkage: Linkage) -> None:
     """The routes of one kind."""
-    path, kind = f"/{linkage.name}", linkage.name.replace("-", "_")
-    one, noun = kind.removesuffix("s"), linkage.noun
-    router.add_api_route(
-        path, _create(linkage.name), methods=["POST"], name=f"create_{one}",
-        summary=linkage.title, description=f"{linkage.purpose} The same spec gives the same bytes.",
-        response_model=linkage.found, responses=CREATED,
-        openapi_extra=spec_body(f"{EXAMPLES}/{linkage.name}", linkage.spec.__name__),
-    )  # fmt: skip
-    router.add_api_route(
-        path, _list(linkage.name), methods=["GET"], name=f"list_{kind}",
-        summary=f"List {noun}s", description="The newest first.",
-        response_model=LinkagePage, responses=problems(422),
-    )  # fmt: skip
-    path += "/{linkage_id}"
-    router.add_api_route(
-        path, _get(linkage.name), methods=["GET"], name=f"get_{one}", summary=f"A {noun}",
-        description="As it was answered; 202 while it is being worked on, the problem where it "
-        "failed.", response_model=linkage.found, responses=SHOWN,
-    )  # fmt: skip
-    router.add_api_route(
-        path, _delete(linkage.name), methods=["DELETE"], name=f"delete_{one}", status_code=204,
-        summary=f"Forget a {noun}", description="One being worked on is stopped.",
-        responses=problems(404),
-    )  # fmt: skip
+    kind, noun = linkage.name.replace("-", "_"), linkage.noun
+    one = kind.removesuffix("s")
+    collection = Kept(
+        jobs=lambda parts: parts.linkages[linkage.name],
+        one=one,
+        many=kind,
+        id="linkage_id",
+        found=linkage.found,
+        page=LinkagePage,
+        on_page="Linkages on a page.",
+        body=spec_body(f"{EXAMPLES}/{linkage.name}", linkage.spec.__name__),
+        status=WithStatus,
+        path=f"/{linkage.name}",
+    )
+    declare(
+        router,
+        collection,
+        create=Said(linkage.title, f"{linkage.purpose} The same spec gives the same bytes."),
+        list=f"List {noun}s",
+        get=Said(
+            f"A {noun}",
+            "As it was answered; 202 while it is being worked on, the problem where it failed.",
+        ),
+        delete=Said(f"Forget a {noun}", "One being worked on is stopped."),
+    )
     for name, file in LINKAGE_FILES[linkage.name].items():
         schema = {"type": "object" if file.media_type == "application/json" else "string"}
         content = {file.media_type.partition(";")[0]: {"schema": schema}}
         router.add_api_route(
-            f"{path}/{name}", _download(linkage, name, file), methods=["GET"],
+            f"{collection.path_of_one}/{name}", _download(linkage, name, file), methods=["GET"],
             name=f"get_{one}_{name.replace('.', '_')}", summary=f"{file.title}, of a {noun}",
             description=file.purpose, response_class=Response,
             responses={**in_parts(description=file.title, content=content),

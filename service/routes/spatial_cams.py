@@ -2,82 +2,44 @@
 
 from __future__ import annotations
 
-from typing import Annotated
+from fastapi import APIRouter
 
-from fastapi import APIRouter, Query, Request, Response
-
-from service.documentation import problems, spec_body
+from service.documentation import spec_body
 from service.examples import SPATIAL_CAMS
-from service.routes.kept import (
-    CREATED,
-    SHOWN,
-    Cursor,
-    Key,
-    KnownTag,
-    PageSize,
-    Prefer,
-    WithStatus,
-    created,
-    forgotten,
-    listed,
-    shown,
-)  # fmt: skip
-from service.state import Parts
+from service.routes.collection import STOPPED, WAITING, Kept, Said, declare
+from service.routes.kept import WithStatus
 from service.views import SpatialCamPage
 from synthesis.spatial.design import SpatialDesign
 
 router = APIRouter(prefix="/v1/spatial-cams", tags=["spatial cams"])
 
-
-@router.post(
-    "",
-    response_model=SpatialDesign,
-    responses=CREATED,
-    openapi_extra=spec_body(SPATIAL_CAMS, "SpatialCamSpec"),
-    summary="Design a spatial cam",
-)
-async def create_spatial_cam(
-    request: Request, parts: Parts, prefer: Prefer = "", idempotency_key: Key = None
-) -> Response:
+CREATE = Said(
+    "Design a spatial cam",
     """The walls that the rollers of a turret leave of a cam, and what they do.
 
     `walls` says which side of which roller meets the cam when, `extremes` what was measured of
     them: value, cam angle, roller, side and place on the roller's axis. A wall that is undercut
     makes the cam `infeasible`: a result, not an error. The same spec gives the same id.
-    """
-    return await created(request, parts, parts.spatial_cams, prefer, idempotency_key)
-
-
-@router.get("", response_model=SpatialCamPage, responses=problems(422), summary="List spatial cams")
-async def list_spatial_cams(
-    parts: Parts,
-    limit: Annotated[PageSize, Query(description="Spatial cams on a page.")] = 50,
-    cursor: Cursor = None,
-    status: WithStatus = None,
-) -> SpatialCamPage:
-    """The newest first."""
-    return await listed(parts.spatial_cams, SpatialCamPage, limit, cursor, status)
-
-
-@router.get(
-    "/{cam_id}",
-    response_model=SpatialDesign,
-    responses=SHOWN,
-    summary="A spatial cam",
+    """,
 )
-async def get_spatial_cam(
-    request: Request, cam_id: str, parts: Parts, if_none_match: KnownTag = None
-) -> Response:
-    """Dimensions, motion, walls, extremes, certificate, report and links.
-
-    202 while it is being worked on; where it failed, the problem that the work ended with.
-    """
-    return await shown(request, parts.spatial_cams, cam_id)
-
-
-@router.delete(
-    "/{cam_id}", status_code=204, responses=problems(404), summary="Forget a spatial cam"
+declare(
+    router,
+    Kept(
+        jobs=lambda parts: parts.spatial_cams,
+        one="spatial_cam",
+        many="spatial_cams",
+        id="cam_id",
+        found=SpatialDesign,
+        page=SpatialCamPage,
+        on_page="Spatial cams on a page.",
+        body=spec_body(SPATIAL_CAMS, "SpatialCamSpec"),
+        status=WithStatus,
+    ),
+    create=CREATE,
+    list="List spatial cams",
+    get=Said(
+        "A spatial cam",
+        f"Dimensions, motion, walls, extremes, certificate, report and links.\n\n{WAITING}",
+    ),
+    delete=Said("Forget a spatial cam", f"One {STOPPED}"),
 )
-async def delete_spatial_cam(cam_id: str, parts: Parts) -> None:
-    """One being worked on is stopped; a finished one is discarded."""
-    await forgotten(parts.spatial_cams, cam_id)

@@ -31,9 +31,9 @@ from service.sweeps.views import (
     items_of,
 )
 from service.views import cursor_at, position_of
-from synthesis.exporters.picture_options import Colours, PixelColours, PixelWidth
-from synthesis.exporters.raster import rasterised
-from synthesis.exporters.svg_tradeoff import Aim, TradeOff, trade_off
+from synthesis.exporters.diagrams.tradeoff import Aim, TradeOff, trade_off
+from synthesis.exporters.drawing.picture_options import Colours, PixelColours, PixelWidth
+from synthesis.exporters.drawing.raster import rasterised
 
 router = APIRouter(prefix="/v1/sweeps/{sweep_id}", tags=["sweeps"])
 CSV, PARQUET = "text/csv; charset=utf-8", "application/vnd.apache.parquet"

@@ -12,28 +12,21 @@ from pydantic import BaseModel, ConfigDict, Field
 
 from service.documentation import in_parts, problems, spec_body
 from service.examples import TRAINS
+from service.routes.collection import STOPPED, WAITING, Kept, Said, declare
 from service.routes.download import SVG, Download, in_thread
-from service.routes.kept import (
-    CREATED,
-    SHOWN,
-    Cursor,
-    Key,
-    KnownTag,
-    PageSize,
-    Prefer,
-    created,
-    done,
-    forgotten,
-    listed,
-    shown,
-)  # fmt: skip
+from service.routes.kept import KnownTag, done
 from service.state import Parts
 from service.views import TrainResponsePage
 from synthesis.dynamics import TrainResponse
 from synthesis.exporters import Made
-from synthesis.exporters.svg_train import response_svg, spectrum_svg
-from synthesis.exporters.theme import Theme
-from synthesis.exporters.train_csv import MEDIA_TYPE, TrainOptions, polydyne_csv, response_csv
+from synthesis.exporters.diagrams.train import response_svg, spectrum_svg
+from synthesis.exporters.drawing.theme import Theme
+from synthesis.exporters.tables.train_csv import (
+    MEDIA_TYPE,
+    TrainOptions,
+    polydyne_csv,
+    response_csv,
+)
 from synthesis.fields import Speed
 
 router = APIRouter(prefix="/v1/train-responses", tags=["follower trains"])
@@ -76,57 +69,37 @@ class Tabled(Dense):
     ] = 0
 
 
-@router.post(
-    "",
-    response_model=TrainResponse,
-    responses=CREATED,
-    openapi_extra=spec_body(TRAINS, "TrainSpec"),
-    summary="Respond to a cam with an elastic follower train",
-)
-async def create_train_response(
-    request: Request, parts: Parts, prefer: Prefer = "", idempotency_key: Key = None
-) -> Response:
+CREATE = Said(
+    "Respond to a cam with an elastic follower train",
     """Residual vibration in every dwell, contact force, loss of contact; exact but for rounding.
 
     The train is a chain of masses, springs and dampers that the cam drives through the first link.
     Its periodic response and its way there from rest are computed mode by mode in closed form. The
     cam's own limits are its spec's; a law without residual vibration: the limit
     `residual_vibration`. The same spec gives the same bytes.
-    """
-    return await created(request, parts, parts.train_responses, prefer, idempotency_key)
-
-
-@router.get(
-    "", response_model=TrainResponsePage, responses=problems(422), summary="List train responses"
+    """,
 )
-async def list_train_responses(
-    parts: Parts,
-    limit: Annotated[PageSize, Query(description="Responses on a page.")] = 50,
-    cursor: Cursor = None,
-) -> TrainResponsePage:
-    """The newest first."""
-    return await listed(parts.train_responses, TrainResponsePage, limit, cursor)
-
-
-@router.get(
-    "/{train_id}", response_model=TrainResponse, responses=SHOWN, summary="A train response"
+declare(
+    router,
+    Kept(
+        jobs=lambda parts: parts.train_responses,
+        one="train_response",
+        many="train_responses",
+        id="train_id",
+        found=TrainResponse,
+        page=TrainResponsePage,
+        on_page="Responses on a page.",
+        body=spec_body(TRAINS, "TrainSpec"),
+    ),
+    create=CREATE,
+    list="List train responses",
+    get=Said(
+        "A train response",
+        "As `POST /v1/train-responses` answered, or would have without `respond-async`.\n\n"
+        + WAITING,
+    ),
+    delete=Said("Forget a train response", f"One {STOPPED}"),
 )
-async def get_train_response(
-    request: Request, train_id: str, parts: Parts, if_none_match: KnownTag = None
-) -> Response:
-    """As `POST /v1/train-responses` answered, or would have without `respond-async`.
-
-    202 while it is being worked on; where it failed, the problem that the work ended with.
-    """
-    return await shown(request, parts.train_responses, train_id)
-
-
-@router.delete(
-    "/{train_id}", status_code=204, responses=problems(404), summary="Forget a train response"
-)
-async def delete_train_response(train_id: str, parts: Parts) -> None:
-    """One being worked on is stopped; a finished one is discarded."""
-    await forgotten(parts.train_responses, train_id)
 
 
 @dataclass(frozen=True)

@@ -57,7 +57,7 @@ function between(column, part) {
 }
 
 /** Shapes that the service has drawn. */
-function drawn(markup) {
+export function drawn(markup) {
   const parsed = new DOMParser().parseFromString(`<svg xmlns="${SVG}">${markup}</svg>`, "image/svg+xml");
   return [...document.importNode(parsed.documentElement, true).children];
 }

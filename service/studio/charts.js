@@ -2,7 +2,7 @@
 
 import { byId, element, figure } from "./dom.js";
 
-const CURVES = [
+const OF_A_CAM = [
   { stem: "s_", name: "displacement", from: "motion" },
   { stem: "v_", name: "velocity", from: "motion", limits: ["velocity"] },
   { stem: "a_", name: "acceleration", from: "motion", limits: ["acceleration"] },
@@ -13,20 +13,19 @@ const CURVES = [
 ];
 
 export class Charts {
-  /** `moved` is told the cam angle [°] under the pointer. */
-  constructor(moved) {
-    this.moved = moved;
-    this.plots = [];
+  /** `moved` is told the angle [°] under the pointer; `across` begins the name of its column. */
+  constructor(moved, curves = OF_A_CAM, across = "theta_") {
+    Object.assign(this, { moved, curves, across, plots: [] });
     new ResizeObserver(() => this.#fit()).observe(byId("charts"));
   }
 
-  /** Draws the curves of a design, and those of another one dashed. */
+  /** Draws the curves of a design, and those of another one dashed; a line stands at every mark. */
   show(found, other) {
     this.plots.forEach((plot) => plot.destroy());
     this.plots = [];
     const boxes = [];
     const sources = { motion: found.motion, profile: found.profile };
-    for (const curve of CURVES) {
+    for (const curve of this.curves) {
       const column = columnOf(sources[curve.from], curve.stem);
       if (!column) continue;
       const box = element("figure", { class: "chart" });
@@ -40,14 +39,15 @@ export class Charts {
   #plot(box, curve, column, found, other) {
     const now = element("output", { class: "now" });
     box.append(element("figcaption", {}, `${curve.name} [${column.unit}] `, now));
-    const x = columnOf(found[curve.from], "theta_").values;
-    const series = [{ label: "cam angle" }, line(curve.name, token("--line"))];
+    const x = columnOf(found[curve.from], this.across).values;
+    const series = [{ label: "angle" }, line(curve.name, token("--line"))];
     const data = [x, column.values];
     const second = other && columnOf(other[curve.from], curve.stem);
     if (second && second.unit === column.unit) {
       series.push({ ...line("A", token("--other")), dash: [6, 4] });
-      data.push(resampled(columnOf(other[curve.from], "theta_").values, second.values, x));
+      data.push(resampled(columnOf(other[curve.from], this.across).values, second.values, x));
     }
+    const { marks = [] } = found;
     const bounds = found.design.extremes
       .filter((each) => curve.limits?.includes(each.limit) && each.bound !== null)
       .map((each) => each.bound);
@@ -58,7 +58,11 @@ export class Charts {
       cursor: { sync: { key: "cam" }, drag: { x: false, y: false }, y: false },
       scales: { x: { time: false, range: [0, 360] }, y: { range: (u, low, high) => roomy(low, high, limits) } },
       axes: [axis({ size: 30, values: (u, ticks) => ticks.map((tick) => `${tick}°`), incrs: [30, 45, 60, 90, 120, 180] }), axis({ size: 62, values: (u, ticks) => ticks.map((tick) => figure(tick, 4)) })],
-      hooks: { draw: [(u) => limits.forEach((bound) => ruled(u, bound))], setCursor: [(u) => this.#hover(u)] },
+      hooks: {
+        drawAxes: [(u) => marks.forEach((angle) => marked(u, angle))],
+        draw: [(u) => limits.forEach((bound) => ruled(u, bound))],
+        setCursor: [(u) => this.#hover(u)],
+      },
     };
     this.plots.push(new uPlot(options, data, box));
   }
@@ -113,14 +117,24 @@ function roomy(low, high, limits) {
 function ruled(plot, bound) {
   const y = plot.valToPos(bound, "y", true);
   const { left, width } = plot.bbox;
-  const { ctx } = plot;
+  drawn(plot, token("--limit"), [10, 4, 2, 4], [left, y], [left + width, y]);
+}
+
+/** A marked angle, as a line upwards. */
+function marked(plot, angle) {
+  const x = plot.valToPos(angle, "x", true);
+  const { top, height } = plot.bbox;
+  drawn(plot, token("--soft"), [], [x, top], [x, top + height]);
+}
+
+function drawn({ ctx }, stroke, dashes, from, to) {
   ctx.save();
-  ctx.strokeStyle = token("--limit");
-  ctx.setLineDash([10, 4, 2, 4]);
+  ctx.strokeStyle = stroke;
+  ctx.setLineDash(dashes);
   ctx.lineWidth = devicePixelRatio;
   ctx.beginPath();
-  ctx.moveTo(left, y);
-  ctx.lineTo(left + width, y);
+  ctx.moveTo(...from);
+  ctx.lineTo(...to);
   ctx.stroke();
   ctx.restore();
 }

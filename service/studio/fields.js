@@ -9,7 +9,7 @@ import { fresh } from "./schema.js";
  *
  * @param form {store, schemas}
  * @param pointer where the field stands in the spec
- * @param options {label, title, slider: give numbers a slider}
+ * @param options {label, slider: give numbers a slider, required: it may not be left out}
  */
 export function field(form, pointer, schema, options = {}) {
   const found = form.schemas.described(schema);
@@ -19,6 +19,7 @@ export function field(form, pointer, schema, options = {}) {
     label: options.label ?? labelled(name),
     title: form.schemas.resolved(schema).description ?? "",
     slider: options.slider ?? false,
+    required: options.required ?? false,
   };
   return SHAPES[found.shape](form, pointer, found, settings);
 }
@@ -27,8 +28,10 @@ export function field(form, pointer, schema, options = {}) {
 export function fields(form, pointer, schema, options = {}) {
   const names = Object.entries(schema.properties ?? {});
   const wanted = names.filter(([name]) => !options.without?.includes(name));
-  const inner = { slider: options.slider };
-  return wanted.map(([name, each]) => field(form, `${pointer}/${name}`, each, inner));
+  return wanted.map(([name, each]) => {
+    const required = schema.required?.includes(name) ?? false;
+    return field(form, `${pointer}/${name}`, each, { slider: options.slider, required });
+  });
 }
 
 function framed(pointer, settings, control, more = []) {
@@ -64,6 +67,7 @@ function number(form, pointer, found, settings) {
 /** From a fourth to four times the value, evenly in its logarithm; angles evenly in degrees. */
 function sliderFor(value, { least, most }) {
   const slider = element("input", { type: "range" });
+  if (least === -180 && most === 180) return swing(slider, value, most);
   const angle = most !== undefined && most <= 90;
   if (!angle && value === 0) return null;
   const [low, high] = angle ? [1, most - 1] : [0.25 * value, 4 * value];
@@ -89,6 +93,15 @@ function sliderFor(value, { least, most }) {
   return slider;
 }
 
+/** An angle either way, evenly in degrees. */
+function swing(slider, value, most) {
+  Object.assign(slider, { min: -most, max: most, step: 0.5 });
+  slider.show = (shown) => (slider.value = shown);
+  slider.toValue = () => Number(slider.value);
+  slider.show(value);
+  return slider;
+}
+
 /** A dimension: left free, fixed, or free between two ends. */
 function dimension(form, pointer, found, settings) {
   const value = form.store.at(pointer);
@@ -96,31 +109,47 @@ function dimension(form, pointer, found, settings) {
   const select = element(
     "select",
     { onchange: () => form.store.set(pointer, turned(select.value, value), true) },
-    ...["free", "fixed", "range"].map((each) => element("option", { value: each }, each)),
+    ...(settings.required && state !== "free" ? ["fixed", "range"] : ["free", "fixed", "range"]).map((each) => element("option", { value: each }, each)),
   );
   select.value = state;
   const inputs = [];
   if (state === "fixed") {
-    const inner = number(form, pointer, found, { ...settings, label: "value" });
+    const inner = number(form, pointer, found, { ...settings, label: `${settings.label}, value` });
     inner.classList.add("inner");
     inner.querySelector("input").id += "-value";
     inner.querySelector("label").htmlFor = inner.querySelector("input").id;
     inner.querySelector(".fault").remove();
     inputs.push(inner);
   }
-  if (state === "range") {
-    for (const end of ["min", "max"]) {
-      const input = element("input", {
-        type: "number", step: "any", value: value[end] ?? "", placeholder: end === "min" ? "least" : "largest",
-        "aria-label": `${settings.label}, ${end === "min" ? "least" : "largest"}`,
-        "data-pointer": `${pointer}/${end}`,
-        oninput: () => form.store.set(`${pointer}/${end}`, input.value === "" ? undefined : Number(input.value)),
-      });
-      inputs.push(input);
-    }
-  }
+  if (state === "range") inputs.push(...ends(form, pointer, settings));
   const box = framed(pointer, settings, select, [element("span", { class: "ends" }, ...inputs)]);
   box.classList.add("dimension");
+  return box;
+}
+
+/** The inputs of a range. */
+function ends(form, pointer, settings) {
+  return ["min", "max"].map((end) => {
+    const input = element("input", {
+      type: "number", step: "any", value: form.store.at(`${pointer}/${end}`) ?? "",
+      placeholder: end === "min" ? "least" : "largest",
+      "aria-label": `${settings.label}, ${end === "min" ? "least" : "largest"}`,
+      "data-pointer": `${pointer}/${end}`, id: `field${pointer.replaceAll("/", "-")}-${end}`,
+      oninput: () => {
+        form.store.set(`${pointer}/${end}`, input.value === "" ? undefined : Number(input.value));
+        if (Object.keys(form.store.at(pointer)).length === 0) form.store.set(pointer, undefined);
+      },
+    });
+    return input;
+  });
+}
+
+/** From where to where something goes. */
+function range(form, pointer, found, settings) {
+  const [least, largest] = ends(form, pointer, settings);
+  const box = framed(pointer, settings, least, [largest]);
+  box.classList.add("range");
+  least.dataset.pointer = `${pointer}/min`;
   return box;
 }
 
@@ -167,7 +196,7 @@ function union(form, pointer, found, settings) {
         form.store.set(pointer, kind ? fresh(form.schemas, ...kind) : undefined, true);
       },
     },
-    element("option", { value: "" }, "default"),
+    settings.required ? null : element("option", { value: "" }, "default"),
     ...found.kinds.map(([kind]) => element("option", { value: kind }, titles[kind] ?? words(kind))),
   );
   select.value = value?.kind ?? "";
@@ -212,4 +241,4 @@ function raw(form, pointer, found, settings) {
   return framed(pointer, settings, area);
 }
 
-const SHAPES = { number, dimension, choice, text, flag, union, group, raw };
+const SHAPES = { number, dimension, range, choice, text, flag, union, group, raw };

@@ -6,28 +6,28 @@ import { labelled, words } from "./names.js";
 export class Files {
   /** `where`: the path of a design in the contract; `first`: the file that is offered first. */
   constructor(api, openapi, where, first) {
-    Object.assign(this, { api, chosen: first });
+    Object.assign(this, { api, wanted: first });
     this.all = Object.entries(openapi.paths)
       .filter(([path]) => path.startsWith(`${where}/`) && /\.\w+$/.test(path))
       .map(([path, methods]) => [path.slice(where.length + 1), methods.get]);
+    this.shared = openapi.components.parameters;
   }
 
   /** `design` null: there is none. */
   show(design) {
     this.design = design;
     const box = byId("files");
-    if (!design || design.motion.length === 0) {
+    this.paths = this.all.filter(([name]) => name in (design?.links ?? {}));
+    if (this.paths.length === 0) {
       box.replaceChildren(element("p", { class: "note" }, "Files come with a design."));
       return;
     }
-    this.paths = this.all.filter(([name]) => name in design.links);
     const select = element(
       "select",
-      { id: "file-name", onchange: () => this.#choices(select.value) },
+      { id: "file-name", onchange: () => this.#choices((this.wanted = select.value)) },
       ...this.paths.map(([name, get]) => element("option", { value: name, title: get.description }, `${name}: ${get.summary.replace(/^\w+: /, "")}`)),
     );
-    if (!(this.chosen in design.links)) [[this.chosen]] = this.paths;
-    select.value = this.chosen;
+    select.value = this.paths.some(([name]) => name === this.wanted) ? this.wanted : this.paths[0][0];
     box.replaceChildren(
       element("label", { for: "file-name" }, "File"), select,
       element("div", { id: "file-options" }),
@@ -45,7 +45,9 @@ export class Files {
   #choices(name) {
     this.chosen = name;
     const [, get] = this.paths.find(([each]) => each === name) ?? this.paths[0];
-    const asked = (get.parameters ?? []).filter((each) => each.in === "query");
+    const asked = (get.parameters ?? [])
+      .map((each) => (each.$ref ? this.shared[each.$ref.split("/").at(-1)] : each))
+      .filter((each) => each.in === "query");
     byId("file-options").replaceChildren(
       ...asked.map((each) => {
         const values = choices(each.schema);

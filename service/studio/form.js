@@ -1,6 +1,7 @@
 // The spec as a form: program, follower, sizes, limits, objective.
 
 import { byId, element, figure } from "./dom.js";
+import { placed } from "./faults.js";
 import { field, fields } from "./fields.js";
 import { words } from "./names.js";
 import { fresh } from "./schema.js";
@@ -248,31 +249,8 @@ export class Form {
     return [objective, ...rest].filter(Boolean);
   }
 
-  // -- what is wrong ------------------------------------------------------------------------
-
   /** Puts the errors of a problem document at their fields; returns those that have no place. */
   faults(errors) {
-    for (const place of document.querySelectorAll("[data-fault]")) place.textContent = "";
-    for (const input of document.querySelectorAll("[aria-invalid]")) input.removeAttribute("aria-invalid");
-    return errors.filter(({ pointer, rule, way_out }) => {
-      const place = this.#nearest(pointer ?? "", "data-fault");
-      if (!place) return true;
-      place.textContent = [place.textContent, sentences(rule, way_out)].filter(Boolean).join(" ");
-      this.#nearest(pointer, "data-pointer")?.setAttribute("aria-invalid", "true");
-      return false;
-    });
-  }
-
-  /** The element of a pointer, or of the closest field around it. */
-  #nearest(pointer, attribute) {
-    for (let path = pointer; path; path = path.slice(0, path.lastIndexOf("/"))) {
-      const found = document.querySelector(`#form [${attribute}="${CSS.escape(path)}"]`);
-      if (found) return found;
-    }
-    return null;
+    return placed(errors);
   }
 }
-
-/** What is wrong and the way out, each with its full stop. */
-export const sentences = (...texts) =>
-  texts.filter(Boolean).map((text) => (/[.!?]$/.test(text) ? text : `${text}.`)).join(" ");

@@ -1,6 +1,7 @@
 // The studio: a spec on the left, the cam that comes out on the right. Nothing is computed here;
 // every number comes from the service.
 
+import { fromAddress, toAddress } from "./address.js";
 import { Api, Problem } from "./api.js";
 import { listCalls } from "./calls.js";
 import { Cam } from "./cam.js";
@@ -9,6 +10,7 @@ import { showDifferences } from "./compare.js";
 import { byId, element, settled } from "./dom.js";
 import { Files } from "./files.js";
 import { Form } from "./form.js";
+import { Newest } from "./newest.js";
 import { put } from "./pointer.js";
 import { say, showDesign, showProblem } from "./result.js";
 import { Schemas } from "./schema.js";
@@ -17,7 +19,6 @@ import { Sweep } from "./sweep.js";
 
 const FIRST = "p2-sized"; // of the worked examples
 const LIVE_WAIT = 120; // after the last change [ms]
-const SLOW = 1500; // a design that takes longer is given up for a newer one [ms]
 
 class Studio {
   constructor(api, openapi, titles) {
@@ -29,6 +30,7 @@ class Studio {
     this.charts = new Charts((angle) => this.cam.turnTo(angle));
     this.cam = new Cam((angle) => this.charts.point(angle));
     this.sweep = new Sweep(api, this.store, this.schemas, (values) => this.#take(values));
+    this.newest = new Newest((signal) => this.#answer(signal));
     this.present = null;
     this.kept = null;
     listCalls(api);
@@ -39,7 +41,10 @@ class Studio {
     const menu = byId("example");
     menu.append(...Object.entries(this.schemas.examples).map(([name, { summary }]) => element("option", { value: name }, summary)));
     menu.addEventListener("change", () => menu.value && this.#open(this.schemas.examples[menu.value].value));
-    const shared = fromHash();
+    const shared = fromAddress();
+    if (shared === undefined) {
+      say("The address holds a spec that cannot be read; an example is shown instead.", "problem");
+    }
     if (shared) {
       this.#open(shared);
     } else {
@@ -102,33 +107,22 @@ class Studio {
   // -- the design ---------------------------------------------------------------------------
 
   /** Asks for a design of the present spec: one at a time, the newest wins. */
-  async design() {
+  design() {
     const asked = JSON.stringify(this.store.spec);
-    if (this.busy) {
-      if (asked === this.asked) return;
-      this.again = true;
-      clearTimeout(this.giveUp);
-      this.giveUp = setTimeout(() => this.abort.abort(), SLOW - (performance.now() - this.began));
-      return;
-    }
-    this.busy = true;
-    this.asked = asked;
-    this.began = performance.now();
-    this.abort = new AbortController();
+    if (this.newest.busy && asked === this.asked) return;
+    this.newest.now();
+  }
+
+  async #answer(signal) {
+    this.asked = JSON.stringify(this.store.spec);
     const slow = setTimeout(() => say("Working …", "working"), 300);
     try {
-      await this.#designed(structuredClone(this.store.spec), this.abort.signal);
+      await this.#designed(structuredClone(this.store.spec), signal);
     } catch (error) {
-      if (error instanceof Problem) this.#wrong(error);
-      else if (error.name !== "AbortError") throw error;
+      if (!(error instanceof Problem)) throw error;
+      this.#wrong(error);
     } finally {
       clearTimeout(slow);
-      clearTimeout(this.giveUp);
-      this.busy = false;
-    }
-    if (this.again) {
-      this.again = false;
-      this.design();
     }
   }
 
@@ -138,7 +132,7 @@ class Studio {
     const took = performance.now() - began;
     byId("took").textContent = `${Math.round(took)} ms with the way there; ${Math.round(1000 * design.report.seconds)} ms in the core`;
     this.form.faults([]);
-    history.replaceState(null, "", toHash(spec));
+    history.replaceState(null, "", `#${toAddress(spec)}`);
     await this.#shown(design, signal);
   }
 
@@ -187,7 +181,7 @@ class Studio {
   }
 }
 
-// -- tabs and the address ---------------------------------------------------------------------
+// -- tabs -------------------------------------------------------------------------------------
 
 const tabs = () => [...document.querySelectorAll("[role=tab]")];
 const other = (tab) => tabs().find((each) => each !== tab);
@@ -200,24 +194,6 @@ function show(tab) {
     byId(each.getAttribute("aria-controls")).hidden = !on;
   }
   return tab;
-}
-
-/** The spec in the address: base64 of its UTF-8, so that a page can be passed on. */
-function toHash(spec) {
-  const bytes = new TextEncoder().encode(JSON.stringify(spec));
-  return `#spec=${btoa(String.fromCharCode(...bytes)).replaceAll("+", "-").replaceAll("/", "_")}`;
-}
-
-function fromHash() {
-  const text = new URLSearchParams(location.hash.slice(1)).get("spec");
-  if (!text) return null;
-  try {
-    const bytes = Uint8Array.from(atob(text.replaceAll("-", "+").replaceAll("_", "/")), (c) => c.charCodeAt(0));
-    return JSON.parse(new TextDecoder().decode(bytes));
-  } catch {
-    say("The address holds a spec that cannot be read; an example is shown instead.", "problem");
-    return null;
-  }
 }
 
 async function start() {

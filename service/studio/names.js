@@ -3,7 +3,7 @@
 const UNITS = {
   n_m_s_per_rad: "N m s/rad", n_m_per_rad: "N m/rad", n_s_per_m: "N s/m", n_per_mm: "N/mm",
   n_m: "N m", n: "N", mpa: "MPa", kg_m2: "kg m²", kg: "kg", w: "W",
-  mm_per_s3: "mm/s³", mm_per_s2: "mm/s²", mm_per_s: "mm/s",
+  rad_per_s2: "rad/s²", mm_per_s3: "mm/s³", mm_per_s2: "mm/s²", mm_per_s: "mm/s",
   deg_per_s3: "deg/s³", deg_per_s2: "deg/s²", deg_per_s: "deg/s",
   per_mm: "1/mm", mm: "mm", deg: "°", rpm: "rpm", s: "s",
 };

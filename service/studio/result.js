@@ -1,7 +1,7 @@
 // What came out: status, sizes, limits with their margins, or why nothing fits and what would help.
 
 import { byId, element, figure } from "./dom.js";
-import { sentences } from "./form.js";
+import { sentences } from "./faults.js";
 import { parts, words } from "./names.js";
 
 const TOLD = {
@@ -41,11 +41,21 @@ function proven({ gap, bound_over: over, lower_bound: bound, objective }) {
 
 /** Terms and figures of a design's dimensions, and of what else is told of it. */
 export function sizes(design) {
-  const all = { ...design.dimensions, ...design.objectives, ...design.chosen, ...forces(design.forces) };
-  return Object.entries(all).flatMap(([name, value]) => {
+  return terms({ ...design.dimensions, ...design.objectives, ...design.chosen, ...forces(design.forces) });
+}
+
+/** A term and its figure for each {name_unit: value}. */
+export function terms(values) {
+  return Object.entries(values).flatMap(([name, value]) => {
     const [text, unit] = parts(name);
     return [element("dt", {}, text), element("dd", {}, `${figure(value, 6)} ${unit}`.trim())];
   });
+}
+
+/** Head and body of a table: its columns' names, and rows of elements. */
+export function tabled(names, rows) {
+  const head = names.map((text) => element("th", { scope: "col" }, text));
+  return [element("thead", {}, element("tr", {}, ...head)), element("tbody", {}, ...rows)];
 }
 
 /** The forces in a few numbers; nothing where no load is told. */
@@ -64,7 +74,6 @@ function forces(found) {
 /** A row for every limit that has a bound, with how much of it is used. */
 function margins(design) {
   const asked = design.extremes.filter((each) => each.bound !== null && each.unit !== "" && !INNER.has(each.limit));
-  const head = ["limit", "value", "at", "bound", "used"].map((text) => element("th", { scope: "col" }, text));
   const rows = asked.map((each) => {
     const used = each.bound ? Math.abs(each.value / each.bound) : null;
     return element(
@@ -77,7 +86,7 @@ function margins(design) {
       element("td", {}, each.holds ? meter(used) : "broken"),
     );
   });
-  return [element("thead", {}, element("tr", {}, ...head)), element("tbody", {}, ...rows)];
+  return tabled(["limit", "value", "at", "bound", "used"], rows);
 }
 
 // What every cam keeps and nobody asks for.
@@ -91,16 +100,17 @@ function meter(used) {
   return element("meter", { min: 0, max: 1, value: used, title: `${figure(100 * used, 3)} %` }, `${figure(100 * used, 3)} %`);
 }
 
-function conflict({ limits, relaxations, evidence }, apply) {
+/** What cannot hold together, and what would help; `apply` is given the change that is taken. */
+export function conflict({ limits, relaxations, evidence }, apply) {
   const lines = relaxations.map((each) => {
-    if (each.needed === null) return element("li", {}, `${words(each.limit)}: ${each.note || "alone cannot help"}`);
-    const text = `${words(each.limit)}: ${figure(each.asked, 5)} → ${figure(each.needed, 6)} ${each.unit} `;
-    const label = `apply ${words(each.limit)} ${figure(each.needed, 6)}`;
+    if (each.needed === null) return element("li", {}, `${parts(each.limit)[0]}: ${each.note || "alone cannot help"}`);
+    const text = `${parts(each.limit)[0]}: ${figure(each.asked, 5)} → ${figure(each.needed, 6)} ${each.unit} `;
+    const label = `apply ${parts(each.limit)[0]} ${figure(each.needed, 6)}`;
     const button = element("button", { type: "button", class: "small", "aria-label": label, onclick: () => apply(each) }, "Apply");
     return element("li", {}, text, button);
   });
   return [
-    element("p", {}, `What cannot hold together: ${limits.map(words).join(", ")}. Any one of these changes would help:`),
+    element("p", {}, `What cannot hold together: ${limits.map((each) => parts(each)[0]).join(", ")}. Any one of these changes would help:`),
     element("ul", {}, ...lines),
     element("p", { class: "note" }, evidence),
   ];

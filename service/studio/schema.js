@@ -14,7 +14,7 @@ export class Schemas {
     return name ? { ...this.named[name], description: schema.description ?? this.named[name].description } : schema;
   }
 
-  /** {shape, …}: const, union, dimension, choice, number, text, flag, group or raw. */
+  /** {shape, …}: const, union, dimension, range, choice, number, text, flag, group or raw. */
   described(given) {
     const schema = this.resolved(given);
     if ("const" in schema) return { shape: "const", value: schema.const };
@@ -31,7 +31,8 @@ export class Schemas {
       case "boolean":
         return { shape: "flag" };
       case "object":
-        return schema.properties ? { shape: "group", schema } : { shape: "raw" };
+        if (!schema.properties) return { shape: "raw" };
+        return isRange(schema) ? { shape: "range" } : { shape: "group", schema };
       default:
         return { shape: "raw" };
     }
@@ -48,7 +49,7 @@ export class Schemas {
 
   #chosen(choices) {
     const number = choices.find((each) => each.type === "number" || each.type === "integer");
-    const range = choices.find((each) => each.properties?.min && each.properties?.max);
+    const range = choices.find(isRange);
     if (number && range) return { shape: "dimension", ...ends(number) };
     const union = choices.find((each) => each.discriminator);
     return this.described(union ?? choices[0]);
@@ -60,6 +61,8 @@ export class Schemas {
     return mapping.map(([kind, $ref]) => [kind, this.resolved({ $ref })]);
   }
 }
+
+const isRange = ({ properties }) => Object.keys(properties ?? {}).sort().join() === "max,min";
 
 function ends(schema) {
   return {

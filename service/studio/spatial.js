@@ -6,7 +6,7 @@ import { byId, element, figure, settled } from "./dom.js";
 import { Files } from "./files.js";
 import { Form } from "./form.js";
 import { words } from "./names.js";
-import { say, showProblem, sizes } from "./result.js";
+import { say, showProblem, sizes, tabled } from "./result.js";
 import { Scene } from "./scene.js";
 import { Schemas } from "./schema.js";
 import { Store } from "./store.js";
@@ -127,11 +127,8 @@ const TOLD = {
 function show(design) {
   say(TOLD[design.status], design.status);
   byId("sizes").replaceChildren(...sizes(design));
-  const head = ["quantity", "value", "cam angle", "where", "bound", ""].map((text) => element("th", { scope: "col" }, text));
-  byId("margins").replaceChildren(
-    element("thead", {}, element("tr", {}, ...head)),
-    element("tbody", {}, ...design.extremes.map(row)),
-  );
+  const names = ["quantity", "value", "cam angle", "where", "bound", ""];
+  byId("margins").replaceChildren(...tabled(names, design.extremes.map(row)));
 }
 
 function row(each) {

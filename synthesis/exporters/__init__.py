@@ -1,5 +1,10 @@
 """Files made from a design: one format a file. A new one is a file and its name here.
 
+Formats stand in rooms by what comes out: ``tables``, ``points``, ``curves``, ``solids``,
+``figures``, ``diagrams``, ``animations``, ``machining``, ``drives``, ``linkages``. What they share
+is below them: ``samples`` (the cam at its angles), ``fidelity`` (what readers make of points) and
+``drawing`` (SVG and HTML by hand); above them ``report``, ``png_picture`` and ``bundle``.
+
 PROFILE_FORMATS["csv"].write(design, ProfileOptions(points_per_degree=10.0))
 """
 
@@ -9,34 +14,17 @@ from collections.abc import Mapping
 from types import MappingProxyType
 from typing import Any
 
-from synthesis.exporters import (
-    animation_json,
-    animation_page,
-    animation_svg,
-    csv_table,
-    dxf_drawing,
-    fidelity_json,
-    ibl_curve,
-    iges_curve,
-    json_table,
-    nurbs_json,
-    png_picture,
-    sldcrv_curve,
-    solid_step,
-    step_curve,
-    svg_contact,
-    svg_motion,
-    svg_profile,
-    txt_points,
-    txt_table,
-    xlsx_points,
-)
-from synthesis.exporters.cam import profiles
+from synthesis.exporters import png_picture
+from synthesis.exporters.animations import animation_json, animation_page, animation_svg
+from synthesis.exporters.curves import dxf_drawing, iges_curve, nurbs_json, step_curve
+from synthesis.exporters.curves.exact_options import DrawingOptions, ExactOptions
+from synthesis.exporters.diagrams import contact, motion
+from synthesis.exporters.drawing.picture_options import PictureOptions
 from synthesis.exporters.drives import codesys, kollmorgen, plain, rockwell, sew, twincat
 from synthesis.exporters.drives import fidelity_json as drive_fidelity
-from synthesis.exporters.exact_options import DrawingOptions, ExactOptions
 from synthesis.exporters.exporter import Exporter, Made
-from synthesis.exporters.json_table import JsonOptions
+from synthesis.exporters.fidelity import fidelity_json
+from synthesis.exporters.figures import profile
 from synthesis.exporters.machining import grinding, milling
 from synthesis.exporters.options import (
     CurveName,
@@ -46,8 +34,12 @@ from synthesis.exporters.options import (
     ProfileOptions,
     form,
 )
-from synthesis.exporters.picture_options import PictureOptions
+from synthesis.exporters.points import ibl_curve, sldcrv_curve, txt_points, xlsx_points
 from synthesis.exporters.report import report_with
+from synthesis.exporters.samples.cam import profiles
+from synthesis.exporters.solids import solid_step
+from synthesis.exporters.tables import csv_table, json_table, txt_table
+from synthesis.exporters.tables.json_table import JsonOptions
 
 PROFILE_FORMATS: Mapping[str, Exporter[Any]] = MappingProxyType(
     {
@@ -56,7 +48,7 @@ PROFILE_FORMATS: Mapping[str, Exporter[Any]] = MappingProxyType(
             json_table.PROFILE,
             csv_table.PROFILE,
             txt_points.PROFILE,
-            svg_profile.PROFILE,
+            profile.PROFILE,
             ibl_curve.PROFILE,
             sldcrv_curve.PROFILE,
             xlsx_points.PROFILE,
@@ -80,7 +72,7 @@ MOTION_FORMATS: Mapping[str, Exporter[Any]] = MappingProxyType(
             json_table.MOTION,
             csv_table.MOTION,
             txt_table.MOTION,
-            svg_motion.MOTION,
+            motion.MOTION,
             plain.MOTION,
             twincat.MOTION,
             codesys.MOTION,
@@ -95,7 +87,7 @@ PICTURES: Mapping[str, Exporter[Any]] = MappingProxyType(
     {
         each.name: each
         for each in (
-            svg_contact.CONTACT,
+            contact.CONTACT,
             animation_svg.ANIMATION,
             animation_page.PAGE,
             animation_json.DATA,

@@ -29,10 +29,10 @@ from synthesis.camset import CamSet, MountedCam
 from synthesis.design import Design
 from synthesis.errors import InputError
 from synthesis.exporters import MOTION_FORMATS, PROFILE_FORMATS
-from synthesis.exporters.cam import profiles
+from synthesis.exporters.diagrams.timing import timing_diagram
 from synthesis.exporters.exporter import Exporter
 from synthesis.exporters.options import CurveName, MotionOptions, Options, ProfileOptions
-from synthesis.exporters.svg_timing import timing_diagram
+from synthesis.exporters.samples.cam import profiles
 from synthesis.followers.flank import labelled
 
 LONG_AGO = (1980, 1, 1, 0, 0, 0)  # the earliest time that ZIP can hold; no clock in the bytes

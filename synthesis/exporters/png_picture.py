@@ -5,17 +5,17 @@ from __future__ import annotations
 from typing import Any
 
 from synthesis.design import Design
-from synthesis.exporters.exporter import Exporter, untold
-from synthesis.exporters.picture_options import (
+from synthesis.exporters.diagrams.contact import CONTACT
+from synthesis.exporters.diagrams.motion import MOTION
+from synthesis.exporters.drawing.picture_options import (
     CamDrawingOptions,
     DiagramOptions,
     PictureOptions,
     PixelOptions,
 )
-from synthesis.exporters.raster import rasterised
-from synthesis.exporters.svg_contact import CONTACT
-from synthesis.exporters.svg_motion import MOTION
-from synthesis.exporters.svg_profile import PROFILE
+from synthesis.exporters.drawing.raster import rasterised
+from synthesis.exporters.exporter import Exporter, untold
+from synthesis.exporters.figures.profile import PROFILE
 
 
 def _painted(name: str, drawing: Exporter[Any], options: type[Any]) -> Exporter[PixelOptions]:

@@ -13,20 +13,20 @@ from collections.abc import Iterator, Mapping, Sequence
 from typing import Any
 
 from synthesis.design import Conflict, Design, Extreme, Proof, SmoothnessPrice
-from synthesis.exporters import html
-from synthesis.exporters import svg_canvas as svg
-from synthesis.exporters.cam import profiles
-from synthesis.exporters.exporter import Exporter, untold
-from synthesis.exporters.options import Options, ProfileOptions
-from synthesis.exporters.picture_options import (
+from synthesis.exporters.diagrams.contact import CONTACT
+from synthesis.exporters.diagrams.motion import MOTION
+from synthesis.exporters.drawing import canvas as svg
+from synthesis.exporters.drawing import html
+from synthesis.exporters.drawing.heading import TURNS
+from synthesis.exporters.drawing.picture_options import (
     CamDrawingOptions,
     DiagramOptions,
     PictureOptions,
 )
-from synthesis.exporters.svg_contact import CONTACT
-from synthesis.exporters.svg_heading import TURNS
-from synthesis.exporters.svg_motion import MOTION
-from synthesis.exporters.svg_profile import PROFILE
+from synthesis.exporters.exporter import Exporter, untold
+from synthesis.exporters.figures.profile import PROFILE
+from synthesis.exporters.options import Options, ProfileOptions
+from synthesis.exporters.samples.cam import profiles
 from synthesis.findings import Sensitivities
 
 Formats = Mapping[str, Exporter[Any]]

@@ -11,7 +11,7 @@ bound tightening, in a search that takes the worst box first.)
 from __future__ import annotations
 
 import time
-from collections.abc import Sequence
+from collections.abc import Collection, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -22,16 +22,19 @@ from synthesis.formulations.control import Control, controls
 from synthesis.formulations.convex import Plan, formulate, with_rows
 from synthesis.formulations.grid import Grid, merged, over, snapped, uniform
 from synthesis.formulations.knots import all_halved, finer
-from synthesis.formulations.lair import Guess, Lair, Parts, narrowed, unknown
+from synthesis.formulations.lair import Guess, Lair, Parts, unknown
 from synthesis.formulations.local import improve_from
 from synthesis.formulations.missed import misses
 from synthesis.formulations.multipliers import ends_priced, heard
+from synthesis.formulations.narrowing import narrowed
 from synthesis.formulations.problem import Held, Nothing, Problem
 from synthesis.formulations.search import Search, Stage
+from synthesis.formulations.spreading import Spreading
 from synthesis.motion import Stretch
 from synthesis.numerics.piecewise import Array
 from synthesis.solvers.clarabel import ConeSolution, solve
 from synthesis.solvers.statuses import USABLE, Stopped
+from synthesis.terms import Vector
 
 INTERVALS = 20  # of the first laws of every climb
 FEW = 2  # times at most that these are refined for the laws that say where better cams lie
@@ -45,9 +48,12 @@ FIRST_TURNS = 3  # before a better cam is looked for
 TURNS = 8  # of hulls and rows in a box
 WORTH = 0.85  # of the hulls' width: what a turn must leave at most for another one
 ROUNDS = 5  # of finer knots
+GAIN = 0.1  # of what is missing: less is not worth another climb
 MOST_BOXES = 21
 SPREAD = 14  # points between two rows over which multipliers are spread
 RAYS = (1e2, 1e4, 1e6)
+# of laws whose second derivative may jump, one more angle says nothing of the angles beside it
+LEFT_OUT = "; limits on curvature left out: a jerk limit on every free law would bring them in"
 
 
 @dataclass(frozen=True, eq=False)
@@ -99,8 +105,11 @@ def close(state: Search) -> None:
     if state.problem.objective.fractional or not state.problem.free:
         return
     parts = {k: near for k, s in enumerate(state.problem.free) if (near := binding(state, s))}
-    quest = asked(state, best) if parts else None
+    if not parts:
+        return
+    quest = asked(state, best)
     if quest is None:
+        state.over += LEFT_OUT
         return
     started = time.perf_counter()
     lair = unknown(quest.problem, quest.steering, parts)
@@ -113,12 +122,12 @@ def close(state: Search) -> None:
     boxes, count = [box], 1
     while count < MOST_BOXES and state.left() > 0.0:
         worst = min(boxes, key=lambda box: box.lower)
-        if worst.lower >= quest.target:
+        if worst.lower >= quest.target or not worst.lair.divisible:
             break
         boxes.remove(worst)
         boxes += [explored(quest, half) for half in halves(worst)]
         count += 2
-    lowest = min(boxes, key=lambda box: box.lower)
+    lowest = finished(quest, boxes)
     state.raise_to(min(lowest.lower, quest.target), lowest.over)
     state.stages.append(
         Stage(
@@ -137,15 +146,9 @@ def binding(state: Search, free: Stretch) -> Parts:
     x = np.linspace(0.0, 1.0, SAMPLES + 1)
     worst = np.full(len(x), -np.inf)
     for cam in (state.best, state.relaxed):
-        if cam is None:
-            continue
-        (stretch,) = (s for s in cam.problem.stretches if s.index == free.index)
-        theta = stretch.start + stretch.angle * x
-        s = stretch.placed().derivatives(theta)
-        for limit in cam.problem.limits:
-            if limit.traced(stretch, cam.problem.machine):
-                for value in limit.smooth(stretch, cam.problem.machine, theta, s, cam.size):
-                    worst = np.maximum(worst, value)
+        if cam is not None:
+            (stretch,) = (s for s in cam.problem.stretches if s.index == free.index)
+            worst = np.maximum(worst, _excess(cam.problem, stretch, x, cam.size))
     where = np.flatnonzero(worst > NEAR)
     if not len(where):
         return ()
@@ -153,6 +156,17 @@ def binding(state: Search, free: Stretch) -> Parts:
     ends = np.array([[x[run[0]] - 2.0 / SAMPLES, x[run[-1]] + 2.0 / SAMPLES] for run in runs])
     places = snapped(np.clip(ends, 0.0, 1.0))  # there will be knots
     return tuple((float(low), float(high)) for low, high in places)
+
+
+def _excess(problem: Problem, stretch: Stretch, x: Array, size: Vector) -> Array:
+    """By how much limits with implied rows are broken on a settled stretch, relative: (n,)."""
+    theta = stretch.start + stretch.angle * x
+    s, worst = stretch.placed().derivatives(theta), np.full(len(x), -np.inf)
+    for limit in problem.limits:
+        if limit.traced(stretch, problem.machine):
+            for value in limit.smooth(stretch, problem.machine, theta, s, size):
+                worst = np.maximum(worst, value)
+    return worst
 
 
 def asked(state: Search, best: Candidate) -> Quest | None:
@@ -183,35 +197,69 @@ def explored(quest: Quest, box: Box, turns: int = TURNS) -> Box:
     for _ in range(turns):
         if box.lower >= quest.target or not box.grids or quest.state.left() <= 0.0:
             break
-        before, lair = box.lair.width, _narrower(quest, box)
+        among = _told(quest, box.lair)
+        before, lair = box.lair.of(among).width, _narrower(quest, box, among)
         if lair is None:
             return climbed(quest, box) if quest.state.left() > 0.0 else box
         if lair.empty:
             return replace(box, lower=quest.target)
         box = climbed(quest, replace(box, lair=lair))
-        if lair.width > WORTH * before:
+        if lair.of(among).width > WORTH * before:
             break
     return box
 
 
-def _narrower(quest: Quest, box: Box) -> Lair | None:
-    """The box's lair, narrowed with the best value held for which its few knots are enough."""
-    grids = box.grids
+def _told(quest: Quest, lair: Lair) -> tuple[int, ...]:
+    """The laws whose narrower hulls may exclude the last answer: those that break their limits.
+
+    All where it breaks none, and at first.
+    """
+    free, every = quest.problem.free, tuple(range(len(quest.problem.free)))
+    if lair.guess is None or not len(lair.planes.floors):
+        return every
+    x, hulled = np.linspace(0.0, 1.0, SAMPLES + 1), {position for position, _ in lair.hulls}
+    laws = ((k, free[k].with_law(lair.guess.laws[k].curve())) for k in hulled)
+    found = (k for k, law in laws if np.max(_excess(quest.problem, law, x, lair.guess.size)) > 0.0)
+    return tuple(sorted(found)) or every
+
+
+def _narrower(quest: Quest, box: Box, among: Collection[int]) -> Lair | None:
+    """The box's lair, narrowed with the best value held for which its few knots are enough.
+
+    ``among``: positions of the laws that are asked.
+    """
+    grids, lair = box.grids, box.lair
+    asked = left = frozenset(among)
     for problem in (*quest.keeping, quest.keeping[-1]):
         bare = tuple(Grid(grid.space, grid.space.breaks) for grid in grids)
-        left = quest.state.left()
-        if left <= 0.0:
+        seconds = quest.state.left()
+        if seconds <= 0.0 or not left or lair.empty:
             break
-        lair = narrowed(formulate(problem, bare), quest.steering, box.lair, left)
-        if lair is not None:
-            return lair
+        lair, left = narrowed(formulate(problem, bare), quest.steering, lair, left, seconds)
         if problem is quest.keeping[-1]:
-            grids = all_halved(problem, grids, [np.zeros(0)] * len(grids))
-    return None
+            halved = all_halved(problem, grids, [np.zeros(0)] * len(grids))
+            both = zip(grids, halved, strict=True)
+            grids = tuple(h if k in left else g for k, (g, h) in enumerate(both))
+    return None if left == asked else lair
 
 
-def climbed(quest: Quest, box: Box) -> Box:
-    """Cone programs with the implied rows, on finer knots where these are what is missing."""
+def finished(quest: Quest, boxes: list[Box]) -> Box:
+    """The lowest box in the end: where rows gain nothing more, finer knots still may."""
+    lowest = min(boxes, key=lambda box: box.lower)
+    while lowest.lower < quest.target and quest.state.left() > 0.0:
+        better = climbed(quest, lowest, patient=True)
+        if better.lower <= lowest.lower + GAIN * (quest.target - lowest.lower):
+            break
+        boxes = [better if box is lowest else box for box in boxes]
+        lowest = min(boxes, key=lambda box: box.lower)
+    return lowest
+
+
+def climbed(quest: Quest, box: Box, *, patient: bool = False) -> Box:
+    """Cone programs with the implied rows, on finer knots where these are what is missing.
+
+    ``patient``: on finer knots even where it is rows that leave more.
+    """
     # a cam grows in its last size variable: left open above, there is a cam to every row
     grown = (box.lair.sizes[-1][0], quest.problem.sizing.bounds[-1][1])
     inside = replace(quest.problem.sizing, bounds=(*box.lair.sizes[:-1], grown))
@@ -222,7 +270,8 @@ def climbed(quest: Quest, box: Box) -> Box:
         relaxed = formulate(problem, grids)
         plan = with_rows(relaxed, box.lair.rows(relaxed, sparing=True))
         solution = solve(plan.program, quest.state.left())
-        between = box.lair.spread(plan, SPREAD, sparing=True)
+        rows = box.lair.between(plan, SPREAD, sparing=True)
+        between = Spreading.of(plan, rows, SPREAD)
         ends = ends_priced(plan, solution, heard(plan, solution), 3)
         dense = replace(solution, multipliers=between.masses(solution.multipliers, ends))
         if solution.stopped is Stopped.INFEASIBLE:
@@ -246,7 +295,8 @@ def climbed(quest: Quest, box: Box) -> Box:
         if box.lower >= quest.target or quest.state.left() <= 0.0:
             break
         left = quest.target - found.value
-        if left > 0.0 and (number >= FEW or found.value - lower.value < ENOUGH * left):
+        few = number >= FEW or found.value - lower.value < ENOUGH * left
+        if left > 0.0 and few and not patient:
             break
         grids = finer(problem, grids, found, lower, [np.zeros(0)] * len(grids))
     return box
@@ -291,11 +341,7 @@ def halves(box: Box) -> list[Box]:
     found = []
     for part in ((low, middle), (middle, high)):
         inside = (*sizes[:axis], part, *sizes[axis + 1 :])
-        hulls = {
-            key: replace(hull, offsets=key[1].offsets(inside))
-            for key, hull in box.lair.hulls.items()
-        }
-        found.append(replace(box, lair=replace(box.lair, sizes=inside, hulls=hulls)))
+        found.append(replace(box, lair=box.lair.inside(inside)))
     return found
 
 

@@ -115,8 +115,13 @@ def block(
     grid: Grid,
     scales: Scales,
     drawn: Drawn,
+    *,
+    bare: bool = False,
 ) -> Block:
-    """Rows at the grid's points, each divided by its natural size."""
+    """Rows at the grid's points, each divided by its natural size.
+
+    ``bare``: without the splines' matrix, which bounds over all laws do not read.
+    """
     alpha = cuts.coefficients * (stretch.lift / stretch.angle ** np.arange(4))[:, None]
     size = cuts.size * scales.size
     scale = np.maximum(
@@ -124,10 +129,11 @@ def block(
     )
     rhs = rounded((cuts.upper - cuts.coefficients[0] * stretch.s_start) / scale)
     alpha, size = rounded(alpha / scale), rounded(size / scale)
-    orders = np.flatnonzero(np.any(alpha != 0.0, axis=1))
-    laws = sum(alpha[k][:, None] * grid.space.basis(grid.points, int(k)) for k in orders)
+    laws = np.zeros((len(grid.points), 0 if bare else grid.space.size))
+    for k in () if bare else np.flatnonzero(np.any(alpha != 0.0, axis=1)):
+        laws += alpha[k][:, None] * grid.space.basis(grid.points, int(k))
     return Block(
-        "point", position, np.asarray(laws), grid.points, alpha, size.T, 0.0, rhs,
+        "point", position, None if bare else laws, grid.points, alpha, size.T, 0.0, rhs,
         source, drawn.tighten + drawn.margin,
     )  # fmt: skip
 

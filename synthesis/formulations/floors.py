@@ -14,6 +14,7 @@ from itertools import pairwise
 from math import factorial
 
 import numpy as np
+from numpy.typing import NDArray
 
 from synthesis.formulations.control import Control
 from synthesis.formulations.convex import Plan
@@ -40,13 +41,23 @@ class Wanted:
 
     def costs(self, plan: Plan) -> list[Array]:
         """The same as objectives of the plan's program, but for constants: one (n,) each."""
-        found = np.zeros((len(self.law), plan.program.matrix.shape[1]))
+        found = np.zeros((len(self.x), plan.program.matrix.shape[1]))
         found[:, plan.size] = self.size
-        for position, columns in enumerate(plan.columns):
-            mine = np.flatnonzero(self.law == position)
-            dense = _basis(plan, position, self.x[mine], self.alpha[mine])
-            found[mine, columns] = plan.settled[position].split(dense)[0]
+        for position in np.unique(self.law):
+            mine, rows = self.on(plan, position)
+            found[mine, plan.columns[position]] = plan.settled[position].split(rows)[0]
         return list(found)
+
+    def on(self, plan: Plan, position: int) -> tuple[NDArray[np.intp], Array]:
+        """Which of them speak of one law, and their factors (k, n) of its coefficients."""
+        mine = np.flatnonzero(self.law == position)
+        space, alpha = plan.grids[position].space, self.alpha[mine]
+        rows = np.zeros((len(mine), space.size))
+        for order in np.flatnonzero(np.any(alpha, axis=0)):
+            acting = alpha[:, order] != 0.0
+            table = space.basis(self.x[mine[acting]], int(order))
+            rows[acting] += alpha[acting, order][:, None] * table
+        return mine, rows
 
 
 def floors(
@@ -120,8 +131,11 @@ def _paid(
     plan: Plan, wanted: Wanted, z: Array, ends: Array
 ) -> tuple[list[tuple[Array, Array]], Array]:
     """All that acts on every law, its end prices among it: points, weights; and these prices."""
-    said = list(_said(plan))
-    laws = [_booked(plan, position, said, wanted, z) for position in range(len(plan.grids))]
+    said: list[list[tuple[int, Block]]] = [[] for _ in plan.grids]
+    for first, block in _said(plan):
+        if block.stretch is not None:
+            said[block.stretch].append((first, block))
+    laws = [_booked(plan, position, own, wanted, z) for position, own in enumerate(said)]
     starts = np.stack([_starts(x, weights) for x, weights in laws], axis=1)
     ends = _matched(plan, starts, ends)
     paid = [
@@ -135,12 +149,6 @@ def solved_prices(plan: Plan, wanted: Wanted, multipliers: Array) -> Array:
     """The solver's prices of g, g' and g'' at the end of every law: (q, laws, 3)."""
     laws = range(len(plan.grids))
     return np.stack([_end_prices(plan, k, wanted, multipliers) for k in laws], axis=1)
-
-
-def _basis(plan: Plan, position: int, x: Array, alpha: Array) -> Array:
-    """alpha · (g, g', g'') at x of every basis function: (q, n)."""
-    space = plan.grids[position].space
-    return np.asarray(sum(alpha[:, k, None] * space.basis(x, k) for k in range(ORDER)))
 
 
 def _said(plan: Plan) -> Iterator[tuple[int, Block]]:
@@ -171,11 +179,9 @@ def _booked(
     wanted: Wanted,
     z: Array,
 ) -> tuple[Array, Array]:
-    """What all rows and the quantities put on one law: points (p,), weights (q, p, 3)."""
+    """What its rows and the quantities put on one law: points (p,), weights (q, p, 3)."""
     points, weights = [np.zeros(0)], [np.zeros((len(z), 0, ORDER))]
     for first, block in said:
-        if block.stretch != position:
-            continue
         prices = z[:, first : first + len(block.rhs)]
         x, alpha = _acting(plan, block)
         points.append(x)
@@ -217,8 +223,8 @@ def _end_prices(plan: Plan, position: int, wanted: Wanted, z: Array) -> Array:
         if block.stretch == position and block.laws is not None:
             gradient += z[:, at : at + len(block.rhs)] @ block.laws[:, last]
         at += len(block.rhs)
-    mine = np.flatnonzero(wanted.law == position)
-    gradient[mine] += _basis(plan, position, wanted.x[mine], wanted.alpha[mine])[:, last]
+    mine, rows = wanted.on(plan, position)
+    gradient[mine] += rows[:, last]
     prices, at = np.zeros((len(z), max(ORDER, count))), 0
     for joint in plan.joints:
         before, after = joint_rows(joint, plan.problem.free, plan.grids)
@@ -245,18 +251,30 @@ def _starts(x: Array, weights: Array) -> Array:
 
 
 def _matched(plan: Plan, starts: Array, near: Array) -> Array:
-    """The nearest end prices (q, laws, 3) at which values that joints share cancel."""
-    if not plan.joints:
-        return near
-    laws = len(plan.grids)
+    """The nearest end prices (q, laws, 3) at which values that nothing settles cancel.
+
+    Initial values that joints share, and those beside a joint that is left out. An end value that
+    is neither known nor shared has no price.
+    """
+    shared = {
+        (joint.before, k): ratio for joint in plan.joints for k, ratio in _ratios(plan, joint)
+    }
+    arriving = {
+        (joint.after, k): (joint.before, ratio)
+        for joint in plan.joints
+        for k, ratio in _ratios(plan, joint)
+    }
     matrix, rhs = [], []
-    for joint in plan.joints:
-        for k, ratio in _ratios(plan, joint):
-            row = np.zeros((laws, ORDER))
-            row[joint.after, : k + 1] = [1.0 / factorial(k - j) for j in range(k + 1)]
-            row[joint.before, k] += ratio
+    for position, known in enumerate(plan.settled):
+        priced = [k < len(known.end) or (position, k) in shared for k in range(ORDER)]
+        for k in range(len(known.start), ORDER):
+            row = np.zeros((len(plan.grids), ORDER))
+            row[position, : k + 1] = [priced[j] / factorial(k - j) for j in range(k + 1)]
+            if (position, k) in arriving:
+                before, ratio = arriving[position, k]
+                row[before, k] += ratio
             matrix.append(row.ravel())
-            rhs.append(-starts[:, joint.after, k])
+            rhs.append(-starts[:, position, k])
     if not matrix:
         return near
     table, flat = np.array(matrix), near.reshape(len(near), -1)

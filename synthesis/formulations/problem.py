@@ -86,7 +86,7 @@ class Problem:
             "asked for"
         )
 
-    @property
+    @cached_property
     def free(self) -> tuple[Stretch, ...]:
         """The stretches whose law is part of the answer."""
         return tuple(s for s in self.stretches if s.law is None)

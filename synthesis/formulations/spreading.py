@@ -81,16 +81,16 @@ class Spreading:
     arcs: tuple[Arcs | None, ...]
 
     @classmethod
-    def of(cls, plan: Plan, blocks: Sequence[Block], arcs: Sequence[Arcs], each: int) -> Spreading:
+    def of(cls, plan: Plan, denser: Sequence[tuple[Block, Arcs]], each: int) -> Spreading:
         """For a plan whose last blocks are these with fewer points.
 
         Of the others those that hold all along a law, with the same factors everywhere, too.
         """
         found = list[tuple[Block, Arcs | None]]()
-        for block in plan.blocks[: len(plan.blocks) - len(blocks)]:
+        for block in plan.blocks[: len(plan.blocks) - len(denser)]:
             arc = _all_along(block, each)
             found.append((block if arc is None else _alike(block, arc.points), arc))
-        found += zip(blocks, arcs, strict=True)
+        found += denser
         dense = tuple(block for block, _ in found)
         program = replace(plan.program, inequalities=sum(len(block.rhs) for block in dense))
         return cls(replace(plan, blocks=dense, program=program), tuple(arc for _, arc in found))

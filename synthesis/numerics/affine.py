@@ -15,18 +15,18 @@ evaluate under ``np.errstate(all="ignore")``.
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from typing import Any, Final
+from typing import ClassVar, Final
 
 import numpy as np
 
+from synthesis.numerics.on_models import ARITHMETIC, OnModels, Rules
 from synthesis.numerics.piecewise import Array
 
 ROUNDING: Final = 2.0**-47
 FARTHER: Final = 1.2  # of a known range: slopes are worth as much
 
 
-class Affine:
+class Affine(OnModels):
     """A model on each of n boxes; see the module's text.
 
     Attributes:
@@ -34,6 +34,11 @@ class Affine:
     """
 
     __slots__ = ("c", "g", "rem")
+    rules: ClassVar[Rules] = {
+        **ARITHMETIC,
+        np.maximum: lambda f, g: _maximum(f, g),
+        np.minimum: lambda f, g: -_maximum(-f, -g),
+    }
 
     def __init__(self, c: Array, g: Array, rem: Array) -> None:
         self.c, self.g, self.rem = c, g, rem
@@ -132,12 +137,6 @@ class Affine:
         rem = np.where(own, self.rem, half + ROUNDING * (abs(low) + abs(high)))
         return Affine(np.where(own, self.c, middle), np.where(own, self.g, 0.0), rem)
 
-    def __array_ufunc__(self, ufunc: np.ufunc, method: str, *inputs: Any, **kwargs: Any) -> Any:
-        rule = _UFUNCS.get(ufunc)
-        if rule is None or method != "__call__" or kwargs:
-            return NotImplemented
-        return rule(*inputs)
-
 
 def _maximum(f: Affine, g: Affine) -> Affine:
     """The larger one where that is known, else (f + g + |f − g|)/2."""
@@ -147,17 +146,3 @@ def _maximum(f: Affine, g: Affine) -> Affine:
         pairs = zip((one.c, one.g, one.rem), (either.c, either.g, either.rem), strict=True)
         either = Affine(*(np.where(sure, mine, other) for mine, other in pairs))
     return either
-
-
-# NumPy's names for the same things, so that np.sqrt(f) and np.float64(2) * f work on models
-_UFUNCS: dict[np.ufunc, Callable[..., Any]] = {
-    np.add: lambda a, b: b.__radd__(a),
-    np.subtract: lambda a, b: b.__rsub__(a),
-    np.multiply: lambda a, b: b.__rmul__(a),
-    np.divide: lambda a, b: b.__rtruediv__(a),
-    np.negative: lambda a: -a,
-    np.sqrt: Affine.sqrt,
-    np.absolute: Affine.__abs__,
-    np.maximum: _maximum,
-    np.minimum: lambda f, g: -_maximum(-f, -g),
-}

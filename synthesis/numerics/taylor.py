@@ -23,17 +23,19 @@ evaluate under ``np.errstate(all="ignore")`` and ask ``finite``.
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from typing import Any, Final
+from operator import methodcaller
+from typing import Any, ClassVar, Final
 
 import numpy as np
 from numpy.typing import NDArray
+
+from synthesis.numerics.on_models import ARITHMETIC, OnModels, Rules
 
 Array = NDArray[np.float64]
 ROUNDING: Final = 2.0**-48
 
 
-class Taylor:
+class Taylor(OnModels):
     """A quadratic Taylor model on each of n boxes; see the module's text.
 
     Attributes:
@@ -42,6 +44,12 @@ class Taylor:
     """
 
     __slots__ = ("c0", "c1", "c2", "mag", "rem")
+    rules: ClassVar[Rules] = {
+        **ARITHMETIC,
+        np.sin: methodcaller("sin"),
+        np.cos: methodcaller("cos"),
+        np.arctan2: lambda y, x: _angle(y, x),
+    }
 
     def __init__(self, c0: Array, c1: Array, c2: Array, rem: Array, mag: Array) -> None:
         self.c0, self.c1, self.c2, self.rem, self.mag = c0, c1, c2, rem, mag
@@ -220,12 +228,6 @@ class Taylor:
         low = np.where(there < below, vertex, -side)
         return np.maximum(above, there), np.minimum(below, there), high, low
 
-    def __array_ufunc__(self, ufunc: np.ufunc, method: str, *inputs: Any, **kwargs: Any) -> Any:
-        rule = _UFUNCS.get(ufunc)
-        if rule is None or method != "__call__" or kwargs:
-            return NotImplemented
-        return rule(*inputs)
-
 
 def _angle(y: Taylor | float, x: Taylor | float) -> Taylor:
     """The angle of (x, y), of which one may be a number."""
@@ -256,18 +258,3 @@ def _parts(value: Taylor | float) -> tuple[Any, Any, Any, Any, Any]:
 def _positive(value: Array) -> Array:
     """The value where it is positive, else 0: dividing by it leaves no remainder standing."""
     return np.where(value > 0.0, value, 0.0)
-
-
-# NumPy's names for the same things, so that np.sqrt(s) and np.float64(2) * s work on models
-_UFUNCS: dict[np.ufunc, Callable[..., Any]] = {
-    np.add: lambda a, b: b.__radd__(a),
-    np.subtract: lambda a, b: b.__rsub__(a),
-    np.multiply: lambda a, b: b.__rmul__(a),
-    np.divide: lambda a, b: b.__rtruediv__(a),
-    np.negative: lambda a: -a,
-    np.absolute: Taylor.__abs__,
-    np.sqrt: Taylor.sqrt,
-    np.sin: Taylor.sin,
-    np.cos: Taylor.cos,
-    np.arctan2: _angle,
-}

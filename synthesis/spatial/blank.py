@@ -9,7 +9,7 @@ import numpy as np
 from pydantic import Field
 
 from synthesis.errors import InputError
-from synthesis.exporters.exact_options import Bore
+from synthesis.exporters.curves.exact_options import Bore
 from synthesis.exporters.options import Options
 from synthesis.geometry.charts import Chart
 from synthesis.geometry.swept_roller import cross, dot, norm

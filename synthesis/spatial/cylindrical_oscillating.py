@@ -6,22 +6,21 @@ import math
 from collections.abc import Mapping
 from typing import Annotated, ClassVar, Literal
 
-from pydantic import Field, model_validator
+from pydantic import Field
 from pydantic_core import PydanticCustomError
 
-from synthesis.geometry.charts import Chart, Drum
 from synthesis.geometry.swept_roller import SweptRoller
-from synthesis.ranges import Dimension, Range
-from synthesis.spatial import drum, roller
+from synthesis.spatial import drum
+from synthesis.spatial.cylindrical_follower import CylindricalFollower
 from synthesis.spatial.leverage import Leverage
-from synthesis.spatial.machine import Seat, SpatialMachine
+from synthesis.spatial.machine import Seat
 from synthesis.spatial.swinging import SwingPressure
 from synthesis.units import DEGREE, Travel
 
 SQUARE = 0.5 * math.pi
 
 
-class CylindricalOscillating(SpatialMachine):
+class CylindricalOscillating(CylindricalFollower):
     """An arm whose pivot crosses the cam's axis at a right angle, some way off, as its roller does.
 
     Frame as in ``drum``; the pivot is at y = pivot distance, z = 0, and parallel to x. Where the
@@ -31,8 +30,6 @@ class CylindricalOscillating(SpatialMachine):
     kind: Literal["cylindrical_oscillating"] = "cylindrical_oscillating"
     title: ClassVar[str] = "cylindrical cam, follower on an arm"
     travel: ClassVar[Travel] = Travel("deg", DEGREE)
-    sought: ClassVar[str] = "cylinder_radius_mm"
-    unrolls: ClassVar[bool] = True
 
     arm_mm: Annotated[
         float,
@@ -61,21 +58,6 @@ class CylindricalOscillating(SpatialMachine):
             "cam's axis, growing with the motion. Minus half the swing is symmetric.",
         ),
     ] = 0.0
-    cylinder_radius_mm: Dimension = None
-    roller_radius_mm: Dimension = None
-    roller_width_mm: roller.RollerDepth
-    crown_radius_mm: roller.CrownRadius = None
-    roller_distance_mm: drum.RollerDistance = None
-
-    @model_validator(mode="after")
-    def _fits(self) -> CylindricalOscillating:
-        roller.check_crown(self.roller_width_mm, self.crown_radius_mm, self.roller_radius_mm)
-        drum.check_room(self.cylinder_radius_mm, self.roller_width_mm)
-        drum.check_rib(self.roller_distance_mm, self.roller_radius_mm)
-        return self
-
-    def sizes(self) -> Mapping[str, float | Range | None]:
-        return {name: getattr(self, name) for name in ("cylinder_radius_mm", "roller_radius_mm")}
 
     def swept(self, sizes: Mapping[str, float], turns: int) -> SweptRoller:
         joint, origin = drum.arm(*self._lengths)
@@ -92,18 +74,6 @@ class CylindricalOscillating(SpatialMachine):
         rest, distance = self.initial_angle_deg * DEGREE, self.roller_distance_mm
         apart = None if distance is None else 2.0 * math.atan2(0.5 * distance, self.arm_mm)
         return drum.seats(rest, apart)
-
-    def mesh(self, sizes: Mapping[str, float]) -> tuple[float, float]:
-        return drum.EVERYWHERE
-
-    def chart(self, sizes: Mapping[str, float]) -> Chart:
-        return Drum()
-
-    def cylinder(self, sizes: Mapping[str, float]) -> tuple[float, float]:
-        return drum.cylinder(sizes, self.roller_width_mm)
-
-    def check_gain(self, gain: float) -> None:
-        drum.check_return(gain, self.travel)
 
     def check_reach(self, lowest: float, highest: float) -> None:
         drum.check_moves(lowest, highest)
@@ -125,10 +95,6 @@ class CylindricalOscillating(SpatialMachine):
     def sizable(self) -> bool:
         # where a roller's axis passes beside the cam's, a crown's contacts lean otherwise
         return self.crown_radius_mm is None
-
-    def rest_rib(self, sizes: Mapping[str, float]) -> float:
-        distance = self.roller_distance_mm
-        return math.inf if distance is None else distance - 2.0 * sizes["roller_radius_mm"]
 
     def reach(self, sizes: Mapping[str, float]) -> float:
         return self._lengths[0]

@@ -12,7 +12,7 @@ from pydantic_core import PydanticCustomError
 
 from synthesis.fields import CamRotation, CamSpeed, Name
 from synthesis.motion import Stretch
-from synthesis.placing import angles_of, check_turn, placed
+from synthesis.placing import angles_of, check_turn, check_units, placed
 from synthesis.program import Segment
 from synthesis.ranges import Range, ends
 from synthesis.spatial.freedom import check_free
@@ -64,33 +64,13 @@ class SpatialCamSpec(BaseModel):
     @model_validator(mode="after")
     def _closes(self) -> SpatialCamSpec:
         unit, kind = self.machine.travel.unit, self.machine.kind
-        for position, segment in enumerate(self.program):
-            for given in sorted(segment.units - {unit}):
-                raise PydanticCustomError(
-                    "lift_does_not_suit",
-                    "program/{position} gives its lift in {given}, but the follower of a {kind} "
-                    "moves by {unit}. Give lift_{unit} instead of lift_{given}.",
-                    {"position": position, "given": given, "kind": kind, "unit": unit},
-                )
+        moves = f"the follower of a {kind} moves by {unit}"
+        check_units(self.program, self.limits, unit, moves)
         check_turn(self.program)
         self.machine.check_gain(self.gain)
         placed = self.stretches()
         levels = [level for each in placed for level in (each.s_start, each.highest)]
         self.machine.check_reach(min(*levels, placed[-1].s_end), max(levels))
-        return self
-
-    @model_validator(mode="after")
-    def _limits_suit(self) -> SpatialCamSpec:
-        unit, kind = self.machine.travel.unit, self.machine.kind
-        for position, limit in enumerate(self.limits):
-            if limit.travel_unit not in (None, unit):
-                raise PydanticCustomError(
-                    "limit_unit_does_not_suit",
-                    "limits/{position} ({limit}) is given in {given}, but the follower of a {kind} "
-                    "moves by {unit}. Give the limit's field with {unit} in its name.",
-                    {"position": position, "limit": limit.kind, "given": limit.travel_unit,
-                     "kind": kind, "unit": unit},
-                )  # fmt: skip
         return self
 
     @model_validator(mode="after")

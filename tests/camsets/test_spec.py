@@ -16,7 +16,7 @@ from synthesis.camset_spec import MAX_CAMS, within_half_turn, within_turn
 from synthesis.design import Design
 from synthesis.errors import SolverFailed, TimeBudgetExceeded
 from synthesis.exporters.bundle import folders
-from synthesis.exporters.svg_timing import timing_diagram
+from synthesis.exporters.diagrams.timing import timing_diagram
 from tests.camsets.sets import INLET, PRESS, asked, body
 
 

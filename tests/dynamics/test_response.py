@@ -19,7 +19,7 @@ from synthesis.dynamics.chain import Chain
 from synthesis.dynamics.phi import phi
 from synthesis.dynamics.response import Steps, from_rest, steady
 from synthesis.dynamics.spectrum import residuals
-from synthesis.exporters.train_csv import TrainOptions, response_csv
+from synthesis.exporters.tables.train_csv import TrainOptions, response_csv
 from synthesis.motion import Motion
 from synthesis.numerics.piecewise import Array
 from synthesis.terms import Ringing

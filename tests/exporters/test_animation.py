@@ -14,7 +14,7 @@ import numpy as np
 import pytest
 
 from synthesis.exporters import PICTURES, PictureOptions
-from synthesis.exporters.cam import Cam
+from synthesis.exporters.samples.cam import Cam
 from tests.exporters.test_drawings import SVG, of_class, path_points, text_boxes
 from tests.exporters.test_mechanism import CAMS, drawn_cam
 from tests.followers.samples import SAMPLES, spec

@@ -18,7 +18,7 @@ from synthesis import CamSet, synthesise_set
 from synthesis.errors import InputError
 from synthesis.exporters import PROFILE_FORMATS, MotionOptions, PointOptions, ProfileOptions
 from synthesis.exporters.bundle import BundleOptions, bundle, bundle_files, folders
-from synthesis.exporters.svg_timing import timing_diagram
+from synthesis.exporters.diagrams.timing import timing_diagram
 from tests.camsets.sets import INLET, PRESS, asked, body
 
 STEEP = PRESS | {

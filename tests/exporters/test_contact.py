@@ -15,9 +15,9 @@ from synthesis.exporters import (
     PROFILE_FORMATS,
     PictureOptions,
 )
-from synthesis.exporters.cam import Cam
-from synthesis.exporters.plot import linear, radii
-from synthesis.exporters.theme import THEMES
+from synthesis.exporters.diagrams.plot import linear, radii
+from synthesis.exporters.drawing.theme import THEMES
+from synthesis.exporters.samples.cam import Cam
 from tests.exporters.test_drawings import (
     SVG,
     Diagram,

@@ -10,7 +10,7 @@ import pytest
 from synthesis import Design, DesignSpec, synthesise
 from synthesis.errors import InputError
 from synthesis.exporters import PROFILE_FORMATS, ProfileOptions
-from synthesis.exporters.cutting import chosen, largest_cutter
+from synthesis.exporters.samples.cutting import chosen, largest_cutter
 from tests.exporters.test_flanks import CLOSURES, asked
 from tests.exporters.test_points import away, points
 

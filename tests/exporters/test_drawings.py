@@ -15,8 +15,8 @@ from matplotlib.textpath import TextPath
 
 from synthesis.design import Design
 from synthesis.exporters import MOTION_FORMATS, PROFILE_FORMATS
-from synthesis.exporters.picture_options import CamDrawingOptions, DiagramOptions
-from synthesis.exporters.svg_profile import shown_at
+from synthesis.exporters.drawing.picture_options import CamDrawingOptions, DiagramOptions
+from synthesis.exporters.figures.profile import shown_at
 from tests.exporters.conftest import P1_PROGRAM
 
 SVG = "{http://www.w3.org/2000/svg}"

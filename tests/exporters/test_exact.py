@@ -18,9 +18,9 @@ from synthesis.analysis import given
 from synthesis.design import Design
 from synthesis.errors import InputError
 from synthesis.exporters import PROFILE_FORMATS, DrawingOptions, ExactOptions
-from synthesis.exporters.cam import Cam
-from synthesis.exporters.contour import Contour
-from synthesis.exporters.step_curve import SCHEMA
+from synthesis.exporters.curves.contour import Contour
+from synthesis.exporters.curves.step_curve import SCHEMA
+from synthesis.exporters.samples.cam import Cam
 from synthesis.followers import TranslatingRoller
 from synthesis.geometry.closed_spline import closed_spline
 from synthesis.motion import Motion, Stretch

@@ -16,8 +16,8 @@ from scipy.optimize import minimize_scalar
 
 from synthesis import Design, DesignSpec, synthesise
 from synthesis.exporters import PROFILE_FORMATS, PointOptions, ProfileOptions
-from synthesis.exporters.cam import Cam
 from synthesis.exporters.fidelity.riding import Touched, ride
+from synthesis.exporters.samples.cam import Cam
 from tests.exporters.test_flanks import CLOSURES, asked
 from tests.exporters.test_points import away, points
 

@@ -10,8 +10,8 @@ import pytest
 from synthesis.analysis import given
 from synthesis.answer import design
 from synthesis.design import Design
-from synthesis.exporters.cam import Cam
-from synthesis.exporters.mechanism import Contact, Mechanism
+from synthesis.exporters.figures.mechanism import Contact, Mechanism
+from synthesis.exporters.samples.cam import Cam
 from tests.followers.samples import CASES, spec
 
 COUNT = 3600

@@ -14,7 +14,7 @@ from PIL import Image
 
 from synthesis.errors import ExtraMissing, InputError
 from synthesis.exporters import DRAWINGS, PICTURES
-from synthesis.exporters.raster import rasterised
+from synthesis.exporters.drawing.raster import rasterised
 from tests.exporters.test_drawings import NUMBER, SVG, floats, of_class, path_points
 
 WIDTH = 1100

@@ -19,7 +19,7 @@ from synthesis.exporters import (
     PictureOptions,
     report_with,
 )
-from synthesis.exporters.svg_canvas import figure
+from synthesis.exporters.drawing.canvas import figure
 from synthesis.findings import Sensitivities, Sensitivity
 from synthesis.spec import DesignSpec
 from tests.exporters.conftest import extreme

@@ -7,7 +7,7 @@ import pytest
 from hypothesis import example, given
 from hypothesis import strategies as st
 
-from synthesis.exporters.shortest import joined, written
+from synthesis.exporters.tables.shortest import joined, written
 
 
 def texts(values: np.ndarray) -> list[str]:

@@ -21,12 +21,13 @@ from OCP.TopoDS import TopoDS_Compound
 
 from synthesis import Design, synthesise
 from synthesis.errors import ExtraMissing, InputError
-from synthesis.exporters import SOLID_FORMATS, solid_step
-from synthesis.exporters.blank import blank
-from synthesis.exporters.exact import exact_curve
-from synthesis.exporters.exact_options import ExactOptions
-from synthesis.exporters.keyway import Bore, bore_of
-from synthesis.exporters.solid_options import SolidOptions
+from synthesis.exporters import SOLID_FORMATS
+from synthesis.exporters.curves.exact import exact_curve
+from synthesis.exporters.curves.exact_options import ExactOptions
+from synthesis.exporters.solids import solid_step
+from synthesis.exporters.solids.blank import blank
+from synthesis.exporters.solids.keyway import Bore, bore_of
+from synthesis.exporters.solids.solid_options import SolidOptions
 from tests.exporters.kernel import shape
 from tests.exporters.test_flanks import CLOSURES, asked
 

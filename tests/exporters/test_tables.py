@@ -19,8 +19,8 @@ from synthesis.exporters import (
     MotionOptions,
     ProfileOptions,
 )
-from synthesis.exporters.columns import Column
-from synthesis.exporters.json_table import _column
+from synthesis.exporters.samples.columns import Column
+from synthesis.exporters.tables.json_table import _column
 
 PER_DEGREE = 2.7  # 972 steps of 0.37037…°
 PROFILE_HEADER = (

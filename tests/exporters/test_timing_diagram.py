@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from synthesis import CamSet, synthesise_set
-from synthesis.exporters.svg_timing import LEFT, RIGHT, WIDTH, displacement, timing_diagram
+from synthesis.exporters.diagrams.timing import LEFT, RIGHT, WIDTH, displacement, timing_diagram
 from tests.camsets.sets import INLET, asked, body
 from tests.exporters.test_bundle import STEEP
 from tests.exporters.test_drawings import SVG, floats, of_class, path_points, text_boxes, texts

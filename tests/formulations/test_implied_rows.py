@@ -22,7 +22,8 @@ from synthesis.formulations.closing import (
 from synthesis.formulations.convex import formulate
 from synthesis.formulations.cuts import Region
 from synthesis.formulations.grid import Grid, over, uniform
-from synthesis.formulations.lair import Guess, narrowed, unknown
+from synthesis.formulations.lair import Guess, unknown
+from synthesis.formulations.narrowing import narrowed
 from synthesis.formulations.nonlinear import improve
 from synthesis.formulations.problem import pose
 from synthesis.formulations.refine import search
@@ -210,8 +211,8 @@ def test_a_better_cam_lies_where_better_cams_are_said_to_lie(found, finer):
     grids = tuple(Grid(g.space, g.space.breaks) for g in (uniform(s, 45) for s in better.free))
     plan = formulate(better, grids)
     for _ in range(2):  # the second time with the rows that the first one gave
-        lair = narrowed(plan, quest.steering, lair)
-        assert lair is not None
+        lair, stuck = narrowed(plan, quest.steering, lair, range(len(grids)))
+        assert not stuck
         assert not lair.empty
         keeps(lair, found.problem, finer)
     assert all(high - low < 3.0 for low, high in lair.sizes)
@@ -249,8 +250,9 @@ def test_rows_at_the_guess_alone_are_one_a_knot_and_hold_there(found):
         Grid(g.space, g.space.breaks) for g in (uniform(s, 45) for s in quest.problem.free)
     )
     plan = formulate(quest.keeping[1], grids)
-    lair = narrowed(plan, quest.steering, unknown(quest.problem, quest.steering, parts))
-    assert lair is not None
+    open_ = unknown(quest.problem, quest.steering, parts)
+    lair, stuck = narrowed(plan, quest.steering, open_, range(len(grids)))
+    assert not stuck
     guessed = replace(lair, guess=Guess(found.best.laws, found.best.size))
     without, all_rows, sparing = (
         lair.rows(plan),
@@ -277,6 +279,15 @@ def test_hollow_flanks_that_a_cutter_must_fit():
     assert quick.certificate.gap > 0.15
     assert close.certificate.gap <= 0.03
     assert close.certificate.lower_bound <= quick.objectives["base_radius_mm"]
+
+
+def test_without_a_jerk_limit_the_answer_says_what_its_bound_leaves_out():
+    scene = deepcopy(SCENE)
+    scene["limits"][1] = {"kind": "acceleration", "max_mm_per_s2": 2.5e4}
+    told = synthesise(DesignSpec.model_validate({**scene, "proof": "thorough"})).certificate
+    assert told.gap > 0.1
+    assert told.bound_over.startswith("all motion laws with a bounded acceleration; limits on curv")
+    assert "jerk limit" in told.bound_over
 
 
 def test_a_ring_s_outer_flank_too():

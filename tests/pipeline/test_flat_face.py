@@ -14,7 +14,7 @@ from scipy.optimize import minimize_scalar
 
 from synthesis.design import Design, Extreme
 from synthesis.exporters import MOTION_FORMATS, PROFILE_FORMATS, ProfileOptions
-from synthesis.exporters.picture_options import CamDrawingOptions
+from synthesis.exporters.drawing.picture_options import CamDrawingOptions
 from synthesis.laws import LAWS
 from synthesis.pipeline import synthesise
 from tests.formulations.scenes import LIFT, acceleration, jerk

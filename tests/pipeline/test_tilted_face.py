@@ -17,7 +17,7 @@ from service.examples import examples
 from synthesis.analysis import analyse
 from synthesis.design import Design
 from synthesis.exporters import PROFILE_FORMATS
-from synthesis.exporters.picture_options import CamDrawingOptions
+from synthesis.exporters.drawing.picture_options import CamDrawingOptions
 from synthesis.pipeline import synthesise
 from synthesis.spec import DesignSpec
 from tests.formulations.scenes import LIFT, jerk

@@ -34,6 +34,9 @@ def test_swagger_sends_a_worked_example(
     answer = operation.locator(".live-responses-table .response").first
     expect(answer.locator(".response-col_status")).to_contain_text("200")
     expect(answer).to_contain_text("base_radius_mm")
+    operation.get_by_role("tab", name="Schema").first.click()
+    expect(operation.locator(".model-example").first).to_contain_text("time_budget_s")
+    assert closed.refused == []
     answer.scroll_into_view_if_needed()
     picture(page, tmp_path, "executed")
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from collections import Counter
 from typing import Any
 
 import httpx2
@@ -18,6 +19,12 @@ OPERATIONS = [
     for path, methods in DOCUMENT["paths"].items()
     for method, operation in methods.items()
 ]
+
+
+def meant(part: dict[str, Any]) -> dict[str, Any]:
+    """What stands there, or what it refers to."""
+    kind, _, name = part.get("$ref", "").removeprefix("#/components/").partition("/")
+    return DOCUMENT["components"][kind][name] if name else part
 
 
 def test_the_committed_document_is_the_one_that_is_served(client: httpx2.Client) -> None:
@@ -39,10 +46,10 @@ def test_names_for_generated_clients_are_clean_and_unique() -> None:
 def test_everything_is_said_in_words(operation: dict[str, Any]) -> None:
     assert operation["summary"]
     assert operation["tags"]
-    for parameter in operation.get("parameters", []):
+    for parameter in map(meant, operation.get("parameters", [])):
         described = parameter.get("description") or parameter["schema"].get("description")
         assert described or parameter["in"] == "path", parameter
-    for status, response in operation["responses"].items():
+    for status, response in ((at, meant(each)) for at, each in operation["responses"].items()):
         assert response["description"]
         if status >= "400" and operation["operationId"] != "get_readyz":
             schema = response["content"]["application/problem+json"]["schema"]
@@ -61,6 +68,22 @@ def test_every_reference_leads_somewhere() -> None:
         at: Any = DOCUMENT
         for part in reference.removeprefix("#/").split("/"):
             at = at[part]
+
+
+def test_what_operations_have_alike_stands_once() -> None:
+    alike = Counter[str]()
+    for _, _, operation in OPERATIONS:
+        answers = (part for status, part in operation["responses"].items() if status != "200")
+        for part in (*operation.get("parameters", []), *answers):
+            if "$ref" not in part:
+                alike[json.dumps(part, sort_keys=True)] += 1
+    assert [part for part, count in alike.items() if count > 1] == []
+    used = json.dumps(DOCUMENT["paths"])
+    for kind in ("parameters", "responses"):
+        for name in DOCUMENT["components"][kind]:
+            assert used.count(f'"#/components/{kind}/{name}"') > 1
+    for name, parameter in DOCUMENT["components"]["parameters"].items():
+        assert name.partition("_no_")[0] == parameter["name"]
 
 
 def test_fields_of_answers_are_described() -> None:

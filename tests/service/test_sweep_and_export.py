@@ -21,7 +21,7 @@ from synthesis.exporters import (
     PictureOptions,
     ProfileOptions,
 )
-from synthesis.exporters.picture_options import DiagramOptions
+from synthesis.exporters.drawing.picture_options import DiagramOptions
 from synthesis.pipeline import synthesise
 from synthesis.spec import DesignSpec
 from tests.service.conftest import Running

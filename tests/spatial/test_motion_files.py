@@ -10,8 +10,8 @@ import math
 import numpy as np
 import pytest
 
+from synthesis.exporters.drawing.picture_options import DiagramOptions
 from synthesis.exporters.options import MotionOptions
-from synthesis.exporters.picture_options import DiagramOptions
 from synthesis.spatial.design import SpatialDesign
 from synthesis.spatial.files.motion import CSV, JSON, SVG
 from tests.spatial.drums import INDEX, SWING, cycloid, designed, there_and_back

@@ -9,13 +9,13 @@ import numpy as np
 from scipy.interpolate import BPoly
 
 from synthesis.design import Design
-from synthesis.exporters.cam import Cam
-from synthesis.exporters.columns import named
 from synthesis.exporters.drives.table import DriveOptions, DriveTable, drive_table
 from synthesis.exporters.fidelity.block import figure
 from synthesis.exporters.fidelity.readers import spline_through
 from synthesis.exporters.fidelity.told import MOST
-from synthesis.exporters.sampling import in_degrees
+from synthesis.exporters.samples.cam import Cam
+from synthesis.exporters.samples.columns import named
+from synthesis.exporters.samples.sampling import in_degrees
 from synthesis.numerics.piecewise import Array
 from synthesis.units import FULL_TURN
 

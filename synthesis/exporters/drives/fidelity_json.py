@@ -6,7 +6,7 @@ from synthesis.design import Design
 from synthesis.exporters.drives.fidelity import drive_fidelity
 from synthesis.exporters.drives.table import DriveOptions, drive_table
 from synthesis.exporters.exporter import Exporter, untold
-from synthesis.exporters.fidelity_json import fidelity_file
+from synthesis.exporters.fidelity.fidelity_json import fidelity_file
 
 
 def _motion(design: Design, options: DriveOptions) -> bytes:

@@ -12,8 +12,8 @@ from pydantic import Field
 
 from synthesis.design import Design
 from synthesis.errors import InputError
-from synthesis.exporters.cam import Cam
 from synthesis.exporters.options import EvenOptions, StartAngle
+from synthesis.exporters.samples.cam import Cam
 from synthesis.numerics.piecewise import Array
 from synthesis.units import DEGREE, FULL_TURN
 

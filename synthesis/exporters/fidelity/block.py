@@ -7,11 +7,11 @@ from typing import Any
 
 import numpy as np
 
-from synthesis.exporters.cam import Cam
-from synthesis.exporters.columns import named
 from synthesis.exporters.fidelity.measure import Fidelity, Worst, fidelities
 from synthesis.exporters.options import PointOptions
-from synthesis.exporters.sampling import Written
+from synthesis.exporters.samples.cam import Cam
+from synthesis.exporters.samples.columns import named
+from synthesis.exporters.samples.sampling import Written
 from synthesis.units import DEGREE, FULL_TURN
 
 METHOD = (

@@ -6,10 +6,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from synthesis.exporters.cam import Cam
 from synthesis.exporters.fidelity.readers import CUBIC, ReaderName, Reading, reading
 from synthesis.exporters.fidelity.riding import Ridden, Touched, ride
-from synthesis.exporters.sampling import Written, in_degrees
+from synthesis.exporters.samples.cam import Cam
+from synthesis.exporters.samples.sampling import Written, in_degrees
 from synthesis.numerics.piecewise import Array
 from synthesis.units import DEGREE, FULL_TURN
 

@@ -23,7 +23,7 @@ from typing import Any
 
 import numpy as np
 
-from synthesis.exporters.cam import Cam
+from synthesis.exporters.samples.cam import Cam
 from synthesis.geometry.disc import to_cam
 from synthesis.numerics.piecewise import Array
 

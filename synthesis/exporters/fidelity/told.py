@@ -6,10 +6,10 @@ from collections.abc import Mapping
 from dataclasses import fields
 
 from synthesis.design import Design
-from synthesis.exporters.cutting import chosen
 from synthesis.exporters.fidelity.block import fidelity_block, fidelity_line
 from synthesis.exporters.options import CurveOptions, PointOptions
-from synthesis.exporters.sampling import written_points
+from synthesis.exporters.samples.cutting import chosen
+from synthesis.exporters.samples.sampling import written_points
 
 EXACT = 15  # decimals of a coordinate in mm: all that a double has
 MOST = 7200  # points for which it is worked out unasked

@@ -8,6 +8,7 @@ from types import MappingProxyType
 from synthesis.exporters.linkages import (
     arm_pictures,
     arm_tables,
+    scene_json,
     shaper_cam,
     shaper_pictures,
     shaper_tables,
@@ -28,6 +29,7 @@ LINKAGE_FILES: Mapping[str, Mapping[str, LinkageFile]] = MappingProxyType(
             shaper_pictures.MOTION,
             shaper_pictures.ANIMATION,
             shaper_pictures.PAGE,
+            scene_json.SHAPER,
         ),
         "palletising-arms": _named(
             arm_tables.WORKSPACE,
@@ -35,6 +37,7 @@ LINKAGE_FILES: Mapping[str, Mapping[str, LinkageFile]] = MappingProxyType(
             arm_pictures.WORKSPACE,
             arm_pictures.ANIMATION,
             arm_pictures.PAGE,
+            scene_json.ARM,
         ),
     }
 )

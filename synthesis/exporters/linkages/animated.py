@@ -5,13 +5,13 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import Any
 
-from synthesis.exporters.animation_page import FRAMES as PAGE_FRAMES
-from synthesis.exporters.animation_page import paged
-from synthesis.exporters.animation_svg import FRAMES, drawn
+from synthesis.exporters.animations.animation_page import FRAMES as PAGE_FRAMES
+from synthesis.exporters.animations.animation_page import paged
+from synthesis.exporters.animations.animation_svg import FRAMES, drawn
+from synthesis.exporters.animations.scene import Scene
+from synthesis.exporters.drawing.picture_options import PictureOptions
 from synthesis.exporters.exporter import untold
 from synthesis.exporters.linkages.file import LinkageFile
-from synthesis.exporters.picture_options import PictureOptions
-from synthesis.exporters.scene import Scene
 
 SceneOf = Callable[[Any, int], Scene]  # an answer, and how many frames of its turn
 

@@ -9,18 +9,18 @@ from functools import cached_property
 
 import numpy as np
 
-from synthesis.exporters import svg_canvas as svg
+from synthesis.exporters.animations.panels import DIAGRAMS, EDGE, MACHINE
+from synthesis.exporters.animations.scene import TURN_S, Scene, reading
+from synthesis.exporters.drawing import canvas as svg
+from synthesis.exporters.drawing.heading import two_lines
+from synthesis.exporters.drawing.picture_options import PictureOptions
+from synthesis.exporters.drawing.theme import lines
 from synthesis.exporters.exporter import untold
+from synthesis.exporters.figures.parts import placed, scale_in
 from synthesis.exporters.linkages import arm_shapes as shapes
 from synthesis.exporters.linkages.animated import as_page, as_svg
 from synthesis.exporters.linkages.diagrams import Traced, plot
 from synthesis.exporters.linkages.file import LinkageFile
-from synthesis.exporters.panels import DIAGRAMS, EDGE, MACHINE
-from synthesis.exporters.picture_options import PictureOptions
-from synthesis.exporters.scene import TURN_S, Scene, reading
-from synthesis.exporters.svg_heading import two_lines
-from synthesis.exporters.svg_parts import placed, scale_in
-from synthesis.exporters.theme import lines
 from synthesis.linkages.arm import PalletisingArm
 from synthesis.linkages.arm.geometry import Arm
 from synthesis.linkages.arm.statics import moments

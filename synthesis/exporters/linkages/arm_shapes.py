@@ -11,14 +11,14 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from synthesis.exporters import svg_canvas as svg
+from synthesis.exporters.animations.scene import grouped
+from synthesis.exporters.drawing import canvas as svg
+from synthesis.exporters.figures.machine import Moving, Tag
+from synthesis.exporters.figures.parts import Box
 from synthesis.exporters.linkages import links
-from synthesis.exporters.scene import grouped
-from synthesis.exporters.svg_mechanism import Moving, Tag
-from synthesis.exporters.svg_parts import Box
 from synthesis.linkages.arm import PalletisingArm
 from synthesis.linkages.arm.geometry import Arm
-from synthesis.linkages.arm.workspace import Region, regions
+from synthesis.linkages.arm.workspace import Arc, Region, image, in_line, regions
 from synthesis.numerics.piecewise import Array
 from synthesis.units import DEGREE
 
@@ -30,14 +30,17 @@ class Stage:
     """The arm on its place of the sheet.
 
     Attributes:
-        arm: magnified. regions: what it reaches, in the same scale. u: unit of shapes.
-        extent: left, bottom, right and top.
+        arm: magnified. regions: what it reaches, in the same scale.
+        singular: where the arms are in line within the limits. u: unit of shapes.
+        extent: left, bottom, right and top. by: how many times its size it has.
     """
 
     arm: Arm
     regions: tuple[Region, ...]
+    singular: tuple[Arc, ...]
     u: float
     extent: Box
+    by: float
 
     @classmethod
     def of(cls, found: PalletisingArm) -> Stage:
@@ -46,15 +49,16 @@ class Stage:
         by = links.magnified(given.upper + given.fore)
         arm = Arm(*(by * each for each in vars(given).values()))
         reached = tuple(regions(arm, found.spec.limits))
+        singular = tuple(image(arm, *ends) for ends in in_line(found.spec.limits))
         points = [arc.point(s) for one in reached for arc in one.border
                   for s in np.linspace(0.0, 1.0, 33).tolist()]  # fmt: skip
         points += [(-0.1 * arm.upper, 0.0), (arm.shoulder, arm.height)]
         left, bottom, right, top = links.extent_of(points, 0.0)
         u = max(right - left, top - bottom) / links.ACROSS
-        return cls(arm, reached, u, links.extent_of(points, 6.0 * u))
+        return cls(arm, reached, singular, u, links.extent_of(points, 6.0 * u), by)
 
     def ground(self) -> list[str]:
-        """Floor, axis 1, column, and what is reached."""
+        """Floor, axis 1, column, what is reached, and where the arms are in line."""
         left, bottom, right, top = self.extent
         u, arm = self.u, self.arm
         half = 3.0 * u
@@ -62,21 +66,12 @@ class Stage:
             f"{svg.num(arm.shoulder + k * half)} {svg.num(arm.height)}" for k in (-1.0, 1.0)
         )
         return [
-            *(svg.path("outline body", self._border(one)) for one in self.regions),
+            *(svg.path("outline body", f"{_way(one.border)}Z") for one in self.regions),
+            *(svg.path("line limit", _way([arc])) for arc in self.singular),
             *links.hatched(left + 2.0 * u, right - 2.0 * u, 0.0, u),
             svg.line("line centre", 0.0, bottom, 0.0, top),
             svg.path("outline rest", f"{column}L{svg.num(half)} 0Z"),
         ]
-
-    def _border(self, region: Region) -> str:
-        """A region's border as arcs."""
-        x, y = region.border[0].point(0.0)
-        steps = [f"M{svg.num(x)} {svg.num(y)}"]
-        for arc in region.border:
-            (x, y), radius = arc.point(1.0), svg.num(arc.radius)
-            flags = f"{int(abs(arc.sweep) > math.pi)} {int(arc.sweep > 0.0)}"
-            steps.append(f"A{radius} {radius} 0 {flags} {svg.num(x)} {svg.num(y)}")
-        return "".join(steps) + "Z"
 
     def moving(self, upper: Array, fore: Array) -> list[Moving]:
         """The parts that move, along arm angles (n,) [rad]."""
@@ -124,3 +119,14 @@ class Stage:
             still = self.moving(np.array([upper]), np.array([fore]))
             body += self.parts(lambda _: "", still)
         return body
+
+
+def _way(arcs: Sequence[Arc]) -> str:
+    """Arcs, each beginning where the one before ends, as a path."""
+    x, y = arcs[0].point(0.0)
+    steps = [f"M{svg.num(x)} {svg.num(y)}"]
+    for arc in arcs:
+        (x, y), radius = arc.point(1.0), svg.num(arc.radius)
+        flags = f"{int(abs(arc.sweep) > math.pi)} {int(arc.sweep > 0.0)}"
+        steps.append(f"A{radius} {radius} 0 {flags} {svg.num(x)} {svg.num(y)}")
+    return "".join(steps)

@@ -7,19 +7,19 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from synthesis.exporters import svg_canvas as svg
-from synthesis.exporters.panels import DIAGRAMS, GAP, HEIGHT, LEFT, RIGHT, TOP
-from synthesis.exporters.plot import NOWHERE, Plot
-from synthesis.exporters.readings import Trace
-from synthesis.exporters.scene import grouped
-from synthesis.exporters.svg_diagram import Frame, diagram, ranged
-from synthesis.exporters.svg_mechanism import Moving, Tag
-from synthesis.exporters.svg_sheet import FOOTER, WIDTH, angle_axis
-from synthesis.exporters.svg_sheet import GAP as APART
-from synthesis.exporters.svg_sheet import HEIGHT as TALL
-from synthesis.exporters.svg_sheet import LEFT as FROM
-from synthesis.exporters.svg_sheet import RIGHT as UNTIL
-from synthesis.exporters.theme import Theme
+from synthesis.exporters.animations.panels import DIAGRAMS, GAP, HEIGHT, LEFT, RIGHT, TOP
+from synthesis.exporters.animations.scene import grouped
+from synthesis.exporters.diagrams.diagram import Frame, diagram, ranged
+from synthesis.exporters.diagrams.plot import NOWHERE, Plot
+from synthesis.exporters.diagrams.readings import Trace
+from synthesis.exporters.diagrams.sheet import FOOTER, WIDTH, angle_axis
+from synthesis.exporters.diagrams.sheet import GAP as APART
+from synthesis.exporters.diagrams.sheet import HEIGHT as TALL
+from synthesis.exporters.diagrams.sheet import LEFT as FROM
+from synthesis.exporters.diagrams.sheet import RIGHT as UNTIL
+from synthesis.exporters.drawing import canvas as svg
+from synthesis.exporters.drawing.theme import Theme
+from synthesis.exporters.figures.machine import Moving, Tag
 from synthesis.numerics.piecewise import Array
 
 HEADER = 24.0

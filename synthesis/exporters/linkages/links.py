@@ -5,9 +5,9 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 
-from synthesis.exporters import svg_canvas as svg
-from synthesis.exporters.svg_mechanism import NEAR
-from synthesis.exporters.svg_parts import Box, Point
+from synthesis.exporters.drawing import canvas as svg
+from synthesis.exporters.figures.machine import NEAR
+from synthesis.exporters.figures.parts import Box, Point
 
 ACROSS = 92.0  # units from side to side of a machine
 

@@ -8,23 +8,23 @@ from functools import cached_property, partial
 
 import numpy as np
 
-from synthesis.exporters import svg_canvas as svg
+from synthesis.exporters.animations.panels import DIAGRAMS, EDGE, MACHINE
+from synthesis.exporters.animations.scene import Scene, grouped, lasting, reading
+from synthesis.exporters.diagrams.diagram import Frame
+from synthesis.exporters.diagrams.plot import Plot
+from synthesis.exporters.diagrams.sheet import LEFT, RIGHT, WIDTH
+from synthesis.exporters.drawing import canvas as svg
+from synthesis.exporters.drawing.heading import TURNS, two_lines
+from synthesis.exporters.drawing.picture_options import PictureOptions
+from synthesis.exporters.drawing.theme import lines
 from synthesis.exporters.exporter import untold
+from synthesis.exporters.figures.machine import Moving, Tag
+from synthesis.exporters.figures.parts import Box, placed, scale_in
 from synthesis.exporters.linkages import links
 from synthesis.exporters.linkages.animated import as_page, as_svg
 from synthesis.exporters.linkages.diagrams import Traced, plot, sheet
 from synthesis.exporters.linkages.file import LinkageFile
 from synthesis.exporters.linkages.shaper_rows import Rows
-from synthesis.exporters.panels import DIAGRAMS, EDGE, MACHINE
-from synthesis.exporters.picture_options import PictureOptions
-from synthesis.exporters.plot import Plot
-from synthesis.exporters.scene import Scene, grouped, lasting, reading
-from synthesis.exporters.svg_diagram import Frame
-from synthesis.exporters.svg_heading import TURNS, two_lines
-from synthesis.exporters.svg_mechanism import Moving, Tag
-from synthesis.exporters.svg_parts import Box, placed, scale_in
-from synthesis.exporters.svg_sheet import LEFT, RIGHT, WIDTH
-from synthesis.exporters.theme import lines
 from synthesis.linkages.shaper import SixBarShaper
 from synthesis.numerics.piecewise import Array
 from synthesis.units import DEGREE
@@ -87,6 +87,14 @@ class Stage:
 
     rows: Rows
     by: float
+
+    @classmethod
+    def of(cls, found: SixBarShaper, count: int) -> Stage:
+        """The stage of an answer, at ``count`` + 1 angles of its crank."""
+        rows = Rows.of(found, count)
+        shaper = rows.shaper
+        reach = max(shaper.guide, shaper.crank + shaper.pivot_distance, abs(shaper.ram_line))
+        return cls(rows, links.magnified(reach))
 
     @cached_property
     def places(self) -> dict[str, Array]:
@@ -163,10 +171,8 @@ class Stage:
 
 
 def _scene(found: SixBarShaper, count: int) -> Scene:
-    rows = Rows.of(found, count)
-    shaper = rows.shaper
-    reach = max(shaper.guide, shaper.crank + shaper.pivot_distance, abs(shaper.ram_line))
-    stage = Stage(rows, links.magnified(reach))
+    stage = Stage.of(found, count)
+    rows = stage.rows
     traced = Traced(tuple(_plots(rows, extremes=False)[:2]), SHAFT, partial(_grounds, found))
     name = found.name.strip() or TITLE
     size = {key: float(np.max(np.abs(values))) for key, values in _read(rows).items()}

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from synthesis.exporters.columns import Column
+from synthesis.exporters.samples.columns import Column
 from synthesis.linkages.shaper import SixBarShaper
 from synthesis.linkages.shaper.drive import Drive
 from synthesis.linkages.shaper.mechanism import Motion, Shaper, angle

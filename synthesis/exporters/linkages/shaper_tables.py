@@ -4,11 +4,11 @@ from __future__ import annotations
 
 import json
 
-from synthesis.exporters.csv_table import table
 from synthesis.exporters.exporter import untold
 from synthesis.exporters.linkages.file import LinkageFile
 from synthesis.exporters.linkages.shaper_rows import Rows
 from synthesis.exporters.options import MotionOptions
+from synthesis.exporters.tables.csv_table import table
 from synthesis.linkages.shaper import SixBarShaper
 
 

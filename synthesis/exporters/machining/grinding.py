@@ -16,7 +16,6 @@ from pydantic import Field
 
 from synthesis.design import Design
 from synthesis.errors import InputError
-from synthesis.exporters.cutting import chosen
 from synthesis.exporters.exporter import Exporter, untold
 from synthesis.exporters.machining.program import (
     Feed,
@@ -31,7 +30,8 @@ from synthesis.exporters.machining.program import (
     word,
 )
 from synthesis.exporters.options import CurveName, Decimals, PointOptions
-from synthesis.exporters.sampling import written_points
+from synthesis.exporters.samples.cutting import chosen
+from synthesis.exporters.samples.sampling import written_points
 
 CDECIMALS = 6  # of C, in degrees
 EXACT = 12  # of the path, before it is turned into pairs

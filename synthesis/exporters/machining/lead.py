@@ -7,8 +7,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from synthesis.errors import InputError
-from synthesis.exporters.cam import Cam
 from synthesis.exporters.machining.program import reach
+from synthesis.exporters.samples.cam import Cam
 from synthesis.numerics.piecewise import Array
 from synthesis.units import FULL_TURN
 

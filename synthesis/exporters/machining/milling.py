@@ -14,8 +14,6 @@ import numpy as np
 from pydantic import Field
 
 from synthesis.design import Design
-from synthesis.exporters.cam import Cam
-from synthesis.exporters.cutting import chosen
 from synthesis.exporters.exporter import Exporter, untold
 from synthesis.exporters.fidelity.measure import straight_form
 from synthesis.exporters.machining.lead import Lead, checked, leads
@@ -33,8 +31,10 @@ from synthesis.exporters.machining.program import (
     word,
 )
 from synthesis.exporters.options import Decimals, PointOptions
-from synthesis.exporters.placement import turned
-from synthesis.exporters.sampling import Written, written_points
+from synthesis.exporters.samples.cam import Cam
+from synthesis.exporters.samples.cutting import chosen
+from synthesis.exporters.samples.placement import turned
+from synthesis.exporters.samples.sampling import Written, written_points
 from synthesis.numerics.piecewise import Array
 from synthesis.units import FULL_TURN
 

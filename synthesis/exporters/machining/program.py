@@ -16,9 +16,9 @@ from pydantic import Field
 
 from synthesis.design import Design
 from synthesis.errors import InputError
-from synthesis.exporters.cam import Cam
 from synthesis.exporters.options import CurveOptions, PointOptions, is_cutter, is_pitch
-from synthesis.exporters.sampling import Written
+from synthesis.exporters.samples.cam import Cam
+from synthesis.exporters.samples.sampling import Written
 from synthesis.numerics.piecewise import Array
 from synthesis.units import FULL_TURN
 

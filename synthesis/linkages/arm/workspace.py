@@ -147,13 +147,13 @@ def in_line(limits: Limits) -> list[tuple[Corner, Corner]]:
 
 def _border(arm: Arm, corners: Sequence[Corner]) -> Iterator[Arc]:
     for first, last in zip(corners, [*corners[1:], *corners[:1]], strict=True):
-        arc = _arc(arm, first, last)
+        arc = image(arm, first, last)
         if abs(arc.sweep) > SAME and arc.radius > SAME * arm.upper:
             yield arc
 
 
-def _arc(arm: Arm, first: Corner, last: Corner) -> Arc:
-    """The image of one edge of the polygon."""
+def image(arm: Arm, first: Corner, last: Corner) -> Arc:
+    """Where the tool goes along arm angles from first to last with θ2, θ3 or q standing still."""
     (upper, fore), (upper2, fore2) = first, last
     x, y = arm.shoulder + arm.wrist, arm.height - arm.tool
     if abs(upper2 - upper) <= SAME:

@@ -12,9 +12,9 @@ from dataclasses import dataclass
 import numpy as np
 
 from synthesis.errors import InputError
+from synthesis.exporters.curves.part21 import Entities, exchange_file, many, real, text
+from synthesis.exporters.curves.step_curve import FINEST, SCHEMA, axes, context, product
 from synthesis.exporters.exporter import FileFormat, Made
-from synthesis.exporters.part21 import Entities, exchange_file, many, real, text
-from synthesis.exporters.step_curve import FINEST, SCHEMA, axes, context, product
 from synthesis.spatial.design import SpatialDesign
 from synthesis.spatial.facets import Facet, facets_of, thinnest
 from synthesis.spatial.files.body_mesh import Levels, MeshOptions, Rows, meshed

@@ -11,10 +11,10 @@ import numpy as np
 from pydantic import Field
 
 from synthesis.errors import InputError
-from synthesis.exporters.columns import Column, joined
-from synthesis.exporters.csv_table import table
 from synthesis.exporters.exporter import FileFormat, Made
 from synthesis.exporters.options import Options
+from synthesis.exporters.samples.columns import Column, joined
+from synthesis.exporters.tables.csv_table import table
 from synthesis.numerics.piecewise import Array
 from synthesis.spatial.cam import SpatialCam
 from synthesis.spatial.design import SpatialDesign

@@ -12,10 +12,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from synthesis.exporters import svg_canvas as svg
+from synthesis.exporters.drawing import canvas as svg
+from synthesis.exporters.drawing.picture_options import Colours
 from synthesis.exporters.exporter import FileFormat, Made
-from synthesis.exporters.picture_options import Colours
-from synthesis.exporters.svg_profile import ratio, shown_at
+from synthesis.exporters.figures.profile import ratio, shown_at
 from synthesis.numerics.piecewise import Array
 from synthesis.spatial.design import SpatialDesign
 from synthesis.spatial.files.developed import (

@@ -15,10 +15,10 @@ from pydantic import Field
 from scipy.interpolate import NdBSpline, make_interp_spline
 
 from synthesis.errors import InputError
+from synthesis.exporters.curves.part21 import Entities, exchange_file, many, real, text
+from synthesis.exporters.curves.step_curve import FINEST, SCHEMA, axes, context, product
 from synthesis.exporters.exporter import FileFormat, Made
 from synthesis.exporters.options import Options
-from synthesis.exporters.part21 import Entities, exchange_file, many, real, text
-from synthesis.exporters.step_curve import FINEST, SCHEMA, axes, context, product
 from synthesis.numerics.piecewise import Array
 from synthesis.spatial.cam import SpatialCam, Wall
 from synthesis.spatial.design import SpatialDesign

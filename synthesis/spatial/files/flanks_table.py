@@ -8,9 +8,9 @@ from typing import Any
 
 import numpy as np
 
-from synthesis.exporters.columns import Column, joined
-from synthesis.exporters.csv_table import table
 from synthesis.exporters.exporter import FileFormat, untold
+from synthesis.exporters.samples.columns import Column, joined
+from synthesis.exporters.tables.csv_table import table
 from synthesis.numerics.piecewise import Array
 from synthesis.spatial.design import SpatialDesign
 from synthesis.spatial.files.flanks import Patch, patches

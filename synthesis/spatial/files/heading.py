@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from synthesis.exporters import svg_canvas as svg
-from synthesis.exporters.svg_heading import TURNS, two_lines
+from synthesis.exporters.drawing import canvas as svg
+from synthesis.exporters.drawing.heading import TURNS, two_lines
 from synthesis.spatial.design import SpatialDesign
 
 

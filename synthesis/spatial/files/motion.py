@@ -5,16 +5,16 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import asdict
 
-from synthesis.exporters.columns import Column, motion_columns
-from synthesis.exporters.csv_table import table
+from synthesis.exporters.diagrams.motion import motion_plot
+from synthesis.exporters.diagrams.readings import QUANTITIES
+from synthesis.exporters.diagrams.sheet import DRAWN_PER_DEGREE, LEFT, RIGHT, WIDTH, Moved, stacked
+from synthesis.exporters.drawing.picture_options import DiagramOptions
 from synthesis.exporters.exporter import FileFormat, untold
-from synthesis.exporters.json_table import columned
 from synthesis.exporters.options import MotionOptions
-from synthesis.exporters.picture_options import DiagramOptions
-from synthesis.exporters.readings import QUANTITIES
-from synthesis.exporters.svg_motion import motion_plot
-from synthesis.exporters.svg_sheet import DRAWN_PER_DEGREE, LEFT, RIGHT, WIDTH, Moved, stacked
-from synthesis.exporters.turn import Turn
+from synthesis.exporters.samples.columns import Column, motion_columns
+from synthesis.exporters.samples.turn import Turn
+from synthesis.exporters.tables.csv_table import table
+from synthesis.exporters.tables.json_table import columned
 from synthesis.spatial.design import SpatialDesign
 from synthesis.spatial.files.heading import above
 from synthesis.spatial.files.origin import origin

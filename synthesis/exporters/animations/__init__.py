@@ -1,0 +1,1 @@
+"""The machine in motion: as SVG, as a page, as data."""

@@ -1,0 +1,137 @@
+"""The cam in motion as one HTML page: played, stopped, stepped and read, without any network."""
+
+from __future__ import annotations
+
+import json
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+
+from synthesis.design import Design
+from synthesis.exporters.animations.panels import DIAGRAMS, MACHINE, Panels, cam_scene
+from synthesis.exporters.animations.scene import Scene, reading
+from synthesis.exporters.drawing import canvas as svg
+from synthesis.exporters.drawing import html
+from synthesis.exporters.drawing.picture_options import PictureOptions
+from synthesis.exporters.drawing.theme import Theme, style
+from synthesis.exporters.exporter import Exporter, untold
+from synthesis.exporters.figures.machine import Moving
+from synthesis.exporters.samples.cam import Cam
+from synthesis.numerics.piecewise import Array
+from synthesis.units import DEGREE
+
+FRAMES = 720
+STRAIGHT = 1e-9  # what departs less from a straight line is one
+SHOWN_RPM = 8  # speed on the screen at first
+Reading = dict[str, Any]
+
+CONTROLS = f"""<div class="controls" role="group" aria-label="Controls">
+<button type="button" id="play">Pause</button>
+<button type="button" id="back" aria-label="back by 1 degree">&#8722;1&#176;</button>
+<button type="button" id="forward" aria-label="on by 1 degree">+1&#176;</button>
+<label class="angle">Cam angle
+<input type="range" id="angle" min="0" max="360" step="1" value="0"></label>
+<label>Speed <input type="range" id="speed" min="1" max="61" step="1" value="{SHOWN_RPM}">
+<span><output id="shown">{SHOWN_RPM}</output> turns a minute</span></label>
+</div>"""
+KEYS = """<p class="keys"><kbd>Space</kbd> plays and stops, <kbd>&#8592;</kbd> <kbd>&#8594;</kbd>
+step by 1&#176;, with <kbd>Shift</kbd> by 10&#176;, <kbd>Home</kbd> goes to 0&#176;, <kbd>+</kbd>
+<kbd>&#8722;</kbd> change the speed.</p>"""
+
+
+def _page(design: Design, options: PictureOptions) -> bytes:
+    panels = Panels.of(design, FRAMES)
+    scene = cam_scene(design, FRAMES, panels)
+    return paged(replace(scene, readings=_readings(design, panels)), options.theme)
+
+
+def paged(scene: Scene, theme: Theme) -> bytes:
+    """The scene as a page with controls and numbers."""
+    name = scene.name or scene.shaft.partition(" ")[0]
+    data = {"parts": [told_part(part, scene.decimals) for part in scene.moving],
+            "readings": scene.readings}  # fmt: skip
+    body = "\n".join(
+        [
+            f"<h1>{html.plain(name)}</h1>\n<p>{html.plain(scene.about)}</p>",
+            "<main>",
+            _inline(scene.titles[0], MACHINE, scene.machine(tag)),
+            _inline(scene.titles[1], DIAGRAMS, scene.diagrams(tag)),
+            "</main>",
+            CONTROLS.replace("Cam angle", scene.shaft),
+            _told(scene),
+            KEYS,
+            f'<script type="application/json" id="frames">{_json(data)}</script>',
+        ]
+    )
+    sheet = style(1.0, theme) + scene.rules + html.asset("animation.css")
+    return html.page(f"{name} in motion", sheet, body, theme, html.asset("animation.js"))
+
+
+def tag(part: str) -> str:
+    """The attribute that names a part."""
+    return f'data-part="{part}"'
+
+
+def _inline(title: str, size: tuple[float, float], body: list[str]) -> str:
+    head = f'<svg class="camwright" role="img" viewBox="0 0 {size[0]:g} {size[1]:g}">'
+    return "\n".join([head, f"<title>{title}</title>", *body, "</svg>"])
+
+
+def _told(scene: Scene) -> str:
+    """Places of the numbers that follow the motion."""
+    rows = [(scene.shaft, "theta", "°")]
+    rows += [(r["title"], r["name"], r["unit"]) for r in scene.readings]
+    told = [
+        f'<div><dt>{title}</dt><dd><output id="{name}">&#8211;</output> {svg.unit(unit)}</dd></div>'
+        for title, name, unit in rows
+    ]
+    return "<dl>" + "".join(told) + "</dl>"
+
+
+def _readings(design: Design, panels: Panels) -> list[Reading]:
+    """Numbers that follow the motion, over one turn."""
+    cam, machine = Cam.of(design), panels.stage.mechanism
+    s = cam.motion.derivatives(machine.theta, 2)
+    curve = machine.contacts[0].curve
+    named = [
+        ("s", "Displacement", cam.travel.told(0), machine.s),
+        ("v", "Velocity", cam.travel.told(1), s[1] * cam.rate(1)),
+        ("a", "Acceleration", cam.travel.told(2), s[2] * cam.rate(2)),
+        ("alpha", "Pressure angle", "deg", curve.pressure_angle / DEGREE),
+        ("radius", "Profile radius", "mm", curve.radius),
+    ]
+    return [_reading(name, title, unit, values) for name, title, unit, values in named]
+
+
+def _reading(name: str, title: str, unit: str, values: Array) -> Reading:
+    finite = np.abs(values[np.isfinite(values) & (np.abs(values) < 1e6)])
+    size = float(np.median(finite)) if name == "radius" else float(finite.max(initial=0.0))
+    return reading(name, title, unit, values, size)
+
+
+def told_part(part: Moving, decimals: int) -> dict[str, Any]:
+    """Its name, and its columns over one turn; two values are a straight line."""
+    digits = 3 if part.kind == "turn" else decimals
+    columns = [_column(values, digits) for values in part.values.T]
+    return {"name": part.name, "kind": part.kind, "columns": columns}
+
+
+def _column(values: Array, digits: int) -> list[float]:
+    """The values, or the two ends of a straight line."""
+    line = np.linspace(values[0], values[-1], len(values))
+    if np.max(np.abs(values - line)) < STRAIGHT:
+        values = values[[0, -1]]
+    return [round(v, digits) + 0.0 for v in values.tolist()]
+
+
+def _json(data: object) -> str:
+    """JSON that no page takes for its own elements."""
+    text = json.dumps(data, separators=(",", ":"), allow_nan=False, ensure_ascii=True)
+    return text.replace("<", "\\u003c")
+
+
+PAGE = Exporter(
+    "animation.html", "Animation to play, stop and read", "text/html; charset=utf-8", ".html",
+    untold(_page), PictureOptions, "One file that needs no network; by mouse, touch and keys.",
+)  # fmt: skip

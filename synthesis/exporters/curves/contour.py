@@ -1,0 +1,203 @@
+"""One curve of a cam as a closed plane curve: what an exact spline is made of.
+
+Every curve lies at a constant distance g inwards from the traced curve p, which a roller's centre
+or a face's point of contact draws: q = p − g n. With the curvature κ and the speed v of p it runs
+at the speed v (1 − κ g) and has the curvature κ / (1 − κ g), so that no derivative of the motion is
+needed that jumps where the law does. Where that speed turns negative the curve runs backwards: the
+cam is undercut there, or the cutter does not fit its hollow.
+
+Where the velocity jumps, so does the common normal, or a face's point of contact. The roller then
+turns about its centre, which stands still, and the curve goes on along an arc about it; along a
+face it goes on straight.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from synthesis.errors import InputError
+from synthesis.exporters.samples.cam import Cam
+from synthesis.exporters.samples.sampling import SAME_ANGLE
+from synthesis.exporters.samples.turn import Mask
+from synthesis.geometry.course import ClosedCurve, Course, Indices
+from synthesis.numerics.piecewise import Array
+from synthesis.units import DEGREE, FULL_TURN
+
+LOOKED_AT = np.linspace(0.0, 1.0, 17)
+SPACING = 2.0 * DEGREE  # of the angles at which the way forward is looked at, at most
+BACKWARDS = 1e-9  # of the curve's size per radian: rounding
+SHARP = 1e300  # curvature of a cusp, if not infinite
+
+
+@dataclass(frozen=True, eq=False)
+class Bridge:
+    """An arc, or a straight line, from where a curve stops to where it goes on.
+
+    Attributes:
+        start, end: (2,) [mm]. tangent: (2,) at the start.
+        sweep: how far it turns, left positive [rad]; 0 where it is straight.
+    """
+
+    start: Array
+    end: Array
+    tangent: Array
+    sweep: float
+
+    @property
+    def length(self) -> float:
+        """Arc length [mm]."""
+        chord = float(np.hypot(*(self.end - self.start)))
+        half = 0.5 * abs(self.sweep)
+        return chord if half == 0.0 else chord * half / float(np.sin(half))
+
+    def course(self, fraction: Array) -> Course:
+        """As for a ``ClosedCurve``."""
+        turn = self.sweep * fraction
+        cos, sin = np.cos(turn), np.sin(turn)
+        tx, ty = self.tangent
+        tangent = np.column_stack([cos * tx - sin * ty, sin * tx + cos * ty])
+        bend = self.sweep / self.length
+        if self.sweep == 0.0:
+            points = self.start + np.outer(fraction, self.end - self.start)
+        else:
+            points = (
+                self.start
+                + np.column_stack([sin * tx - (1.0 - cos) * ty, (1.0 - cos) * tx + sin * ty]) / bend
+            )
+        full = np.full(len(fraction), 1.0)
+        return Course(points, tangent, bend * full, self.length * full)
+
+
+@dataclass(frozen=True, eq=False)
+class Contour(ClosedCurve):
+    """A cam's curve in the order of rising cam angle, from the cam's seam.
+
+    Attributes:
+        cam: the cam, with the curve that is meant.
+        start, end: (m,) cam angles of each span [rad], within one turn from 0 to 2π.
+        bridges: spans that stand still, by their number.
+    """
+
+    cam: Cam
+    start: Array
+    end: Array
+    bridges: dict[int, Bridge]
+
+    @classmethod
+    def of(cls, cam: Cam, every: bool = True) -> Contour:
+        """The contour of a cam.
+
+        Args:
+            cam: the cam. every: whether each piece of the motion is a span of its own; otherwise
+                spans end where the curvature jumps.
+
+        Raises:
+            InputError: the curve runs backwards.
+        """
+        breaks = cam.motion.curve.breaks
+        if not every:
+            breaks = np.union1d(cam.joints.breaking(2), breaks[[0, -1]])
+        near = breaks[np.argmin(np.abs(breaks - cam.seam))]
+        seam = float(near) if abs(near - cam.seam) <= SAME_ANGLE else cam.seam
+        marks = np.union1d(breaks, [seam % FULL_TURN])
+        first = int(np.searchsorted(marks, seam % FULL_TURN))
+        start, end = np.roll(marks[:-1], -first), np.roll(marks[1:], -first)
+        plain = cls(cam, start, end, {})
+        plain._check()
+        return plain._bridged()
+
+    @property
+    def sizes(self) -> Array:
+        sizes = self.end - self.start
+        for index, bridge in self.bridges.items():
+            sizes[index] = abs(bridge.sweep)
+        return sizes
+
+    def at(self, span: Indices, fraction: Array) -> Course:
+        start, width = self.start[span], (self.end - self.start)[span]
+        theta = np.where(fraction == 1.0, self.end[span], start + width * fraction)
+        found = self._moving(theta, fraction == 1.0, width)
+        for index, bridge in self.bridges.items():
+            mine = span == index
+            own = bridge.course(fraction[mine])
+            found.points[mine], found.tangent[mine] = own.points, own.tangent
+            found.bend[mine], found.speed[mine] = own.bend, own.speed
+        return found
+
+    def signed_speed(self, theta: Array, left: Mask) -> Array:
+        """dq/dθ along the tangent [mm/rad], (n,)."""
+        at = self.cam.at(theta, left)
+        return np.asarray(at.speed * (1.0 - self.cam.gap * _finite(at.curvature)))
+
+    def _moving(self, theta: Array, left: Mask, width: Array) -> Course:
+        cam = self.cam
+        at = cam.at(theta, left)
+        mirror = -1.0 if cam.rotation == "cw" else 1.0
+        curvature = _finite(at.curvature)
+        forward = 1.0 - cam.gap * curvature
+        with np.errstate(divide="ignore", over="ignore"):
+            bend = -mirror * curvature / forward
+        points = np.column_stack(cam.place(at))
+        tangent = mirror * np.column_stack([at.normal_y, -at.normal_x])
+        return Course(points, tangent, bend, width * np.maximum(at.speed * forward, 0.0))
+
+    def _check(self) -> None:
+        """Refuse a curve that runs backwards."""
+        width = self.end - self.start
+        each = np.maximum(2, np.ceil(width / SPACING)).astype(np.intp)
+        parts = [
+            np.linspace(a, b, 8 * int(n) + 1)
+            for a, b, n in zip(self.start, self.end, each, strict=True)
+        ]
+        theta = np.concatenate(parts)
+        left = np.concatenate([np.arange(len(part)) == len(part) - 1 for part in parts])
+        speed = self.signed_speed(theta, left)
+        size = float(np.max(np.abs(speed)))
+        worst = int(np.argmin(speed))
+        if speed[worst] < -BACKWARDS * size:
+            raise _runs_back(self.cam, float(theta[worst]))
+
+    def _bridged(self) -> Contour:
+        """The same with a bridge wherever the curve stops and goes on elsewhere."""
+        one, zero = np.ones(len(self.start)), np.zeros(len(self.start))
+        ends = self.at(np.arange(len(one)), one)
+        starts = self.at(np.arange(len(one)), zero)
+        size = float(np.max(np.abs(ends.points)))
+        start, end, bridges = [], [], {}
+        for k in range(len(one)):
+            start.append(self.start[k])
+            end.append(self.end[k])
+            after = (k + 1) % len(one)
+            step = starts.points[after] - ends.points[k]
+            if np.hypot(*step) > 1e-11 * size:
+                bridges[len(start)] = self._bridge(ends, k, starts, after)
+                start.append(self.end[k])
+                end.append(self.end[k])
+        return Contour(self.cam, np.array(start), np.array(end), bridges)
+
+    def _bridge(self, ends: Course, k: int, starts: Course, after: int) -> Bridge:
+        (ax, ay), (bx, by) = ends.tangent[k], starts.tangent[after]
+        sweep = float(np.arctan2(ax * by - ay * bx, ax * bx + ay * by))
+        step = starts.points[after] - ends.points[k]
+        middle = ends.tangent[k] + starts.tangent[after]
+        if float(step @ middle) < 0.0:
+            raise _runs_back(self.cam, float(self.end[k]))
+        return Bridge(ends.points[k], starts.points[after], ends.tangent[k], sweep)
+
+
+def _finite(curvature: Array) -> Array:
+    return np.asarray(np.clip(curvature, -SHARP, SHARP))
+
+
+def _runs_back(cam: Cam, theta: float) -> InputError:
+    degrees = theta / DEGREE
+    return InputError(
+        "/curve",
+        f"{degrees:.6g}°",
+        "At this cam angle the curve would run backwards: the cam is undercut there, or the "
+        "cutter does not fit into its hollow. A curve that crosses itself is no outline.",
+        "Limit profile_radius or cutter_radius and size the cam again, take a smaller cutter, or "
+        "take the points as txt or csv, which show it as it is.",
+    )

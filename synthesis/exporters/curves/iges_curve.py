@@ -1,0 +1,118 @@
+"""IGES 5.3: one rational B-spline curve (entity 126), in mm.
+
+Records of 80 columns: 72 (64 of parameters) of text, a section's letter, a number. Sections: start
+(S), global (G), directory (D, two records an entity), parameters (P), and how many of each (T).
+"""
+
+from __future__ import annotations
+
+from synthesis.design import Design
+from synthesis.exporters.curves.exact import ExactCurve, exact_curve, facts
+from synthesis.exporters.curves.exact_options import ExactOptions
+from synthesis.exporters.curves.part21 import real
+from synthesis.exporters.exporter import Exporter, Made
+
+NO_TIME = "19800101.000000"  # the same design, the same bytes: no clock
+TEXT, DATA = 72, 64  # columns
+SPLINE = 126
+MILLIMETRES, IGES_5_3, ISO = 2, 11, 0
+FINEST = 1e-7  # smallest distance that a reader has to tell apart [mm]
+
+
+def _profile(design: Design, options: ExactOptions) -> Made:
+    curve = exact_curve(design, options)
+    told = _ascii(
+        f"Cam curve {curve.name} of design {design.id}, made by Camwright {design.engine_version}, "
+        f"within {curve.spline.error:.2g} mm of the true curve"
+    )
+    start = _records(_lines([told[i : i + TEXT] for i in range(0, len(told), TEXT)]), "S")
+    whole = _records(_lines(_packed(_globals(design, curve), TEXT)), "G")
+    parameters = _packed(_parameters(curve), DATA)
+    data = _records([f"{line:<{DATA}}{1:>8}" for line in parameters], "P")
+    directory = _records(_directory(curve, len(data)), "D")
+    counts = "".join(
+        f"{letter}{len(part):>7}"
+        for letter, part in (("S", start), ("G", whole), ("D", directory), ("P", data))
+    )
+    end = _records([f"{counts:<{TEXT}}"], "T")
+    return Made("".join((*start, *whole, *directory, *data, *end)).encode("ascii"), facts(curve))
+
+
+def _globals(design: Design, curve: ExactCurve) -> list[str]:
+    """Parameters 1 to 26 of the global section."""
+    maker = _string(f"Camwright {design.engine_version}")
+    largest = float(abs(curve.points).max())
+    return [
+        "1H,", "1H;", _string(design.id), _string(f"{curve.name}.igs"), maker, maker,
+        "32", "308", "15", "308", "15", _string(design.name or design.id),
+        "1.", str(MILLIMETRES), "2HMM", "1", "0.1", _string(NO_TIME),
+        real(max(curve.spline.error, FINEST)), real(largest), "", "",
+        str(IGES_5_3), str(ISO), _string(NO_TIME), "",
+    ]  # fmt: skip
+
+
+def _parameters(curve: ExactCurve) -> list[str]:
+    """Of the entity: plane, closed, polynomial, not periodic; knots, weights, points, normal."""
+    spline = curve.spline
+    points = curve.points
+    return [
+        str(SPLINE), str(len(points) - 1), str(spline.degree), "1", "1", "1", "0",
+        *map(real, spline.knots.tolist()),
+        *["1."] * len(points),
+        *map(real, points.ravel().tolist()),
+        real(spline.knots[0]), real(spline.knots[-1]), "0.", "0.", "1.",
+    ]  # fmt: skip
+
+
+def _directory(curve: ExactCurve, lines: int) -> list[str]:
+    """Two records: fields of eight columns each, right-justified."""
+    first = (SPLINE, 1, 0, 1, 0, 0, 0, 0, "00000000")
+    label = _ascii(curve.name).upper().replace("_", "")[:8]
+    second = (SPLINE, 0, 0, lines, 0, "", "", label, 1)
+    return ["".join(f"{field:>8}" for field in fields) for fields in (first, second)]
+
+
+def _packed(values: list[str], width: int) -> list[str]:
+    """Values with commas between and a semicolon at the end; no value but a string is split."""
+    lines, line = [], ""
+    for k, value in enumerate(values):
+        piece = value + (";" if k == len(values) - 1 else ",")
+        if len(line) + len(piece) > width:
+            lines.append(line)
+            line = ""
+        while len(piece) > width:  # strings only
+            lines.append(piece[:width])
+            piece = piece[width:]
+        line += piece
+    return [*lines, line]
+
+
+def _lines(lines: list[str]) -> list[str]:
+    return [f"{line:<{TEXT}}" for line in lines]
+
+
+def _records(lines: list[str], letter: str) -> list[str]:
+    return [f"{line}{letter}{k:>7}\n" for k, line in enumerate(lines, start=1)]
+
+
+def _string(value: str) -> str:
+    plain = _ascii(value)
+    return f"{len(plain)}H{plain}"
+
+
+def _ascii(value: str) -> str:
+    """What a reader of 1996 can take."""
+    return "".join(letter if " " <= letter <= "~" else "?" for letter in value)
+
+
+PROFILE = Exporter(
+    "igs",
+    "IGES 5.3, exact curve",
+    "model/iges",
+    ".igs",
+    _profile,
+    ExactOptions,
+    usual=False,
+    purpose="For CAD systems that read no STEP: one closed B-spline curve (entity 126) within "
+    "tolerance_um of the true curve, in mm.",
+)

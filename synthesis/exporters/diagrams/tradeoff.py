@@ -1,0 +1,204 @@
+"""What a sweep trades for what, as SVG: the front among all its certified designs (mm).
+
+A panel for every pair of quantities. With two of them a line shows what is not beaten: nothing was
+found on its better side.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from itertools import combinations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from synthesis.exporters.diagrams.plot import Labels, linear
+from synthesis.exporters.drawing import canvas as svg
+from synthesis.exporters.drawing.heading import BOLD
+from synthesis.exporters.drawing.theme import Theme
+from synthesis.numerics.piecewise import Array
+
+PANEL, LEFT, RIGHT, HEADER, BELOW, GAP = (104.0, 80.0), 24.0, 8.0, 24.0, 12.0, 6.0
+FOOTER = 12.0
+CELL = 0.3  # [mm]: items nearer to each other are drawn as one
+NAMED = 16  # on a front with more, items have no numbers
+PAD = 0.06  # of the range, on either side
+UNIT = re.compile(r"_(mm|deg|rad|s|n|nm|mpa|kg|rpm)((?:_per_(?:s|mm)\d?)?)$")
+RAISED = str.maketrans("23", "²³")
+
+
+@dataclass(frozen=True)
+class Aim:
+    """A quantity, by its name on the wire, and whether it is to be large."""
+
+    quantity: str
+    maximise: bool
+
+    @property
+    def told(self) -> str:
+        """Name, unit and which way is better."""
+        name = self.quantity
+        found = UNIT.search(name)
+        if found is not None:
+            unit = (found[1] + found[2].replace("_per_", "/")).translate(RAISED)
+            name = f"{name[: found.start()]}, {svg.unit(unit)}"
+        better = "larger" if self.maximise else "smaller"
+        return f"{name.replace('_', ' ')} ({better} is better)"
+
+
+@dataclass(frozen=True, eq=False)
+class TradeOff:
+    """The certified designs of a sweep in the quantities that are traded.
+
+    Attributes:
+        name: of the sweep. aims: k quantities, at least two.
+        numbers: (n,) of the items. values: (n, k) in the units of the quantities' names.
+        front: indices of those that none of the others beats.
+        left_out: what else is finished, in words, and how many.
+    """
+
+    name: str
+    aims: Sequence[Aim]
+    numbers: Sequence[int]
+    values: Array
+    front: NDArray[np.intp]
+    left_out: Mapping[str, int]
+
+
+def trade_off(found: TradeOff, theme: Theme = "auto") -> bytes:
+    """The drawing."""
+    pairs = list(combinations(range(len(found.aims)), 2))
+    columns = 1 if len(pairs) == 1 else 2
+    step = LEFT + PANEL[0] + RIGHT, PANEL[1] + BELOW + GAP
+    rows = -(-len(pairs) // columns)
+    width, height = columns * step[0], HEADER + rows * step[1] + FOOTER
+    body = _heading(found, width)
+    for k, (i, j) in enumerate(pairs):
+        left = (k % columns) * step[0] + LEFT
+        top = HEADER + (k // columns) * step[1]
+        body += _panel(found, (i, j), left, top, lined=len(pairs) == 1)
+    body += _legend(height - 0.5 * FOOTER + 1.0, len(pairs) == 1)
+    title = f"Trade-offs of {found.name or 'a sweep'}"
+    told = "Certified designs of a sweep; marked are those that no other beats in everything named."
+    return svg.document(width, height, 1.0, title, told, body, theme=theme)
+
+
+def _heading(found: TradeOff, width: float) -> list[str]:
+    """Name, and how many items are shown and not shown."""
+    shown = f"{len(found.numbers)} certified designs, {len(found.front)} of them on the front"
+    hidden = [f"{count} {why}" for why, count in found.left_out.items() if count]
+    told = [shown, *([f"not shown: {', '.join(hidden)}"] if hidden else [])]
+    room, name = width - 16.0, found.name.strip() or "Sweep"
+    return [
+        svg.text("title", 8.0, 8.0, svg.shortened(name, room, BOLD * svg.TITLE)),
+        *(
+            svg.text("quiet", 8.0, 13.0 + 4.4 * k, svg.shortened(line, room, svg.LABEL))
+            for k, line in enumerate(told)
+        ),
+    ]
+
+
+@dataclass(frozen=True)
+class _Scale:
+    """Values to places on the sheet along one axis [mm], and the numbers at it."""
+
+    low: float
+    high: float
+    start: float
+    end: float
+    labels: Labels
+
+    @classmethod
+    def of(cls, values: Array, start: float, end: float) -> _Scale:
+        low, high = (float(values.min()), float(values.max())) if len(values) else (0.0, 1.0)
+        wide = high - low if high - low > 1e-9 * max(abs(low), abs(high)) else abs(low) or 1.0
+        low, high = low - PAD * wide, high + PAD * wide
+        return cls(low, high, start, end, linear(low, high))
+
+    def at(self, values: Array) -> Array:
+        return self.start + (self.end - self.start) * (values - self.low) / (self.high - self.low)
+
+
+def _panel(
+    found: TradeOff, pair: tuple[int, int], left: float, top: float, lined: bool
+) -> list[str]:
+    """One quantity over another."""
+    (wide, tall), (i, j) = PANEL, pair
+    across = _Scale.of(found.values[:, i], left, left + wide)
+    up = _Scale.of(found.values[:, j], top + tall, top)
+    x, y = across.at(found.values[:, i]), up.at(found.values[:, j])
+    body = _axes(found, pair, across, up)
+    rest = np.setdiff1d(np.arange(len(x)), found.front)
+    cells = np.unique(np.round(np.stack([x[rest], y[rest]], axis=1) / CELL), axis=0) * CELL
+    body += [svg.circle("item", a, b, 0.75) for a, b in cells.tolist()]
+    best = found.front[np.argsort(x[found.front], kind="stable")]
+    if lined and len(best):
+        body.append(svg.path("line curve", _stairs(found, x[best], y[best])))
+    body += [svg.path("mark", _diamond(a, b)) for a, b in zip(x[best], y[best], strict=True)]
+    return body + _numbers(found, best, x, y)
+
+
+def _axes(found: TradeOff, pair: tuple[int, int], across: _Scale, up: _Scale) -> list[str]:
+    left, right, low, high = across.start, across.end, up.start, up.end
+    body = []
+    for value, told in across.labels.ticks:
+        x = float(across.at(np.array(value)))
+        body.append(svg.line("grid", x, low, x, high))
+        body.append(svg.text("tick", x, low + 4.0, told, "middle"))
+    for value, told in up.labels.ticks:
+        y = float(up.at(np.array(value)))
+        body.append(svg.line("grid", left, y, right, y))
+        body.append(svg.text("tick", left - 1.5, y + 0.9, told, "end"))
+    body += [svg.line("axis", left, low, right, low), svg.line("axis", left, low, left, high)]
+    names = [found.aims[k].told for k in pair]
+    for k, scale in enumerate((across, up)):
+        if scale.labels.factor:
+            names[k] = names[k].replace(", ", f", {scale.labels.factor}", 1)
+    name = svg.shortened(names[0], right - left, svg.LABEL)
+    body.append(svg.text("label", 0.5 * (left + right), low + 9.0, name, "middle"))
+    name = svg.text("label", 0.0, 0.0, svg.shortened(names[1], low - high, svg.LABEL), "middle")
+    place = f"translate({svg.num(left - 16.5)} {svg.num(0.5 * (low + high))}) rotate(-90)"
+    return [*body, f'<g transform="{place}">{name}</g>']
+
+
+def _stairs(found: TradeOff, x: Array, y: Array) -> str:
+    """Between two of the front nothing better is known than the worse of both in either."""
+    corner_first = found.aims[0].maximise  # from left to right: level, then the step; or the step
+    points = [(float(x[0]), float(y[0]))]
+    for a, b in zip(x[1:].tolist(), y[1:].tolist(), strict=True):
+        before = points[-1]
+        points += [(before[0], b) if corner_first else (a, before[1]), (a, b)]
+    across, up = np.array(points).T
+    return svg.steps(across, up, 3)
+
+
+def _diamond(x: float, y: float) -> str:
+    corners = [(x, y - 1.6), (x + 1.35, y), (x, y + 1.6), (x - 1.35, y)]
+    xs, ys = np.array(corners).T
+    return svg.steps(xs, ys, 3, closed=True)
+
+
+def _numbers(found: TradeOff, best: NDArray[np.intp], x: Array, y: Array) -> list[str]:
+    """Numbers of the items on a small front; those that would overlap are left out."""
+    body: list[str] = []
+    free = -np.inf
+    for k in best.tolist() if len(best) <= NAMED else []:
+        told = str(found.numbers[k])
+        if x[k] + 2.0 >= free:
+            body.append(svg.text("tick halo", x[k] + 2.0, y[k] - 1.4, told))
+            free = x[k] + 2.6 + svg.width_of(told, svg.TICK)
+    return body
+
+
+def _legend(y: float, lined: bool) -> list[str]:
+    x = LEFT
+    body = [svg.path("mark", _diamond(x, y)), svg.text("label", x + 4.0, y + 1.0, "on the front")]
+    x += 32.0
+    body += [svg.circle("item", x, y, 0.75), svg.text("label", x + 4.0, y + 1.0, "beaten")]
+    if lined:
+        x += 26.0
+        body.append(svg.line("line curve", x - 3.0, y, x + 5.0, y))
+        body.append(svg.text("label", x + 8.0, y + 1.0, "nothing was found beyond"))
+    return body

@@ -1,0 +1,1 @@
+"""What every drawing and page is made of: SVG and HTML by hand, themes, pixels."""

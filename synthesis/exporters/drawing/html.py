@@ -1,0 +1,66 @@
+"""Pages that stand alone: everything inside, nothing from elsewhere, no script but their own."""
+
+from __future__ import annotations
+
+import base64
+import hashlib
+from html import escape
+from importlib import resources
+
+from synthesis.exporters.drawing.canvas import NOT_XML, SPACE
+from synthesis.exporters.drawing.theme import FILLS, Theme
+
+COLUMN: dict[Theme, int] = {"auto": 0, "light": 0, "dark": 1, "print": 2}
+
+
+def asset(name: str) -> str:
+    """A file that belongs to a page."""
+    return (resources.files("synthesis.exporters.drawing") / "assets" / name).read_text("utf-8")
+
+
+def plain(text: str) -> str:
+    """Any text as the content of an element or of a quoted attribute."""
+    return escape(SPACE.sub(" ", NOT_XML.sub("\ufffd", text)).strip())
+
+
+def plain_text(text: str) -> str:
+    """Text of several lines, its blanks as they are."""
+    return escape(NOT_XML.sub("\ufffd", text))
+
+
+def page(title: str, style: str, body: str, theme: Theme, script: str = "") -> bytes:
+    """A whole page; its policy lets in pictures that it holds, its style and its script alone."""
+    policy = "default-src 'none'; style-src 'unsafe-inline'; img-src data:"
+    run = ""
+    if script:
+        digest = base64.b64encode(hashlib.sha256(script.encode()).digest()).decode()
+        policy += f"; script-src 'sha256-{digest}'"
+        run = f"<script>{script}</script>\n"
+    lines = [
+        "<!doctype html>",
+        '<html lang="en">',
+        "<head>",
+        '<meta charset="utf-8">',
+        f'<meta http-equiv="Content-Security-Policy" content="{escape(policy)}">',
+        '<meta name="viewport" content="width=device-width, initial-scale=1">',
+        f"<title>{plain(title)}</title>",
+        f"<style>{ground(theme)}{style}</style>",
+        "</head>",
+        f"<body>\n{body}\n{run}</body>",
+        "</html>",
+    ]
+    return ("\n".join(lines) + "\n").encode()
+
+
+def ground(theme: Theme) -> str:
+    """The page's own colours: those of the drawings."""
+    light = _colours(COLUMN[theme])
+    dark = f"@media screen and (prefers-color-scheme:dark){{{_colours(1)}}}"
+    scheme = {"auto": "light dark", "dark": "dark"}.get(theme, "light")
+    return f":root{{color-scheme:{scheme}}}{light}{dark if theme == 'auto' else ''}"
+
+
+def _colours(column: int) -> str:
+    ground, label, alarm = (FILLS[kind][column] for kind in ("ground", "label", "alarm"))
+    wrong = f".broken strong,.broken td{{color:{alarm}}}"
+    return f"body{{background:{ground};color:{label}}}{wrong}"

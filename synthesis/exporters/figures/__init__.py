@@ -1,0 +1,1 @@
+"""Figures in true shape: the cam with its follower, and the machine with parts that move."""

@@ -1,0 +1,297 @@
+"""The machine as a drawing whose parts can be moved: cam, link, rollers, contacts (y upwards).
+
+The shapes are those of a ccw cam, in its mm, or in a power of ten of them where it is very small or
+very large; a clockwise one is mirrored as a whole. Each moving
+part is a group of its own with a name, and stands as at cam angle 0.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
+from typing import Literal
+
+import numpy as np
+
+from synthesis.exporters.drawing import canvas as svg
+from synthesis.exporters.figures.link import GUIDE, face_ends, holders, plate, stem_length, wheel
+from synthesis.exporters.figures.mechanism import Contact, Mechanism
+from synthesis.exporters.figures.parts import (
+    HUB,
+    PIVOT,
+    STEM,
+    Box,
+    Flanks,
+    Point,
+    half_width,
+    outline,
+    placed,
+    point_from,
+    rim_of,
+    scale_in,
+)  # fmt: skip
+from synthesis.exporters.options import ProfileOptions
+from synthesis.exporters.samples.cam import Cam
+from synthesis.exporters.samples.sampling import ring
+from synthesis.numerics.piecewise import Array
+from synthesis.profile import CamProfile
+from synthesis.units import DEGREE
+
+Tag = Callable[[str], str]  # name of a part -> the attribute that its group carries
+ACROSS = 92.0  # units from side to side of a cam
+DRAWN = ProfileOptions(points_per_degree=2.0)
+NEAR = (5.0, 2000.0)  # radii of cams that are drawn in their mm; others in powers of ten of them
+STILL = 1e-9  # what moves less [mm, deg] does not move
+
+
+@dataclass(frozen=True, eq=False)
+class Moving:
+    """How a part moves: ``turn`` by an angle [deg, ccw], or ``shift`` by (x, y); (n, 1 or 2)."""
+
+    name: str
+    kind: Literal["turn", "shift"]
+    values: Array
+    rolls: bool = False  # not back where it began after a turn; drawn within a group of its mean
+
+    @property
+    def moves(self) -> bool:
+        """Whether it does."""
+        return bool(np.max(np.ptp(self.values, axis=0)) > STILL)
+
+    @property
+    def first(self) -> str:
+        """Where it stands at cam angle 0, as SVG has it."""
+        told = " ".join(svg.num(value, 6) for value in self.values[0].tolist())
+        return f"{'rotate' if self.kind == 'turn' else 'translate'}({told})"
+
+
+@dataclass(frozen=True, eq=False)
+class Stage:
+    """The machine on its place of the sheet.
+
+    Attributes:
+        mechanism: how it moves. flanks: the cam's curves. mirror: −1 where the cam turns clockwise.
+        base, prime: radii [mm]; prime is 0 without a roller.
+        u: length that shapes are drawn with: widths of stems, of the shaft [mm].
+        extent: left, bottom, right and top of all that it sweeps [mm].
+        decimals: of coordinates.
+    """
+
+    mechanism: Mechanism
+    flanks: Flanks
+    mirror: float
+    base: float
+    prime: float
+    u: float
+    extent: Box
+    decimals: int
+
+    @classmethod
+    def of(cls, cam: Cam, base: float, count: int, in_mm: bool = False) -> Stage:
+        """The stage of a cam with its base radius [mm], at ``count`` + 1 angles.
+
+        ``in_mm``: of any size in millimetres, not in a power of ten of them.
+        """
+        mirror = -1.0 if cam.rotation == "cw" else 1.0
+        cam = replace(cam, rotation="ccw")
+        flanks = tuple((one.flank, ring(one, DRAWN)) for one in cam.flanks())
+        reach = max(rim_of(flanks), *(_reach(curve) for _, curve in flanks))
+        # browsers draw what is scaled by a thousand coarsely, and SVG has no small numbers
+        by = (
+            1.0
+            if in_mm or NEAR[0] < reach < NEAR[1]
+            else 10.0 ** -round(math.log10(reach / NEAR[0]) - 1.0)
+        )
+        mechanism, reach = Mechanism.of(cam, count).magnified(by), by * reach
+        u = 2.0 * reach / ACROSS
+        prime = cam.follower.radius(cam.size) if mechanism.contacts[0].roller > 0.0 else 0.0
+        return cls(
+            mechanism,
+            tuple((flank.magnified(by), _magnified(curve, by)) for flank, curve in flanks),
+            mirror,
+            by * base,
+            by * prime,
+            u,
+            _extent(mechanism, reach, u),
+            max(3, 6 - math.floor(math.log10(reach))),
+        )
+
+    def scale(self, width: float, height: float) -> float:
+        """How many times its size it has in a box [mm]."""
+        return scale_in(self.extent, (width, height))
+
+    def placed(self, width: float, height: float, tag: Tag) -> list[str]:
+        """Its elements in the middle of a box [mm]."""
+        return placed(self.shapes(tag), self.extent, (width, height), self.mirror)
+
+    def shapes(self, tag: Tag) -> list[str]:
+        """Its elements in its own mm."""
+        return [*_ground(self), *self._group("cam", tag, _cam(self)), *_link(self, tag)]
+
+    def outline(self) -> str:
+        """The cam's area alone, as at cam angle 0."""
+        return outline(self.flanks, rim_of(self.flanks), 1.0, self.decimals)
+
+    def moving(self) -> list[Moving]:
+        """Every part that can move."""
+        machine = self.mechanism
+        found = [Moving("cam", "turn", machine.theta[:, None] / DEGREE)]
+        if machine.link.slide is None:
+            found.append(Moving("link", "turn", machine.moved[:, None] / DEGREE))
+        else:
+            way = machine.moved[:, None] * np.array([float(c) for c in machine.link.slide])
+            found.append(Moving("link", "shift", way))
+        for k, contact in enumerate(machine.contacts):
+            found += [
+                Moving(f"along{k}", "shift", np.outer(contact.along, _unit(contact.heading))),
+                Moving(f"normal{k}", "turn", contact.normal[:, None] / DEGREE),
+                Moving(f"drive{k}", "turn", contact.drive[:, None] / DEGREE),
+                Moving(f"roll{k}", "turn", contact.roll[:, None] / DEGREE, rolls=True),
+            ]
+        return found
+
+    def _group(self, name: str, tag: Tag, body: Sequence[str]) -> list[str]:
+        """A part that moves, where it stands first."""
+        first = next(part for part in self.moving() if part.name == name).first
+        return [f'<g {tag(name)} transform="{first}">', *body, "</g>"]
+
+
+def _unit(angle: float) -> Array:
+    return np.array([math.cos(angle), math.sin(angle)])
+
+
+def _magnified(curve: CamProfile, by: float) -> CamProfile:
+    """The curve with its points so many times as far away."""
+    return replace(
+        curve,
+        x=by * curve.x,
+        y=by * curve.y,
+        pitch_x=by * curve.pitch_x,
+        pitch_y=by * curve.pitch_y,
+    )
+
+
+def _reach(curve: CamProfile) -> float:
+    """Largest radius of a flank and of the path beside it [mm]."""
+    profile, pitch = np.hypot(curve.x, curve.y), np.hypot(curve.pitch_x, curve.pitch_y)
+    return float(max(profile.max(), pitch.max()))
+
+
+def _extent(machine: Mechanism, reach: float, u: float) -> Box:
+    """What cam and follower sweep."""
+    link, points = machine.link, [(-reach, -reach), (reach, reach)]
+    ends = (float(machine.moved.min()), float(machine.moved.max()))
+    for contact in machine.contacts:
+        for x, y in _corners(contact, machine, u):
+            points += [_there(machine, (x, y), moved) for moved in np.linspace(*ends, 9).tolist()]
+    if link.pivot is not None:
+        eye, (x, y) = PIVOT * STEM * u, (float(link.pivot[0]), float(link.pivot[1]))
+        points += [(x - 1.6 * eye, y - 2.2 * eye), (x + 1.6 * eye, y + 1.6 * eye)]
+    xs, ys = zip(*points, strict=True)
+    return min(xs) - u, min(ys) - u, max(xs) + u, max(ys) + u
+
+
+def _corners(contact: Contact, machine: Mechanism, u: float) -> list[Point]:
+    """The outermost points of a roller, a face or a stem, on the link at displacement 0."""
+    (x, y), r = contact.place, contact.roller
+    found = [(x + a, y + b) for a in (-r, r) for b in (-r, r)]
+    for end in face_ends(contact, machine, u) if machine.face is not None else ():
+        along = _unit(contact.heading) * end
+        found.append((x + along[0], y + along[1]))
+    if machine.link.slide is not None and contact is machine.contacts[0]:
+        up = [float(c) for c in machine.link.slide]
+        length = stem_length(machine, u)
+        found += [(x + length * up[0] + a * u, y + length * up[1]) for a in (-4.0, 4.0)]
+    return found
+
+
+def _there(machine: Mechanism, point: Point, moved: float) -> Point:
+    """Where a point of the link is."""
+    (x, y), link = point, machine.link
+    if link.slide is not None:
+        return x + moved * float(link.slide[0]), y + moved * float(link.slide[1])
+    assert link.pivot is not None
+    px, py, cos, sin = float(link.pivot[0]), float(link.pivot[1]), math.cos(moved), math.sin(moved)
+    return px + cos * (x - px) - sin * (y - py), py + sin * (x - px) + cos * (y - py)
+
+
+def _ground(stage: Stage) -> list[str]:
+    """What stands still: centre lines, a slide's guide, a pivot's bearing."""
+    (left, bottom, right, top), u, machine = stage.extent, stage.u, stage.mechanism
+    body = [svg.line("line centre", left, 0.0, right, 0.0),
+            svg.line("line centre", 0.0, bottom, 0.0, top)]  # fmt: skip
+    link, first = machine.link, machine.contacts[0]
+    if link.slide is not None:
+        up = float(link.slide[0]), float(link.slide[1])
+        half, above = half_width(first.roller, u), first.roller + float(machine.moved.max())
+        a, b = (above + k * u for k in GUIDE)
+        for sign in (-1.0, 1.0):
+            across = [sign * (half + k * u) for k in (0.3, 2.0)]
+            corners = [(a, across[0]), (a, across[1]), (b, across[1]), (b, across[0])]
+            steps = "L".join(point_from(first.place, up, *corner) for corner in corners)
+            body.append(svg.path("solid", f"M{steps}Z"))
+    if link.pivot is not None:
+        x, y, eye = float(link.pivot[0]), float(link.pivot[1]), PIVOT * STEM * u
+        foot = [(x, y), (x - 1.2 * eye, y - 2.0 * eye), (x + 1.2 * eye, y - 2.0 * eye)]
+        steps = "L".join(f"{svg.num(a)} {svg.num(b)}" for a, b in foot)
+        body.append(svg.path("line border", f"M{steps}Z"))
+    return body
+
+
+def _cam(stage: Stage) -> list[str]:
+    """The cam with its shaft, and a mark where its cam angle 0 is."""
+    u, decimals, first = stage.u, stage.decimals, stage.flanks[0][0]
+    rim = rim_of(stage.flanks)
+    body = [svg.circle("line circle", 0.0, 0.0, stage.base)]
+    pitch = {flank.path: curve for flank, curve in stage.flanks if flank.distance > 0.0}
+    body += [
+        svg.path("line pitch", svg.steps(curve.pitch_x, curve.pitch_y, decimals, closed=True))
+        for curve in pitch.values()
+    ]
+    body.append(outline(stage.flanks, rim, 1.0, decimals))
+    body += [
+        svg.path("line curve", svg.steps(curve.x, curve.y, decimals, closed=True))
+        for flank, curve in stage.flanks
+        if flank.path != first.path
+    ]
+    return [*body, svg.circle("outline metal", 0.0, 0.0, 2.5 * HUB * u),
+            svg.path("solid", f"M{svg.num(-0.9 * u)} {svg.num(2.2 * HUB * u)}h{svg.num(1.8 * u)}"
+                     f"v{svg.num(1.6 * u)}h{svg.num(-1.8 * u)}Z")]  # fmt: skip
+
+
+def _link(stage: Stage, tag: Tag) -> list[str]:
+    """The follower's link with everything on it."""
+    machine, u = stage.mechanism, stage.u
+    link = machine.link
+    body = plate(machine, u) if machine.face is not None else holders(machine, u)
+    for number in range(len(machine.contacts)):
+        body += _contact(stage, number, tag)
+    if link.pivot is None:
+        return stage._group("link", tag, body)
+    x, y = float(link.pivot[0]), float(link.pivot[1])
+    body += [svg.circle("outline metal", x, y, PIVOT * STEM * u),
+             svg.circle("outline metal", x, y, HUB * u)]  # fmt: skip
+    there, back = f"{svg.num(x)} {svg.num(y)}", f"{svg.num(-x)} {svg.num(-y)}"
+    inner = [f'<g transform="translate({back})">', *body, "</g>"]
+    return [f'<g transform="translate({there})">', *stage._group("link", tag, inner), "</g>"]
+
+
+def _contact(stage: Stage, number: int, tag: Tag) -> list[str]:
+    """Roller, contact point, common normal and direction of motion, from the traced point."""
+    contact, u = stage.mechanism.contacts[number], stage.u
+    reach = contact.flank.side * contact.flank.distance
+    beyond = math.copysign(7.0 * u, contact.flank.side)
+    normal = [svg.line("line normal", -reach - beyond, 0.0, 15.0 * u, 0.0),
+              svg.circle("mark", -reach, 0.0, 1.1 * u)]  # fmt: skip
+    drive = [svg.line("line front", 0.0, 0.0, 14.0 * u, 0.0),
+             svg.arrow_head("start", 16.0 * u, 0.0, 0.0, 2.6 * u)]  # fmt: skip
+    body = wheel(contact.roller, u)
+    if body:
+        mean = f"<g {tag(f'roll{number}-mean')}>"
+        body = [mean, *stage._group(f"roll{number}", tag, body), "</g>"]
+    inner = [*stage._group(f"drive{number}", tag, drive),
+             *stage._group(f"normal{number}", tag, normal)]  # fmt: skip
+    place = " ".join(svg.num(c, 6) for c in contact.place)
+    return [f'<g transform="translate({place})">', *body,
+            *stage._group(f"along{number}", tag, inner), "</g>"]  # fmt: skip

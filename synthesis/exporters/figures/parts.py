@@ -1,0 +1,83 @@
+"""Parts that the cam's drawing and the machine in motion have in common."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+
+import numpy as np
+
+from synthesis.exporters.drawing import canvas as svg
+from synthesis.followers.flank import Flank
+from synthesis.profile import CamProfile
+
+STEM, HUB = 15.0, 1.1  # a stem's length and the shaft's radius, in units of the sheet
+PIVOT = 0.25  # radius of a pivot's eye, of the stem's length
+RIM = 0.6  # of the roller: wall that is drawn where none was asked for
+
+Point = tuple[float, float]
+Box = tuple[float, float, float, float]  # left, bottom, right, top
+Flanks = tuple[tuple[Flank, CamProfile], ...]
+
+
+def rim_of(flanks: Flanks) -> float:
+    """Radius of the material around flanks that are touched from inside [mm]; 0 without any."""
+    around = [
+        float(np.hypot(curve.x, curve.y).max()) + (flank.rim or RIM * flank.distance)
+        for flank, curve in flanks
+        if flank.side < 0
+    ]
+    return max(around, default=0.0)
+
+
+def outline(flanks: Flanks, rim: float, rotation: float, decimals: int) -> str:
+    """The first cam as an area: its profile, or a rim, less what an outer flank leaves open."""
+    first, steps = flanks[0][0], ""
+    for flank, curve in flanks:
+        if flank.path == first.path:  # holes run the other way round
+            x, y = curve.x[:: flank.side], curve.y[:: flank.side]
+            steps += svg.steps(x, y, decimals, closed=True)
+    if rim > 0.0:
+        r, sweep = svg.num(rim), int(rotation < 0.0)
+        steps += f"M{r} 0A{r} {r} 0 0 {sweep} -{r} 0A{r} {r} 0 0 {sweep} {r} 0Z"
+    return svg.path("outline body", steps)
+
+
+def bar(centre: Point, pivot: Point, roller: float, u: float) -> list[str]:
+    """The two edges of an arm, from a roller's rim to the eye at the pivot."""
+    (x, y), eye = centre, PIVOT * STEM * u
+    length, half = math.hypot(pivot[0] - x, pivot[1] - y), half_width(roller, u)
+    up = (pivot[0] - x) / length, (pivot[1] - y) / length
+    foot = math.sqrt(max(roller**2 - half**2, 0.0))
+    end = length - math.sqrt(max(eye**2 - half**2, 0.0))
+    edges = [(point_from(centre, up, end, s), point_from(centre, up, foot, s))
+             for s in (-half, half)]  # fmt: skip
+    return [svg.path("line outline", f"M{outer}L{inner}") for outer, inner in edges]
+
+
+def half_width(roller: float, u: float) -> float:
+    """Half the width of a stem or an arm [mm]."""
+    return min(max(0.3 * roller, 1.2 * u), 2.5 * u, 0.8 * roller or math.inf)
+
+
+def point_from(centre: Point, up: Point, along: float, across: float) -> str:
+    """A point so far along a direction, and across it to the right, as a path has it."""
+    (x, y), (gx, gy) = centre, up
+    return f"{svg.num(x + along * gx + across * gy)} {svg.num(y + along * gy - across * gx)}"
+
+
+def scale_in(extent: Box, size: tuple[float, float]) -> float:
+    """How many times its size a machine has in a panel of this width and height."""
+    left, bottom, right, top = extent
+    return min(size[0] / (right - left), size[1] / (top - bottom))
+
+
+def placed(
+    shapes: Sequence[str], extent: Box, size: tuple[float, float], mirror: float = 1.0
+) -> list[str]:
+    """A machine's elements, y upwards, in the middle of a panel of this width and height [mm]."""
+    (left, bottom, right, top), k = extent, scale_in(extent, size)
+    x = 0.5 * size[0] - 0.5 * mirror * k * (left + right)
+    y = 0.5 * size[1] + 0.5 * k * (bottom + top)
+    place = f"translate({svg.num(x)} {svg.num(y)}) scale({svg.num(mirror * k, 9)} "
+    return [f'<g class="mechanism" transform="{place}{svg.num(-k, 9)})">', *shapes, "</g>"]

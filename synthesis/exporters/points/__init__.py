@@ -1,0 +1,1 @@
+"""Points for the curve import of CAD systems."""

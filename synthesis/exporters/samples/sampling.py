@@ -1,0 +1,192 @@
+"""At which cam angles a file has its rows.
+
+Two orders are needed. A table runs from cam angle 0 to 360°, both included, and has two rows,
+the limits from the left and from the right, where a derivative jumps. A point file is one closed
+ring that begins in the middle of the longest dwell and holds no point twice. Both hit every border
+between two segments exactly.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from synthesis.errors import InputError
+from synthesis.exporters.options import CurveOptions, PointOptions, Sampled
+from synthesis.exporters.samples.cam import Cam
+from synthesis.exporters.samples.chords import COARSEST, chord_angles
+from synthesis.exporters.samples.placement import placed
+from synthesis.exporters.samples.turn import Mask, Turn
+from synthesis.numerics.piecewise import Array
+from synthesis.profile import CamProfile
+from synthesis.units import DEGREE, FULL_TURN
+
+SAME_ANGLE = 1e-9  # [rad]
+CROWDED = 0.25  # in a ring, a point nearer to a joint than this part of the step gives way to it
+LEAST_RING = 3
+RUNS = {"ccw": "cw", "cw": "ccw"}  # how cam angles run round a cam, by its rotation
+
+
+@dataclass(frozen=True, eq=False)
+class Rows:
+    """Cam angles of a table.
+
+    Attributes:
+        theta: (n,) cam angle [rad]. degrees: (n,) the same in degrees, short where it is short.
+        side: (n,) −1 and +1: limits from the left and from the right of a jump; otherwise 0.
+        left: (n,) where to evaluate from the left: on side −1, and at the turn's end.
+    """
+
+    theta: Array
+    degrees: Array
+    side: NDArray[np.int64]
+    left: Mask
+
+
+def table_rows(cam: Cam, options: Sampled) -> Rows:
+    """Rows of a table of one of the cam's curves: cam angle 0 to 360°."""
+    if options.chord_mm is None:
+        return motion_rows(cam, options.count)
+    marks = np.append(cam.joints.marked(3), FULL_TURN)
+    return _rows(cam, chord_angles(cam, marks, options.chord_mm))
+
+
+def motion_rows(turn: Turn, count: float) -> Rows:
+    """Rows of a table of the motion, so many in a turn, evenly: cam angle 0 to 360°."""
+    theta = _merged(_uniform(count), turn.joints.marked(3), SAME_ANGLE)
+    return _rows(turn, np.append(theta, FULL_TURN))
+
+
+def _rows(turn: Turn, theta: Array) -> Rows:
+    """The rows at these cam angles, two of them where a derivative jumps."""
+    jumps = turn.joints.breaking(3)
+    twice = np.isin(theta, jumps[jumps > 0.0])
+    rows = np.repeat(theta, 1 + twice)
+    before = np.repeat(twice, 1 + twice) & (np.append(np.diff(rows), 1.0) == 0.0)
+    side = np.where(np.isin(rows, jumps), 1, 0) - np.where(before, 2, 0)
+    side[-1] = -side[0]  # the turn's two ends are the two sides of cam angle 0
+    left = side < 0
+    left[-1] = True
+    return Rows(rows, in_degrees(rows), side, left)
+
+
+def ring(cam: Cam, options: CurveOptions) -> CamProfile:
+    """The closed curve from its seam, in the order of rising cam angle, not yet closed."""
+    return _ring(cam, options, None, options.chord_mm)
+
+
+def _ring(
+    cam: Cam, options: CurveOptions, start: float | None, chord_mm: float | None
+) -> CamProfile:
+    """The same from the cam angle ``start`` [rad], without one from the seam."""
+    begin = cam.seam if start is None else start % FULL_TURN
+    theta = _ring_angles(cam, options.count, chord_mm, begin)
+    # Only where s' jumps does the point itself have two sides.
+    twice = np.isin(theta, cam.joints.breaking(1))
+    rows = np.repeat(theta, 1 + twice)
+    left = np.repeat(twice, 1 + twice) & (np.append(np.diff(rows), 1.0) == 0.0)
+    return cam.at(rows, left)
+
+
+@dataclass(frozen=True, eq=False)
+class Written:
+    """The points of a curve as a file holds them.
+
+    Attributes:
+        theta: (n,) cam angles [rad]. points: (n, 2) turned as asked and rounded [mm]; no two
+            neighbours are the same, nor are the last and the first.
+    """
+
+    theta: Array
+    points: Array
+
+    def ended(self, options: PointOptions, closed: bool) -> Array:
+        """The points (m, 2) with what is repeated past the end.
+
+        Args:
+            closed: whether the format's readers expect the first point at the end once more.
+        """
+        wanted = closed if options.closed is None else options.closed
+        more = options.overlap_points + (wanted or options.overlap_points > 0)
+        count = len(self.points)
+        if more > count:
+            raise InputError(
+                "/overlap_points", options.overlap_points,
+                f"Of {count} points no more than {count - 1} can be repeated.", "Ask for fewer.",
+            )  # fmt: skip
+        return np.vstack([self.points, self.points[:more]])
+
+
+def written_points(cam: Cam, options: PointOptions) -> Written:
+    """The points of the cam's curve, in the order and with the decimals that are asked for."""
+    start = None if options.start_deg is None else options.start_deg * DEGREE
+    at = _ring(cam, options, start, _leaving_room(options))
+    exact = np.column_stack(placed(cam, options, at))
+    rounded: Array = np.round(exact, options.decimals) + 0.0  # no −0
+    new = np.any(rounded != np.roll(rounded, 1, axis=0), axis=1)
+    new[0] = True
+    apart = np.flatnonzero(np.any(rounded != rounded[0], axis=1))
+    new[int(apart[-1]) + 1 if len(apart) else 1 :] = False  # what repeats the first
+    if np.count_nonzero(new) < LEAST_RING:
+        raise InputError(
+            "/decimals", options.decimals,
+            f"So rounded, fewer than {LEAST_RING} different points are left of the curve.",
+            "Keep more decimals.",
+        )  # fmt: skip
+    theta, points = at.theta[new], rounded[new]
+    if options.direction not in ("cam_angle", RUNS[cam.rotation]):
+        theta, points = (np.roll(each[::-1], 1, axis=0) for each in (theta, points))
+    return Written(theta, points)
+
+
+def _leaving_room(options: PointOptions) -> float | None:
+    """A chord tolerance [mm] that rounded points keep too: a chord moves as its ends do."""
+    moved = math.sqrt(0.5) * 10.0 ** (3 - options.decimals)  # [µm]
+    if options.tolerance_um is None:
+        return None
+    if options.tolerance_um < 2.0 * moved:
+        raise InputError(
+            "/decimals", options.decimals,
+            f"Rounding alone moves points by up to {moved:.3g} µm, too much for a chord tolerance "
+            f"of {options.tolerance_um:.6g} µm.", "Keep more decimals, or allow more.",
+        )  # fmt: skip
+    return 1e-3 * (options.tolerance_um - moved)
+
+
+def in_degrees(theta: Array) -> Array:
+    """Radians to degrees, without the last digits' noise: 60, not 60.00000000000001."""
+    exact = theta / DEGREE
+    short = np.round(exact, 9)
+    return np.where(np.abs(exact - short) < 1e-12, short, exact)
+
+
+def _uniform(wanted: float) -> Array:
+    """Angles k · 360°/N in [0, 360°) [rad], N rounded up to a whole number."""
+    least = 360.0 / (COARSEST / DEGREE)
+    count = math.ceil(max(wanted - 1e-9, least))
+    return np.arange(count) * 360.0 / count * DEGREE
+
+
+def _merged(grid: Array, joints: Array, apart: float) -> Array:
+    """Both, increasing; grid angles within ``apart`` of a joint, also across 2π, give way."""
+    around = np.concatenate([[joints[-1] - FULL_TURN], joints, [joints[0] + FULL_TURN]])
+    after = np.searchsorted(around, grid)
+    gap = np.minimum(around[np.clip(after, 0, len(around) - 1)] - grid, grid - around[after - 1])
+    return np.sort(np.concatenate([grid[gap > apart], joints]))
+
+
+def _ring_angles(cam: Cam, count: float, chord_mm: float | None, start: float) -> Array:
+    """Angles of a ring in [0, 2π) [rad], from its start; joints and the start are exact."""
+    joints = cam.joints.marked(2)
+    nearest = float(joints[np.argmin(np.abs(joints - start))])
+    seam = nearest if abs(nearest - start) <= SAME_ANGLE else start
+    marks = np.union1d(joints, [seam])
+    if chord_mm is not None:
+        theta = chord_angles(cam, np.append(marks, FULL_TURN), chord_mm)[:-1]
+    else:
+        grid = (seam + _uniform(count)) % FULL_TURN
+        theta = _merged(grid, marks, CROWDED * FULL_TURN / len(grid))
+    return np.roll(theta, -int(np.searchsorted(theta, seam)))

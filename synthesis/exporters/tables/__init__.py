@@ -1,0 +1,1 @@
+"""Tables of numbers: CSV, JSON and plain text, of profiles, motions and responses."""
