@@ -36,19 +36,21 @@ help:  ## print this list
 run: $(RUN)  ## start the service (HOST=127.0.0.1 PORT=8000)
 	@CAMWRIGHT_HOST='$(HOST)' CAMWRIGHT_PORT='$(PORT)' $(PY) -m service
 
-# All tests at once, in four parts that take about as long: those that kill, restart and wait leave
-# two cores to the others.
+# All tests at once, in four parts that take about as long, and lint beside them: those that kill,
+# restart and wait leave two cores to the others. What lint says is not asked once more by a test.
 PARTS   := waiting service core rest
 waiting := $(patsubst %,tests/service/test_%.py,kills deployment leases trouble benchmark cam_sets \
              sweep_and_export commands)
 service := $(filter-out $(waiting),$(wildcard tests/service/test_*.py))
 core    := tests/pipeline tests/formulations tests/validation
-rest    := $(filter-out tests/service $(core),$(patsubst %/,%,$(wildcard tests/*/)))
-test: lint  ## run everything: style, types, layers, then the tests (ARGS="-k name")
+rest    := --ignore=tests/architecture/test_quality.py \
+           $(filter-out tests/service $(core),$(patsubst %/,%,$(wildcard tests/*/)))
+test: $(DEV)  ## run everything: style, types, layers and the tests (ARGS="-k name")
 ifneq ($(ARGS),)
+	@$(MAKE) --no-print-directory lint
 	$(PY) -m pytest $(ARGS)
 else
-	@$(MAKE) --no-print-directory --keep-going --jobs=$(words $(PARTS)) $(PARTS:%=test-%)
+	@$(MAKE) --no-print-directory --keep-going --jobs=5 lint $(PARTS:%=test-%)
 endif
 
 # Its output is shown when the part is through.

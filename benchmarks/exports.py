@@ -40,7 +40,7 @@ def run(effort: Effort = FULL) -> Section:
     """Two tables."""
     design = cam()
     files = {
-        f"{part}.{name}".strip("."): (exporter, _options(exporter))
+        f"{part}.{name}".strip("."): (exporter, _options(exporter, effort))
         for part, formats in PARTS.items()
         for name, exporter in formats.items()
     }
@@ -68,20 +68,22 @@ def _told(made: Made) -> str:
     return f"{error} mm" if error else "–"
 
 
-def _options(exporter: Exporter[Any]) -> Any:
+def _options(exporter: Exporter[Any], effort: Effort) -> Any:
     pointed = "points" in form(exporter.options).model_fields
-    return exporter.options(points=POINTS) if pointed else exporter.options()
+    points = POINTS // 20 if effort.trial else POINTS
+    return exporter.options(points=points) if pointed else exporter.options()
 
 
 def _exact(design: Design, effort: Effort) -> Table:
     """Tolerances of the exact profile, and what they lead to."""
     truth = textbook(24 if effort.trial else 240)
+    tolerances = effort.some(TOLERANCES_UM)
     calls: dict[str, Call] = {
-        f"{tolerance:g} µm": (lambda t=tolerance: _curve(design, t)) for tolerance in TOLERANCES_UM
+        f"{tolerance:g} µm": (lambda t=tolerance: _curve(design, t)) for tolerance in tolerances
     }
     times = in_turns(calls, effort.repeats(25), effort.warm_up(2))
     rows = []
-    for tolerance in TOLERANCES_UM:
+    for tolerance in tolerances:
         told = _curve(design, tolerance)
         points = np.array(told["control_points_mm"])[:, :2]
         spline = BSpline(np.array(told["knots_mm"]), points, told["degree"])

@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from itertools import accumulate
-from math import isfinite
+from math import inf, isfinite
 
 import numpy as np
 
@@ -26,11 +26,14 @@ from synthesis.design import (
     design_id,
     engine_version,
 )  # fmt: skip
+from synthesis.formulations.candidate import inside
+from synthesis.formulations.problem import Held, Problem, pose
 from synthesis.motion import Motion, Stretch
 from synthesis.numerics.bspline import SplineSpace
 from synthesis.numerics.piecewise import Array
 from synthesis.objectives import Objective
 from synthesis.program import Segment
+from synthesis.similitude import Question
 from synthesis.spec import DesignSpec
 from synthesis.units import Travel
 
@@ -61,11 +64,62 @@ class Cam:
 
 @dataclass(frozen=True)
 class Bounded:
-    """An objective with the lower bound that was found [core units]."""
+    """An objective with the lower bound that was found [core units; ``in_wire_units``: wire]."""
 
     objective: Objective
     lower: float
     over: str
+
+
+def delivered(question: Question, posed: DesignSpec, found: Cam) -> Cam:
+    """A cam that was found in its question's own units, in the wire's.
+
+    Laws are kept; program and dimensions that are given are as they were asked, to the last digit.
+
+    Args:
+        question: what was asked. posed: what was solved, in its own units. found: its cam.
+    """
+    spec = question.told(posed)
+    stretches = tuple(
+        replace(stretch, law=own.law, free=own.free) if own.index in found.splines else stretch
+        for stretch, own in zip(spec.stretches(), found.stretches, strict=True)
+    )
+    problem = pose(spec, spec.objectives()[0], (), stretches)
+    return Cam(stretches, found.splines, inside(problem, question.size(found.size)))
+
+
+def in_wire_units(
+    question: Question, built: DesignSpec, bounds: Iterable[Bounded]
+) -> list[Bounded]:
+    """Bounds [core, in the question's own units] of a cam that was built so, on the wire."""
+    machine, found = built.machine(), list[Bounded]()
+    for each in bounds:
+        objective, known = each.objective, isfinite(each.lower)
+        unit = question.units.of_field(objective.name_on_wire(machine))
+        lower = unit * objective.to_wire(each.lower, machine) if known else -inf
+        found.append(replace(each, lower=lower))
+    return found
+
+
+def restated(question: Question, posed: DesignSpec, solved: Problem) -> Problem:
+    """A problem that was solved in its question's own units, in the core's of what was asked.
+
+    Args:
+        question: what was asked. posed: what was solved, on the wire. solved: the problem.
+    """
+    held, machine = list[Held](), posed.machine()
+    for each in solved.held:
+        unit = question.units.of_field(each.objective.name_on_wire(machine))
+        value = unit * each.objective.to_wire(each.value, solved.machine)
+        held.append(Held(each.objective, each.objective.from_wire(value, machine)))
+    own = {stretch.index: stretch for stretch in solved.stretches}
+    stretches = [
+        replace(s, law=own[s.index].law, free=own[s.index].free)
+        if s.law is None and s.index in own
+        else s
+        for s in posed.stretches()
+    ]
+    return pose(posed, solved.objective, tuple(held), stretches)
 
 
 def judged(spec: DesignSpec, cam: Cam, built: DesignSpec | None = None) -> list[Extreme]:
@@ -89,7 +143,7 @@ def proofs(spec: DesignSpec, cam: Cam, bounds: Iterable[Bounded]) -> list[Proof]
             measure(objective.quantity, motion, machine, cam.size).upper, machine
         )
         known = isfinite(bounded.lower)
-        lower = _sound(objective.to_wire(bounded.lower, machine), value) if known else None
+        lower = _sound(bounded.lower, value) if known else None
         gap = None if lower is None else relative_gap(value, lower)
         found.append(
             Proof(

@@ -102,6 +102,11 @@ class Openings:
                 program[i] = program[i].model_copy(update={opening.name: float(value)})
         return program, self.follower.model_copy(update=machine) if machine else self.follower
 
+    def read(self, program: Sequence[Segment], follower: AnyFollower) -> list[float]:
+        """The numbers that stand in such a program and such a follower."""
+        owners = (follower if o.segment is None else program[o.segment] for o in self.free)
+        return [getattr(owner, o.name) for owner, o in zip(owners, self.free, strict=True)]
+
     def numbers(self, u: Array) -> list[float]:
         """The numbers at a point of the unit box."""
         return [o.low + (o.high - o.low) * float(x) for o, x in zip(self.free, u, strict=True)]

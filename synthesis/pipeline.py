@@ -14,7 +14,18 @@ from dataclasses import asdict, dataclass, field, replace
 from math import inf
 
 from synthesis import clock
-from synthesis.answer import Bounded, Cam, design, judged, priced, proofs, with_chosen
+from synthesis.answer import (
+    Bounded,
+    Cam,
+    delivered,
+    design,
+    in_wire_units,
+    judged,
+    priced,
+    proofs,
+    restated,
+    with_chosen,
+)
 from synthesis.certify import CROSSING
 from synthesis.design import (
     Conflict,
@@ -36,6 +47,7 @@ from synthesis.formulations.smooth import reached
 from synthesis.formulations.tables import Tables, smooth_tables
 from synthesis.limits import Claim
 from synthesis.ranges import Range, ends
+from synthesis.similitude import Question
 from synthesis.spec import DesignSpec
 
 DIAGNOSIS_S = 5.0  # for finding out why nothing fits; what is not known by then is said to be so
@@ -49,7 +61,8 @@ class _Attempt:
     """What one pass over the objectives came to.
 
     ``posed`` is the question that was solved, ``built`` the spec of the cam that came out: they
-    differ from what was asked where something is settled after the size.
+    differ from what was asked where something is settled after the size. Like ``best`` and the
+    ``bounds`` [core] they are in the question's own units, ``cam`` and ``extremes`` in the wire's.
     """
 
     posed: DesignSpec
@@ -123,25 +136,27 @@ def synthesise_beside(
         inf if spec.time_budget_s is None else spec.time_budget_s,
         inf if deadline is None else deadline - now,
     )
-    question, stages = spec, list[StageReport]()
-    spec, numbers = _numbered(question, now + budget, stages)
-    tables = smooth_tables(spec.stretches(), now + budget)
+    stages = list[StageReport]()
+    question, numbers = _numbered(Question.of(spec), now + budget, stages)
+    tables = smooth_tables(question.natural.stretches(), now + budget)
     stages += [StageReport(**asdict(stage)) for stage in tables.stages]
-    attempt = _drawn_in(spec, tables, now + budget, stages, near)
+    attempt = _drawn_in(question, tables, now + budget, stages, near)
     if attempt.crosses:
-        attempt = _grown(spec, tables, attempt, now + budget, stages)
+        attempt = _grown(question, tables, attempt, now + budget, stages)
     late = clock.now() >= now + budget
     if not attempt.certified and late:
         raise TimeBudgetExceeded(budget)
-    conflict = None if attempt.certified else _conflict(spec, attempt)
-    proven = [] if attempt.cam is None else proofs(attempt.built, attempt.cam, attempt.bounds)
+    conflict = None if attempt.certified else _conflict(question, attempt)
+    built = question.told(attempt.built)
+    bounds = in_wire_units(question, attempt.built, attempt.bounds)
+    proven = [] if attempt.cam is None else proofs(built, attempt.cam, bounds)
     seconds = time.perf_counter() - began
     found = design(
-        attempt.built, attempt.cam, attempt.extremes, proven, stages, seconds, conflict
-    ).asked_as(spec)
-    found = with_chosen(found, question, numbers)
-    if question.price_smoothness:
-        price = _price(found, question, now + budget)
+        built, attempt.cam, attempt.extremes, proven, stages, seconds, conflict
+    ).asked_as(question.asked)
+    found = with_chosen(found, spec, numbers)
+    if spec.price_smoothness:
+        price = _price(found, spec, now + budget)
         found = found.model_copy(update={"smoothness_price": price})
     if near is not None and any(tried.from_near for tried in attempt.searches):
         found = found.begun_at(near.id)
@@ -173,20 +188,22 @@ def _price(found: Design, question: DesignSpec, stop: float) -> SmoothnessPrice:
 
 
 def _numbered(
-    spec: DesignSpec, stop: float, stages: list[StageReport]
-) -> tuple[DesignSpec, list[float]]:
-    """The spec with numbers in place of what it leaves free, and these numbers."""
-    if not spec.openings.free:
-        return spec, []
+    question: Question, stop: float, stages: list[StageReport]
+) -> tuple[Question, list[float]]:
+    """The question with numbers in place of what it leaves free, and these numbers [wire]."""
+    openings = question.asked.openings
+    if not openings.free:
+        return question, []
     from synthesis.formulations.proportions import chosen
 
-    numbered, numbers, stage = chosen(spec, stop)
+    numbered, _, stage = chosen(question.natural, stop)
     stages.append(StageReport(**asdict(stage)))
-    return numbered, numbers
+    found = question.changed(numbered)
+    return found, openings.read(found.asked.program, found.asked.follower)
 
 
 def _drawn_in(
-    spec: DesignSpec,
+    question: Question,
     tables: Tables,
     stop: float,
     stages: list[StageReport],
@@ -197,7 +214,9 @@ def _drawn_in(
     The first begins at a neighbour's, if there is one: what the certificate refuses was not it.
     """
     for tighten in DRAWN_IN:
-        attempt = _attempt(spec, tables, stop, tighten, near if tighten == DRAWN_IN[0] else None)
+        attempt = _attempt(
+            question, tables, stop, tighten, near if tighten == DRAWN_IN[0] else None
+        )
         for tried in attempt.searches:
             stages += [StageReport(**asdict(stage)) for stage in tried.stages]
         settled = attempt.certified or attempt.crosses or attempt.hopeless
@@ -207,7 +226,7 @@ def _drawn_in(
 
 
 def _grown(
-    spec: DesignSpec, tables: Tables, crossing: _Attempt, stop: float, stages: list[StageReport]
+    question: Question, tables: Tables, crossing: _Attempt, stop: float, stages: list[StageReport]
 ) -> _Attempt:
     """The smallest base radius, by trial, whose cam does not cross itself; else what there was.
 
@@ -215,6 +234,7 @@ def _grown(
     gap says honestly what the growth has cost; later objectives, which hold what earlier ones
     had reached, keep no bound.
     """
+    spec = question.natural
     least, largest = _base_radius(crossing), spec.base_radius_range()[1]
     most, best, step = largest, crossing, FIRST_GROWTH * least
     for _ in range(GROWTHS):
@@ -223,10 +243,10 @@ def _grown(
             break
         raised = Range(min=trial_radius, max=largest)
         larger = spec.model_copy(update={"base_radius_mm": raised})
-        tried = _drawn_in(larger, tables, stop, stages)
+        tried = _drawn_in(question.changed(larger), tables, stop, stages)
         if tried.cam is not None and tried.certified:
             built = tried.built.model_copy(update={"base_radius_mm": spec.base_radius_mm})
-            extremes = judged(spec, tried.cam, built)
+            extremes = judged(question.asked, tried.cam, question.told(built))
             most, best = _base_radius(tried), replace(tried, built=built, extremes=extremes)
         elif tried.crosses:
             least, step = trial_radius, 2.0 * step
@@ -240,12 +260,12 @@ def _grown(
 
 
 def _base_radius(attempt: _Attempt) -> float:
-    assert attempt.cam is not None
-    return attempt.built.follower.dimensions(attempt.cam.size)["base_radius_mm"]
+    assert attempt.best is not None
+    return attempt.built.follower.dimensions(attempt.best.size)["base_radius_mm"]
 
 
 def _attempt(
-    spec: DesignSpec,
+    question: Question,
     tables: Tables,
     stop: float,
     tighten: float,
@@ -260,6 +280,7 @@ def _attempt(
     Where no place of a counter roller suits the cam so found, the cam is sought again with the
     farthest place given: the counter cam then has its say in the laws and the size.
     """
+    spec = question.natural
     attempt = _solved(spec.alone(), tables, stop, tighten, near)
     if attempt.best is None:
         return attempt
@@ -272,7 +293,8 @@ def _attempt(
         place = Settled(place.spec, True)
     attempt.built = place.spec
     if attempt.cam is not None:
-        attempt.extremes = judged(spec, attempt.cam, place.spec)
+        attempt.cam = delivered(question, attempt.posed, attempt.cam)
+        attempt.extremes = judged(question.asked, attempt.cam, question.told(place.spec))
     return attempt
 
 
@@ -318,11 +340,12 @@ def _solved(
     return attempt
 
 
-def _conflict(spec: DesignSpec, attempt: _Attempt) -> Conflict:
-    """Why nothing fits, with what the largest cam of the relaxation comes to."""
+def _conflict(question: Question, attempt: _Attempt) -> Conflict:
+    """Why nothing fits, with what the largest cam of the relaxation comes to: in wire units."""
     from synthesis.formulations.elastic import diagnose
 
-    last = attempt.searches[-1]
+    last, posed = attempt.searches[-1], question.told(attempt.posed)
+    problem = restated(question, posed, last.problem)
 
     def largest(claim: Claim) -> float | None:
         follower = last.problem.machine.follower
@@ -331,14 +354,14 @@ def _conflict(spec: DesignSpec, attempt: _Attempt) -> Conflict:
         if claim.path in follower.companions:  # a larger main cam leaves it no more room
             return None
         low, high = reached(last.relaxed.problem, last.relaxed.size, claim.path)
-        return high if claim.upper is not None else low
+        return (high if claim.upper is not None else low) / question.units.length
 
     until = min(last.deadline, clock.now() + DIAGNOSIS_S)
-    found = diagnose(attempt.posed, last.problem, last.grids, largest, until)
-    known = last.impossible or last.undecided
+    found = diagnose(posed, problem, last.grids, largest, until)
+    known = problem.cramped or last.impossible or last.undecided
     if known:
         found = found.model_copy(update={"evidence": f"{known}; {found.evidence}"})
-    farther = _farther(spec, until)
+    farther = _farther(question.asked, until)
     found = found.model_copy(update={"relaxations": [*found.relaxations, *farther]})
     refused = [e for e in attempt.extremes if not e.holds]
     if not refused:
@@ -355,12 +378,13 @@ def _farther(spec: DesignSpec, until: float) -> list[Relaxation]:
     opened = spec.opened()
     if opened == spec:
         return []
-    attempt = _attempt(
-        opened, smooth_tables(opened.stretches(), until), until, DRAWN_IN[0], closely=True
-    )
+    question = Question.of(opened)
+    tables = smooth_tables(question.natural.stretches(), until)
+    attempt = _attempt(question, tables, until, DRAWN_IN[0], closely=True)
     if not attempt.certified or attempt.cam is None:
         return []
-    told, found = attempt.built.follower.dimensions(attempt.cam.size), []
+    built = question.told(attempt.built)
+    told, found = built.follower.dimensions(attempt.cam.size), list[Relaxation]()
     for place, (name, asked) in spec.follower.companion_ranges().items():
         low, high = ends(asked)
         if high < told[name]:

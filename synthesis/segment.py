@@ -107,6 +107,10 @@ class Part(BaseModel):
         """The same with a law that is part of the answer no smoother than C2."""
         return self
 
+    def spelled(self) -> Self:
+        """The same with every number in a field whose name tells its unit."""
+        return self
+
     def left_open(self) -> dict[str, float | Range]:
         """Fields that may be left free, with what is asked of them."""
         return {"angle_deg": self.angle_deg}

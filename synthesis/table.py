@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Annotated, Literal
+from typing import Annotated, Literal, Self
 
 import numpy as np
 from pydantic import Field, model_validator
@@ -84,6 +84,14 @@ class Table(Part):
         }
         used = frozenset(u for u, row in given.items() if any(value is not None for value in row))
         return used | units_of(self.start, self.end)
+
+    def spelled(self) -> Self:
+        if self.points is None:
+            return self
+        angles, displacements = zip(*self.points, strict=True)
+        unit = self.tolerance_field.removeprefix("tolerance")
+        columns = {"angles_deg": angles, f"displacements{unit}": displacements}
+        return self.model_copy(update={"points": None, **columns})
 
     @property
     def tolerance_field(self) -> str:

@@ -88,6 +88,7 @@ def state(cells: int, duration: float, order: int, k: int, start: list[float]) -
     return np.column_stack([reach[:, :-1] - reach[:, 1:], known * np.ones(cells + 1)])
 
 
+@cache
 def least_peak(objective: str, first: float, last: float, cells: int) -> float:
     """Least peak of the control [in/sᵏ] when the return's two parts take these angles [deg].
 

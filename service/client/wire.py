@@ -75,9 +75,10 @@ class Wire(ABC):
 
     address: str
 
-    @abstractmethod
     async def send(self, asked: Asked) -> Answer:
         """The answer, whatever its status."""
+        async with self.opened(asked) as opened:
+            return await opened.read()
 
     @abstractmethod
     def opened(self, asked: Asked) -> AbstractAsyncContextManager[Opened]:
@@ -106,10 +107,6 @@ class AwaitingWire(Wire):
     def __init__(self, http: httpx2.AsyncClient) -> None:
         self._http, self.address = http, str(http.base_url)
 
-    async def send(self, asked: Asked) -> Answer:
-        async with self.opened(asked) as opened:
-            return await opened.read()
-
     @asynccontextmanager
     async def opened(self, asked: Asked) -> AsyncIterator[Opened]:
         async with self._http.stream(**_arguments(asked)) as response:
@@ -137,10 +134,6 @@ class WaitingWire(Wire):
 
     def __init__(self, http: httpx2.Client) -> None:
         self._http, self.address = http, str(http.base_url)
-
-    async def send(self, asked: Asked) -> Answer:
-        async with self.opened(asked) as opened:
-            return await opened.read()
 
     @asynccontextmanager
     async def opened(self, asked: Asked) -> AsyncIterator[Opened]:

@@ -2,16 +2,16 @@
 
 from __future__ import annotations
 
-from collections.abc import Awaitable, Callable
+from collections.abc import Callable
 from dataclasses import asdict
 from functools import partial
 from typing import Annotated, Any, TypeVar
 
 from fastapi import APIRouter, Query, Request, Response
 
-from service.documentation import in_parts, problems
-from service.routes.download import PNG, Download, in_thread
+from service.routes.download import Download, in_thread
 from service.routes.kept import done
+from service.routes.offering import Offer, add, offer
 from service.solve import file_of, priced
 from service.state import Parts, State
 from service.store import Row
@@ -22,7 +22,6 @@ from synthesis.exporters import (
     SOLID_FORMATS,
     Exporter,
     Made,
-    form,
     report_with,
 )
 from synthesis.exporters.drawing.picture_options import Colours, PictureOptions
@@ -30,15 +29,13 @@ from synthesis.exporters.exporter import FileFormat
 from synthesis.findings import Sensitivities
 
 router = APIRouter(prefix="/v1/designs/{design_id}", tags=["files"])
-Handler = Callable[..., Awaitable[Response]]
 T = TypeVar("T")
-PACKED = ("application/vnd.openxmlformats-officedocument.spreadsheetml.sheet", PNG, "model/stl")
 FORMATS = {"profile": PROFILE_FORMATS, "motion": MOTION_FORMATS, "solid": SOLID_FORMATS}
 ON_WORKERS = (429, 500, 501, 503, 504)
 
 
 async def _file(
-    request: Request, parts: State, name: str, part: str, exporter: Exporter[Any], options: Any
+    part: str, exporter: Exporter[Any], request: Request, parts: State, name: str, options: Any
 ) -> Response:
     """The file of a finished design, made in a thread or by a worker, or 304."""
     row, design = await done(parts.designs, name)
@@ -56,7 +53,7 @@ async def sent(
     work: Callable[[], Made],
 ) -> Response:
     """A file of a finished row, made by ``work`` in a thread or by a worker, or 304."""
-    file = Download(f"{_part(part, row)}{exporter.extension}", exporter.media_type)
+    file = Download(f"{_named(part, row)}{exporter.extension}", exporter.media_type)
     made_by = (part, exporter.name, repr(asdict(options)))
     make = partial(by_worker, parts, work) if exporter.apart else in_thread(work)
     return await file.sent(request, row, made_by, make)
@@ -68,26 +65,9 @@ async def by_worker(parts: State, work: Callable[[], T]) -> T:
     return await parts.engine.run(work, budget_s=parts.settings.budget_s(None))
 
 
-def _part(part: str, row: Row) -> str:
+def _named(part: str, row: Row) -> str:
     """A cam that is given and breaks its limits may be looked at, but its files say so."""
     return f"not-certified-{part}" if row.status == "infeasible" else part
-
-
-def _handler(part: str, exporter: Exporter[Any]) -> Handler:
-    query = form(exporter.options)
-
-    async def handler(
-        request: Request,
-        design_id: str,
-        parts: Parts,
-        options: Annotated[query, Query()],  # type: ignore[valid-type]
-    ) -> Response:
-        wanted = exporter.options(**dict(options))
-        return await _file(request, parts, design_id, part, exporter, wanted)
-
-    # texts of annotations would be looked up where ``query`` is unknown
-    handler.__annotations__["options"] = Annotated[query, Query()]
-    return handler
 
 
 async def _reported(
@@ -107,43 +87,21 @@ async def _reported(
         costs = Sensitivities.model_validate_json(told)
     report = report_with(PROFILE_FORMATS, MOTION_FORMATS, costs)
     which = "report-costs" if costs else "report"
-    return await _file(request, parts, design_id, which, report, PictureOptions(theme))
+    return await _file(which, report, request, parts, design_id, PictureOptions(theme))
 
 
-def add(
-    to: APIRouter, part: str, exporter: FileFormat[Any, Any], handler: Handler, of: str = ""
-) -> None:
-    """A path for a format; ``of`` tells its operation from that of another subject's."""
-    content = {exporter.media_type.partition(";")[0]: {"schema": schema_of(exporter)}}
-    to.add_api_route(
-        f"/{part}",
-        handler,
-        name=f"get_{of}{part.replace('.', '_')}",
-        summary=exporter.title,
-        description=exporter.purpose,
-        response_class=Response,
-        responses={
-            **in_parts(description=exporter.title, content=content),
-            **problems(404, 409, 422, *FURTHER.get(part, ON_WORKERS if exporter.apart else ())),
-        },
-    )  # fmt: skip
-
-
-OWN: dict[str, Handler] = {"report.html": _reported}
-FURTHER = {"report.html": (500, 503, 504)}
-
-
-def schema_of(exporter: FileFormat[Any, Any]) -> dict[str, str]:
-    """What its body is, for the contract."""
-    if exporter.media_type == "application/json":
-        return {"type": "object"}
-    packed = exporter.media_type in PACKED
-    return {"type": "string", "format": "binary"} if packed else {"type": "string"}
+def _offer(path: str, exporter: Exporter[Any], statuses: tuple[int, ...] = ()) -> Offer:
+    further = statuses or (ON_WORKERS if exporter.apart else ())
+    name = f"get_{path.replace('.', '_')}"
+    return Offer(exporter, f"/{path}", name, exporter.purpose, statuses=further)
 
 
 for _of, _formats in FORMATS.items():
-    for _exporter in _formats.values():
-        add(router, f"{_of}.{_exporter.name}", _exporter, _handler(_of, _exporter))
-for _picture in PICTURES.values():
-    _stem = _picture.name.removesuffix(_picture.extension)
-    add(router, _picture.name, _picture, OWN.get(_picture.name) or _handler(_stem, _picture))
+    for _each in _formats.values():
+        offer(router, _offer(f"{_of}.{_each.name}", _each), "design_id", partial(_file, _of, _each))
+for _each in PICTURES.values():
+    _part = _each.name.removesuffix(_each.extension)
+    if _each.name == "report.html":
+        add(router, _offer(_each.name, _each, (500, 503, 504)), _reported)
+    else:
+        offer(router, _offer(_each.name, _each), "design_id", partial(_file, _part, _each))

@@ -2,26 +2,25 @@
 
 from __future__ import annotations
 
-from collections.abc import Awaitable, Callable
 from dataclasses import asdict
 from functools import partial
-from typing import Annotated, Any
+from typing import Any
 
-from fastapi import APIRouter, Query, Request, Response
+from fastapi import APIRouter, Request, Response
 
-from service.documentation import in_parts, problems, spec_body
+from service.documentation import spec_body
 from service.errors import NothingFits
 from service.examples import LINKAGES as EXAMPLES
 from service.routes.collection import Kept, Said, declare
 from service.routes.download import Download, in_thread
 from service.routes.kept import WithStatus, done
-from service.state import Parts
+from service.routes.offering import Offer, offer
+from service.state import State
 from service.views import LinkagePage
-from synthesis.exporters import Made, form
+from synthesis.exporters import Made
 from synthesis.exporters.linkages import LINKAGE_FILES, LinkageFile
 from synthesis.linkages import LINKAGES, Linkage
 
-Handler = Callable[..., Awaitable[Any]]
 router = APIRouter(prefix="/v1/linkages", tags=["linkages"])
 
 
@@ -32,24 +31,13 @@ def _made(linkage: Linkage, body: bytes, file: LinkageFile, options: Any) -> Mad
     return Made(file.write(found, options))
 
 
-def _download(linkage: Linkage, name: str, file: LinkageFile) -> Handler:
-    query = form(file.options)
-
-    async def handler(
-        request: Request,
-        linkage_id: str,
-        parts: Parts,
-        options: Annotated[query, Query()],  # type: ignore[valid-type]
-    ) -> Response:
-        wanted = file.options(**dict(options))
-        row, body = await done(parts.linkages[linkage.name], linkage_id)
-        make = in_thread(partial(_made, linkage, body, file, wanted))
-        made_by = (name, repr(asdict(wanted)))
-        return await Download(name, file.media_type).sent(request, row, made_by, make)
-
-    # texts of annotations would be looked up where ``query`` is unknown
-    handler.__annotations__["options"] = Annotated[query, Query()]
-    return handler
+async def _file(
+    linkage: Linkage, file: LinkageFile, request: Request, parts: State, name: str, options: Any
+) -> Response:
+    row, body = await done(parts.linkages[linkage.name], name)
+    make = in_thread(partial(_made, linkage, body, file, options))
+    made_by = (file.name, repr(asdict(options)))
+    return await Download(file.name, file.media_type).sent(request, row, made_by, make)
 
 
 def _resource(linkage: Linkage) -> None:
@@ -80,15 +68,14 @@ def _resource(linkage: Linkage) -> None:
         delete=Said(f"Forget a {noun}", "One being worked on is stopped."),
     )
     for name, file in LINKAGE_FILES[linkage.name].items():
-        schema = {"type": "object" if file.media_type == "application/json" else "string"}
-        content = {file.media_type.partition(";")[0]: {"schema": schema}}
-        router.add_api_route(
-            f"{collection.path_of_one}/{name}", _download(linkage, name, file), methods=["GET"],
-            name=f"get_{one}_{name.replace('.', '_')}", summary=f"{file.title}, of a {noun}",
-            description=file.purpose, response_class=Response,
-            responses={**in_parts(description=file.title, content=content),
-                       **problems(404, 409, 422)},
-        )  # fmt: skip
+        offered = Offer(
+            file,
+            f"{collection.path_of_one}/{name}",
+            f"get_{one}_{name.replace('.', '_')}",
+            file.purpose,
+            of=f", of a {noun}",
+        )
+        offer(router, offered, collection.id, partial(_file, linkage, file))
 
 
 for _linkage in LINKAGES.values():

@@ -3,39 +3,35 @@
 from __future__ import annotations
 
 from functools import partial
-from typing import Annotated
+from typing import Any
 
-from fastapi import APIRouter, Query, Request, Response
+from fastapi import APIRouter, Request, Response
 
-from service.routes.files import Handler, add, sent
+from service.routes.files import ON_WORKERS, sent
 from service.routes.kept import done
+from service.routes.offering import Offer, offer
 from service.solve import spatial_file
-from service.state import Parts
-from synthesis.exporters import form
+from service.state import State
 from synthesis.spatial.files import FORMATS, Format
 
 router = APIRouter(prefix="/v1/spatial-cams/{cam_id}", tags=["spatial cams"])
 
 
-def _handler(name: str, exporter: Format) -> Handler:
-    query = form(exporter.options)
-    part = name.removesuffix(exporter.extension)
-
-    async def handler(
-        request: Request,
-        cam_id: str,
-        parts: Parts,
-        options: Annotated[query, Query()],  # type: ignore[valid-type]
-    ) -> Response:
-        wanted = exporter.options(**dict(options))
-        row, design = await done(parts.spatial_cams, cam_id)
-        work = partial(spatial_file, design, exporter, wanted)
-        return await sent(request, parts, row, part, exporter, wanted, work)
-
-    # texts of annotations would be looked up where ``query`` is unknown
-    handler.__annotations__["options"] = Annotated[query, Query()]
-    return handler
+async def _file(
+    part: str, exporter: Format, request: Request, parts: State, name: str, options: Any
+) -> Response:
+    row, design = await done(parts.spatial_cams, name)
+    work = partial(spatial_file, design, exporter, options)
+    return await sent(request, parts, row, part, exporter, options, work)
 
 
 for _name, _exporter in FORMATS.items():
-    add(router, _name, _exporter, _handler(_name, _exporter), of="spatial_cam_")
+    _offered = Offer(
+        _exporter,
+        f"/{_name}",
+        f"get_spatial_cam_{_name.replace('.', '_')}",
+        _exporter.purpose,
+        statuses=ON_WORKERS if _exporter.apart else (),
+    )
+    _part = _name.removesuffix(_exporter.extension)
+    offer(router, _offered, "cam_id", partial(_file, _part, _exporter))

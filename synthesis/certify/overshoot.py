@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import cache
-from math import comb
+from math import comb, floor
 from typing import Final
 
 import numpy as np
@@ -19,6 +19,7 @@ from synthesis.units import DEGREE
 BACKWARD: Final = 1e-9  # of the lift: travel backwards that counts as none
 FINE: Final = 1e-2  # of that bound: width of the enclosure that is good enough
 FIRST: Final = 2
+PARTS: Final = 1000  # of the bound: less of it apart, two stretches are equally bad
 SPLIT: Final = 8
 ROUNDS: Final = 7
 MOST_BOXES: Final = 50_000
@@ -52,7 +53,8 @@ def overshoot(course: Course, machine: Machine) -> list[Extreme]:
         return []
     least, most, count = _travel(course, course.pieces(kept))
     bounds = [BACKWARD * abs(s.lift) for s in course.motion.stretches]
-    worst = max(kept, key=lambda i: most[i] / bounds[i])
+    # in parts of the bound: of roundings none is the worst
+    worst = max(kept, key=lambda i: floor(PARTS * most[i] / bounds[i]))
     value, bound, width = (
         float(length) * machine.rate(0)
         for length in (least[worst], bounds[worst], most[worst] - least[worst])

@@ -61,15 +61,19 @@ def settle(
 
 def at_size(settled: Problem, laws: Sequence[SettledLaw], size: Vector) -> Candidate:
     """The cam with this size, raised to the least prime radius and off the rows that bind it."""
-    follower = settled.machine.follower
-    bounds = settled.sizing.bounds  # a solver keeps them to its tolerance only
-    size = tuple(min(max(v, low), high) for v, (low, high) in zip(size, bounds, strict=True))
-    size = follower.raised(size, -_outside(settled, size))
-    size = follower.reaching(size, settled.sizing.least)
-    size = follower.raised(size, max((cone.short(size) for cone in settled.cones), default=0.0))
+    follower, size = settled.machine.follower, inside(settled, size)
     clear = CLEARANCE * follower.prime_radius().value(size)
     size = follower.raised(size, min(clear, settled.room(size)))
     return Candidate(settled, tuple(laws), size, value(settled, size))
+
+
+def inside(problem: Problem, size: Vector) -> Vector:
+    """The size within its bounds and cones, which a solver keeps to its tolerance only."""
+    follower, bounds = problem.machine.follower, problem.sizing.bounds
+    size = tuple(min(max(v, low), high) for v, (low, high) in zip(size, bounds, strict=True))
+    size = follower.raised(size, -_outside(problem, size))
+    size = follower.reaching(size, problem.sizing.least)
+    return follower.raised(size, max((cone.short(size) for cone in problem.cones), default=0.0))
 
 
 def mended(found: Candidate) -> Candidate:

@@ -193,34 +193,37 @@ def asked(state: Search, best: Candidate) -> Quest | None:
 
 
 def explored(quest: Quest, box: Box, turns: int = TURNS) -> Box:
-    """Hulls and rows in turn, each from what the other has shown, while it is worth it."""
+    """Hulls and rows in turn, each from what the other has shown, while it is worth it.
+
+    All laws are asked at first, and before it is given up.
+    """
+    among = every = tuple(range(len(quest.problem.free)))
     for _ in range(turns):
         if box.lower >= quest.target or not box.grids or quest.state.left() <= 0.0:
             break
-        among = _told(quest, box.lair)
         before, lair = box.lair.of(among).width, _narrower(quest, box, among)
         if lair is None:
             return climbed(quest, box) if quest.state.left() > 0.0 else box
         if lair.empty:
             return replace(box, lower=quest.target)
         box = climbed(quest, replace(box, lair=lair))
-        if lair.of(among).width > WORTH * before:
+        idle = lair.of(among).width > WORTH * before
+        if idle and among == every:
             break
+        among = every if idle else _breaking(quest, box.lair) or every
     return box
 
 
-def _told(quest: Quest, lair: Lair) -> tuple[int, ...]:
-    """The laws whose narrower hulls may exclude the last answer: those that break their limits.
-
-    All where it breaks none, and at first.
-    """
-    free, every = quest.problem.free, tuple(range(len(quest.problem.free)))
-    if lair.guess is None or not len(lair.planes.floors):
-        return every
+def _breaking(quest: Quest, lair: Lair) -> tuple[int, ...]:
+    """The laws of the last answer that break limits: narrower hulls of others do not exclude it."""
+    guess, free = lair.guess, quest.problem.free
+    if guess is None:
+        return ()
     x, hulled = np.linspace(0.0, 1.0, SAMPLES + 1), {position for position, _ in lair.hulls}
-    laws = ((k, free[k].with_law(lair.guess.laws[k].curve())) for k in hulled)
-    found = (k for k, law in laws if np.max(_excess(quest.problem, law, x, lair.guess.size)) > 0.0)
-    return tuple(sorted(found)) or every
+    laws = ((k, free[k].with_law(guess.laws[k].curve())) for k in hulled)
+    return tuple(
+        sorted(k for k, law in laws if np.max(_excess(quest.problem, law, x, guess.size)) > 0.0)
+    )
 
 
 def _narrower(quest: Quest, box: Box, among: Collection[int]) -> Lair | None:

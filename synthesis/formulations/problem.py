@@ -19,7 +19,7 @@ from synthesis.terms import Cone, Curved, Ringing, Row
 
 Place = tuple[object, ...]
 QUIET = 1e-9  # of the stroke: an amplitude that is none
-RESTS = 1e-12  # of the stroke: what rounding may leave of the lowest position
+RESTS = 1e-9  # of the stroke: what the lifts may miss to the lowest position, as in a spec
 
 
 class Nothing(Objective):

@@ -50,6 +50,10 @@ class Chart(ABC):
     def sag(self, depth: Array, width: Array) -> Array:
         """How far lines across of these widths are from their parts' chords [mm]."""
 
+    @abstractmethod
+    def ring(self, depth: float) -> tuple[float, float] | None:
+        """Radii of the torus that a depth is, of its middle circle and tube; None: a cylinder."""
+
     def points(self, turn: Array, depth: Array, across: Array) -> Array:
         """Points (3, …) of the cam's frame [mm]."""
         radius, height = self.meridian(depth, across)
@@ -86,6 +90,9 @@ class Torus(Chart):
     def sag(self, depth: Array, width: Array) -> Array:
         return np.asarray(depth * (1.0 - np.cos(0.5 * width / self.parts)))
 
+    def ring(self, depth: float) -> tuple[float, float] | None:
+        return self.distance, depth
+
 
 @dataclass(frozen=True)
 class Drum(Chart):
@@ -110,3 +117,6 @@ class Drum(Chart):
 
     def sag(self, depth: Array, width: Array) -> Array:
         return 0.0 * depth
+
+    def ring(self, depth: float) -> tuple[float, float] | None:
+        return None

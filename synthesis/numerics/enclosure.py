@@ -14,7 +14,7 @@ from typing import Final
 import numpy as np
 
 from synthesis.numerics.boxes import SPLIT, Boxes, Indices, Mask
-from synthesis.numerics.looking import sighted
+from synthesis.numerics.looking import Bounds, sighted
 from synthesis.numerics.taylor import Array, Taylor
 
 Models = Callable[[Indices, Array, Array, Sequence[int]], Sequence[Taylor]]
@@ -160,7 +160,7 @@ class _Search:
             found = np.stack(values(piece, x, wanted))[slot]
             return self._excess(every, found, found)
 
-        seen = sighted(boxes, heights)
+        seen = sighted(boxes, heights, Bounds(self.lower, self.upper))
         return _Points(seen.question, seen.piece, seen.at), seen.cuts
 
     def weigh(self, boxes: Boxes, points: _Points, models: Models) -> _View:
@@ -186,7 +186,8 @@ class _Search:
 
     def _note(self, points: _Points, value: Array, sure: Array, blur: Array) -> None:
         """Keep what was reached at points: values, their excess over a bound, their roundings."""
-        better = sure > self.best[points.question]
+        # by more than roundings, or these would choose among equal extremes
+        better = sure - blur > self.best[points.question]
         q, value = points.question[better], value[better]
         self.best[q], self.value[q], self.angle[q] = sure[better], value, points.at[better]
         self.blur[q] = blur[better]

@@ -24,6 +24,10 @@ FAN: Final = np.linspace(0.0, 1.0, 17)
 LOOKS: Final = 2  # each narrows the place of a peak to an eighth
 STEPS: Final = 2.0 ** -np.arange(1.0, 12.0)  # of a box: how far from a peak it is cut
 LADDER: Final = np.concatenate([-STEPS, STEPS])
+HUGE: Final = 1e290  # what is larger is none of a function's values
+EQUAL: Final = 2.0**-34  # relative: peaks whose heights differ by less are one as high as the other
+ALIKE: Final = 2.0**-44  # the same of points beside each other
+BLUR: Final = 2.0**-48  # of a bound: what is left of a height over it is no better known
 BESIDE: Final = np.arange(-1, 2)[:, None]
 
 
@@ -42,16 +46,43 @@ class Sighted:
     cuts: Array
 
 
-def sighted(boxes: Boxes, heights: Heights) -> Sighted:
-    """The highest point of every question's function on the boxes that it is asked for."""
-    question, box = _peaks(boxes, heights)
+@dataclass(frozen=True, eq=False)
+class Bounds:
+    """What heights are measured from, (questions,) each: value − upper, or lower − value."""
+
+    lower: Array
+    upper: Array
+
+    def grain(self, question: Indices, height: Array, share: float) -> Array:
+        """By how much heights have to differ from these to count as others: (n,)."""
+        lower, upper = self.lower[question], self.upper[question]
+        size = np.minimum(np.abs(lower - height), np.abs(upper + height))
+        bound = np.maximum(_finite(np.abs(lower)), _finite(np.abs(upper)))
+        return np.asarray(share * _finite(size) + BLUR * bound)
+
+
+def _finite(values: Array) -> Array:
+    return np.where(values < HUGE, values, 0.0)
+
+
+def sighted(boxes: Boxes, heights: Heights, bounds: Bounds) -> Sighted:
+    """The highest point of every question's function on the boxes that it is asked for.
+
+    Of several that are equally high the first: roundings do not choose.
+
+    Args:
+        boxes: where. heights: of the functions, over their bounds.
+    """
+    question, box = _peaks(boxes, heights, bounds)
     piece, low, high = boxes.piece[box], boxes.lo[box], boxes.hi[box]
     steps = (high - low)[:, None] * LADDER
     peak, on = np.arange(len(box)), np.repeat(piece, len(FAN))
     for _ in range(LOOKS):
         x = np.minimum(low[:, None] + (high - low)[:, None] * FAN, high[:, None])
         height = heights(on, x.ravel()).reshape(len(boxes.asked), *x.shape)[question, peak]
-        best = np.argmax(height, axis=1)
+        top = np.max(height, axis=1)
+        grain = bounds.grain(question, top, ALIKE)
+        best = np.argmax(height >= (top - grain)[:, None], axis=1)
         middle = np.minimum(np.maximum(best, 1), len(FAN) - 2)
         three = peak, middle + BESIDE
         low, here, high = x[three]
@@ -60,13 +91,13 @@ def sighted(boxes: Boxes, heights: Heights) -> Sighted:
     vertex = here + 0.5 * (before - behind) / bend * (here - low)  # of a parabola through them
     inner = (best == middle) & (bend < 0.0)
     at = np.where(inner, np.minimum(np.maximum(vertex, low), high), x[peak, best])
-    first = _leading(question, np.max(height, axis=1), 1)
+    first = _leading(question, top, bounds, 1)
     return Sighted(
         question[first], piece[first], at[first], np.unique(at[:, None] + steps)
     )  # fmt: skip
 
 
-def _peaks(boxes: Boxes, heights: Heights) -> tuple[Indices, Indices]:
+def _peaks(boxes: Boxes, heights: Heights, bounds: Bounds) -> tuple[Indices, Indices]:
     """Questions and boxes: of every question that of the highest peak and others nearly as high.
 
     The height on a box is that of a parabola through its ends and centre.
@@ -78,18 +109,24 @@ def _peaks(boxes: Boxes, heights: Heights) -> tuple[Indices, Indices]:
     vertex = np.where(np.abs(slope) < 2.0 * bend, 0.25 * slope * slope / bend, 0.0)
     height = np.maximum(np.maximum(left, right), middle + vertex)
     height = np.where(boxes.asked & (height > -np.inf), height, -np.inf)
-    rising = height[:, 1:] > height[:, :-1]
+    top = np.max(height, axis=1)
+    grain = bounds.grain(np.arange(len(top)), top, ALIKE)
+    rising = height[:, 1:] > height[:, :-1] + grain[:, None]
     hill = np.ones(height.shape, dtype=bool)
     hill[:, 1:] &= rising
     hill[:, :-1] &= ~rising
-    nearly = height + NEARLY * (np.abs(slope) + np.abs(bend)) >= np.max(height, axis=1)[:, None]
+    nearly = height + NEARLY * (np.abs(slope) + np.abs(bend)) >= top[:, None]
     question, box = np.nonzero(hill & nearly & (height > -np.inf))
-    kept = _leading(question, height[question, box], PEAKS)
+    kept = _leading(question, height[question, box], bounds, PEAKS)
     return question[kept], box[kept]
 
 
-def _leading(question: Indices, height: Array, count: int) -> Indices:
-    """Which (k,) are among the so many highest of their question."""
-    order = np.lexsort((-height, question))
+def _leading(question: Indices, height: Array, bounds: Bounds, count: int) -> Indices:
+    """Which (k,) are among the so many highest of their question; of equal ones the first."""
+    top = np.full(len(bounds.lower), -np.inf)
+    np.maximum.at(top, question, height)
+    top = top[question]
+    below = np.floor((top - height) / bounds.grain(question, top, EQUAL))
+    order = np.lexsort((np.where(np.isnan(below), 0.0, below), question))
     ranked = question[order]
     return order[np.arange(len(order)) - np.searchsorted(ranked, ranked) < count]

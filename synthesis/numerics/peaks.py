@@ -36,11 +36,11 @@ def peak(curve: Piecewise, coefficients: Sequence[float]) -> tuple[float, float]
     x: Array = (left[:, None] + width[:, None] * step).ravel()
     piece = np.repeat(np.arange(curve.count), samples)
 
-    def combined(at: Array, on: np.ndarray, raised: int) -> Array:
-        first, *others = (c * curve.at(at, on, k + raised) for k, c in weights)
-        return sum(others, start=first)
+    def combined(at: Array, on: np.ndarray, highest: int) -> list[Array]:
+        f = curve.jet(at, on, weights[-1][0] + highest)
+        return [sum(c * f[k + raised] for k, c in weights) for raised in range(highest + 1)]
 
-    value = combined(x, piece, 0)
+    (value,) = combined(x, piece, 0)
     best = int(np.argmax(value))
     spread = float(value[best] - value.min())
     # a stationary point between two samples can top its neighbours by no more than their spread
@@ -52,10 +52,10 @@ def peak(curve: Piecewise, coefficients: Sequence[float]) -> tuple[float, float]
     low, high = np.maximum(y - half, left[on]), np.minimum(y + half, left[on] + width[on])
     with np.errstate(divide="ignore", invalid="ignore"):
         for _ in range(4):
-            slope, bend = combined(y, on, 1), combined(y, on, 2)
+            _, slope, bend = combined(y, on, 2)
             move = np.where(bend < 0.0, -slope / bend, 0.0)
             y = np.minimum(np.maximum(y + move, low), high)
-    refined = combined(y, on, 0)
+    (refined,) = combined(y, on, 0)
     top = int(np.argmax(refined))
     if refined[top] > value[best]:
         return float(refined[top]), float(y[top])

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass, field
 from typing import Annotated
 
@@ -19,6 +20,7 @@ from synthesis.units import FULL_TURN
 
 WALL = 2.0  # radii of a roller that a blank reaches beyond the rollers' axes: one is left of it
 RIM = np.linspace(0.0, FULL_TURN, 16, endpoint=False)
+Spacing = Callable[[float, float, int], Array]
 Clearance = Annotated[float, Field(ge=0.0, le=1e4)]
 
 
@@ -68,8 +70,10 @@ class Blank:
     bore: float = field(default=0.0)
 
     @classmethod
-    def of(cls, cuts: Cuts, options: BlankOptions, depths: int) -> Blank:
-        """The blank that suits the machine's rollers.
+    def of(
+        cls, cuts: Cuts, options: BlankOptions, depths: int, spaced: Spacing = np.linspace
+    ) -> Blank:
+        """The blank that suits the machine's rollers, at so many depths, spaced evenly or so.
 
         Raises:
             InputError: nothing is left of ribs, of the width, or round the bore.
@@ -82,7 +86,7 @@ class Blank:
                 f"The grooves are {root - top + options.tip_clearance_mm:.6g} mm deep.",
                 "Take less.",
             )  # fmt: skip
-        depth = np.linspace(top, root, depths)
+        depth = spaced(top, root, depths)
         low, high = (np.full(depths, end) for end in _ends(cuts))
         width = options.width_mm
         faces = cuts.cam.faces if width is None else (-0.5 * width, 0.5 * width)

@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 
 from synthesis.errors import InputError
 from synthesis.geometry.charts import Chart
+from synthesis.geometry.swept_roller import Place, dot, norm
 from synthesis.numerics.piecewise import Array
 from synthesis.spatial.cam import SpatialCam
 from synthesis.spatial.frame import CamFrame
@@ -63,17 +64,21 @@ class Cuts:
     Attributes:
         cam, machine: whose. chart: of its blank.
         mesh: least and largest place q of a roller in mesh [rad or mm], maybe infinite.
+        straight: whether walls run on along the rollers' axes below the rollers' ends, where
+            nothing touches them, and not as longer rollers would leave them.
     """
 
     cam: SpatialCam
     machine: SpatialMachine
     chart: Chart
     mesh: tuple[float, float]
+    straight: bool = False
 
     @classmethod
-    def of(cls, cam: SpatialCam, machine: SpatialMachine) -> Cuts:
+    def of(cls, cam: SpatialCam, machine: SpatialMachine, straight: bool = False) -> Cuts:
         """Of a machine's cam."""
-        return cls(cam, machine, machine.chart(cam.sizes), machine.mesh(cam.sizes))
+        chart, mesh = machine.chart(cam.sizes), machine.mesh(cam.sizes)
+        return cls(cam, machine, chart, mesh, straight)
 
     def laid(self, point: Array) -> tuple[Array, Array, Array]:
         """Angle about the cam's axis, depth and place across of points of the machine's frame.
@@ -109,14 +114,14 @@ class Cuts:
         Raises:
             InputError: a wall is undercut, or has a step, so that there is no single place.
         """
-        seats = self._seats()
+        seats = self.seats()
         low, high = (
             np.stack([self._wall(seat, side, turn, depth) for seat in seats])
             for side in (LEFT, RIGHT)
         )
         return Grooves(low, high, self._shift([seat.start for seat in seats]))
 
-    def _seats(self) -> list[Seat]:
+    def seats(self) -> list[Seat]:
         """All rollers that may come near, those of other turns too, in order of their places."""
         gain, (least, most) = self.cam.gain, self.mesh
         reach = int(np.ceil(FAR * (most - least) / abs(gain))) + 2 if gain else 0
@@ -154,12 +159,16 @@ class Cuts:
         sound = np.full(len(t), True)
         near = self._near(q)
         if np.any(near):
-            across[near], sound[near] = self._across(seat, side, t[near], d[near])
+            across[near], sound[near] = self.walls(seat, side, t[near], d[near])
         shape = len(turn), len(depth)
         return _straight_down(across.reshape(shape), sound.reshape(shape))
 
-    def _across(self, seat: Seat, side: int, t: Array, d: Array) -> tuple[Array, NDArray[np.bool_]]:
-        """Places across (n,), and where they are a wall's."""
+    def walls(self, seat: Seat, side: int, t: Array, d: Array) -> tuple[Array, NDArray[np.bool_]]:
+        """Places across in rows t at depths d (n,), and where they are a wall's.
+
+        Raises:
+            InputError: as ``grooves``.
+        """
         with np.errstate(all="ignore"):  # what runs off far from the blank is seen below
             found, wrong = self._solved(seat, side, t, d)
         q = self.cam.place(seat, t).q
@@ -217,11 +226,30 @@ class Cuts:
         step = 2.0 * (turn + along)
         return (after.turn - before.turn) / step, (after.depth - before.depth) / step
 
+    def _touched(self, rho: Array) -> Array:
+        """Where on the rollers walls are contacts: of those that run on straight, up to the end."""
+        if not self.straight:
+            return rho
+        roller = self.cam.swept.roller
+        deep = roller.outer if self.chart.nominal(np.array(1.0)) > 0.0 else roller.inner
+        return np.minimum(rho, deep) if deep == roller.outer else np.maximum(rho, deep)
+
+    def _onwards(self, place: Place, rho: Array, normal: Array) -> Array:
+        """The way (3, n) on along rollers from contacts at ρ, for a step of 1 along their axes."""
+        swept = self.cam.swept
+        axis = swept.joint.turned(swept.along.reshape(3, 1, 1), place.q)[:, :, 0]
+        outwards = normal - dot(normal, axis) * axis
+        return np.asarray(axis + swept.roller.profile(rho)[1] * outwards / norm(outwards))
+
     def _laid(self, seat: Seat, side: int, theta: Array, rho: Array) -> _Laid:
         swept = self.cam.swept
         place = self.cam.place(seat, theta)
-        found = swept.contacts(place, rho[:, None], side)
-        angle, depth, across = self.laid(found.point[:, :, 0])
+        touched = self._touched(rho)
+        found = swept.contacts(place, touched[:, None], side)
+        point = found.point[:, :, 0]
+        if self.straight:
+            point = point + (rho - touched) * self._onwards(place, touched, found.normal[:, :, 0])
+        angle, depth, across = self.laid(point)
         turn = theta - swept.hand * angle
         return _Laid(turn, depth, self.chart.beside(across, place.q), found.regular[:, 0])
 

@@ -34,7 +34,7 @@ SCENES: dict[str, tuple[str, dict[str, float]]] = {
 PARTLY: dict[str, tuple[str, dict[str, float]]] = {
     "flat-face": (CONE, {"/limits/1/left_mm": 0.02}),
     "oscillating-flat-face": (LOCAL, {"/limits/1/rise_deg": 0.02}),
-    "undercut-limit": (LOCAL, {"/limits/0/rise_deg": 0.02, "/limits/2/min_mm": 0.03}),
+    "undercut-limit": (LOCAL, {"/limits/2/min_mm": 0.03}),
     "oscillating-roller": (LOCAL, {"/follower/centre_distance_mm": 0.01}),
 }
 

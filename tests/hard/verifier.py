@@ -7,7 +7,8 @@ in words whatever a design claims and does not keep.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Iterator
+from copy import copy
 from dataclasses import dataclass
 from functools import cached_property
 from itertools import pairwise
@@ -51,13 +52,12 @@ class Cam:
     def __init__(
         self, spec: dict[str, Any], moves: list[Stretch], size: dict[str, float], dense: int = 24
     ) -> None:
-        self.spec, self.moves, self.size, self.fine = spec, moves, size, dense > 20
+        self.spec, self.moves, self.fine = spec, moves, dense > 20
         self._joints: dict[int, list[tuple[float, float, float, float]]] = {}
+        self.peaks: dict[int, float] = {}
         self.omega = spec.get("speed_rpm", 60.0) * pi / 30.0
         self.unit = unit_of(spec)
-        # length of one unit of lift, for a sense of size
-        reach = spec["follower"].get("arm_mm") or size.get("centre_distance_mm", 1.0)
-        self.per_unit = reach * RAD if self.unit == "deg" else 1.0
+        self._take(size)
         self.grids: list[tuple[Stretch, int, np.ndarray]] = []
         for move in moves:
             if move.kind == "dwell":
@@ -66,6 +66,18 @@ class Cam:
             count = max(dense, (12 * dense) // len(move.pieces))
             for i, (a, b, _) in enumerate(move.pieces):
                 self.grids.append((move, i, np.linspace(a, b, count)))
+
+    def _take(self, size: dict[str, float]) -> None:
+        self.size = size
+        # length of one unit of lift, for a sense of size
+        reach = self.spec["follower"].get("arm_mm") or size.get("centre_distance_mm", 1.0)
+        self.per_unit = reach * RAD if self.unit == "deg" else 1.0
+
+    def sized(self, size: dict[str, float]) -> Cam:
+        """The same motion in another size: what is known of the motion stays known."""
+        other = copy(self)
+        other._take(size)
+        return other
 
     def look_at(self, degrees: Iterable[float]) -> None:
         """Sample these cam angles too: a spike may be narrower than the grid."""
@@ -149,18 +161,17 @@ class Cam:
 # -- limits --------------------------------------------------------------------------------------
 
 
-def readings(cam: Cam) -> list[Reading]:
-    """Every limit of the spec and every rule that always holds, measured on the cam."""
-    found: list[Reading] = []
+def readings(cam: Cam) -> Iterator[Reading]:
+    """Every limit of the spec and every rule that always holds, measured on the cam in turn."""
     kinds = {limit["kind"] for limit in cam.spec.get("limits", [])}
     limits = list(cam.spec.get("limits", []))
     if "profile_radius" not in kinds:
         limits.append({"kind": "profile_radius", "min_mm": 0.0})
     if "counter_base_radius" not in kinds and len(cam.names()) > 1:
         limits.append({"kind": "counter_base_radius", "min_mm": 0.0})
+    limits.sort(key=lambda limit: limit["kind"] not in ORDERS)  # the motion's are soonest known
     for limit in limits:
-        found += MEASURES[limit["kind"]](cam, limit)
-    return found
+        yield from MEASURES[limit["kind"]](cam, limit)
 
 
 def label(name: str, more: str) -> str:
@@ -299,7 +310,9 @@ def peak(cam: Cam, order: int) -> float:
         jump, noise = cam.jump(below)
         if jump > 50.0 * noise:
             return inf
-    return cam.largest(lambda s: np.abs(s[order]))
+    if order not in cam.peaks:
+        cam.peaks[order] = cam.largest(lambda s: np.abs(s[order]))
+    return cam.peaks[order]
 
 
 MEASURES: dict[str, Callable[[Cam, dict[str, Any]], Iterable[Reading]]] = {
@@ -399,7 +412,7 @@ def _regular(design: dict[str, Any]) -> bool:
 
 def _claims(cam: Cam, design: dict[str, Any], certified: bool) -> Iterable[str]:
     """Every limit is there, its value is what is measured here, and it holds if it is said to."""
-    left, measured = list(design["extremes"]), readings(cam)
+    left, measured = list(design["extremes"]), list(readings(cam))
     if certified and not all(extreme["holds"] for extreme in left):
         yield "certified, though a limit is said not to hold"
     undercut = any(own.broken for own in measured if own.name.startswith("profile_radius"))

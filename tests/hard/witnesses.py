@@ -166,11 +166,13 @@ def best(spec: dict[str, Any]) -> Witness | None:
     """The best of them; None where none keeps every limit by a thousandth."""
     found, first = None, objectives(spec)[0]
     for moves in motions(spec):
+        roughly, closely = Cam(spec, moves, {}, dense=12), Cam(spec, moves, {})
+        _ = roughly.sampled  # once for all sizes
         for size in sizes(spec):
-            rough = Cam(spec, moves, size, dense=12)
+            rough = roughly.sized(size)
             if size["base_radius_mm"] <= 0.0 or not stands(rough) or not keeps(rough, 1e-2):
                 continue
-            cam = Cam(spec, moves, size)
+            cam = closely.sized(size)
             value = objective(cam, first)
             if value < (inf if found is None else found.value) and keeps(cam, 1e-3):
                 found = Witness(cam, value)

@@ -1,9 +1,10 @@
 """Boxes cut at points: they cover what they covered, for whom they did."""
 
 import numpy as np
+import pytest
 
 from synthesis.numerics.boxes import Boxes
-from synthesis.numerics.looking import sighted
+from synthesis.numerics.looking import Bounds, sighted
 
 RNG = np.random.default_rng(8)
 
@@ -54,10 +55,26 @@ def test_the_highest_of_several_peaks_is_seen_where_it_is_asked_for() -> None:
         np.array([0, 1]), np.array([0.0, 1.1]), np.array([1.1, 2.3]), np.array([5, 7]), whole
     )
     with np.errstate(all="ignore"):
-        seen = sighted(boxes, heights)
+        seen = sighted(boxes, heights, Bounds(np.full(2, -np.inf), np.zeros(2)))
     np.testing.assert_array_equal(seen.question, [0, 1])
     np.testing.assert_array_equal(seen.piece, [0, 1])
     np.testing.assert_allclose(seen.at, [0.4123, 1.9271], atol=1e-5)
     assert np.all(np.diff(seen.cuts) > 0.0)
     apart = np.abs(seen.cuts[:, None] - seen.at)
     assert np.max(np.min(apart, axis=0)) < 2e-4
+
+
+def test_of_equal_peaks_the_first_is_seen_whatever_their_last_digits() -> None:
+    for noise in (3e-12 * RNG.uniform(-1.0, 1.0, 3) for _ in range(5)):
+
+        def heights(piece, x, noise=noise):
+            even = 0.83 - 0.29 * (x % 1.0 - 0.4123) ** 2
+            return (even + noise[piece])[None]
+
+        ends = np.array([0.0, 1.0, 2.0])
+        boxes = Boxes.spans(
+            np.arange(3), ends, ends + 0.97, np.full(3, 4), np.ones((1, 3), dtype=bool)
+        )
+        with np.errstate(all="ignore"):
+            seen = sighted(boxes, heights, Bounds(np.array([-np.inf]), np.array([0.61])))
+        assert seen.at == pytest.approx([0.4123], abs=1e-5)

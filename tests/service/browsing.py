@@ -8,8 +8,18 @@ from pathlib import Path
 from urllib.parse import urlsplit
 
 import pytest
-from playwright.sync_api import Browser, ConsoleMessage, Page, Request, Route, sync_playwright
+from playwright.sync_api import (
+    Browser,
+    ConsoleMessage,
+    Page,
+    Request,
+    Route,
+    expect,
+    sync_playwright,
+)
 
+PATIENT = 120_000  # [ms]: the machine may be busy
+expect.set_options(timeout=PATIENT)
 FLAGS = [
     "--no-sandbox", "--disable-gpu", "--disable-quic", "--no-first-run",
     "--disable-background-networking", "--disable-component-update", "--disable-sync",
@@ -61,6 +71,7 @@ class Closed:
 @pytest.fixture
 def closed(browser: Browser) -> Iterator[Closed]:
     context = browser.new_context(viewport={"width": 1280, "height": 1000})
+    context.set_default_timeout(PATIENT)
     page = Closed(context.new_page())
     yield page
     context.close()

@@ -33,7 +33,7 @@ class Running:
         self._socket = bound(settings)
         self.url = f"http://127.0.0.1:{self._socket.getsockname()[1]}"
         self.server = uvicorn.Server(web(self.app))
-        self.client = httpx2.Client(base_url=self.url, timeout=60.0)
+        self.client = httpx2.Client(base_url=self.url, timeout=180.0)
         self._thread = threading.Thread(target=self._run)
 
     def _run(self) -> None:
@@ -49,7 +49,7 @@ class Running:
     def __exit__(self, *_: object) -> None:
         self.client.close()
         self.server.should_exit = True
-        self._thread.join(30.0)
+        self._thread.join(180.0)
         self._socket.close()
         assert not self._thread.is_alive(), "the service did not stop"
 
@@ -65,7 +65,7 @@ def settings_for(folder: Path, **given: object) -> Settings:
 
 def wait_until_idle(client: httpx2.Client) -> None:
     """Until nothing runs and the workers that other tests have killed are back."""
-    for _ in range(900):
+    for _ in range(2400):
         page = client.get("/metrics").text
         if "camwright_designs_running 0.0" in page and "camwright_workers 2.0" in page:
             return

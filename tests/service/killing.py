@@ -80,13 +80,13 @@ def service(folder: Path, port: int, scheduler: str | None = None, **more: str) 
 
 def answering(client: httpx2.Client) -> None:
     """Until the service is there."""
-    for _ in range(1200):
+    for _ in range(3000):
         try:
             if client.get("/livez").status_code == 200:
                 return
         except httpx2.TransportError:
             pass
-        time.sleep(0.05)
+        time.sleep(0.1)
     raise AssertionError("the service did not come")
 
 

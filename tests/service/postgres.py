@@ -64,14 +64,14 @@ def postgres(user: str, database: str) -> Iterator[int]:
             yield port
         finally:
             running.send_signal(signal.SIGINT)  # its fast shutdown
-            running.wait(30.0)
+            running.wait(180.0)
     finally:
         shutil.rmtree(folder)
 
 
 def _create(port: int, user: str, database: str, log: Path) -> None:
     address = f"postgresql://{user}:{PASSWORD}@127.0.0.1:{port}/postgres"
-    for _ in range(300):
+    for _ in range(1800):
         try:
             with psycopg.connect(address, autocommit=True) as connection:
                 connection.execute(f'create database "{database}"'.encode())

@@ -1,8 +1,23 @@
 """The benchmarks that start a service run: their place is beside the service's tests."""
 
+from collections.abc import Iterator
+from contextlib import nullcontext
+
+import pytest
+
+from benchmarks import http, sweep_size
 from benchmarks.__main__ import section
 from benchmarks.effort import TRIAL
 from benchmarks.section import Table
+
+
+@pytest.fixture(scope="module", autouse=True)
+def one_service() -> Iterator[None]:
+    """One for all three: each would start its own."""
+    with http.started() as running, pytest.MonkeyPatch.context() as patch:
+        patch.setattr(http, "started", lambda: nullcontext(running))
+        patch.setattr(sweep_size, "started", lambda: nullcontext(running))
+        yield
 
 
 def test_the_benchmark_of_http_runs() -> None:

@@ -21,7 +21,7 @@ def test_swagger_sends_a_worked_example(
     page = closed.page
     page.goto(f"{real_service.url}/docs")
     operation = page.locator("#operations-designs-create_design")
-    expect(operation).to_be_visible(timeout=60_000)
+    expect(operation).to_be_visible()
     assert page.locator(".opblock").count() >= 15
     picture(page, tmp_path, "operations")
     operation.locator(".opblock-summary-control").click()
@@ -44,7 +44,7 @@ def test_swagger_sends_a_worked_example(
 def test_redoc_shows_the_reference(closed: Closed, real_service: Running, tmp_path: Path) -> None:
     page = closed.page
     page.goto(f"{real_service.url}/redoc")
-    expect(page.get_by_role("heading", name="Synthesise a cam")).to_be_visible(timeout=60_000)
+    expect(page.get_by_role("heading", name="Synthesise a cam")).to_be_visible()
     expect(page.locator("body")).to_contain_text("base_radius_mm")
     picture(page, tmp_path, "redoc")
 

@@ -145,7 +145,7 @@ def test_a_set_under_way_is_dismissed(client: httpx2.Client) -> None:
 
 def test_what_was_accepted_outlives_the_process(tmp_path: Path) -> None:
     settings = settings_for(tmp_path, workers=1)
-    asked = named("kept", cams=[{"name": f"free {i}", "spec": FREE} for i in range(20)])
+    asked = named("kept", cams=[{"name": f"free {i}", "spec": FREE} for i in range(5)])
     with Running(settings, real=False) as service:
         where = post(service.client, asked, Prefer="respond-async").headers["location"]
     with Running(settings, real=False) as service:

@@ -10,6 +10,7 @@ from typing import Any
 import httpx2
 import pytest
 
+from service import engine
 from synthesis.design import Design, design_id
 from synthesis.spec import DesignSpec
 from tests.service.conftest import wait_until_idle
@@ -23,7 +24,7 @@ def post(client: httpx2.Client, body: dict[str, Any], **headers: str) -> httpx2.
 
 
 def wait_for(client: httpx2.Client, path: str) -> httpx2.Response:
-    for _ in range(1200):
+    for _ in range(4800):
         answer = client.get(path)
         if answer.status_code != 202:
             return answer
@@ -118,17 +119,21 @@ def test_a_deleted_design_is_gone(client: httpx2.Client) -> None:
     assert client.delete(path).status_code == 404
 
 
-def test_a_running_design_is_dismissed(client: httpx2.Client) -> None:
+def test_a_running_design_is_dismissed(
+    client: httpx2.Client, monkeypatch: pytest.MonkeyPatch
+) -> None:
     """It hears so at its clock: the same workers take what comes after it."""
+    monkeypatch.setattr(engine, "STOP_S", 60.0)  # however busy the machine is
     wait_until_idle(client)
     workers = set(children(os.getpid()))
-    where = post(client, spec("look 20"), Prefer="respond-async").headers["location"]
+    endless = spec("look 250", time_budget_s=300)
+    where = post(client, endless, Prefer="respond-async").headers["location"]
     time.sleep(0.3)
     assert client.delete(where).status_code == 204
     assert client.get(where).status_code == 404
     started = time.monotonic()
     assert all(post(client, spec("after")).status_code == 200 for _ in range(4))
-    assert time.monotonic() - started < 10.0
+    assert time.monotonic() - started < 60.0
     wait_until_idle(client)
     assert set(children(os.getpid())) == workers
 

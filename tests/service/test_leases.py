@@ -137,7 +137,7 @@ def leaves_in_order(
         assert next(watched.iter_lines())
         until(lambda: database.execute(asked).fetchone() == ("running", False))
         process.running.terminate()
-        process.running.wait(30.0)
+        process.running.wait(180.0)
     assert database.execute(asked).fetchone() == ("running", True)
 
 

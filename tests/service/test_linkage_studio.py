@@ -10,11 +10,10 @@ from playwright.sync_api import Page, expect
 
 from service.examples import LINKAGES as FOLDER
 from service.examples import examples
-from tests.service.browsing import Closed, picture
+from tests.service.browsing import PATIENT, Closed, picture
 from tests.service.conftest import Running
 
 pytestmark = pytest.mark.browser
-PATIENT = 30_000  # [ms]: the machine may be busy
 SHAPERS, ARMS = "six-bar-shapers", "palletising-arms"
 
 
@@ -101,6 +100,7 @@ def test_a_shaper_is_sized_and_what_is_in_the_way_is_told(
 def test_an_arms_target_is_dragged(closed: Closed, real_service: Running, tmp_path: Path) -> None:
     """By pointer and by keys; what it takes to be there is what the service says."""
     page = opened(closed, real_service, ARMS)
+    page.locator("#side .target .reach").scroll_into_view_if_needed()  # and until it stands still
     handle = page.locator("#side .target .reach").bounding_box()
     assert handle is not None
     x, y = handle["x"] + handle["width"] / 2.0, handle["y"] + handle["height"] / 2.0

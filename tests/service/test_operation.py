@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import asyncio
 import json
 from pathlib import Path
 
@@ -9,10 +10,11 @@ import httpx2
 import pytest
 
 from service import engine
+from service.app import create_app
 from service.errors import BY_STATUS, PROBLEMS
 from service.settings import Settings
 from synthesis.design import engine_version
-from tests.service.conftest import Running, settings_for, wait_until_idle
+from tests.service.conftest import settings_for, wait_until_idle
 from tests.service.specs import spec
 
 
@@ -76,12 +78,17 @@ def test_catalogue(client: httpx2.Client) -> None:
 def test_other_origins_only_where_allowed(client: httpx2.Client, tmp_path: Path) -> None:
     origin = {"Origin": "https://cad.example"}
     assert "access-control-allow-origin" not in client.get("/livez", headers=origin).headers
-    settings = settings_for(tmp_path, cors_origins=["https://cad.example"], workers=1)
-    with Running(settings, real=False) as service:
-        answer = service.client.get("/livez", headers=origin)
-        assert answer.headers["access-control-allow-origin"] == "https://cad.example"
-        asked = {**origin, "Access-Control-Request-Method": "POST"}
-        assert service.client.options("/v1/designs", headers=asked).status_code == 200
+    app = create_app(settings_for(tmp_path, cors_origins=["https://cad.example"]))
+
+    async def told() -> None:  # without workers: none is needed for that
+        transport = httpx2.ASGITransport(app=app)
+        async with httpx2.AsyncClient(transport=transport, base_url="http://127.0.0.1") as other:
+            answer = await other.get("/livez", headers=origin)
+            assert answer.headers["access-control-allow-origin"] == "https://cad.example"
+            asked = {**origin, "Access-Control-Request-Method": "POST"}
+            assert (await other.options("/v1/designs", headers=asked)).status_code == 200
+
+    asyncio.run(told())
 
 
 def test_settings_come_from_the_environment(monkeypatch: pytest.MonkeyPatch) -> None:

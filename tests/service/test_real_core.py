@@ -52,7 +52,7 @@ def test_a_sweep_is_stopped_in_the_middle_of_its_solves(client: httpx2.Client) -
     started = time.monotonic()
     stopped = client.delete(where).json()
     print(f"stopped within {time.monotonic() - started:.2f} s")
-    assert time.monotonic() - started < 5.0
+    assert time.monotonic() - started < 20.0
     assert stopped["state"] == "dismissed"
     assert stopped["counts"]["done"] < 9
     time.sleep(0.5)

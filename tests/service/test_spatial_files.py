@@ -18,8 +18,8 @@ SMALL: dict[str, dict[str, Any]] = {
     "surfaces.json": {"points_per_degree": 0.2, "bore_mm": 37.5},
     **{name: {"points_per_degree": 0.5} for name in FORMATS if name.startswith("motion")},
     "cutter.csv": {"cutter_diameter_mm": 41.0, "flank": "2R", "points_per_degree": 0.2},
-    **{name: {"points_per_degree": 0.1, "depths": 2, "bore_mm": 37.5}
-       for name in ("body.stl", "body.step")},
+    "body.stl": {"points_per_degree": 0.1, "depths": 2, "bore_mm": 37.5},
+    "body.step": {"form": "faceted", "points_per_degree": 0.1, "depths": 2, "bore_mm": 37.5},
 }  # fmt: skip
 FLANKS = {"points": 11, "depths": 3, "flank": "2R"}
 

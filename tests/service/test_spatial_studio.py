@@ -11,11 +11,10 @@ from numpy.typing import NDArray
 from PIL import Image
 from playwright.sync_api import Page, expect
 
-from tests.service.browsing import Closed, picture
+from tests.service.browsing import PATIENT, Closed, picture
 from tests.service.conftest import Running
 
 pytestmark = pytest.mark.browser
-PATIENT = 30_000  # [ms]: the machine may be busy
 
 
 @pytest.fixture

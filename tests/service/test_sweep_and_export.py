@@ -115,7 +115,7 @@ def test_a_sweep_here_that_is_killed_goes_on_when_called_again(tmp_path: Path) -
     assert 3 < len(before) < count, "it was over before it was killed"
     until(lambda: not any(map(alive, workers)))
     command.start()
-    assert command.running.wait(120.0) == 0
+    assert command.running.wait(600.0) == 0
     after = kept(folder)
     assert after[: len(before)] == before
     assert sorted(number for number, _ in after) == list(range(count))

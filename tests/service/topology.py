@@ -84,6 +84,6 @@ class Topology:
             "PGHOST": "127.0.0.1", "PGPORT": str(self._database),
         }  # fmt: skip
         run = subprocess.run(
-            command, env=environment, capture_output=True, timeout=30.0, check=False
+            command, env=environment, capture_output=True, timeout=180.0, check=False
         )
         return run.returncode == 0

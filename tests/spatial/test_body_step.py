@@ -33,11 +33,17 @@ Array = NDArray[np.float64]
 CAMS: dict[str, tuple[SpatialCamSpec, dict[str, Any]]] = {
     "groove, flat where it rests": (
         SAMPLES["slide in a groove"].spec(),
-        {"points_per_degree": 0.17, "depths": 3, "bore_mm": 23.1},
+        {"form": "faceted", "points_per_degree": 0.17, "depths": 3, "bore_mm": 23.1},
     ),
     "turret, ribs that run out of the faces": (
         SpatialCamSpec(**body(mesh_angle_deg=52.3)),
-        {"points_per_degree": 0.1, "depths": 2, "bore_mm": 41.3, "width_mm": 103.7},
+        {
+            "form": "faceted",
+            "points_per_degree": 0.1,
+            "depths": 2,
+            "bore_mm": 41.3,
+            "width_mm": 103.7,
+        },
     ),
 }
 
@@ -145,7 +151,7 @@ def test_the_header_says_what_it_is(file: Made) -> None:
 def test_a_file_too_large_is_refused_before_it_is_made() -> None:
     design = synthesise_spatial(CAMS["groove, flat where it rests"][0])
     with pytest.raises(InputError, match="at most 100000"):
-        STEP.write(design, FacetedOptions(points_per_degree=9.3, depths=9))
+        STEP.write(design, FacetedOptions(form="faceted", points_per_degree=9.3, depths=9))
 
 
 def test_a_face_too_thin_for_a_kernel_is_refused(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -154,4 +160,4 @@ def test_a_face_too_thin_for_a_kernel_is_refused(monkeypatch: pytest.MonkeyPatch
     monkeypatch.setattr(body_step, "meshed", lambda *_: Meshed(thin, 0.1))
     design = synthesise_spatial(CAMS["groove, flat where it rests"][0])
     with pytest.raises(InputError, match="A face 4e-08 mm wide"):
-        STEP.write(design, FacetedOptions())
+        STEP.write(design, FacetedOptions(form="faceted"))

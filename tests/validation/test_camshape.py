@@ -7,7 +7,7 @@ docs/reference/camshape.md.
 import runpy
 from math import cos, pi
 from pathlib import Path
-from time import perf_counter
+from time import process_time
 
 import numpy as np
 import pytest
@@ -100,9 +100,9 @@ def test_random_feasible_cams_are_nowhere_larger() -> None:
 
 @pytest.mark.parametrize("n", SIZES)
 def test_it_takes_no_time(n: int) -> None:
-    began = perf_counter()
+    began = process_time()
     shape(n)
-    assert perf_counter() - began < 0.1
+    assert process_time() - began < 0.1
 
 
 def test_the_documented_table_is_what_the_command_prints(

@@ -1,15 +1,16 @@
-"""STEP AP242: the whole cam as one solid of flat faces, in mm. No kernel is needed.
+"""STEP AP242: the whole cam as one solid, smooth where it can be, else of flat faces, in mm.
 
-The mesh of ``body.stl`` as a faceted boundary representation: faces share their points, so that
-readers share their edges. A boolean difference of smooth surfaces is not tried: kernels make no
-sound solid of it where walls run out of the blank at a grazing angle.
+Of flat faces it is the mesh of ``body.stl`` as a faceted boundary representation: faces share their
+points, so that readers share their edges.
 """
 
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Annotated, Literal
 
 import numpy as np
+from pydantic import Field
 
 from synthesis.errors import InputError
 from synthesis.exporters.curves.part21 import Entities, exchange_file, many, real, text
@@ -18,6 +19,8 @@ from synthesis.exporters.exporter import FileFormat, Made
 from synthesis.spatial.design import SpatialDesign
 from synthesis.spatial.facets import Facet, facets_of, thinnest
 from synthesis.spatial.files.body_mesh import Levels, MeshOptions, Rows, meshed
+from synthesis.spatial.files.body_smooth import smooth
+from synthesis.spatial.smooth.sheets import NotSmooth
 
 MAX_TRIANGLES = 100_000
 DIGITS = 12  # of normals
@@ -25,13 +28,43 @@ DIGITS = 12  # of normals
 
 @dataclass(frozen=True, kw_only=True)
 class FacetedOptions(MeshOptions):
-    """As ``MeshOptions``, coarser: a face takes six times the room that it takes in an STL file."""
+    """What the solid is bounded by; rows and depths are of a faceted one, coarser than a mesh's.
 
+    Attributes:
+        form: smooth or faceted; None: smooth where that can be. tolerance_um: of smooth walls.
+    """
+
+    form: Annotated[
+        Literal["smooth", "faceted"] | None,
+        Field(
+            description="smooth: true surfaces, walls as B-splines within tolerance_um; faceted: "
+            "flat faces, by points_per_degree and depths. Left out: smooth where that can be. The "
+            "header Camwright-Body says which it is."
+        ),
+    ] = None
+    tolerance_um: Annotated[
+        float,
+        Field(ge=0.1, le=1e3, description="Largest distance of smooth walls from the true ones."),
+    ] = 1.0
     points_per_degree: Rows = 0.4
     depths: Levels = 4
 
 
 def _body(design: SpatialDesign, options: FacetedOptions) -> Made:
+    if options.form == "faceted":
+        return _faceted(design, options)
+    try:
+        return smooth(design, options, 1e-3 * options.tolerance_um)
+    except NotSmooth as why:
+        if options.form is None:
+            return _faceted(design, options)
+        raise InputError(
+            "/form", options.form, f"This cam has no smooth solid: {why}.",
+            "Take form=faceted, or a larger tolerance_um.",
+        ) from None  # fmt: skip
+
+
+def _faceted(design: SpatialDesign, options: FacetedOptions) -> Made:
     made = meshed(design, options, MAX_TRIANGLES)
     thin = thinnest(made.mesh)
     if thin < FINEST:
@@ -58,7 +91,7 @@ def _body(design: SpatialDesign, options: FacetedOptions) -> Made:
         f"Spatial cam, faceted: flat faces, {made.told['Surface-Error-Mm']} mm measured to the "
         "true surface; the smooth walls are in flanks.step"
     )
-    told = {**made.told, "Faces": str(len(facets))}
+    told = {"Body": "faceted", **made.told, "Faces": str(len(facets))}
     return Made(exchange_file(design, title, SCHEMA, data.lines()), told)
 
 
@@ -75,11 +108,12 @@ def _face(data: Entities, facet: Facet, points: list[str]) -> str:
 
 
 STEP = FileFormat(
-    "body.step", "STEP AP242, the whole cam as a faceted solid", "model/step", ".step",
+    "body.step", "STEP AP242, the whole cam as a solid", "model/step", ".step",
     _body, FacetedOptions,
-    "The body of body.stl as one closed solid of flat faces in mm: for assemblies, mass and "
-    "collisions in CAD. Not for machining: smooth walls are in flanks.step. How far it is from "
-    "the true surface is told in the file's header and in Camwright-Surface-Error-Mm.",
+    "One closed solid in mm, bounded by the cam's true surfaces within tolerance_um; where walls "
+    "cannot be told so, the body of body.stl in flat faces. Which it is, and how far it is from "
+    "the true surface, is told in the file's header, in Camwright-Body and "
+    "Camwright-Surface-Error-Mm.",
     usual=False,
     apart=True,
 )  # fmt: skip

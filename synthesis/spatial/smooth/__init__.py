@@ -1,0 +1,1 @@
+"""A spatial cam's body bounded by its true surfaces, face by face: no boolean cuts."""

@@ -1,0 +1,264 @@
+"""The body's faces, region by region."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from synthesis.geometry.charts import Chart
+from synthesis.numerics.piecewise import Array
+from synthesis.spatial.smooth import geometry
+from synthesis.spatial.smooth.patches import patch_of
+from synthesis.spatial.smooth.regions import ROOT, TOP, Span, bounds, pairs, runs, spans
+from synthesis.spatial.smooth.sheets import HIGH, IN, LOW, NotSmooth, Piece, Sheets, Stop
+from synthesis.spatial.smooth.shell import Key, Shell
+
+ENDS = (LOW, HIGH)
+
+
+@dataclass(frozen=True, eq=False)
+class Builder:
+    """Makes the shell of a body.
+
+    Attributes:
+        sheets: its walls. tolerance: of its walls [mm].
+    """
+
+    sheets: Sheets
+    tolerance: float
+    shell: Shell = field(default_factory=Shell)
+    errors: list[float] = field(default_factory=list)
+
+    def built(self) -> Shell:
+        """The shell.
+
+        Raises:
+            NotSmooth: there is none of this kind.
+        """
+        for j in range(self.sheets.sectors):
+            for pieces in self.sheets.pieces[j]:
+                for piece in pieces:
+                    if piece.state == IN:
+                        self._wall(piece)
+            self._level(j, TOP)
+            self._level(j, ROOT)
+            self._sections(j)
+        self._hub()
+        self.shell.check()
+        return self.shell
+
+    # -- names --------------------------------------------------------------------------------
+
+    def _stop(self, stop: Stop, wall: int | None) -> Key:
+        """A wall's end, or a line; after a turn the first line, with the wall's later name."""
+        if stop.key[0] == "out":
+            return stop.key
+        j = int(str(stop.key[1]))
+        if j < self.sheets.sectors:
+            return ("line", j, wall)
+        return ("line", 0, None if wall is None else wall + self.sheets.shift)
+
+    def _corner(self, stop: Stop, piece: Piece | None, state: int, level: int) -> Key:
+        """The vertex of a region's bound at a stop: on a wall, or at the blank's end."""
+        if stop.key[0] == "out":
+            return (*stop.key, level)
+        if state == IN:
+            assert piece is not None
+            return (*self._stop(stop, piece.wall), level)
+        return (*self._stop(stop, None), "end", state, level)
+
+    # -- edges --------------------------------------------------------------------------------
+
+    def _wall(self, piece: Piece) -> None:
+        patch = patch_of(self.sheets, piece, self.tolerance)
+        self.errors.append(patch.error)
+        ends = [self._stop(stop, piece.wall) for stop in (piece.first, piece.last)]
+        edges = [self.shell.join((piece, level), (*ends[0], level), (*ends[1], level),
+                                 geometry.SplineCurve(patch.along(level)))
+                 for level in (TOP, ROOT)]  # fmt: skip
+        edges += [self.shell.join(("down", *end), (*end, TOP), (*end, ROOT),
+                                  geometry.SplineCurve(patch.down(k)))
+                  for end, k in zip(ends, (0, -1), strict=True)]  # fmt: skip
+        middle = np.array([0.5, 0.5])
+        place = patch.surface(middle)
+        across = self._across_way(place)
+        out = across if piece.wall % 2 == 0 else -across
+        self.shell.add(geometry.SplineSurface(patch.surface), edges, place, out)
+
+    def _across_way(self, place: Array) -> Array:
+        """The way across at a point (3,)."""
+        x, y, z = place
+        chart, turn = self.sheets.blank.chart, np.arctan2(y, x)
+        depth, across = chart.laid(np.hypot(x, y), z)
+        step = 1e-4
+        ends = [chart.points(turn, depth, across + sign * step) for sign in (-1.0, 1.0)]
+        way = ends[1] - ends[0]
+        return np.asarray(way / np.linalg.norm(way))
+
+    def _arc(self, first: Key, last: Key, turn: tuple[float, float], end: int, level: int) -> Key:
+        """Along an end of the blank."""
+        radius, height = self._end(end, level)
+        hand = self.sheets.hand
+        x, y = np.array([1.0, 0.0, 0.0]), np.array([0.0, -float(hand), 0.0])
+        curve = geometry.Circle(height * geometry.UP, x, y, radius, *turn)
+        return self.shell.join(("arc", end, level, first, last), first, last, curve)
+
+    def _end(self, end: int, level: int) -> tuple[float, float]:
+        """Radius and height of an end of the blank at a level [mm]."""
+        blank = self.sheets.blank
+        across = (blank.low if end == LOW else blank.high)[level]
+        radius, height = blank.chart.meridian(blank.depth[level], across)
+        return float(radius), float(height)
+
+    def _lift(self, stop: Stop, span: Span, level: int) -> list[Key]:
+        """The edge across the body at a line; none where the span ends in a point."""
+        if stop.key[0] == "out":
+            return []
+        low, high = span.states
+        first = self._corner(stop, span.low, low, level)
+        last = self._corner(stop, span.high, high, level)
+        return [self.shell.join(("lift", first, last), first, last,
+                                self._meridian(stop, span, level))]  # fmt: skip
+
+    def _meridian(self, stop: Stop, span: Span, level: int) -> geometry.Curve:
+        turn = float(stop.turn[level])
+        ends = [self._place(piece, state, turn, level) for piece, state in
+                zip((span.low, span.high), span.states, strict=True)]  # fmt: skip
+        chart, depth = self.sheets.blank.chart, float(self.sheets.blank.depth[level])
+        return _across(chart, -self.sheets.hand * turn, depth, *ends)
+
+    def _place(self, piece: Piece | None, state: int, turn: float, level: int) -> float:
+        blank = self.sheets.blank
+        if state != IN:
+            return float((blank.low if state == LOW else blank.high)[level])
+        assert piece is not None
+        at = np.array([turn]), blank.depth[[level]]
+        return float(self.sheets.across(piece.wall, *at)[0])
+
+    # -- regions ------------------------------------------------------------------------------
+
+    def _level(self, j: int, level: int) -> None:
+        for low, high in pairs(self.sheets, level):
+            for run in runs(spans(self.sheets, j, low, high, level)):
+                self._region(run, level)
+
+    def _region(self, run: list[Span], level: int) -> None:
+        edges = self._lift(run[0].first, run[0], level) + self._lift(run[-1].last, run[-1], level)
+        for k in (0, 1):
+            for piece, state, first, last in bounds(run, k):
+                if state == IN:
+                    edges.append((piece, level))
+                else:
+                    edges.append(self._border(first, last, state, level))
+        middle = run[len(run) // 2]
+        turn = 0.5 * float(middle.first.turn[level] + middle.last.turn[level])
+        ends = [self._place(piece, state, turn, level) for piece, state in
+                zip((middle.low, middle.high), middle.states, strict=True)]  # fmt: skip
+        depth = float(self.sheets.blank.depth[level])
+        place = self.sheets.points(np.array(turn), np.array(depth), np.array(np.mean(ends)))
+        deeper = self.sheets.points(np.array(turn), np.array(depth + 1e-4), np.array(np.mean(ends)))
+        surface = _turned(self.sheets.blank.chart, depth)
+        self.shell.add(surface, edges, place, (place - deeper) / 1e-4)
+
+    def _border(self, first: Stop, last: Stop, end: int, level: int) -> Key:
+        """The edge of a region at an end of the blank."""
+        start, stop = (self._corner(each, None, end, level) for each in (first, last))
+        turn = float(first.turn[level]), float(last.turn[level])
+        return self._arc(start, stop, turn, end, level)
+
+    # -- ends ---------------------------------------------------------------------------------
+
+    def _sections(self, j: int) -> None:
+        """What is left of ribs at the blank's ends."""
+        for low, high in pairs(self.sheets, TOP):
+            tops, roots = (list(spans(self.sheets, j, low, high, level)) for level in (TOP, ROOT))
+            if [(s.low, s.high) for s in tops] != [(s.low, s.high) for s in roots]:
+                raise NotSmooth("a rib's end changes its order from top to floor")
+            for run in runs(tops):
+                for k, end in enumerate(ENDS):
+                    for _, state, first, last in bounds(run, k):
+                        if state == end:
+                            self._section(first, last, end)
+
+    def _section(self, first: Stop, last: Stop, end: int) -> None:
+        edges = [self._border(first, last, end, level) for level in (TOP, ROOT)]
+        for stop in (first, last):
+            if stop.key[0] == "out":
+                edges.append(("down", *stop.key))
+                continue
+            top, root = (self._corner(stop, None, end, level) for level in (TOP, ROOT))
+            ends = (self._on_end(float(stop.turn[0]), end, level) for level in (TOP, ROOT))
+            edges.append(self.shell.join(("edge", top, root), top, root, geometry.Line(*ends)))
+        middle = len(first.turn) // 2
+        turn = 0.5 * float(first.turn[middle] + last.turn[middle])
+        blank = self.sheets.blank
+        across = (blank.low if end == LOW else blank.high)[middle]
+        place = self.sheets.points(np.array(turn), blank.depth[middle], across)
+        out = end * self._across_way(place)
+        self.shell.add(self._end_surface(end, out), edges, place, out)
+
+    def _on_end(self, turn: float, end: int, level: int) -> Array:
+        radius, height = self._end(end, level)
+        angle = -self.sheets.hand * turn
+        return np.array([radius * np.cos(angle), radius * np.sin(angle), height])
+
+    def _end_surface(self, end: int, out: Array) -> geometry.Surface:
+        (r0, z0), (r1, z1) = self._end(end, TOP), self._end(end, ROOT)
+        if abs(z1 - z0) < 1e-9 * abs(r1 - r0):
+            return geometry.Plane(z0, int(np.sign(out[2])))
+        if abs(r1 - r0) < 1e-9 * abs(z1 - z0):
+            return geometry.Cylinder(r0)
+        return geometry.Cone(z0, r0, (r1 - r0) / (z1 - z0))
+
+    def _hub(self) -> None:
+        bore = self.sheets.blank.bore
+        for end in ENDS:
+            radius, height = self._end(end, ROOT)
+            edges = [key for key in self.shell.edges if key[:3] == ("arc", end, ROOT)]
+            holes = [self._bore(end)] if bore else []
+            out = end * geometry.UP
+            place = np.array([radius, 0.0, height])
+            self.shell.add(geometry.Plane(height, end), edges, place, out, holes)
+        if not bore:
+            return
+        heights = [self._end(end, ROOT)[1] for end in ENDS]
+        for half in (0, 1):
+            sides = []
+            for k in (0, 1):
+                at = np.array([bore * (1.0 - 2.0 * k), 0.0, 0.0])
+                ends = [at + z * geometry.UP for z in heights]
+                sides.append(self.shell.join(("bore", k), ("bore", LOW, k), ("bore", HIGH, k),
+                                             geometry.Line(*ends)))  # fmt: skip
+            rims = [("bore", end, "half", half) for end in ENDS]
+            place = np.array([0.0, bore * (1.0 - 2.0 * half), 0.5 * sum(heights)])
+            out = -np.array([0.0, place[1], 0.0])
+            self.shell.add(geometry.Cylinder(bore), [*sides, *rims], place, out)
+
+    def _bore(self, end: int) -> list[Key]:
+        centre = self._end(end, ROOT)[1] * geometry.UP
+        x, y = np.array([1.0, 0.0, 0.0]), np.array([0.0, 1.0, 0.0])
+        return [self.shell.join(("bore", end, "half", half), ("bore", end, half),
+                                ("bore", end, 1 - half),
+                                geometry.Circle(centre, x, y, self.sheets.blank.bore,
+                                                half * np.pi, (half + 1) * np.pi))
+                for half in (0, 1)]  # fmt: skip
+
+
+def _turned(chart: Chart, depth: float) -> geometry.Surface:
+    """The surface of one depth."""
+    ring = chart.ring(depth)
+    if ring is None:
+        return geometry.Cylinder(float(chart.meridian(np.array(depth), np.array(0.0))[0]))
+    return geometry.Ring(*ring)
+
+
+def _across(chart: Chart, angle: float, depth: float, first: float, last: float) -> geometry.Curve:
+    """At one depth across the body, at an angle about the cam's axis [rad]."""
+    ring = chart.ring(depth)
+    if ring is None:
+        ends = (chart.points(np.array(angle), np.array(depth), np.array(at))
+                for at in (first, last))  # fmt: skip
+        return geometry.Line(*ends)
+    away = np.array([np.cos(angle), np.sin(angle), 0.0])
+    return geometry.Circle(ring[0] * away, -away, geometry.UP, ring[1], first, last)
