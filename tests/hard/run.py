@@ -27,7 +27,7 @@ from tests.hard.verifier import verify
 from tests.hard.witnesses import contradictions
 
 BUDGET_S = 5.0
-HANG_S = 55.0  # beyond the budget: 5 s of diagnosis, and what a machine with other work adds
+HANG_S = 15.0  # beyond the budget: 5 s of diagnosis, and what the slower of two machines adds
 
 
 @dataclass(frozen=True)
@@ -46,7 +46,7 @@ def outcome(number: int, body: dict[str, Any] | None = None) -> Outcome:
     """Design the cam of a spec and judge what comes out; nothing is raised."""
     body = random_spec(number) if body is None else body
     body = {"time_budget_s": BUDGET_S, **body}
-    start = time.monotonic()
+    start = time.process_time()
     status, gap, complaints = "crash", None, list[str]()
     try:
         with warnings.catch_warnings():
@@ -58,7 +58,7 @@ def outcome(number: int, body: dict[str, Any] | None = None) -> Outcome:
             except TimeBudgetExceeded as late:
                 status = "late, without a design" if late.best is None else "late, with a design"
                 design = None if late.best is None else late.best.model_dump(mode="json")
-        seconds = time.monotonic() - start
+        seconds = time.process_time() - start
         if design is not None:
             asked = json.loads(json.dumps(design["spec"]))
             gap = design["certificate"]["gap"]
@@ -71,10 +71,10 @@ def outcome(number: int, body: dict[str, Any] | None = None) -> Outcome:
             if status == "feasible" and design["certificate"]["lower_bound"] is None:
                 status = "feasible, without a bound"
     except ValidationError as wrong:
-        status, seconds = "spec error", time.monotonic() - start
+        status, seconds = "spec error", time.process_time() - start
         complaints += _unreasoned(wrong)
     except Exception as error:  # a crash is what is looked for
-        seconds = time.monotonic() - start
+        seconds = time.process_time() - start
         complaints.append(f"{type(error).__name__}: {error}")
     if seconds > BUDGET_S + HANG_S:
         complaints.append(f"hangs: {seconds:.1f} s with a budget of {BUDGET_S} s")

@@ -9,7 +9,7 @@ ROOT = Path(__file__).resolve().parents[2]
 SCRIPT = """
 import json, sys
 from synthesis import DesignSpec, synthesise
-for name in ("undercut-limit", "tilted-flat-face"):
+for name in ("undercut-limit", "tilted-flat-face", "no-residual-vibration"):
     body = json.load(open(f"openapi/examples/{name}.json", encoding="utf-8"))["value"]
     design = synthesise(DesignSpec.model_validate(body)).model_dump(mode="json")
     for stage in design["report"]["stages"]:
