@@ -21,7 +21,8 @@ from synthesis.spatial.smooth.sheets import Seen, Sheets, TooCoarse
 from synthesis.spatial.smooth.shell import Shell
 from synthesis.spatial.smooth.told import told_shell
 
-DEPTHS = (17, 33, 65)  # from the ribs' tops to the floor: every other one is interpolated
+DEPTHS = 65  # from the ribs' tops to the floor
+STRIDES = (4, 2, 1)  # every so many of them are looked at, the fewer the better
 
 
 @dataclass(frozen=True, eq=False)
@@ -40,14 +41,14 @@ def solid_of(design: SpatialDesign, options: BlankOptions, tolerance: float) -> 
         InputError: there is no body.
     """
     cuts = Cuts.of(design.cam, design.spec.machine, straight=True)
-    seen = Seen.of(cuts, Blank.of(cuts, options, DEPTHS[0], crowded))
-    for count in DEPTHS:
-        sheets = Sheets(cuts, Blank.of(cuts, options, count, crowded), seen)
-        builder = Builder(sheets, tolerance)
+    blank = Blank.of(cuts, options, DEPTHS, crowded)
+    sheets = Sheets(cuts, blank, Seen.of(cuts, blank))
+    for stride in STRIDES:
+        builder = Builder(sheets, tolerance, stride)
         try:
             return Solid(builder.built(), max(builder.errors))
         except TooCoarse:
-            if count == DEPTHS[-1]:
+            if stride == STRIDES[-1]:
                 raise
     raise AssertionError
 
@@ -56,7 +57,7 @@ def smooth(design: SpatialDesign, options: BlankOptions, tolerance: float) -> Ma
     """The file.
 
     Raises:
-        as ``solid_of``.
+        NotSmooth, InputError: as ``solid_of``.
     """
     solid = solid_of(design, options, tolerance)
     data = Entities()

@@ -22,11 +22,12 @@ class Builder:
     """Makes the shell of a body.
 
     Attributes:
-        sheets: its walls. tolerance: of its walls [mm].
+        sheets: its walls. tolerance: of its walls [mm]. stride: as of ``patch_of``.
     """
 
     sheets: Sheets
     tolerance: float
+    stride: int
     shell: Shell = field(default_factory=Shell)
     errors: list[float] = field(default_factory=list)
 
@@ -71,7 +72,7 @@ class Builder:
     # -- edges --------------------------------------------------------------------------------
 
     def _wall(self, piece: Piece) -> None:
-        patch = patch_of(self.sheets, piece, self.tolerance)
+        patch = patch_of(self.sheets, piece, self.tolerance, self.stride)
         self.errors.append(patch.error)
         ends = [self._stop(stop, piece.wall) for stop in (piece.first, piece.last)]
         edges = [self.shell.join((piece, level), (*ends[0], level), (*ends[1], level),
@@ -118,23 +119,25 @@ class Builder:
         low, high = span.states
         first = self._corner(stop, span.low, low, level)
         last = self._corner(stop, span.high, high, level)
-        return [self.shell.join(("lift", first, last), first, last,
-                                self._meridian(stop, span, level))]  # fmt: skip
+        curve = self._meridian(stop, (first, last), (low, high), level)
+        return [self.shell.join(("lift", first, last), first, last, curve)]
 
-    def _meridian(self, stop: Stop, span: Span, level: int) -> geometry.Curve:
-        turn = float(stop.turn[level])
-        ends = [self._place(piece, state, turn, level) for piece, state in
-                zip((span.low, span.high), span.states, strict=True)]  # fmt: skip
-        chart, depth = self.sheets.blank.chart, float(self.sheets.blank.depth[level])
-        return _across(chart, -self.sheets.hand * turn, depth, *ends)
-
-    def _place(self, piece: Piece | None, state: int, turn: float, level: int) -> float:
+    def _meridian(self, stop: Stop, corners: tuple[Key, Key], states: tuple[int, int],
+                  level: int) -> geometry.Curve:  # fmt: skip
+        """Between two corners at a line; those on walls are there already."""
         blank = self.sheets.blank
-        if state != IN:
-            return float((blank.low if state == LOW else blank.high)[level])
-        assert piece is not None
-        at = np.array([turn]), blank.depth[[level]]
-        return float(self.sheets.across(piece.wall, *at)[0])
+        ends = [
+            self._place(key) if state == IN
+            else float((blank.low if state == LOW else blank.high)[level])
+            for key, state in zip(corners, states, strict=True)
+        ]  # fmt: skip
+        angle, depth = -self.sheets.hand * float(stop.turn[level]), float(blank.depth[level])
+        return _across(blank.chart, angle, depth, *ends)
+
+    def _place(self, corner: Key) -> float:
+        """The place across of a vertex."""
+        x, y, z = self.shell.vertices[corner]
+        return float(self.sheets.blank.chart.laid(np.hypot(x, y), z)[1])
 
     # -- regions ------------------------------------------------------------------------------
 
@@ -151,13 +154,12 @@ class Builder:
                     edges.append((piece, level))
                 else:
                     edges.append(self._border(first, last, state, level))
-        middle = run[len(run) // 2]
-        turn = 0.5 * float(middle.first.turn[level] + middle.last.turn[level])
-        ends = [self._place(piece, state, turn, level) for piece, state in
-                zip((middle.low, middle.high), middle.states, strict=True)]  # fmt: skip
+        turn = np.array(0.5 * (run[0].first.turn[level] + run[-1].last.turn[level]))
+        corners = {key for edge in edges for key in self.shell.ends(edge)}
+        across = np.array(np.mean([self._place(key) for key in corners]))
         depth = float(self.sheets.blank.depth[level])
-        place = self.sheets.points(np.array(turn), np.array(depth), np.array(np.mean(ends)))
-        deeper = self.sheets.points(np.array(turn), np.array(depth + 1e-4), np.array(np.mean(ends)))
+        place, deeper = (self.sheets.points(turn, np.array(d), across)
+                         for d in (depth, depth + 1e-4))  # fmt: skip
         surface = _turned(self.sheets.blank.chart, depth)
         self.shell.add(surface, edges, place, (place - deeper) / 1e-4)
 

@@ -42,19 +42,23 @@ class Patch:
         return BSpline(self.surface.t[1], self.surface.c[end], CUBIC)
 
 
-def patch_of(sheets: Sheets, piece: Piece, tolerance: float) -> Patch:
-    """A piece of a wall within a tolerance [mm]; every other depth of the blank is interpolated.
+def patch_of(sheets: Sheets, piece: Piece, tolerance: float, stride: int) -> Patch:
+    """A piece of a wall within a tolerance [mm].
+
+    Args:
+        stride: every so many depths of the blank are looked at, and every other one of these is
+            interpolated.
 
     Raises:
         TooCoarse: it takes more depths. NotSmooth: or too many lines along the turn.
     """
     first, last = piece.first.turn, piece.last.turn
     count = max(5, int(np.ceil(np.max(last - first) / STEP)) + 1)
-    depth = sheets.blank.depth
+    depth = sheets.blank.depth[::stride]
     v = (depth - depth[0]) / (depth[-1] - depth[0])
     while count <= MOST:
         u = np.linspace(0.0, 1.0, 2 * count - 1)
-        true = _points(sheets, piece, u)
+        true = _points(sheets, piece, u, stride)
         surface = _interpolated(u[::2], v[::2], true[::2, ::2])
         away = _away(surface, u, v, true)
         error = float(np.max(away))
@@ -82,12 +86,12 @@ def _away(surface: NdBSpline, u: Array, v: Array, true: Array) -> Array:
     return np.asarray(away)
 
 
-def _points(sheets: Sheets, piece: Piece, u: Array) -> Array:
-    """(n, m, 3) of the cam's frame at all depths of the blank [mm]."""
-    first, last = piece.first.turn, piece.last.turn
+def _points(sheets: Sheets, piece: Piece, u: Array, stride: int) -> Array:
+    """(n, m, 3) of the cam's frame at every so many depths of the blank [mm]."""
+    first, last = piece.first.turn[::stride], piece.last.turn[::stride]
     turn = first + u[:, None] * (last - first)
     turn[-1] = last
-    depth = np.broadcast_to(sheets.blank.depth, turn.shape)
+    depth = np.broadcast_to(sheets.blank.depth[::stride], turn.shape)
     across = sheets.across(piece.wall, turn.ravel(), depth.ravel()).reshape(turn.shape)
     return np.moveaxis(sheets.points(turn, depth, across), 0, -1)
 

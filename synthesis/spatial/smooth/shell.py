@@ -59,6 +59,10 @@ class Shell:
                 self.vertices.setdefault(vertex, curve.points(np.array([share]))[0])
         return key
 
+    def ends(self, key: Key) -> tuple[Key, Key]:
+        """An edge's vertices."""
+        return self.edges[key].first, self.edges[key].last
+
     def add(self, surface: Surface, edges: Iterable[Key], place: Array, out: Array,
             holes: Iterable[Iterable[Key]] = ()) -> None:  # fmt: skip
         """A face of edges in any order, turned so that its outside is on the left of its loop.
