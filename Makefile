@@ -22,7 +22,7 @@ LOCK := $(PY) -m uv pip compile --quiet --universal --python-version 3.11 \
         $(if $(UPGRADE),--upgrade)
 
 # Whatever virtualenv or Python settings the caller has must not leak into ours.
-unexport VIRTUAL_ENV PYTHONHOME PYTHONPATH PIP_USER PIP_TARGET PIP_PREFIX PIP_REQUIREMENT
+unexport VIRTUAL_ENV PYTHONHOME PYTHONPATH PYTHONDONTWRITEBYTECODE PIP_USER PIP_TARGET PIP_PREFIX PIP_REQUIREMENT
 export PYTHONNOUSERSITE = 1
 
 .DEFAULT_GOAL := help

@@ -8,8 +8,6 @@ from functools import cached_property
 from itertools import accumulate
 from math import inf, isfinite
 
-import numpy as np
-
 from synthesis.certify import certify, certify_size, forces, measure
 from synthesis.design import (
     Certificate,
@@ -39,7 +37,6 @@ from synthesis.units import Travel
 
 Vector = tuple[float, ...]
 Splines = Mapping[int, tuple[SplineSpace, Array]]
-NONE: Array = np.zeros(0)
 
 
 @dataclass(frozen=True, eq=False)
@@ -52,14 +49,8 @@ class Cam:
 
     @cached_property
     def motion(self) -> Motion:
-        """The joined motion, splines to the last digits: bit for bit what ``Design.curve`` says."""
-        return Motion.of(
-            [
-                stretch.with_law(space.delivered(coefficients)) if space is not None else stretch
-                for stretch in self.stretches
-                for space, coefficients in [self.splines.get(stretch.index, (None, NONE))]
-            ]
-        )
+        """The joined motion: bit for bit what ``Design.curve`` makes of the splines."""
+        return Motion.of(self.stretches)
 
 
 @dataclass(frozen=True)

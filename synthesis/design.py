@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import hashlib
-import json
 from collections.abc import Sequence
 from functools import cache, cached_property
 from importlib.metadata import version
@@ -214,7 +213,7 @@ class Design(Part):
 
     def asked_as(self, spec: DesignSpec) -> Design:
         """The same design as the answer to a spec that left more open."""
-        if spec == self.spec:
+        if spec is self.spec or spec == self.spec:
             return self
         return self.model_copy(update={"spec": spec, "id": design_id(spec)})
 
@@ -249,7 +248,7 @@ def rebuilt(stretches: Sequence[Stretch], told: Sequence[SegmentMotion]) -> Moti
             settled.append(stretch)
             continue
         space = SplineSpace(segment.spline.degree, np.array(segment.spline.knots))
-        curve = space.delivered(np.array(segment.spline.coefficients))
+        curve = space.curve(np.array(segment.spline.coefficients))
         settled.append(stretch.with_law(curve))
     return Motion.of(settled)
 
@@ -270,6 +269,5 @@ def question_id(spec: BaseModel, *kind: str) -> str:
 
     ``kind`` keeps questions of different kinds apart.
     """
-    body = json.dumps(spec.model_dump(mode="json"), sort_keys=True, separators=(",", ":"))
-    lines = "\n".join((*kind, engine_version(), body))
+    lines = "\n".join((*kind, engine_version(), spec.model_dump_json()))
     return hashlib.sha256(lines.encode()).hexdigest()[:32]

@@ -169,6 +169,10 @@ class Stretch:
         At the end its displacement is ``s_end``, to the last digit.
         """
         assert self.law is not None
+        if self.law.still:
+            value = np.zeros(highest + 1)
+            value[0] = self.s_start + self.unit * self.law.poly[0 if at_start else -1, 0]
+            return value
         value = self.unit * _at_ends(self.law)[0 if at_start else 1, : highest + 1]
         value /= self.angle ** np.arange(len(value))
         value[0] += self.s_start

@@ -10,7 +10,7 @@ made larger until it does not.
 from __future__ import annotations
 
 import time
-from dataclasses import asdict, dataclass, field, replace
+from dataclasses import dataclass, field, replace
 from math import inf
 
 from synthesis import clock
@@ -139,7 +139,7 @@ def synthesise_beside(
     stages = list[StageReport]()
     question, numbers = _numbered(Question.of(spec), now + budget, stages)
     tables = smooth_tables(question.natural.stretches(), now + budget)
-    stages += [StageReport(**asdict(stage)) for stage in tables.stages]
+    stages += [StageReport(**vars(stage)) for stage in tables.stages]
     attempt = _drawn_in(question, tables, now + budget, stages, near)
     if attempt.crosses:
         attempt = _grown(question, tables, attempt, now + budget, stages)
@@ -197,7 +197,7 @@ def _numbered(
     from synthesis.formulations.proportions import chosen
 
     numbered, _, stage = chosen(question.natural, stop)
-    stages.append(StageReport(**asdict(stage)))
+    stages.append(StageReport(**vars(stage)))
     found = question.changed(numbered)
     return found, openings.read(found.asked.program, found.asked.follower)
 
@@ -218,7 +218,7 @@ def _drawn_in(
             question, tables, stop, tighten, near if tighten == DRAWN_IN[0] else None
         )
         for tried in attempt.searches:
-            stages += [StageReport(**asdict(stage)) for stage in tried.stages]
+            stages += [StageReport(**vars(stage)) for stage in tried.stages]
         settled = attempt.certified or attempt.crosses or attempt.hopeless
         if settled or clock.now() >= stop:
             break

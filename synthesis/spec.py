@@ -4,8 +4,9 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator, Mapping, Sequence
+from functools import cached_property
 from itertools import accumulate
-from typing import Annotated, Any, Literal
+from typing import Annotated, Any, Literal, Self
 
 from pydantic import BaseModel, ConfigDict, Field, model_validator
 from pydantic_core import PydanticCustomError
@@ -30,6 +31,7 @@ from synthesis.units import Pace, rad_per_s
 MAX_SEGMENTS = 100
 ROUGHEST = 2  # class of the splines that smoother ones are compared with
 ALWAYS = (ProfileRadius(), CounterBaseRadius())  # what every cam must keep
+KEPT = ("_numbered", "_reach", "_placed")  # of a program that is checked: laid out once
 
 
 class DesignSpec(BaseModel):
@@ -192,6 +194,13 @@ class DesignSpec(BaseModel):
         )
         return self
 
+    def model_copy(self, *, update: Mapping[str, Any] | None = None, deep: bool = False) -> Self:
+        """A copy, changed; what is kept of this spec's program is not the copy's."""
+        found = super().model_copy(update=update, deep=deep)
+        for name in KEPT:
+            vars(found).pop(name, None)
+        return found
+
     # -- numbers left free -------------------------------------------------------------------
 
     @property
@@ -208,7 +217,7 @@ class DesignSpec(BaseModel):
         program, follower = filled
         return self.model_copy(update={"program": program, "follower": follower})
 
-    @property
+    @cached_property
     def _numbered(self) -> list[Segment]:
         """The program; while numbers are left free, with some that fit together."""
         if not any(segment.open for segment in self.program):
@@ -277,6 +286,7 @@ class DesignSpec(BaseModel):
         pace = self._pace()
         return [segment.gain(pace) for segment in self._numbered]
 
+    @cached_property
     def _reach(self) -> tuple[float, float, list[float]]:
         """Lowest and highest displacement, and those at the segments' starts [mm]; the program
         starts at 0.
@@ -289,14 +299,18 @@ class DesignSpec(BaseModel):
 
     def stretches(self) -> tuple[Stretch, ...]:
         """The program placed on the cam, displacements measured from the lowest position."""
+        return self._placed
+
+    @cached_property
+    def _placed(self) -> tuple[Stretch, ...]:
         program = self._numbered
-        lowest, _, levels = self._reach()
+        lowest, _, levels = self._reach
         starts = [level - lowest for level in levels]
         return placed(program, angles_of(program), starts, self._pace(), self.continuity or 0)
 
     def stroke(self) -> float:
         """Highest less lowest displacement [mm]: the unit of length inside the formulations."""
-        lowest, highest, _ = self._reach()
+        lowest, highest, _ = self._reach
         return highest - lowest
 
     def base_radius_range(self) -> tuple[float, float]:

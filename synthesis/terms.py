@@ -46,6 +46,11 @@ class Row:
     room: float = math.inf
 
     @property
+    def orders(self) -> tuple[int, ...]:
+        """Which derivatives it speaks of, from s up."""
+        return tuple(k for k, a in enumerate(self.coefficients) if a != 0.0)
+
+    @property
     def constant(self) -> bool:
         """Whether neither the motion nor the size has a say in it: it holds, or nothing helps."""
         return not (any(self.coefficients) or any(self.size) or self.level)

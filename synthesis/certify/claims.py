@@ -10,12 +10,20 @@ from synthesis.certify.dimensions import standing, stands
 from synthesis.certify.joints import NAMES, joins
 from synthesis.certify.loaded import cuts, measurable
 from synthesis.certify.overshoot import overshoot
-from synthesis.certify.quantities import Measurable, Size, corner, enclose_all, infinite
+from synthesis.certify.quantities import (
+    QUANTITIES,
+    Measurable,
+    Size,
+    corner,
+    enclose_all,
+    infinite,
+)
 from synthesis.certify.residual import left_ringing
-from synthesis.certify.simple import crosses
+from synthesis.certify.simple import crosses, depth, rounding, rounds_axis
 from synthesis.certify.states import states
 from synthesis.certify.tables import tables
 from synthesis.design import Extreme
+from synthesis.followers.flank import Flank
 from synthesis.limits.base import Claim, Limit, Machine
 from synthesis.motion import Motion
 from synthesis.numerics.enclosure import Answer, Enclosed, Question
@@ -52,8 +60,8 @@ def certify(
     claims = [claim for claim in asked if len(course.pieces(claim.stretches))]
     if not (course.finite and all(math.isfinite(value) for value in size)):
         return [_not_a_number(machine), *(_unknown(claim, 0.0, NOT_A_NUMBER) for claim in claims)]
-    found = _judged(claims, course, machine, size)
-    cam = [*stands(course, machine, size), *crosses(course, machine, size)]
+    found, clear = _judged(claims, course, machine, size)
+    cam = [*stands(course, machine, size), *crosses(course, machine, size, clear)]
     promised = [
         *joins(course, machine, continuity),
         *states(course, machine),
@@ -67,8 +75,13 @@ def certify(
     ]
 
 
-def _judged(claims: Sequence[Claim], course: Course, machine: Machine, size: Size) -> list[Extreme]:
-    """The extremes of all claims, in their order; all quantities are enclosed at once."""
+def _judged(
+    claims: Sequence[Claim], course: Course, machine: Machine, size: Size
+) -> tuple[list[Extreme], list[Flank]]:
+    """The extremes of all claims, in their order, and flanks that go round the axis well apart.
+
+    All quantities are enclosed at once.
+    """
     angled = [claim for claim in claims if not claim.rings]
     subjects = list(dict.fromkeys(map(_subject, angled)))
     measured = [
@@ -84,12 +97,17 @@ def _judged(claims: Sequence[Claim], course: Course, machine: Machine, size: Siz
         for k, claim, jump in zip(which, angled, jumps, strict=True)
         if jump is None
     ]
+    rounds = rounding(course, machine)
+    questions += [rounds_axis(course, flank, len(measured) + k) for k, flank in enumerate(rounds)]
+    measured += [(QUANTITIES["tangent_distance"], flank.path) for flank in rounds]
     answers = iter(enclose_all(measured, course, machine, size, questions))
     each = iter(
         _extreme(claim, next(answers)) if jump is None else _infinite(claim, jump, machine)
         for claim, jump in zip(angled, jumps, strict=True)
     )
-    return [_ringing(claim, course) if claim.rings else next(each) for claim in claims]
+    found = [_ringing(claim, course) if claim.rings else next(each) for claim in claims]
+    told = zip(rounds, answers, strict=True)
+    return found, [flank for flank, answer in told if answer.extreme.lower > depth(flank)]
 
 
 def _ringing(claim: Claim, course: Course) -> Extreme:
@@ -123,12 +141,16 @@ def _jump(
 
 def _question(course: Course, claim: Claim, function: int) -> Question:
     """What a claim asks of its part of the turn."""
-    pieces, spans = course.spans(claim.stretches, claim.part)
+    pieces, spans = (
+        (course.pieces(claim.stretches), None)
+        if claim.part is None
+        else course.spans(claim.stretches, claim.part)
+    )
     return Question(
         pieces,
         -math.inf if claim.lower is None else claim.lower,
         math.inf if claim.upper is None else claim.upper,
-        None if claim.part is None else spans,
+        spans,
         function,
         FINE if claim.exact else ENOUGH,
     )

@@ -85,7 +85,7 @@ class Course:
 
     def pieces(self, stretches: Sequence[int]) -> Indices:
         """Indices of the pieces of these stretches."""
-        return np.flatnonzero(self._touched(stretches))
+        return self._touched(stretches).nonzero()[0]
 
     def spans(
         self, stretches: Sequence[int], part: tuple[float, float] | None

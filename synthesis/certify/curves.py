@@ -15,9 +15,9 @@ from synthesis.certify.joints import NAMES
 from synthesis.certify.quantities import (
     QUANTITIES,
     Quantity,
+    Sight,
     Size,
     enclose_all,
-    tangent,
     traced,
 )
 from synthesis.certify.simple import deepest
@@ -248,7 +248,7 @@ class Curves:
     def _both(self, quantity: Quantity, joint: int, path: str) -> tuple[float, float]:
         """A curve's values on the left and on the right of a joint."""
         before, after = (
-            float(quantity.formula(traced(self.machine, path), self.size, side))
+            float(quantity.formula(Sight(traced(self.machine, path), self.size, side)))
             for side in self.course.sides(joint)
         )
         return before, after
@@ -269,7 +269,8 @@ class Curves:
         """Joints at which the pitch curve turns on the spot, convexly as the flank sees it."""
         for joint in self._breaches(1):
             before, after = (
-                tangent(flank.trace, self.size, side) for side in self.course.sides(int(joint))
+                Sight(flank.trace, self.size, side).tangent
+                for side in self.course.sides(int(joint))
             )
             if flank.side * (before[1] * after[0] - before[0] * after[1]) > 0.0:
                 yield int(joint)

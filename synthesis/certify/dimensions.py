@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 
 from synthesis.certify.course import Course
-from synthesis.certify.quantities import Size, pressure_angle
+from synthesis.certify.quantities import Sight, Size, pressure_angle
 from synthesis.design import Extreme
 from synthesis.followers import Follower
 from synthesis.followers.flank import labelled
@@ -43,7 +43,7 @@ def stands(course: Course, machine: Machine, size: Size) -> list[Extreme]:
 def _at_rest(limit: str, trace: Trace, size: Size, stroke: float) -> Extreme:
     """The pressure angle at rest where the traced curve is nearest to the axis."""
     still = (trace.nearest(stroke), 0.0, 0.0, 0.0)
-    alpha = abs(float(pressure_angle(trace, size, still))) / DEGREE
+    alpha = abs(float(pressure_angle(Sight(trace, size, still)))) / DEGREE
     return Extreme(
         limit=limit, value=alpha, unit="deg", angle_deg=0.0, bound=90.0,
         margin=90.0 - alpha, width=0.0, holds=alpha < 90.0,

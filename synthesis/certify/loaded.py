@@ -18,13 +18,12 @@ from synthesis.certify.course import Course, Indices
 from synthesis.certify.quantities import (
     QUANTITIES,
     Measurable,
+    Sight,
     Size,
     face_radius,
     pitch_curvature,
-    tangent,
 )
 from synthesis.followers.flank import Flank
-from synthesis.followers.trace import Trace
 from synthesis.forces.kinetostatics import Place, face_pressure_square, pressure_square
 from synthesis.forces.reduced import Reduced
 from synthesis.limits.base import Machine
@@ -95,27 +94,24 @@ class Loaded:
     def values(self, piece: Indices, x: Array) -> Array:
         """Its values at cam angles of pieces: (n,)."""
         s = tuple(self.course.curve.jet(x, piece, 3))
-        return self.value(self.flank.trace, self.size, s, (piece, x))
+        return self.at(Sight(self.flank.trace, self.size, s), (piece, x))
 
-    def value(
-        self, trace: Trace, size: Size, s: tuple[Any, ...], at: tuple[Indices, Array]
-    ) -> Array:
+    def at(self, seen: Sight, points: tuple[Indices, Array]) -> Array:
         """Its values at points, from s to s''' there: (n,)."""
-        piece, x = at
+        piece, x = points
         process, over = self._process
-        return np.asarray(self._value(s, process.curve.at(x, over[piece], 0), piece))
+        return np.asarray(self._value(seen, process.curve.at(x, over[piece], 0), piece))
 
-    def at(
-        self, trace: Trace, size: Size, s: tuple[Any, ...], box: tuple[Indices, Array, Array]
-    ) -> Any:
+    def on(self, seen: Sight, box: tuple[Indices, Array, Array]) -> Any:
         """Its model on boxes."""
         piece, lo, hi = box
         process, over = self._process
         (model,) = process.models(over[piece], lo, hi, 0)
-        return self._value((*s[:3], 0.0), model, piece)
+        return self._value(seen, model, piece)
 
-    def _value(self, s: tuple[Any, ...], process: Any, piece: Indices) -> Any:
-        place = self._place(s, process, piece)
+    def _value(self, seen: Sight, process: Any, piece: Indices) -> Any:
+        seen = Sight(self.flank.trace, self.size, seen.s)  # of the flank, whatever path was named
+        place = self._place(seen, process, piece)
         if self.name == "drive_force":
             return place.drive()
         if self.name == "camshaft_torque":
@@ -123,15 +119,13 @@ class Loaded:
         force = place.contact_force()
         if self.name == "contact_force":
             return force
-        trace = self.flank.trace
         if self.machine.follower.always_convex:
-            return face_pressure_square(self.load, force, face_radius(trace, self.size, s))
-        bend = pitch_curvature(trace, self.size, s)
-        return pressure_square(self.load, self.flank, force, bend)
+            return face_pressure_square(self.load, force, face_radius(seen))
+        return pressure_square(self.load, self.flank, force, pitch_curvature(seen))
 
-    def _place(self, s: tuple[Any, ...], process: Any, piece: Indices) -> Place:
-        trace, size = self.flank.trace, self.size
-        nx, ny = trace.normal(tangent(trace, size, s), s, size)
+    def _place(self, seen: Sight, process: Any, piece: Indices) -> Place:
+        trace, size, s = seen.trace, seen.size, seen.s
+        nx, ny = trace.normal(seen.tangent, s, size)
         (gx, gy), _ = trace.direction(s, size)
         length = np.sqrt(nx * nx + ny * ny)
         return Place(

@@ -24,17 +24,18 @@ def measure(quantity: str, motion: Motion, machine: Machine, size: Size) -> Encl
         motion, machine, size: the finished cam.
     """
     size = tuple(float(value) for value in size)
-    return MEASURES[quantity](Course(motion), machine, size)
+    return MEASURES[quantity](motion, machine, size)
 
 
-def _prime_radius(course: Course, machine: Machine, size: Size) -> Enclosed:
+def _prime_radius(motion: Motion, machine: Machine, size: Size) -> Enclosed:
     # in the unit of the norm that stands for it, as bounds are: the objective maps it back
     value = machine.follower.value_of(machine.follower.radius(size))
     return Enclosed(value, value * (1.0 - 1e-15), value * (1.0 + 1e-15), 0.0)
 
 
-def _peak(name: str) -> Callable[[Course, Machine, Size], Enclosed]:
-    def peak(course: Course, machine: Machine, size: Size) -> Enclosed:
+def _peak(name: str) -> Callable[[Motion, Machine, Size], Enclosed]:
+    def peak(motion: Motion, machine: Machine, size: Size) -> Enclosed:
+        course = Course(motion)
         everywhere = [s.index for s in course.motion.stretches if s.angle > 0.0]
         jump = infinite(QUANTITIES[name], course, everywhere)
         if jump is not None:
@@ -61,7 +62,8 @@ def _largest(
     return Enclosed(-found.value, -found.upper, -found.lower, found.angle)
 
 
-def _pressure_slope(course: Course, machine: Machine, size: Size) -> Enclosed:
+def _pressure_slope(motion: Motion, machine: Machine, size: Size) -> Enclosed:
+    course = Course(motion)
     moving = [s.index for s in course.motion.stretches if s.angle > 0.0 and s.kind != "dwell"]
     if not moving:
         return Enclosed(0.0, 0.0, 0.0, 0.0)
@@ -77,8 +79,9 @@ def _pressure_slope(course: Course, machine: Machine, size: Size) -> Enclosed:
     return Enclosed(value, lower, upper, found.angle)
 
 
-def _rms(name: str) -> Callable[[Course, Machine, Size], Enclosed]:
-    def measured(course: Course, machine: Machine, size: Size) -> Enclosed:
+def _rms(name: str) -> Callable[[Motion, Machine, Size], Enclosed]:
+    def measured(motion: Motion, machine: Machine, size: Size) -> Enclosed:
+        course = Course(motion)
         everywhere = [s.index for s in course.motion.stretches if s.angle > 0.0]
         jump = infinite(QUANTITIES[name], course, everywhere)
         if jump is not None:
@@ -88,12 +91,12 @@ def _rms(name: str) -> Callable[[Course, Machine, Size], Enclosed]:
     return measured
 
 
-def _drive_force(course: Course, machine: Machine, size: Size) -> Enclosed:
+def _drive_force(motion: Motion, machine: Machine, size: Size) -> Enclosed:
     """The largest drive in the sense in which it presses; pushed both ways, the largest |G| [N]."""
     load = machine.load
     if load is None:
         return Enclosed(math.inf, math.inf, math.inf, 0.0)  # nobody has told what it is
-    course = Course(course.motion, cuts(machine))
+    course = Course(motion, cuts(machine))
     quantity = measurable("drive_force", "", course, machine, size)
     everywhere = [s.index for s in course.motion.stretches if s.angle > 0.0]
     jump = infinite(quantity, course, everywhere)
@@ -109,7 +112,7 @@ def _drive_force(course: Course, machine: Machine, size: Size) -> Enclosed:
     return Enclosed(-found.value, -found.upper, -found.lower, found.angle)
 
 
-MEASURES: dict[str, Callable[[Course, Machine, Size], Enclosed]] = {
+MEASURES: dict[str, Callable[[Motion, Machine, Size], Enclosed]] = {
     "prime_radius": _prime_radius,
     "velocity": _peak("velocity"),
     "acceleration": _peak("acceleration"),

@@ -86,12 +86,20 @@ class Strokes:
 
 @dataclass(frozen=True, eq=False)
 class Drawn:
-    """What a path draws on boxes, as models: θ, and p and T = D p in the machine frame."""
+    """What a path draws on boxes, as models: p and T = D p in the machine frame, and θ."""
 
-    theta: Taylor
+    boxes: Boxes
     p: Vector2
     tangent: Vector2
     distance: float
+
+    @cached_property
+    def theta(self) -> Taylor:
+        """The cam angle itself."""
+        boxes = self.boxes
+        centre, half = 0.5 * (boxes.lo + boxes.hi), 0.5 * (boxes.hi - boxes.lo)
+        rounding = ANGLE_ROUNDING * (np.abs(centre) + half)
+        return Taylor.of(centre, half, np.zeros_like(half), rounding)
 
     @cached_property
     def heading(self) -> tuple[Array, Array]:
@@ -162,9 +170,6 @@ class Path:
 
     def on(self, boxes: Boxes) -> Drawn:
         """Both curves on boxes."""
-        centre, half = 0.5 * (boxes.lo + boxes.hi), 0.5 * (boxes.hi - boxes.lo)
-        rounding = ANGLE_ROUNDING * (np.abs(centre) + half)
-        theta = Taylor.of(centre, half, np.zeros_like(half), rounding)
         s = self.course.jets.models(boxes.piece, boxes.lo, boxes.hi, 1)
         (px, py), (dx, dy), *_ = self.trace((*s, 0.0, 0.0))
-        return Drawn(theta, (px, py), (dx + py, dy - px), self.distance)
+        return Drawn(boxes, (px, py), (dx + py, dy - px), self.distance)

@@ -9,6 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
+from functools import cached_property
 from typing import Any, Protocol
 
 import numpy as np
@@ -21,57 +22,88 @@ from synthesis.numerics.piecewise import Array
 from synthesis.numerics.taylor import Taylor
 
 Size = tuple[float, ...]
-Formula = Callable[[Trace, Size, tuple[Any, ...]], Any]
 
 
-def tangent(follower: Trace, size: Size, s: tuple[Any, ...]) -> Vector2:
-    """T = D p."""
-    (px, py), (dx, dy), *_ = follower.traced_point(s, size)
-    return dx + py, dy - px
+@dataclass(frozen=True, eq=False)
+class Sight:
+    """A traced point at s to s''' (numbers, arrays, models), as the quantities see it.
+
+    What several of them need is made once.
+    """
+
+    trace: Trace
+    size: Size
+    s: tuple[Any, ...]
+
+    @cached_property
+    def point(self) -> tuple[Vector2, ...]:
+        """p and its derivatives in the machine frame."""
+        return self.trace.traced_point(self.s, self.size)
+
+    @cached_property
+    def tangent(self) -> Vector2:
+        """T = D p."""
+        (px, py), (dx, dy), *_ = self.point
+        return dx + py, dy - px
+
+    @cached_property
+    def square(self) -> Any:
+        """|T|²."""
+        tx, ty = self.tangent
+        return tx * tx + ty * ty
 
 
-def pressure_angle(follower: Trace, size: Size, s: tuple[Any, ...]) -> Any:
+Formula = Callable[[Sight], Any]
+
+
+def pressure_angle(at: Sight) -> Any:
     """α from the outward normal, the curve's own or a face's, to the direction of drive g [rad]."""
-    nx, ny = follower.normal(tangent(follower, size, s), s, size)
-    (gx, gy), _ = follower.direction(s, size)
+    nx, ny = at.trace.normal(at.tangent, at.s, at.size)
+    (gx, gy), _ = at.trace.direction(at.s, at.size)
     return np.arctan2(gx * ny - gy * nx, gx * nx + gy * ny)
 
 
-def pitch_curvature(follower: Trace, size: Size, s: tuple[Any, ...]) -> Any:
+def pitch_curvature(at: Sight) -> Any:
     """κ = T × S / |T|³ of the curve, run clockwise round the cam: convex positive [1/mm]."""
-    (px, py), (dx, dy), (ax, ay), *_ = follower.traced_point(s, size)
-    tx, ty = dx + py, dy - px
+    _, (dx, dy), (ax, ay), *_ = at.point
+    tx, ty = at.tangent
     sx, sy = ax + dy + ty, ay - dx - tx
-    square = tx * tx + ty * ty
-    return (ty * sx - tx * sy) / (square * np.sqrt(square))
+    return (ty * sx - tx * sy) * at.square**-1.5
 
 
-def pitch_radius(follower: Trace, size: Size, s: tuple[Any, ...]) -> Any:
+def tangent_distance(at: Sight) -> Any:
+    """n · p: how far the curve's tangent passes the cam's axis, positive with the axis inside."""
+    (px, py), *_ = at.point
+    tx, ty = at.tangent
+    return (py * tx - px * ty) * at.square**-0.5
+
+
+def pitch_radius(at: Sight) -> Any:
     """|p|: how far the curve is from the cam's axis [mm]."""
-    (px, py), *_ = follower.traced_point(s, size)
+    (px, py), *_ = at.point
     return np.sqrt(px * px + py * py)
 
 
-def face_radius(follower: Trace, size: Size, s: tuple[Any, ...]) -> Any:
+def face_radius(at: Sight) -> Any:
     """ρ = T·m / m·m with m = n' + J n, n the face's unit normal, at the contact point [mm].
 
     The support function's way: where T runs against the turning face the profile is undercut, and
     ρ is negative; at a cusp it passes through 0. The curvature from T alone would be 1/|ρ|.
     """
-    tx, ty = tangent(follower, size, s)
-    mx, my = follower.face_turn(s, size)
+    tx, ty = at.tangent
+    mx, my = at.trace.face_turn(at.s, at.size)
     return (tx * mx + ty * my) / (mx * mx + my * my)
 
 
-def contact(follower: Trace, size: Size, s: tuple[Any, ...]) -> Any:
+def contact(at: Sight) -> Any:
     """How far the contact point is along the face from where its reach is measured [mm]."""
-    (px, py), *_ = follower.traced_point(s, size)
-    (mx, my), (ax, ay) = follower.face_axis(s, size)
+    (px, py), *_ = at.point
+    (mx, my), (ax, ay) = at.trace.face_axis(at.s, at.size)
     return (px - mx) * ax + (py - my) * ay
 
 
 def _derivative(order: int) -> Formula:
-    return lambda follower, size, s: s[order]
+    return lambda at: at.s[order]
 
 
 Box = tuple[Indices, Array, Array]  # piece, lower and upper end
@@ -101,10 +133,10 @@ class Measurable(Protocol):
     def turns(self) -> bool:
         """Whether a corner makes it infinite."""
 
-    def at(self, trace: Trace, size: Size, s: tuple[Any, ...], box: Box) -> Any:
-        """Its model on boxes."""
+    def on(self, seen: Sight, box: Box) -> Any:
+        """Its model on boxes, from those of s and at least as many derivatives as it uses."""
 
-    def value(self, trace: Trace, size: Size, s: tuple[Any, ...], at: Points) -> Array:
+    def at(self, seen: Sight, points: Points) -> Array:
         """Its values at points, from s to s''' there: (n,)."""
 
 
@@ -113,8 +145,8 @@ class Quantity:
     """A function of the cam angle.
 
     Attributes:
-        formula: its value from the follower, the size and s to s'''; of numbers or of models.
-        order: highest derivative of s that it uses; the others reach the formula as 0.
+        formula: its value from what is seen; of numbers or of models.
+        order: highest derivative of s that it uses.
         smooth: derivatives of s below this one must not jump, or the quantity is infinite.
         absolute: width that is good enough, besides 1e-10 of the value.
         share: the same as a share of the cam's size, for lengths that may vanish.
@@ -128,14 +160,14 @@ class Quantity:
     share: float = 0.0
     turns: bool = False
 
-    def at(self, trace: Trace, size: Size, s: tuple[Any, ...], box: Box) -> Taylor:
-        """Its model, from those of s and at least as many derivatives as it uses."""
-        found = self.formula(trace, size, s[: self.order + 1] + (0.0,) * (3 - self.order))
-        return found if isinstance(found, Taylor) else s[0].constant(found)
+    def on(self, seen: Sight, box: Box) -> Taylor:
+        """Its model on boxes."""
+        found = self.formula(seen)
+        return found if isinstance(found, Taylor) else seen.s[0].constant(found)
 
-    def value(self, trace: Trace, size: Size, s: tuple[Any, ...], at: Points) -> Array:
+    def at(self, seen: Sight, points: Points) -> Array:
         """Its values at points."""
-        return np.asarray(self.formula(trace, size, s))
+        return np.asarray(self.formula(seen))
 
 
 QUANTITIES = {
@@ -147,9 +179,10 @@ QUANTITIES = {
     "pressure_angle": Quantity(pressure_angle, 1, absolute=1e-10),
     "pitch_curvature": Quantity(pitch_curvature, 2, turns=True),
     "pitch_radius": Quantity(pitch_radius, 1),
+    "tangent_distance": Quantity(tangent_distance, 1),
     "face_radius": Quantity(face_radius, 2, smooth=2, share=1e-12),
     "contact": Quantity(contact, 1, smooth=1, share=1e-12),
-    "contact_left": Quantity(lambda *at: -contact(*at), 1, smooth=1, share=1e-12),
+    "contact_left": Quantity(lambda at: -contact(at), 1, smooth=1, share=1e-12),
     "contact_right": Quantity(contact, 1, smooth=1, share=1e-12),
 }
 
@@ -174,17 +207,21 @@ def enclose_all(
         course, machine, size: the cam.
         questions: what is asked, to the width that each says and what is good enough anyway.
     """
-    traces = [traced(machine, path) for _, path in subjects]
+    traces = {path: traced(machine, path) for _, path in subjects}
     scale = machine.follower.radius(size)
 
     def models(piece: Indices, lo: Array, hi: Array, wanted: Sequence[int]) -> list[Taylor]:
         highest = max(subjects[k][0].order for k in wanted)
-        s = course.jets.models(piece, lo, hi, highest)
-        return [subjects[k][0].at(traces[k], size, s, (piece, lo, hi)) for k in wanted]
+        s = course.jets.models(piece, lo, hi, highest) + (0.0,) * (3 - highest)
+        seen = {path: Sight(trace, size, s) for path, trace in traces.items()}
+        asked = (subjects[k] for k in wanted)
+        return [quantity.on(seen[path], (piece, lo, hi)) for quantity, path in asked]
 
     def values(piece: Indices, x: Array, wanted: Sequence[int]) -> list[Array]:
         s = tuple(course.curve.jet(x, piece, 3))
-        return [subjects[k][0].value(traces[k], size, s, (piece, x)) for k in wanted]
+        seen = {path: Sight(trace, size, s) for path, trace in traces.items()}
+        asked = (subjects[k] for k in wanted)
+        return [quantity.at(seen[path], (piece, x)) for quantity, path in asked]
 
     enough = [quantity.absolute + quantity.share * scale for quantity, _ in subjects]
     asked = [replace(q, absolute=q.absolute + enough[q.function]) for q in questions]
@@ -216,7 +253,7 @@ def corner(
         return None
     trace = traced(machine, claim.path)
     for joint in course.breaches(1, course.joints(claim.stretches, claim.part)):
-        before, after = (tangent(trace, size, s) for s in course.sides(int(joint)))
+        before, after = (Sight(trace, size, s).tangent for s in course.sides(int(joint)))
         turn = before[1] * after[0] - before[0] * after[1]
         if (turn > 0.0 and claim.upper is not None) or (turn < 0.0 and claim.lower is not None):
             return course.worst(1, np.array([joint]))

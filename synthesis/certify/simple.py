@@ -18,33 +18,59 @@ Three reasons why a profile that is nowhere undercut does not cross itself:
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from typing import Final
 
 import numpy as np
 
 from synthesis.certify.course import Course
-from synthesis.certify.path import Boxes, Path, Trace
+from synthesis.certify.path import MORE, Boxes, Path, Trace
 from synthesis.certify.quantities import Size
 from synthesis.certify.self_crossing import Nearest, nearest
 from synthesis.design import Extreme
 from synthesis.followers.flank import Flank, labelled
 from synthesis.limits.base import Machine
+from synthesis.numerics.enclosure import Question
 from synthesis.units import DEGREE
 
 CROSSING: Final = "self_crossing"
+ROUND: Final = "curvature and 0 pairs of boxes: no position of the roller reaches in"
 WIDEST: Final = 0.05  # boxes of a knife edge's path [rad]
 
 
-def crosses(course: Course, machine: Machine, size: Size) -> list[Extreme]:
+def rounding(course: Course, machine: Machine) -> list[Flank]:
+    """Flanks of which it is worth asking whether their curves go round the axis well apart."""
+    if machine.follower.always_convex or not course.joined(2):
+        return []
+    return [flank for flank in machine.follower.flanks if flank.distance > 0.0]
+
+
+def rounds_axis(course: Course, flank: Flank, function: int) -> Question:
+    """Asks how far a traced curve's tangent passes the axis, all round: nothing else is needed."""
+    everywhere = np.arange(course.curve.count)
+    return Question(everywhere, depth(flank), math.inf, None, function, absolute=math.inf)
+
+
+def depth(flank: Flank) -> float:
+    """What that distance has to be more than: how deep the profile lies below the curve [mm]."""
+    return MORE * max(flank.side * flank.distance, 0.0)
+
+
+def crosses(
+    course: Course, machine: Machine, size: Size, clear: Sequence[Flank] = ()
+) -> list[Extreme]:
     """Whether a flank crosses itself, one extreme for each: how deep the roller cuts into it.
 
-    Its value is 0 where no position of the roller reaches into the flank.
+    Its value is 0 where no position of the roller reaches into the flank. ``clear``: flanks known
+    to go round the axis well apart.
     """
     if machine.follower.always_convex:
         return []
     return [
         _edge(course, flank, size)
         if flank.distance == 0.0
+        else _extreme(flank, 0.0, 0.0, 0.0, True, ROUND)
+        if flank in clear
         else _roller(flank, approach(course, flank, size))
         for flank in machine.follower.flanks
     ]

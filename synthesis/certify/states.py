@@ -26,7 +26,8 @@ def states(course: Course, machine: Machine) -> list[Extreme]:
 def _misses(course: Course, order: int) -> Iterator[tuple[float, float, float, str]]:
     """How far every state is missed, how far it may be, the cam angle, the field of the spec."""
     for stretch in course.motion.stretches:
-        if stretch.angle <= 0.0:
+        asked_of = stretch.at_start.known[order - 1], stretch.at_end.known[order - 1]
+        if stretch.angle <= 0.0 or asked_of == (None, None):
             continue
         pieces = course.pieces([stretch.index])
         for end, asked, joint in (

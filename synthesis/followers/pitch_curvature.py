@@ -22,6 +22,7 @@ from synthesis.numerics.piecewise import Array
 from synthesis.terms import Cuts, Traced
 
 ROUNDING = 1e-13  # of the terms' size, by which a row is loosened
+CORNERS = np.array(list(product((False, True), repeat=3))).T  # which ends: (3, 8)
 Convex = tuple[Array, Array]  # a function's values (n,) and its slopes by X, u and e (3, n)
 
 
@@ -39,10 +40,9 @@ class PitchCurvature(Traced):
         at = middle if about is None else np.clip(about, low, high)
         value, slopes = self._convex(at)
         _, other = self._subtracted(middle)
-        most = np.full(low.shape[1], -np.inf)
-        for ends in product((low, high), repeat=3):
-            corner = np.stack([end[k] for k, end in enumerate(ends)])
-            most = np.maximum(most, self._subtracted(corner)[0] - np.sum(other * corner, axis=0))
+        corners = np.where(CORNERS[:, :, None], high[:, None], low[:, None])  # (3, 8, n)
+        above = self._height(corners) - np.sum(other[:, None] * corners, axis=0)
+        most = np.max(above, axis=0)
         # side X'' ≥ least + by · (X, u, e) all over the box
         by = slopes - other
         least = value - np.sum(slopes * at, axis=0) - most
@@ -55,6 +55,14 @@ class PitchCurvature(Traced):
     def _convex(self, at: Array) -> Convex:
         """A."""
         return _spread(at) if self.side > 0 else _leaning(at)
+
+    def _height(self, at: Array) -> Array:
+        """B alone, at points (3, …)."""
+        x, u, e = at
+        w = np.hypot(x, u)
+        q = (u + 0.25 * e) / x
+        rest = 0.125 * (e / x) * e if self.side > 0 else x + 2.0 * q * q * x
+        return np.asarray(rest + self.most * (w**3 / x))
 
     def _subtracted(self, at: Array) -> Convex:
         """B."""

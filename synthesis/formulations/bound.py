@@ -15,6 +15,7 @@ from math import inf, sqrt
 
 import numpy as np
 
+from synthesis.formulations.closed_form import inverted
 from synthesis.formulations.control import Control, controls
 from synthesis.formulations.convex import Plan
 from synthesis.formulations.family import over_family
@@ -153,7 +154,7 @@ def _minimum(
         # ‖Mζ + m‖ ≥ y·(Mζ + m) for ‖y‖ ≤ 1: y takes up what the rows leave of ζ
         matrix, shift = np.array(norm.matrix), np.array(norm.shift) / plan.scales.size
         if len(matrix) == matrix.shape[1]:
-            y = np.linalg.solve(matrix.T, -ledger.size)
+            y = -ledger.size @ inverted(norm.matrix)
             # sizes twice as good as the solution's or better: of others nothing is to be shown
             largest = abs(float(solution.x[plan.extra])) + float(np.linalg.norm(shift))
             far = 2.0 * _stretched(norm.matrix) * largest
@@ -177,7 +178,7 @@ def _minimum(
 @lru_cache(maxsize=64)
 def _stretched(matrix: tuple[tuple[float, ...], ...]) -> float:
     """How much longer than its image under an invertible matrix a vector may be."""
-    return float(np.linalg.norm(np.linalg.inv(np.array(matrix)), 2))
+    return float(np.linalg.norm(inverted(matrix), 2))
 
 
 def _unknown_states(

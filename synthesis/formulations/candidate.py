@@ -8,7 +8,7 @@ from math import sqrt
 
 from synthesis.formulations.closed_form import nearest
 from synthesis.formulations.energy import mean_square
-from synthesis.formulations.grid import SettledLaw
+from synthesis.formulations.grid import SettledLaw, curves
 from synthesis.formulations.problem import Problem
 from synthesis.formulations.rows import exceeded
 from synthesis.formulations.smooth import grown
@@ -50,7 +50,7 @@ def settle(
         hint: the solver's size; used where the closed form does not apply.
         keep_hint: take the hint even where the closed form applies.
     """
-    placed = [s.with_law(law.curve()) for s, law in zip(problem.free, laws, strict=True)]
+    placed = [s.with_law(curve) for s, curve in zip(problem.free, curves(laws), strict=True)]
     settled = problem.settled(placed)
     size = None if keep_hint or needs_size(problem) else smallest(settled)
     found = at_size(settled, laws, hint if size is None else size)

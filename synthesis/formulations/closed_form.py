@@ -16,7 +16,9 @@ from numpy.typing import NDArray
 from synthesis.formulations import rows
 from synthesis.formulations.exchange import tightest
 from synthesis.formulations.problem import Problem
+from synthesis.numerics.peaks import heights
 from synthesis.numerics.piecewise import Array
+from synthesis.terms import Row
 
 Vector = tuple[float, ...]
 EXCHANGES = 40
@@ -25,17 +27,18 @@ SETTLED = 1e-12  # of the norm: what a size may stick out of a half-plane
 
 def half_planes(problem: Problem) -> tuple[Array, Array]:
     """normals · z ≤ offsets for every row and bound, on settled stretches: (k, n), (k,)."""
-    normals: list[Array] = []
-    offsets: list[float] = []
+    bounding: list[tuple[Row, float]] = []
     for stretch in problem.stretches:
-        planes = rows.half_planes(list(problem.rows_on(stretch, 0.0)), stretch)
-        normals += planes[0]
-        offsets += planes[1]
-    for j, (low, high) in enumerate(problem.sizing.bounds):
-        unit = np.eye(len(problem.sizing.bounds))[j]
-        normals += [unit, -unit]
-        offsets += [high, -low]
-    return np.array(normals), np.array(offsets)
+        own = [row for row in problem.rows_on(stretch, 0.0) if row.size and not row.level]
+        if own:
+            worst = heights(stretch.placed(), [row.coefficients for row in own])
+            bounding += zip(own, worst.tolist(), strict=True)
+    low, high = np.array(problem.sizing.bounds).T
+    unit = np.eye(len(low))
+    if not bounding:
+        return np.vstack([unit, -unit]), np.concatenate([high, -low])
+    normals, offsets = rows.half_planes(bounding)
+    return np.vstack([normals, unit, -unit]), np.concatenate([offsets, high, -low])
 
 
 def nearest(problem: Problem, clear: float = 0.0) -> Vector | None:
@@ -71,7 +74,8 @@ def _least(problem: Problem, normals: Array, offsets: Array) -> Vector | None:
     if len(matrix) < matrix.shape[1]:
         return _lowest(normals, offsets, matrix[0], problem.length)
     # in y = M z + m the wanted point is the one nearest to the origin
-    a = np.linalg.solve(matrix.T, normals.T).T
+    inverse = inverted(norm.matrix)
+    a = normals @ inverse
     b = offsets + a @ shift
     length = np.linalg.norm(a, axis=1)
     a, b = a / length[:, None], b / length
@@ -79,7 +83,13 @@ def _least(problem: Problem, normals: Array, offsets: Array) -> Vector | None:
     found = _nearest_to_origin(a, b, 1e-12 * scale)
     if found is None:
         return None
-    return tuple(float(v) for v in np.linalg.solve(matrix, found - shift))
+    return tuple((inverse @ (found - shift)).tolist())
+
+
+@lru_cache(maxsize=64)
+def inverted(matrix: tuple[tuple[float, ...], ...]) -> Array:
+    """The inverse of a norm's matrix; there are a few of them, of two rows, far from singular."""
+    return np.asarray(np.linalg.inv(np.array(matrix)), dtype=float)
 
 
 def _lowest(normals: Array, offsets: Array, level: Array, length: float) -> Vector | None:
@@ -128,4 +138,4 @@ def _corners(a: Array, b: Array) -> Array:
     i, j, d = first[meeting], second[meeting], cross[meeting]
     x = (b[i] * a[j, 1] - b[j] * a[i, 1]) / d
     y = (a[i, 0] * b[j] - a[j, 0] * b[i]) / d
-    return np.column_stack([x, y])
+    return np.stack([x, y], axis=1)

@@ -20,10 +20,11 @@ from synthesis.formulations.bound import Bound, bound
 from synthesis.formulations.candidate import Candidate, settle
 from synthesis.formulations.control import Control, controls
 from synthesis.formulations.convex import Plan, formulate, with_rows
-from synthesis.formulations.grid import Grid, SettledLaw, merged, over, snapped, uniform
+from synthesis.formulations.grid import Grid, merged, over, snapped, uniform
 from synthesis.formulations.knots import all_halved, finer
 from synthesis.formulations.lair import Guess, Lair, Parts, unknown
 from synthesis.formulations.local import improve_from
+from synthesis.formulations.missed import misses
 from synthesis.formulations.multipliers import ends_priced, heard
 from synthesis.formulations.narrowing import narrowed
 from synthesis.formulations.problem import Held, Nothing, Problem
@@ -38,12 +39,12 @@ from synthesis.terms import Vector
 INTERVALS = 20  # of the first laws of every climb
 FEW = 2  # times at most that these are refined for the laws that say where better cams lie
 ENOUGH = 0.25  # of what rows must still gain: a loss to coarse knots that does not matter yet
-POLISHED = 48  # intervals of the laws of a better cam that a box gives rise to
 NEAR = -0.15  # a smooth limit above this, relative, is near to binding
 SAMPLES = 200
 CLOSE_BY = 0.08  # of a law: parts that are no farther apart are one
 AIM = 0.985  # of the tolerance: the gap that is to be proven
 SPARE = 1e-9
+FIRST_TURNS = 3  # before a better cam is looked for
 TURNS = 8  # of hulls and rows in a box
 WORTH = 0.85  # of the hulls' width: what a turn must leave at most for another one
 ROUNDS = 5  # of finer knots
@@ -74,16 +75,26 @@ class Quest:
 
 
 @dataclass(frozen=True, eq=False)
+class Relaxed:
+    """The answer of a cone program with implied rows, on its knots, and the bound it gave."""
+
+    cam: Candidate
+    grids: tuple[Grid, ...]
+    lower: Bound
+
+
+@dataclass(frozen=True, eq=False)
 class Box:
     """A box of sizes: what its better cams keep to, and what none of them is below.
 
-    ``grids``: few knots, where the bound asks for them.
+    ``grids``: few knots, where the bound asks for them. ``relaxed``: its last cone program.
     """
 
     lair: Lair
     lower: float
     over: str
     grids: tuple[Grid, ...] = ()
+    relaxed: Relaxed | None = None
 
 
 def close(state: Search) -> None:
@@ -102,13 +113,17 @@ def close(state: Search) -> None:
         return
     started = time.perf_counter()
     lair = unknown(quest.problem, quest.steering, parts)
-    boxes, count = [explored(quest, climbed(quest, Box(lair, state.lower, state.over)))], 1
+    box = climbed(quest, Box(lair, state.lower, state.over))
+    for turns in (FIRST_TURNS, TURNS):
+        box = explored(quest, box, turns)
+        if box.lower >= quest.target or state.left() <= 0.0:
+            break
+        quest = improved(quest, box)
+    boxes, count = [box], 1
     while count < MOST_BOXES and state.left() > 0.0:
         worst = min(boxes, key=lambda box: box.lower)
         if worst.lower >= quest.target or not worst.lair.divisible:
             break
-        if count == 3:
-            quest = improved(quest, worst)
         boxes.remove(worst)
         boxes += [explored(quest, half) for half in halves(worst)]
         count += 2
@@ -177,13 +192,13 @@ def asked(state: Search, best: Candidate) -> Quest | None:
     return Quest(state, problem, best, target, tuple(steering), keeping)
 
 
-def explored(quest: Quest, box: Box) -> Box:
+def explored(quest: Quest, box: Box, turns: int = TURNS) -> Box:
     """Hulls and rows in turn, each from what the other has shown, while it is worth it.
 
     All laws are asked at first, and before it is given up.
     """
     among = every = tuple(range(len(quest.problem.free)))
-    for _ in range(TURNS):
+    for _ in range(turns):
         if box.lower >= quest.target or not box.grids or quest.state.left() <= 0.0:
             break
         before, lair = box.lair.of(among).width, _narrower(quest, box, among)
@@ -256,9 +271,10 @@ def climbed(quest: Quest, box: Box, *, patient: bool = False) -> Box:
     for number in range(ROUNDS):
         grids = tuple(Grid(grid.space, grid.space.breaks) for grid in grids)
         relaxed = formulate(problem, grids)
-        plan = with_rows(relaxed, box.lair.rows(relaxed))
+        plan = with_rows(relaxed, box.lair.rows(relaxed, sparing=True))
         solution = solve(plan.program, quest.state.left())
-        between = Spreading.of(plan, box.lair.between(plan, SPREAD), SPREAD)
+        rows = box.lair.between(plan, SPREAD, sparing=True)
+        between = Spreading.of(plan, rows, SPREAD)
         ends = ends_priced(plan, solution, heard(plan, solution), 3)
         dense = replace(solution, multipliers=between.masses(solution.multipliers, ends))
         if solution.stopped is Stopped.INFEASIBLE:
@@ -277,6 +293,7 @@ def climbed(quest: Quest, box: Box, *, patient: bool = False) -> Box:
         if number <= FEW:
             box = replace(box, grids=grids)
         found = settle(problem, laws, size, keep_hint=True)
+        box = replace(box, relaxed=Relaxed(found, grids, lower))
         # knots are what is missing where this family has no better cam any more
         if box.lower >= quest.target or quest.state.left() <= 0.0:
             break
@@ -315,9 +332,13 @@ def _excluded(plan: Plan, solution: ConeSolution, ends: Sequence[Array]) -> Boun
 
 
 def halves(box: Box) -> list[Box]:
-    """The box cut in two across the widest of its sizes."""
+    """The box cut in two across the widest of its sizes.
+
+    Not across the last while there is another: a cam grows in it, so that it bounds nothing.
+    """
     sizes = box.lair.sizes
-    axis = int(np.argmax([high - low for low, high in sizes]))
+    widths = [high - low for low, high in sizes]
+    axis = int(np.argmax(widths[:-1] if any(widths[:-1]) else widths))
     low, high = sizes[axis]
     middle = 0.5 * (low + high)
     found = []
@@ -328,16 +349,19 @@ def halves(box: Box) -> list[Box]:
 
 
 def improved(quest: Quest, box: Box) -> Quest:
-    """The quest about a better cam, if a local search from a box that resists finds one."""
-    state, guess = quest.state, box.lair.guess
-    if guess is None:
+    """The quest about a better cam, if a local search from a box that resists finds one.
+
+    Its knots are where the law that switches at once would have its own inside the box: fewer of
+    them do more than those that the search without curvature ended with.
+    """
+    state, relaxed = quest.state, box.relaxed
+    if relaxed is None:
         return quest
-    state.grids = tuple(uniform(stretch, POLISHED) for stretch in state.problem.free)
-    laws = [
-        SettledLaw(grid.space, law.on(grid.space))
-        for grid, law in zip(state.grids, guess.laws, strict=True)
-    ]
-    improve_from(state, settle(state.problem, laws, guess.size, keep_hint=True))
+    nowhere = [np.zeros(0)] * len(relaxed.grids)
+    state.grids = finer(state.problem, relaxed.grids, relaxed.cam, relaxed.lower, nowhere)
+    missed, _ = misses(state, relaxed.cam)
+    state.grids = tuple(g.with_points(x) for g, x in zip(state.grids, missed, strict=True))
+    improve_from(state, relaxed.cam)
     assert state.best is not None
     if state.best.value >= quest.best.value:
         return quest

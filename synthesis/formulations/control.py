@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from math import inf
 
 import numpy as np
 
 from synthesis.formulations.convex import Plan
+from synthesis.formulations.rows import Block
 
 
 @dataclass(frozen=True)
@@ -27,10 +29,11 @@ def controls(plan: Plan) -> list[Control] | None:
     """The steering derivative of every free law, of one order; None where there is none."""
     if any(ball.norm is None and ball.ring is None for ball in plan.balls):
         return None
+    capping = [block for block in plan.blocks if block.highest >= 2]
     for order in (3, 2):
-        if any(b.size.any() and b.alpha[order:].any() for b in plan.blocks):
+        if any(b.highest >= order and b.size.any() for b in capping):
             return None  # the size caps it too: a bound over all laws would lose that row
-        found = [_control(plan, position, order) for position in range(len(plan.grids))]
+        found = [_control(plan, capping, position, order) for position in range(len(plan.grids))]
         if any(control is not None for control in found):
             usable = [control for control in found if control is not None]
             weighs_more = plan.energy is not None and plan.energy.order > order
@@ -38,9 +41,9 @@ def controls(plan: Plan) -> list[Control] | None:
     return None if plan.grids else []
 
 
-def _control(plan: Plan, position: int, order: int) -> Control | None:
+def _control(plan: Plan, capping: Sequence[Block], position: int, order: int) -> Control | None:
     caps, rates = {1: inf, -1: inf}, {1: inf, -1: inf}
-    for block in plan.blocks:
+    for block in capping:
         # one that holds on a part of the law caps nothing
         if block.stretch != position or block.alpha.ndim > 1 or block.spans is not None:
             continue

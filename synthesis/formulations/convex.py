@@ -14,8 +14,8 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
-from functools import lru_cache
-from itertools import pairwise
+from functools import cached_property, lru_cache
+from itertools import accumulate, pairwise
 
 import numpy as np
 from scipy import sparse
@@ -67,6 +67,22 @@ class Plan:
     energy: Energy | None
     program: ConeProgram
     silent: tuple[Ring, ...] = ()
+
+    @cached_property
+    def every_block(self) -> tuple[tuple[int, Block], ...]:
+        """The blocks of equalities and of inequalities, each with the number of its first row."""
+        blocks = (*self.exact, *self.blocks)
+        first = self.program.equalities - sum(len(block.rhs) for block in self.exact)
+        rows = accumulate((len(block.rhs) for block in blocks), initial=first)
+        return tuple(zip(rows, blocks, strict=False))
+
+    def heard_blocks(self, z: Array) -> list[tuple[int, Block]]:
+        """Those of which a row has a multiplier."""
+        count = np.concatenate([[0], np.cumsum(z != 0.0)])
+        rows = [(at, at + len(block.rhs)) for at, block in self.every_block]
+        low, high = count[np.array(rows, dtype=int).reshape(-1, 2)].T
+        each = zip(self.every_block, (high > low).tolist(), strict=True)
+        return [placed for placed, heard in each if heard]
 
     def recover(self, x: Array) -> tuple[list[SettledLaw], Vector]:
         """The laws and the size variables [mm] at a point of the program."""

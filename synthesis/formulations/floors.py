@@ -19,6 +19,7 @@ from numpy.typing import NDArray
 from synthesis.formulations.control import Control
 from synthesis.formulations.convex import Plan
 from synthesis.formulations.ends import Joint, joint_rows
+from synthesis.formulations.multiplied import in_order
 from synthesis.formulations.rows import Block
 from synthesis.numerics.piecewise import Array
 
@@ -153,12 +154,9 @@ def solved_prices(plan: Plan, wanted: Wanted, multipliers: Array) -> Array:
 
 def _said(plan: Plan) -> Iterator[tuple[int, Block]]:
     """The blocks that speak of arbitrary laws, with the number of their first row."""
-    at = plan.program.equalities - sum(len(block.rhs) for block in plan.exact)
-    for block in (*plan.exact, *plan.blocks):
-        steered = block.kind == "control" or np.any(block.alpha[ORDER:])
-        if not steered:
+    for at, block in plan.every_block:
+        if block.kind != "control" and block.highest < ORDER:
             yield at, block
-        at += len(block.rhs)
 
 
 def _fixed(plan: Plan, z: Array, total: Array, residual: Array) -> tuple[Array, Array]:
@@ -199,17 +197,9 @@ def _acting(plan: Plan, block: Block) -> tuple[Array, Array]:
 
     Coefficients in order act as g' near by.
     """
-    count = len(block.rhs)
     if block.kind != "monotone":
-        return block.x, np.broadcast_to(block.alpha[:ORDER].T, (count, ORDER))
-    assert block.stretch is not None
-    space = plan.grids[block.stretch].space
-    p, knots = space.degree, space.knots
-    i = len(plan.settled[block.stretch].first) - 1 + np.arange(count)
-    x = np.mean([knots[i + 2 + j] for j in range(p - 1)], axis=0)
-    alpha = np.zeros((count, ORDER))
-    alpha[:, 1] = -(knots[i + p + 1] - knots[i + 1]) / p
-    return x, alpha
+        return block.x, np.broadcast_to(block.alpha[:ORDER].T, (len(block.rhs), ORDER))
+    return in_order(plan, block, ORDER)
 
 
 def _end_prices(plan: Plan, position: int, wanted: Wanted, z: Array) -> Array:
@@ -218,11 +208,9 @@ def _end_prices(plan: Plan, position: int, wanted: Wanted, z: Array) -> Array:
     count = len(end)
     last = slice(space.size - count, space.size)
     gradient = np.zeros((len(z), count))
-    at = plan.program.equalities - sum(len(block.rhs) for block in plan.exact)
-    for block in (*plan.exact, *plan.blocks):
+    for at, block in plan.every_block:
         if block.stretch == position and block.laws is not None:
             gradient += z[:, at : at + len(block.rhs)] @ block.laws[:, last]
-        at += len(block.rhs)
     mine, rows = wanted.on(plan, position)
     gradient[mine] += rows[:, last]
     prices, at = np.zeros((len(z), max(ORDER, count))), 0
@@ -237,8 +225,7 @@ def _end_prices(plan: Plan, position: int, wanted: Wanted, z: Array) -> Array:
             prices[:, joint.lowest : joint.highest + 1] = (mu * before.units)[
                 :, : prices.shape[1] - joint.lowest
             ]
-    ends = space.boundary(1.0, count)[:, last]
-    prices[:, :count] = -np.linalg.solve(ends.T, gradient.T).T
+    prices[:, :count] = space.end_prices(gradient)
     return prices[:, :ORDER]
 
 

@@ -59,6 +59,16 @@ class SettledLaw:
         return np.asarray(found, dtype=float)
 
 
+def curves(laws: Sequence[SettledLaw]) -> list[Piecewise]:
+    """g(x) on [0, 1] of every law; those on one space are made together."""
+    found: dict[int, Piecewise] = {}
+    for space in {id(law.space): law.space for law in laws}.values():
+        own = [k for k, law in enumerate(laws) if law.space is space]
+        made = space.curves(np.stack([laws[k].coefficients for k in own]))
+        found |= zip(own, made, strict=True)
+    return [found[k] for k in range(len(laws))]
+
+
 def uniform(stretch: Stretch, intervals: int) -> Grid:
     """Equal intervals, but for the knots that the law needs; points at every knot and between."""
     assert stretch.free is not None

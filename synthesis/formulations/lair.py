@@ -95,15 +95,21 @@ class Lair:
         """Of one law, by the point that is seen."""
         return [(seen, hull) for (law, seen), hull in self.hulls.items() if law == position]
 
-    def rows(self, plan: Plan) -> list[Block]:
-        """Rows that limits imply along the hulls: tight in the middle, and at the guess."""
+    def rows(self, plan: Plan, *, sparing: bool = False) -> list[Block]:
+        """Rows that limits imply along the hulls: tight in the middle, and at the guess.
+
+        ``sparing``: at the guess alone, where there is one: multipliers of two rows that say
+        nearly the same at a knot alternate, and the bound pays for it.
+        """
         return [
             block
             for (position, _), implied, hull in self._implying(plan.problem)
-            for block in self._written(plan, position, implied, hull, _places(hull, plan, position))
+            for block in self._written(
+                plan, position, implied, hull, _places(hull, plan, position), sparing=sparing
+            )
         ]
 
-    def between(self, plan: Plan, each: int) -> list[tuple[Block, Arcs]]:
+    def between(self, plan: Plan, each: int, *, sparing: bool = False) -> list[tuple[Block, Arcs]]:
         """The same rows between the points where they are written, too.
 
         ``each``: points between two of these.
@@ -111,7 +117,9 @@ class Lair:
         found = list[tuple[Block, Arcs]]()
         for (position, _), implied, hull in self._implying(plan.problem):
             arc = Arcs.of(_places(hull, plan, position), hull.parts, each)
-            written = self._written(plan, position, implied, hull, arc.points, bare=True)
+            written = self._written(
+                plan, position, implied, hull, arc.points, bare=True, sparing=sparing
+            )
             found += [(block, arc) for block in written]
         return found
 
@@ -132,10 +140,12 @@ class Lair:
         x: Array,
         *,
         bare: bool = False,
+        sparing: bool = False,
     ) -> Iterator[Block]:
         stretch, grid = plan.problem.free[position], Grid(plan.grids[position].space, x)
         low, high = hull.at(x)
-        for about in (None, *self._about(position, stretch, implied.seen, x)):
+        near = self._about(position, stretch, implied.seen, x)
+        for about in near if sparing and near else (None, *near):
             found = implied.cuts(low, high, about)
             if found is not None:
                 yield cuts.block(

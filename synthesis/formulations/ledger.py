@@ -20,41 +20,65 @@ class Ledger:
 
     Attributes:
         plan: whose rows. order: m, the derivative that steers.
-        constant: terms free of unknowns. size: (n_size,) factor of ζ. level: factor of π.
-        state: per free law, (m,) factors of unknown initial values g^(j)(0).
-        magnitude: sum of the absolute values of what went into ``constant``.
-        spent, sized: the same of what went into every law's ψ and into ``size``.
+        size: (n_size,) factor of ζ. level: factor of π.
+        sized: sum of the absolute values of what went into ``size``.
         missed: what every law's true ψ differs from the polynomials at most.
     """
 
     plan: Plan
     order: int
-    constant: float = 0.0
     size: Array = field(init=False)
     level: float = 0.0
-    state: list[Array] = field(init=False)
-    magnitude: float = 0.0
-    spent: Array = field(init=False)
     sized: Array = field(init=False)
     missed: Array = field(init=False)
+    _constant: float = field(default=0.0, init=False)
+    _magnitude: float = field(default=0.0, init=False)
+    _state: list[Array] = field(init=False)
+    _spent: Array = field(init=False)
     _points: list[list[Array]] = field(init=False)
     _weights: list[list[Array]] = field(init=False)
     _spans: list[list[Array]] = field(init=False)
     _polys: list[list[Array]] = field(init=False)
+    _started: list[int] = field(init=False)
 
     def __post_init__(self) -> None:
         laws = range(len(self.plan.grids))
         self.size = np.zeros(len(self.plan.problem.sizing.bounds))
-        self.sized, self.spent = np.zeros_like(self.size), np.zeros(len(laws))
+        self.sized, self._spent = np.zeros_like(self.size), np.zeros(len(laws))
         self.missed = np.zeros(len(laws))
-        self.state = [np.zeros(self.order) for _ in laws]
+        self._state = [np.zeros(self.order) for _ in laws]
         self._points, self._weights = [[] for _ in laws], [[] for _ in laws]
         self._spans, self._polys = [[] for _ in laws], [[] for _ in laws]
+        self._started = [0 for _ in laws]
+
+    @property
+    def constant(self) -> float:
+        """Terms free of unknowns."""
+        self._start()
+        return self._constant
+
+    @property
+    def magnitude(self) -> float:
+        """Sum of the absolute values of what went into ``constant``."""
+        self._start()
+        return self._magnitude
+
+    @property
+    def state(self) -> list[Array]:
+        """Per free law, (m,) factors of unknown initial values g^(j)(0)."""
+        self._start()
+        return self._state
+
+    @property
+    def spent(self) -> Array:
+        """Sum of the absolute values of what went into every law's ψ."""
+        self._start()
+        return self._spent
 
     def add(self, amount: float) -> None:
         """Book a constant."""
-        self.constant += amount
-        self.magnitude += abs(amount)
+        self._constant += amount
+        self._magnitude += abs(amount)
 
     def book(self, rows: Multiplied, mass: Array) -> None:
         """Rows times their multipliers (n,)."""
@@ -72,19 +96,30 @@ class Ledger:
         if rows.spans is not None and rows.poly is not None:
             self._spans[rows.position].append(rows.spans)
             self._polys[rows.position].append(mass[:, None] * rows.poly)
-            self.spent[rows.position] += float(np.abs(mass) @ np.abs(rows.poly[:, 0]))
+            self._spent[rows.position] += float(np.abs(mass) @ np.abs(rows.poly[:, 0]))
 
     def act(self, position: int, x: Array, weights: Array) -> None:
-        """Σ weights[i, k] g^(k)(x_i), split into initial values and an integral over g^(m)."""
+        """Σ weights[i, k] g^(k)(x_i): an integral over g^(m), and initial values."""
         self._points[position].append(x)
         self._weights[position].append(weights)
-        self.spent[position] += float(np.abs(weights).sum())
-        start = self.plan.settled[position].start
-        shares = _sums_at_start(x, weights)
-        known = min(len(start), self.order)
-        for share, value in zip(shares[:known], start[:known], strict=True):
-            self.add(float(share * value))
-        self.state[position][known:] += shares[known:]
+
+    def _start(self) -> None:
+        """Book the initial values of all that has acted since the last time."""
+        for position, arrays in enumerate(self._weights):
+            first = self._started[position]
+            if first == len(arrays):
+                continue
+            self._started[position] = len(arrays)
+            weights = np.concatenate(arrays[first:])
+            size = float(np.abs(weights).sum())
+            self._spent[position] += size
+            start = self.plan.settled[position].start[: self.order]
+            shares = _sums_at_start(np.concatenate(self._points[position][first:]), weights)
+            known = len(start)
+            for share, value in zip(shares[:known].tolist(), start.tolist(), strict=True):
+                self._constant += share * value
+                self._magnitude += size * abs(value)  # shares are sums that may cancel
+            self._state[position][known:] += shares[known:]
 
     def book_ends(self, prices: Sequence[Array]) -> None:
         """Values at the ends of laws, at their prices (m,): what is known of them is paid for.
@@ -102,7 +137,7 @@ class Ledger:
 
     def psi(self) -> tuple[Switching, ...]:
         """ψ of what was booked on every law."""
-        return tuple(self._psi(position) for position in range(len(self.state)))
+        return tuple(self._psi(position) for position in range(len(self._points)))
 
     def _psi(self, position: int) -> Switching:
         points = np.concatenate([np.zeros(0), *self._points[position]])

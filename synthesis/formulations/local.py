@@ -19,6 +19,7 @@ from synthesis.solvers.clarabel import solve
 from synthesis.solvers.statuses import USABLE
 
 FAR = 1.5  # of the bound: a cam this large is not taken for a start without a look at another
+GROWN = 0.1  # of the tolerance: what may be left to growing, for it saves a run of IPOPT
 EXCHANGES = 3  # of rows between whose points something was missed
 
 
@@ -53,7 +54,8 @@ def _improved(state: Search, start: Candidate) -> tuple[list[Array], float]:
     drawn = Drawn(state.tighten, state.margin)
     plan = formulate(state.problem, state.grids, 0.0, drawn, Region())  # smooth forms say more
     asked = accuracies(state.tolerance)
-    solution = improve(plan, plan.point(start.laws, start.size), state.deadline, *asked)
+    began, growth = plan.point(start.laws, start.size), GROWN * state.tolerance
+    solution = improve(plan, began, state.deadline, *asked, growth=growth)
     laws, size = plan.recover(solution.x)
     least: tuple[list[Array], float] = [], inf
     for keep_hint in (True, False):

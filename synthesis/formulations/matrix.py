@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import copy
 from collections.abc import Sequence
 from dataclasses import dataclass, field
+from functools import lru_cache
 
 import numpy as np
 from numpy.typing import NDArray
@@ -43,6 +45,25 @@ class Ball:
         return self.radius if self.ring is None else max(self.radius, 1.0)
 
 
+@dataclass(frozen=True, eq=False)
+class Pattern:
+    """Where a dense part of the matrix is not 0: positions in it, rows and columns, (k,) each."""
+
+    flat: NDArray[np.intp]
+    row: NDArray[np.intp]
+    column: NDArray[np.intp]
+
+
+Placed = tuple[Pattern, int, int]  # a part of the matrix, its first row and column
+
+
+@lru_cache(maxsize=256)
+def _pattern(mask: bytes, columns: int) -> Pattern:
+    """That of a mask; programs on the same grids have the same ones again and again."""
+    flat = np.flatnonzero(np.frombuffer(mask, dtype=bool))
+    return Pattern(flat, *np.divmod(flat, columns))
+
+
 @dataclass(eq=False)
 class Writer:
     """Collects A and b of A x + slack = b, from the top row down."""
@@ -53,14 +74,15 @@ class Writer:
     extra: int | None
     settled: Sequence[Ends]
     rows: int = 0
-    _entries: list[tuple[NDArray[np.intp], NDArray[np.intp], Array]] = field(default_factory=list)
+    _parts: list[Placed] = field(default_factory=list)
+    _values: list[Array] = field(default_factory=list)
     _rhs: list[Array] = field(default_factory=list)
 
     def _put(self, dense: Array, first_column: int) -> None:
         flat = dense.ravel()
-        found = np.flatnonzero(flat != 0.0)  # three times as fast as by rows and columns
-        row, column = np.divmod(found, dense.shape[1])
-        self._entries.append((row + self.rows, column + first_column, flat[found]))
+        pattern = _pattern((flat != 0.0).tobytes(), dense.shape[1])
+        self._parts.append((pattern, self.rows, first_column))
+        self._values.append(flat[pattern.flat])
 
     def _close(self, rhs: Array) -> None:
         self._rhs.append(rhs)
@@ -100,7 +122,8 @@ class Writer:
             self._put(inner, self.columns[block.stretch].start)
             rhs = rhs - fixed
         if len(block.size):
-            share = np.broadcast_to(block.size, (len(rhs), block.size.shape[-1]))
+            share = np.empty((len(rhs), block.size.shape[-1]))
+            share[:] = block.size
             self._put(share, self.size.start)
         if block.level and self.extra is not None:
             self._put(np.full((len(rhs), 1), block.level), self.extra)
@@ -167,13 +190,37 @@ class Writer:
 
     def finished(self) -> tuple[sparse.csc_matrix, Array]:
         """A in compressed columns, and b."""
-        row, column, value = (np.concatenate(part) for part in zip(*self._entries, strict=True))
-        place = column * self.rows + row
-        order = np.argsort(place)
-        place, shape = place[order], (self.rows, self.width)
-        rhs = np.concatenate(self._rhs)
-        if (place[1:] == place[:-1]).any():  # a law that meets itself: entries add up
-            return sparse.csc_matrix((value, (row, column)), shape=shape), rhs
-        first = np.searchsorted(place, self.rows * np.arange(self.width + 1))
-        packed = value[order], row[order].astype(np.int32), first.astype(np.int32)
-        return sparse.csc_matrix(packed, shape=shape), rhs
+        order, empty = _packing(tuple(self._parts), self.rows, self.width)
+        value, rhs = np.concatenate(self._values), np.concatenate(self._rhs)
+        if order is None:  # a law that meets itself: entries add up
+            row, column = _places(self._parts)
+            return sparse.csc_matrix((value, (row, column)), shape=empty.shape), rhs
+        matrix = copy.copy(empty)
+        matrix.data = value[order]
+        return matrix, rhs
+
+
+def _places(parts: Sequence[Placed]) -> tuple[NDArray[np.intp], NDArray[np.intp]]:
+    """Rows and columns of all entries, part by part."""
+    return (
+        np.concatenate([pattern.row + row for pattern, row, _ in parts]),
+        np.concatenate([pattern.column + column for pattern, _, column in parts]),
+    )
+
+
+@lru_cache(maxsize=8)
+def _packing(
+    parts: tuple[Placed, ...], rows: int, width: int
+) -> tuple[NDArray[np.intp] | None, sparse.csc_matrix]:
+    """In which order the entries of all parts come in compressed columns, and the matrix without
+    its values; no order where two entries share a place.
+    """
+    row, column = _places(parts)
+    place = column * rows + row
+    order = np.argsort(place)
+    place, empty = place[order], sparse.csc_matrix((rows, width))
+    if (place[1:] == place[:-1]).any():
+        return None, empty
+    first = np.searchsorted(place, rows * np.arange(width + 1))
+    packed = np.zeros(len(place)), row[order].astype(np.int32), first.astype(np.int32)
+    return order, sparse.csc_matrix(packed, shape=empty.shape)

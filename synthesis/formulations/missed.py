@@ -11,10 +11,10 @@ from synthesis.formulations.candidate import Candidate
 from synthesis.formulations.convex import natural_scales
 from synthesis.formulations.grid import Grid
 from synthesis.formulations.problem import Problem
-from synthesis.formulations.rows import Scales, inside, row_scale, sampled
+from synthesis.formulations.rows import inside, row_scale, sampled
 from synthesis.formulations.search import Search
 from synthesis.motion import Stretch
-from synthesis.numerics.piecewise import Array
+from synthesis.numerics.piecewise import Array, distinct
 from synthesis.terms import Row
 
 ALLOWED = 1e-9  # relative excess of a row that is solver noise: the certificate decides
@@ -26,22 +26,21 @@ def misses(state: Search, found: Candidate) -> tuple[list[Array], float]:
     Returns:
         points x of every free law, and the largest excess relative to its row.
     """
-    scales, worst = natural_scales(state.problem), -inf
-    points = []
+    worst, points = -inf, []
     settled = {stretch.index: stretch for stretch in found.problem.stretches}
     for free, grid in zip(state.problem.free, state.grids, strict=True):
         exceeding = [np.zeros(0)]
-        each = _excesses(state.problem, scales, free, settled[free.index], grid, found)
+        each = _excesses(state.problem, free, settled[free.index], grid, found)
         for x, excess, writable in each:
             worst = max(worst, float(np.max(excess)))
             if writable:
                 exceeding.append(x[excess > ALLOWED])
-        points.append(np.unique(np.concatenate(exceeding)))
+        points.append(distinct(np.concatenate(exceeding)))
     return points, max(worst, _outgrown(state, found))
 
 
 def _excesses(
-    problem: Problem, scales: Scales, free: Stretch, law: Stretch, grid: Grid, found: Candidate
+    problem: Problem, free: Stretch, law: Stretch, grid: Grid, found: Candidate
 ) -> Iterator[tuple[Array, Array, bool]]:
     """Points between those of one law's rows, by how much each row is exceeded there, and whether
     rows could be written there.
@@ -50,7 +49,7 @@ def _excesses(
     curves = list(problem.curves_on(free))
     if not rows and not curves:
         return
-    x, curve = _between(grid.points), law.placed()
+    scales, x, curve = natural_scales(problem), _between(grid.points), law.placed()
     theta = free.start + free.angle * x
     s = curve.jet(theta, curve.piece_of(theta), 3)
     for row in rows:

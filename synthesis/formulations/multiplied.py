@@ -115,12 +115,8 @@ class Said:
 
 def said(plan: Plan, order: int, z: Array | None = None) -> Iterator[Said]:
     """All rows that speak of arbitrary laws, or of the size alone; those of multipliers z ≠ 0."""
-    at = plan.program.equalities - sum(len(block.rhs) for block in plan.exact)
-    for block in (*plan.exact, *plan.blocks):
-        one = None
-        if z is None or z[at : at + len(block.rhs)].any():
-            one = _said(plan, block, at, order)
-        at += len(block.rhs)
+    for at, block in plan.every_block if z is None else plan.heard_blocks(z):
+        one = _said(plan, block, at, order)
         if one is not None:
             yield one
 
@@ -131,33 +127,33 @@ def _said(plan: Plan, block: Block, at: int, order: int) -> Said | None:
     if len(block.size):
         size[:] = block.size
     if block.kind == "monotone":
-        x, weights = _in_order(plan, block, order)
+        x, weights = in_order(plan, block, order)
         points = Multiplied(block.stretch, x, weights, block.rhs, size)
         return Said(at, points, alike=False, jumps=False, windowed=False)
     windowed = block.spans is not None
-    if windowed and not block.alpha[order + 1 :].any():
-        if block.alpha[order : order + 1].any():
+    if windowed and block.highest <= order:
+        if block.highest == order:
             points = _steered(block, order, size)
             return Said(at, points, alike=False, jumps=False, windowed=True)
-    elif block.kind == "control" or block.alpha[order:].any() or block.exact:
+    elif block.kind == "control" or block.highest >= order or block.exact:
         return None  # says nothing more of arbitrary laws, or is the steering itself
     weights = np.empty((shape[0], order))
     weights[:] = block.alpha[:order].T
     points = Multiplied(block.stretch, block.x, weights, block.rhs, size, block.level, block.exact)
     alike = block.stretch is not None and block.alpha.ndim == 1 and block.size.ndim == 1
-    jumps = bool(block.alpha[order - 1 : order].any())
+    jumps = block.highest == order - 1
     return Said(at, points, alike and shape[0] > 1, jumps, windowed)
 
 
-def _in_order(plan: Plan, block: Block, order: int) -> tuple[Array, Array]:
-    """−g' ≤ 0: c_i − c_(i+1) is −gap/p times a coefficient of g', which stands for g' near by."""
+def in_order(plan: Plan, block: Block, order: int) -> tuple[Array, Array]:
+    """Where coefficients in order stand for −g' ≤ 0, and with what weights: (r,), (r, m)."""
     assert block.stretch is not None
-    space = plan.grids[block.stretch].space
-    p, knots = space.degree, space.knots
-    i = len(plan.settled[block.stretch].first) - 1 + np.arange(len(block.rhs))
-    weights = np.zeros((len(i), order))
-    weights[:, 1] = -(knots[i + p + 1] - knots[i + 1]) / p
-    return np.mean([knots[i + 2 + j] for j in range(p - 1)], axis=0), weights
+    first = len(plan.settled[block.stretch].first) - 1
+    x, factors = plan.grids[block.stretch].space.slopes
+    here = slice(first, first + len(block.rhs))
+    weights = np.zeros((len(block.rhs), order))
+    weights[:, 1] = factors[here]
+    return x[here], weights
 
 
 def _steered(block: Block, order: int, size: Array) -> Multiplied:

@@ -6,7 +6,6 @@ import numpy as np
 
 from synthesis.formulations.convex import Plan
 from synthesis.formulations.ends import joint_rows
-from synthesis.formulations.grid import SettledLaw
 from synthesis.numerics.piecewise import Array
 from synthesis.solvers.clarabel import ConeSolution
 
@@ -27,44 +26,46 @@ def heard(plan: Plan, solution: ConeSolution) -> Array:
 def ends_priced(plan: Plan, solution: ConeSolution, z: Array, order: int) -> list[Array]:
     """The solver's prices of g to g^(order − 1) at the end of every law: (order,) each.
 
-    ``z``: the multipliers, as ``heard``.
+    Those of known values are what makes the eliminated last coefficients stationary; of values that
+    laws share, those of the joints' rows.
+
+    Args:
+        z: the multipliers, as ``heard``.
     """
-    laws, _ = plan.recover(solution.x)
-    return [_end_price(plan, law, z, k, order) for k, law in enumerate(laws)]
-
-
-def _end_price(plan: Plan, law: SettledLaw, z: Array, position: int, order: int) -> Array:
-    """The solver's prices of g^(k)(1), k < order: of shared values those of the joints' rows.
-
-    Those of known values are what makes the eliminated last coefficients stationary.
-    """
-    end, space = plan.settled[position].end, plan.grids[position].space
-    nu, gradient = np.zeros(max(order, len(end))), np.zeros(len(end))
-    last = slice(space.size - len(end), space.size)
-    at = plan.program.equalities - sum(len(block.rhs) for block in plan.exact)
-    for block in (*plan.exact, *plan.blocks):
-        own = z[at : at + len(block.rhs)]
-        if block.stretch == position and block.laws is not None and own.any():
-            gradient += own @ block.laws[:, last]
-        at += len(block.rhs)
-    for ring, y in plan.ring_multipliers(z):
-        for share, rows in zip(ring.shares, ring.rows, strict=True):
-            if share.position == position:
-                gradient += y @ rows[:, last]
-    if plan.energy is not None:
-        factor = plan.energy.factors[position]
-        gradient += 2.0 / plan.energy.unit * (factor @ law.coefficients) @ factor[:, last]
+    gradients = _gradients(plan, solution, z)
+    prices = [np.zeros(max(order, len(each))) for each in gradients]
     at = 0
     for joint in plan.joints:
         before, after = joint_rows(joint, plan.problem.free, plan.grids)
         mu = z[at : at + len(before.units)]
         at += len(mu)
         for side in (before, after):
-            if side.position == position:
-                gradient += mu @ side.dense[:, last]
-        if before.position == position:
-            shared = (mu * before.units)[: max(order - joint.lowest, 0)]
-            nu[joint.lowest : joint.lowest + len(shared)] = shared
-    rows = space.boundary(1.0, len(end))[:, last]
-    nu[: len(end)] = np.linalg.solve(rows.T, -gradient)
-    return nu[:order]
+            gradients[side.position] += mu @ side.dense[:, _last(plan, side.position)]
+        shared = (mu * before.units)[: max(order - joint.lowest, 0)]
+        prices[joint.before][joint.lowest : joint.lowest + len(shared)] = shared
+    for nu, gradient, grid in zip(prices, gradients, plan.grids, strict=True):
+        nu[: len(gradient)] = grid.space.end_prices(gradient)
+    return [nu[:order] for nu in prices]
+
+
+def _gradients(plan: Plan, solution: ConeSolution, z: Array) -> list[Array]:
+    """What rows and objective ask of every law's last coefficients, joints apart."""
+    found = [np.zeros(len(known.end)) for known in plan.settled]
+    for at, block in plan.heard_blocks(z):
+        if block.laws is not None and block.stretch is not None:
+            own = z[at : at + len(block.rhs)]
+            found[block.stretch] += own @ block.laws[:, _last(plan, block.stretch)]
+    for ring, y in plan.ring_multipliers(z):
+        for share, rows in zip(ring.shares, ring.rows, strict=True):
+            found[share.position] += y @ rows[:, _last(plan, share.position)]
+    if plan.energy is not None:
+        laws, _ = plan.recover(solution.x)
+        for k, (factor, law) in enumerate(zip(plan.energy.factors, laws, strict=True)):
+            root = factor @ law.coefficients
+            found[k] += 2.0 / plan.energy.unit * root @ factor[:, _last(plan, k)]
+    return found
+
+
+def _last(plan: Plan, position: int) -> slice:
+    """The coefficients of a law that its known end settles."""
+    return slice(plan.grids[position].space.size - len(plan.settled[position].end), None)

@@ -20,6 +20,7 @@ from synthesis.formulations.convex import Plan
 from synthesis.formulations.grid import Grid
 from synthesis.formulations.neighbour import Neighbour
 from synthesis.formulations.problem import Problem
+from synthesis.formulations.smooth import peaks, sample, violation
 from synthesis.formulations.spots import Spots, broken, spread
 from synthesis.formulations.statement import Statement, whole
 from synthesis.numerics.piecewise import Array
@@ -71,6 +72,7 @@ def improve(
     accuracy: float = 1e-9,
     *,
     eased: int = 0,
+    growth: float = 0.0,
 ) -> NonlinearSolution:
     """A local optimum under all limits, those that are not convex included.
 
@@ -82,9 +84,11 @@ def improve(
             written; peaks between these may rise by as much, so a larger one saves rounds.
         accuracy: of the optimum, relative.
         eased: how many of the last limits give way by the level that is made small.
+        growth: relative increase of the value for which limits may hold at last: where a cam that
+            much larger keeps those that are exceeded between points, they get no rows there.
     """
     spots = spread(*settled(plan, start))
-    return exchanged(plan, spots, Guess(start), deadline, tighten, accuracy, eased)
+    return exchanged(plan, spots, Guess(start), deadline, tighten, accuracy, eased, growth=growth)
 
 
 def exchanged(
@@ -95,6 +99,8 @@ def exchanged(
     tighten: float,
     accuracy: float,
     eased: int = 0,
+    *,
+    growth: float = 0.0,
 ) -> NonlinearSolution:
     """The same from given spots, and multipliers where they are known."""
     began, iterations, rows = time.perf_counter(), 0, 0
@@ -112,14 +118,27 @@ def exchanged(
         if stopped not in USABLE:
             break
         given = float(found.x[plan.extra]) if eased else 0.0
-        more = broken(*settled(plan, found.x), eased, given)
+        here = settled(plan, found.x)
+        more = broken(*here, eased, given)
         spots, guess = [*spots, *more], Guess(found.x, found.rows, found.bounds)
-        if not more:
+        if not more or (growth > 0.0 and _mends(*here, growth)):
             break
     seconds = time.perf_counter() - began
     return NonlinearSolution(
         with_norm(plan, guess.x), stopped, word, iterations, seconds, rows, tuple(spots), guess
     )
+
+
+def _mends(problem: Problem, size: tuple[float, ...], growth: float) -> bool:
+    """Whether limits that are broken a little hold on a cam that is larger by no more than that."""
+    if problem.objective.norm(problem.machine) is None:
+        return False  # what growing costs is not known
+    follower = problem.machine.follower
+    step = growth * follower.prime_radius().value(size)
+    larger = follower.raised(size, min(step, problem.room(size)))
+    samples = sample(problem)
+    samples += peaks(problem, samples, larger)
+    return violation(problem, samples, larger) < 0.0
 
 
 def settled(plan: Plan, x: Array) -> tuple[Problem, tuple[float, ...]]:

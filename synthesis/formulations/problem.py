@@ -138,7 +138,7 @@ class Problem:
         """Whether curved limits on free laws are left out of cone programs: no rows are known."""
         return any(not curve.turns for stretch in self.free for curve in self.curves_on(stretch))
 
-    @property
+    @cached_property
     def cones(self) -> tuple[Cone, ...]:
         """Every cone on the size: of the sizing and of limits."""
         found = list(self.sizing.cones)

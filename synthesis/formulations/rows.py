@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from functools import cached_property
 from typing import Literal
 
 import numpy as np
@@ -14,7 +15,7 @@ from synthesis.formulations.grid import TYPICAL, Grid
 from synthesis.motion import Stretch
 from synthesis.numerics.bspline import SplineSpace
 from synthesis.numerics.digits import rounded
-from synthesis.numerics.peaks import heights, peak
+from synthesis.numerics.peaks import peak
 from synthesis.numerics.piecewise import Array
 from synthesis.terms import Row
 
@@ -65,6 +66,12 @@ class Block:
     spans: Array | None = None
     exact: bool = False
 
+    @cached_property
+    def highest(self) -> int:
+        """The highest derivative that ``alpha`` names; −1: none."""
+        named = self.alpha.nonzero()[0]
+        return int(named[-1]) if len(named) else -1
+
     def opposite(self) -> Block:
         """The rows ≥ rhs of an equality, written as ≤."""
         assert self.laws is not None
@@ -109,8 +116,7 @@ def sampled(row: Row, space: SplineSpace) -> bool:
     """Whether the row is written at points, and may be missed between them."""
     if row.exact or (row.part is not None and row.part[0] == row.part[1]):
         return False
-    orders = np.flatnonzero(row.coefficients)
-    order = int(orders[0]) if len(orders) == 1 else 0
+    order = row.orders[0] if len(row.orders) == 1 else 0
     if row.part is not None:
         return space.degree - order > 1
     return order == 0 or (space.degree - order > 1 and order != 3)
@@ -131,28 +137,28 @@ def on_law(
     keeps all along once it keeps it at an end is written there alone.
     """
     alpha, rhs = in_g(row, stretch)
-    orders = np.flatnonzero(alpha)
-    size = np.array(row.size) * scales.size if row.size else np.zeros(0)
-    level = row.level * scales.level
-    scale = _scale(row, alpha, rhs, scales)
-    space = grid.space
+    scale, space = _scale(row, alpha, rhs, scales), grid.space
     if row.part is not None:
         return _on_part(row, row.part, position, stretch, grid, scale, drawn)
-    common = (rounded(size / scale), float(rounded(level / scale)))
-    factors, tighten = rounded(alpha / scale), drawn.tighten
+    size, level = (share * scales.size for share in row.size), row.level * scales.level
+    digits = rounded(np.array([*alpha, level, rhs, *size]) / scale)
+    factors, tighten = digits[:4], drawn.tighten
     if not sampled(row, space):
-        order = int(orders[0])
+        order = row.orders[0]
         laws = space.control(order) * factors[order]
         x = space.breaks if space.degree - order == 1 else np.zeros(len(laws))
         kind: Literal["point", "control"] = "point" if space.degree - order == 1 else "control"
     else:
         x, kind, tighten = grid.points, "point", tighten + drawn.margin
-        laws = sum(factors[k] * grid.table(int(k)) for k in orders)
+        first, *others = (factors[k] * grid.table(k) for k in row.orders)
+        laws = sum(others, start=first)
         end = _settling_end(alpha, stretch, known)
         if end is not None:
             x, laws = x[end], laws[end]
-    bound = np.full(len(laws), rounded(rhs / scale))
-    return Block(kind, position, laws, x, factors, *common, bound, row.source, tighten)
+    bound = np.full(len(laws), digits[5])
+    return Block(
+        kind, position, laws, x, factors, digits[6:], float(digits[4]), bound, row.source, tighten
+    )
 
 
 def _settling_end(alpha: Array, stretch: Stretch, known: Ends) -> slice | None:
@@ -178,7 +184,7 @@ def _on_part(
 ) -> Block:
     """A row of one derivative that holds on a part of the law alone, or at a point of it."""
     alpha, rhs = in_g(row, stretch)
-    order, space = int(np.flatnonzero(alpha)[0]), grid.space
+    order, space = row.orders[0], grid.space
     table, x, spans = on_window(space, order, part, grid.points, exact=row.exact)
     factors, bound = rounded(alpha / scale), np.full(len(table), rounded(rhs / scale))
     tighten = min(drawn.tighten + drawn.margin * sampled(row, space), ROOM * row.room / scale)
@@ -250,25 +256,21 @@ def on_given(row: Row, stretch: Stretch, scales: Scales, tighten: float) -> Bloc
     )  # fmt: skip
 
 
-def half_planes(each: Sequence[Row], stretch: Stretch) -> tuple[list[Array], list[float]]:
-    """normals · z ≤ offsets of the rows that bound the size on a given law, at their worst angles.
+def half_planes(bounding: Sequence[tuple[Row, float]]) -> tuple[Array, Array]:
+    """normals · z ≤ offsets of rows with their worst values on given laws: (k, n), (k,).
 
     Of size 1, and without their last digits, as in ``on_given``.
     """
-    bounding = [row for row in each if row.size and not row.level]
-    if not bounding:
-        return [], []
-    worst = heights(stretch.placed(), [row.coefficients for row in bounding])
-    sizes = np.array([row.size for row in bounding])
+    sizes = np.array([row.size for row, _ in bounding])
+    room = np.array([row.upper - worst for row, worst in bounding])
     scale = np.max(np.abs(sizes), axis=1)
-    offsets = (np.array([row.upper for row in bounding]) - worst) / scale
-    return list(rounded(sizes / scale[:, None])), rounded(offsets).tolist()
+    return rounded(sizes / scale[:, None]), rounded(room / scale)
 
 
 def monotone(position: int, grid: Grid, known: Ends, drawn: Drawn) -> Block:
     """Coefficients that never fall: the law never moves backwards."""
     first, stop = len(known.first) - 1, grid.space.size - len(known.last)
-    laws = -np.diff(np.eye(grid.space.size), axis=0)[first:stop]
+    laws = grid.space.steps[first:stop]
     nothing = np.zeros(len(laws))
     return Block(
         "monotone", position, laws, nothing, np.zeros(4), np.zeros(0), 0.0, nothing, "overshoot",

@@ -18,7 +18,8 @@ DENSITY, LEAST_DENSITY = 192, 8  # points on a law, and on every piece of it, en
 PEAK_ROUNDS = 4
 NEAR = -0.1  # samples slacker than this have no peak beside them that matters
 ZOOMS = 5  # each narrows a peak to a quarter of the interval
-WATCHED = -0.7  # points that are slacker than this at first are not looked at while growing
+# points that are slacker than this are not looked at while growing, in turn: few do as a rule
+WATCHED = (-0.15, -0.7, -0.7, -0.7)
 
 
 @dataclass(frozen=True, eq=False)
@@ -101,15 +102,18 @@ def _grown(
         return violation(problem, watched, follower.raised(size, raised)) + margin
 
     high, keep = 0.0, [np.full(len(part.theta), False) for part in samples]
-    for _ in range(PEAK_ROUNDS):
+    for slack in WATCHED:
         at = follower.raised(size, high)
         value = [_worst(problem, part, at) for part in samples]
-        if max(float(np.max(v)) for v in value) + margin <= 0.0:
+        worst = max(float(np.max(v)) for v in value) + margin
+        if worst <= 0.0:
             return at, value
         # points that were slack so far may come to bind on a larger cam: watch them from now on
-        keep = [k | (v > WATCHED) for k, v in zip(keep, value, strict=True)]
+        keep = [k | (v > slack) for k, v in zip(keep, value, strict=True)]
         watched = [p.at(k) for p, k in zip(samples, keep, strict=True) if np.any(k)]
         low, step = high, max(1e-6 * problem.length, high)
+        if np.isfinite(worst):  # a limit eases about as the radius grows
+            step = max(step, worst * follower.prime_radius().value(at))
         while excess(min(step, room)) > 0.0:
             if step >= room:
                 return None

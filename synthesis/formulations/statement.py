@@ -36,7 +36,6 @@ class Statement:
     eased: int = 0
     x: Any = field(init=False)
     own: Any = field(init=False)
-    _laws: Any = field(init=False)
     _rows: list[Any] = field(default_factory=list)
     _lower: list[Array] = field(default_factory=list)
     _upper: list[Array] = field(default_factory=list)
@@ -45,9 +44,6 @@ class Statement:
         self.at = whole(self.plan, self.at)
         self.x = casadi.MX.sym("x", len(self.at))
         self.own = self.x[: self.plan.program.matrix.shape[1]]
-        # cut once into all laws: of a slice each, derivatives would be as long as all together
-        ends = [0, *(columns.stop for columns in self.plan.columns), len(self.at)]
-        self._laws = casadi.vertsplit(self.x, ends)
 
     def stated(self, spots: Sequence[Spots], tighten: float) -> SmoothProgram:
         """All rows and the objective."""
@@ -164,7 +160,7 @@ class Statement:
             return [casadi.DM(row) for row in spot.s]
         position = problem.free.index(stretch)
         space, known = self.plan.grids[position].space, self.plan.settled[position]
-        coefficients = self._laws[position]
+        coefficients = self.x[self.plan.columns[position]]
         columns = []
         for order in range(4):
             inner, fixed = known.split(space.basis(spot.x, order))

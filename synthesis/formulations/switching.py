@@ -16,7 +16,7 @@ from math import comb
 import numpy as np
 
 from synthesis.numerics.peaks import quadratic_roots
-from synthesis.numerics.piecewise import Array
+from synthesis.numerics.piecewise import Array, distinct
 
 NODES, SHARES = np.polynomial.legendre.leggauss(5)  # exact to degree 9 between the cuts
 TINY = 1e-14  # of the largest coefficient: a leading one below it has no root near by
@@ -132,7 +132,7 @@ class Switching:
             for root in _roots(apart):
                 inside = (root > 0.0) & (root < 1.0)
                 found.append((self.breaks[:-1] + width * root)[inside])
-        return np.unique(np.concatenate(found))
+        return distinct(np.concatenate(found))
 
     def _pieces(self, breaks: Array) -> Array:
         """The polynomials between finer breaks: (n, d)."""

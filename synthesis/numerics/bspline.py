@@ -82,21 +82,46 @@ class SplineSpace:
             found.append(_kept(p * np.diff(found[-1], axis=0) / rise[:, None]))
         return tuple(found)
 
-    def curve(self, coefficients: Array) -> Piecewise:
-        """The spline as polynomial pieces about their left ends."""
-        table, columns, share = coefficients, list[Array](), 1.0
-        for order in range(self.degree + 1):
-            if order:
-                table = (table[1:] - table[:-1]) / self._gaps[order - 1][0]
-                share *= (self.degree - order + 1) / order
-            columns.append(share * self._at_left(table, order))
-        return self._pieces(columns)
+    @cached_property
+    def steps(self) -> Array:
+        """Matrix to what each coefficient is more than the next one: (size − 1, size)."""
+        return _kept(-np.diff(np.eye(self.size), axis=0))
 
-    def delivered(self, coefficients: Array) -> Piecewise:
-        """The same curve, its polynomials right to the last digits: what is judged and handed out.
+    @cached_property
+    def slopes(self) -> tuple[Array, Array]:
+        """What a coefficient's step stands for: c_i − c_(i+1) = factor · a coefficient of g'.
+
+        Returns:
+            (size − 1,) where on [0, 1] that coefficient of g' stands, and (size − 1,) factors ≤ 0.
+        """
+        p, knots, count = self.degree, self.knots, self.size - 1
+        x = np.mean([knots[2 + j : 2 + j + count] for j in range(p - 1)], axis=0)
+        return _kept(x), _kept(-(knots[p + 1 : p + 1 + count] - knots[1 : 1 + count]) / p)
+
+    def end_prices(self, gradient: Array) -> Array:
+        """Prices of g to g^(q−1) at 1 that pay for a gradient (…, q) over the last q coefficients.
+
+        Of a function that is made stationary in these by multiplying the known values at the end.
+        """
+        count = gradient.shape[-1]
+        if count not in self._end_inverses:
+            rows = self.boundary(1.0, count)[:, self.size - count :]
+            self._end_inverses[count] = np.asarray(np.linalg.inv(rows), dtype=float)
+        return np.asarray(-gradient @ self._end_inverses[count])
+
+    @cached_property
+    def _end_inverses(self) -> dict[int, Array]:
+        return {}
+
+    def curve(self, coefficients: Array) -> Piecewise:
+        """The spline as polynomial pieces about their left ends, right to the last digits."""
+        return self.curves(coefficients[None, :])[0]
+
+    def curves(self, coefficients: Array) -> list[Piecewise]:
+        """The same of several splines: (k, size), in little more time than of one.
 
         Differences of neighbouring coefficients over close knots lose digits, most in the highest
-        derivative; here they are taken in doubled precision, and rounded once.
+        derivative; so they are taken in doubled precision, and rounded once.
         """
         table: Twofold = (coefficients, np.zeros_like(coefficients))
         columns, share = list[Array](), 1.0
@@ -105,11 +130,10 @@ class SplineSpace:
                 table = quotient(differences(table), self._gaps[order - 1])
                 share *= (self.degree - order + 1) / order
             columns.append(share * self._at_left(table[0], order))
-        return self._pieces(columns)
-
-    def _pieces(self, columns: list[Array]) -> Piecewise:
         left = self.breaks[:-1]
-        return Piecewise(self.breaks, left, np.stack(columns, axis=1), np.zeros((len(left), 0, 3)))
+        waves = np.zeros((len(left), 0, 3))
+        tables = np.stack(columns, axis=-1)
+        return [Piecewise(self.breaks, left, poly, waves) for poly in tables]
 
     @cached_property
     def _gaps(self) -> tuple[Twofold, ...]:
@@ -121,12 +145,12 @@ class SplineSpace:
         return tuple(found)
 
     def _at_left(self, table: Array, order: int) -> Array:
-        """Values, where each interval begins, of a derivative that has these coefficients: (n,).
+        """Values, where each interval begins, of a derivative of these coefficients: (…, n).
 
         De Boor's recurrence in terms of blossoms: one argument of each is that knot already.
         """
         n = len(self.breaks) - 1
-        values = [table[m : m + n] for m in range(max(self.degree - order, 1))]
+        values = [table[..., m : m + n] for m in range(max(self.degree - order, 1))]
         for shares in self._shares[order]:
             values = [
                 here + ahead * (there - here) / gap

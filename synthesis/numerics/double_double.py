@@ -28,9 +28,9 @@ def product(a: Array, b: Array) -> Twofold:
 
 
 def differences(a: Twofold) -> Twofold:
-    """a[i + 1] − a[i] of numbers along an array."""
-    high, low = difference(a[0][1:], a[0][:-1])
-    return normal(high, low + (a[1][1:] - a[1][:-1]))
+    """a[i + 1] − a[i] of numbers along the last axis."""
+    high, low = difference(a[0][..., 1:], a[0][..., :-1])
+    return normal(high, low + (a[1][..., 1:] - a[1][..., :-1]))
 
 
 def normal(high: Array, low: Array) -> Twofold:

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Final
 
 import numpy as np
@@ -58,7 +58,9 @@ class Question:
             for the largest |f|.
         spans: (k, 2) the part of each piece that counts, None where all of them count whole.
         function: which of the functions.
-        relative, absolute: width at which the enclosure is good enough.
+        relative, absolute: width at which the enclosure is good enough. With an infinite one only
+            the end that the first boxes prove is wanted, of ``upper`` or ``lower`` alone; where f
+            is nearest to it is not looked for.
     """
 
     pieces: Indices
@@ -133,6 +135,7 @@ class _Search:
         self.relative = np.array([q.relative for q in questions])
         self.absolute = np.array([q.absolute for q in questions])
         self.function = np.array([q.function for q in questions])
+        self.closely = np.flatnonzero(self.absolute < np.inf)
         self.best = np.full(count, -np.inf)
         self.proven = np.full(count, -np.inf)
         self.above = np.ones(count, dtype=bool)
@@ -153,15 +156,16 @@ class _Search:
 
     def look(self, boxes: Boxes, values: Values) -> tuple[_Points, Array]:
         """Where each extreme seems to be; and where to cut boxes beside those that seem to be."""
-        every = np.arange(len(self.best))
-        wanted, slot = self._functions(every)
+        closely = self.closely
+        wanted, slot = self._functions(closely)
 
         def heights(piece: Indices, x: Array) -> Array:
             found = np.stack(values(piece, x, wanted))[slot]
-            return self._excess(every, found, found)
+            return self._excess(closely, found, found)
 
-        seen = sighted(boxes, heights, Bounds(self.lower, self.upper))
-        return _Points(seen.question, seen.piece, seen.at), seen.cuts
+        bounds = Bounds(self.lower[closely], self.upper[closely])
+        seen = sighted(replace(boxes, asked=boxes.asked[closely]), heights, bounds)
+        return _Points(closely[seen.question], seen.piece, seen.at), seen.cuts
 
     def weigh(self, boxes: Boxes, points: _Points, models: Models) -> _View:
         """Take in what the models say of points, where they are exact but for rounding.
@@ -234,9 +238,12 @@ class _Search:
     def _answer(self, q: int) -> Answer:
         best, proven, value = (float(x[q]) for x in (self.best, self.proven, self.value))
         angle, side, boxes = float(self.angle[q]), 1 if self.above[q] else -1, int(self.boxes[q])
-        if best < -0.1 * UNBOUNDED:
-            return Answer(Enclosed(math.nan, -math.inf, math.inf, angle), side, boxes)
         proven = math.inf if proven > 0.1 * UNBOUNDED else proven
+        if best < -0.1 * UNBOUNDED:
+            low, high = -math.inf, math.inf
+            if self.absolute[q] == math.inf:  # what is proven counts by itself
+                low, high = float(self.lower[q]) - proven, float(self.upper[q]) + proven
+            return Answer(Enclosed(math.nan, low, high, angle), side, boxes)
         if side > 0:
             low, high = best + float(self.upper[q]), proven + float(self.upper[q])
         else:
@@ -268,7 +275,7 @@ def enclose(
     boxes = _first_boxes(breaks, counts, questions)
     most = MOST_BOXES * len(set(search.function.tolist()))
     with np.errstate(all="ignore"):
-        if values is not None:
+        if values is not None and len(search.closely):
             points, cuts = search.look(boxes, values)
             boxes = boxes.cut(cuts)
         for rounds_left in range(MOST_ROUNDS, 0, -1):

@@ -13,6 +13,7 @@ from typing import Final
 import numpy as np
 
 from synthesis.numerics.boxes import Boxes, Indices
+from synthesis.numerics.piecewise import distinct
 from synthesis.numerics.taylor import Array
 
 # (pieces (n,), points (n,)) -> (questions, n), of each question how large its function is there
@@ -20,8 +21,8 @@ Heights = Callable[[Indices, Array], Array]
 
 PEAKS: Final = 3  # of a question, that are nearly as high as its highest
 NEARLY: Final = 0.5  # of what lies between the values on its box
-FAN: Final = np.linspace(0.0, 1.0, 17)
-LOOKS: Final = 2  # each narrows the place of a peak to an eighth
+FAN: Final = np.linspace(0.0, 1.0, 33)
+REACH: Final = 0.25  # of a box, to either side of its parabola's peak: there it is looked for
 STEPS: Final = 2.0 ** -np.arange(1.0, 12.0)  # of a box: how far from a peak it is cut
 LADDER: Final = np.concatenate([-STEPS, STEPS])
 HUGE: Final = 1e290  # what is larger is none of a function's values
@@ -73,40 +74,42 @@ def sighted(boxes: Boxes, heights: Heights, bounds: Bounds) -> Sighted:
     Args:
         boxes: where. heights: of the functions, over their bounds.
     """
-    question, box = _peaks(boxes, heights, bounds)
-    piece, low, high = boxes.piece[box], boxes.lo[box], boxes.hi[box]
-    steps = (high - low)[:, None] * LADDER
+    question, box, place = _peaks(boxes, heights, bounds)
+    piece, left, right = boxes.piece[box], boxes.lo[box], boxes.hi[box]
+    width = right - left
+    first, last = np.maximum(place - REACH, 0.0), np.minimum(place + REACH, 1.0)
+    low, high = left + width * first, np.minimum(left + width * last, right)
     peak, on = np.arange(len(box)), np.repeat(piece, len(FAN))
-    for _ in range(LOOKS):
-        x = np.minimum(low[:, None] + (high - low)[:, None] * FAN, high[:, None])
-        height = heights(on, x.ravel()).reshape(len(boxes.asked), *x.shape)[question, peak]
-        top = np.max(height, axis=1)
-        grain = bounds.grain(question, top, ALIKE)
-        best = np.argmax(height >= (top - grain)[:, None], axis=1)
-        middle = np.minimum(np.maximum(best, 1), len(FAN) - 2)
-        three = peak, middle + BESIDE
-        low, here, high = x[three]
+    x = np.minimum(low[:, None] + (high - low)[:, None] * FAN, high[:, None])
+    height = heights(on, x.ravel()).reshape(len(boxes.asked), *x.shape)[question, peak]
+    top = np.max(height, axis=1)
+    grain = bounds.grain(question, top, ALIKE)
+    best = np.argmax(height >= (top - grain)[:, None], axis=1)
+    middle = np.minimum(np.maximum(best, 1), len(FAN) - 2)
+    three = peak, middle + BESIDE
+    low, here, high = x[three]
     before, there, behind = height[three]
     bend = before + behind - 2.0 * there
     vertex = here + 0.5 * (before - behind) / bend * (here - low)  # of a parabola through them
     inner = (best == middle) & (bend < 0.0)
     at = np.where(inner, np.minimum(np.maximum(vertex, low), high), x[peak, best])
     first = _leading(question, top, bounds, 1)
-    return Sighted(
-        question[first], piece[first], at[first], np.unique(at[:, None] + steps)
-    )  # fmt: skip
+    cuts = distinct(at[:, None] + width[:, None] * LADDER)
+    return Sighted(question[first], piece[first], at[first], cuts)
 
 
-def _peaks(boxes: Boxes, heights: Heights, bounds: Bounds) -> tuple[Indices, Indices]:
+def _peaks(boxes: Boxes, heights: Heights, bounds: Bounds) -> tuple[Indices, Indices, Array]:
     """Questions and boxes: of every question that of the highest peak and others nearly as high.
 
-    The height on a box is that of a parabola through its ends and centre.
+    The height on a box is that of a parabola through its ends and centre; where on the box that
+    has its peak, from 0 to 1, is the third.
     """
     piece, x = boxes.piece, np.concatenate([boxes.lo, 0.5 * (boxes.lo + boxes.hi), boxes.hi])
     found = heights(np.concatenate([piece, piece, piece]), x)
     left, middle, right = found.reshape(len(found), 3, -1).swapaxes(0, 1)
     slope, bend = 0.5 * (right - left), middle - 0.5 * (left + right)
-    vertex = np.where(np.abs(slope) < 2.0 * bend, 0.25 * slope * slope / bend, 0.0)
+    inner = np.abs(slope) < 2.0 * bend
+    vertex = np.where(inner, 0.25 * slope * slope / bend, 0.0)
     height = np.maximum(np.maximum(left, right), middle + vertex)
     height = np.where(boxes.asked & (height > -np.inf), height, -np.inf)
     top = np.max(height, axis=1)
@@ -118,7 +121,10 @@ def _peaks(boxes: Boxes, heights: Heights, bounds: Bounds) -> tuple[Indices, Ind
     nearly = height + NEARLY * (np.abs(slope) + np.abs(bend)) >= top[:, None]
     question, box = np.nonzero(hill & nearly & (height > -np.inf))
     kept = _leading(question, height[question, box], bounds, PEAKS)
-    return question[kept], box[kept]
+    question, box = question[kept], box[kept]
+    slope, bend, inner = slope[question, box], bend[question, box], inner[question, box]
+    place = np.where(inner, 0.5 + 0.25 * slope / bend, np.where(slope > 0.0, 1.0, 0.0))
+    return question, box, place
 
 
 def _leading(question: Indices, height: Array, bounds: Bounds, count: int) -> Indices:

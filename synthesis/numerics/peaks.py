@@ -72,6 +72,9 @@ def _of_cubics(curve: Piecewise) -> tuple[float, float]:
 
 def heights(curve: Piecewise, coefficients: Sequence[Sequence[float]]) -> Array:
     """The largest value of each of several combinations, as ``peak`` finds it: (k,)."""
+    if curve.still:
+        shares = np.array([each[0] for each in coefficients])
+        return np.asarray(np.max(shares[:, None] * curve.poly[:, 0], axis=1))
     if curve.waves.shape[1] or curve.poly.shape[1] > 4:
         return np.array([peak(curve, each)[0] for each in coefficients])
     table = curve.table

@@ -19,6 +19,15 @@ Array = NDArray[np.float64]
 Side = Literal["left", "right"]
 
 
+def distinct(values: Array) -> Array:
+    """Sorted, without repetition: what ``np.unique`` does, in a third of its time for a few."""
+    found = np.sort(values, axis=None)
+    new = np.empty(len(found), dtype=bool)
+    new[:1] = True
+    np.not_equal(found[1:], found[:-1], out=new[1:])
+    return np.asarray(found[new])
+
+
 @dataclass(frozen=True, eq=False)
 class Piecewise:
     """f(x) = Σ_j poly[i,j] (x − origin[i])^j + Σ_m A sin(w (x − origin[i]) + φ) on piece i.
@@ -62,6 +71,11 @@ class Piecewise:
     def count(self) -> int:
         """Number of pieces."""
         return len(self.origins)
+
+    @property
+    def still(self) -> bool:
+        """Whether no piece moves."""
+        return self.poly.shape[1] == 1 and not self.waves.shape[1]
 
     @cached_property
     def _powers(self) -> list[Array]:
@@ -187,7 +201,7 @@ class Piecewise:
 
         A break less than 1e-12 of the interval from another one is left out.
         """
-        wanted = np.unique(np.asarray(at, dtype=float))
+        wanted = distinct(np.asarray(at, dtype=float))
         if not len(wanted):
             return self, np.arange(self.count)
         far = 1e-12 * (self.breaks[-1] - self.breaks[0])
@@ -203,7 +217,9 @@ class Piecewise:
         powers = scale / width ** np.arange(self.poly.shape[1])
         poly = self.poly * powers
         poly[:, 0] += shift
-        waves = self.waves * np.array([scale, 1.0 / width, 1.0])
+        waves = self.waves
+        if waves.shape[1]:
+            waves = waves * np.array([scale, 1.0 / width, 1.0])
         return Piecewise(start + width * self.breaks, start + width * self.origins, poly, waves)
 
     def reversed(self) -> Piecewise:

@@ -97,6 +97,25 @@ def test_questions_about_several_functions_do_not_disturb_each_other():
         assert max(reached) == pytest.approx(max(found), abs=1e-6 + question.absolute)
 
 
+@pytest.mark.parametrize("sees", [False, True])
+def test_a_bound_alone_is_asked_of_the_first_boxes(sees: bool):
+    """No box is split for it, what it says is true, and the other questions hear nothing of it."""
+    values = told if sees else None
+    alone = enclose(waves(*TERMS), BREAKS, COUNTS, ASKED, values)
+    rough = Question(EVERYWHERE, 0.2, math.inf, function=0, absolute=math.inf)
+    high = Question(np.array([1]), -math.inf, 0.2, function=0, absolute=math.inf)
+    *others, low, top = enclose(waves(*TERMS), BREAKS, COUNTS, [*ASKED, rough, high], values)
+    for one, other in zip(alone, others, strict=True):
+        assert other.extreme.value == pytest.approx(one.extreme.value, abs=3e-10)
+        assert other.extreme.width < 3e-10
+    assert -1.0 - 0.1 < low.extreme.lower <= -1.0
+    (lone,) = enclose(waves(*TERMS), BREAKS, COUNTS, [rough], values)
+    assert -1.0 - 0.1 < lone.extreme.lower <= -1.0
+    assert lone.boxes == COUNTS.sum()
+    largest = np.max(np.sin(2.0 * np.linspace(1.0, 2.5, 30_001) + 0.3))
+    assert largest <= top.extreme.upper < largest + 0.1
+
+
 TERMS = (2.0, 0.3), (3.3, 0.1), (9.0, -1.7)
 ASKED = [
     Question(EVERYWHERE, -1.3, 1.2, function=1),

@@ -8,7 +8,9 @@ import pytest
 from synthesis.certify import certify
 from synthesis.certify.course import Course
 from synthesis.certify.path import Boxes, Drawn, Path
+from synthesis.certify.quantities import QUANTITIES, enclose_all
 from synthesis.certify.self_crossing import Nearest, _Groups, nearest
+from synthesis.certify.simple import depth, rounding, rounds_axis
 from synthesis.design import Extreme
 from synthesis.followers import TranslatingFlatFace, TranslatingRoller
 from synthesis.followers.closures.groove import Groove
@@ -287,3 +289,35 @@ def test_the_roller_and_its_profile_point_lie_in_the_shadow(side: float) -> None
     low, high = Path(path.course, path.trace, side * 40.0).on(boxes).shadow()
     assert np.any(high - low == 2.0 * np.pi)
     assert np.any(high - low < 5.0)
+
+
+def test_the_certificate_needs_no_pairs_where_curves_go_round_the_axis(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """What its own boxes say of n · P: against samples, and the search that knows nothing of it."""
+    monkeypatch.setattr(Drawn, "rounds_axis", lambda _: False)
+    rng, told = np.random.default_rng(58), []
+    for _ in range(24):
+        motion, R = thin_lobed(rng), rng.uniform(2.0, 9.0)
+        e, s0 = rng.uniform(-2.0, 2.0), R * rng.uniform(1.0, 9.0)
+        follower = TranslatingRoller(roller_radius_mm=R, offset_mm=e)
+        (found,) = (
+            each
+            for each in certify(motion, Machine(follower, 10.0), (e, s0), [ProfileRadius()])
+            if each.limit == "self_crossing"
+        )
+        assert found.holds == search(motion, e, s0, R).holds_off(R)
+        course, machine = Course(motion), Machine(follower, 10.0)
+        (flank,) = rounding(course, machine)
+        ask = [rounds_axis(course, flank, 0)]
+        subjects = [(QUANTITIES["tangent_distance"], flank.path)]
+        (answer,) = enclose_all(subjects, course, machine, (e, s0), ask)
+        theta = np.linspace(0.0, 2.0 * np.pi, 4001)
+        along = pitch(motion, e, s0, theta + 1e-6) - pitch(motion, e, s0, theta - 1e-6)
+        here = pitch(motion, e, s0, theta)
+        moment = here[:, 1] * along[:, 0] - here[:, 0] * along[:, 1]
+        least = float(np.min(moment / np.hypot(*along.T)))
+        assert answer.extreme.lower <= least + 1e-6
+        told.append(answer.extreme.lower > depth(flank))
+        assert not told[-1] or least > R
+    assert 5 <= sum(told) <= 19

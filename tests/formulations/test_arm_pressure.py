@@ -9,7 +9,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from synthesis.certify.quantities import pressure_angle
+from synthesis.certify.quantities import Sight, pressure_angle
 from synthesis.followers import OscillatingRoller
 from synthesis.followers.arm_pressure import FixedPivot, FreePivot, Hull
 from synthesis.formulations.farther import farther
@@ -45,7 +45,7 @@ def test_exceeded_exactly_where_the_judge_measures_more(sense: str) -> None:
     )
     for curve, z in both(sense, limit):
         size = z if len(z) == 1 else (ARM * float(np.arctan2(z[1], z[0])),)
-        alpha = np.abs(pressure_angle(follower, size, tuple(s)))
+        alpha = np.abs(pressure_angle(Sight(follower, size, tuple(s))))
         beyond = np.max(np.stack(curve.excess(s, z)), axis=0) > 0.0
         clear = np.abs(alpha - limit) > 1e-9
         np.testing.assert_array_equal(beyond[clear], (alpha > limit)[clear])

@@ -22,7 +22,7 @@ from synthesis.formulations.closing import (
 from synthesis.formulations.convex import formulate
 from synthesis.formulations.cuts import Region
 from synthesis.formulations.grid import Grid, over, uniform
-from synthesis.formulations.lair import unknown
+from synthesis.formulations.lair import Guess, unknown
 from synthesis.formulations.narrowing import narrowed
 from synthesis.formulations.nonlinear import improve
 from synthesis.formulations.problem import pose
@@ -228,6 +228,46 @@ def test_half_a_box_without_the_best_offset_has_no_better_cam(found):
     e, _ = found.best.size
     other = left if e > middle else right
     assert explored(quest, other).lower >= quest.target
+
+
+def test_a_box_is_not_split_across_the_size_in_which_a_cam_grows(found):
+    parts = {k: binding(found, s) for k, s in enumerate(found.problem.free)}
+    quest = asked(found, found.best)
+    lair = unknown(quest.problem, quest.steering, parts)
+    flat = replace(lair, sizes=((1.3, 2.9), (31.0, 58.0)))
+    left, right = halves(Box(flat, 0.0, ""))
+    assert left.lair.sizes == ((1.3, 2.1), (31.0, 58.0))
+    assert right.lair.sizes == ((2.1, 2.9), (31.0, 58.0))
+    given = replace(lair, sizes=((2.9, 2.9), (31.0, 58.0)))
+    left, right = halves(Box(given, 0.0, ""))
+    assert (left.lair.sizes[1], right.lair.sizes[1]) == ((31.0, 44.5), (44.5, 58.0))
+
+
+def test_rows_at_the_guess_alone_are_one_a_knot_and_hold_there(found):
+    parts = {k: binding(found, s) for k, s in enumerate(found.problem.free)}
+    quest = asked(found, found.best)
+    grids = tuple(
+        Grid(g.space, g.space.breaks) for g in (uniform(s, 45) for s in quest.problem.free)
+    )
+    plan = formulate(quest.keeping[1], grids)
+    open_ = unknown(quest.problem, quest.steering, parts)
+    lair, stuck = narrowed(plan, quest.steering, open_, range(len(grids)))
+    assert not stuck
+    guessed = replace(lair, guess=Guess(found.best.laws, found.best.size))
+    without, all_rows, sparing = (
+        lair.rows(plan),
+        guessed.rows(plan),
+        guessed.rows(plan, sparing=True),
+    )
+    assert len(sparing) == len(without) == len(all_rows) // 2
+    assert len(lair.rows(plan, sparing=True)) == len(without)
+    for block in sparing:
+        law = found.best.laws[block.stretch].curve()
+        said = sum(block.alpha[k] * law(block.x, k) for k in range(3))
+        said += block.size @ np.array(found.best.size) / plan.scales.size
+        assert np.all(
+            said <= block.rhs + 1e-3
+        )  # drawn in by less than that: the cam is a local best
 
 
 def test_hollow_flanks_that_a_cutter_must_fit():

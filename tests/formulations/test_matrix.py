@@ -17,8 +17,9 @@ def test_entries_of_one_place_add_up_and_columns_are_in_order() -> None:
     np.testing.assert_array_equal(matrix.toarray(), dense)
     np.testing.assert_array_equal(rhs, np.arange(5.0))
     assert matrix.has_canonical_format
-    apart = Writer(7, [], slice(0, 0), None, [])
-    apart._put(dense[:, 2:], 2)
-    apart._put(dense[:, :2], 0)
-    apart._close(np.arange(5.0))
-    np.testing.assert_array_equal(apart.finished()[0].toarray(), dense)
+    for scale in (1.0, -0.37):  # the same places again: where they stand is known by then
+        apart = Writer(7, [], slice(0, 0), None, [])
+        apart._put(scale * dense[:, 2:], 2)
+        apart._put(scale * dense[:, :2], 0)
+        apart._close(np.arange(5.0))
+        np.testing.assert_array_equal(apart.finished()[0].toarray(), scale * dense)

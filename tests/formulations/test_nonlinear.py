@@ -393,3 +393,27 @@ def test_a_function_without_a_value_is_a_failure():
 def test_the_solver_is_silent(capfd: pytest.CaptureFixture[str]):
     answer(SCENES["unequal angles"], 8)
     assert capfd.readouterr() == ("", "")
+
+
+def test_what_growing_mends_for_less_than_is_allowed_gets_no_run_of_its_own():
+    spec, growth, tighten = SCENES["both"], 2e-3, 1e-5
+    full, short = (answer(spec, tighten=tighten, growth=g) for g in (0.0, growth))
+    assert short.found.iterations < full.found.iterations
+    laws, size = short.plan.recover(short.found.x)
+    grown = grow(settle(short.plan.problem, laws, size, keep_hint=True))
+    assert grown is not None
+    assert short.prime < grown.value <= (1.0 + growth) * short.prime
+    assert np.max(excess(spec, short.plan, short.plan.point(laws, grown.size))) <= 1e-7
+    # and no more than asked for where that would not do
+    least = answer(spec, tighten=tighten, growth=1e-9)
+    assert least.found.iterations == full.found.iterations
+
+
+@pytest.mark.parametrize("name", ["symmetric", "hollow flank"])
+def test_a_cam_grows_no_farther_than_it_must(name: str):
+    spec = SCENES[name]
+    plan, start, _ = planned(spec)
+    laws, size = plan.recover(start)
+    assert np.max(excess(spec, plan, start)) <= 1e-9
+    smaller = (*size[:-1], 0.99 * size[-1])  # differences are taken inside the intervals alone
+    assert np.max(excess(spec, plan, plan.point(laws, smaller))) > 0.0

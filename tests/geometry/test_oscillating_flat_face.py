@@ -7,7 +7,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from synthesis.certify.quantities import QUANTITIES
+from synthesis.certify.quantities import QUANTITIES, Sight
 from synthesis.followers import OscillatingFlatFace
 from synthesis.motion import Motion
 from tests.certify.cams import backwards
@@ -267,7 +267,7 @@ def test_the_certificate_s_quantities_are_those_of_the_closed_forms(cam: FaceCam
     reach = cam.d * np.cos(cam.psi + s[0] / cam.reference)
     reach = reach / (1.0 + cam.sigma * s[1] / cam.reference)
     for name, told in (("face_radius", radius), ("contact", reach)):
-        found = QUANTITIES[name].formula(cam.follower, cam.size, tuple(s))
+        found = QUANTITIES[name].formula(Sight(cam.follower, cam.size, tuple(s)))
         np.testing.assert_allclose(found, told, rtol=1e-9, atol=1e-9 * cam.length, err_msg=name)
 
 

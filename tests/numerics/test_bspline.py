@@ -166,3 +166,23 @@ def test_sizes():
     space = SplineSpace(4, np.linspace(0.0, 1.0, 8))
     assert space.size == 7 + 4
     assert len(space.knots) == space.size + 4 + 1
+
+
+@given(splines())
+def test_steps_of_coefficients_stand_for_the_slope(case):
+    space, c = case
+    x, factors = space.slopes
+    slope = SplineSpace(space.degree - 1, space.breaks)
+    np.testing.assert_allclose(x, slope.greville, rtol=0, atol=1e-15)
+    np.testing.assert_allclose(space.steps @ c, c[:-1] - c[1:], rtol=0, atol=0)
+    scale = 1e-14 * steepness(space, 1) * np.abs(c).max()
+    np.testing.assert_allclose(factors * (space.control(1) @ c), space.steps @ c, atol=scale)
+
+
+@given(splines(), st.integers(1, 3))
+def test_prices_of_an_end_pay_for_its_coefficients(case, count: int):
+    space, c = case
+    gradient = c[:count]
+    prices = space.end_prices(gradient)
+    paid = prices @ space.boundary(1.0, count)[:, space.size - count :]
+    np.testing.assert_allclose(paid, -gradient, atol=1e-9 * np.abs(gradient).max())

@@ -67,3 +67,11 @@ def test_with_waves() -> None:
     x = np.linspace(0.0, 5.0, 2_000_001)
     dense = 0.4 * curve(x) - 1.1 * curve(x, 1)
     assert peak(curve, (0.4, -1.1))[0] == pytest.approx(float(dense.max()), abs=1e-9)
+
+
+def test_a_function_that_stands_still() -> None:
+    curve = Piecewise.of([0.3, 1.1, 2.0], [[7.3], [7.9]])
+    rows = [(-0.4, 3.0, 0.0, 1.0), (0.9, 0.0, 2.0, 0.0), (0.0, 1.0, 0.0, 0.0)]
+    wanted = [peak(curve, row)[0] for row in rows]
+    np.testing.assert_allclose(heights(curve, rows), wanted, rtol=1e-15)
+    np.testing.assert_allclose(wanted, [-0.4 * 7.3, 0.9 * 7.9, 0.0], rtol=1e-15)

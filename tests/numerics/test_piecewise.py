@@ -9,7 +9,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from synthesis.motion import Motion, Stretch
-from synthesis.numerics.piecewise import Piecewise, join
+from synthesis.numerics.piecewise import Piecewise, distinct, join
 from tests.forty_digits import PI, cos, sin
 
 number = st.floats(-3.0, 3.0).map(lambda v: v + 0.0173)
@@ -207,3 +207,9 @@ def test_all_derivatives_at_once_are_those_one_by_one() -> None:
         each = np.stack([curve.at(x, piece, order) for order in range(highest + 1)])
         size = np.max(np.abs(each), axis=1)[:, None]
         assert np.all(np.abs(curve.jet(x, piece, highest) - each) <= 4e-15 * size)
+
+
+@given(st.lists(st.integers(-9, 9), max_size=30))
+def test_distinct_values_in_order(values: list[int]) -> None:
+    table = np.array(values, dtype=float).reshape(-1, 1) / 7.0
+    np.testing.assert_array_equal(distinct(table), np.unique(table))

