@@ -44,7 +44,9 @@ class EndState:
 
     def or_else(self, other: EndState) -> EndState:
         """What is not asked here is taken from ``other``."""
-        v, a = self.known
+        v, a = self.velocity, self.acceleration
+        if other.velocity is other.acceleration is None or (v is not None and a is not None):
+            return self
         return EndState(other.velocity if v is None else v, other.acceleration if a is None else a)
 
 

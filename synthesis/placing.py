@@ -135,11 +135,11 @@ def _share(found: list[Stretch], before: int, after: int, pace: Pace) -> None:
             "one side only",
             other=before, theirs=pace.wire(right.at_start.velocity, 1),
         )  # fmt: skip
-    if left.free is not None:
-        found[before] = replace(left, at_end=left.at_end.or_else(right.at_start))
-    if right.free is not None:
-        right = found[after]
-        found[after] = replace(right, at_start=right.at_start.or_else(left.at_end))
+    at_end, at_start = left.at_end.or_else(right.at_start), right.at_start.or_else(left.at_end)
+    if left.free is not None and at_end is not left.at_end:
+        found[before] = replace(left, at_end=at_end)
+    if right.free is not None and at_start is not right.at_start:
+        found[after] = replace(found[after], at_start=at_start)
 
 
 def _take_over(

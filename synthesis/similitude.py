@@ -32,7 +32,7 @@ KINDS: Mapping[str, tuple[int, int]] = MappingProxyType({
 })  # fmt: skip
 """Powers of length and of time by the end of a field's name; those of mass have no say."""
 
-HOLDERS = (float, list, tuple, BaseModel)
+PLAIN = frozenset({str, int, bool, type(None)})  # fields with nothing to measure
 NEITHER = (0, 0)
 BITS = 36  # of 53, 1e-11 relative: roundings of a spec's numbers are a ten thousandth of that
 Change = Callable[[str, float], float]
@@ -161,9 +161,10 @@ def _each(value: Any, name: str, change: Change) -> Any:
         )
     if not isinstance(value, BaseModel):
         return value
-    update = {}
-    for field, old in value.__dict__.items():
-        if isinstance(old, HOLDERS):
+    update, known = {}, value.__dict__
+    for field in type(value).model_fields:  # and not what is kept of them
+        old = known[field]
+        if type(old) not in PLAIN:
             new = _each(old, _inherited(field, name), change)
             if new is not old:
                 update[field] = new

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from functools import cached_property
 from typing import Final
 
 import numpy as np
@@ -58,8 +59,12 @@ class Bounds:
         """By how much heights have to differ from these to count as others: (n,)."""
         lower, upper = self.lower[question], self.upper[question]
         size = np.minimum(np.abs(lower - height), np.abs(upper + height))
-        bound = np.maximum(_finite(np.abs(lower)), _finite(np.abs(upper)))
-        return np.asarray(share * _finite(size) + BLUR * bound)
+        return np.asarray(share * _finite(size) + self._blur[question])
+
+    @cached_property
+    def _blur(self) -> Array:
+        """What is not known of a height because it is one over a bound: (questions,)."""
+        return BLUR * np.maximum(_finite(np.abs(self.lower)), _finite(np.abs(self.upper)))
 
 
 def _finite(values: Array) -> Array:
