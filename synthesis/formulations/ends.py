@@ -156,7 +156,7 @@ def _ends(space: SplineSpace, start: Array, end: Array) -> Ends:
 
 def _fixed(space: SplineSpace, x: float, values: Array, where: slice) -> Array:
     """The coefficients at an end that its known derivatives settle; all equal at rest."""
-    if not np.any(values[1:]):
+    if not values[1:].any():
         return np.full(len(values), values[0])
     rows = space.boundary(x, len(values))[:, where]
     return np.asarray(np.linalg.solve(rows, values), dtype=float)

@@ -87,7 +87,8 @@ def _searched(state: Search, *, thorough: bool) -> None:
         enclose(state, thorough=thorough)
         return
     else:
-        first = int(np.clip(3.7 / sqrt(tolerance), COARSE, CURVED if problem.curved else FINE))
+        most = CURVED if problem.curved else FINE
+        first = int(min(max(3.7 / sqrt(tolerance), COARSE), most))
         state.grids = tuple(uniform(stretch, first) for stretch in problem.free)
         _climb(state)
         polish(state, _once)

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from functools import cached_property
 from typing import Literal
 
 import numpy as np
@@ -66,7 +65,7 @@ class Block:
     spans: Array | None = None
     exact: bool = False
 
-    @cached_property
+    @property
     def highest(self) -> int:
         """The highest derivative that ``alpha`` names; −1: none."""
         named = self.alpha.nonzero()[0]

@@ -101,11 +101,11 @@ def _grown(
     def excess(raised: float) -> float:
         return violation(problem, watched, follower.raised(size, raised)) + margin
 
-    high, keep = 0.0, [np.full(len(part.theta), False) for part in samples]
+    high, keep = 0.0, [np.zeros(1, dtype=bool)] * len(samples)
     for slack in WATCHED:
         at = follower.raised(size, high)
         value = [_worst(problem, part, at) for part in samples]
-        worst = max(float(np.max(v)) for v in value) + margin
+        worst = max(float(v.max()) for v in value) + margin
         if worst <= 0.0:
             return at, value
         # points that were slack so far may come to bind on a larger cam: watch them from now on

@@ -297,8 +297,8 @@ def enclose(
 
 def _stacked(models: Sequence[Taylor]) -> Taylor:
     """Models of several functions on the same boxes as one of (functions, n)."""
-    table = np.stack([part for model in models for part in model.parts])
-    return Taylor(*np.moveaxis(table.reshape(len(models), 5, -1), 1, 0))
+    table = np.concatenate([part for model in models for part in model.parts])
+    return Taylor(*table.reshape(len(models), 5, -1).swapaxes(0, 1))
 
 
 def _cleared(model: Taylor, points: Mask) -> Taylor:

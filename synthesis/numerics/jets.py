@@ -33,7 +33,7 @@ class Jets:
                 table[j, order] = ratio * curve.poly[:, j + order]
         self._table = np.stack([table, np.abs(table)], axis=1)
         self._horner_ulps = (4.0 * degree + 8.0) * UNIT
-        amplitude, frequency, self._phase = np.moveaxis(curve.waves, -1, 0)
+        amplitude, frequency, self._phase = curve.waves.transpose(2, 0, 1)
         self._frequency = frequency
         powers = np.arange(self.rows + 1)[:, None, None]
         self._amplitudes = amplitude * frequency**powers

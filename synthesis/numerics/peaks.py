@@ -81,7 +81,9 @@ def heights(curve: Piecewise, coefficients: Sequence[Sequence[float]]) -> Array:
     weights = np.zeros((len(coefficients), len(table)))
     given = np.array(coefficients)[:, : len(table)]
     weights[:, : given.shape[1]] = given
-    _, value = _candidates(curve, np.tensordot(weights, table, 1))
+    _, value = _candidates(
+        curve, (weights @ table.reshape(len(table), -1)).reshape(-1, *table.shape[1:])
+    )
     return np.asarray(value.max(axis=(0, 2)))
 
 
