@@ -26,6 +26,7 @@ from synthesis.design import (
 )  # fmt: skip
 from synthesis.formulations.candidate import inside
 from synthesis.formulations.problem import Held, Problem, pose
+from synthesis.formulations.rejoined import rejoined
 from synthesis.motion import Motion, Stretch
 from synthesis.numerics.bspline import SplineSpace
 from synthesis.numerics.piecewise import Array
@@ -44,7 +45,7 @@ class Cam:
     """A finished cam: every stretch settled, the splines of the free ones by index, the size."""
 
     stretches: tuple[Stretch, ...]
-    splines: dict[int, tuple[SplineSpace, Array]]
+    splines: Splines
     size: Vector
 
     @cached_property
@@ -65,18 +66,30 @@ class Bounded:
 def delivered(question: Question, posed: DesignSpec, found: Cam) -> Cam:
     """A cam that was found in its question's own units, in the wire's.
 
-    Laws are kept; program and dimensions that are given are as they were asked, to the last digit.
+    Laws are kept, but for what joins them to the last digits; program and dimensions that are given
+    are as they were asked.
 
     Args:
         question: what was asked. posed: what was solved, in its own units. found: its cam.
     """
     spec = question.told(posed)
-    stretches = tuple(
-        replace(stretch, law=own.law, free=own.free) if own.index in found.splines else stretch
+    open_still = [
+        replace(stretch, law=None if own.readings is None else own.law, free=own.free)
+        if own.index in found.splines
+        else stretch
         for stretch, own in zip(spec.stretches(), found.stretches, strict=True)
+    ]
+    splines = rejoined(open_still, found.splines)
+    stretches = tuple(
+        stretch
+        if stretch.law is not None or stretch.index not in splines
+        else stretch.with_law(own.law)
+        if own.law is not None and splines is found.splines
+        else stretch.with_law(splines[stretch.index][0].curve(splines[stretch.index][1]))
+        for stretch, own in zip(open_still, found.stretches, strict=True)
     )
     problem = pose(spec, spec.objectives()[0], (), stretches)
-    return Cam(stretches, found.splines, inside(problem, question.size(found.size)))
+    return Cam(stretches, splines, inside(problem, question.size(found.size)))
 
 
 def in_wire_units(

@@ -68,7 +68,7 @@ class ConeSolution:
     seconds: float
 
 
-def _closed(program: ConeProgram, x: Array) -> Array:
+def closed(program: ConeProgram, x: Array) -> Array:
     """The nearest point that keeps the equalities to rounding instead of to the tolerance.
 
     Joints of motion laws are among them, and a joint must not show in the finished cam.
@@ -130,7 +130,7 @@ def solve(program: ConeProgram, time_limit: float = math.inf) -> ConeSolution:
     clock.now()
     word = str(found.status)
     return ConeSolution(
-        _closed(program, np.asarray(found.x)),
+        closed(program, np.asarray(found.x)),
         np.asarray(found.z),
         STATUSES.get(word, Stopped.FAILED),
         word,

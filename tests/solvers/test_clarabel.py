@@ -44,7 +44,7 @@ def test_the_point_keeps_equalities_to_rounding(
 def test_the_nearest_such_point_is_taken(monkeypatch: pytest.MonkeyPatch, most_dense: int) -> None:
     asked, away = program(), np.cos(np.arange(UNKNOWNS))
     monkeypatch.setattr(clarabel, "MOST_DENSE", most_dense)
-    closed = clarabel._closed(asked, away)
+    closed = clarabel.closed(asked, away)
     assert np.max(np.abs(asked.matrix @ closed - asked.rhs)) < 1e-13
     # what was moved lies in the span of the rows alone
     rows = asked.matrix.toarray()

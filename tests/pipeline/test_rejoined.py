@@ -1,0 +1,45 @@
+"""Laws found on a question's rounded numbers meet on the numbers as asked, to the last digits."""
+
+from __future__ import annotations
+
+import pytest
+
+from synthesis import DesignSpec, synthesise
+from tests.hard.random_specs import random_spec
+from tests.hard.verifier import verify
+
+
+@pytest.mark.parametrize("number", [1423, 24])
+def test_high_derivatives_meet_at_joints_of_free_laws(number: int) -> None:
+    """Both have joints where a derivative is a thousand times lift/β^k: 1e-11 of it shows."""
+    body = random_spec(number)
+    design = synthesise(DesignSpec.model_validate(body))
+    joins = {each.limit: each for each in design.extremes if each.limit.endswith("_join")}
+    assert design.status in ("optimal", "feasible")
+    assert all(each.value <= 0.5 * each.bound for each in joins.values())
+    assert len(joins) >= 4
+    assert not verify(design.model_dump(mode="json")["spec"], design.model_dump(mode="json"))
+
+
+def test_a_law_meets_a_given_one_that_does_not_rest() -> None:
+    """A spline between a law that begins with an acceleration of its own, and a dwell."""
+    body = {
+        "speed_rpm": 71.3,
+        "program": [
+            {"kind": "rise", "angle_deg": 71.7, "lift_mm": 13.1, "law": {"kind": "spline"}},
+            {
+                "kind": "rise", "angle_deg": 57.1, "lift_mm": 17.9,
+                "law": {"kind": "constant_velocity"},
+            },
+            {"kind": "rise", "angle_deg": 61.3, "lift_mm": 11.7, "law": {"kind": "spline"}},
+            {"kind": "return", "angle_deg": 97.9, "lift_mm": 42.7},
+            {"kind": "dwell", "angle_deg": 72.0},
+        ],
+        "follower": {"kind": "translating_roller", "roller_radius_mm": 8.3},
+        "limits": [{"kind": "pressure_angle", "rise_deg": 37.0, "return_deg": 43.0}],
+        "tolerance": 0.05,
+    }  # fmt: skip
+    design = synthesise(DesignSpec.model_validate(body))
+    joins = {each.limit: each for each in design.extremes if each.limit.endswith("_join")}
+    assert design.status != "infeasible", design.conflict
+    assert all(each.value <= 0.5 * each.bound for each in joins.values())
