@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 from itertools import accumulate
@@ -26,10 +26,8 @@ from synthesis.design import (
 )  # fmt: skip
 from synthesis.formulations.candidate import inside
 from synthesis.formulations.problem import Held, Problem, pose
-from synthesis.formulations.rejoined import rejoined
+from synthesis.formulations.rejoined import Splines, rejoined
 from synthesis.motion import Motion, Stretch
-from synthesis.numerics.bspline import SplineSpace
-from synthesis.numerics.piecewise import Array
 from synthesis.objectives import Objective
 from synthesis.program import Segment
 from synthesis.similitude import Question
@@ -37,7 +35,6 @@ from synthesis.spec import DesignSpec
 from synthesis.units import Travel
 
 Vector = tuple[float, ...]
-Splines = Mapping[int, tuple[SplineSpace, Array]]
 
 
 @dataclass(frozen=True, eq=False)
@@ -79,17 +76,16 @@ def delivered(question: Question, posed: DesignSpec, found: Cam) -> Cam:
         else stretch
         for stretch, own in zip(spec.stretches(), found.stretches, strict=True)
     ]
-    splines = rejoined(open_still, found.splines)
+    joined = rejoined(open_still, found.splines)
+    laws = {index: space.curve(coefficients) for index, (space, coefficients) in joined.items()}
     stretches = tuple(
-        stretch
-        if stretch.law is not None or stretch.index not in splines
-        else stretch.with_law(own.law)
-        if own.law is not None and splines is found.splines
-        else stretch.with_law(splines[stretch.index][0].curve(splines[stretch.index][1]))
+        replace(stretch, law=laws.get(own.index, own.law))
+        if own.index in found.splines
+        else stretch
         for stretch, own in zip(open_still, found.stretches, strict=True)
     )
     problem = pose(spec, spec.objectives()[0], (), stretches)
-    return Cam(stretches, splines, inside(problem, question.size(found.size)))
+    return Cam(stretches, {**found.splines, **joined}, inside(problem, question.size(found.size)))
 
 
 def in_wire_units(

@@ -34,7 +34,6 @@ from synthesis.numerics.enclosure import Question
 from synthesis.units import DEGREE
 
 CROSSING: Final = "self_crossing"
-ROUND: Final = "curvature and 0 pairs of boxes: no position of the roller reaches in"
 WIDEST: Final = 0.05  # boxes of a knife edge's path [rad]
 
 
@@ -69,7 +68,7 @@ def crosses(
     return [
         _edge(course, flank, size)
         if flank.distance == 0.0
-        else _extreme(flank, 0.0, 0.0, 0.0, True, ROUND)
+        else _apart(flank, 0)
         if flank in clear
         else _roller(flank, approach(course, flank, size))
         for flank in machine.follower.flanks
@@ -99,11 +98,16 @@ def _trace(flank: Flank, size: Size) -> Trace:
     return lambda s: flank.trace.traced_point(s, size)
 
 
+def _apart(flank: Flank, pairs: int) -> Extreme:
+    """It is proven that the roller cuts into nothing."""
+    proof = f"curvature and {pairs} pairs of boxes: no position of the roller reaches in"
+    return _extreme(flank, 0.0, 0.0, 0.0, True, proof)
+
+
 def _roller(flank: Flank, found: Nearest) -> Extreme:
     """What the search found, as depth."""
     if found.holds_off(flank.distance):
-        proof = f"curvature and {found.pairs} pairs of boxes: no position of the roller reaches in"
-        return _extreme(flank, 0.0, 0.0, 0.0, True, proof)
+        return _apart(flank, found.pairs)
     if not math.isfinite(found.least):
         why = "the roller's path has no tangent there"
         return _extreme(flank, None, found.profile, 0.0, False, why)

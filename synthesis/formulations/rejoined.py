@@ -29,6 +29,8 @@ NOWHERE: Array = np.zeros(0)
 def rejoined(stretches: Sequence[Stretch], splines: Splines) -> Splines:
     """The splines of free laws with coefficients that meet their neighbours to rounding.
 
+    None where all of them lie between dwells: those meet as they are.
+
     Args:
         stretches: the turn in order; those without a law are free.
         splines: of every free law, by index of its stretch: space and coefficients as found.
@@ -36,7 +38,7 @@ def rejoined(stretches: Sequence[Stretch], splines: Splines) -> Splines:
     turning = [stretch for stretch in stretches if stretch.angle > 0.0]
     free = [stretch for stretch in turning if stretch.law is None]
     if all(_rests(turning, k) for k, stretch in enumerate(turning) if stretch.law is None):
-        return splines
+        return {}
     grids = [Grid(splines[stretch.index][0], NOWHERE) for stretch in free]
     settled, joints = meet(turning, grids)
     inner = [
@@ -53,10 +55,10 @@ def rejoined(stretches: Sequence[Stretch], splines: Splines) -> Splines:
         matrix, rhs = writer.finished()
         nothing = sparse.csc_matrix((len(x), len(x)))
         x = closed(ConeProgram(nothing, np.zeros(len(x)), matrix, rhs, writer.rows, 0, ()), x)
-    found = dict(splines)
-    for stretch, grid, known, own in zip(free, grids, settled, columns, strict=True):
-        found[stretch.index] = grid.space, known.expand(x[own])
-    return found
+    return {
+        stretch.index: (grid.space, known.expand(x[own]))
+        for stretch, grid, known, own in zip(free, grids, settled, columns, strict=True)
+    }
 
 
 def _rests(turning: Sequence[Stretch], k: int) -> bool:

@@ -9,9 +9,10 @@ from math import inf, isfinite
 from typing import TYPE_CHECKING, Any
 
 from synthesis import clock
-from synthesis.answer import Splines, segments
+from synthesis.answer import segments
 from synthesis.design import Certificate, Report, StageReport, engine_version
 from synthesis.errors import InputError
+from synthesis.formulations.rejoined import Splines
 from synthesis.formulations.tables import Tables, smooth_tables
 from synthesis.motion import Motion, Stretch
 from synthesis.spatial.cam import SpatialCam, settled
