@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -40,6 +40,27 @@ def spread(settled: Problem, size: Vector) -> list[Spots]:
         kept = _thinned(samples, values.shape).ravel()
         found += _distinct(limit, position, samples, samples.theta[kept], samples.s[:, kept])
     return found
+
+
+def near(settled: Problem, size: Vector, above: float) -> list[Spots]:
+    """Points all along the turn where a smooth limit exceeds a value, and peaks between these."""
+    found = []
+    for limit, position, samples, values in _traces(settled, size):
+        kept = (_thinned(samples, values.shape) & (values > above)).ravel()
+        theta, piece = _peaks(samples.theta.reshape(values.shape), values)
+        s = samples.stretch.placed().jet(theta, piece, 3)
+        high = _value(settled, limit, position, theta, s, size) > above
+        theta = np.concatenate([samples.theta[kept], theta[high]])
+        s = np.concatenate([samples.s[:, kept], s[:, high]], axis=1)
+        found += _distinct(limit, position, samples, theta, s)
+    return found
+
+
+def moved(spot: Spots, settled: Problem) -> Spots:
+    """The same points with the displacements of another motion."""
+    stretch = settled.stretches[spot.position]
+    curve, theta = stretch.placed(), stretch.start + spot.x * stretch.angle
+    return replace(spot, s=curve.jet(theta, curve.piece_of(theta), 3))
 
 
 def broken(settled: Problem, size: Vector, eased: int = 0, above: float = 0.0) -> list[Spots]:

@@ -1,0 +1,174 @@
+"""Local optima by cone programs alone: limits that are not convex, each time by their tangents.
+
+Round by round the smooth limits are replaced by their tangents at the last point. What the cone
+program finds there is grown until the limits themselves hold; a cam no smaller than the best is
+sought half-way back. Under a bounded jerk an optimum is a corner of its rows but for a few
+unknowns: there this is Newton's method and ends after three or four rounds, each on a matrix as
+sparse as the laws are many. (Sequential convex programming.)
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from math import inf
+
+import numpy as np
+
+from synthesis import clock
+from synthesis.formulations.cams.candidate import Candidate, grow, settle
+from synthesis.formulations.cams.spots import Spots, broken, moved, near
+from synthesis.formulations.cone.convex import Plan, with_rows
+from synthesis.formulations.cone.cuts import block
+from synthesis.formulations.cone.rows import Block, Drawn
+from synthesis.formulations.question.grid import Grid, SettledLaw
+from synthesis.formulations.question.problem import Problem
+from synthesis.numerics.piecewise import Array
+from synthesis.solvers.clarabel import solve
+from synthesis.solvers.statuses import USABLE
+from synthesis.terms import Cuts
+
+Vector = tuple[float, ...]
+ROUNDS = 14
+NEAR = -0.6  # limits slacker than this, relative, get no rows
+REACH = 0.4  # of the value: by how much a cam may shrink in the first round
+BACK = 0.25  # of that, once nothing smaller was found on the way
+LEAST_STEP, BOLD = 1.0 / 16.0, 0.5  # of the way; from the latter on tangents move all the way
+STEP = 1e-6  # of a natural unit, for differences
+SOURCE = "tangents"
+
+
+@dataclass(frozen=True, eq=False)
+class Approach:
+    """Where it ended.
+
+    Attributes:
+        cam: the best cam, None where there is none. settled: whether it is a local optimum.
+        rounds, rows, iterations: cone programs, rows of the last, and iterations of all of them.
+    """
+
+    cam: Candidate | None
+    settled: bool
+    rounds: int
+    rows: int
+    iterations: int
+
+
+def approach(plan: Plan, start: Candidate, deadline: float, close: float) -> Approach:
+    """Smaller and smaller cams that keep all limits, down to a local optimum.
+
+    Args:
+        plan: the relaxation; its objective is a norm of the size.
+        start: a cam, best one that keeps all limits.
+        deadline: ``time.monotonic()`` at which to stop.
+        close: how far above what the tangents allow a local optimum may lie, relative.
+    """
+    here = settle(plan.problem, *plan.recover(plan.point(start.laws, start.size)), keep_hint=True)
+    best, reach, rows, iterations = grow(here), REACH, 0, 0
+    here, peaks = best or here, list[Spots]()
+    for number in range(ROUNDS):
+        left = deadline - clock.now()
+        tangents = list(_tangents(plan, here, peaks)) if left > 0.0 else []
+        if not tangents or not all(np.isfinite(each.rhs).all() for each in tangents):
+            return Approach(best, False, number, rows, iterations)
+        full = with_rows(plan, [*tangents, _floor(plan, here, reach)])
+        found = solve(full.program, left)
+        rows, iterations = len(full.program.rhs), iterations + found.iterations
+        if found.stopped not in USABLE:
+            return Approach(best, False, number + 1, rows, iterations)
+        wanted = settle(plan.problem, *plan.recover(found.x), keep_hint=True)
+        taken, step = _smaller(plan, here, wanted, inf if best is None else best.value)
+        if taken is None:
+            if best is None or here is best:
+                return Approach(best, False, number + 1, rows, iterations)
+            here, reach = best, BACK * reach
+            continue
+        best = taken
+        free = wanted.size[-1] > here.size[-1] - 0.99 * reach * here.value
+        if step == 1.0 and free and best.value <= wanted.value * (1.0 + close):
+            return Approach(best, True, number + 1, rows, iterations)
+        # tangents are nearest to the truth at the size where the next optimum lies
+        peaks += broken(wanted.problem, wanted.size)
+        here = wanted if step >= BOLD else taken
+        reach *= 2.0 if step == 1.0 else step
+    return Approach(best, False, ROUNDS, rows, iterations)
+
+
+def _smaller(
+    plan: Plan, here: Candidate, wanted: Candidate, value: float
+) -> tuple[Candidate | None, float]:
+    """The wanted cam or one on the way there, grown, that is below a value; and its step."""
+    step, tried = 1.0, wanted
+    while step >= LEAST_STEP:
+        found = grow(tried)
+        if found is not None and found.value < value:
+            return found, step
+        step *= 0.5
+        tried = _between(plan, here, wanted, step)
+    return None, step
+
+
+def _between(plan: Plan, one: Candidate, other: Candidate, share: float) -> Candidate:
+    """What lies on the way from one cam to another of the same knots."""
+    laws = [
+        SettledLaw(b.space, a.coefficients + share * (b.coefficients - a.coefficients))
+        for a, b in zip(one.laws, other.laws, strict=True)
+    ]
+    size = tuple(a + share * (b - a) for a, b in zip(one.size, other.size, strict=True))
+    return settle(plan.problem, laws, size, keep_hint=True)
+
+
+def _floor(plan: Plan, here: Candidate, reach: float) -> Block:
+    """The cam shrinks by no more than a share of its value: tangents say nothing far away."""
+    growing = -np.eye(len(here.size))[-1]
+    least = (here.size[-1] - reach * here.value) / plan.scales.size
+    return Block("size", None, None, np.zeros(1), np.zeros(4), growing, 0.0, np.array([-least]), "")
+
+
+def _tangents(plan: Plan, here: Candidate, peaks: Sequence[Spots]) -> Iterator[Block]:
+    """Rows: what smooth limits ask for to first order, wherever they are near to binding."""
+    spots = near(here.problem, here.size, NEAR)
+    spots += [moved(peak, here.problem) for peak in peaks]
+    for spot in spots:
+        for value, motion, size in _slopes(here.problem, spot, here.size):
+            upper = np.sum(motion * spot.s, axis=0) + np.array(here.size) @ size - value
+            yield _block(plan, spot, Cuts(motion, size, upper))
+
+
+def _block(plan: Plan, spot: Spots, cuts: Cuts) -> Block:
+    """The rows at a spot's points; where the law is given they are about the size alone."""
+    stretch = plan.problem.stretches[spot.position]
+    if stretch.law is None:
+        position = plan.problem.free.index(stretch)
+        grid = Grid(plan.grids[position].space, spot.x)
+        return block(cuts, SOURCE, position, stretch, grid, plan.scales, Drawn())
+    size = cuts.size.T * plan.scales.size
+    scale = np.maximum(np.max(np.abs(size), axis=1), 1e-300)
+    room = cuts.upper - np.sum(cuts.coefficients * spot.s, axis=0)
+    return Block(
+        "size", None, None, np.zeros(len(room)), np.zeros(4), size / scale[:, None], 0.0,
+        room / scale, SOURCE,
+    )  # fmt: skip
+
+
+def _slopes(settled: Problem, spot: Spots, size: Vector) -> Iterator[tuple[Array, Array, Array]]:
+    """A limit's expressions at its spots: values (k,), slopes by motion (4, k) and size (n, k).
+
+    By central differences: a limit says itself once, in numbers as in symbols.
+    """
+    stretch, limit = settled.stretches[spot.position], settled.limits[spot.limit]
+    theta, step = stretch.start + stretch.angle * spot.x, STEP * settled.length
+
+    def said(s: Array, z: Vector) -> Array:
+        return np.stack(limit.smooth(stretch, settled.machine, theta, s, z))
+
+    motion, sizes = list[Array](), list[Array]()
+    for order in range(4):
+        by = step / stretch.angle**order * np.eye(4)[:, [order]]
+        motion.append((said(spot.s + by, size) - said(spot.s - by, size)) / (2.0 * by[order]))
+    for axis in range(len(size)):
+        more, less = (
+            tuple(v + sign * step * (k == axis) for k, v in enumerate(size)) for sign in (1.0, -1.0)
+        )
+        sizes.append((said(spot.s, more) - said(spot.s, less)) / (2.0 * step))
+    yield from zip(said(spot.s, size), np.stack(motion, 1), np.stack(sizes, 1), strict=True)
