@@ -9,8 +9,9 @@ sparse as the laws are many. (Sequential convex programming.)
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass, replace
+from itertools import pairwise
 from math import inf
 
 import numpy as np
@@ -29,11 +30,13 @@ from synthesis.solvers.statuses import USABLE
 from synthesis.terms import Cuts
 
 Vector = tuple[float, ...]
-ROUNDS = 14
+ROUNDS = 12
 NEAR = -0.6  # limits slacker than this, relative, get no rows
 REACH = 0.4  # of the value: by how much a cam may shrink in the first round
 BACK = 0.25  # of that, once nothing smaller was found on the way
 LEAST_STEP, BOLD = 1.0 / 16.0, 0.5  # of the way; from the latter on tangents move all the way
+KEPT = 1e-6  # relative: by how much a start may break rows
+DRAWN = 1e-6  # relative: by how much limits are drawn in at spots
 STEP = 1e-6  # of a natural unit, for differences
 SOURCE = "tangents"
 
@@ -54,30 +57,49 @@ class Approach:
     iterations: int
 
 
-def approach(plan: Plan, start: Candidate, deadline: float, close: float) -> Approach:
+@dataclass(frozen=True, eq=False)
+class Tangent:
+    """One expression of a limit at spots, to first order. ``number``: of the expression."""
+
+    spot: Spots
+    number: int
+    cuts: Cuts
+
+    @property
+    def finite(self) -> bool:
+        """Whether the limit has a value and slopes there."""
+        return bool(np.isfinite(self.cuts.upper).all())
+
+
+def approach(
+    plan: Plan, laws: Sequence[SettledLaw], size: Vector, deadline: float, close: float
+) -> Approach:
     """Smaller and smaller cams that keep all limits, down to a local optimum.
 
     Args:
         plan: the relaxation; its objective is a norm of the size.
-        start: a cam, best one that keeps all limits.
+        laws, size: where to begin [mm], best at a cam that keeps all limits.
         deadline: ``time.monotonic()`` at which to stop.
         close: how far above what the tangents allow a local optimum may lie, relative.
     """
-    here = settle(plan.problem, *plan.recover(plan.point(start.laws, start.size)), keep_hint=True)
-    best, reach, rows, iterations = grow(here), REACH, 0, 0
-    here, peaks = best or here, list[Spots]()
+    here = settle(plan.problem, *plan.recover(plan.point(laws, size)), keep_hint=True)
+    grown, peaks = grow(here), list[Spots]()
+    best = grown if grown is not None and _keeps(plan, grown) else None
+    here, reach, rows, iterations = grown or here, REACH, 0, 0
     for number in range(ROUNDS):
         left = deadline - clock.now()
-        tangents = list(_tangents(plan, here, peaks)) if left > 0.0 else []
-        if not tangents or not all(np.isfinite(each.rhs).all() for each in tangents):
+        tangents = list(_tangents(plan, here, peaks)) if left > 0.0 else None
+        if tangents is None or not all(each.finite for each in tangents):
             return Approach(best, False, number, rows, iterations)
-        full = with_rows(plan, [*tangents, _floor(plan, here, reach)])
+        blocks = [_block(plan, each.spot, each.cuts) for each in tangents]
+        full = with_rows(plan, [*blocks, _floor(plan, here, reach)])
         found = solve(full.program, left)
         rows, iterations = len(full.program.rhs), iterations + found.iterations
         if found.stopped not in USABLE:
             return Approach(best, False, number + 1, rows, iterations)
         wanted = settle(plan.problem, *plan.recover(found.x), keep_hint=True)
         taken, step = _smaller(plan, here, wanted, inf if best is None else best.value)
+        peaks += broken(wanted.problem, wanted.size)  # where tangents at spots said too little
         if taken is None:
             if best is None or here is best:
                 return Approach(best, False, number + 1, rows, iterations)
@@ -85,13 +107,24 @@ def approach(plan: Plan, start: Candidate, deadline: float, close: float) -> App
             continue
         best = taken
         free = wanted.size[-1] > here.size[-1] - 0.99 * reach * here.value
-        if step == 1.0 and free and best.value <= wanted.value * (1.0 + close):
+        least = wanted.value - max(_left(full, tangents, blocks, wanted, found.multipliers), 0.0)
+        if step == 1.0 and free and best.value <= least * (1.0 + close):
             return Approach(best, True, number + 1, rows, iterations)
         # tangents are nearest to the truth at the size where the next optimum lies
-        peaks += broken(wanted.problem, wanted.size)
         here = wanted if step >= BOLD else taken
         reach *= 2.0 if step == 1.0 else step
     return Approach(best, False, ROUNDS, rows, iterations)
+
+
+def _keeps(plan: Plan, cam: Candidate) -> bool:
+    """Whether a cam keeps the plan's rows and cones: a neighbour's may not."""
+    program = plan.program
+    slack = program.rhs - program.matrix @ plan.point(cam.laws, cam.size)
+    at = program.equalities + program.inequalities
+    ends = np.cumsum([at, *program.cones])
+    cones = [slack[a] - np.linalg.norm(slack[a + 1 : b]) for a, b in pairwise(ends)]
+    least = min(*cones, *slack[program.equalities : at], *-np.abs(slack[: program.equalities]))
+    return bool(least >= -KEPT)
 
 
 def _smaller(
@@ -125,23 +158,40 @@ def _floor(plan: Plan, here: Candidate, reach: float) -> Block:
     return Block("size", None, None, np.zeros(1), np.zeros(4), growing, 0.0, np.array([-least]), "")
 
 
-def _tangents(plan: Plan, here: Candidate, peaks: Sequence[Spots]) -> Iterator[Block]:
-    """Rows: what smooth limits ask for to first order, wherever they are near to binding."""
+def _tangents(plan: Plan, here: Candidate, peaks: Sequence[Spots]) -> Iterator[Tangent]:
+    """What smooth limits ask for to first order, wherever they are near to binding."""
     spots = near(here.problem, here.size, NEAR)
     spots += [moved(peak, here.problem) for peak in peaks]
     for spot in spots:
-        for value, motion, size in _slopes(here.problem, spot, here.size):
+        slopes = zip(*_slopes(here.problem, spot, here.size), strict=True)
+        for number, (value, motion, size) in enumerate(slopes):
             upper = np.sum(motion * spot.s, axis=0) + np.array(here.size) @ size - value
-            yield _block(plan, spot, Cuts(motion, size, upper))
+            yield Tangent(spot, number, Cuts(motion, size, upper - DRAWN))
 
 
-def _block(plan: Plan, spot: Spots, cuts: Cuts) -> Block:
+def _left(
+    full: Plan, tangents: Sequence[Tangent], blocks: Sequence[Block], wanted: Candidate, z: Array
+) -> float:
+    """What tangents at the wanted cam would let it shrink by, to first order: by multipliers."""
+    program, gain = full.program, 0.0
+    at = program.equalities + program.inequalities - 1 - sum(len(each.rhs) for each in blocks)
+    for tangent, own in zip(tangents, blocks, strict=True):
+        spot, cuts = moved(tangent.spot, wanted.problem), tangent.cuts
+        value = _said(wanted.problem, spot)(spot.s, wanted.size)[tangent.number]
+        told = np.sum(cuts.coefficients * spot.s, axis=0) + np.array(wanted.size) @ cuts.size
+        truly = _block(full, spot, replace(cuts, upper=told - value - DRAWN), bare=True)
+        gain += float(z[at : at + len(own.rhs)] @ (truly.rhs - own.rhs))
+        at += len(own.rhs)
+    return gain * full.scales.size
+
+
+def _block(plan: Plan, spot: Spots, cuts: Cuts, *, bare: bool = False) -> Block:
     """The rows at a spot's points; where the law is given they are about the size alone."""
     stretch = plan.problem.stretches[spot.position]
     if stretch.law is None:
         position = plan.problem.free.index(stretch)
         grid = Grid(plan.grids[position].space, spot.x)
-        return block(cuts, SOURCE, position, stretch, grid, plan.scales, Drawn())
+        return block(cuts, SOURCE, position, stretch, grid, plan.scales, Drawn(), bare=bare)
     size = cuts.size.T * plan.scales.size
     scale = np.maximum(np.max(np.abs(size), axis=1), 1e-300)
     room = cuts.upper - np.sum(cuts.coefficients * spot.s, axis=0)
@@ -151,24 +201,26 @@ def _block(plan: Plan, spot: Spots, cuts: Cuts) -> Block:
     )  # fmt: skip
 
 
-def _slopes(settled: Problem, spot: Spots, size: Vector) -> Iterator[tuple[Array, Array, Array]]:
-    """A limit's expressions at its spots: values (k,), slopes by motion (4, k) and size (n, k).
+def _said(settled: Problem, spot: Spots) -> Callable[[Array, Vector], Array]:
+    """A limit's expressions at its spots as a function of motion (4, k) and size: (rows, k)."""
+    stretch, limit = settled.stretches[spot.position], settled.limits[spot.limit]
+    theta = stretch.start + stretch.angle * spot.x
+    return lambda s, z: np.stack(limit.smooth(stretch, settled.machine, theta, s, z))
+
+
+def _slopes(settled: Problem, spot: Spots, size: Vector) -> tuple[Array, Array, Array]:
+    """A limit's expressions at its spots: values (rows, k), slopes (rows, 4, k), (rows, n, k).
 
     By central differences: a limit says itself once, in numbers as in symbols.
     """
-    stretch, limit = settled.stretches[spot.position], settled.limits[spot.limit]
-    theta, step = stretch.start + stretch.angle * spot.x, STEP * settled.length
-
-    def said(s: Array, z: Vector) -> Array:
-        return np.stack(limit.smooth(stretch, settled.machine, theta, s, z))
-
-    motion, sizes = list[Array](), list[Array]()
+    said, step = _said(settled, spot), STEP * settled.length
+    angle, motion, sizes = settled.stretches[spot.position].angle, list[Array](), list[Array]()
     for order in range(4):
-        by = step / stretch.angle**order * np.eye(4)[:, [order]]
+        by = step / angle**order * np.eye(4)[:, [order]]
         motion.append((said(spot.s + by, size) - said(spot.s - by, size)) / (2.0 * by[order]))
     for axis in range(len(size)):
         more, less = (
             tuple(v + sign * step * (k == axis) for k, v in enumerate(size)) for sign in (1.0, -1.0)
         )
         sizes.append((said(spot.s, more) - said(spot.s, less)) / (2.0 * step))
-    yield from zip(said(spot.s, size), np.stack(motion, 1), np.stack(sizes, 1), strict=True)
+    return said(spot.s, size), np.stack(motion, 1), np.stack(sizes, 1)
