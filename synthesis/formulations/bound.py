@@ -25,7 +25,7 @@ from synthesis.formulations.multiplied import further, said
 from synthesis.formulations.multipliers import ends_priced, heard
 from synthesis.formulations.prices import end_prices
 from synthesis.formulations.resounding import resound
-from synthesis.formulations.switching import Switching
+from synthesis.formulations.switching import Switching, areas
 from synthesis.formulations.tangents import tangents
 from synthesis.numerics.piecewise import Array
 from synthesis.solvers.clarabel import ConeSolution
@@ -139,7 +139,12 @@ def _minimum(
     psi: Sequence[Switching],
 ) -> float:
     """The least value of objective plus multiplied rows, after scaling λ to be dual feasible."""
-    capped = sum(p.least(c.cap, c.weight) for p, c in zip(psi, steering, strict=True))
+    if all(control.weight for control in steering):
+        area: list[float] = []
+        capped = sum(p.least(c.cap, c.weight) for p, c in zip(psi, steering, strict=True))
+    else:
+        area = areas(psi)
+        capped = -sum(c.cap * a for a, c in zip(area, steering, strict=True))
     paid: float = ledger.constant + capped - ROUNDING * (ledger.magnitude + abs(capped))
     paid -= _unknown_states(plan, solution, ledger, steering)
     blur = ROUNDING * ledger.spent + ledger.missed
@@ -170,8 +175,8 @@ def _minimum(
     if plan.energy is not None:
         return paid
     price = abs(ledger.level) * ROUNDING - ledger.level
-    for p, c, each in zip(psi, steering, blur, strict=True):
-        price += c.rate * (each - p.least(1.0, 0.0))
+    for a, c, each in zip(area, steering, blur, strict=True):
+        price += c.rate * (each + a)
     return paid / price if price > 0.0 else 0.0
 
 
