@@ -20,8 +20,8 @@ from synthesis.exporters import PROFILE_FORMATS
 from synthesis.exporters.drawing.picture_options import CamDrawingOptions
 from synthesis.pipeline import synthesise
 from synthesis.spec import DesignSpec
+from tests.formulations.cone.test_flat_face import LEAST, RADIUS, asked
 from tests.formulations.scenes import LIFT, jerk
-from tests.formulations.test_flat_face import LEAST, RADIUS, asked
 from tests.pipeline.test_flat_face import BETA, extreme
 
 TILT, OFFSET = 23.7, -8.3

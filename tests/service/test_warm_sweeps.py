@@ -133,8 +133,8 @@ def test_a_start_of_another_form_is_left_aside(warm: list[Design]) -> None:
 
 def test_given_laws_have_their_own_displacements_from_a_neighbour() -> None:
     """The return is given, and 5 % longer at the neighbour: its points are not ours."""
-    from synthesis.formulations.problem import pose
-    from synthesis.formulations.warm import here
+    from synthesis.formulations.nonconvex.warm import here
+    from synthesis.formulations.question.problem import pose
     from synthesis.laws import LAWS
     from synthesis.pipeline import synthesise_beside
 
