@@ -109,7 +109,8 @@ def _book_rows(plan: Plan, ledger: Ledger, z: Array) -> None:
     """All rows times their multipliers."""
     for one in said(plan, ledger.order, z):
         points, hats = one.masses(z[one.rows : one.rows + one.count])
-        ledger.book(one.points, points)
+        heard = points != 0.0
+        ledger.book(one.points(heard), points[heard])
         if hats is not None:
             heard = hats != 0.0
             ledger.book(one.hats(heard), hats[heard])

@@ -156,11 +156,12 @@ def areas(each: Sequence[Switching]) -> list[float]:
     cuts[1:-1] = np.sort(np.fmin(np.fmax(roots, 0.0), 1.0), axis=0)  # of none, an end
     cuts[-1] = 1.0
     low, high = cuts[:-1], cuts[1:]
-    sizes = np.abs(within(poly, low, high) @ _bernstein(degree)).sum(axis=2)
+    sizes = np.abs(within(poly, low, high) @ _bernstein(degree)).sum(axis=2) / degree
     width = np.concatenate([psi.breaks[1:] - psi.breaks[:-1] for psi in each])
-    shares = ((high - low) * sizes).sum(axis=0) * (width / degree)
+    shares = ((high - low) * sizes).sum(axis=0) * width
     ends = list(accumulate((len(psi.poly) for psi in each), initial=0))
-    return np.add.reduceat(shares, ends[:-1]).tolist()
+    found: list[float] = np.add.reduceat(shares, ends[:-1]).tolist()
+    return found
 
 
 def _widened(poly: Array, degree: int) -> Array:
@@ -228,8 +229,9 @@ def switching(points: Array, weights: Array, order: int) -> Switching:
     """
     sorting = np.argsort(points, kind="stable")
     x, w = points[sorting], weights[sorting]
-    breaks = np.concatenate([[0.0], x[(x > 0.0) & (x < 1.0)], [1.0]])
-    breaks = breaks[np.concatenate([[True], breaks[1:] != breaks[:-1]])]  # they are in order
+    breaks = np.zeros(len(x) + 2)
+    breaks[1:-1], breaks[-1] = x, 1.0
+    breaks = breaks[np.append(True, breaks[1:] != breaks[:-1])]  # they are in order
     # Σ w (x − τ)^n/n! of all rows with x ≥ breaks[i+1], in powers of τ and then about breaks[i]
     w2, w1, w0 = w[:, -1], w[:, -2], w[:, -3] if order > 2 else np.zeros(len(x))
     table = np.zeros((3, len(x) + 1))
