@@ -143,15 +143,18 @@ class Piecewise:
 
         The values of ``at`` but for roundings, in half of the time.
         """
+        value = np.zeros((highest + 1, len(x)))
+        if self.still:
+            value[0] = self.poly[piece, 0]
+            return value
         t = x - self.origins[piece]
         first, *others = self._falling[:, piece]
         rows = [first]  # f^(k) / k! of what Horner's scheme has come to, for all k at once
         for coefficient in others:
             pairs = zip(rows, (coefficient, *rows), strict=False)
             rows = [*(row * t + below for row, below in pairs), rows[-1]][: highest + 1]
-        value = np.zeros((highest + 1, len(t)))
-        value[: len(rows)] = rows
-        value *= np.array([factorial(order) for order in range(highest + 1)])[:, None]
+        for order, row in enumerate(rows):
+            np.multiply(row, float(factorial(order)), out=value[order])
         if self.waves.shape[1]:
             amplitude, frequency, phase = np.moveaxis(self.waves[piece], -1, 0)
             angle = frequency * t[:, None] + phase
