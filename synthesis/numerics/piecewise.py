@@ -86,14 +86,6 @@ class Piecewise:
             tables.append(last[:, 1:] * np.arange(1, last.shape[1]))
         return tables
 
-    @cached_property
-    def table(self) -> Array:
-        """Polynomials of f and its derivatives until they vanish, as wide as f's: (d+1, n, d+1)."""
-        found = np.zeros((len(self._powers), *self.poly.shape))
-        for order, table in enumerate(self._powers):
-            found[order, :, : table.shape[1]] = table
-        return found
-
     def piece_of(self, x: Array, side: Side = "right") -> NDArray[np.intp]:
         """Index of the piece that holds each x; at a break the piece on the given side."""
         found = np.searchsorted(self.breaks, x, side=side) - 1
