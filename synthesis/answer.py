@@ -70,20 +70,13 @@ def delivered(question: Question, posed: DesignSpec, found: Cam) -> Cam:
         question: what was asked. posed: what was solved, in its own units. found: its cam.
     """
     spec = question.told(posed)
-    open_still = [
-        replace(stretch, law=None if own.readings is None else own.law, free=own.free)
-        if own.index in found.splines
-        else stretch
+    settled = tuple(
+        replace(stretch, law=own.law, free=own.free) if own.index in found.splines else stretch
         for stretch, own in zip(spec.stretches(), found.stretches, strict=True)
-    ]
-    joined = rejoined(open_still, found.splines)
-    laws = {index: space.curve(coefficients) for index, (space, coefficients) in joined.items()}
-    stretches = tuple(
-        replace(stretch, law=laws.get(own.index, own.law))
-        if own.index in found.splines
-        else stretch
-        for stretch, own in zip(open_still, found.stretches, strict=True)
     )
+    joined = rejoined(settled, found.splines)
+    laws = {index: space.curve(coefficients) for index, (space, coefficients) in joined.items()}
+    stretches = tuple(s.with_law(laws[s.index]) if s.index in laws else s for s in settled)
     problem = pose(spec, spec.objectives()[0], (), stretches)
     return Cam(stretches, {**found.splines, **joined}, inside(problem, question.size(found.size)))
 

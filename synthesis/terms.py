@@ -102,7 +102,9 @@ class Cone:
 
     def short(self, z: Vector) -> float:
         """How far the last size variable has to grow from z until the norm is ``least`` [mm]."""
-        return self._growth(z, self.least) if self.norm.value(z) < self.least else 0.0
+        if self.least == 0.0 or self.norm.value(z) >= self.least:
+            return 0.0
+        return self._growth(z, self.least)
 
     def _growth(self, z: Vector, radius: float) -> float:
         """How far the last size variable grows until the norm is ``radius``; 0 from outside."""
