@@ -200,6 +200,7 @@ def segments(
 ) -> list[SegmentMotion]:
     """The motion as it is told: by segment of the program, the splines of those that have one."""
     starts = accumulate((segment.degrees for segment in program), initial=0.0)
+    s_start, s_end, unit = (f"{name}_{travel.unit}" for name in ("s_start", "s_end", "unit"))
     found = []
     for stretch, segment, start_deg in zip(stretches, program, starts, strict=False):
         spline = None
@@ -209,9 +210,7 @@ def segments(
                 degree=space.degree,
                 knots=space.breaks.tolist(),
                 coefficients=coefficients.tolist(),
-                **{f"unit_{travel.unit}": stretch.unit / travel.per_unit}
-                if stretch.readings is not None
-                else {},
+                **{} if stretch.readings is None else {unit: stretch.unit / travel.per_unit},
             )
         found.append(
             SegmentMotion(
@@ -221,8 +220,8 @@ def segments(
                 law=segment.law_name,
                 spline=spline,
                 **{
-                    f"s_start_{travel.unit}": stretch.s_start / travel.per_unit,
-                    f"s_end_{travel.unit}": stretch.s_end / travel.per_unit,
+                    s_start: stretch.s_start / travel.per_unit,
+                    s_end: stretch.s_end / travel.per_unit,
                 },
             )
         )

@@ -81,10 +81,9 @@ class Question:
     def of(cls, asked: DesignSpec) -> Self:
         """A question as it is asked."""
         units = Units.of(asked)
-        unit_of = cache(units.of_field)
 
         def measured(name: str, value: float) -> float:
-            return float(rounded(value / unit_of(name), BITS))
+            return float(rounded(value / units.of_field(name), BITS))
 
         return cls(asked, _each(_spelled(asked), "", measured), units)
 

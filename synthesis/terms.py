@@ -11,6 +11,7 @@ import math
 from abc import ABC, abstractmethod
 from collections.abc import Sequence
 from dataclasses import dataclass
+from operator import mul
 from typing import Any, ClassVar
 
 from synthesis.numerics.piecewise import Array
@@ -71,11 +72,8 @@ class Norm:
 
     def value(self, z: Vector) -> float:
         """The norm at given size variables [mm]."""
-        image = (
-            sum(a * v for a, v in zip(row, z, strict=True)) + m
-            for row, m in zip(self.matrix, self.shift, strict=True)
-        )
-        return math.hypot(*image)
+        rows = zip(self.matrix, self.shift, strict=True)
+        return math.hypot(*(sum(map(mul, row, z)) + m for row, m in rows))
 
     def floor(self, bounds: Sequence[tuple[float, float]]) -> float:
         """A lower bound of the norm where every size variable lies between two ends [mm]."""
