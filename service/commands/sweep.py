@@ -22,8 +22,8 @@ from rich.progress import (
 from service.client import Client, Refused
 from service.client.download import Told
 from service.commands.asking import STAYS, Url, checked, refusals
+from service.commands.terminal import err, out, read_spec, save, stop
 from service.settings import settings_from
-from service.terminal import err, out, read_spec, save, stop
 from synthesis.sweeps import SweepSpec
 
 FILES = ("items.csv", "items.parquet")
@@ -73,8 +73,8 @@ def own_service(folder: Path) -> Iterator[str]:
     import uvicorn
 
     from service.app import create_app
-    from service.observe import configure_logs
     from service.run import bound, web
+    from service.wire.observe import configure_logs
 
     configure_logs("error")
     store = f"sqlite:///{folder.resolve() / STORE}"

@@ -16,7 +16,7 @@ ROOT = Path(__file__).resolve().parents[2]
 SERVE = """
 import sys
 from service.app import create_app
-from service.observe import configure_logs
+from service.wire.observe import configure_logs
 from service.run import bound, web
 from service.settings import Settings
 from tests.service.conftest import _fake_engine
