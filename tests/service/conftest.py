@@ -15,8 +15,9 @@ import uvicorn
 
 from service.app import create_app
 from service.engine import Engine, running_engine
+from service.listening import bound
 from service.observe import configure_logs
-from service.run import bound, web
+from service.run import web
 from service.settings import Settings
 from tests.service import fake_core
 from tests.service.browsing import browser, closed
