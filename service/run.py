@@ -16,11 +16,11 @@ from fastapi import FastAPI
 from sqlalchemy.exc import SQLAlchemyError
 
 from service.app import create_app
-from service.examples import SELF_CHECK, examples
-from service.observe import configure_logs
+from service.contract.examples import SELF_CHECK, examples
 from service.settings import Settings
 from service.state import State
-from service.store import Store
+from service.storage.store import Store
+from service.wire.observe import configure_logs
 from synthesis.spec import DesignSpec
 
 ENDS_S = 3  # that answers under way get to end in when the service is told to stop

@@ -24,9 +24,9 @@ from synthesis.design import (
     design_id,
     engine_version,
 )  # fmt: skip
-from synthesis.formulations.candidate import inside
-from synthesis.formulations.problem import Held, Problem, pose
-from synthesis.formulations.rejoined import Splines, rejoined
+from synthesis.formulations.cams.candidate import inside
+from synthesis.formulations.cams.rejoined import Splines, rejoined
+from synthesis.formulations.question.problem import Held, Problem, pose
 from synthesis.motion import Motion, Stretch
 from synthesis.objectives import Objective
 from synthesis.program import Segment

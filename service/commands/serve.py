@@ -7,9 +7,9 @@ from typing import Annotated, Any
 
 import typer
 
-from service import forks
 from service.listening import bound
 from service.settings import settings_from
+from service.workers import forks
 
 
 def serve(

@@ -19,13 +19,13 @@ from rich.progress import (
     TimeRemainingColumn,
 )
 
-from service import forks
 from service.client import Client, Refused
 from service.client.download import Told
 from service.commands.asking import STAYS, Url, checked, refusals
+from service.commands.terminal import err, out, read_spec, save, stop
 from service.listening import bound
 from service.settings import settings_from
-from service.terminal import err, out, read_spec, save, stop
+from service.workers import forks
 from synthesis.sweeps import SweepSpec
 
 FILES = ("items.csv", "items.parquet")
@@ -79,8 +79,8 @@ def own_service(folder: Path) -> Iterator[str]:
     import uvicorn
 
     from service.app import create_app
-    from service.observe import configure_logs
     from service.run import web
+    from service.wire.observe import configure_logs
 
     configure_logs("error")
     app, listening = create_app(settings), bound(settings)

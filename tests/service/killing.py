@@ -17,12 +17,12 @@ from benchmarks import processes
 ROOT = Path(__file__).resolve().parents[2]
 SERVE = """
 if __name__ == "__main__":
-    from service import forks
+    from service.workers import forks
     from service.settings import Settings
     if Settings().scheduler is None:
         forks.prepare()
     from service.app import create_app
-    from service.observe import configure_logs
+    from service.wire.observe import configure_logs
     from service.listening import bound
     from service.run import web
     from tests.service.conftest import _fake_engine
