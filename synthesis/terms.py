@@ -11,6 +11,7 @@ import math
 from abc import ABC, abstractmethod
 from collections.abc import Sequence
 from dataclasses import dataclass
+from operator import mul
 from typing import Any, ClassVar
 
 from synthesis.numerics.piecewise import Array
@@ -71,11 +72,8 @@ class Norm:
 
     def value(self, z: Vector) -> float:
         """The norm at given size variables [mm]."""
-        image = (
-            sum(a * v for a, v in zip(row, z, strict=True)) + m
-            for row, m in zip(self.matrix, self.shift, strict=True)
-        )
-        return math.hypot(*image)
+        rows = zip(self.matrix, self.shift, strict=True)
+        return math.hypot(*(sum(map(mul, row, z)) + m for row, m in rows))
 
     def floor(self, bounds: Sequence[tuple[float, float]]) -> float:
         """A lower bound of the norm where every size variable lies between two ends [mm]."""
@@ -102,7 +100,9 @@ class Cone:
 
     def short(self, z: Vector) -> float:
         """How far the last size variable has to grow from z until the norm is ``least`` [mm]."""
-        return self._growth(z, self.least) if self.norm.value(z) < self.least else 0.0
+        if self.least == 0.0 or self.norm.value(z) >= self.least:
+            return 0.0
+        return self._growth(z, self.least)
 
     def _growth(self, z: Vector, radius: float) -> float:
         """How far the last size variable grows until the norm is ``radius``; 0 from outside."""
