@@ -318,7 +318,8 @@ def _solved(
             break
         best = tried.best
         attempt.bounds.append(Bounded(objective, tried.lower, tried.over))
-        held = (*held, Held(objective, tried.keepable(spec.tolerance)))
+        if rank < len(objectives):
+            held = (*held, Held(objective, tried.keepable(spec.tolerance)))
     if best is None:
         best = given_size(attempt.searches[0].problem)
         if best is not None:  # the only cam there is: its values are their own bounds

@@ -13,7 +13,7 @@ from hypothesis import strategies as st
 from pydantic import ValidationError
 from scipy.optimize import differential_evolution, linprog, minimize_scalar
 
-from service.examples import examples
+from service.contract.examples import examples
 from synthesis.analysis import analyse
 from synthesis.design import Design
 from synthesis.exporters import PROFILE_FORMATS

@@ -22,7 +22,7 @@ from synthesis.formulations.bounds.multiplied import further, said
 from synthesis.formulations.bounds.multipliers import ends_priced, heard
 from synthesis.formulations.bounds.prices import end_prices
 from synthesis.formulations.bounds.resounding import resound
-from synthesis.formulations.bounds.switching import Switching
+from synthesis.formulations.bounds.switching import Switching, areas
 from synthesis.formulations.bounds.tangents import tangents
 from synthesis.formulations.cams.closed_form import inverted
 from synthesis.formulations.cone.control import Control, controls
@@ -109,7 +109,8 @@ def _book_rows(plan: Plan, ledger: Ledger, z: Array) -> None:
     """All rows times their multipliers."""
     for one in said(plan, ledger.order, z):
         points, hats = one.masses(z[one.rows : one.rows + one.count])
-        ledger.book(one.points, points)
+        heard = points != 0.0
+        ledger.book(one.points(heard), points[heard])
         if hats is not None:
             heard = hats != 0.0
             ledger.book(one.hats(heard), hats[heard])
@@ -139,7 +140,12 @@ def _minimum(
     psi: Sequence[Switching],
 ) -> float:
     """The least value of objective plus multiplied rows, after scaling λ to be dual feasible."""
-    capped = sum(p.least(c.cap, c.weight) for p, c in zip(psi, steering, strict=True))
+    if all(control.weight for control in steering):
+        area: list[float] = []
+        capped = sum(p.least(c.cap, c.weight) for p, c in zip(psi, steering, strict=True))
+    else:
+        area = areas(psi)
+        capped = -sum(c.cap * a for a, c in zip(area, steering, strict=True))
     paid: float = ledger.constant + capped - ROUNDING * (ledger.magnitude + abs(capped))
     paid -= _unknown_states(plan, solution, ledger, steering)
     blur = ROUNDING * ledger.spent + ledger.missed
@@ -170,8 +176,8 @@ def _minimum(
     if plan.energy is not None:
         return paid
     price = abs(ledger.level) * ROUNDING - ledger.level
-    for p, c, each in zip(psi, steering, blur, strict=True):
-        price += c.rate * (each - p.least(1.0, 0.0))
+    for a, c, each in zip(area, steering, blur, strict=True):
+        price += c.rate * (each + a)
     return paid / price if price > 0.0 else 0.0
 
 

@@ -82,14 +82,16 @@ class Ledger:
 
     def book(self, rows: Multiplied, mass: Array) -> None:
         """Rows times their multipliers (n,)."""
-        heard = mass != 0.0
-        if not np.any(heard):
+        if np.count_nonzero(mass) < len(mass):
+            heard = mass != 0.0
+            rows, mass = rows.chosen(heard), mass[heard]
+        if not len(mass):
             return
-        rows, mass = rows.chosen(heard), mass[heard]
         self.add(-float(mass @ rows.rhs))
         self.size += mass @ rows.size
         self.sized += np.abs(mass) @ np.abs(rows.size)
-        self.level += rows.level * float(np.sum(mass))
+        if rows.level:
+            self.level += rows.level * float(np.sum(mass))
         if rows.position is None:
             return
         self.act(rows.position, rows.x, mass[:, None] * rows.weights)
@@ -175,7 +177,7 @@ def _powers(x: Array, count: int) -> Array:
     """x^n/n! for n < count: (count, n)."""
     found = np.ones((count, len(x)))
     for n in range(1, count):
-        found[n] = found[n - 1] * (x / n)
+        np.multiply(found[n - 1], x / n, out=found[n])
     return found
 
 

@@ -19,6 +19,9 @@ from synthesis.formulations.cone.convex import Plan
 from synthesis.formulations.cone.rows import Block
 from synthesis.numerics.piecewise import Array
 
+Which = NDArray[Any] | slice
+EVERY = slice(None)
+
 
 @dataclass(frozen=True, eq=False)
 class Multiplied:
@@ -73,12 +76,17 @@ class Said:
     """What a block says of arbitrary laws: at its points, and by densities between them.
 
     Attributes:
-        rows: number of its first row in the program. alike: whether its rows read the same
-            everywhere, so that densities between neighbouring points are multipliers as well.
+        rows: number of its first row in the program. sizes: number of size variables.
+        order: m, the derivative that steers.
+        alike: whether its rows read the same everywhere, so that densities between neighbouring
+            points are multipliers as well.
+        jumps: whether a point multiplier makes ψ jump. windowed: whether it is about a part.
     """
 
+    plan: Plan
+    block: Block
     rows: int
-    points: Multiplied
+    order: int
     alike: bool
     jumps: bool
     windowed: bool
@@ -86,15 +94,30 @@ class Said:
     @property
     def count(self) -> int:
         """Number of rows."""
-        return len(self.points.rhs)
+        return len(self.block.rhs)
+
+    def points(self, which: Which = EVERY) -> Multiplied:
+        """All of its rows, or some: a mask or numbers."""
+        block, order, rhs = self.block, self.order, self.block.rhs[which]
+        sizes = np.zeros((len(rhs), len(self.plan.problem.sizing.bounds)))
+        if len(block.size):
+            sizes[:] = _of(block.size, which)
+        if block.kind == "monotone":
+            x, weights = in_order(self.plan, block, order, which)
+            return Multiplied(block.stretch, x, weights, rhs, sizes)
+        if block.highest == order:
+            return _steered(block, order, sizes, which)
+        weights = np.empty((len(rhs), order))
+        weights[:] = _of(block.alpha.T, which)[..., :order]
+        x = block.x[which]
+        return Multiplied(block.stretch, x, weights, rhs, sizes, block.level, block.exact)
 
     def hats(self, which: NDArray[np.bool_]) -> Multiplied:
         """Some of the densities: of falling ones between neighbours, then of rising ones."""
-        points = self.points
         interval = np.flatnonzero(which) % (self.count - 1)
         rising = np.flatnonzero(which) >= self.count - 1
-        of = points.chosen(interval)
-        hats = Hats(of.x, points.x[interval + 1], rising, of.weights)
+        of = self.points(interval)
+        hats = Hats(of.x, self.block.x[interval + 1], rising, of.weights)
         spans = np.stack([hats.left, hats.right], axis=1)
         return replace(of, weights=hats.weights, spans=spans, poly=hats.poly)
 
@@ -110,7 +133,12 @@ class Said:
         kept = np.zeros_like(z)
         if self.windowed:
             kept[[0, -1]] = z[[0, -1]]
-        return kept, np.concatenate(shared(self.points.x, z - kept))
+        return kept, np.concatenate(shared(self.block.x, z - kept))
+
+
+def _of(each: Array, which: Which) -> Array:
+    """What is said of some rows, where something is said row by row; else what is said of all."""
+    return each if each.ndim == 1 else each[which]
 
 
 def said(plan: Plan, order: int, z: Array | None = None) -> Iterator[Said]:
@@ -122,49 +150,41 @@ def said(plan: Plan, order: int, z: Array | None = None) -> Iterator[Said]:
 
 
 def _said(plan: Plan, block: Block, at: int, order: int) -> Said | None:
-    shape = len(block.rhs), len(plan.problem.sizing.bounds)
-    size = np.zeros(shape)
-    if len(block.size):
-        size[:] = block.size
     if block.kind == "monotone":
-        x, weights = in_order(plan, block, order)
-        points = Multiplied(block.stretch, x, weights, block.rhs, size)
-        return Said(at, points, alike=False, jumps=False, windowed=False)
+        return Said(plan, block, at, order, alike=False, jumps=False, windowed=False)
     windowed = block.spans is not None
-    if windowed and block.highest <= order:
-        if block.highest == order:
-            points = _steered(block, order, size)
-            return Said(at, points, alike=False, jumps=False, windowed=True)
-    elif block.kind == "control" or block.highest >= order or block.exact:
+    if windowed and block.highest == order:
+        return Said(plan, block, at, order, alike=False, jumps=False, windowed=True)
+    if not (windowed and block.highest < order) and (
+        block.kind == "control" or block.highest >= order or block.exact
+    ):
         return None  # says nothing more of arbitrary laws, or is the steering itself
-    weights = np.empty((shape[0], order))
-    weights[:] = block.alpha[:order].T
-    points = Multiplied(block.stretch, block.x, weights, block.rhs, size, block.level, block.exact)
     alike = block.stretch is not None and block.alpha.ndim == 1 and block.size.ndim == 1
     jumps = block.highest == order - 1
-    return Said(at, points, alike and shape[0] > 1, jumps, windowed)
+    return Said(plan, block, at, order, alike and len(block.rhs) > 1, jumps, windowed)
 
 
-def in_order(plan: Plan, block: Block, order: int) -> tuple[Array, Array]:
-    """Where coefficients in order stand for −g' ≤ 0, and with what weights: (r,), (r, m)."""
+def in_order(plan: Plan, block: Block, order: int, which: Which = EVERY) -> tuple[Array, Array]:
+    """Where coefficients in order stand for −g' ≤ 0, with what weights: (r,), (r, m)."""
     assert block.stretch is not None
     first = len(plan.settled[block.stretch].first) - 1
     x, factors = plan.grids[block.stretch].space.slopes
     here = slice(first, first + len(block.rhs))
-    weights = np.zeros((len(block.rhs), order))
-    weights[:, 1] = factors[here]
-    return x[here], weights
+    x, factors = x[here][which], factors[here][which]
+    weights = np.zeros((len(x), order))
+    weights[:, 1] = factors
+    return x, weights
 
 
-def _steered(block: Block, order: int, size: Array) -> Multiplied:
+def _steered(block: Block, order: int, size: Array, which: Which) -> Multiplied:
     """Rows of the steering derivative itself on a part of a law: they add to ψ all along it."""
     assert block.spans is not None
-    count = len(block.rhs)
-    poly = np.zeros((count, DEGREE + 1))
-    poly[:, 0] = block.alpha[order] / np.ptp(block.spans, axis=1)
+    spans = block.spans[which]
+    poly = np.zeros((len(spans), DEGREE + 1))
+    poly[:, 0] = block.alpha[order] / np.ptp(spans, axis=1)
+    nothing = np.zeros(len(spans)), np.zeros((len(spans), order))
     return Multiplied(
-        block.stretch, np.zeros(count), np.zeros((count, order)), block.rhs, size, block.level,
-        block.exact, block.spans, poly,
+        block.stretch, *nothing, block.rhs[which], size, block.level, block.exact, spans, poly,
     )  # fmt: skip
 
 

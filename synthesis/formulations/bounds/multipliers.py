@@ -51,18 +51,19 @@ def ends_priced(plan: Plan, solution: ConeSolution, z: Array, order: int) -> lis
 def _gradients(plan: Plan, solution: ConeSolution, z: Array) -> list[Array]:
     """What rows and objective ask of every law's last coefficients, joints apart."""
     found = [np.zeros(len(known.end)) for known in plan.settled]
+    last = [_last(plan, position) for position in range(len(found))]
     for at, block in plan.heard_blocks(z):
         if block.laws is not None and block.stretch is not None:
             own = z[at : at + len(block.rhs)]
-            found[block.stretch] += own @ block.laws[:, _last(plan, block.stretch)]
+            found[block.stretch] += own @ block.laws[:, last[block.stretch]]
     for ring, y in plan.ring_multipliers(z):
         for share, rows in zip(ring.shares, ring.rows, strict=True):
-            found[share.position] += y @ rows[:, _last(plan, share.position)]
+            found[share.position] += y @ rows[:, last[share.position]]
     if plan.energy is not None:
         laws, _ = plan.recover(solution.x)
         for k, (factor, law) in enumerate(zip(plan.energy.factors, laws, strict=True)):
             root = factor @ law.coefficients
-            found[k] += 2.0 / plan.energy.unit * root @ factor[:, _last(plan, k)]
+            found[k] += 2.0 / plan.energy.unit * root @ factor[:, last[k]]
     return found
 
 

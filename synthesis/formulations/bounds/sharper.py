@@ -96,8 +96,8 @@ class _Task:
         groups = []
         for one in said(plan, order):
             near = slack[one.rows : one.rows + one.count] <= BINDING
-            near |= one.points.signed
-            groups.append(one.points.chosen(near))
+            near |= one.block.exact
+            groups.append(one.points(near))
             if one.alike:
                 groups.append(one.hats(np.tile(near[:-1] & near[1:], 2)))
         groups += [rows for rows, _ in further(plan, order, solution.multipliers)]

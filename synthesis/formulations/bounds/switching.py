@@ -11,6 +11,7 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import cache
+from itertools import accumulate
 from math import comb
 
 import numpy as np
@@ -79,20 +80,17 @@ class Switching:
     def least(self, cap: float, weight: float) -> float:
         """∫ min over |w| ≤ cap of (weight w² + ψ w): never positive.
 
-        Exact but for rounding; without a weight never above the true value, as |ψ| is at most the
-        mean of its Bernstein coefficients' sizes, and is that where they have one sign.
+        Exact but for rounding; without a weight never above the true value.
 
         Args:
             cap: bound of |w|, may be infinite if weight is positive.
             weight: ≥ 0.
         """
-        edge = 2.0 * weight * cap
-        values = (0.0,) if weight == 0.0 or not np.isfinite(edge) else (0.0, edge, -edge)
-        cuts = self._cut(values)
-        width = cuts[1:] - cuts[:-1]
         if weight == 0.0:
-            size = np.abs(self._pieces(cuts) @ _bernstein(self.poly.shape[1])).mean(axis=1)
-            return -cap * float(size @ width)
+            return -cap * areas([self])[0]
+        edge = 2.0 * weight * cap
+        cuts = self._cut((0.0, edge, -edge) if np.isfinite(edge) else (0.0,))
+        width = cuts[1:] - cuts[:-1]
         tau = cuts[:-1, None] + width[:, None] * (NODES + 1.0) / 2.0
         psi = np.abs(self(tau))
         inner = -(psi**2) / (4.0 * weight)
@@ -143,25 +141,52 @@ class Switching:
         return within(self.poly[piece], (left - low) / width, (right - low) / width)
 
 
+def areas(each: Sequence[Switching]) -> list[float]:
+    """∫ |ψ| of every law, never below the true value; all of them are worked out together.
+
+    Every piece is cut at its roots. On a part |ψ| is at most the mean of its Bernstein
+    coefficients' sizes, and is that where they have one sign.
+    """
+    if not each:
+        return []
+    degree = max(psi.poly.shape[1] for psi in each)
+    poly = np.concatenate([_widened(psi.poly, degree) for psi in each])
+    roots = np.array(_roots(poly)).reshape(-1, len(poly))
+    cuts = np.zeros((len(roots) + 2, len(poly)))
+    cuts[1:-1] = np.sort(np.fmin(np.fmax(roots, 0.0), 1.0), axis=0)  # of none, an end
+    cuts[-1] = 1.0
+    low, high = cuts[:-1], cuts[1:]
+    sizes = np.abs(within(poly, low, high) @ _bernstein(degree)).sum(axis=2) / degree
+    width = np.concatenate([psi.breaks[1:] - psi.breaks[:-1] for psi in each])
+    shares = ((high - low) * sizes).sum(axis=0) * width
+    ends = list(accumulate((len(psi.poly) for psi in each), initial=0))
+    found: list[float] = np.add.reduceat(shares, ends[:-1]).tolist()
+    return found
+
+
+def _widened(poly: Array, degree: int) -> Array:
+    """The same with zeros for the powers that others have: (n, degree)."""
+    if poly.shape[1] == degree:
+        return poly
+    return np.pad(poly, ((0, 0), (0, degree - poly.shape[1])))
+
+
 def within(poly: Array, low: Array, high: Array) -> Array:
-    """Polynomials (n, d) in s on parts low to high (n,) of [0, 1], from 0 to 1 along the part."""
+    """Polynomials (n, d) in s on parts low to high (…, n) of [0, 1], from 0 to 1 along the part."""
     degree, width = poly.shape[1], high - low
+    columns = [poly[:, j] for j in range(degree)]
+    found = np.empty((*low.shape, degree))
     if degree <= 3:
-        columns = [poly[:, j] for j in range(degree)]
         c, b, a = columns + [np.zeros(1)] * (3 - degree)
-        found = np.empty((len(low), 3))
-        found[:, 0], found[:, 1] = c + low * (b + low * a), width * (b + 2.0 * low * a)
-        found[:, 2] = width * width * a
-        return found[:, :degree]
+        parts = c + low * (b + low * a), width * (b + 2.0 * low * a), width * width * a
+        for j in range(degree):
+            found[..., j] = parts[j]
+        return found
     powers = [low**i for i in range(degree)]
-    return np.stack(
-        [
-            (high - low) ** j
-            * sum(comb(i, j) * poly[:, i] * powers[i - j] for i in range(j, degree))
-            for j in range(degree)
-        ],
-        axis=1,
-    )
+    for j in range(degree):
+        shares = (comb(i, j) * columns[i] * powers[i - j] for i in range(j, degree))
+        found[..., j] = width**j * sum(shares)
+    return found
 
 
 @cache
@@ -204,14 +229,19 @@ def switching(points: Array, weights: Array, order: int) -> Switching:
     """
     sorting = np.argsort(points, kind="stable")
     x, w = points[sorting], weights[sorting]
-    breaks = np.concatenate([[0.0], x[(x > 0.0) & (x < 1.0)], [1.0]])
-    breaks = breaks[np.concatenate([[True], breaks[1:] != breaks[:-1]])]  # they are in order
+    breaks = np.zeros(len(x) + 2)
+    breaks[1:-1], breaks[-1] = x, 1.0
+    breaks = breaks[np.append(True, breaks[1:] != breaks[:-1])]  # they are in order
     # Σ w (x − τ)^n/n! of all rows with x ≥ breaks[i+1], in powers of τ and then about breaks[i]
     w2, w1, w0 = w[:, -1], w[:, -2], w[:, -3] if order > 2 else np.zeros(len(x))
-    table = np.stack([w2 + x * (w1 + 0.5 * x * w0), -w1 - x * w0, 0.5 * w0], axis=1)
-    suffix = np.zeros((len(x) + 1, 3))
-    suffix[:-1] = np.cumsum(table[::-1], axis=0)[::-1]
-    c, b, a = suffix[np.searchsorted(x, breaks[1:], side="left")].T
+    table = np.zeros((3, len(x) + 1))
+    table[0, :-1], table[1, :-1] = w2 + x * (w1 + 0.5 * x * w0), -w1 - x * w0
+    table[2, :-1] = 0.5 * w0
+    suffix = np.cumsum(table[:, ::-1], axis=1)[:, ::-1]
+    c, b, a = suffix[:, np.searchsorted(x, breaks[1:], side="left")]
     first, width = breaks[:-1], breaks[1:] - breaks[:-1]
-    poly = [c + first * (b + first * a), width * (b + 2.0 * a * first), width**2 * a]
-    return Switching(breaks, np.stack(poly[:order], axis=1))
+    parts = c + first * (b + first * a), width * (b + 2.0 * a * first), width**2 * a
+    poly = np.empty((len(first), order))
+    for j in range(order):
+        poly[:, j] = parts[j]
+    return Switching(breaks, poly)

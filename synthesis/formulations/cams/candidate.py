@@ -118,7 +118,8 @@ def grow(found: Candidate) -> Candidate | None:
 
 def _outside(settled: Problem, size: Vector) -> float:
     """How far a size sticks out of a cone, if it is no more than a solver may leave it by [mm]."""
-    inwards = [(-cone.step(size), OUTSIDE * cone.radius) for cone in settled.cones]
+    left = (cone for cone in settled.cones if cone.norm.value(size) > cone.radius)
+    inwards = [(-cone.step(size), OUTSIDE * cone.radius) for cone in left]
     return max((step for step, most in inwards if 0.0 < step <= most), default=0.0)
 
 

@@ -9,6 +9,7 @@ keep every joint are as good, and differ from them by no more than that.
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from dataclasses import replace
 from itertools import pairwise
 
 import numpy as np
@@ -32,13 +33,15 @@ def rejoined(stretches: Sequence[Stretch], splines: Splines) -> Splines:
     None where all of them lie between dwells: those meet as they are.
 
     Args:
-        stretches: the turn in order; those without a law are free.
-        splines: of every free law, by index of its stretch: space and coefficients as found.
+        stretches: the turn in order, laws settled: free are those that are splines of no table.
+        splines: of free laws and of tables, by index of their stretch: space and coefficients.
     """
     turning = [stretch for stretch in stretches if stretch.angle > 0.0]
-    free = [stretch for stretch in turning if stretch.law is None]
-    if all(_rests(turning, k) for k, stretch in enumerate(turning) if stretch.law is None):
+    sought = [s.index in splines and s.readings is None for s in turning]
+    if all(_rests(turning, k) for k, free in enumerate(sought) if free):
         return {}
+    turning = [replace(s, law=None) if free else s for s, free in zip(turning, sought, strict=True)]
+    free = [stretch for stretch in turning if stretch.law is None]
     grids = [Grid(splines[stretch.index][0], NOWHERE) for stretch in free]
     settled, joints = meet(turning, grids)
     inner = [

@@ -29,9 +29,9 @@ def controls(plan: Plan) -> list[Control] | None:
     """The steering derivative of every free law, of one order; None where there is none."""
     if any(ball.norm is None and ball.ring is None for ball in plan.balls):
         return None
-    capping = [block for block in plan.blocks if block.highest >= 2]
+    capping = [block for block in plan.blocks if block.laws is not None and block.highest >= 2]
     for order in (3, 2):
-        if any(b.highest >= order and b.size.any() for b in capping):
+        if any(b.highest >= order and np.count_nonzero(b.size) for b in capping):
             return None  # the size caps it too: a bound over all laws would lose that row
         found = [_control(plan, capping, position, order) for position in range(len(plan.grids))]
         if any(control is not None for control in found):
@@ -47,9 +47,10 @@ def _control(plan: Plan, capping: Sequence[Block], position: int, order: int) ->
         # one that holds on a part of the law caps nothing
         if block.stretch != position or block.alpha.ndim > 1 or block.spans is not None:
             continue
-        if [k for k, a in enumerate(block.alpha.tolist()) if a != 0.0] != [order]:
+        if block.orders != (order,):
             continue
-        sign, scale = int(np.sign(block.alpha[order])), abs(float(block.alpha[order]))
+        factor = float(block.alpha[order])
+        sign, scale = (1 if factor > 0.0 else -1), abs(factor)
         if block.level == 0.0:
             caps[sign] = min(caps[sign], float(block.rhs[0]) / scale)
         else:

@@ -78,11 +78,8 @@ class Plan:
 
     def heard_blocks(self, z: Array) -> list[tuple[int, Block]]:
         """Those of which a row has a multiplier."""
-        count = np.concatenate([[0], np.cumsum(z != 0.0)])
-        rows = [(at, at + len(block.rhs)) for at, block in self.every_block]
-        low, high = count[np.array(rows, dtype=int).reshape(-1, 2)].T
-        each = zip(self.every_block, (high > low).tolist(), strict=True)
-        return [placed for placed, heard in each if heard]
+        each = ((at, block, z[at : at + len(block.rhs)]) for at, block in self.every_block)
+        return [(at, block) for at, block, own in each if np.count_nonzero(own)]
 
     def recover(self, x: Array) -> tuple[list[SettledLaw], Vector]:
         """The laws and the size variables [mm] at a point of the program."""

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from functools import cached_property
 from typing import Literal
 
 import numpy as np
@@ -65,11 +66,16 @@ class Block:
     spans: Array | None = None
     exact: bool = False
 
+    @cached_property
+    def orders(self) -> tuple[int, ...]:
+        """The derivatives that ``alpha`` names, in any of its rows."""
+        named = self.alpha if self.alpha.ndim == 1 else np.any(self.alpha, axis=1)
+        return tuple(named.nonzero()[0].tolist())
+
     @property
     def highest(self) -> int:
         """The highest derivative that ``alpha`` names; −1: none."""
-        named = self.alpha.nonzero()[0]
-        return int(named[-1]) if len(named) else -1
+        return self.orders[-1] if self.orders else -1
 
     def opposite(self) -> Block:
         """The rows ≥ rhs of an equality, written as ≤."""

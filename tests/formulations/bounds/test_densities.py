@@ -114,7 +114,7 @@ def test_any_density_gives_a_bound(name: str, seed: int, magnitude: float) -> No
         ledger.book(rows, mass)
     for one in said(plan, order):
         own = np.maximum(solution.multipliers[one.rows : one.rows + one.count], 0.0)
-        ledger.book(one.points, own * rng.uniform(0.0, 2.0, one.count))
+        ledger.book(one.points(), own * rng.uniform(0.0, 2.0, one.count))
         if one.alike:
             noise = 10.0**magnitude * np.max(own) * rng.exponential(size=2 * (one.count - 1))
             ledger.book(one.hats(np.full(len(noise), True)), noise)
