@@ -10,7 +10,7 @@ from synthesis.formulations.cams.candidate import mended, settle
 from synthesis.formulations.cone.convex import formulate
 from synthesis.formulations.cone.cuts import Region
 from synthesis.formulations.cone.rows import Drawn
-from synthesis.formulations.nonconvex.successive import approach
+from synthesis.formulations.nonconvex.successive import Approach, Sought, approach
 from synthesis.formulations.question.grid import SettledLaw
 from synthesis.formulations.rounds.missed import ALLOWED, misses
 from synthesis.formulations.rounds.neighbour import Neighbour
@@ -21,22 +21,48 @@ from synthesis.solvers.statuses import Stopped
 Vector = tuple[float, ...]
 SLACK = 0.08  # of the tolerance: what tangents may leave to growing
 MOST = 4e-4  # of a value: the same, whatever the tolerance
+MENDED = 2.0  # times as much: what rows between their points may cost besides
+DRAWN = 1e-6  # relative: by how much limits are drawn in at spots
+RETRIES, DRAWN_MORE = (
+    2,
+    0.5,
+)  # of what may be left to growing: the same where growing does not mend all
 
 
 def by_tangents(
     state: Search, laws: Sequence[SettledLaw], size: Vector, stage: str = "tangents"
 ) -> bool:
-    """A local optimum on the present knots, sought from laws and a size; whether it was found."""
+    """A local optimum on the present knots, sought from laws and a size; whether it was found.
+
+    Where growing breaks what it does not mend, a contact's least force or a counter cam's rows,
+    once more with limits drawn in, and more points for rows that were missed between theirs.
+    """
     if state.problem.objective.norm(state.problem.machine) is None:
         return False  # what growing costs is not known
-    started, close = time.perf_counter(), min(SLACK * state.tolerance, MOST)
-    drawn = Drawn(state.tighten, state.margin)
-    plan = formulate(state.problem, state.grids, 0.0, drawn, Region())
-    found = approach(plan, laws, size, state.deadline, close)
-    cam, keeps = found.cam, False
-    if cam is not None:
-        keeps = kept(state, cam.laws, cam.size, cam.value * (1.0 + close))[1] <= ALLOWED
+    close = min(SLACK * state.tolerance, MOST)
+    for sought in (Sought(close, DRAWN), *RETRIES * [Sought(close, DRAWN_MORE * close, anew=True)]):
+        found = _approached(state, laws, size, sought, stage)
+        cam = found.cam
+        if cam is None:
+            return False
+        missed = kept(state, cam.laws, cam.size, cam.value * (1.0 + close))
         state.left_behind = Neighbour(state.grids, cam.laws, cam.size)
+        if state.best is not None and state.best.value <= cam.value * (1.0 + MENDED * close):
+            return found.settled
+        if not found.settled or state.left() <= 0.0:
+            return False
+        more_points(state, missed)
+        laws, size = cam.laws, cam.size
+    return False
+
+
+def _approached(
+    state: Search, laws: Sequence[SettledLaw], size: Vector, sought: Sought, stage: str
+) -> Approach:
+    """One approach, reported."""
+    started, drawn = time.perf_counter(), Drawn(state.tighten, state.margin)
+    plan = formulate(state.problem, state.grids, 0.0, drawn, Region())  # smooth forms say more
+    found = approach(plan, laws, size, state.deadline, sought)
     state.stages.append(
         Stage(
             stage, f"{found.rounds} SOCPs", "Clarabel", plan.program.matrix.shape[1],
@@ -44,7 +70,19 @@ def by_tangents(
             (Stopped.SOLVED if found.settled else Stopped.INACCURATE).value,
         )
     )  # fmt: skip
-    return found.settled and keeps
+    return found
+
+
+def more_points(state: Search, missed: tuple[list[Array], float]) -> bool:
+    """Rows at more points, where they were missed by so much; whether there is any use in that."""
+    points, excess = missed
+    if excess <= ALLOWED or state.problem.curved or state.left() <= 0.0:
+        return False
+    # rows that the size cannot mend, a counter cam's, were missed between their points
+    state.margin = 1.1 * (state.margin + excess)
+    both = zip(state.grids, points, strict=True)
+    state.grids = tuple(grid.with_points(more) for grid, more in both)
+    return True
 
 
 def kept(
@@ -52,16 +90,14 @@ def kept(
 ) -> tuple[list[Array], float]:
     """Offer the cam of a local optimum; where its rows were missed between their points.
 
-    Its laws with the size that is best for them, too; one of both if it has a value that does.
+    First its laws with the size that is best for them: that does if its value is ``enough``.
     """
-    least: tuple[list[Array], float] = [], inf
     for keep_hint in (False, True):
         found = settle(state.problem, laws, size, keep_hint=keep_hint)
         found = mended(found) if keep_hint and not state.problem.curved else found
         missed = misses(state, found)
-        least = min(least, missed, key=lambda each: each[1])
         if missed[1] <= ALLOWED:
             state.accept(found)
         if missed[1] <= ALLOWED and state.best is not None and state.best.value <= enough:
             break
-    return least
+    return missed

@@ -8,7 +8,11 @@ from synthesis.formulations.cams.candidate import Candidate, settle
 from synthesis.formulations.cone.convex import formulate
 from synthesis.formulations.cone.cuts import Region
 from synthesis.formulations.cone.rows import Drawn
-from synthesis.formulations.nonconvex.by_tangents import by_tangents, kept
+from synthesis.formulations.nonconvex.by_tangents import (
+    by_tangents,
+    kept,
+    more_points,
+)
 from synthesis.formulations.nonconvex.warm import from_neighbour
 from synthesis.formulations.rounds.missed import ALLOWED, misses
 from synthesis.formulations.rounds.neighbour import Neighbour
@@ -20,8 +24,8 @@ from synthesis.solvers.clarabel import solve
 from synthesis.solvers.statuses import USABLE
 
 FAR = 1.5  # of the bound: a cam this large is not taken for a start without a look at another
-GROWN = 0.1  # of the tolerance: what may be left to growing, for it saves a run of IPOPT
 EXCHANGES = 3  # of rows between whose points something was missed
+GROWN = 0.1  # of the tolerance: what may be left to growing, for it saves a run of IPOPT
 
 
 def nonlinear(state: Search) -> None:
@@ -41,13 +45,8 @@ def improve_from(state: Search, start: Candidate) -> None:
         return
     start = state.best or start
     for _ in range(EXCHANGES):
-        missed, excess = _improved(state, start)
-        if excess <= ALLOWED or state.problem.curved or state.left() <= 0.0:
+        if not more_points(state, _improved(state, start)):
             break
-        # rows that the size cannot mend, a counter cam's, were missed between their points
-        state.margin = 1.1 * (state.margin + excess)
-        both = zip(state.grids, missed, strict=True)
-        state.grids = tuple(grid.with_points(more) for grid, more in both)
 
 
 def _improved(state: Search, start: Candidate) -> tuple[list[Array], float]:

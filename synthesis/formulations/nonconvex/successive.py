@@ -36,9 +36,23 @@ REACH = 0.4  # of the value: by how much a cam may shrink in the first round
 BACK = 0.25  # of that, once nothing smaller was found on the way
 LEAST_STEP, BOLD = 1.0 / 16.0, 0.5  # of the way; from the latter on tangents move all the way
 KEPT = 1e-6  # relative: by how much a start may break rows
-DRAWN = 1e-6  # relative: by how much limits are drawn in at spots
 STEP = 1e-6  # of a natural unit, for differences
 SOURCE = "tangents"
+
+
+@dataclass(frozen=True)
+class Sought:
+    """How near a local optimum shall be, relative.
+
+    Attributes:
+        close: how far above what the tangents allow its value may lie.
+        drawn: by how much smooth limits are drawn in at the points where they are written.
+        anew: whether a larger cam than that of the start is welcome: it keeps these.
+    """
+
+    close: float
+    drawn: float
+    anew: bool = False
 
 
 @dataclass(frozen=True, eq=False)
@@ -59,11 +73,15 @@ class Approach:
 
 @dataclass(frozen=True, eq=False)
 class Tangent:
-    """One expression of a limit at spots, to first order. ``number``: of the expression."""
+    """One expression of a limit at spots, to first order.
+
+    ``number``: of the expression. ``drawn``: by how much it is drawn in.
+    """
 
     spot: Spots
     number: int
     cuts: Cuts
+    drawn: float
 
     @property
     def finite(self) -> bool:
@@ -72,7 +90,7 @@ class Tangent:
 
 
 def approach(
-    plan: Plan, laws: Sequence[SettledLaw], size: Vector, deadline: float, close: float
+    plan: Plan, laws: Sequence[SettledLaw], size: Vector, deadline: float, sought: Sought
 ) -> Approach:
     """Smaller and smaller cams that keep all limits, down to a local optimum.
 
@@ -80,15 +98,16 @@ def approach(
         plan: the relaxation; its objective is a norm of the size.
         laws, size: where to begin [mm], best at a cam that keeps all limits.
         deadline: ``time.monotonic()`` at which to stop.
-        close: how far above what the tangents allow a local optimum may lie, relative.
+        sought: how near an optimum shall be.
     """
     here = settle(plan.problem, *plan.recover(plan.point(laws, size)), keep_hint=True)
     grown, peaks = grow(here), list[Spots]()
-    best = grown if grown is not None and _keeps(plan, grown) else None
+    keeps = grown is not None and not sought.anew and _keeps(plan, grown)
+    best = grown if keeps else None
     here, reach, rows, iterations = grown or here, REACH, 0, 0
     for number in range(ROUNDS):
         left = deadline - clock.now()
-        tangents = list(_tangents(plan, here, peaks)) if left > 0.0 else None
+        tangents = list(_tangents(plan, here, peaks, sought.drawn)) if left > 0.0 else None
         if tangents is None or not all(each.finite for each in tangents):
             return Approach(best, False, number, rows, iterations)
         blocks = [_block(plan, each.spot, each.cuts) for each in tangents]
@@ -108,7 +127,7 @@ def approach(
         best = taken
         free = wanted.size[-1] > here.size[-1] - 0.99 * reach * here.value
         least = wanted.value - max(_left(full, tangents, blocks, wanted, found.multipliers), 0.0)
-        if step == 1.0 and free and best.value <= least * (1.0 + close):
+        if step == 1.0 and free and best.value <= least * (1.0 + sought.close):
             return Approach(best, True, number + 1, rows, iterations)
         # tangents are nearest to the truth at the size where the next optimum lies
         here = wanted if step >= BOLD else taken
@@ -158,7 +177,9 @@ def _floor(plan: Plan, here: Candidate, reach: float) -> Block:
     return Block("size", None, None, np.zeros(1), np.zeros(4), growing, 0.0, np.array([-least]), "")
 
 
-def _tangents(plan: Plan, here: Candidate, peaks: Sequence[Spots]) -> Iterator[Tangent]:
+def _tangents(
+    plan: Plan, here: Candidate, peaks: Sequence[Spots], drawn: float
+) -> Iterator[Tangent]:
     """What smooth limits ask for to first order, wherever they are near to binding."""
     spots = near(here.problem, here.size, NEAR)
     spots += [moved(peak, here.problem) for peak in peaks]
@@ -166,7 +187,7 @@ def _tangents(plan: Plan, here: Candidate, peaks: Sequence[Spots]) -> Iterator[T
         slopes = zip(*_slopes(here.problem, spot, here.size), strict=True)
         for number, (value, motion, size) in enumerate(slopes):
             upper = np.sum(motion * spot.s, axis=0) + np.array(here.size) @ size - value
-            yield Tangent(spot, number, Cuts(motion, size, upper - DRAWN))
+            yield Tangent(spot, number, Cuts(motion, size, upper - drawn), drawn)
 
 
 def _left(
@@ -179,7 +200,7 @@ def _left(
         spot, cuts = moved(tangent.spot, wanted.problem), tangent.cuts
         value = _said(wanted.problem, spot)(spot.s, wanted.size)[tangent.number]
         told = np.sum(cuts.coefficients * spot.s, axis=0) + np.array(wanted.size) @ cuts.size
-        truly = _block(full, spot, replace(cuts, upper=told - value - DRAWN), bare=True)
+        truly = _block(full, spot, replace(cuts, upper=told - value - tangent.drawn), bare=True)
         gain += float(z[at : at + len(own.rhs)] @ (truly.rhs - own.rhs))
         at += len(own.rhs)
     return gain * full.scales.size

@@ -12,7 +12,7 @@ from synthesis.formulations.cams.candidate import settle
 from synthesis.formulations.cone.convex import formulate
 from synthesis.formulations.cone.cuts import Region
 from synthesis.formulations.nonconvex.nonlinear import improve
-from synthesis.formulations.nonconvex.successive import Approach, approach
+from synthesis.formulations.nonconvex.successive import Approach, Sought, approach
 from synthesis.formulations.question.grid import SettledLaw, over, uniform
 from synthesis.numerics.bspline import SplineSpace
 from synthesis.objectives.rms_jerk import RmsJerk
@@ -44,7 +44,7 @@ def tangents(spec: DesignSpec, close: float = CLOSE, intervals: int = 14) -> tup
     quiet = formulate(asked.with_objective(RmsJerk()), grids)
     plan = formulate(asked, grids, region=Region())
     start = settle(asked, *quiet.recover(solve(quiet.program).x))
-    return approach(plan, start.laws, start.size, inf, close), plan
+    return approach(plan, start.laws, start.size, inf, Sought(close, 1e-6)), plan
 
 
 @pytest.mark.parametrize("name", SCENES)
@@ -72,7 +72,7 @@ def test_tangents_that_allow_too_little_at_a_far_cam_do_not_end_it() -> None:
     near, plan = tangents(asked)
     assert near.cam is not None
     e, s0 = near.cam.size
-    far = approach(plan, near.cam.laws, (e - 0.5 * s0, 1.3 * s0), inf, CLOSE)
+    far = approach(plan, near.cam.laws, (e - 0.5 * s0, 1.3 * s0), inf, Sought(CLOSE, 1e-6))
     assert far.settled
     assert far.cam is not None
     assert far.rounds > 1
@@ -83,7 +83,7 @@ def test_time_that_is_over_leaves_the_cam_it_began_at() -> None:
     near, plan = tangents(SCENES["radius"])
     assert near.cam is not None
     laws, (e, s0) = near.cam.laws, near.cam.size
-    found = approach(plan, laws, (e, 1.1 * s0), 0.0, CLOSE)
+    found = approach(plan, laws, (e, 1.1 * s0), 0.0, Sought(CLOSE, 1e-6))
     assert (found.settled, found.rounds) == (False, 0)
     assert found.cam is not None
     assert found.cam.size == pytest.approx((e, 1.1 * s0))
