@@ -292,21 +292,23 @@ class Moving:
 
 
 class Thrust(ABC):
-    """What presses a roller against its cam, as a number Λ that (k − σκ) cos α may not be below.
+    """What presses a roller against its cam, as a number Λ that (k − σκ) φ cos α may not be below.
 
     κ is the curvature of the roller's centre's curve, k [1/mm] the most that σκ may be on a cam
-    without undercut, α the pressure angle.
+    without undercut, α the pressure angle; φ cos α is what friction leaves of its cosine.
     """
 
     @abstractmethod
-    def least(self, low: Array, high: Array, moving: Moving) -> tuple[Array, Array]:
-        """Λ from below as a linear form in s, s' and s'', where motion and point are known so far.
+    def drive(self, theta: Array) -> tuple[Array, Array]:
+        """Λ at cam angles (n,) as a linear form in s, s' and s'': (3,), constants (n,) [1/mm]."""
+
+    @abstractmethod
+    def grip(self, low: Array, high: Array, moving: Moving) -> tuple[Array, Array]:
+        """a and b, (n,) each, with φ ≤ a + b tan α and 0 < a + b tan α all over boxes.
 
         Args:
-            low, high: (3, n) bounds of the point's X, u and e [mm]. moving: of the motion.
-
-        Returns:
-            its factors (3, n) and constants (n,) [1/mm].
+            low, high: (3, n) bounds of the point's X, u and e [mm]; tan α = u/X.
+            moving: bounds of the motion.
         """
 
 

@@ -10,9 +10,11 @@ Each of the four terms is convex or concave in (X, u, e) as a whole: squares ove
 a box it is nowhere below the tangent of A anywhere, less the lowest plane of a given slope that is
 above B at every corner: linear in X, X', X'' and e. The narrower the box, the less is lost.
 
-What presses the roller leaves less: (k − σκ) cos α ≥ Λ with Λ linear in the motion and cos α =
-X/√(X² + u²) adds Λ Q to the right side, Q = (X + u²/X)², convex as the square of what is convex
-and positive. Where Λ and Q lie between Λ1 and Λ2, Q1 and Q2,
+What presses the roller leaves less: (k − σκ) φ cos α ≥ Λ with Λ linear in the motion, cos α =
+X/√(X² + u²) and φ ≤ a + b u/X adds Λ Q to the right side, Q = (X + u²/X)²/(a + b u/X). That is
+convex: X² times the square of h(q) = (1 + q²)/√(a + bq) at q = u/X, and X h(u/X) is convex and
+positive as h is (of h'' the sign is that of 2A² − 2bqA + ¾b²(1 + q²), A = a + bq > 0, which has no
+real root). Where Λ and Q lie between Λ1 and Λ2, Q1 and Q2,
 
     Λ Q ≥ Λ1 Q + Q1 (Λ − Λ1),    Λ Q ≥ Λ2 Q + Q2 (Λ − Λ2)        (McCormick)
 
@@ -36,25 +38,30 @@ Convex = tuple[Array, Array]  # a function's values (n,) and its slopes by X, u 
 
 @dataclass(frozen=True, eq=False)
 class _Pressed:
-    """Λ Q ≥ weight Q + square (Λ − weight), Λ = factors · (s, s', s'') + constant: (n,) each."""
+    """Λ Q ≥ weight Q + square (Λ − weight), Λ = factors · (s, s', s'') + constant.
+
+    Attributes:
+        weight, square, constant: (n,) each. factors: (3, 1). grip: a and b of Q, (2, n).
+    """
 
     weight: Array
     square: Array
     factors: Array
     constant: Array
+    grip: Array
 
     @classmethod
     def not_at_all(cls, count: int) -> _Pressed:
         """Λ = 0."""
         zero = np.zeros(count)
-        return cls(zero, zero, np.zeros((3, count)), zero)
+        return cls(zero, zero, np.zeros((3, 1)), zero, np.stack([zero + 1.0, zero]))
 
 
 @dataclass(frozen=True)
 class PitchCurvature(Traced):
     """side · κ ≤ most [1/mm], most > 0, of the curve that a point draws; less what ``thrust`` says.
 
-    ``thrust``: (most − side · κ) cos α ≥ Λ, the same without it for Λ = 0.
+    ``thrust``: (most − side · κ) φ cos α ≥ Λ, the same without it for Λ = 0.
     """
 
     side: int
@@ -75,11 +82,10 @@ class PitchCurvature(Traced):
         pressed = self._pressed(low, high, at, moving)
         if pressed is None:
             return None
-        gains, spares = np.maximum(pressed.weight, 0.0), np.maximum(-pressed.weight, 0.0)
-        value, slopes = self._convex(at, gains)
-        _, other = self._subtracted(middle, spares)
-        corners = np.where(CORNERS[:, :, None], high[:, None], low[:, None])  # (3, 8, n)
-        above = self._height(corners, spares) - np.sum(other[:, None] * corners, axis=0)
+        value, slopes = self._convex(at, pressed)
+        _, other = self._subtracted(middle, pressed)
+        corners = _corners(low, high)
+        above = self._subtracted(corners, pressed)[0] - np.sum(other[:, None] * corners, axis=0)
         most = np.max(above, axis=0)
         # side X'' ≥ least + by · (X, u, e) + square (Λ − weight) all over the box
         by = slopes - other
@@ -102,52 +108,63 @@ class PitchCurvature(Traced):
             return _Pressed.not_at_all(low.shape[1])
         if moving is None or not (np.all(np.isfinite(moving.low + moving.high))):
             return None
-        factors, constant = self.thrust.least(low, high, moving)
+        factors, constant = self.thrust.drive(moving.theta)
+        factors, grip = factors[:, None], np.stack(self.thrust.grip(low, high, moving))
         ends = np.sort(np.stack([factors * moving.low, factors * moving.high]), axis=0)
         weak, strong = np.sum(ends, axis=1) + constant
-        near = np.abs(low[1]) < np.abs(high[1])
-        slow = np.where(low[1] * high[1] <= 0.0, 0.0, np.where(near, low[1], high[1]))
-        small = _square(np.stack([np.clip(np.abs(slow), low[0], high[0]), slow, slow]))[0]
-        corners = np.where(CORNERS[:, :, None], high[:, None], low[:, None])
-        large = np.max(_square(corners)[0], axis=0)
+        small, large = _squares(low, high, grip)
         # the one that loses less at the place where rows shall be tight
-        here = _square(at)[0]
+        here = _square(at, grip)[0]
         middle = 0.5 * (moving.low + moving.high) if moving.about is None else moving.about
         force = np.clip(np.sum(factors * middle, axis=0) + constant, weak, strong)
         lower = (force - weak) * (here - small) <= (strong - force) * (large - here)
-        return _Pressed(
-            np.where(lower, weak, strong), np.where(lower, small, large), factors, constant
-        )
+        weight, square = np.where(lower, weak, strong), np.where(lower, small, large)
+        return _Pressed(weight, square, factors, constant, grip)
 
-    def _convex(self, at: Array, gains: Array) -> Convex:
-        """A, with so many squares."""
+    def _convex(self, at: Array, pressed: _Pressed) -> Convex:
+        """A."""
         value, slopes = _spread(at) if self.side > 0 else _leaning(at)
-        square, steps = _square(at)
-        return value + gains * square, slopes + gains * steps
+        return _with(value, slopes, at, np.maximum(pressed.weight, 0.0), pressed.grip)
 
-    def _height(self, at: Array, spares: Array) -> Array:
-        """B alone, at points (3, …), with so many squares."""
-        x, u, e = at
-        w = np.hypot(x, u)
-        q = (u + 0.25 * e) / x
-        rest = 0.125 * (e / x) * e if self.side > 0 else x + 2.0 * q * q * x
-        return np.asarray(rest + self.most * (w**3 / x) + spares * (w * w / x) ** 2)
-
-    def _subtracted(self, at: Array, spares: Array) -> Convex:
-        """B, with so many squares."""
+    def _subtracted(self, at: Array, pressed: _Pressed) -> Convex:
+        """B."""
         bend, bends = _bend(at)
         rest, rests = _leaning(at) if self.side > 0 else _spread(at)
-        square, steps = _square(at)
-        value = rest + self.most * bend + spares * square
-        return value, rests + self.most * bends + spares * steps
+        value, slopes = rest + self.most * bend, rests + self.most * bends
+        return _with(value, slopes, at, np.maximum(-pressed.weight, 0.0), pressed.grip)
 
 
-def _square(at: Array) -> Convex:
-    """Q = (X + u²/X)²."""
+def _corners(low: Array, high: Array) -> Array:
+    """The corners of boxes: (3, 8, n)."""
+    return np.where(CORNERS[:, :, None], high[:, None], low[:, None])
+
+
+def _with(value: Array, slopes: Array, at: Array, weight: Array, grip: Array) -> Convex:
+    """A function and so many Q."""
+    if not np.any(weight):
+        return value, slopes
+    square, steps = _square(at, grip)
+    return value + weight * square, slopes + weight * steps
+
+
+def _square(at: Array, grip: Array) -> Convex:
+    """Q = (X + u²/X)²/(a + b u/X)."""
     x, u, e = at
     q = u / x
-    root = x + q * u
-    return root**2, 2.0 * root * np.stack([1.0 - q * q, 2.0 * q, 0.0 * e])
+    root, left = x + q * u, grip[0] + grip[1] * q
+    value, lost = root**2 / left, grip[1] * root**2 / (x * left**2)
+    by_x, by_u = 2.0 * root * (1.0 - q * q) / left + lost * q, 4.0 * root * q / left - lost
+    return value, np.stack([by_x, by_u, 0.0 * e])
+
+
+def _squares(low: Array, high: Array, grip: Array) -> tuple[Array, Array]:
+    """What Q is at least and at most in boxes."""
+    corners = _corners(low, high)
+    # X + u²/X grows with |u|, and with X from |u| on
+    slow = np.maximum(np.maximum(low[1], -high[1]), 0.0)
+    x = np.clip(slow, low[0], high[0])
+    most = np.max(grip[0] + grip[1] * corners[1] / corners[0], axis=0)
+    return (x + slow**2 / x) ** 2 / most, np.max(_square(corners, grip)[0], axis=0)
 
 
 def _spread(at: Array) -> Convex:

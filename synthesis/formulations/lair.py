@@ -70,7 +70,7 @@ class Lair:
     @property
     def width(self) -> float:
         """How far the hulls are open, on average [mm]."""
-        return float(np.mean([hull.width for hull in self.hulls.values()]))
+        return float(np.mean([hull.width for hull in self.hulls.values()] or [0.0]))
 
     def inside(self, sizes: Sizes) -> Lair:
         """The part of it in a box of sizes."""

@@ -18,7 +18,7 @@ import numpy as np
 
 from synthesis.followers.flank import Flank
 from synthesis.limits.base import Machine
-from synthesis.limits.force import loaded, pushing
+from synthesis.limits.force import SMALL, loaded, pushing
 from synthesis.motion import Stretch
 from synthesis.numerics.piecewise import Array
 from synthesis.terms import Moving, Thrust
@@ -38,12 +38,12 @@ class RollerThrust(Thrust):
     machine: Machine
     scale: float
 
-    def least(self, low: Array, high: Array, moving: Moving) -> tuple[Array, Array]:
+    def drive(self, theta: Array) -> tuple[Array, Array]:
         load, flank = loaded(self.machine), self.flank
         way = flank.side * pushing(flank, self.machine)
-        unit = way / (self.scale * flank.distance**2 * self._grip(low, high, moving))
+        unit = way / (self.scale * flank.distance**2)
         by = np.array(load.coefficients(self.machine.omega)[:3])
-        return by[:, None] * unit, (self._process(moving.theta, way) + load.constant) * unit
+        return by * unit, (self._process(theta, way) + load.constant) * unit
 
     def _process(self, theta: Array, way: int) -> Array:
         """The process force [N]; at a jump that side of it which presses harder."""
@@ -53,19 +53,25 @@ class RollerThrust(Thrust):
         before = np.where(inner, load.process(theta, 0, "left"), after)
         return np.asarray(way * np.maximum(way * after, way * before))
 
-    def _grip(self, low: Array, high: Array, moving: Moving) -> Array:
-        """φ at most: (n,)."""
-        load, pushed = loaded(self.machine), pushing(self.flank, self.machine)
+    def grip(self, low: Array, high: Array, moving: Moving) -> tuple[Array, Array]:
+        load, one = loaded(self.machine), np.ones(low.shape[1])
         if load.friction is None:
-            return np.ones(low.shape[1])
-        sense = pushed * load.sliding(self.stretch) * load.side
-        speed = np.maximum(np.abs(low[1]), np.abs(high[1])), _nearest(low[1], high[1])
-        steep, flat = speed[0] / low[0], speed[1] / high[0]
-        ends = np.stack([load.friction.effective(s) + 0.0 * s for s in (moving.low[0], moving.high[0])])
-        taken = np.min(ends, axis=0) * flat if sense > 0.0 else np.max(ends, axis=0) * steep
-        return np.asarray(np.maximum(1.0 - sense * np.maximum(taken, 0.0), WEAKEST))
-
-
-def _nearest(low: Array, high: Array) -> Array:
-    """The least |u| between two ends."""
-    return np.maximum(np.maximum(low, -high), 0.0)
+            return one, 0.0 * one
+        ends = [load.friction.effective(s) + 0.0 * s for s in (moving.low[0], moving.high[0])]
+        way = pushing(self.flank, self.machine) * load.sliding(self.stretch) * load.side
+        slopes = np.stack([u / x for u in (low[1], high[1]) for x in (low[0], high[0])])
+        flat, steep = np.min(slopes, axis=0), np.max(slopes, axis=0)
+        if way > 0.0:  # φ = 1 − μ |tan α|, and |q| ≥ k q for |k| ≤ 1
+            share = (flat + steep) / np.maximum(np.abs(flat) + np.abs(steep), SMALL)
+            base, by = one, -np.maximum(np.minimum(*ends), 0.0) * share
+        else:  # |q| lies below its chord
+            width = np.maximum(steep - flat, SMALL)
+            mixed = (flat < 0.0) & (steep > 0.0)
+            share = np.where(mixed, (flat + steep) / width, np.sign(flat + steep))
+            rest = np.where(mixed, -2.0 * flat * steep / width, 0.0)
+            most = -way * np.maximum(*ends)
+            base, by = one + most * rest, most * share
+        least = np.minimum(base + by * flat, base + by * steep)
+        largest = np.maximum(np.maximum(base + by * flat, base + by * steep), WEAKEST)
+        held = least >= WEAKEST
+        return np.where(held, base, largest), np.where(held, by, 0.0)

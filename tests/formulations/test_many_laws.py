@@ -9,8 +9,9 @@ from scipy.optimize import linprog
 
 from synthesis import DesignSpec
 from synthesis.formulations import narrowing
-from synthesis.formulations.closing import Box, asked, binding, climbed
+from synthesis.formulations.closing import asked, binding
 from synthesis.formulations.convex import formulate
+from synthesis.formulations.exploring import Box, climbed, holding
 from synthesis.formulations.grid import Grid, uniform
 from synthesis.formulations.lair import unknown
 from synthesis.formulations.narrowing import narrowed
@@ -65,7 +66,7 @@ def lair_of(found):
 
 
 def plan_of(quest, intervals: int):
-    problem = quest.keeping[1]
+    problem = holding(quest.problem, quest.best.value * (1 + 1e-9))
     spaces = (uniform(s, intervals).space for s in problem.free)
     return formulate(problem, tuple(Grid(space, space.breaks) for space in spaces))
 
