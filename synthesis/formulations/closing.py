@@ -36,51 +36,48 @@ from synthesis.formulations.lair import Parts, unknown
 from synthesis.formulations.local import improve_from
 from synthesis.formulations.missed import misses
 from synthesis.formulations.search import Search, Stage
+from synthesis.limits import Limit
 from synthesis.motion import Stretch
 
 INTERVALS = 20  # of the laws whose caps are read
 NEAR = -0.15  # a smooth limit above this, relative, is near to binding
 CLOSE_BY = 0.08  # of a law: parts that are no farther apart are one
 AIM = 0.985  # of the tolerance: the gap that is to be proven
+FEW_TURNS = 2  # where the proof need not be thorough
 FIRST_TURNS = 3  # before a better cam is looked for
 GAIN = 0.1  # of what is missing: less is not worth another climb
 MOST_BOXES = 21
 THICK = 0.4  # of the sizes' widths: values of a box farther apart than that are cut first
-# of laws whose second derivative may jump, one more angle says nothing of the angles beside it
-LEFT_OUT = "; limits on curvature left out: a jerk limit on every free law would bring them in"
 
 
-def close(state: Search) -> None:
-    """Narrow the gap of a search that limits which are not convex have left open."""
+def close(state: Search, *, thorough: bool) -> None:
+    """Narrow the gap of a search that limits which are not convex have left open.
+
+    ``thorough``: to the tolerance, whatever the limit; else a little, where forces press.
+    """
     best = state.best
     if best is None or state.close(best) or state.left() <= 0.0:
         return
     if state.problem.objective.fractional or not state.problem.free:
+        return
+    if not thorough and not any(_weighs(state, limit) for limit in state.problem.limits):
         return
     parts = {k: near for k, s in enumerate(state.problem.free) if (near := binding(state, s))}
     if not parts and not resting.binding(best.problem, best.size):
         return
     quest = asked(state, best)
     if quest is None:
-        state.over += LEFT_OUT
         return
+    state.taken_in = {limit.kind for limit in state.problem.limits if _traced(state, limit)}
     started = time.perf_counter()
     lair = unknown(quest.problem, quest.steering, parts)
     box = climbed(quest, Box(lair, state.lower, state.over))
-    for turns in (FIRST_TURNS, TURNS):
+    for turns in (FIRST_TURNS, TURNS) if thorough else (FEW_TURNS,):
         box = explored(quest, box, turns)
-        if box.lower >= quest.target or state.left() <= 0.0:
+        if box.lower >= quest.target or state.left() <= 0.0 or not thorough:
             break
         quest = improved(quest, box)
-    boxes, count = [box], 1
-    while count < MOST_BOXES and state.left() > 0.0:
-        worst = min(boxes, key=lambda box: box.lower)
-        if worst.lower >= quest.target or not worst.lair.divisible:
-            break
-        boxes.remove(worst)
-        boxes += [settled(quest, explored(quest, half)) for half in halves(quest, worst)]
-        count += 2
-    lowest = finished(quest, boxes)
+    lowest, count = divided(quest, box) if thorough else (box, 1)
     state.raise_to(min(lowest.lower, quest.target), lowest.over)
     state.stages.append(
         Stage(
@@ -89,6 +86,29 @@ def close(state: Search) -> None:
             "what a better cam keeps to, and the rows that its curvature implies there",
         )
     )  # fmt: skip
+
+
+def _traced(state: Search, limit: Limit) -> bool:
+    """Whether a limit implies rows where a traced point is nearly known."""
+    return any(limit.traced(s, state.problem.machine) for s in state.problem.stretches)
+
+
+def _weighs(state: Search, limit: Limit) -> bool:
+    """Whether it does and is about forces."""
+    return limit.of_forces and _traced(state, limit)
+
+
+def divided(quest: Quest, box: Box) -> tuple[Box, int]:
+    """The lowest box that is left when the worst has been split again and again; how many."""
+    boxes, count = [box], 1
+    while count < MOST_BOXES and quest.state.left() > 0.0:
+        worst = min(boxes, key=lambda box: box.lower)
+        if worst.lower >= quest.target or not worst.lair.divisible:
+            break
+        boxes.remove(worst)
+        boxes += [settled(quest, explored(quest, half)) for half in halves(quest, worst)]
+        count += 2
+    return finished(quest, boxes), count
 
 
 def binding(state: Search, free: Stretch) -> Parts:

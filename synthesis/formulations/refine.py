@@ -17,6 +17,7 @@ from synthesis.formulations.everywhere import enclose
 from synthesis.formulations.gentlest import gentlest
 from synthesis.formulations.grid import Grid, uniform
 from synthesis.formulations.knots import all_halved, denser, finer
+from synthesis.formulations.leaving import left_out
 from synthesis.formulations.local import nonlinear
 from synthesis.formulations.missed import ALLOWED, misses
 from synthesis.formulations.neighbour import Neighbour
@@ -68,7 +69,8 @@ def search(
     """
     state = Search(problem, tolerance, deadline, tighten, near=near)
     _searched(state, thorough=thorough)
-    return state.round_off()
+    state.round_off().over += left_out(state, thorough=thorough)
+    return state
 
 
 def _searched(state: Search, *, thorough: bool) -> None:
@@ -100,8 +102,8 @@ def _searched(state: Search, *, thorough: bool) -> None:
         nonlinear(state)
         if problem.rigid and problem.machine.follower.pinning() is None:
             enclose(state, thorough=thorough)
-        elif thorough:
-            close(state)
+        else:
+            close(state, thorough=thorough)
 
 
 def _unrung(state: Search) -> None:
