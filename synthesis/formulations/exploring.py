@@ -23,7 +23,7 @@ from synthesis.formulations.lair import Guess, Lair
 from synthesis.formulations.multipliers import ends_priced, heard
 from synthesis.formulations.narrowing import narrowed
 from synthesis.formulations.problem import Held, Nothing, Problem
-from synthesis.formulations.resting import resting
+from synthesis.formulations.resting import resting, risen
 from synthesis.formulations.rows import Block, Scales
 from synthesis.formulations.search import Search
 from synthesis.formulations.spreading import Spreading
@@ -161,7 +161,10 @@ def _narrower(quest: Quest, box: Box, among: Collection[int]) -> Lair | None:
 
     ``among``: positions of the laws that are asked.
     """
-    grids, lair = box.grids, box.lair
+    grids = box.grids
+    lair = box.lair.inside(risen(quest.problem, box.lair.sizes))
+    if lair.empty:
+        return lair
     asked = left = frozenset(among)
     keeping = quest.keeping(box)
     for problem in (*keeping, keeping[-1]):
