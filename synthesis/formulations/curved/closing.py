@@ -16,10 +16,10 @@ from dataclasses import replace
 
 import numpy as np
 
-from synthesis.formulations.curved import resting
 from synthesis.formulations.cams.candidate import Candidate
 from synthesis.formulations.cone.control import controls
 from synthesis.formulations.cone.convex import formulate
+from synthesis.formulations.curved import resting
 from synthesis.formulations.curved.exploring import (
     SAMPLES,
     TURNS,
@@ -30,10 +30,10 @@ from synthesis.formulations.curved.exploring import (
     explored,
     holding,
 )
-from synthesis.formulations.question.grid import snapped, uniform
-from synthesis.formulations.rounds.knots import finer
 from synthesis.formulations.curved.lair import Parts, unknown
 from synthesis.formulations.nonconvex.local import improve_from
+from synthesis.formulations.question.grid import snapped, uniform
+from synthesis.formulations.rounds.knots import finer
 from synthesis.formulations.rounds.missed import misses
 from synthesis.formulations.rounds.search import Search, Stage
 from synthesis.limits import Limit

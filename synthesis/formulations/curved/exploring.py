@@ -13,20 +13,20 @@ from math import inf, isfinite
 import numpy as np
 
 from synthesis.formulations.bounds.bound import Bound, bound
+from synthesis.formulations.bounds.multipliers import ends_priced, heard
+from synthesis.formulations.bounds.spreading import Spreading
 from synthesis.formulations.cams.candidate import Candidate, settle
 from synthesis.formulations.cone.control import Control
 from synthesis.formulations.cone.convex import Plan, formulate, with_rows
-from synthesis.formulations.curved.farther import beyond
-from synthesis.formulations.question.grid import Grid, merged, over, uniform
-from synthesis.formulations.rounds.knots import all_halved, finer
-from synthesis.formulations.curved.lair import Guess, Lair
-from synthesis.formulations.bounds.multipliers import ends_priced, heard
-from synthesis.formulations.curved.narrowing import narrowed
-from synthesis.formulations.question.problem import Held, Nothing, Problem
-from synthesis.formulations.curved.resting import resting, risen
 from synthesis.formulations.cone.rows import Block, Scales
+from synthesis.formulations.curved.farther import beyond
+from synthesis.formulations.curved.lair import Guess, Lair
+from synthesis.formulations.curved.narrowing import narrowed
+from synthesis.formulations.curved.resting import resting, risen
+from synthesis.formulations.question.grid import Grid, merged, over, uniform
+from synthesis.formulations.question.problem import Held, Nothing, Problem
+from synthesis.formulations.rounds.knots import all_halved, finer
 from synthesis.formulations.rounds.search import Search
-from synthesis.formulations.bounds.spreading import Spreading
 from synthesis.motion import Stretch
 from synthesis.numerics.piecewise import Array
 from synthesis.solvers.clarabel import ConeSolution, solve

@@ -10,8 +10,8 @@ from collections.abc import Iterator, Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from synthesis.formulations.question.problem import Problem
 from synthesis.formulations.cone.rows import Block, Scales
+from synthesis.formulations.question.problem import Problem
 from synthesis.motion import Stretch
 from synthesis.numerics.piecewise import Array
 from synthesis.terms import Moving, Seen

@@ -10,14 +10,14 @@ from synthesis.limits import Limit
 
 SAMPLES = 200  # of a stretch
 BINDS = -1e-2  # a smooth limit above this, relative, binds
-IN_PROOF = "which a thorough proof takes in"
-NO_JERK = "which a thorough proof takes in where every free law has a jerk limit"
+OPENING = "; not wholly in it: "
+IN_PROOF = "which a thorough proof takes in where every free law has a jerk limit"
 
 
-def left_out(state: Search, *, thorough: bool) -> str:
+def left_out(state: Search) -> str:
     """The end of a sentence on what the bound covers; empty where nothing is missing."""
     best = state.best
-    if best is None or state.close(best) or not state.over:
+    if best is None or state.close(best) or not state.over or OPENING in state.over:
         return ""
     missing = [
         limit
@@ -28,13 +28,13 @@ def left_out(state: Search, *, thorough: bool) -> str:
     groups = dict[str, list[str]]()
     for limit in missing:
         known = any(limit.traced(stretch, machine) for stretch in stretches)
-        word = (NO_JERK if thorough else IN_PROOF) if known and state.problem.free else ""
+        word = IN_PROOF if known and state.problem.free else ""
         groups.setdefault(word, []).append(limit.kind)
     parts = [
         ", ".join([" and ".join(names), *([word] if word else [])])
         for word, names in groups.items()
     ]
-    return "; not wholly in it: " + "; ".join(parts) if parts else ""
+    return OPENING + "; ".join(parts) if parts else ""
 
 
 def _binds(cam: Candidate, limit: Limit) -> bool:

@@ -9,25 +9,32 @@ from math import inf, sqrt
 import numpy as np
 
 from synthesis.formulations.bounds.bound import Bound, bound, in_core_units
-from synthesis.formulations.cams.candidate import Candidate, at_size, grow, needs_size, settle, smallest
+from synthesis.formulations.cams.candidate import (
+    Candidate,
+    at_size,
+    grow,
+    needs_size,
+    settle,
+    smallest,
+)
 from synthesis.formulations.cams.closed_form import nearest
-from synthesis.formulations.curved.closing import close
 from synthesis.formulations.cone.convex import Plan, formulate
+from synthesis.formulations.cone.rows import Drawn
+from synthesis.formulations.curved.closing import close
 from synthesis.formulations.curved.everywhere import enclose
+from synthesis.formulations.curved.tangency import turned
 from synthesis.formulations.ladder.gentlest import gentlest
-from synthesis.formulations.question.grid import Grid, uniform
-from synthesis.formulations.rounds.knots import all_halved, denser, finer
 from synthesis.formulations.ladder.leaving import left_out
-from synthesis.formulations.nonconvex.local import nonlinear
-from synthesis.formulations.rounds.missed import ALLOWED, misses
-from synthesis.formulations.rounds.neighbour import Neighbour
 from synthesis.formulations.ladder.pinned import pinned
 from synthesis.formulations.ladder.polish import polish
-from synthesis.formulations.question.problem import Problem
-from synthesis.formulations.cone.rows import Drawn
-from synthesis.formulations.rounds.search import Search, Stage
 from synthesis.formulations.ladder.steepness import steepness
-from synthesis.formulations.curved.tangency import turned
+from synthesis.formulations.nonconvex.local import nonlinear
+from synthesis.formulations.question.grid import Grid, uniform
+from synthesis.formulations.question.problem import Problem
+from synthesis.formulations.rounds.knots import all_halved, denser, finer
+from synthesis.formulations.rounds.missed import ALLOWED, misses
+from synthesis.formulations.rounds.neighbour import Neighbour
+from synthesis.formulations.rounds.search import Search, Stage
 from synthesis.numerics.digits import rounded
 from synthesis.numerics.piecewise import Array
 from synthesis.solvers.clarabel import ConeSolution, solve
@@ -69,7 +76,7 @@ def search(
     """
     state = Search(problem, tolerance, deadline, tighten, near=near)
     _searched(state, thorough=thorough)
-    state.round_off().over += left_out(state, thorough=thorough)
+    state.round_off().over += left_out(state)
     return state
 
 

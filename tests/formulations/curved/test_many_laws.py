@@ -8,17 +8,17 @@ import pytest
 from scipy.optimize import linprog
 
 from synthesis import DesignSpec
+from synthesis.formulations.cone.convex import formulate
+from synthesis.formulations.cone.pieces import Whole
 from synthesis.formulations.curved import narrowing
 from synthesis.formulations.curved.closing import asked, binding
-from synthesis.formulations.cone.convex import formulate
 from synthesis.formulations.curved.exploring import Box, climbed, holding
-from synthesis.formulations.question.grid import Grid, uniform
 from synthesis.formulations.curved.lair import unknown
 from synthesis.formulations.curved.narrowing import narrowed
-from synthesis.formulations.cone.pieces import Whole
 from synthesis.formulations.curved.planes import Planes, all_round
-from synthesis.formulations.question.problem import pose
 from synthesis.formulations.ladder.refine import search
+from synthesis.formulations.question.grid import Grid, uniform
+from synthesis.formulations.question.problem import pose
 
 OMEGA, SHARES = 10.0, (1.03, 0.91, 0.97, 1.12, 0.88, 1.06, 1.1, 0.93)
 

@@ -13,8 +13,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from synthesis import Design, DesignSpec, synthesise
-from synthesis.formulations.question.problem import pose
 from synthesis.formulations.curved.resting import risen
+from synthesis.formulations.question.problem import pose
 from synthesis.terms import Moving
 
 RPM, MASS, DAMPING, RATE, PRELOAD, WIDTH, ROLLER = 317.0, 2.1, 31.0, 6.3, 410.0, 12.3, 9.7
