@@ -21,9 +21,11 @@ import dask
 from distributed import Client, KilledWorker, Worker, WorkerPlugin
 from distributed.client import FutureCancelledError
 from distributed.comm.core import CommClosedError
+from distributed.utils import get_mp_context
 
 from service.settings import Settings
 from service.wire.errors import Busy, EngineUnreachable, WorkerLost
+from service.workers import forks
 from service.workers.cluster import DIED, Keeper, OwnCluster
 from service.workers.solve import Answer, Task, solve, warm_up
 from service.workers.stopping import stop, stoppable
@@ -38,6 +40,7 @@ CONFIGURATION = {
     "distributed.scheduler.work-stealing": False,
     "distributed.scheduler.allowed-failures": 0,  # a design that kills its worker gets one
     "distributed.scheduler.worker-saturation": 1.0,
+    "distributed.worker.multiprocessing-method": forks.METHOD,
     "distributed.worker.profile.enabled": False,
     "distributed.admin.system-monitor.gil.enabled": False,
     "distributed.admin.system-monitor.interval": "5s",
@@ -313,6 +316,9 @@ async def _connected(address: str, warming: WarmUp) -> Any:
 
 @asynccontextmanager
 async def _own_cluster(settings: Settings) -> AsyncIterator[Any]:
+    name_modules: Any = get_mp_context
+    name_modules()  # what is to be imported before forks: Dask does once, and then we do
+    forks.prepare()
     make: Any = OwnCluster
     cluster = make(
         n_workers=settings.workers,

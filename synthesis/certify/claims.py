@@ -11,7 +11,6 @@ from synthesis.certify.joints import NAMES, joins
 from synthesis.certify.loaded import cuts, measurable
 from synthesis.certify.overshoot import overshoot
 from synthesis.certify.quantities import (
-    QUANTITIES,
     Measurable,
     Size,
     corner,
@@ -19,7 +18,7 @@ from synthesis.certify.quantities import (
     infinite,
 )
 from synthesis.certify.residual import left_ringing
-from synthesis.certify.simple import crosses, depth, rounding, rounds_axis
+from synthesis.certify.simple import apart, crosses, rounding, rounds_axis
 from synthesis.certify.states import states
 from synthesis.certify.tables import tables
 from synthesis.design import Extreme
@@ -98,16 +97,16 @@ def _judged(
         if jump is None
     ]
     rounds = rounding(course, machine)
-    questions += [rounds_axis(course, flank, len(measured) + k) for k, flank in enumerate(rounds)]
-    measured += [(QUANTITIES["tangent_distance"], flank.path) for flank in rounds]
-    answers = iter(enclose_all(measured, course, machine, size, questions))
+    asked, distances = rounds_axis(course, rounds, len(measured))
+    answers = iter(
+        enclose_all([*measured, *distances], course, machine, size, [*questions, *asked])
+    )
     each = iter(
         _extreme(claim, next(answers)) if jump is None else _infinite(claim, jump, machine)
         for claim, jump in zip(angled, jumps, strict=True)
     )
     found = [_ringing(claim, course) if claim.rings else next(each) for claim in claims]
-    told = zip(rounds, answers, strict=True)
-    return found, [flank for flank, answer in told if answer.extreme.lower > depth(flank)]
+    return found, apart(rounds, answers)
 
 
 def _ringing(claim: Claim, course: Course) -> Extreme:

@@ -86,14 +86,6 @@ class Piecewise:
             tables.append(last[:, 1:] * np.arange(1, last.shape[1]))
         return tables
 
-    @cached_property
-    def table(self) -> Array:
-        """Polynomials of f and its derivatives until they vanish, as wide as f's: (d+1, n, d+1)."""
-        found = np.zeros((len(self._powers), *self.poly.shape))
-        for order, table in enumerate(self._powers):
-            found[order, :, : table.shape[1]] = table
-        return found
-
     def piece_of(self, x: Array, side: Side = "right") -> NDArray[np.intp]:
         """Index of the piece that holds each x; at a break the piece on the given side."""
         found = np.searchsorted(self.breaks, x, side=side) - 1
@@ -143,15 +135,18 @@ class Piecewise:
 
         The values of ``at`` but for roundings, in half of the time.
         """
+        value = np.zeros((highest + 1, len(x)))
+        if self.still:
+            value[0] = self.poly[piece, 0]
+            return value
         t = x - self.origins[piece]
         first, *others = self._falling[:, piece]
         rows = [first]  # f^(k) / k! of what Horner's scheme has come to, for all k at once
         for coefficient in others:
             pairs = zip(rows, (coefficient, *rows), strict=False)
             rows = [*(row * t + below for row, below in pairs), rows[-1]][: highest + 1]
-        value = np.zeros((highest + 1, len(t)))
-        value[: len(rows)] = rows
-        value *= np.array([factorial(order) for order in range(highest + 1)])[:, None]
+        for order, row in enumerate(rows):
+            np.multiply(row, float(factorial(order)), out=value[order])
         if self.waves.shape[1]:
             amplitude, frequency, phase = np.moveaxis(self.waves[piece], -1, 0)
             angle = frequency * t[:, None] + phase

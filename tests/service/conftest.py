@@ -14,7 +14,8 @@ import pytest
 import uvicorn
 
 from service.app import create_app
-from service.run import bound, web
+from service.listening import bound
+from service.run import web
 from service.settings import Settings
 from service.wire.observe import configure_logs
 from service.workers.engine import Engine, running_engine

@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 from synthesis.formulations.cone import rows
 from synthesis.formulations.cone.exchange import tightest
 from synthesis.formulations.question.problem import Problem
+from synthesis.motion import Stretch
 from synthesis.numerics.peaks import heights
 from synthesis.numerics.piecewise import Array
 from synthesis.terms import Row
@@ -27,12 +28,17 @@ SETTLED = 1e-12  # of the norm: what a size may stick out of a half-plane
 
 def half_planes(problem: Problem) -> tuple[Array, Array]:
     """normals · z ≤ offsets for every row and bound, on settled stretches: (k, n), (k,)."""
-    bounding: list[tuple[Row, float]] = []
+    asked: list[tuple[Stretch, list[Row]]] = []
     for stretch in problem.stretches:
         own = [row for row in problem.rows_on(stretch, 0.0) if row.size and not row.level]
         if own:
-            worst = heights(stretch.placed(), [row.coefficients for row in own])
-            bounding += zip(own, worst.tolist(), strict=True)
+            asked.append((stretch, own))
+    tops = heights([(s.placed(), [row.coefficients for row in own]) for s, own in asked])
+    bounding = [
+        pair
+        for (_, own), worst in zip(asked, tops, strict=True)
+        for pair in zip(own, worst.tolist(), strict=True)
+    ]
     low, high = np.array(problem.sizing.bounds).T
     unit = np.eye(len(low))
     if not bounding:
@@ -77,10 +83,8 @@ def _least(problem: Problem, normals: Array, offsets: Array) -> Vector | None:
     inverse = inverted(norm.matrix)
     a = normals @ inverse
     b = offsets + a @ shift
-    length = np.linalg.norm(a, axis=1)
-    a, b = a / length[:, None], b / length
-    scale = max(problem.length, float(np.min(np.abs(b[np.isfinite(b)]), initial=0.0)))
-    found = _nearest_to_origin(a, b, 1e-12 * scale)
+    length = np.sqrt((a * a).sum(axis=1))
+    found = _nearest_to_origin(a / length[:, None], b / length, 1e-12 * problem.length)
     if found is None:
         return None
     return tuple((inverse @ (found - shift)).tolist())
@@ -112,13 +116,12 @@ def _lowest(normals: Array, offsets: Array, level: Array, length: float) -> Vect
 def _nearest_to_origin(a: Array, b: Array, tolerance: float) -> Array | None:
     """Origin, foot on one line, or corner of two: the feasible candidate of least norm."""
     feet = a * b[:, None]
-    candidates = np.vstack([np.zeros((1, a.shape[1])), feet, _corners(a, b)])
-    reach = tolerance + 1e-13 * np.max(np.abs(candidates), axis=1)
-    inside = np.all(candidates @ a.T <= b + reach[:, None], axis=1)
-    if not inside.any():
+    candidates = np.concatenate([np.zeros((1, a.shape[1])), feet, _corners(a, b)])
+    reach = tolerance + 1e-13 * np.abs(candidates).max(axis=1)
+    allowed = candidates[(candidates @ a.T <= b + reach[:, None]).all(axis=1)]
+    if not len(allowed):
         return None
-    allowed = candidates[inside]
-    return np.asarray(allowed[np.argmin(np.sum(allowed**2, axis=1))])
+    return np.asarray(allowed[(allowed * allowed).sum(axis=1).argmin()])
 
 
 @lru_cache(maxsize=64)
@@ -136,6 +139,7 @@ def _corners(a: Array, b: Array) -> Array:
     cross = a[first, 0] * a[second, 1] - a[first, 1] * a[second, 0]
     meeting = np.abs(cross) > 1e-12
     i, j, d = first[meeting], second[meeting], cross[meeting]
-    x = (b[i] * a[j, 1] - b[j] * a[i, 1]) / d
-    y = (a[i, 0] * b[j] - a[j, 0] * b[i]) / d
-    return np.stack([x, y], axis=1)
+    found = np.empty((len(d), 2))
+    found[:, 0] = (b[i] * a[j, 1] - b[j] * a[i, 1]) / d
+    found[:, 1] = (a[i, 0] * b[j] - a[j, 0] * b[i]) / d
+    return found

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cache
+from itertools import pairwise
 
 import numpy as np
 from numpy.typing import NDArray
@@ -59,16 +60,28 @@ def _parts(count: int) -> Array:
 
 def violation(problem: Problem, samples: list[Samples], size: Vector) -> float:
     """Largest value of the smooth expressions (≤ 0: all hold); −inf where there are none."""
-    return max((float(np.max(_worst(problem, part, size))) for part in samples), default=-np.inf)
+    return max((float(v.max()) for v in _values(problem, samples, size)), default=-np.inf)
 
 
-def _worst(problem: Problem, part: Samples, size: Vector) -> Array:
-    """The largest smooth expression at every point, ∞ where one has no value: (n,)."""
-    worst = np.full(len(part.theta), -np.inf)
+def _values(problem: Problem, samples: list[Samples], size: Vector) -> list[Array]:
+    """The largest smooth expression at every point of each part, ∞ where one has no value."""
+    if not samples:
+        return []
+    first, ends = samples[0].stretch, np.cumsum([0, *(len(part.theta) for part in samples)])
+    theta = np.concatenate([part.theta for part in samples])
+    s = np.concatenate([part.s for part in samples], axis=1)
+    worst = np.full(len(theta), -np.inf)
+    found = [worst[low:high] for low, high in pairwise(ends.tolist())]
     for limit in problem.limits:
-        for value in limit.smooth(part.stretch, problem.machine, part.theta, part.s, size):
-            worst = np.maximum(worst, np.where(np.isnan(value), np.inf, value))
-    return worst
+        if limit.same_everywhere:
+            for value in limit.smooth(first, problem.machine, theta, s, size):
+                np.maximum(worst, value, out=worst)
+            continue
+        for part, own in zip(samples, found, strict=True):
+            for value in limit.smooth(part.stretch, problem.machine, part.theta, part.s, size):
+                np.maximum(own, value, out=own)
+    worst[np.isnan(worst)] = np.inf
+    return found
 
 
 def grown(problem: Problem, size: Vector, margin: float) -> Vector | None:
@@ -96,7 +109,7 @@ def _grown(
     problem: Problem, samples: list[Samples], size: Vector, margin: float
 ) -> tuple[Vector, list[Array]] | None:
     """The same at given samples alone; with the largest expression at every one of them."""
-    follower, room = problem.machine.follower, problem.room(size)
+    follower = problem.machine.follower
 
     def excess(raised: float) -> float:
         return violation(problem, watched, follower.raised(size, raised)) + margin
@@ -104,10 +117,11 @@ def _grown(
     high, keep = 0.0, [np.zeros(1, dtype=bool)] * len(samples)
     for slack in WATCHED:
         at = follower.raised(size, high)
-        value = [_worst(problem, part, at) for part in samples]
+        value = _values(problem, samples, at)
         worst = max(float(v.max()) for v in value) + margin
         if worst <= 0.0:
             return at, value
+        room = problem.room(size)
         # points that were slack so far may come to bind on a larger cam: watch them from now on
         keep = [k | (v > slack) for k, v in zip(keep, value, strict=True)]
         watched = [p.at(k) for p, k in zip(samples, keep, strict=True) if np.any(k)]
@@ -131,7 +145,7 @@ def peaks(
     """
     found, parts = [], samples[: len(problem.stretches)]
     if values is None:
-        values = [_worst(problem, part, size) for part in parts]
+        values = _values(problem, parts, size)
     for part, value in zip(parts, values, strict=False):
         if np.max(value) <= NEAR:
             continue
@@ -156,7 +170,7 @@ def _zoomed(problem: Problem, part: Samples, size: Vector, top: NDArray[np.intp]
         tried = np.clip(theta[:, None] + reach[:, None] * step, left[:, None], right[:, None])
         on = np.repeat(piece, len(step))
         s = curve.jet(tried.ravel(), on, 3)
-        value = _worst(problem, Samples(part.stretch, tried.ravel(), s, on), size)
+        (value,) = _values(problem, [Samples(part.stretch, tried.ravel(), s, on)], size)
         best = np.argmax(value.reshape(tried.shape), axis=1)
         theta, reach = tried[np.arange(len(theta)), best], reach / 4.0
     s = curve.jet(theta, piece, 3)

@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 import asyncio
+import gc
 import os
 import signal
+import sys
 from collections.abc import Awaitable, Callable
 from pathlib import Path
 from typing import Any
@@ -40,10 +42,10 @@ async def process_of(client: Any) -> int:
     return number
 
 
-async def killed(cluster: Any, client: Any) -> int:
-    """Kill the worker, and wait until the scheduler has noticed; its process."""
+async def killed(cluster: Any, client: Any, process: int | None = None) -> int:
+    """Kill the worker, or another process, and wait until the scheduler has lost the worker."""
     (address,) = cluster.scheduler.workers
-    process = await process_of(client)
+    process = process or await process_of(client)
     os.kill(process, signal.SIGKILL)
     while address in cluster.scheduler.workers:  # noqa: ASYNC110 (Dask has no event for it)
         await asyncio.sleep(0.01)
@@ -93,6 +95,33 @@ def test_a_keeper_that_has_ended_is_replaced(tmp_path: Path) -> None:
         assert another is not keeper
 
     with_one_worker(tmp_path, story)
+
+
+def test_workers_are_forks_of_one_process_without_threads(tmp_path: Path) -> None:
+    """A fork has the forking thread only: what another one holds then is never let go of."""
+
+    async def story(cluster: Any, client: Any) -> None:
+        forking: int = await client.submit(os.getppid, pure=False)
+        assert threads(forking) == 1
+        assert await client.submit(held_back, pure=False) > 100_000
+        first = await process_of(client)
+        await killed(cluster, client, forking)  # its keeper takes the worker for lost then
+        assert await process_of(client) != first
+        assert await client.submit(os.getppid, pure=False) != forking
+        assert await client.submit(held_back, pure=False) > 100_000
+
+    with_one_worker(tmp_path, story)
+
+
+def threads(process: int) -> int:
+    return len([*Path(f"/proc/{process}/task").iterdir()])
+
+
+def held_back() -> int:
+    """In a worker: objects that its garbage collector leaves alone, and so shares."""
+    assert "synthesis.pipeline" in sys.modules
+    assert gc.isenabled()
+    return gc.get_freeze_count()
 
 
 def test_an_unknown_worker_that_leaves_does_not_end_the_watch(tmp_path: Path) -> None:

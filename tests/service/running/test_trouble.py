@@ -6,6 +6,7 @@ from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 from typing import Any
 
+import dask
 import httpx2
 import pytest
 
@@ -64,11 +65,14 @@ def test_faults_of_ours_say_nothing_of_the_inside(client: httpx2.Client) -> None
     is_problem(post(client, spec("solver")), 500, "solver-failed")
 
 
-def test_twenty_at_once(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_twenty_at_once(tmp_path: Path) -> None:
     log = tmp_path / "log"
-    monkeypatch.setenv(LOG, str(log))
     settings = settings_for(tmp_path, workers=1)
-    with Running(settings, real=False) as service, ThreadPoolExecutor(20) as pool:
+    with (
+        dask.config.set({"distributed.nanny.environ": {LOG: str(log)}}),
+        Running(settings, real=False) as service,
+        ThreadPoolExecutor(20) as pool,
+    ):
         bodies = [spec("sleep 0.05") for _ in range(20)]
         answers = list(pool.map(lambda body: post(service.client, body), bodies))
         assert {answer.status_code for answer in answers} == {200}
