@@ -23,10 +23,8 @@ SLACK = 0.08  # of the tolerance: what tangents may leave to growing
 MOST = 4e-4  # of a value: the same, whatever the tolerance
 MENDED = 2.0  # times as much: what rows between their points may cost besides
 DRAWN = 1e-6  # relative: by how much limits are drawn in at spots
-RETRIES, DRAWN_MORE = (
-    2,
-    0.5,
-)  # of what may be left to growing: the same where growing does not mend all
+RETRIES = 2  # where growing does not mend all
+DRAWN_MORE = 0.5  # of what may be left to growing: by how much limits are drawn in then
 
 
 def by_tangents(
