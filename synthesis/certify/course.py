@@ -137,36 +137,33 @@ class Course:
         n = self.curve.count
         x = np.concatenate([self.curve.breaks[1:], self.curve.breaks[self.after]])
         values, errors = self.jets.derivatives(np.concatenate([np.arange(n), self.after]), x)
-        rows = max(len(values), HIGHEST_JOIN + 2)
-        filled = np.zeros((2, rows, 2 * n))
-        filled[0, : len(values)], filled[1, : len(values)] = values, errors
+        count = HIGHEST_JOIN + 1
         # the joint's angle is itself rounded
-        rounding = filled[1] + np.roll(np.abs(filled[0]), -1, axis=0) * ANGLE_ROUNDING
-        rounding = (rounding[:, :n] + rounding[:, n:])[: HIGHEST_JOIN + 1]
-        value = filled[0, : HIGHEST_JOIN + 1]
-        return value[:, :n], value[:, n:], rounding
+        rounding = errors[:count] + np.abs(values[1 : count + 1]) * ANGLE_ROUNDING
+        value = values[:count]
+        return value[:, :n], value[:, n:], rounding[:, :n] + rounding[:, n:]
 
     @cached_property
     def _jumps(self) -> tuple[Array, Array, NDArray[np.bool_]]:
         """What is between the sides, what of it counts as joined, where it is more: (5, n)."""
         left, right, rounding = self._sides
         length = np.diff(self.curve.breaks)
-        natural = self._scale(self._beta)
-        allowed = JOIN_TOLERANCE * natural + SHAPE_TOLERANCE * self._scale(length) + rounding
+        natural, shape = self._scales(np.stack([self._beta, length]))
+        allowed = JOIN_TOLERANCE * natural + SHAPE_TOLERANCE * shape + rounding
         sizes = right - left
         return sizes, allowed, ~(np.abs(sizes) <= allowed)
 
-    def _scale(self, length: Array) -> Array:
-        """Lift over powers of a length, the larger of both sides of each joint: (5, n).
+    def _scales(self, lengths: Array) -> Array:
+        """Lift over powers of lengths (k, n), the larger of both sides of each joint: (k, 5, n).
 
         Between two dwells the whole stroke stands for the lift.
         """
-        powers = np.ones((HIGHEST_JOIN + 1, len(length)))
-        for order in range(1, len(powers)):
-            powers[order] = powers[order - 1] * length
+        powers = np.ones((len(lengths), HIGHEST_JOIN + 1, self.curve.count))
+        for order in range(1, HIGHEST_JOIN + 1):
+            powers[:, order] = powers[:, order - 1] * lengths
         sides = self._lift / powers
-        scale = np.maximum(sides, sides[:, self.after])
-        spare = self.stroke / np.minimum(powers, powers[:, self.after])
+        scale = np.maximum(sides, sides.take(self.after, axis=-1))
+        spare = self.stroke / np.minimum(powers, powers.take(self.after, axis=-1))
         return np.maximum(np.where(scale > 0.0, scale, spare), TINY)
 
     def worst(self, order: int, joints: Indices) -> Jump:

@@ -52,6 +52,11 @@ class Sight:
         tx, ty = self.tangent
         return tx * tx + ty * ty
 
+    @cached_property
+    def speed(self) -> Any:
+        """|T|."""
+        return np.sqrt(self.square)
+
 
 Formula = Callable[[Sight], Any]
 
@@ -68,14 +73,14 @@ def pitch_curvature(at: Sight) -> Any:
     _, (dx, dy), (ax, ay), *_ = at.point
     tx, ty = at.tangent
     sx, sy = ax + dy + ty, ay - dx - tx
-    return (ty * sx - tx * sy) * at.square**-1.5
+    return (ty * sx - tx * sy) / (at.square * at.speed)
 
 
 def tangent_distance(at: Sight) -> Any:
     """n · p: how far the curve's tangent passes the cam's axis, positive with the axis inside."""
     (px, py), *_ = at.point
     tx, ty = at.tangent
-    return (py * tx - px * ty) * at.square**-0.5
+    return (py * tx - px * ty) / at.speed
 
 
 def pitch_radius(at: Sight) -> Any:

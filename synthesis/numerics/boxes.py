@@ -42,9 +42,10 @@ class Boxes:
         """
         parts = np.where(last > first, counts[pieces], 1)
         step = (last - first) / parts
-        owner, nth = _counted(parts)
-        lo = first[owner] + nth * step[owner]
-        hi = np.where(nth + 1 == parts[owner], last[owner], first[owner] + (nth + 1) * step[owner])
+        owner, nth, behind = _counted(parts)
+        start, width = first[owner], step[owner]
+        lo, hi = start + nth * width, start + (nth + 1) * width
+        hi[behind - 1] = last
         return cls(pieces[owner], lo, hi, asked[:, owner])
 
     def left(self, asked: Mask) -> Boxes:
@@ -69,7 +70,7 @@ class Boxes:
         """Each cut at those of the sorted points that lie inside of it."""
         before, behind = np.searchsorted(cuts, self.lo, "right"), np.searchsorted(cuts, self.hi)
         parts = np.maximum(behind - before, 0) + 1
-        owner, nth = _counted(parts)
+        owner, nth, _ = _counted(parts)
         lo, hi, cut = self.lo[owner], self.hi[owner], before[owner] + nth
         inner = np.flatnonzero(nth)  # of neighbours in one box
         lo[inner] = hi[inner - 1] = cuts[cut[inner] - 1]
@@ -81,7 +82,10 @@ class Boxes:
         return Boxes(*(np.concatenate(pair, axis=-1) for pair in pairs))
 
 
-def _counted(parts: Indices) -> tuple[Indices, Indices]:
-    """Of things with so many parts each, (n,): whose each part is, and the how manieth of it."""
-    owner = np.repeat(np.arange(len(parts)), parts)
-    return owner, np.arange(len(owner)) - np.repeat(np.cumsum(parts) - parts, parts)
+def _counted(parts: Indices) -> tuple[Indices, Indices, Indices]:
+    """Of things with so many parts each, (n,): whose each part is, and the how manieth of it.
+
+    The third is how many parts there are up to each thing's last one, (n,).
+    """
+    owner, behind = np.repeat(np.arange(len(parts)), parts), np.cumsum(parts)
+    return owner, np.arange(len(owner)) - (behind - parts)[owner], behind

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from functools import cached_property
+from functools import cache, cached_property
 from math import factorial
 from typing import Literal
 
@@ -26,6 +26,32 @@ def distinct(values: Array) -> Array:
     new[:1] = True
     np.not_equal(found[1:], found[:-1], out=new[1:])
     return np.asarray(found[new])
+
+
+def horner(falling: Array, t: Array, highest: int) -> Array:
+    """Polynomials and their derivatives up to this one at t, all in one run of Horner's scheme.
+
+    Args:
+        falling: (d+1, …) coefficients, highest power first. t: (…).
+
+    Returns:
+        (highest + 1, …), to within 3 d + 2 roundings of the terms, that of t included.
+    """
+    first, *others = falling
+    rows = [first]  # f^(k) / k! of what the scheme has come to
+    for coefficient in others:
+        pairs = zip(rows, (coefficient, *rows), strict=False)
+        rows = [*(row * t + below for row, below in pairs), rows[-1]][: highest + 1]
+    value = np.zeros((highest + 1, *first.shape))
+    value[: len(rows)] = rows
+    return value * _factorials(highest, first.ndim)
+
+
+@cache
+def _factorials(highest: int, axes: int) -> Array:
+    """0!, 1!, … along the first of some more axes."""
+    found = np.array([float(factorial(order)) for order in range(highest + 1)])
+    return found.reshape(-1, *[1] * axes)
 
 
 @dataclass(frozen=True, eq=False)
@@ -144,14 +170,7 @@ class Piecewise:
         The values of ``at`` but for roundings, in half of the time.
         """
         t = x - self.origins[piece]
-        first, *others = self._falling[:, piece]
-        rows = [first]  # f^(k) / k! of what Horner's scheme has come to, for all k at once
-        for coefficient in others:
-            pairs = zip(rows, (coefficient, *rows), strict=False)
-            rows = [*(row * t + below for row, below in pairs), rows[-1]][: highest + 1]
-        value = np.zeros((highest + 1, len(t)))
-        value[: len(rows)] = rows
-        value *= np.array([factorial(order) for order in range(highest + 1)])[:, None]
+        value = horner(self.falling.take(piece, axis=-1), t, highest)
         if self.waves.shape[1]:
             amplitude, frequency, phase = np.moveaxis(self.waves[piece], -1, 0)
             angle = frequency * t[:, None] + phase
@@ -163,7 +182,7 @@ class Piecewise:
         return value
 
     @cached_property
-    def _falling(self) -> Array:
+    def falling(self) -> Array:
         """Coefficients, highest power first: (d+1, n)."""
         return np.ascontiguousarray(self.poly.T[::-1])
 

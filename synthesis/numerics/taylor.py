@@ -222,8 +222,7 @@ class Taylor(OnModels):
 
     def range(self) -> tuple[Array, Array]:
         """Largest and smallest value of the quadratic over t in [−1, 1], as in ``extremes``."""
-        ends = np.where(self.c2 == 0.0, 1.0, self.c2)
-        vertex = np.minimum(np.maximum(-0.5 * self.c1 / ends, -1.0), 1.0)
+        vertex = np.fmin(np.fmax(-0.5 * self.c1 / self.c2, -1.0), 1.0)  # of 0/0, an end
         there = self.c0 + vertex * (self.c1 + vertex * self.c2)
         middle, slope = self.c0 + self.c2, np.abs(self.c1)
         return np.maximum(middle + slope, there), np.minimum(middle - slope, there)

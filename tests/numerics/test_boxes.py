@@ -78,3 +78,17 @@ def test_of_equal_peaks_the_first_is_seen_whatever_their_last_digits() -> None:
         with np.errstate(all="ignore"):
             seen = sighted(boxes, heights, Bounds(np.array([-np.inf]), np.array([0.61])))
         assert seen.at == pytest.approx([0.4123], abs=1e-5)
+
+
+def test_of_many_peaks_that_are_nothing_the_first_is_seen() -> None:
+    ends = np.arange(9.0)
+    boxes = Boxes.spans(np.arange(9), ends, ends + 1.0, np.full(9, 1), np.ones((2, 9), dtype=bool))
+
+    def heights(piece, x):
+        hill = -((x - piece - 0.5) ** 2)
+        return np.stack([hill, hill - 0.01 * (piece == 0) + 0.02 * (piece == 7)])
+
+    with np.errstate(all="ignore"):
+        seen = sighted(boxes, heights, Bounds(np.full(2, -np.inf), np.zeros(2)))
+    np.testing.assert_array_equal(seen.question, [0, 1])
+    np.testing.assert_allclose(seen.at, [0.5, 7.5], atol=1e-12)
