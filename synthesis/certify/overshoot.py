@@ -85,8 +85,10 @@ def _travel(course: Course, pieces: Indices) -> tuple[Array, Array, int]:
     whole = _on_pieces(course, pieces)
     coarse = ~(whole <= fine[owner] / np.bincount(owner)[owner])
     most += np.bincount(owner[~coarse], whole[~coarse], len(stretches))
+    if not coarse.any():
+        return least, most, count
     boxes = _Boxes(pieces, breaks[pieces], breaks[pieces + 1]).take(coarse).split(FIRST)
-    for round_ in range(ROUNDS if coarse.any() else 0):
+    for round_ in range(ROUNDS):
         low, high = _on_boxes(course, boxes)
         count += len(low)
         owner = course.stretch[boxes.piece]

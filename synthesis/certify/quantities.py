@@ -8,7 +8,7 @@ machine frame. Nothing here comes from the closed forms that the formulations us
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from functools import cached_property
 from typing import Any, Protocol
 
@@ -212,7 +212,7 @@ def enclose_all(
         course, machine, size: the cam.
         questions: what is asked, to the width that each says and what is good enough anyway.
     """
-    traces = {path: traced(machine, path) for _, path in subjects}
+    traces = {path: traced(machine, path) for path in {path for _, path in subjects}}
     scale = machine.follower.radius(size)
 
     def models(piece: Indices, lo: Array, hi: Array, wanted: Sequence[int]) -> list[Taylor]:
@@ -229,8 +229,7 @@ def enclose_all(
         return [quantity.at(seen[path], (piece, x)) for quantity, path in asked]
 
     enough = [quantity.absolute + quantity.share * scale for quantity, _ in subjects]
-    asked = [replace(q, absolute=q.absolute + enough[q.function]) for q in questions]
-    return enclose(models, course.curve.breaks, course.counts, asked, values)
+    return enclose(models, course.curve.breaks, course.counts, questions, values, enough)
 
 
 def infinite(

@@ -46,7 +46,7 @@ class Boxes:
         start, width = first[owner], step[owner]
         lo, hi = start + nth * width, start + (nth + 1) * width
         hi[behind - 1] = last
-        return cls(pieces[owner], lo, hi, asked[:, owner])
+        return cls(pieces[owner], lo, hi, asked.take(owner, axis=1))
 
     def left(self, asked: Mask) -> Boxes:
         """Those that are still asked for."""
@@ -55,7 +55,9 @@ class Boxes:
 
     def at(self, which: Indices) -> Boxes:
         """Some of them, in this order."""
-        return Boxes(self.piece[which], self.lo[which], self.hi[which], self.asked[:, which])
+        return Boxes(
+            self.piece[which], self.lo[which], self.hi[which], self.asked.take(which, axis=1)
+        )
 
     def split(self) -> Boxes:
         """Each cut into equal parts: into many where there are few, for a round costs much."""
@@ -74,7 +76,7 @@ class Boxes:
         lo, hi, cut = self.lo[owner], self.hi[owner], before[owner] + nth
         inner = np.flatnonzero(nth)  # of neighbours in one box
         lo[inner] = hi[inner - 1] = cuts[cut[inner] - 1]
-        return Boxes(self.piece[owner], lo, hi, self.asked[:, owner])
+        return Boxes(self.piece[owner], lo, hi, self.asked.take(owner, axis=1))
 
     def joined(self, other: Boxes) -> Boxes:
         """These and the others."""

@@ -127,10 +127,14 @@ class _View:
 class _Search:
     """One branch and bound: the best excess found, and the largest one not excluded."""
 
-    def __init__(self, questions: Sequence[Question]) -> None:
+    def __init__(self, questions: Sequence[Question], enough: Sequence[float] | None) -> None:
         count = len(questions)
+        spare = [0.0 if enough is None else enough[q.function] for q in questions]
         self.lower, self.upper, self.relative, self.absolute = np.array(
-            [(q.lower, q.upper, q.relative, q.absolute) for q in questions]
+            [
+                (q.lower, q.upper, q.relative, q.absolute + more)
+                for q, more in zip(questions, spare, strict=True)
+            ]
         ).T
         self.function = [q.function for q in questions]
         self.closely = np.flatnonzero(self.absolute < np.inf)
@@ -258,6 +262,7 @@ def enclose(
     counts: Indices,
     questions: Sequence[Question],
     values: Values | None = None,
+    enough: Sequence[float] | None = None,
 ) -> list[Answer]:
     """Answer all questions about functions of one variable, defined piece by piece.
 
@@ -269,10 +274,11 @@ def enclose(
         counts: (n,) how many boxes to begin with on each piece.
         questions: what is asked.
         values: the functions wanted at points (piece, x) in numbers, which are not relied on.
+        enough: of each function, by how much wider than asked an enclosure may be.
     """
     if not questions:
         return []
-    search, points, seen = _Search(questions), NOWHERE, 0
+    search, points, seen = _Search(questions, enough), NOWHERE, 0
     boxes = _first_boxes(breaks, counts, questions)
     most = MOST_BOXES * len(set(search.function))
     with np.errstate(all="ignore"):
@@ -326,7 +332,8 @@ def _first_boxes(breaks: Array, counts: Indices, questions: Sequence[Question]) 
         if question.spans is None:
             whole[q, question.pieces] = True
     pieces = np.flatnonzero(whole.any(axis=0))
-    found = Boxes.spans(pieces, breaks[pieces], breaks[pieces + 1], counts, whole[:, pieces])
+    asked = whole.take(pieces, axis=1)
+    found = Boxes.spans(pieces, breaks[pieces], breaks[pieces + 1], counts, asked)
     for q, question in enumerate(questions):
         if question.spans is not None:
             asked = np.zeros((len(questions), len(question.pieces)), dtype=bool)
