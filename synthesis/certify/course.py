@@ -60,9 +60,9 @@ class Course:
         self.curve, owner = motion.curve.cut(cuts)
         placed = [s for s in motion.stretches if s.angle > 0.0]
         pieces = [s.law.count if s.law is not None else 0 for s in placed]
-        self.stretch: Indices = np.repeat([s.index for s in placed], pieces)[owner]
-        self._lift = np.repeat([abs(s.unit) for s in placed], pieces)[owner]
-        self._beta = np.repeat([s.angle for s in placed], pieces)[owner]
+        each = np.array([(s.index, abs(s.unit), s.angle) for s in placed]).T
+        stretch, self._lift, self._beta = np.repeat(each, pieces, axis=1).take(owner, axis=1)
+        self.stretch: Indices = stretch.astype(np.intp)
         self._present = {s.index for s, count in zip(placed, pieces, strict=True) if count}
         levels = [level for s in placed for level in (s.s_start, s.s_end)]
         self.stroke = max(max(levels) - min(levels), *(abs(s.unit) for s in placed))
@@ -76,7 +76,7 @@ class Course:
     def finite(self) -> bool:
         """Whether the motion is made of numbers."""
         tables = (self.curve.breaks, self.curve.origins, self.curve.poly, self.curve.waves)
-        return all(bool(np.isfinite(table).all()) for table in tables)
+        return bool(np.isfinite(np.concatenate([table.ravel() for table in tables])).all())
 
     def has(self, stretches: Sequence[int]) -> bool:
         """Whether any of these stretches has pieces."""
@@ -156,7 +156,7 @@ class Course:
     def _jumps(self) -> tuple[Array, Array, Array]:
         """What is between the sides, what of it counts as joined, the share of both: (5, n)."""
         left, right, rounding = self._sides
-        natural, shape = self._scales(np.stack([self._beta, self._lengths]))
+        natural, shape = self._scales(np.array([self._beta, self._lengths]))
         allowed = JOIN_TOLERANCE * natural + SHAPE_TOLERANCE * shape + rounding
         sizes = right - left
         return sizes, allowed, np.abs(sizes) / allowed

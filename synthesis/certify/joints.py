@@ -26,13 +26,13 @@ def joins(course: Course, machine: Machine, continuity: int | None = None) -> li
     """
     smooth = np.maximum(_smoothness(course), continuity or 0)
     found = []
-    for order in range(HIGHEST_JOIN + 1):
-        promised = np.flatnonzero(smooth >= order)
+    for order in range(min(max(REPORTED, int(smooth.max())), HIGHEST_JOIN) + 1):
+        promised = (smooth >= order).nonzero()[0]
         if len(promised):
             asked = continuity is not None and order <= continuity
             found.append(_join(machine, course.worst(order, promised), len(promised), asked=asked))
-        if order <= REPORTED:
-            others = course.breaches(order, np.flatnonzero(smooth < order))
+        if order <= REPORTED and len(promised) < len(smooth):
+            others = course.breaches(order, (smooth < order).nonzero()[0])
             if len(others):
                 found.append(_jump(machine, course.worst(order, others)))
     return found

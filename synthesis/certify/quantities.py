@@ -72,8 +72,8 @@ def pitch_curvature(at: Sight) -> Any:
     """κ = T × S / |T|³ of the curve, run clockwise round the cam: convex positive [1/mm]."""
     _, (dx, dy), (ax, ay), *_ = at.point
     tx, ty = at.tangent
-    sx, sy = ax + dy + ty, ay - dx - tx
-    return (ty * sx - tx * sy) / (at.square * at.speed)
+    # S = T' + J T, so that T × S = T × T' + |T|²
+    return (at.square + ty * (ax + dy) - tx * (ay - dx)) / (at.square * at.speed)
 
 
 def tangent_distance(at: Sight) -> Any:

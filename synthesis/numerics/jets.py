@@ -76,8 +76,8 @@ class Jets:
         # so much wider that the roundings of the centre, and of its distance to the origin, fit in
         r = 0.5 * (hi - lo) + 8.0 * UNIT * (np.abs(centre) + np.abs(self.curve.origins[piece]))
         exact, error = self.derivatives(piece, centre)
-        power = [np.ones_like(r)]  # r^j / j!
-        for j in range(1, max(self.rows, 2) + 1):
+        power: list[Array | float] = [1.0, r]  # r^j / j!
+        for j in range(2, max(self.rows, 2) + 1):
             power.append(power[-1] * (r / j))
         return self._models(piece, exact, error, power, highest + 1)
 
@@ -86,16 +86,15 @@ class Jets:
         piece: NDArray[np.intp],
         exact: Array,
         error: Array,
-        power: Sequence[Array],
+        power: Sequence[Array | float],
         count: int,
     ) -> tuple[Taylor, ...]:
         """The models of f to f^(count−1), all in one go: row k is that of f^(k)."""
-        size = np.abs(exact) + error
         head = (exact[:count], exact[1 : count + 1] * power[1], exact[2 : count + 2] * power[2])
         rem = error[:count] + error[1 : count + 1] * power[1] + error[2 : count + 2] * power[2]
         for j in range(3, self.rows):
             rest = min(count, self.rows - j)
-            rem[:rest] += size[j : j + rest] * power[j]
+            rem[:rest] += (np.abs(exact[j : j + rest]) + error[j : j + rest]) * power[j]
         if self.curve.waves.shape[1]:
             amplitude = np.sum(np.abs(self._amplitudes[self.rows, piece]), axis=-1)
             for k in range(count):

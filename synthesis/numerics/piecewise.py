@@ -220,9 +220,10 @@ class Piecewise:
 
         A break less than 1e-12 of the interval from another one is left out.
         """
-        wanted = distinct(np.asarray(at, dtype=float))
-        if not len(wanted):
+        given = np.asarray(at, dtype=float)
+        if not given.size:
             return self, np.arange(self.count)
+        wanted = distinct(given)
         far = 1e-12 * (self.breaks[-1] - self.breaks[0])
         apart = np.abs(wanted[:, None] - self.breaks).min(axis=1, initial=np.inf)
         inside = (wanted > self.breaks[0]) & (wanted < self.breaks[-1]) & (apart > far)
