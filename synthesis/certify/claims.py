@@ -11,7 +11,6 @@ from synthesis.certify.joints import NAMES, joins
 from synthesis.certify.loaded import cuts, measurable
 from synthesis.certify.overshoot import overshoot
 from synthesis.certify.quantities import (
-    QUANTITIES,
     Measurable,
     Size,
     corner,
@@ -19,7 +18,7 @@ from synthesis.certify.quantities import (
     infinite,
 )
 from synthesis.certify.residual import left_ringing
-from synthesis.certify.simple import crosses, depth, rounding, rounds_axis
+from synthesis.certify.simple import crosses, positive, rounding, rounds_axis
 from synthesis.certify.states import states
 from synthesis.certify.tables import tables
 from synthesis.design import Extreme
@@ -98,8 +97,8 @@ def _judged(
         if jump is None
     ]
     rounds = rounding(course, machine)
-    questions += [rounds_axis(course, flank, len(measured) + k) for k, flank in enumerate(rounds)]
-    measured += [(QUANTITIES["tangent_distance"], flank.path) for flank in rounds]
+    questions += [positive(course, len(measured) + k) for k in range(len(rounds))]
+    measured += [(rounds_axis(flank), flank.path) for flank in rounds]
     answers = iter(enclose_all(measured, course, machine, size, questions))
     each = iter(
         _extreme(claim, next(answers)) if jump is None else _infinite(claim, jump, machine)
@@ -107,7 +106,7 @@ def _judged(
     )
     found = [_ringing(claim, course) if claim.rings else next(each) for claim in claims]
     told = zip(rounds, answers, strict=True)
-    return found, [flank for flank, answer in told if answer.extreme.lower > depth(flank)]
+    return found, [flank for flank, answer in told if answer.extreme.lower > 0.0]
 
 
 def _ringing(claim: Claim, course: Course) -> Extreme:

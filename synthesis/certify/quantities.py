@@ -76,13 +76,6 @@ def pitch_curvature(at: Sight) -> Any:
     return (at.square + ty * (ax + dy) - tx * (ay - dx)) / (at.square * at.speed)
 
 
-def tangent_distance(at: Sight) -> Any:
-    """n · p: how far the curve's tangent passes the cam's axis, positive with the axis inside."""
-    (px, py), *_ = at.point
-    tx, ty = at.tangent
-    return (py * tx - px * ty) / at.speed
-
-
 def pitch_radius(at: Sight) -> Any:
     """|p|: how far the curve is from the cam's axis [mm]."""
     (px, py), *_ = at.point
@@ -184,12 +177,25 @@ QUANTITIES = {
     "pressure_angle": Quantity(pressure_angle, 1, absolute=1e-10),
     "pitch_curvature": Quantity(pitch_curvature, 2, turns=True),
     "pitch_radius": Quantity(pitch_radius, 1),
-    "tangent_distance": Quantity(tangent_distance, 1),
     "face_radius": Quantity(face_radius, 2, smooth=2, share=1e-12),
     "contact": Quantity(contact, 1, smooth=1, share=1e-12),
     "contact_left": Quantity(lambda at: -contact(at), 1, smooth=1, share=1e-12),
     "contact_right": Quantity(contact, 1, smooth=1, share=1e-12),
 }
+
+
+def clearance(depth: float) -> Quantity:
+    """(n · p − depth) |T|: positive where the curve's tangent passes the cam's axis that far off.
+
+    With the axis on the inner side, and more than ``depth`` [mm] away.
+    """
+
+    def formula(at: Sight) -> Any:
+        (px, py), *_ = at.point
+        tx, ty = at.tangent
+        return py * tx - px * ty - depth * at.speed
+
+    return Quantity(formula, 1)
 
 
 def traced(machine: Machine, path: str = "") -> Trace:

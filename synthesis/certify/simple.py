@@ -25,7 +25,7 @@ import numpy as np
 
 from synthesis.certify.course import Course
 from synthesis.certify.path import MORE, Boxes, Path, Trace
-from synthesis.certify.quantities import Size
+from synthesis.certify.quantities import Quantity, Size, clearance
 from synthesis.certify.self_crossing import Nearest, nearest
 from synthesis.design import Extreme
 from synthesis.followers.flank import Flank, labelled
@@ -44,15 +44,18 @@ def rounding(course: Course, machine: Machine) -> list[Flank]:
     return [flank for flank in machine.follower.flanks if flank.distance > 0.0]
 
 
-def rounds_axis(course: Course, flank: Flank, function: int) -> Question:
-    """Asks how far a traced curve's tangent passes the axis, all round: nothing else is needed."""
+def rounds_axis(flank: Flank) -> Quantity:
+    """What is positive all round if the traced curve's tangent never comes near the axis.
+
+    That is no nearer than the profile lies below the curve.
+    """
+    return clearance(MORE * max(flank.side * flank.distance, 0.0))
+
+
+def positive(course: Course, function: int) -> Question:
+    """Asks for the least value all round that is proven at once: nothing else is needed."""
     everywhere = np.arange(course.curve.count)
-    return Question(everywhere, depth(flank), math.inf, None, function, absolute=math.inf)
-
-
-def depth(flank: Flank) -> float:
-    """What that distance has to be more than: how deep the profile lies below the curve [mm]."""
-    return MORE * max(flank.side * flank.distance, 0.0)
+    return Question(everywhere, 0.0, math.inf, None, function, absolute=math.inf)
 
 
 def crosses(
