@@ -39,9 +39,10 @@ run: $(RUN)  ## start the service (HOST=127.0.0.1 PORT=8000)
 # All tests at once, in four parts that take about as long, and lint beside them: those that kill,
 # restart and wait leave two cores to the others. What lint says is not asked once more by a test.
 PARTS   := waiting service core rest
-waiting := $(patsubst %,tests/service/test_%.py,kills deployment leases trouble benchmark cam_sets \
-             sweep_and_export commands)
-service := $(filter-out $(waiting),$(wildcard tests/service/test_*.py))
+waiting := $(patsubst %,tests/service/%.py,sweeps/test_kills running/test_deployment \
+             sweeps/test_leases running/test_trouble running/test_benchmark \
+             resources/test_cam_sets commands/test_sweep_and_export commands/test_commands)
+service := $(filter-out $(waiting),$(wildcard tests/service/test_*.py tests/service/*/test_*.py))
 core    := tests/pipeline tests/formulations tests/validation
 rest    := --ignore=tests/architecture/test_quality.py \
            $(filter-out tests/service $(core),$(patsubst %/,%,$(wildcard tests/*/)))

@@ -9,11 +9,11 @@ from benchmarks.effort import FULL, Effort
 from benchmarks.main_job import CONVEX
 from benchmarks.section import Section, Table
 from benchmarks.timing import Call, in_turns, timed
-from synthesis.formulations.bound import bound, in_core_units
-from synthesis.formulations.convex import formulate
-from synthesis.formulations.elastic import diagnose
-from synthesis.formulations.grid import Grid, uniform
-from synthesis.formulations.problem import Problem, pose
+from synthesis.formulations.bounds.bound import bound, in_core_units
+from synthesis.formulations.cone.convex import formulate
+from synthesis.formulations.conflict.elastic import diagnose
+from synthesis.formulations.question.grid import Grid, uniform
+from synthesis.formulations.question.problem import Problem, pose
 from synthesis.solvers.clarabel import solve
 from synthesis.spec import DesignSpec
 

@@ -9,11 +9,11 @@ from benchmarks.effort import FULL, Effort
 from benchmarks.main_job import CONVEX
 from benchmarks.section import Section, Table
 from benchmarks.timing import timed
-from synthesis.formulations.candidate import grow, settle
-from synthesis.formulations.convex import Plan, formulate
-from synthesis.formulations.grid import uniform
-from synthesis.formulations.nonlinear import improve
-from synthesis.formulations.problem import pose
+from synthesis.formulations.cams.candidate import grow, settle
+from synthesis.formulations.cone.convex import Plan, formulate
+from synthesis.formulations.nonconvex.nonlinear import improve
+from synthesis.formulations.question.grid import uniform
+from synthesis.formulations.question.problem import pose
 from synthesis.solvers.clarabel import solve
 from synthesis.spec import DesignSpec
 

@@ -12,11 +12,11 @@ from benchmarks.effort import FULL, Effort
 from benchmarks.section import Section, Table
 from benchmarks.timing import Call, Timing, in_turns
 from benchmarks.truth import BASE_RADIUS, PEAK_ACCELERATION, PRIME, Scene
-from synthesis.formulations.bound import bound
-from synthesis.formulations.candidate import settle
-from synthesis.formulations.convex import formulate
-from synthesis.formulations.grid import CLOSEST_KNOTS, Grid, merged, over, ramps
-from synthesis.formulations.problem import Problem, pose
+from synthesis.formulations.bounds.bound import bound
+from synthesis.formulations.cams.candidate import settle
+from synthesis.formulations.cone.convex import formulate
+from synthesis.formulations.question.grid import CLOSEST_KNOTS, Grid, merged, over, ramps
+from synthesis.formulations.question.problem import Problem, pose
 from synthesis.motion import Stretch
 from synthesis.solvers.clarabel import solve
 from synthesis.solvers.statuses import Stopped

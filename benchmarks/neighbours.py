@@ -16,8 +16,8 @@ from benchmarks.section import Section, Table
 from benchmarks.timing import spread
 from service.sweeps.chunks import CHAIN
 from synthesis.design import Design
-from synthesis.formulations.convex import Plan
-from synthesis.formulations.statement import Statement
+from synthesis.formulations.cone.convex import Plan
+from synthesis.formulations.nonconvex.statement import Statement
 from synthesis.pipeline import Near, synthesise, synthesise_beside
 from synthesis.sensitivity.family import Family
 from synthesis.solvers.ipopt import OPTIONS
@@ -85,8 +85,8 @@ def steps(effort: Effort) -> Iterator[Step]:
 
 def _building(plan: Plan, family: Family) -> float:
     """Seconds to state a program for IPOPT and to build its derivatives."""
-    from synthesis.formulations.nonlinear import settled
-    from synthesis.formulations.spots import spread as spots
+    from synthesis.formulations.cams.spots import spread as spots
+    from synthesis.formulations.nonconvex.nonlinear import settled
 
     start = family.start(plan)
     places = spots(*settled(plan, start))

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 PROC = Path("/proc")
-WORKER = "spawn_main"  # what the command line of a worker process says
+FORKS = "multiprocessing.forkserver"  # what the command line of a process and of its forks says
 KIB = 1 / 1024.0
 
 
@@ -45,6 +45,20 @@ def _fields(file: Path) -> dict[str, float]:
 
 def family(process: int) -> list[int]:
     """A process and all that it has started, directly or not."""
+    parents, found = _parents(), [process]
+    for each in found:  # grows while it is gone through
+        found += [child for child, parent in parents.items() if parent == each]
+    return found
+
+
+def workers(processes: Sequence[int]) -> list[int]:
+    """Those of them that do the solving: forked off one that holds the core."""
+    parents, forking = _parents(), {each for each in processes if FORKS in _command(each)}
+    return [each for each in processes if each in forking and parents.get(each) in forking]
+
+
+def _parents() -> dict[int, int]:
+    """Of each process of the system its parent."""
     parents = {}
     for entry in PROC.glob("[0-9]*/stat"):
         try:
@@ -52,12 +66,11 @@ def family(process: int) -> list[int]:
         except OSError:  # ended meanwhile
             continue
         parents[int(entry.parent.name)] = int(told[1])
-    found = [process]
-    for each in found:  # grows while it is gone through
-        found += [child for child, parent in parents.items() if parent == each]
-    return found
+    return parents
 
 
-def workers(processes: Sequence[int]) -> list[int]:
-    """Those of them that do the solving."""
-    return [each for each in processes if WORKER in (PROC / str(each) / "cmdline").read_text()]
+def _command(process: int) -> str:
+    try:
+        return (PROC / str(process) / "cmdline").read_text()
+    except OSError:
+        return ""

@@ -11,9 +11,9 @@ from typing import Any
 from benchmarks.effort import FULL, Effort
 from benchmarks.section import Section, Table
 from benchmarks.timing import spread
-from synthesis.formulations.problem import Problem, pose
-from synthesis.formulations.refine import search
-from synthesis.formulations.search import Search
+from synthesis.formulations.ladder.refine import search
+from synthesis.formulations.question.problem import Problem, pose
+from synthesis.formulations.rounds.search import Search
 from synthesis.spec import DesignSpec
 
 OMEGA = 10.0

@@ -15,10 +15,10 @@ from benchmarks.main_job import CONVEX
 from benchmarks.section import Section, Table
 from benchmarks.timing import Call, Timing, in_turns
 from synthesis import DesignSpec, synthesise
-from synthesis.formulations.bound import bound
-from synthesis.formulations.convex import formulate
-from synthesis.formulations.grid import uniform
-from synthesis.formulations.problem import pose
+from synthesis.formulations.bounds.bound import bound
+from synthesis.formulations.cone.convex import formulate
+from synthesis.formulations.question.grid import uniform
+from synthesis.formulations.question.problem import pose
 from synthesis.solvers.clarabel import solve
 
 SEGMENTS = (1, 2, 4, 10, 20, 50, 100)  # with free laws

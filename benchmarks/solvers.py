@@ -25,10 +25,10 @@ from benchmarks.effort import FULL, Effort
 from benchmarks.main_job import CONVEX
 from benchmarks.section import Section, Table
 from benchmarks.timing import Call, Timing, in_turns
-from synthesis.formulations.convex import Plan, formulate
-from synthesis.formulations.grid import uniform
-from synthesis.formulations.problem import pose
-from synthesis.formulations.reference import optimum
+from synthesis.formulations.cone.convex import Plan, formulate
+from synthesis.formulations.cone.reference import optimum
+from synthesis.formulations.question.grid import uniform
+from synthesis.formulations.question.problem import pose
 from synthesis.numerics.piecewise import Array
 from synthesis.spec import DesignSpec
 

@@ -7,7 +7,7 @@ import numpy as np
 from benchmarks.effort import FULL, Effort
 from benchmarks.section import Section, Table
 from benchmarks.timing import Call, in_turns
-from service.examples import SPATIAL_CAMS, examples
+from service.contract.examples import SPATIAL_CAMS, examples
 from synthesis.spatial.files.body_step import STEP, FacetedOptions
 from synthesis.spatial.pipeline import synthesise_spatial
 from synthesis.spatial.spec import SpatialCamSpec

@@ -12,7 +12,7 @@ from benchmarks.effort import FULL, Effort
 from benchmarks.http import PATIENCE_S, connection, service
 from benchmarks.main_job import CONVEX
 from benchmarks.section import Section, Table
-from service.solve import solve
+from service.workers.solve import solve
 from synthesis.sweeps import SweepSpec
 
 WORKERS = 2

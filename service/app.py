@@ -11,16 +11,10 @@ from fastapi import FastAPI
 from starlette.middleware.cors import CORSMiddleware
 from starlette_compress import CompressMiddleware
 
-from service import pages, problem
-from service.body_limit import BodyLimit
-from service.documentation import OPENAPI_URL, TITLE, client_name, describe
-from service.engine import Engine, running_engine
-from service.etag import TagEncodings
-from service.jobs import Jobs
-from service.metrics import Metrics
-from service.observe import Observe
-from service.ranges import Ranges
-from service.resource import LINKAGE_RESOURCES, RESOURCES
+from service import pages
+from service.contract.documentation import OPENAPI_URL, TITLE, client_name, describe
+from service.resources.jobs import Jobs
+from service.resources.resource import LINKAGE_RESOURCES, RESOURCES
 from service.routes import (
     analyses,
     analysis_pictures,
@@ -40,8 +34,15 @@ from service.routes import (
 )
 from service.settings import Settings
 from service.state import State
-from service.store import Store
+from service.storage.store import Store
 from service.sweeps.sweeps import Sweeps
+from service.wire import problem
+from service.wire.body_limit import BodyLimit
+from service.wire.etag import TagEncodings
+from service.wire.metrics import Metrics
+from service.wire.observe import Observe
+from service.wire.ranges import Ranges
+from service.workers.engine import Engine, running_engine
 
 EngineOf = Callable[[Settings], AbstractAsyncContextManager[Engine]]
 ROUTES = (

@@ -20,7 +20,7 @@ from service.commands.respond import respond
 from service.commands.serve import serve
 from service.commands.spatial import spatial
 from service.commands.sweep import sweep
-from service.terminal import out
+from service.commands.terminal import out
 from synthesis.design import engine_version
 
 COMMANDS: Mapping[str, Callable[..., Any]] = {

@@ -11,7 +11,7 @@ from fastapi.openapi.docs import get_redoc_html
 from fastapi.responses import HTMLResponse
 from starlette.staticfiles import StaticFiles
 
-from service.documentation import OPENAPI_URL, TITLE
+from service.contract.documentation import OPENAPI_URL, TITLE
 
 HERE = Path(__file__).resolve().parent
 SWAGGER = Path(fastapi_swagger.__file__).resolve().parent / "resources"

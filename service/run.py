@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import asyncio
 import contextlib
-import errno
 import json
 import logging
 import socket
@@ -17,20 +16,19 @@ from fastapi import FastAPI
 from sqlalchemy.exc import SQLAlchemyError
 
 from service.app import create_app
-from service.examples import SELF_CHECK, examples
-from service.observe import configure_logs
+from service.contract.examples import SELF_CHECK, examples
 from service.settings import Settings
 from service.state import State
-from service.store import Store
+from service.storage.store import Store
+from service.wire.observe import configure_logs
 from synthesis.spec import DesignSpec
 
 ENDS_S = 3  # that answers under way get to end in when the service is told to stop
 
 
-def serve(settings: Settings) -> None:
+def serve(settings: Settings, listening: socket.socket) -> None:
     """Run until told to stop; ends the process with one sentence where that cannot be."""
     configure_logs(settings.log_level)
-    listening = bound(settings)
     _usable(settings)
     app = create_app(settings)
     config = web(app)
@@ -51,26 +49,6 @@ def web(app: FastAPI) -> uvicorn.Config:
         server_header=False,
         timeout_graceful_shutdown=ENDS_S,
     )
-
-
-def bound(settings: Settings) -> socket.socket:
-    """A socket at the address asked for; one sentence and exit 1 where it is not to be had."""
-    family = socket.AF_INET6 if ":" in settings.host else socket.AF_INET
-    # The protocol is named because asyncio switches Nagle's algorithm off only where it is.
-    listening = socket.socket(family, socket.SOCK_STREAM, socket.IPPROTO_TCP)
-    listening.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
-    try:
-        listening.bind((settings.host, settings.port))
-        listening.listen(256)
-    except OSError as error:
-        taken = error.errno == errno.EADDRINUSE
-        reason = "is taken by another program" if taken else f"cannot be used ({error.strerror})"
-        sys.exit(
-            f"Port {settings.port} on {settings.host} {reason}: choose another one with "
-            "--port or CAMWRIGHT_PORT."
-        )
-    listening.set_inheritable(True)
-    return listening
 
 
 def _usable(settings: Settings) -> None:

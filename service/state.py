@@ -8,12 +8,12 @@ from typing import Annotated, cast
 
 from fastapi import Depends, Request
 
-from service.engine import Engine
-from service.jobs import Jobs
-from service.metrics import Metrics
+from service.resources.jobs import Jobs
 from service.settings import Settings
-from service.store import Store
+from service.storage.store import Store
 from service.sweeps.sweeps import Sweeps
+from service.wire.metrics import Metrics
+from service.workers.engine import Engine
 
 
 @dataclass(frozen=True)

@@ -16,7 +16,7 @@ from synthesis.certify.curves import Curves
 from synthesis.design import Conflict, Design, engine_version
 from synthesis.errors import InputError, SolverFailed, TimeBudgetExceeded
 from synthesis.findings import Analysis, Mend, SizeChange
-from synthesis.formulations.tables import smooth_tables
+from synthesis.formulations.free_numbers.tables import smooth_tables
 from synthesis.objectives.base_radius import BaseRadius
 from synthesis.pipeline import synthesise
 from synthesis.spec import DesignSpec

@@ -24,9 +24,9 @@ from synthesis.design import (
     design_id,
     engine_version,
 )  # fmt: skip
-from synthesis.formulations.candidate import inside
-from synthesis.formulations.problem import Held, Problem, pose
-from synthesis.formulations.rejoined import Splines, rejoined
+from synthesis.formulations.cams.candidate import inside
+from synthesis.formulations.cams.rejoined import Splines, rejoined
+from synthesis.formulations.question.problem import Held, Problem, pose
 from synthesis.motion import Motion, Stretch
 from synthesis.objectives import Objective
 from synthesis.program import Segment
@@ -70,20 +70,13 @@ def delivered(question: Question, posed: DesignSpec, found: Cam) -> Cam:
         question: what was asked. posed: what was solved, in its own units. found: its cam.
     """
     spec = question.told(posed)
-    open_still = [
-        replace(stretch, law=None if own.readings is None else own.law, free=own.free)
-        if own.index in found.splines
-        else stretch
+    settled = tuple(
+        replace(stretch, law=own.law, free=own.free) if own.index in found.splines else stretch
         for stretch, own in zip(spec.stretches(), found.stretches, strict=True)
-    ]
-    joined = rejoined(open_still, found.splines)
-    laws = {index: space.curve(coefficients) for index, (space, coefficients) in joined.items()}
-    stretches = tuple(
-        replace(stretch, law=laws.get(own.index, own.law))
-        if own.index in found.splines
-        else stretch
-        for stretch, own in zip(open_still, found.stretches, strict=True)
     )
+    joined = rejoined(settled, found.splines)
+    laws = {index: space.curve(coefficients) for index, (space, coefficients) in joined.items()}
+    stretches = tuple(s.with_law(laws[s.index]) if s.index in laws else s for s in settled)
     problem = pose(spec, spec.objectives()[0], (), stretches)
     return Cam(stretches, {**found.splines, **joined}, inside(problem, question.size(found.size)))
 
@@ -207,6 +200,7 @@ def segments(
 ) -> list[SegmentMotion]:
     """The motion as it is told: by segment of the program, the splines of those that have one."""
     starts = accumulate((segment.degrees for segment in program), initial=0.0)
+    s_start, s_end, unit = (f"{name}_{travel.unit}" for name in ("s_start", "s_end", "unit"))
     found = []
     for stretch, segment, start_deg in zip(stretches, program, starts, strict=False):
         spline = None
@@ -216,9 +210,7 @@ def segments(
                 degree=space.degree,
                 knots=space.breaks.tolist(),
                 coefficients=coefficients.tolist(),
-                **{f"unit_{travel.unit}": stretch.unit / travel.per_unit}
-                if stretch.readings is not None
-                else {},
+                **{} if stretch.readings is None else {unit: stretch.unit / travel.per_unit},
             )
         found.append(
             SegmentMotion(
@@ -228,8 +220,8 @@ def segments(
                 law=segment.law_name,
                 spline=spline,
                 **{
-                    f"s_start_{travel.unit}": stretch.s_start / travel.per_unit,
-                    f"s_end_{travel.unit}": stretch.s_end / travel.per_unit,
+                    s_start: stretch.s_start / travel.per_unit,
+                    s_end: stretch.s_end / travel.per_unit,
                 },
             )
         )

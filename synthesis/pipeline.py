@@ -36,15 +36,15 @@ from synthesis.design import (
     StageReport,
 )
 from synthesis.errors import SolverFailed, TimeBudgetExceeded
-from synthesis.formulations.candidate import Candidate, given_size, value
-from synthesis.formulations.companion import Settled, settled
-from synthesis.formulations.neighbour import Neighbour
-from synthesis.formulations.polish import FINEST
-from synthesis.formulations.problem import Held, calmer, pose
-from synthesis.formulations.refine import search
-from synthesis.formulations.search import Search
-from synthesis.formulations.smooth import reached
-from synthesis.formulations.tables import Tables, smooth_tables
+from synthesis.formulations.cams.candidate import Candidate, given_size, value
+from synthesis.formulations.cams.companion import Settled, settled
+from synthesis.formulations.cams.smooth import reached
+from synthesis.formulations.free_numbers.tables import Tables, smooth_tables
+from synthesis.formulations.ladder.polish import FINEST
+from synthesis.formulations.ladder.refine import search
+from synthesis.formulations.question.problem import Held, calmer, pose
+from synthesis.formulations.rounds.neighbour import Neighbour
+from synthesis.formulations.rounds.search import Search
 from synthesis.limits import Claim
 from synthesis.ranges import Range, ends
 from synthesis.similitude import Question
@@ -128,7 +128,7 @@ def synthesise_beside(
         TimeBudgetExceeded, SolverFailed: as ``synthesise``.
     """
     if spec.load is not None and spec.load.free:
-        from synthesis.formulations.sprung import with_spring
+        from synthesis.formulations.free_numbers.sprung import with_spring
 
         return with_spring(spec, lambda given: synthesise(given, deadline=deadline)), None
     began, now = time.perf_counter(), clock.now()
@@ -194,7 +194,7 @@ def _numbered(
     openings = question.asked.openings
     if not openings.free:
         return question, []
-    from synthesis.formulations.proportions import chosen
+    from synthesis.formulations.free_numbers.proportions import chosen
 
     numbered, _, stage = chosen(question.natural, stop)
     stages.append(StageReport(**vars(stage)))
@@ -318,7 +318,8 @@ def _solved(
             break
         best = tried.best
         attempt.bounds.append(Bounded(objective, tried.lower, tried.over))
-        held = (*held, Held(objective, tried.keepable(spec.tolerance)))
+        if rank < len(objectives):
+            held = (*held, Held(objective, tried.keepable(spec.tolerance)))
     if best is None:
         best = given_size(attempt.searches[0].problem)
         if best is not None:  # the only cam there is: its values are their own bounds
@@ -342,7 +343,7 @@ def _solved(
 
 def _conflict(question: Question, attempt: _Attempt) -> Conflict:
     """Why nothing fits, with what the largest cam of the relaxation comes to: in wire units."""
-    from synthesis.formulations.elastic import diagnose
+    from synthesis.formulations.conflict.elastic import diagnose
 
     last, posed = attempt.searches[-1], question.told(attempt.posed)
     problem = restated(question, posed, last.problem)

@@ -17,7 +17,7 @@ from typing import Any
 from pydantic_core import PydanticCustomError
 
 from synthesis.laws.characteristics import extremes
-from synthesis.motion import EndState, Stretch
+from synthesis.motion import ANY_STATE, EndState, Stretch
 from synthesis.numerics.piecewise import Piecewise
 from synthesis.program import Segment
 from synthesis.units import FULL_TURN, Pace
@@ -25,6 +25,7 @@ from synthesis.units import FULL_TURN, Pace
 ANGLE_SUM_TOLERANCE_DEG = 1e-6
 SAME = 1e-9  # of lift/β^k: two values of s^(k) that agree
 BACKWARD = 1e-9  # of g': motion backwards that is rounding
+AT_REST = EndState(0.0, 0.0)
 
 
 def check_turn(program: Sequence[Segment]) -> None:
@@ -169,6 +170,8 @@ def _given(neighbour: Stretch, asked: EndState, *, at_end: bool, heard: bool) ->
 
 def _own(stretch: Stretch, *, at_end: bool) -> EndState:
     """s' and s'' just inside one end of a settled stretch."""
+    if stretch.law is not None and stretch.law.still:
+        return AT_REST
     _, v, a = stretch.beside(2, at_start=not at_end)
     return EndState(float(v), float(a))
 
@@ -187,8 +190,8 @@ def _meet(
 ) -> None:
     """Velocities asked for must be the neighbour's; how smoothly a free law can join follows."""
     left, right = found[before], found[after]
-    ours = left.at_end.or_else(EndState() if left.law is None else _own(left, at_end=True))
-    theirs = right.at_start.or_else(EndState() if right.law is None else _own(right, at_end=False))
+    ours = left.at_end.or_else(ANY_STATE if left.law is None else _own(left, at_end=True))
+    theirs = right.at_start.or_else(ANY_STATE if right.law is None else _own(right, at_end=False))
     for i, end in ((before, "end"), (after, "start")):
         both = ours.or_else(theirs) if end == "end" else theirs.or_else(ours)
         _forwards(found[i], end, both, pace)

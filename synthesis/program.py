@@ -141,15 +141,19 @@ class _Move(Part):
     ) -> Stretch:
         s_end = s_start + self.gain(pace)
         first, last = end_states(self.start, self.end, pace)
-        free = self.law.free()
-        if free is not None:
-            free = replace(free, knots=wanted_knots(self.degrees, self.windows, self.points))
-        placed = Stretch(index, kind, start, angle, s_start, s_end, None, free, first, last)
-        return self.between(placed, first, last)
+        free = self.law.free(wanted_knots(self.degrees, self.windows, self.points))
+        law = self._law(kind, angle, s_end - s_start, first, last)
+        return Stretch(index, kind, start, angle, s_start, s_end, law, free, first, last)
 
     def between(self, placed: Stretch, start: EndState, end: EndState) -> Stretch:
-        known = (state.normalised(placed.angle, placed.lift) for state in (start, end))
-        return replace(placed, law=self.law.between(placed.kind, *known))
+        law = self._law(placed.kind, placed.angle, placed.lift, start, end)
+        return replace(placed, law=law)
+
+    def _law(
+        self, kind: StretchKind, angle: float, lift: float, start: EndState, end: EndState
+    ) -> Piecewise | None:
+        known = (state.normalised(angle, lift) for state in (start, end))
+        return self.law.between(kind, *known)
 
 
 class Rise(_Move):

@@ -9,12 +9,12 @@ length, so that forces and weights keep theirs.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass
 from functools import cache, lru_cache
 from math import sqrt
 from types import MappingProxyType
-from typing import Any, Self
+from typing import Any, Self, get_args
 
 from pydantic import BaseModel
 
@@ -32,7 +32,6 @@ KINDS: Mapping[str, tuple[int, int]] = MappingProxyType({
 })  # fmt: skip
 """Powers of length and of time by the end of a field's name; those of mass have no say."""
 
-PLAIN = frozenset({str, int, bool, type(None)})  # fields with nothing to measure
 NEITHER = (0, 0)
 BITS = 36  # of 53, 1e-11 relative: roundings of a spec's numbers are a ten thousandth of that
 Change = Callable[[str, float], float]
@@ -83,14 +82,8 @@ class Question:
         """A question as it is asked."""
         units = Units.of(asked)
 
-        @cache
-        def unit_of(name: str) -> float | None:
-            plain = KINDS.get(kind_of(name), NEITHER) == NEITHER
-            return None if plain else units.of_field(name)
-
         def measured(name: str, value: float) -> float:
-            unit = unit_of(name)
-            return value if unit is None else float(rounded(value / unit, BITS))
+            return float(rounded(value / units.of_field(name), BITS))
 
         return cls(asked, _each(_spelled(asked), "", measured), units)
 
@@ -151,10 +144,10 @@ def _inherited(field: str, name: str) -> str:
 
 
 def _each(value: Any, name: str, change: Change) -> Any:
-    """A body of the wire with every number in it changed, by the name of its field."""
+    """A body of the wire with every number that has a unit changed, by the name of its field."""
     if isinstance(value, float):
         return change(name, value)
-    if isinstance(value, list | tuple):
+    if isinstance(value, (list, tuple)):
         found = type(value)([_each(one, name, change) for one in value])
         return (
             found if any(new is not old for new, old in zip(found, value, strict=True)) else value
@@ -162,10 +155,31 @@ def _each(value: Any, name: str, change: Change) -> Any:
     if not isinstance(value, BaseModel):
         return value
     update, known = {}, value.__dict__
-    for field in type(value).model_fields:  # and not what is kept of them
+    for field, whose in _measured(type(value), name):
         old = known[field]
-        if type(old) not in PLAIN:
-            new = _each(old, _inherited(field, name), change)
-            if new is not old:
-                update[field] = new
+        new = _each(old, whose, change) if old else old  # nothing is nothing in any unit
+        if new is not old:
+            update[field] = new
     return value.model_copy(update=update) if update else value
+
+
+@cache
+def _measured(model: type[BaseModel], name: str) -> tuple[tuple[str, str], ...]:
+    """Fields of a model that may hold numbers with a unit, and whose unit that is."""
+    found = (
+        (field, _inherited(field, name), i.annotation) for field, i in model.model_fields.items()
+    )
+    return tuple(
+        (field, whose)
+        for field, whose, annotation in found
+        if KINDS.get(kind_of(whose), NEITHER) != NEITHER
+        or any(_measured(part, whose) for part in _models_in(annotation))
+    )
+
+
+def _models_in(annotation: Any) -> Iterator[type[BaseModel]]:
+    """The models that a field of this type may hold."""
+    if isinstance(annotation, type) and issubclass(annotation, BaseModel):
+        yield annotation
+    for part in get_args(annotation):
+        yield from _models_in(part)

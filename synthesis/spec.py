@@ -31,7 +31,7 @@ from synthesis.units import Pace, rad_per_s
 MAX_SEGMENTS = 100
 ROUGHEST = 2  # class of the splines that smoother ones are compared with
 ALWAYS = (ProfileRadius(), CounterBaseRadius())  # what every cam must keep
-KEPT = ("_numbered", "_reach", "_placed")  # of a program that is checked: laid out once
+KEPT = ("openings", "_numbered", "_reach", "_placed", "_machine", "_limits")  # laid out once
 
 
 class DesignSpec(BaseModel):
@@ -195,7 +195,7 @@ class DesignSpec(BaseModel):
         return self
 
     def model_copy(self, *, update: Mapping[str, Any] | None = None, deep: bool = False) -> Self:
-        """A copy, changed; what is kept of this spec's program is not the copy's."""
+        """A copy, changed; what is kept of this spec is not the copy's."""
         found = super().model_copy(update=update, deep=deep)
         for name in KEPT:
             vars(found).pop(name, None)
@@ -203,7 +203,7 @@ class DesignSpec(BaseModel):
 
     # -- numbers left free -------------------------------------------------------------------
 
-    @property
+    @cached_property
     def openings(self) -> Openings:
         """The numbers that are left free and searched: angles, lifts, an arm's length."""
         omega, radii = rad_per_s(self.speed_rpm), ends(self.base_radius_mm)
@@ -273,6 +273,10 @@ class DesignSpec(BaseModel):
 
     def machine(self) -> Machine:
         """The follower, the cam's speed, and what loads the follower."""
+        return self._machine
+
+    @cached_property
+    def _machine(self) -> Machine:
         omega, load = rad_per_s(self.speed_rpm), self.load
         reduced = None if load is None else load.reduced(self.follower, omega)
         return Machine(self.follower, omega, reduced)
@@ -331,6 +335,10 @@ class DesignSpec(BaseModel):
 
         Windows and points of the program come last.
         """
+        return self._limits
+
+    @cached_property
+    def _limits(self) -> tuple[Limit, ...]:
         demands = [d for i, segment in enumerate(self._numbered) for d in segment.demands(i)]
         named = {limit.kind for limit in self.limits}
         rest = (a for a in ALWAYS if a.kind not in named and a.suits(self.follower))

@@ -11,6 +11,8 @@ import math
 from abc import ABC, abstractmethod
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import cached_property
+from operator import mul
 from typing import Any, ClassVar
 
 from synthesis.numerics.piecewise import Array
@@ -45,7 +47,7 @@ class Row:
     exact: bool = False
     room: float = math.inf
 
-    @property
+    @cached_property
     def orders(self) -> tuple[int, ...]:
         """Which derivatives it speaks of, from s up."""
         return tuple(k for k, a in enumerate(self.coefficients) if a != 0.0)
@@ -69,13 +71,14 @@ class Norm:
     matrix: tuple[Vector, ...]
     shift: Vector
 
+    def image(self, z: Vector) -> list[float]:
+        """Of what it is the length: matrix · z + shift [mm]."""
+        rows = zip(self.matrix, self.shift, strict=True)
+        return [sum(map(mul, row, z)) + m for row, m in rows]
+
     def value(self, z: Vector) -> float:
         """The norm at given size variables [mm]."""
-        image = (
-            sum(a * v for a, v in zip(row, z, strict=True)) + m
-            for row, m in zip(self.matrix, self.shift, strict=True)
-        )
-        return math.hypot(*image)
+        return math.hypot(*self.image(z))
 
     def floor(self, bounds: Sequence[tuple[float, float]]) -> float:
         """A lower bound of the norm where every size variable lies between two ends [mm]."""
@@ -106,9 +109,7 @@ class Cone:
 
     def _growth(self, z: Vector, radius: float) -> float:
         """How far the last size variable grows until the norm is ``radius``; 0 from outside."""
-        rows = list(zip(self.norm.matrix, self.norm.shift, strict=True))
-        here = [sum(a * v for a, v in zip(row, z, strict=True)) + m for row, m in rows]
-        step = [row[-1] for row, _ in rows]
+        here, step = self.norm.image(z), [row[-1] for row in self.norm.matrix]
         square = sum(a * a for a in step)
         half = sum(a * b for a, b in zip(here, step, strict=True))
         left = half * half + square * (radius**2 - sum(a * a for a in here))

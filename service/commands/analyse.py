@@ -8,11 +8,11 @@ from typing import Annotated
 
 import typer
 
-from service import analysis_table
 from service.commands.asking import Url, asked
 from service.commands.showing import AsJson, as_document, widened
+from service.commands.tables import analysis_table
+from service.commands.terminal import out, read_spec, stop
 from service.settings import settings_from
-from service.terminal import out, read_spec, stop
 from synthesis.errors import CamwrightError
 from synthesis.findings import Analysis
 from synthesis.spec import DesignSpec

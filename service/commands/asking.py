@@ -13,9 +13,9 @@ import typer
 from pydantic import ValidationError
 from rich.progress import Progress, SpinnerColumn, TextColumn, TimeElapsedColumn
 
-from service.body import Model
 from service.client import Client, Refused, Unreachable
-from service.terminal import err, stop
+from service.commands.terminal import err, stop
+from service.wire.body import Model
 
 Url = Annotated[
     str | None,

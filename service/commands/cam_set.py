@@ -8,7 +8,7 @@ from typing import Annotated
 import typer
 
 from service.commands.asking import Url, asked
-from service.terminal import out, read_spec, save, synthesised
+from service.commands.terminal import out, read_spec, save, synthesised
 from synthesis.camset import CamSet
 from synthesis.camset_spec import CamSetSpec
 

@@ -7,9 +7,9 @@ from typing import Annotated
 
 import typer
 
-from service import confirmation_table
 from service.commands.showing import AsJson, as_document, widened
-from service.terminal import out, read_spec, stop
+from service.commands.tables import confirmation_table
+from service.commands.terminal import out, read_spec, stop
 from synthesis.design import Design
 from synthesis.errors import CamwrightError
 

@@ -9,8 +9,8 @@ from typing import Annotated
 import typer
 
 from service.commands.showing import AsJson, as_document
+from service.commands.terminal import out, read_spec
 from service.settings import settings_from
-from service.terminal import out, read_spec
 from synthesis.design import Design
 
 

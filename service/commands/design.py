@@ -11,7 +11,7 @@ import typer
 
 from service.commands.asking import Url, asked
 from service.commands.forces import force_lines
-from service.terminal import out, read_spec, save, synthesise, synthesised
+from service.commands.terminal import out, read_spec, save, synthesise, synthesised
 from synthesis.design import Design
 from synthesis.exporters.exporter import Exporter
 from synthesis.spec import DesignSpec

@@ -14,9 +14,9 @@ from typing import Annotated, Any
 import typer
 from pydantic.fields import FieldInfo
 
-from service.body import parsed
-from service.errors import ServiceError
-from service.terminal import out, read_spec, save, stop, synthesise, synthesised
+from service.commands.terminal import out, read_spec, save, stop, synthesise, synthesised
+from service.wire.body import parsed
+from service.wire.errors import ServiceError
 from synthesis.design import Design
 from synthesis.errors import CamwrightError
 from synthesis.exporters import (

@@ -8,7 +8,7 @@ from typing import Annotated, Any
 import typer
 
 from service.commands.asking import Url, asked
-from service.terminal import out, read_spec, save, stop, synthesised
+from service.commands.terminal import out, read_spec, save, stop, synthesised
 from synthesis.design import Relaxation
 from synthesis.linkages import LINKAGES, Linkage
 

@@ -7,11 +7,11 @@ from typing import Annotated
 
 import typer
 
-from service import analysis_table, reading_table
 from service.commands.asking import Url, asked
+from service.commands.points_file import points_in
 from service.commands.showing import AsJson, as_document, widened
-from service.points_file import points_in
-from service.terminal import out, read_spec, stop
+from service.commands.tables import analysis_table, reading_table
+from service.commands.terminal import out, read_spec, stop
 from synthesis.errors import CamwrightError
 from synthesis.measured.reading import ProfileAnalysis
 from synthesis.measured.spec import MeasuredCam

@@ -11,8 +11,8 @@ from rich.box import SIMPLE_HEAD
 from rich.table import Table
 
 from service.commands.asking import Url, asked
+from service.commands.terminal import out, read_spec, save, stop
 from service.settings import settings_from
-from service.terminal import out, read_spec, save, stop
 from synthesis.dynamics import TrainResponse, TrainSpec
 from synthesis.errors import CamwrightError
 

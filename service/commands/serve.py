@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
+import gc
 from typing import Annotated, Any
 
 import typer
 
+from service.listening import bound
 from service.settings import settings_from
+from service.workers import forks
 
 
 def serve(
@@ -31,8 +34,15 @@ def serve(
     ] = None,
 ) -> None:
     """Start the service, with its page, its API and its documentation."""
-    from service.run import serve as run
-
     asked = {"host": host, "port": port, "database_url": database_url, "scheduler": scheduler}
     given: dict[str, Any] = {name: value for name, value in asked.items() if value is not None}
-    run(settings_from(**given))
+    settings = settings_from(**given)
+    listening = bound(settings)
+    if settings.scheduler is None:
+        forks.prepare()
+    gc.disable()  # it takes a sixth of the time of imports, and finds nothing
+    from service.run import serve as run
+
+    gc.freeze()
+    gc.enable()
+    run(settings, listening)

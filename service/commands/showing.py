@@ -10,7 +10,7 @@ from pydantic import BaseModel
 from rich.console import Console
 from rich.table import Table
 
-from service.terminal import out
+from service.commands.terminal import out
 
 AsJson = Annotated[
     bool, typer.Option("--json", help="Print the whole as JSON, as the service answers it.")

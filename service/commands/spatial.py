@@ -8,11 +8,11 @@ from typing import Annotated
 
 import typer
 
-from service import spatial_table
 from service.commands.asking import Url, asked
 from service.commands.showing import AsJson, as_document, widened
+from service.commands.tables import spatial_table
+from service.commands.terminal import out, read_spec, save, stop
 from service.settings import settings_from
-from service.terminal import out, read_spec, save, stop
 from synthesis.errors import CamwrightError
 from synthesis.spatial.design import SpatialDesign
 from synthesis.spatial.spec import SpatialCamSpec

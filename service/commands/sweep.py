@@ -22,8 +22,10 @@ from rich.progress import (
 from service.client import Client, Refused
 from service.client.download import Told
 from service.commands.asking import STAYS, Url, checked, refusals
+from service.commands.terminal import err, out, read_spec, save, stop
+from service.listening import bound
 from service.settings import settings_from
-from service.terminal import err, out, read_spec, save, stop
+from service.workers import forks
 from synthesis.sweeps import SweepSpec
 
 FILES = ("items.csv", "items.parquet")
@@ -70,15 +72,17 @@ def _at(url: str | None, folder: Path) -> AbstractContextManager[str]:
 @contextmanager
 def own_service(folder: Path) -> Iterator[str]:
     """A service in this process, on a loopback port, that keeps its sweeps in a folder."""
+    store = f"sqlite:///{folder.resolve() / STORE}"
+    settings = settings_from(host="127.0.0.1", port=0, database_url=store)
+    if settings.scheduler is None:
+        forks.prepare()
     import uvicorn
 
     from service.app import create_app
-    from service.observe import configure_logs
-    from service.run import bound, web
+    from service.run import web
+    from service.wire.observe import configure_logs
 
     configure_logs("error")
-    store = f"sqlite:///{folder.resolve() / STORE}"
-    settings = settings_from(host="127.0.0.1", port=0, database_url=store)
     app, listening = create_app(settings), bound(settings)
     server = uvicorn.Server(web(app))
     running = threading.Thread(target=lambda: asyncio.run(server.serve([listening])))

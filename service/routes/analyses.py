@@ -6,10 +6,10 @@ from typing import Annotated
 
 from fastapi import APIRouter, Query
 
-from service.documentation import spec_body
-from service.examples import ANALYSES
+from service.contract.documentation import spec_body
+from service.contract.examples import ANALYSES
+from service.resources.views import AnalysisPage, Verdict
 from service.routes.collection import STOPPED, WAITING, Kept, Said, declare
-from service.views import AnalysisPage, Verdict
 from synthesis.findings import Analysis
 
 router = APIRouter(prefix="/v1/analyses", tags=["analyses"])

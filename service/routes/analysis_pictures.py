@@ -12,8 +12,8 @@ from service.routes.download import Download
 from service.routes.files import ON_WORKERS
 from service.routes.kept import done
 from service.routes.offering import Offer, offer
-from service.solve import pictured
 from service.state import State
+from service.workers.solve import pictured
 from synthesis.exporters import DRAWINGS, Exporter, Made, Options
 
 router = APIRouter(prefix="/v1/analyses/{analysis_id}", tags=["analyses"])

@@ -14,14 +14,14 @@ from pydantic.config import JsonDict
 from pydantic.fields import FieldInfo
 from pydantic_core import PydanticCustomError
 
-from service.documentation import in_parts, problems, spec_body
-from service.errors import NothingFits
-from service.examples import CAM_SETS
+from service.contract.documentation import in_parts, problems, spec_body
+from service.contract.examples import CAM_SETS
+from service.resources.views import CamSetPage
 from service.routes.collection import STOPPED, WAITING, Kept, Said, declare
 from service.routes.download import SVG, Download, in_thread
 from service.routes.kept import KnownTag, WithStatus, done
 from service.state import Parts, State
-from service.views import CamSetPage
+from service.wire.errors import NothingFits
 from synthesis.camset import CamSet
 from synthesis.exporters import MOTION_FORMATS, PROFILE_FORMATS, Made, MotionOptions, ProfileOptions
 from synthesis.exporters.bundle import MEDIA_TYPE, BundleOptions, bundle

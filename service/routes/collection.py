@@ -10,8 +10,9 @@ from typing import Annotated, Any
 from fastapi import APIRouter, Path, Query, Request, Response
 from pydantic import BaseModel
 
-from service.documentation import problems
-from service.jobs import Jobs
+from service.contract.documentation import problems
+from service.resources.jobs import Jobs
+from service.resources.views import Page
 from service.routes.kept import (
     CREATED,
     SHOWN,
@@ -26,7 +27,6 @@ from service.routes.kept import (
     shown,
 )  # fmt: skip
 from service.state import Parts, State
-from service.views import Page
 
 Handler = Callable[..., Awaitable[Any]]
 NEWEST = "The newest first."

@@ -6,12 +6,12 @@ import json
 
 from fastapi import APIRouter, Request, Response
 
-from service.documentation import problems, tagged
-from service.errors import NothingFits
-from service.etag import tag_of, unchanged
+from service.contract.documentation import problems, tagged
 from service.routes.kept import done
-from service.solve import confirm
 from service.state import Parts
+from service.wire.errors import NothingFits
+from service.wire.etag import tag_of, unchanged
+from service.workers.solve import confirm
 from synthesis.confirmation import Confirmation
 
 router = APIRouter(prefix="/v1/designs/{design_id}", tags=["designs"])

@@ -4,15 +4,15 @@ from __future__ import annotations
 
 from fastapi import APIRouter, Request, Response
 
-from service.documentation import problems, spec_body, tagged
-from service.errors import PartOfSweep
-from service.etag import tag_of, unchanged
+from service.contract.documentation import problems, spec_body, tagged
+from service.resources.views import DesignPage
 from service.routes.collection import WAITING, Kept, Said, declare
 from service.routes.kept import KnownTag, WithStatus, done, unknown
-from service.solve import priced
 from service.state import Parts
 from service.sweeps.views import at
-from service.views import DesignPage
+from service.wire.errors import PartOfSweep
+from service.wire.etag import tag_of, unchanged
+from service.workers.solve import priced
 from synthesis.design import Design
 from synthesis.findings import Sensitivities
 

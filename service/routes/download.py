@@ -10,9 +10,9 @@ from functools import partial
 
 from fastapi import Request, Response
 
-from service.etag import tag_of, unchanged
-from service.ranges import IN_PARTS
-from service.store import Row
+from service.storage.store import Row
+from service.wire.etag import tag_of, unchanged
+from service.wire.ranges import IN_PARTS
 from synthesis.exporters import Made
 
 SVG, PNG = "image/svg+xml", "image/png"

@@ -12,9 +12,9 @@ from fastapi import APIRouter, Query, Request, Response
 from service.routes.download import Download, in_thread
 from service.routes.kept import done
 from service.routes.offering import Offer, add, offer
-from service.solve import file_of, priced
 from service.state import Parts, State
-from service.store import Row
+from service.storage.store import Row
+from service.workers.solve import file_of, priced
 from synthesis.exporters import (
     MOTION_FORMATS,
     PICTURES,

@@ -8,16 +8,16 @@ from typing import Annotated, Any, TypeVar
 
 from fastapi import Header, Query, Request, Response
 
-from service.body import read_body
-from service.documentation import UNDER_WAY_HEADERS, problems, tagged
-from service.errors import BadQuery, KeyReused, NotDone, ServiceError
-from service.etag import unchanged
-from service.jobs import Jobs, finished
-from service.problem import respond
-from service.resource import Resource
+from service.contract.documentation import UNDER_WAY_HEADERS, problems, tagged
+from service.resources.jobs import Jobs, finished
+from service.resources.resource import Resource
+from service.resources.views import Accepted, Page, accepted, position_of
 from service.state import State
-from service.store import Row
-from service.views import Accepted, Page, accepted, position_of
+from service.storage.store import Row
+from service.wire.body import read_body
+from service.wire.errors import BadQuery, KeyReused, NotDone, ServiceError
+from service.wire.etag import unchanged
+from service.wire.problem import respond
 from synthesis.design import Status
 
 UNDER_WAY: Mapping[int | str, dict[str, Any]] = {

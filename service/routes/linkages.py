@@ -8,15 +8,15 @@ from typing import Any
 
 from fastapi import APIRouter, Request, Response
 
-from service.documentation import spec_body
-from service.errors import NothingFits
-from service.examples import LINKAGES as EXAMPLES
+from service.contract.documentation import spec_body
+from service.contract.examples import LINKAGES as EXAMPLES
+from service.resources.views import LinkagePage
 from service.routes.collection import Kept, Said, declare
 from service.routes.download import Download, in_thread
 from service.routes.kept import WithStatus, done
 from service.routes.offering import Offer, offer
 from service.state import State
-from service.views import LinkagePage
+from service.wire.errors import NothingFits
 from synthesis.exporters import Made
 from synthesis.exporters.linkages import LINKAGE_FILES, LinkageFile
 from synthesis.linkages import LINKAGES, Linkage

@@ -8,7 +8,7 @@ from typing import Annotated, Any
 
 from fastapi import APIRouter, Path, Query, Request, Response
 
-from service.documentation import in_parts, problems
+from service.contract.documentation import in_parts, problems
 from service.routes.download import PNG
 from service.state import Parts, State
 from synthesis.exporters import form

@@ -10,9 +10,9 @@ from pydantic import BaseModel, Field
 from sqlalchemy.exc import SQLAlchemyError
 from starlette.exceptions import HTTPException
 
-from service.documentation import problems
-from service.errors import BY_STATUS, PROBLEMS
+from service.contract.documentation import problems
 from service.state import Parts
+from service.wire.errors import BY_STATUS, PROBLEMS
 from synthesis.design import engine_version
 
 router = APIRouter(tags=["operation"])

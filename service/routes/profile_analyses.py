@@ -4,10 +4,10 @@ from __future__ import annotations
 
 from fastapi import APIRouter
 
-from service.documentation import spec_body
-from service.examples import PROFILE_ANALYSES
+from service.contract.documentation import spec_body
+from service.contract.examples import PROFILE_ANALYSES
+from service.resources.views import ProfileAnalysisPage
 from service.routes.collection import STOPPED, WAITING, Kept, Said, declare
-from service.views import ProfileAnalysisPage
 from synthesis.measured import ProfileAnalysis
 
 router = APIRouter(prefix="/v1/profile-analyses", tags=["analyses"])

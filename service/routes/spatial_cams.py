@@ -4,11 +4,11 @@ from __future__ import annotations
 
 from fastapi import APIRouter
 
-from service.documentation import spec_body
-from service.examples import SPATIAL_CAMS
+from service.contract.documentation import spec_body
+from service.contract.examples import SPATIAL_CAMS
+from service.resources.views import SpatialCamPage
 from service.routes.collection import STOPPED, WAITING, Kept, Said, declare
 from service.routes.kept import WithStatus
-from service.views import SpatialCamPage
 from synthesis.spatial.design import SpatialDesign
 
 router = APIRouter(prefix="/v1/spatial-cams", tags=["spatial cams"])

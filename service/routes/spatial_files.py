@@ -10,8 +10,8 @@ from fastapi import APIRouter, Request, Response
 from service.routes.files import ON_WORKERS, sent
 from service.routes.kept import done
 from service.routes.offering import Offer, offer
-from service.solve import spatial_file
 from service.state import State
+from service.workers.solve import spatial_file
 from synthesis.spatial.files import FORMATS, Format
 
 router = APIRouter(prefix="/v1/spatial-cams/{cam_id}", tags=["spatial cams"])

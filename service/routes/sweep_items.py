@@ -10,10 +10,8 @@ from typing import Annotated
 from fastapi import APIRouter, Query, Request, Response
 from fastapi.responses import StreamingResponse
 
-from service.documentation import in_parts, problems, tagged
-from service.errors import BadQuery, UnknownSweep
-from service.etag import tag_of, unchanged
-from service.ranges import IN_PARTS
+from service.contract.documentation import in_parts, problems, tagged
+from service.resources.views import cursor_at, position_of
 from service.routes.download import PNG, SVG, Download, stem_of
 from service.routes.files import ON_WORKERS, by_worker
 from service.routes.sweeps import Known
@@ -30,7 +28,9 @@ from service.sweeps.views import (
     item_of,
     items_of,
 )
-from service.views import cursor_at, position_of
+from service.wire.errors import BadQuery, UnknownSweep
+from service.wire.etag import tag_of, unchanged
+from service.wire.ranges import IN_PARTS
 from synthesis.exporters.diagrams.tradeoff import Aim, TradeOff, trade_off
 from synthesis.exporters.drawing.picture_options import Colours, PixelColours, PixelWidth
 from synthesis.exporters.drawing.raster import rasterised

@@ -10,10 +10,9 @@ from typing import Annotated
 from fastapi import APIRouter, Depends, Header, Query, Request, Response
 from fastapi.sse import EventSourceResponse, ServerSentEvent
 
-from service.body import read_body
-from service.documentation import UNDER_WAY_HEADERS, problems, spec_body
-from service.errors import UnknownSweep
-from service.examples import SWEEPS
+from service.contract.documentation import UNDER_WAY_HEADERS, problems, spec_body
+from service.contract.examples import SWEEPS
+from service.resources.views import cursor_at, position_of
 from service.routes.kept import Key, name_by_key
 from service.state import Parts, State
 from service.sweeps.store import UNDER_WAY, SweepRow
@@ -27,7 +26,8 @@ from service.sweeps.views import (
     summary_of,
     sweep_of,
 )
-from service.views import cursor_at, position_of
+from service.wire.body import read_body
+from service.wire.errors import UnknownSweep
 from synthesis.sweeps import SweepSpec
 
 router = APIRouter(prefix="/v1/sweeps", tags=["sweeps"])

@@ -10,13 +10,13 @@ from typing import Annotated, Any
 from fastapi import APIRouter, Query, Request, Response
 from pydantic import BaseModel, ConfigDict, Field
 
-from service.documentation import in_parts, problems, spec_body
-from service.examples import TRAINS
+from service.contract.documentation import in_parts, problems, spec_body
+from service.contract.examples import TRAINS
+from service.resources.views import TrainResponsePage
 from service.routes.collection import STOPPED, WAITING, Kept, Said, declare
 from service.routes.download import SVG, Download, in_thread
 from service.routes.kept import KnownTag, done
 from service.state import Parts
-from service.views import TrainResponsePage
 from synthesis.dynamics import TrainResponse
 from synthesis.exporters import Made
 from synthesis.exporters.diagrams.train import response_svg, spectrum_svg

@@ -10,9 +10,9 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from service.errors import BadQuery
 from service.sweeps.store import SweepRow, SweepStore
 from service.sweeps.views import ParetoAxis, ParetoFront, item_of
+from service.wire.errors import BadQuery
 from synthesis.sweeps.pareto import non_dominated
 
 PAGE = 2000

@@ -15,7 +15,7 @@ from sqlalchemy import ColumnElement, Float, or_, select, update
 from sqlalchemy.ext.compiler import compiles
 from sqlalchemy.sql.functions import FunctionElement
 
-from service.store import Do
+from service.storage.store import Do
 from service.sweeps.store import UNDER_WAY, SweepRow
 
 

@@ -10,15 +10,15 @@ from typing import Any, TypeVar
 
 from sqlalchemy.exc import InterfaceError, OperationalError
 
-from service.engine import Engine, new_name
-from service.errors import EngineUnreachable, WorkerLost
-from service.problem import described
 from service.settings import Settings
 from service.sweeps.chunks import CHAIN, STRIKES, Chunks
 from service.sweeps.lease import Leases
 from service.sweeps.progress import Progress
 from service.sweeps.store import Done, NotOurs, SweepRow, SweepStore
 from service.sweeps.work import SLICE_S, ItemAnswer, solve_items
+from service.wire.errors import EngineUnreachable, WorkerLost
+from service.wire.problem import described
+from service.workers.engine import Engine, new_name
 from synthesis.errors import TimeBudgetExceeded
 from synthesis.sweeps import SweepSpec
 

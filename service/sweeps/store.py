@@ -26,7 +26,7 @@ from sqlalchemy import (
 from sqlalchemy.exc import IntegrityError
 from sqlalchemy.orm import Mapped, Session, defer, mapped_column
 
-from service.store import Base, DesignRow, Do, Row
+from service.storage.store import Base, DesignRow, Do, Row
 from service.sweeps.work import ItemAnswer
 
 STATUSES = ("optimal", "feasible", "infeasible", "failed")

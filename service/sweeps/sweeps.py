@@ -8,15 +8,15 @@ from datetime import UTC, datetime
 
 from sqlalchemy.exc import InterfaceError, OperationalError
 
-from service.engine import Engine
-from service.errors import Busy, InvalidBody
 from service.settings import Settings
-from service.store import Store
+from service.storage.store import Store
 from service.sweeps.lease import Leases
 from service.sweeps.progress import Progress
 from service.sweeps.run import Run
 from service.sweeps.store import SweepRow, SweepStore
 from service.sweeps.work import item_spec
+from service.wire.errors import Busy, InvalidBody
+from service.workers.engine import Engine
 from synthesis.design import engine_version
 from synthesis.sweeps import SweepSpec
 from synthesis.sweeps.spec import sweep_id

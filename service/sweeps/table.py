@@ -11,8 +11,8 @@ from typing import Any
 
 from pydantic import JsonValue
 
-from service.errors import FormatMissing
 from service.sweeps.store import ItemRow, SweepRow, SweepStore
+from service.wire.errors import FormatMissing
 from synthesis.sweeps import SweepSpec
 
 PAGE = 500

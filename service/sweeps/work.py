@@ -12,8 +12,8 @@ from typing import Any, Literal, Protocol
 
 from pydantic import JsonValue, ValidationError
 
-from service.errors import InvalidBody
-from service.solve import Answer
+from service.wire.errors import InvalidBody
+from service.workers.solve import Answer
 from synthesis.design import Status
 from synthesis.errors import Cancelled, TimeBudgetExceeded
 from synthesis.objectives import Objective
@@ -99,7 +99,7 @@ def _answered(
     except TimeBudgetExceeded as error:
         return _late(number, error, time.monotonic() - started)
     except Exception as error:
-        from service.problem import described  # rarely wanted, and it brings the web with it
+        from service.wire.problem import described  # rarely wanted, and it brings the web with it
 
         return ItemAnswer(number, "failed", time.monotonic() - started, problem=described(error))
     return ItemAnswer(
@@ -122,7 +122,7 @@ def _solved(
 
 def item_spec(sweep: SweepSpec, values: list[JsonValue]) -> DesignSpec:
     """The spec of an item. Raises InvalidBody where its values make no sense."""
-    from service.body import validated
+    from service.wire.body import validated
 
     return validated(_body(sweep, values), DesignSpec)
 
@@ -138,7 +138,7 @@ def _body(sweep: SweepSpec, values: list[JsonValue]) -> bytes:
 
 def _late(number: int, error: TimeBudgetExceeded, seconds: float) -> ItemAnswer:
     """Time ended: the best certified design so far is an answer, with a word on that."""
-    from service.problem import described
+    from service.wire.problem import described
 
     problem = described(error)
     problem.pop("best", None)

@@ -18,7 +18,7 @@ from synthesis.certify.quantities import (
     infinite,
 )
 from synthesis.certify.residual import left_ringing
-from synthesis.certify.simple import crosses, positive, rounding, rounds_axis
+from synthesis.certify.simple import apart, crosses, rounding, rounds_axis
 from synthesis.certify.states import states
 from synthesis.certify.tables import tables
 from synthesis.design import Extreme
@@ -97,16 +97,16 @@ def _judged(
         if jump is None
     ]
     rounds = rounding(course, machine)
-    questions += [positive(course, len(measured) + k) for k in range(len(rounds))]
-    measured += [(rounds_axis(flank), flank.path) for flank in rounds]
-    answers = iter(enclose_all(measured, course, machine, size, questions))
+    asked, distances = rounds_axis(course, rounds, len(measured))
+    answers = iter(
+        enclose_all([*measured, *distances], course, machine, size, [*questions, *asked])
+    )
     each = iter(
         _extreme(claim, next(answers)) if jump is None else _infinite(claim, jump, machine)
         for claim, jump in zip(angled, jumps, strict=True)
     )
     found = [_ringing(claim, course) if claim.rings else next(each) for claim in claims]
-    told = zip(rounds, answers, strict=True)
-    return found, [flank for flank, answer in told if answer.extreme.lower > 0.0]
+    return found, apart(rounds, answers)
 
 
 def _ringing(claim: Claim, course: Course) -> Extreme:

@@ -77,10 +77,11 @@ def certify_size(
     """
     dimensions = (built or spec.follower).dimensions(size)
     sizes = {"mm": spec.follower.radius(size), "deg": 180.0}
+    owners = [(one, type(one).model_fields) for one in (spec, spec.follower)]
     found = []
     for name, value in dimensions.items():
-        for owner, prefix in ((spec, ""), (spec.follower, "follower/")):
-            if name in type(owner).model_fields:
+        for (owner, fields), prefix in zip(owners, ("", "follower/"), strict=True):
+            if name in fields:
                 asked = ends(getattr(owner, name))
                 allowance = ALLOWANCE * sizes[name.rpartition("_")[2]]
                 found += _within(name, value, asked, allowance, prefix + name)

@@ -2,15 +2,14 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from functools import cache
 from math import comb, floor
 from typing import Final
 
 import numpy as np
-from numpy.typing import NDArray
 
 from synthesis.certify.course import Course, Indices
+from synthesis.certify.path import Boxes
 from synthesis.design import Extreme
 from synthesis.limits.base import Machine
 from synthesis.numerics.piecewise import Array
@@ -24,22 +23,6 @@ SPLIT: Final = 8
 ROUNDS: Final = 7
 MOST_BOXES: Final = 50_000
 ROUNDING: Final = 2.0**-46  # of the terms of a coefficient: more than 64 roundings
-
-
-@dataclass(frozen=True, eq=False)
-class _Boxes:
-    piece: Indices
-    lo: Array
-    hi: Array
-
-    def split(self, parts: int) -> _Boxes:
-        edges = self.lo[:, None] + (self.hi - self.lo)[:, None] * (np.arange(parts + 1) / parts)
-        edges[:, -1] = self.hi
-        lo, hi = edges[:, :-1].ravel(), edges[:, 1:].ravel()
-        return _Boxes(np.repeat(self.piece, parts), lo, hi)
-
-    def take(self, keep: NDArray[np.bool_]) -> _Boxes:
-        return _Boxes(self.piece[keep], self.lo[keep], self.hi[keep])
 
 
 def overshoot(course: Course, machine: Machine) -> list[Extreme]:
@@ -87,7 +70,7 @@ def _travel(course: Course, pieces: Indices) -> tuple[Array, Array, int]:
     most += np.bincount(owner[~coarse], whole[~coarse], len(stretches))
     if not coarse.any():
         return least, most, count
-    boxes = _Boxes(pieces, breaks[pieces], breaks[pieces + 1]).take(coarse).split(FIRST)
+    boxes = Boxes(pieces, breaks[pieces], breaks[pieces + 1]).take(coarse).split(FIRST)
     for round_ in range(ROUNDS):
         low, high = _on_boxes(course, boxes)
         count += len(low)
@@ -132,7 +115,7 @@ def _forward(course: Course, pieces: Indices) -> Array:
     return np.asarray(np.sign(lifts)[course.stretch[pieces]])
 
 
-def _on_boxes(course: Course, boxes: _Boxes) -> tuple[Array, Array]:
+def _on_boxes(course: Course, boxes: Boxes) -> tuple[Array, Array]:
     """The same on each box: it is no less than the net fall, no more than what the speed allows."""
     s, v = course.jets.models(boxes.piece, boxes.lo, boxes.hi, 1)
     forward = _forward(course, boxes.piece)

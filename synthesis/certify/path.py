@@ -17,7 +17,6 @@ from synthesis.numerics.taylor import ROUNDING, Taylor
 
 Trace = Callable[[Any], tuple[Vector2, ...]]  # s to s''' -> the traced point and its derivatives
 ANGLE_ROUNDING: Final = 2.0**-48  # of the angle of a box's centre and of its half width
-MORE: Final = 1.0 + 1e-12  # more than the roundings of a comparison of squares
 ARCSINE: Final = 1e-12  # relative: more than the roundings of its argument, which it magnifies
 
 
@@ -110,17 +109,6 @@ class Drawn:
         """
         tx, ty = self.tangent
         return _ends(self.theta - ty.arctan2(tx))
-
-    def rounds_axis(self) -> bool:
-        """Whether the traced curve's tangent line and the profile's pass the axis on one side.
-
-        That is n · p > the profile's depth below p, on every box; n · p = (p × T)/|T|.
-        """
-        (px, py), (tx, ty) = self.p, self.tangent
-        moment, square = py * tx - px * ty, tx * tx + ty * ty
-        low, high = moment.c0 - moment.spread(), square.c0 + square.spread()
-        deep = MORE * max(self.distance, 0.0)
-        return bool(np.all((low > 0.0) & (low * low > deep * deep * high)))
 
     def shadow(self) -> tuple[Array, Array]:
         """Between which polar angles on the cam the roller lies, seen from the axis [rad].

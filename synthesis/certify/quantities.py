@@ -47,6 +47,13 @@ class Sight:
         return dx + py, dy - px
 
     @cached_property
+    def moment(self) -> Any:
+        """(n · p) |T|."""
+        (px, py), *_ = self.point
+        tx, ty = self.tangent
+        return py * tx - px * ty
+
+    @cached_property
     def square(self) -> Any:
         """|T|²."""
         tx, ty = self.tangent
@@ -189,13 +196,7 @@ def clearance(depth: float) -> Quantity:
 
     With the axis on the inner side, and more than ``depth`` [mm] away.
     """
-
-    def formula(at: Sight) -> Any:
-        (px, py), *_ = at.point
-        tx, ty = at.tangent
-        return py * tx - px * ty - depth * at.speed
-
-    return Quantity(formula, 1)
+    return Quantity(lambda at: at.moment - depth * at.speed, 1)
 
 
 def traced(machine: Machine, path: str = "") -> Trace:

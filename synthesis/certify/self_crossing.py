@@ -18,14 +18,14 @@ the circle's own upper arc reaches, and beyond it lies beside the circle. The ce
 circle is O(θ). Corners that turn away from the circle only help. The curvature is the business
 of the limit ``profile_radius``, which every spec of a roller has.
 
-**A curve that goes round the axis** needs no search at all. Let P's tangent lines, where P runs
-smoothly, pass the axis on one side and farther than R: n · P > R, n the normal on the other side
-of the cam. Then P(θ) − (R − d) n has n · P > 0 too, for every d from 0 to R, and where nothing is
-undercut its polar angle runs one way, once round as P's does: s comes back without a turn about
-the axis. So these curves are simple, each lies around those of smaller d, and P(φ), which lies on
-the outermost, is on no other. But if O(θ) were the profile's nearest point to it, at less than R,
-P(φ) would lie on n(θ) at that height above O(θ), which is a point of another one. Where the
-profile lies around P the same is said of P + d n, for which n · P > 0 is enough.
+**A curve that goes round the axis** never comes here: `simple` asks for it. Let P's tangent lines,
+where P runs smoothly, pass the axis on one side and farther than R: n · P > R, n the normal on the
+other side of the cam. Then P(θ) − (R − d) n has n · P > 0 too, for every d from 0 to R, and where
+nothing is undercut its polar angle runs one way, once round as P's does: s comes back without a
+turn about the axis. So these curves are simple, each lies around those of smaller d, and P(φ),
+which lies on the outermost, is on no other. But if O(θ) were the profile's nearest point to it, at
+less than R, P(φ) would lie on n(θ) at that height above O(θ), which is a point of another one.
+Where the profile lies around P the same is said of P + d n, for which n · P > 0 is enough.
 
 **Pairs aside** of each other need none either: seen from the cam's axis, the roller at φ fills the
 angle ± arcsin R/|P(φ)| about its centre, and O(θ) lies in the same about P(θ). Where these do not
@@ -93,8 +93,6 @@ def nearest(path: Path) -> Nearest:
     with np.errstate(all="ignore"):
         boxes = Boxes.of(path.course, WIDEST)
         drawn = path.on(boxes)
-        if path.course.joined(2) and drawn.rounds_axis():
-            return Nearest(math.inf, abs(path.distance) * (1.0 - TOUCHING), 0.0, 0.0, 0)
         boxes, drawn = _turning_little(path, boxes, drawn)
         low, high = drawn.heading
         unsteady = ~(high - low < UNSTEADY)

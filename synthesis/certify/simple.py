@@ -18,23 +18,24 @@ Three reasons why a profile that is nowhere undercut does not cross itself:
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from typing import Final
 
 import numpy as np
 
 from synthesis.certify.course import Course
-from synthesis.certify.path import MORE, Boxes, Path, Trace
-from synthesis.certify.quantities import Quantity, Size, clearance
+from synthesis.certify.path import Boxes, Path, Trace
+from synthesis.certify.quantities import Measurable, Size, clearance, enclose_all
 from synthesis.certify.self_crossing import Nearest, nearest
 from synthesis.design import Extreme
 from synthesis.followers.flank import Flank, labelled
 from synthesis.limits.base import Machine
-from synthesis.numerics.enclosure import Question
+from synthesis.numerics.enclosure import Answer, Question
 from synthesis.units import DEGREE
 
 CROSSING: Final = "self_crossing"
 WIDEST: Final = 0.05  # boxes of a knife edge's path [rad]
+MORE: Final = 1.0 + 1e-12  # more than the roundings of a comparison
 
 
 def rounding(course: Course, machine: Machine) -> list[Flank]:
@@ -44,18 +45,31 @@ def rounding(course: Course, machine: Machine) -> list[Flank]:
     return [flank for flank in machine.follower.flanks if flank.distance > 0.0]
 
 
-def rounds_axis(flank: Flank) -> Quantity:
-    """What is positive all round if the traced curve's tangent never comes near the axis.
+def rounds_axis(
+    course: Course, flanks: Sequence[Flank], first: int
+) -> tuple[list[Question], list[tuple[Measurable, str]]]:
+    """Asks by how much traced curves' tangents pass the axis far enough off, all round.
 
-    That is no nearer than the profile lies below the curve.
+    Returns:
+        questions and their subjects, the functions from number ``first`` on.
     """
-    return clearance(MORE * max(flank.side * flank.distance, 0.0))
-
-
-def positive(course: Course, function: int) -> Question:
-    """Asks for the least value all round that is proven at once: nothing else is needed."""
     everywhere = np.arange(course.curve.count)
-    return Question(everywhere, 0.0, math.inf, None, function, absolute=math.inf)
+    questions = [
+        Question(everywhere, 0.0, math.inf, None, first + k, absolute=math.inf)
+        for k in range(len(flanks))
+    ]
+    return questions, [(clearance(depth(flank)), flank.path) for flank in flanks]
+
+
+def apart(flanks: Sequence[Flank], answers: Iterable[Answer]) -> list[Flank]:
+    """Those whose curves go round the axis well apart: tangent and profile pass it on one side."""
+    told = zip(flanks, answers, strict=True)
+    return [flank for flank, answer in told if answer.extreme.lower > 0.0]
+
+
+def depth(flank: Flank) -> float:
+    """What that distance has to be more than: how deep the profile lies below the curve [mm]."""
+    return MORE * max(flank.side * flank.distance, 0.0)
 
 
 def crosses(
@@ -82,7 +96,10 @@ def deepest(course: Course, machine: Machine, size: Size) -> tuple[Flank, Neares
     """The flank that its own roller cuts deepest, and where; None where none is found."""
     if machine.follower.always_convex:
         return None
-    flanks = [flank for flank in machine.follower.flanks if flank.distance > 0.0]
+    rounds = rounding(course, machine)
+    questions, subjects = rounds_axis(course, rounds, 0)
+    clear = apart(rounds, enclose_all(subjects, course, machine, size, questions))
+    flanks = [each for each in machine.follower.flanks if each.distance > 0.0 and each not in clear]
     found = [(flank, approach(course, flank, size)) for flank in flanks]
     cut = [
         (flank, near)

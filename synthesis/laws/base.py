@@ -113,7 +113,7 @@ class MotionLaw(BaseModel, ABC):
         """Itself: only a spline has a choice."""
         return self
 
-    def free(self) -> FreeLaw | None:
+    def free(self, knots: tuple[float, ...] = ()) -> FreeLaw | None:
         """None: a named law leaves nothing free."""
         return None
 

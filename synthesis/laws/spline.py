@@ -53,6 +53,6 @@ class SplineLaw(BaseModel):
         """The same of class C2."""
         return self.model_copy(update={"smoothness": 2}) if self.smoothness > 2 else self
 
-    def free(self) -> FreeLaw:
-        """The law's place in the formulation."""
-        return FreeLaw(self.smoothness, self.overshoot)
+    def free(self, knots: tuple[float, ...] = ()) -> FreeLaw:
+        """The law's place in the formulation; ``knots``: where it must be free to bend."""
+        return FreeLaw(self.smoothness, self.overshoot, knots=knots)

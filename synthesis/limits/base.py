@@ -82,6 +82,7 @@ class Limit(BaseModel, ABC):
     kind: str
     title: ClassVar[str]
     of_forces: ClassVar[bool] = False  # it needs to know what loads the follower
+    same_everywhere: ClassVar[bool] = False  # its smooth form asks of no stretch what it is
 
     def suits(self, follower: Follower) -> bool:
         """Whether the limit says anything about such a follower."""

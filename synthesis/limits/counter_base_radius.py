@@ -21,6 +21,7 @@ class CounterBaseRadius(Limit):
 
     kind: Literal["counter_base_radius"] = "counter_base_radius"
     title: ClassVar[str] = "Base radius of the counter cam"
+    same_everywhere: ClassVar[bool] = True
     min_mm: Annotated[
         float, Field(ge=0.0, le=1e9, description="Smallest base radius of the counter cam.")
     ] = 0.0

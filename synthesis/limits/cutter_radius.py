@@ -25,6 +25,7 @@ class CutterRadius(Limit):
 
     kind: Literal["cutter_radius"] = "cutter_radius"
     title: ClassVar[str] = "Cutter or grinding wheel that must fit every hollow"
+    same_everywhere: ClassVar[bool] = True
     radius_mm: Annotated[float, Field(gt=0.0, le=1e9, description="Radius of the cutter.")]
 
     @property

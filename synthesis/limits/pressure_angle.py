@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import replace
-from math import tan
+from math import inf, tan
 from typing import Annotated, Any, ClassVar, Literal
 
 from pydantic import Field, model_validator
@@ -70,13 +70,13 @@ class PressureAngle(Limit):
         self, stretch: Stretch, machine: Machine, theta: Array, s: Any, z: Any
     ) -> tuple[Any, ...]:
         """What is curved, and of counter rollers that say nothing in rows |n × g| ≤ t n · g."""
-        limits = [self._largest(kind) for kind in stretch.senses]
-        slopes = [tan(largest) for largest in limits if largest is not None]
-        curves = self.curved(stretch, machine)
+        curves, companions = self.curved(stretch, machine), machine.follower.companions
         found: list[Any] = [value for curve in curves for value in curve.excess(s, z)]
-        for label in machine.follower.companions if slopes else ():
-            path, slope = machine.follower.paths[label], min(slopes)
-            if path.pressure_angle_rows(slope):
+        limits = [self._largest(kind) for kind in stretch.senses] if companions else []
+        slope = min((tan(largest) for largest in limits if largest is not None), default=inf)
+        for label in companions:
+            path = machine.follower.paths[label]
+            if slope == inf or path.pressure_angle_rows(slope):
                 continue
             across, along = leaning(path, s, z)
             found += [across - slope * along, -across - slope * along]

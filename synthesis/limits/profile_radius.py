@@ -26,6 +26,7 @@ class ProfileRadius(Limit):
 
     kind: Literal["profile_radius"] = "profile_radius"
     title: ClassVar[str] = "Smallest convex radius of the profile"
+    same_everywhere: ClassVar[bool] = True
     min_mm: Annotated[
         float,
         Field(ge=0.0, le=1e6, description="Smallest radius of the convex profile; 0: no undercut."),

@@ -6,6 +6,8 @@ Fast and accurate to rounding, but a finding, not a proof: proofs are the certif
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
+from itertools import accumulate
+from math import perm
 
 import numpy as np
 
@@ -64,37 +66,72 @@ def peak(curve: Piecewise, coefficients: Sequence[float]) -> tuple[float, float]
 
 def _of_cubics(curve: Piecewise) -> tuple[float, float]:
     """The same of polynomials up to the third degree, whose stationary points have a formula."""
-    t, value = _candidates(curve, curve.poly)
+    left, right = curve.breaks[:-1] - curve.origins, curve.breaks[1:] - curve.origins
+    columns = np.zeros((4, curve.count))
+    columns[: curve.poly.shape[1]] = curve.poly.T
+    t, value = _candidates(columns, left, right)
     k, i = np.unravel_index(np.argmax(value), value.shape)
     x = min(max(curve.origins[i] + t[k, i], curve.breaks[i]), curve.breaks[i + 1])
     return float(value[k, i]), float(x)
 
 
-def heights(curve: Piecewise, coefficients: Sequence[Sequence[float]]) -> Array:
-    """The largest value of each of several combinations, as ``peak`` finds it: (k,)."""
-    if curve.still:
-        shares = np.array([each[0] for each in coefficients])
-        return np.asarray(np.max(shares[:, None] * curve.poly[:, 0], axis=1))
-    if curve.waves.shape[1] or curve.poly.shape[1] > 4:
-        return np.array([peak(curve, each)[0] for each in coefficients])
-    table = curve.table
-    weights = np.zeros((len(coefficients), len(table)))
-    given = np.array(coefficients)[:, : len(table)]
-    weights[:, : given.shape[1]] = given
-    _, value = _candidates(
-        curve, (weights @ table.reshape(len(table), -1)).reshape(-1, *table.shape[1:])
-    )
-    return np.asarray(value.max(axis=(0, 2)))
+def heights(asked: Sequence[tuple[Piecewise, Sequence[Sequence[float]]]]) -> list[Array]:
+    """The largest values of several combinations of each of several functions.
+
+    As ``peak`` finds them; polynomials up to the third degree are worked out together.
+
+    Args:
+        asked: functions, each with (k, 4) coefficients.
+
+    Returns:
+        (k,) for every function.
+    """
+    cubics = [each for each in asked if _cubic(each[0])]
+    known = iter(_summits(cubics))
+    return [
+        next(known) if _cubic(curve) else np.array([peak(curve, each)[0] for each in coefficients])
+        for curve, coefficients in asked
+    ]
 
 
-def _candidates(curve: Piecewise, poly: Array) -> tuple[Array, Array]:
-    """Ends and stationary points of cubics (…, n, d), about each origin, and values: (4, …, n)."""
-    columns = [poly[..., k] for k in range(poly.shape[-1])]
-    c0, c1, c2, c3 = columns + [np.zeros(1)] * (4 - len(columns))
-    left, right = curve.breaks[:-1] - curve.origins, curve.breaks[1:] - curve.origins
-    t = np.empty((4, *c0.shape))
-    t[:] = left
-    t[1] = right
+def _cubic(curve: Piecewise) -> bool:
+    return curve.poly.shape[1] <= 4 and not curve.waves.shape[1]
+
+
+def _summits(asked: Sequence[tuple[Piecewise, Sequence[Sequence[float]]]]) -> list[Array]:
+    """``heights`` of polynomials up to the third degree."""
+    if not asked:
+        return []
+    first = list(accumulate((len(rows) * curve.count for curve, rows in asked), initial=0))
+    columns, ends = np.zeros((4, first[-1])), np.empty((2, first[-1]))
+    for (curve, rows), low, high in zip(asked, first, first[1:], strict=False):
+        degree, shape = curve.poly.shape[1], (len(rows), curve.count)
+        mixed = (np.array(rows) @ _RAISED).reshape(-1, 4, 4)[:, :degree, :degree]
+        columns[:degree, low:high] = (curve.poly @ mixed).reshape(-1, degree).T
+        ends[0, low:high].reshape(shape)[:] = curve.breaks[:-1] - curve.origins
+        ends[1, low:high].reshape(shape)[:] = curve.breaks[1:] - curve.origins
+    _, value = _candidates(columns, *ends)
+    each = [
+        low + curve.count * k
+        for (curve, rows), low in zip(asked, first, strict=False)
+        for k in range(len(rows))
+    ]
+    tops = np.maximum.reduceat(value.max(axis=0), each)
+    return np.split(tops, np.cumsum([len(rows) for _, rows in asked[:-1]]))
+
+
+# coefficients of a cubic to those of its derivatives, one after the other: (4, 4 · 4)
+_RAISED = np.array(
+    [[[perm(j, m) if j == i + m else 0 for i in range(4)] for j in range(4)] for m in range(4)],
+    dtype=float,
+).reshape(4, 16)
+
+
+def _candidates(columns: Array, left: Array, right: Array) -> tuple[Array, Array]:
+    """Ends and stationary points of cubics (4, n), constant first, with values: (4, n) both."""
+    c0, c1, c2, c3 = columns
+    t = np.empty_like(columns)
+    t[0], t[1] = left, right
     t[2], t[3] = quadratic_roots(3.0 * c3, 2.0 * c2, c1)
     t = np.fmin(np.fmax(t, left), right)  # of what is no number, an end
     return t, c0 + t * (c1 + t * (c2 + t * c3))

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from functools import cache, cached_property
+from functools import cached_property
 from math import factorial
 from typing import Literal
 
@@ -43,15 +43,9 @@ def horner(falling: Array, t: Array, highest: int) -> Array:
         pairs = zip(rows, (coefficient, *rows), strict=False)
         rows = [*(row * t + below for row, below in pairs), rows[-1]][: highest + 1]
     value = np.zeros((highest + 1, *first.shape))
-    value[: len(rows)] = rows
-    return value * _factorials(highest, first.ndim)
-
-
-@cache
-def _factorials(highest: int, axes: int) -> Array:
-    """0!, 1!, … along the first of some more axes."""
-    found = np.array([float(factorial(order)) for order in range(highest + 1)])
-    return found.reshape(-1, *[1] * axes)
+    for order, row in enumerate(rows):
+        np.multiply(row, float(factorial(order)), out=value[order])
+    return value
 
 
 @dataclass(frozen=True, eq=False)
@@ -112,14 +106,6 @@ class Piecewise:
             tables.append(last[:, 1:] * np.arange(1, last.shape[1]))
         return tables
 
-    @cached_property
-    def table(self) -> Array:
-        """Polynomials of f and its derivatives until they vanish, as wide as f's: (d+1, n, d+1)."""
-        found = np.zeros((len(self._powers), *self.poly.shape))
-        for order, table in enumerate(self._powers):
-            found[order, :, : table.shape[1]] = table
-        return found
-
     def piece_of(self, x: Array, side: Side = "right") -> NDArray[np.intp]:
         """Index of the piece that holds each x; at a break the piece on the given side."""
         found = np.searchsorted(self.breaks, x, side=side) - 1
@@ -169,6 +155,10 @@ class Piecewise:
 
         The values of ``at`` but for roundings, in half of the time.
         """
+        if self.still:
+            value = np.zeros((highest + 1, len(x)))
+            value[0] = self.poly[piece, 0]
+            return value
         t = x - self.origins[piece]
         value = horner(self.falling.take(piece, axis=-1), t, highest)
         if self.waves.shape[1]:

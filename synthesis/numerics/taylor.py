@@ -150,10 +150,6 @@ class Taylor(OnModels):
         """A lower bound of |f| on each box; not positive where f may vanish."""
         return np.abs(self.c0) - np.abs(self.c1) - np.abs(self.c2) - self.rem
 
-    def spread(self) -> Array:
-        """How far f may lie from c0 on each box, what rounding adds included."""
-        return np.abs(self.c1) + np.abs(self.c2) + self.rem + ROUNDING * self.mag
-
     def __abs__(self) -> Taylor:
         """|f|: where its sign is not known on a box, no more than how large it can be."""
         sign = np.where(self.least() - ROUNDING * self.mag > 0.0, np.sign(self.c0), 0.0)

@@ -7,11 +7,11 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from math import inf
 
-from synthesis.formulations.bound import in_core_units
-from synthesis.formulations.candidate import value
-from synthesis.formulations.convex import Plan
-from synthesis.formulations.nearby import Convex, Nearby, Smooth
-from synthesis.formulations.problem import Problem
+from synthesis.formulations.bounds.bound import in_core_units
+from synthesis.formulations.cams.candidate import value
+from synthesis.formulations.cone.convex import Plan
+from synthesis.formulations.nonconvex.nearby import Convex, Nearby, Smooth
+from synthesis.formulations.question.problem import Problem
 from synthesis.sensitivity.family import Family
 from synthesis.spec import DesignSpec
 

@@ -7,10 +7,10 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from synthesis.design import Design
-from synthesis.formulations.convex import EXACT, Plan, formulate
-from synthesis.formulations.cuts import Region
-from synthesis.formulations.grid import SettledLaw, over
-from synthesis.formulations.problem import Problem, pose
+from synthesis.formulations.cone.convex import EXACT, Plan, formulate
+from synthesis.formulations.cone.cuts import Region
+from synthesis.formulations.question.grid import SettledLaw, over
+from synthesis.formulations.question.problem import Problem, pose
 from synthesis.numerics.bspline import SplineSpace
 from synthesis.numerics.piecewise import Array
 from synthesis.spec import DesignSpec

@@ -12,8 +12,8 @@ from synthesis import clock
 from synthesis.answer import segments
 from synthesis.design import Certificate, Report, StageReport, engine_version
 from synthesis.errors import InputError
-from synthesis.formulations.rejoined import Splines
-from synthesis.formulations.tables import Tables, smooth_tables
+from synthesis.formulations.cams.rejoined import Splines
+from synthesis.formulations.free_numbers.tables import Tables, smooth_tables
 from synthesis.motion import Motion, Stretch
 from synthesis.spatial.cam import SpatialCam, settled
 from synthesis.spatial.design import Arc, SpatialDesign, SpatialWall, spatial_id

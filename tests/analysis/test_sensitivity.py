@@ -7,7 +7,7 @@ from typing import Any
 
 import pytest
 
-from service.examples import examples
+from service.contract.examples import examples
 from synthesis.design import Design
 from synthesis.findings import Sensitivities, Sensitivity
 from synthesis.pipeline import synthesise

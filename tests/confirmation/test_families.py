@@ -8,7 +8,7 @@ from math import pi
 import numpy as np
 import pytest
 
-from service.examples import examples
+from service.contract.examples import examples
 from synthesis import Confirmation, Design, DesignSpec, confirm, synthesise
 from synthesis.units import DEGREE
 from tests.followers.samples import CASES, spec

@@ -15,12 +15,12 @@ from scipy.integrate import quad, quad_vec, solve_ivp
 from synthesis import Design, DesignSpec, confirm, synthesise
 from synthesis.certify.course import Course
 from synthesis.certify.residual import left_ringing
-from synthesis.formulations.convex import formulate
-from synthesis.formulations.grid import uniform
-from synthesis.formulations.ledger import Ledger
-from synthesis.formulations.problem import pose
-from synthesis.formulations.resounding import resound
-from synthesis.formulations.ringing import Share, amplitude, swing
+from synthesis.formulations.bounds.ledger import Ledger
+from synthesis.formulations.bounds.resounding import resound
+from synthesis.formulations.cone.convex import formulate
+from synthesis.formulations.question.grid import uniform
+from synthesis.formulations.question.problem import pose
+from synthesis.formulations.question.ringing import Share, amplitude, swing
 from synthesis.motion import Motion
 from synthesis.numerics.piecewise import Piecewise
 from synthesis.terms import Ringing

@@ -11,7 +11,7 @@ import pytest
 from pydantic import ValidationError
 from scipy.integrate import quad, solve_ivp
 
-from service.examples import TRAINS, examples
+from service.contract.examples import TRAINS, examples
 from synthesis.certify.course import Course
 from synthesis.certify.residual import left_ringing
 from synthesis.dynamics import TrainSpec

@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from service.examples import examples
+from service.contract.examples import examples
 from synthesis import CamSet, synthesise_set
 from synthesis.errors import InputError
 from synthesis.exporters import PROFILE_FORMATS, MotionOptions, PointOptions, ProfileOptions

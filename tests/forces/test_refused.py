@@ -7,7 +7,7 @@ from typing import Any
 import pytest
 from pydantic import ValidationError
 
-from service.violations import PLACES
+from service.wire.violations import PLACES
 from synthesis import DesignSpec
 from tests.followers.samples import spec
 from tests.forces.loads import ARM, SLIDE

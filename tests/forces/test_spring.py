@@ -12,7 +12,7 @@ from synthesis import Design, DesignSpec, analyse, synthesise
 from synthesis.analysis import given
 from synthesis.errors import InputError
 from synthesis.forces.history import history
-from synthesis.formulations.springs import Sprung
+from synthesis.formulations.free_numbers.springs import Sprung
 from tests.followers.samples import spec
 from tests.forces.loads import ARM, SLIDE, load_of, loaded
 from tests.forces.test_limited import BODY

@@ -9,10 +9,10 @@ from typing import Any
 
 import numpy as np
 
-from synthesis.formulations.convex import Plan, formulate
-from synthesis.formulations.energy import mean_square
-from synthesis.formulations.grid import Grid, over, uniform
-from synthesis.formulations.problem import Held, Problem, pose
+from synthesis.formulations.cone.convex import Plan, formulate
+from synthesis.formulations.question.energy import mean_square
+from synthesis.formulations.question.grid import Grid, over, uniform
+from synthesis.formulations.question.problem import Held, Problem, pose
 from synthesis.motion import Motion
 from synthesis.solvers.clarabel import ConeSolution, solve
 from synthesis.solvers.statuses import Stopped

@@ -9,9 +9,9 @@ from typing import Any
 import pytest
 
 from synthesis import DesignSpec, synthesise
-from synthesis.formulations import elastic
-from synthesis.formulations.grid import uniform
-from synthesis.formulations.problem import pose
+from synthesis.formulations.conflict import elastic
+from synthesis.formulations.question.grid import uniform
+from synthesis.formulations.question.problem import pose
 from tests.hard.cases import ANGLES, CASES, jerk, scene
 from tests.hard.run import outcome
 from tests.hard.verifier import objectives

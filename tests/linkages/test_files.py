@@ -12,8 +12,8 @@ from xml.etree import ElementTree
 import numpy as np
 import pytest
 
-from service.examples import LINKAGES as FOLDER
-from service.examples import examples
+from service.contract.examples import LINKAGES as FOLDER
+from service.contract.examples import examples
 from synthesis import DesignSpec, synthesise
 from synthesis.errors import InputError
 from synthesis.exporters.linkages import LINKAGE_FILES

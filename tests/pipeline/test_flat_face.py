@@ -17,8 +17,8 @@ from synthesis.exporters import MOTION_FORMATS, PROFILE_FORMATS, ProfileOptions
 from synthesis.exporters.drawing.picture_options import CamDrawingOptions
 from synthesis.laws import LAWS
 from synthesis.pipeline import synthesise
+from tests.formulations.cone.test_flat_face import LEAST, RADIUS, asked
 from tests.formulations.scenes import LIFT, acceleration, jerk
-from tests.formulations.test_flat_face import LEAST, RADIUS, asked
 from tests.geometry.cams import gentle
 
 BETA = 73.0 * pi / 180.0

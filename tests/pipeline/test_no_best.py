@@ -9,7 +9,7 @@ import pytest
 from pydantic import ValidationError
 
 from synthesis import DesignSpec, synthesise
-from synthesis.formulations.problem import pose
+from synthesis.formulations.question.problem import pose
 
 RPM, LIFT = 71.3, 11.7
 ROLLER = {"kind": "translating_roller", "roller_radius_mm": 7.3}

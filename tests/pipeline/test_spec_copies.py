@@ -2,9 +2,17 @@
 
 from __future__ import annotations
 
+from functools import cached_property
+
 from synthesis import DesignSpec, synthesise
 from synthesis.ranges import Range
+from synthesis.spec import KEPT
 from tests.hard.cases import ANGLES, jerk, scene
+
+
+def test_all_that_a_spec_keeps_is_named() -> None:
+    kept = {name for name, value in vars(DesignSpec).items() if isinstance(value, cached_property)}
+    assert kept == set(KEPT)
 
 
 def test_a_changed_copy_is_laid_out_anew() -> None:

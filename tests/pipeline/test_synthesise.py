@@ -13,7 +13,7 @@ from pydantic import ValidationError
 
 from synthesis import Design, DesignSpec, synthesise
 from synthesis.errors import TimeBudgetExceeded
-from synthesis.formulations import refine
+from synthesis.formulations.ladder import refine
 from tests.pipeline.scenes import BETA, CYCLOIDAL, LIFT, OMEGA, PRESSURE, jerk, program, spec
 
 ROOT = 1.0 + 1e-9

@@ -13,15 +13,15 @@ from hypothesis import strategies as st
 from pydantic import ValidationError
 from scipy.optimize import differential_evolution, linprog, minimize_scalar
 
-from service.examples import examples
+from service.contract.examples import examples
 from synthesis.analysis import analyse
 from synthesis.design import Design
 from synthesis.exporters import PROFILE_FORMATS
 from synthesis.exporters.drawing.picture_options import CamDrawingOptions
 from synthesis.pipeline import synthesise
 from synthesis.spec import DesignSpec
+from tests.formulations.cone.test_flat_face import LEAST, RADIUS, asked
 from tests.formulations.scenes import LIFT, jerk
-from tests.formulations.test_flat_face import LEAST, RADIUS, asked
 from tests.pipeline.test_flat_face import BETA, extreme
 
 TILT, OFFSET = 23.7, -8.3

@@ -17,7 +17,7 @@ from typing import Any
 import pytest
 
 from synthesis import clock
-from synthesis.formulations import nonlinear
+from synthesis.formulations.nonconvex import nonlinear
 from synthesis.solvers import clarabel
 
 CALL = 3e-6  # s, of any function's call: some three times a real machine's

@@ -7,6 +7,7 @@ weights stay. Free laws and pivots on arms are where a search that weighs last d
 from __future__ import annotations
 
 import json
+from collections.abc import Iterator
 from functools import cache
 from math import inf, radians, sqrt
 from pathlib import Path
@@ -36,9 +37,8 @@ PURE = {
 }  # fmt: skip
 
 
-def factor(field: str, k: float, loaded: bool) -> float:
-    """What a number of this name, or in this unit, is to be multiplied by."""
-    length = time = 0
+def powers(field: str) -> tuple[int, int]:
+    """Powers of length and of time in the unit of a number of this name, or in this unit."""
     unit: list[tuple[int, int]] = []
     for word in reversed(field.replace("N·m", "n_m").lower().split("_")):
         if word == "per":
@@ -48,6 +48,12 @@ def factor(field: str, k: float, loaded: bool) -> float:
         else:
             unit.append(UNITS[word])
     length, time = (sum(power[i] for power in unit) for i in (0, 1))
+    return length, time
+
+
+def factor(field: str, k: float, loaded: bool) -> float:
+    """What such a number is to be multiplied by in a machine k times as large."""
+    length, time = powers(field)
     return k ** (length + (time / 2 if loaded else 0))
 
 
@@ -176,6 +182,35 @@ def test_every_number_of_a_spec_tells_its_unit_or_has_none() -> None:
     assert not unknown, f"similitude.KINDS does not know the unit of {unknown}"
     for kind, (length, time) in KINDS.items():
         assert factor(kind, 4.0, loaded=True) == pytest.approx(4.0**length * 2.0**time), kind
+
+
+def numbers(value: Any, path: str = "", field: str = "") -> Iterator[tuple[tuple[str, str], float]]:
+    """Every number in a body: path, the field that tells its unit, value."""
+    if isinstance(value, dict):
+        for name, inner in value.items():
+            yield from numbers(inner, f"{path}/{name}", field if name in ("min", "max") else name)
+    elif isinstance(value, list):
+        for i, inner in enumerate(value):
+            yield from numbers(inner, f"{path}/{i}", field)
+    elif isinstance(value, float):
+        yield (path, field), value
+
+
+def test_a_question_in_its_own_units_leaves_no_number_in_others() -> None:
+    examples = [example(path.stem) for path in EXAMPLES.glob("*.json")]
+    seen = set[str]()
+    for body in (*MACHINES.values(), *examples):
+        question = Question.of(DesignSpec.model_validate(body))
+        asked, natural = (
+            dict(numbers(spec.model_dump(mode="json")))
+            for spec in (question.asked, question.natural)
+        )
+        for place in asked.keys() & natural.keys():
+            length, time = powers(place[1])
+            unit = question.units.length**length * question.units.time**time
+            assert natural[place] * unit == pytest.approx(asked[place], rel=1e-10), place
+            seen.add(place[1])
+    assert seen > {"max_mpa", "moving_mass_kg", "distance_mm", "rate_n_per_mm", "velocity_mm_per_s"}
 
 
 def test_what_is_given_comes_back_to_the_last_digit() -> None:

@@ -14,10 +14,11 @@ import pytest
 import uvicorn
 
 from service.app import create_app
-from service.engine import Engine, running_engine
-from service.observe import configure_logs
-from service.run import bound, web
+from service.listening import bound
+from service.run import web
 from service.settings import Settings
+from service.wire.observe import configure_logs
+from service.workers.engine import Engine, running_engine
 from tests.service import fake_core
 from tests.service.browsing import browser, closed
 

@@ -9,7 +9,7 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
-from service.solve import Answer, answered
+from service.workers.solve import Answer, answered
 from synthesis import clock
 from synthesis.design import Certificate, Design, Report, design_id, engine_version
 from synthesis.errors import SolverFailed, TimeBudgetExceeded

@@ -12,16 +12,21 @@ from pathlib import Path
 
 import httpx2
 
+from benchmarks import processes
+
 ROOT = Path(__file__).resolve().parents[2]
 SERVE = """
-import sys
-from service.app import create_app
-from service.observe import configure_logs
-from service.run import bound, web
-from service.settings import Settings
-from tests.service.conftest import _fake_engine
-import uvicorn
 if __name__ == "__main__":
+    from service.workers import forks
+    from service.settings import Settings
+    if Settings().scheduler is None:
+        forks.prepare()
+    from service.app import create_app
+    from service.wire.observe import configure_logs
+    from service.listening import bound
+    from service.run import web
+    from tests.service.conftest import _fake_engine
+    import uvicorn
     configure_logs("error")
     settings = Settings()
     uvicorn.Server(web(create_app(settings, _fake_engine))).run([bound(settings)])
@@ -91,14 +96,5 @@ def answering(client: httpx2.Client) -> None:
 
 
 def children(process: int) -> list[int]:
-    """Processes that this one has started and that do work: those of its workers."""
-    found = []
-    for entry in Path("/proc").glob("[0-9]*/stat"):
-        try:
-            fields = entry.read_text().rpartition(")")[2].split()
-            command = (entry.parent / "cmdline").read_text()
-        except OSError:
-            continue
-        if int(fields[1]) == process and "spawn_main" in command:
-            found.append(int(entry.parent.name))
-    return found
+    """Processes of its workers."""
+    return processes.workers(processes.family(process))

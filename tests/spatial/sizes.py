@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Any
 
-from synthesis.formulations.problem import Problem
+from synthesis.formulations.question.problem import Problem
 from synthesis.spatial.formulations.scene import posed
 from synthesis.spatial.objectives import objective_of
 from synthesis.spatial.spec import SpatialCamSpec

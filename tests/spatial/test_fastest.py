@@ -11,10 +11,10 @@ import pytest
 from scipy.integrate import quad
 from scipy.optimize import brentq
 
-from synthesis.formulations.ends import meet
-from synthesis.formulations.grid import uniform
-from synthesis.formulations.problem import Problem
-from synthesis.formulations.search import Search
+from synthesis.formulations.question.ends import meet
+from synthesis.formulations.question.grid import uniform
+from synthesis.formulations.question.problem import Problem
+from synthesis.formulations.rounds.search import Search
 from synthesis.laws import LAWS
 from synthesis.laws.scca import scca
 from synthesis.spatial.formulations.chords import bounded

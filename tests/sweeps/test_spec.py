@@ -10,9 +10,9 @@ import numpy as np
 import pytest
 from pydantic import ValidationError
 
-from service.body import validated
-from service.errors import InvalidBody
-from service.examples import SWEEPS, examples
+from service.contract.examples import SWEEPS, examples
+from service.wire.body import validated
+from service.wire.errors import InvalidBody
 from synthesis.spec import DesignSpec
 from synthesis.sweeps import SweepSpec
 

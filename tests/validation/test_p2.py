@@ -13,7 +13,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from service.examples import ANALYSES, examples
+from service.contract.examples import ANALYSES, examples
 from synthesis import Analysis, DesignSpec, analyse, synthesise
 from synthesis.motion import Motion
 from synthesis.profile import cam_profile

@@ -14,7 +14,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from service.examples import ANALYSES, examples
+from service.contract.examples import ANALYSES, examples
 from synthesis import Analysis, DesignSpec, analyse, synthesise
 from synthesis.exporters import PROFILE_FORMATS, PointOptions
 

@@ -14,7 +14,7 @@ from copy import deepcopy
 import numpy as np
 import pytest
 
-from service.examples import CAM_SETS, examples
+from service.contract.examples import CAM_SETS, examples
 from synthesis import CamSet, CamSetSpec, synthesise_set
 from synthesis.exporters.bundle import BundleOptions, bundle
 from synthesis.exporters.options import ProfileOptions

@@ -14,7 +14,7 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from service.examples import SPATIAL_CAMS, examples
+from service.contract.examples import SPATIAL_CAMS, examples
 from synthesis import SpatialCamSpec, SpatialDesign, synthesise_spatial
 
 Array = NDArray[np.float64]

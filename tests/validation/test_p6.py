@@ -16,7 +16,7 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from service.examples import LINKAGES, examples
+from service.contract.examples import LINKAGES, examples
 from synthesis.linkages.arm import ArmSpec, PalletisingArm, posed
 
 Array = NDArray[np.float64]

@@ -7,12 +7,12 @@ from __future__ import annotations
 
 import time
 
-from synthesis.formulations.bound import Bound, bound
-from synthesis.formulations.control import controls
-from synthesis.formulations.convex import Plan, formulate
-from synthesis.formulations.cuts import Region
-from synthesis.formulations.rows import Drawn
-from synthesis.formulations.search import Search, Stage
+from synthesis.formulations.bounds.bound import Bound, bound
+from synthesis.formulations.cone.control import controls
+from synthesis.formulations.cone.convex import Plan, formulate
+from synthesis.formulations.cone.cuts import Region
+from synthesis.formulations.cone.rows import Drawn
+from synthesis.formulations.rounds.search import Search, Stage
 from synthesis.solvers.clarabel import ConeSolution, solve
 from synthesis.solvers.statuses import USABLE
 from synthesis.spatial.formulations.envelope import envelopes

@@ -9,7 +9,7 @@ from typing import Any
 
 from synthesis import clock
 from synthesis.design import Conflict, Relaxation
-from synthesis.formulations.tables import Tables
+from synthesis.formulations.free_numbers.tables import Tables
 from synthesis.ranges import Range, ends
 from synthesis.spatial.formulations.optimise import Sized, sized
 from synthesis.spatial.spec import SpatialCamSpec

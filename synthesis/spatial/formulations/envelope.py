@@ -9,8 +9,8 @@ from math import inf
 
 import numpy as np
 
-from synthesis.formulations.convex import Plan
-from synthesis.formulations.tubing import Tube
+from synthesis.formulations.cone.convex import Plan
+from synthesis.formulations.cone.tubing import Tube
 from synthesis.spatial.formulations.fastest import Track
 
 NODES = 128

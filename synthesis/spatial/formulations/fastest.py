@@ -21,7 +21,7 @@ from math import inf, isfinite, sqrt
 import numpy as np
 from scipy.optimize import brentq
 
-from synthesis.formulations.problem import Problem
+from synthesis.formulations.question.problem import Problem
 from synthesis.motion import Stretch
 from synthesis.numerics.piecewise import Array
 from synthesis.spatial.formulations.scene import leverages

@@ -16,14 +16,14 @@ from math import inf
 import numpy as np
 from scipy.optimize import brentq
 
-from synthesis.formulations.candidate import Candidate
-from synthesis.formulations.closed_form import nearest
-from synthesis.formulations.exchange import tightest
-from synthesis.formulations.grid import SettledLaw
-from synthesis.formulations.problem import Problem
-from synthesis.formulations.refine import search as climbed
-from synthesis.formulations.search import Search, Stage
-from synthesis.formulations.tables import Tables
+from synthesis.formulations.cams.candidate import Candidate
+from synthesis.formulations.cams.closed_form import nearest
+from synthesis.formulations.cone.exchange import tightest
+from synthesis.formulations.free_numbers.tables import Tables
+from synthesis.formulations.ladder.refine import search as climbed
+from synthesis.formulations.question.grid import SettledLaw
+from synthesis.formulations.question.problem import Problem
+from synthesis.formulations.rounds.search import Search, Stage
 from synthesis.motion import Motion, Stretch
 from synthesis.numerics.bspline import SplineSpace
 from synthesis.numerics.piecewise import Array

@@ -9,7 +9,7 @@ from typing import ClassVar, cast
 
 from synthesis.followers.base import Follower
 from synthesis.followers.sizing import Sizing
-from synthesis.formulations.problem import Problem
+from synthesis.formulations.question.problem import Problem
 from synthesis.limits import Limit, Machine
 from synthesis.motion import EndState, Stretch
 from synthesis.spatial.leverage import Leverage

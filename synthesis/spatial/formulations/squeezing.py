@@ -12,20 +12,20 @@ import time
 from dataclasses import dataclass, replace
 from math import inf
 
-from synthesis.formulations.bound import Bound, bound
-from synthesis.formulations.candidate import Candidate, settle
-from synthesis.formulations.closed_form import nearest
-from synthesis.formulations.convex import Plan, formulate
-from synthesis.formulations.cuts import About, Region
-from synthesis.formulations.ends import meet
-from synthesis.formulations.gentlest import gentlest
-from synthesis.formulations.grid import SettledLaw, uniform
-from synthesis.formulations.knots import finer
-from synthesis.formulations.local import gentle
-from synthesis.formulations.missed import ALLOWED, misses
-from synthesis.formulations.problem import Problem
-from synthesis.formulations.rows import Drawn
-from synthesis.formulations.search import Search, Stage
+from synthesis.formulations.bounds.bound import Bound, bound
+from synthesis.formulations.cams.candidate import Candidate, settle
+from synthesis.formulations.cams.closed_form import nearest
+from synthesis.formulations.cone.convex import Plan, formulate
+from synthesis.formulations.cone.cuts import About, Region
+from synthesis.formulations.cone.rows import Drawn
+from synthesis.formulations.ladder.gentlest import gentlest
+from synthesis.formulations.nonconvex.local import gentle
+from synthesis.formulations.question.ends import meet
+from synthesis.formulations.question.grid import SettledLaw, uniform
+from synthesis.formulations.question.problem import Problem
+from synthesis.formulations.rounds.knots import finer
+from synthesis.formulations.rounds.missed import ALLOWED, misses
+from synthesis.formulations.rounds.search import Search, Stage
 from synthesis.numerics.piecewise import Array
 from synthesis.solvers.clarabel import ConeSolution, solve
 from synthesis.solvers.statuses import USABLE

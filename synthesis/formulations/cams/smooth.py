@@ -1,0 +1,205 @@
+"""Limits that are not convex, on settled motion: worst violation, and growing out of it."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from functools import cache
+from itertools import pairwise
+
+import numpy as np
+from numpy.typing import NDArray
+
+from synthesis.formulations.question.problem import Problem
+from synthesis.motion import Stretch
+from synthesis.numerics.piecewise import Array
+
+Vector = tuple[float, ...]
+DENSITY, LEAST_DENSITY = 192, 8  # points on a law, and on every piece of it, ends included
+PEAK_ROUNDS = 4
+NEAR = -0.1  # samples slacker than this have no peak beside them that matters
+ZOOMS = 5  # each narrows a peak to a quarter of the interval
+# points that are slacker than this are not looked at while growing, in turn: few do as a rule
+WATCHED = (-0.15, -0.7, -0.7, -0.7)
+
+
+@dataclass(frozen=True, eq=False)
+class Samples:
+    """One stretch sampled densely, one-sided at breaks: θ (n,), s to s''' (4, n), its pieces."""
+
+    stretch: Stretch
+    theta: Array
+    s: Array
+    piece: NDArray[np.intp]
+
+    def at(self, keep: NDArray[np.bool_]) -> Samples:
+        """Only the points marked."""
+        return Samples(self.stretch, self.theta[keep], self.s[:, keep], self.piece[keep])
+
+
+def sample(problem: Problem) -> list[Samples]:
+    """Every stretch of a settled problem."""
+    found, load = [], problem.machine.load
+    for whole in problem.stretches:
+        stretch = whole if load is None else load.parted(whole)
+        curve = stretch.placed()
+        density = 2 if stretch.kind == "dwell" else max(LEAST_DENSITY, DENSITY // curve.count)
+        left, right = curve.breaks[:-1, None], curve.breaks[1:, None]
+        theta = (left + (right - left) * _parts(density)).ravel()
+        piece = np.repeat(np.arange(curve.count), density)
+        s = curve.jet(theta, piece, 3)
+        found.append(Samples(stretch, theta, s, piece))
+    return found
+
+
+@cache
+def _parts(count: int) -> Array:
+    """So many equally spaced numbers from 0 to 1."""
+    return np.linspace(0.0, 1.0, count)
+
+
+def violation(problem: Problem, samples: list[Samples], size: Vector) -> float:
+    """Largest value of the smooth expressions (≤ 0: all hold); −inf where there are none."""
+    return max((float(v.max()) for v in _values(problem, samples, size)), default=-np.inf)
+
+
+def _values(problem: Problem, samples: list[Samples], size: Vector) -> list[Array]:
+    """The largest smooth expression at every point of each part, ∞ where one has no value."""
+    if not samples:
+        return []
+    first, ends = samples[0].stretch, np.cumsum([0, *(len(part.theta) for part in samples)])
+    theta = np.concatenate([part.theta for part in samples])
+    s = np.concatenate([part.s for part in samples], axis=1)
+    worst = np.full(len(theta), -np.inf)
+    found = [worst[low:high] for low, high in pairwise(ends.tolist())]
+    for limit in problem.limits:
+        if limit.same_everywhere:
+            for value in limit.smooth(first, problem.machine, theta, s, size):
+                np.maximum(worst, value, out=worst)
+            continue
+        for part, own in zip(samples, found, strict=True):
+            for value in limit.smooth(part.stretch, problem.machine, part.theta, part.s, size):
+                np.maximum(own, value, out=own)
+    worst[np.isnan(worst)] = np.inf
+    return found
+
+
+def grown(problem: Problem, size: Vector, margin: float) -> Vector | None:
+    """The size raised as little as needed for the smooth limits to hold by ``margin``.
+
+    Raising enlarges the prime radius and lowers pressure angle and curvature alike; None where
+    even the largest size allowed does not do. Peaks that lie between the samples are looked for
+    on the grown cam and sampled too, until none is left.
+    """
+    samples, follower = sample(problem), problem.machine.follower
+    for _ in range(PEAK_ROUNDS):
+        found = _grown(problem, samples, size, margin)
+        if found is None:
+            return None
+        size, values = found
+        missed = peaks(problem, samples, size, values)
+        if violation(problem, missed, size) <= -0.5 * margin:
+            return size
+        samples = [*samples, *missed]
+    clear = margin * follower.prime_radius().value(size)
+    return follower.raised(size, min(clear, problem.room(size)))
+
+
+def _grown(
+    problem: Problem, samples: list[Samples], size: Vector, margin: float
+) -> tuple[Vector, list[Array]] | None:
+    """The same at given samples alone; with the largest expression at every one of them."""
+    follower = problem.machine.follower
+
+    def excess(raised: float) -> float:
+        return violation(problem, watched, follower.raised(size, raised)) + margin
+
+    high, keep = 0.0, [np.zeros(1, dtype=bool)] * len(samples)
+    for slack in WATCHED:
+        at = follower.raised(size, high)
+        value = _values(problem, samples, at)
+        worst = max(float(v.max()) for v in value) + margin
+        if worst <= 0.0:
+            return at, value
+        room = problem.room(size)
+        # points that were slack so far may come to bind on a larger cam: watch them from now on
+        keep = [k | (v > slack) for k, v in zip(keep, value, strict=True)]
+        watched = [p.at(k) for p, k in zip(samples, keep, strict=True) if np.any(k)]
+        low, step = high, max(1e-6 * problem.length, high)
+        if np.isfinite(worst):  # a limit eases about as the radius grows
+            step = max(step, worst * follower.prime_radius().value(at))
+        while excess(min(step, room)) > 0.0:
+            if step >= room:
+                return None
+            low, step = step, 4.0 * step
+        high = _crossing(excess, low, min(step, room))
+    return None
+
+
+def peaks(
+    problem: Problem, samples: list[Samples], size: Vector, values: list[Array] | None = None
+) -> list[Samples]:
+    """Local maxima of the smooth expressions between the samples, closed in on by zooming.
+
+    ``values``: the largest expression at every sample, where it is known already.
+    """
+    found, parts = [], samples[: len(problem.stretches)]
+    if values is None:
+        values = _values(problem, parts, size)
+    for part, value in zip(parts, values, strict=False):
+        if np.max(value) <= NEAR:
+            continue
+        same = part.piece[1:] == part.piece[:-1]
+        rises = np.concatenate([[False], same & (value[1:] >= value[:-1])])
+        falls = np.concatenate([same & (value[:-1] >= value[1:]), [False]])
+        first = ~np.concatenate([[False], same])
+        last = ~np.concatenate([same, [False]])
+        top = (rises | first) & (falls | last) & (value > NEAR)
+        if np.any(top):
+            found.append(_zoomed(problem, part, size, np.flatnonzero(top)))
+    return found
+
+
+def _zoomed(problem: Problem, part: Samples, size: Vector, top: NDArray[np.intp]) -> Samples:
+    """The tops moved to where their expression is largest between the neighbouring samples."""
+    curve, piece, theta = part.stretch.placed(), part.piece[top], part.theta[top]
+    left, right = curve.breaks[piece], curve.breaks[piece + 1]
+    reach = (right - left) / (np.count_nonzero(part.piece == part.piece[0]) - 1)
+    for _ in range(ZOOMS):
+        step = np.linspace(-1.0, 1.0, 9)
+        tried = np.clip(theta[:, None] + reach[:, None] * step, left[:, None], right[:, None])
+        on = np.repeat(piece, len(step))
+        s = curve.jet(tried.ravel(), on, 3)
+        (value,) = _values(problem, [Samples(part.stretch, tried.ravel(), s, on)], size)
+        best = np.argmax(value.reshape(tried.shape), axis=1)
+        theta, reach = tried[np.arange(len(theta)), best], reach / 4.0
+    s = curve.jet(theta, piece, 3)
+    return Samples(part.stretch, theta, s, piece)
+
+
+def _crossing(excess: Callable[[float], float], low: float, high: float) -> float:
+    """A point where ``excess`` is not positive, within 1e-9 relative of where it crosses zero."""
+    f_low, f_high = excess(low), excess(high)
+    for _ in range(60):
+        if high - low <= 1e-9 * high:
+            break
+        share = f_low / (f_low - f_high) if np.isfinite(f_low) else 0.5
+        middle = low + min(max(share, 0.05), 0.95) * (high - low)
+        value = excess(middle)
+        if value > 0.0:
+            low, f_low = middle, value
+        else:
+            high, f_high = middle, value
+    return high
+
+
+def reached(problem: Problem, size: Vector, path: str) -> tuple[float, float]:
+    """Least and largest curvature of a pitch curve on the largest cam with these laws [1/mm]."""
+    follower = problem.machine.follower
+    largest = follower.raised(size, problem.room(size))
+    values = []
+    for part in sample(problem):
+        numerator, speed_squared = follower.paths[path].curvature_terms(part.s, largest)
+        values.append(numerator / speed_squared**1.5)
+    curvature = np.concatenate(values)
+    return float(np.min(curvature)), float(np.max(curvature))

@@ -1,0 +1,49 @@
+"""Rows implied by a norm of the size that may not be too small, over a box of sizes.
+
+‖y‖ ≥ least is not convex, but over a box every y_k² lies below its chord, so that the chords
+together are no less than least²: a row that is exact at the corners, the tighter the narrower the
+box.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+
+import numpy as np
+
+from synthesis.formulations.cone.rows import Block, Scales
+from synthesis.formulations.question.problem import Problem
+from synthesis.terms import Norm
+
+
+def farther(
+    problem: Problem, sizes: Sequence[tuple[float, float]], scales: Scales
+) -> Iterator[Block]:
+    """What least norms of the problem's cones imply within ranges of the size [mm]."""
+    for cone in problem.cones:
+        if cone.least > 0.0:
+            yield from _row(cone.norm, cone.least, sizes, scales)
+    if problem.sizing.least > 0.0:
+        yield from _row(
+            problem.machine.follower.prime_radius(), problem.sizing.least, sizes, scales
+        )
+
+
+def _row(
+    norm: Norm, least: float, sizes: Sequence[tuple[float, float]], scales: Scales
+) -> Iterator[Block]:
+    """−Σ (low + high) y ≤ −least² − Σ low · high, y = matrix · z + shift; none where all is far."""
+    matrix, shift = np.array(norm.matrix), np.array(norm.shift)
+    middle, half = np.array(sizes).mean(axis=1), 0.5 * np.ptp(np.array(sizes), axis=1)
+    centre, reach = matrix @ middle + shift, np.abs(matrix) @ half
+    low, high = centre - reach, centre + reach
+    nearest = np.where((low < 0.0) & (high > 0.0), 0.0, np.minimum(np.abs(low), np.abs(high)))
+    if np.sum(nearest**2) >= least**2 or not np.all(np.isfinite(reach)):
+        return
+    size = -(low + high) @ matrix * scales.size
+    upper = -(least**2) - float(low @ high) + float((low + high) @ shift)
+    unit = max(float(np.max(np.abs(size))), 1e-300)
+    yield Block(
+        "size", None, None, np.zeros(1), np.zeros(4), size / unit, 0.0,
+        np.array([upper / unit]), "farther",
+    )  # fmt: skip

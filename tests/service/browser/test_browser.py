@@ -1,0 +1,70 @@
+"""Swagger UI and ReDoc in a real browser with no way out: every asset comes from the service."""
+
+from __future__ import annotations
+
+import re
+from pathlib import Path
+
+import pytest
+from playwright.sync_api import expect
+
+from service.contract.examples import SELF_CHECK, examples
+from tests.service.browsing import Closed, picture
+from tests.service.conftest import Running
+
+pytestmark = pytest.mark.browser
+
+
+def test_swagger_sends_a_worked_example(
+    closed: Closed, real_service: Running, tmp_path: Path
+) -> None:
+    page = closed.page
+    page.goto(f"{real_service.url}/docs")
+    operation = page.locator("#operations-designs-create_design")
+    expect(operation).to_be_visible()
+    assert page.locator(".opblock").count() >= 15
+    picture(page, tmp_path, "operations")
+    operation.locator(".opblock-summary-control").click()
+    menu = operation.locator(".examples-select-element").first
+    shown = menu.locator("option").all_inner_texts()
+    assert {example["summary"] for example in examples().values()} <= set(shown)
+    menu.select_option(SELF_CHECK)
+    expect(operation.locator("textarea.body-param__text")).to_have_value(re.compile("example 13-6"))
+    operation.locator("button.execute").click()
+    answer = operation.locator(".live-responses-table .response").first
+    expect(answer.locator(".response-col_status")).to_contain_text("200")
+    expect(answer).to_contain_text("base_radius_mm")
+    operation.get_by_role("tab", name="Schema").first.click()
+    expect(operation.locator(".model-example").first).to_contain_text("time_budget_s")
+    assert closed.refused == []
+    answer.scroll_into_view_if_needed()
+    picture(page, tmp_path, "executed")
+
+
+def test_redoc_shows_the_reference(closed: Closed, real_service: Running, tmp_path: Path) -> None:
+    page = closed.page
+    page.goto(f"{real_service.url}/redoc")
+    expect(page.get_by_role("heading", name="Synthesise a cam")).to_be_visible()
+    expect(page.locator("body")).to_contain_text("base_radius_mm")
+    picture(page, tmp_path, "redoc")
+
+
+def test_swagger_downloads_a_file(closed: Closed, real_service: Running, tmp_path: Path) -> None:
+    spec = examples()[SELF_CHECK]["value"]
+    design = real_service.client.post("/v1/designs", json=spec).json()
+    page = closed.page
+    page.goto(f"{real_service.url}/docs")
+    operation = page.locator("#operations-files-get_profile_csv")
+    operation.locator(".opblock-summary-control").click()
+    operation.get_by_placeholder("design_id").fill(design["id"])
+    operation.get_by_placeholder("points_per_degree").fill("1")
+    operation.locator("button.execute").click()
+    link = operation.get_by_role("link", name="Download file")
+    with page.expect_download() as taken:
+        link.click()
+    picture(page, tmp_path, "downloaded")
+    rows = Path(taken.value.path()).read_text(encoding="utf-8").splitlines()
+    assert rows == real_service.client.get(
+        f"/v1/designs/{design['id']}/profile.csv?points_per_degree=1"
+    ).text.splitlines()  # fmt: skip
+    assert len(rows) > 360

@@ -1,0 +1,252 @@
+"""The Python client, waiting and awaiting: answers, refusals, tries, sweeps, broken events."""
+
+from __future__ import annotations
+
+import asyncio
+import json
+from collections.abc import Callable
+from email.utils import formatdate
+from pathlib import Path
+from time import time
+from typing import Any
+
+import httpx2
+import pytest
+from fastapi import Request
+from sqlalchemy.exc import OperationalError
+
+from service.client import AsyncClient, Client, Refused, Retries, Unreachable
+from service.wire.problem import answer
+from tests.service.conftest import Running
+from tests.service.cutting import Cutting
+from tests.service.specs import spec
+from tests.service.sweeps.test_sweeps import sweep_of
+
+QUICK = Retries(tries=4, first_s=0.01, patience_s=2.0)
+PROBLEM = {"content-type": "application/problem+json"}
+Asking = Callable[..., Any]
+
+
+def waiting(call: str, *given: Any, **settings: Any) -> Any:
+    with Client(settings.pop("url", "http://test"), retries=QUICK, **settings) as client:
+        return getattr(client, call)(*given)
+
+
+def awaiting(call: str, *given: Any, **settings: Any) -> Any:
+    async def asked() -> Any:
+        url = settings.pop("url", "http://test")
+        async with AsyncClient(url, retries=QUICK, **settings) as client:
+            return await getattr(client, call)(*given)
+
+    return asyncio.run(asked())
+
+
+@pytest.fixture(params=[waiting, awaiting])
+def ask(request: pytest.FixtureRequest) -> Asking:
+    asking: Asking = request.param
+    return asking
+
+
+class Scripted:
+    """A service that answers as it is told, and remembers what it was asked."""
+
+    def __init__(self, *answers: httpx2.Response | Exception) -> None:
+        self._answers, self.asked = list(answers), list[httpx2.Request]()
+        self.transport = httpx2.MockTransport(self._answer)
+
+    def _answer(self, request: httpx2.Request) -> httpx2.Response:
+        self.asked.append(request)
+        answer = self._answers.pop(0) if len(self._answers) > 1 else self._answers[0]
+        if isinstance(answer, Exception):
+            raise answer
+        return answer
+
+
+def test_a_design_and_its_analysis(service: Running, ask: Asking) -> None:
+    found = ask("design", spec("by the client"), url=service.url)
+    assert (found["name"], found["status"]) == ("by the client", "optimal")
+    assert ask("get", found["links"]["self"], url=service.url) == found
+
+
+def test_a_refusal_carries_the_problem(service: Running, ask: Asking) -> None:
+    with pytest.raises(Refused) as caught:
+        ask("design", spec(speed_rpm=-1.0), url=service.url)
+    no = caught.value
+    assert (no.status, no.kind, no.retry_after_s) == (422, "invalid-request", None)
+    assert no.errors[0]["pointer"] == "/speed_rpm"
+    assert str(no) == no.problem["detail"]
+
+
+def test_the_best_so_far_comes_with_the_end_of_time(service: Running, ask: Asking) -> None:
+    with pytest.raises(Refused) as caught:
+        ask("design", spec("best"), url=service.url)
+    assert caught.value.status == 504
+    assert caught.value.best is not None
+    assert caught.value.best["dimensions"]["base_radius_mm"] == 50.0
+
+
+def test_busy_is_waited_for_as_long_as_the_service_says(ask: Asking) -> None:
+    busy = httpx2.Response(429, headers={**PROBLEM, "retry-after": "1"}, json={"detail": "full"})
+    script = Scripted(busy, httpx2.Response(200, json={"id": "x"}))
+    started = time()
+    assert ask("design", {}, transport=script.transport) == {"id": "x"}
+    assert time() - started >= 1.0
+    first, second = script.asked
+    assert first.headers["idempotency-key"] == second.headers["idempotency-key"]
+    assert first.content == second.content
+
+
+@pytest.mark.parametrize("as_date", [False, True])
+def test_a_wait_beyond_patience_is_left_to_the_caller(ask: Asking, as_date: bool) -> None:
+    after = formatdate(time() + 3600, usegmt=True) if as_date else "3600"
+    busy = httpx2.Response(503, headers={**PROBLEM, "retry-after": after}, json={"detail": "later"})
+    script = Scripted(busy)
+    with pytest.raises(Refused, match="later") as caught:
+        ask("design", {}, transport=script.transport)
+    assert len(script.asked) == 1
+    assert caught.value.retry_after_s == pytest.approx(3600, abs=10)
+
+
+def test_tries_are_counted(ask: Asking) -> None:
+    busy = httpx2.Response(503, headers={**PROBLEM, "retry-after": "0"}, json={"detail": "no"})
+    for told, error in ((busy, Refused), (httpx2.ConnectError("nobody there"), Unreachable)):
+        script = Scripted(told)
+        with pytest.raises(error, match="no"):
+            ask("design", {}, transport=script.transport)
+        assert len(script.asked) == QUICK.tries
+
+
+def test_what_the_service_does_not_want_again_is_not_sent_again(ask: Asking) -> None:
+    lost = {"type": "/problems/worker-lost", "detail": "its worker died"}
+    script = Scripted(httpx2.Response(503, headers=PROBLEM, json=lost))
+    with pytest.raises(Refused) as caught:
+        ask("design", {}, transport=script.transport)
+    assert (len(script.asked), caught.value.kind) == (1, "worker-lost")
+
+
+def test_a_proxy_that_has_lost_its_service_is_tried_again(ask: Asking) -> None:
+    script = Scripted(httpx2.Response(502, text="<html>Bad Gateway"), httpx2.Response(200, json={}))
+    assert ask("design", {}, transport=script.transport) == {}
+    with pytest.raises(Refused, match="status 418 without a problem document: teapot"):
+        ask("design", {}, transport=Scripted(httpx2.Response(418, text="teapot")).transport)
+
+
+def test_a_deletion_whose_answer_was_lost_is_not_sent_again(ask: Asking) -> None:
+    """The first deletion of a sweep stops it, the second one would discard it."""
+    script = Scripted(httpx2.ReadError("broken"))
+    with pytest.raises(Unreachable, match="was not sent again"):
+        ask("delete", "/v1/sweeps/x", transport=script.transport)
+    assert len(script.asked) == 1
+
+
+def test_what_is_under_way_is_asked_for_until_it_is_there(ask: Asking) -> None:
+    accepted = {"location": "/v1/designs/abc", "retry-after": "0"}
+    script = Scripted(
+        httpx2.Response(202, headers=accepted, json={}),
+        httpx2.Response(202, headers=accepted, json={}),
+        httpx2.Response(200, json={"id": "abc"}),
+    )
+    assert ask("design", {}, transport=script.transport) == {"id": "abc"}
+    assert [request.url.path for request in script.asked[1:]] == ["/v1/designs/abc"] * 2
+
+
+def test_a_sweep_from_start_to_files(service: Running, ask: Asking, tmp_path: Path) -> None:
+    names = [f"of {ask.__name__}, {i}" for i in range(7)]
+    sweep = ask("sweep", sweep_of([*names, "bug"]), url=service.url)
+    over = ask("wait", sweep["id"], url=service.url)
+    assert (over["state"], over["counts"]["done"]) == ("successful", 8)
+    target = tmp_path / "deep" / "items.csv"
+    assert ask("download", over["links"]["items.csv"], target, url=service.url) == target
+    assert [line.split(",")[0] for line in target.read_text().splitlines()[1:]] == [*"01234567"]
+    stays = ask("dismiss", sweep["id"], url=service.url)
+    assert (stays["state"], stays["counts"]) == ("successful", over["counts"])
+
+
+def test_items_come_page_by_page_and_by_status(service: Running) -> None:
+    with Client(service.url, retries=QUICK) as client:
+        sweep = client.sweep(sweep_of([f"paged {i}" for i in range(23)] + ["bug"]))["id"]
+        client.wait(sweep)
+        assert sorted(item["number"] for item in client.items(sweep)) == list(range(24))
+        assert [item["number"] for item in client.items(sweep, status="failed")] == [23]
+        front = client.pareto(sweep, minimise=["base_radius_mm"])
+        assert (front["considered"], front["left_out"]) == (23, 1)
+
+    async def numbers() -> list[int]:
+        async with AsyncClient(service.url) as client:
+            return sorted([item["number"] async for item in client.items(sweep)])
+
+    assert asyncio.run(numbers()) == list(range(24))
+
+
+def test_dismissing_keeps_what_is_done(service: Running) -> None:
+    with Client(service.url, retries=QUICK) as client:
+        sweep = client.sweep(sweep_of([f"sleep 0.1{' ' * i}, stopped" for i in range(50)]))["id"]
+        for event in client.watch(sweep):
+            if event.kind == "item":
+                break
+        stopped = client.dismiss(sweep)
+        assert stopped["state"] == "dismissed"
+        assert 1 <= stopped["counts"]["done"] < 50
+        assert client.dismiss(sweep)["counts"] == stopped["counts"]
+        client.delete(f"/v1/sweeps/{sweep}")
+        with pytest.raises(Refused, match="no sweep"):
+            client.wait(sweep)
+
+
+def test_watching_goes_on_when_the_connection_breaks(service: Running) -> None:
+    """Every item is told once, and in order, though each of three connections is cut off."""
+    with Client(service.url) as direct:
+        sweep = direct.sweep(sweep_of([f"watched {i}" for i in range(31)]))["id"]
+        direct.wait(sweep)
+        whole = [event.data["number"] for event in direct.watch(sweep) if event.kind == "item"]
+    plain = {"Accept-Encoding": "identity"}
+    with Cutting(service.url, [3000, 1500, 0]) as between:
+        with Client(between.url, retries=QUICK, headers=plain) as client:
+            told = list(client.watch(sweep))
+        asked = [request.lower() for request in between.requests]
+    assert [event.data["number"] for event in told if event.kind == "item"] == whole
+    assert [event.kind for event in told].count("end") == 1
+    assert len(asked) == 4
+    assert [b"last-event-id" in each for each in asked] == [False, True, True, True]
+
+
+def test_watching_by_an_event_loop(service: Running) -> None:
+    async def watched() -> list[str]:
+        async with AsyncClient(service.url) as client:
+            sweep = await client.sweep(sweep_of([f"awaited {i}" for i in range(5)]))
+            return [event.kind async for event in client.watch(sweep["id"])]
+
+    kinds = asyncio.run(watched())
+    assert (kinds.count("item"), kinds[-1]) == (5, "end")
+
+
+def test_a_service_that_only_ever_breaks_off_is_given_up(service: Running) -> None:
+    with Client(service.url) as direct:
+        sweep = direct.sweep(sweep_of(["given up"]))["id"]
+        direct.wait(sweep)
+    with (
+        Cutting(service.url, [0] * 9) as between,
+        Client(between.url, retries=QUICK) as client,
+        pytest.raises(Unreachable, match="tried 4 times"),
+    ):
+        list(client.watch(sweep))
+
+
+def test_models_of_the_core_are_taken_as_they_are(service: Running) -> None:
+    from synthesis.spec import DesignSpec
+
+    body = spec("a model")
+    model = DesignSpec.model_validate(body)
+    with Client(service.url) as client:
+        assert client.design(model)["id"] == client.design(json.loads(json.dumps(body)))["id"]
+
+
+def test_a_store_that_is_away_for_a_moment_is_waited_for(ask: Asking) -> None:
+    """The service says when, so that a restart of the database stops no client."""
+    scope = {"type": "http", "method": "GET", "path": "/v1/designs", "headers": []}
+    told = answer(Request(scope), OperationalError("select", None, Exception("gone")))
+    assert (told.status_code, told.headers["retry-after"]) == (503, "2")
+    headers = {**PROBLEM, "retry-after": told.headers["retry-after"]}
+    away = httpx2.Response(told.status_code, headers=headers, content=bytes(told.body))
+    script = Scripted(away, httpx2.Response(200, json={"items": []}))
+    assert ask("get", "/v1/designs", transport=script.transport) == {"items": []}

@@ -1,0 +1,109 @@
+"""The OpenAPI document: committed as generated, complete, and its examples are true."""
+
+from __future__ import annotations
+
+import json
+from collections import Counter
+from typing import Any
+
+import httpx2
+import pytest
+
+from service.contract.examples import SELF_CHECK, examples
+from service.openapi import TARGET, rendered
+from synthesis.spec import DesignSpec
+
+DOCUMENT: dict[str, Any] = json.loads(rendered())
+OPERATIONS = [
+    (path, method, operation)
+    for path, methods in DOCUMENT["paths"].items()
+    for method, operation in methods.items()
+]
+
+
+def meant(part: dict[str, Any]) -> dict[str, Any]:
+    """What stands there, or what it refers to."""
+    kind, _, name = part.get("$ref", "").removeprefix("#/components/").partition("/")
+    return DOCUMENT["components"][kind][name] if name else part
+
+
+def test_the_committed_document_is_the_one_that_is_served(client: httpx2.Client) -> None:
+    assert TARGET.read_text(encoding="utf-8") == rendered(), "run `make openapi` and commit"
+    assert client.get("/openapi.json").json() == DOCUMENT
+
+
+def test_names_for_generated_clients_are_clean_and_unique() -> None:
+    names = [operation["operationId"] for _, _, operation in OPERATIONS]
+    assert len(set(names)) == len(names)
+    assert all(name.isidentifier() and name.islower() for name in names)
+    # two models of one name are told apart by their modules, and then neither is in a client
+    assert [name for name in DOCUMENT["components"]["schemas"] if "__" in name or "-" in name] == []
+
+
+@pytest.mark.parametrize(
+    "operation", [entry[2] for entry in OPERATIONS], ids=lambda each: each["operationId"]
+)
+def test_everything_is_said_in_words(operation: dict[str, Any]) -> None:
+    assert operation["summary"]
+    assert operation["tags"]
+    for parameter in map(meant, operation.get("parameters", [])):
+        described = parameter.get("description") or parameter["schema"].get("description")
+        assert described or parameter["in"] == "path", parameter
+    for status, response in ((at, meant(each)) for at, each in operation["responses"].items()):
+        assert response["description"]
+        if status >= "400" and operation["operationId"] != "get_readyz":
+            schema = response["content"]["application/problem+json"]["schema"]
+            name = "LateProblem" if status == "504" else "Problem"  # which has the best in it
+            assert schema == {"$ref": f"#/components/schemas/{name}"}
+
+
+def test_every_reference_leads_somewhere() -> None:
+    def references(at: Any) -> list[str]:
+        if isinstance(at, dict):
+            own = [at["$ref"]] if isinstance(at.get("$ref"), str) else []
+            return own + [found for inner in at.values() for found in references(inner)]
+        return [found for inner in at for found in references(inner)] if type(at) is list else []
+
+    for reference in set(references(DOCUMENT)):
+        at: Any = DOCUMENT
+        for part in reference.removeprefix("#/").split("/"):
+            at = at[part]
+
+
+def test_what_operations_have_alike_stands_once() -> None:
+    alike = Counter[str]()
+    for _, _, operation in OPERATIONS:
+        answers = (part for status, part in operation["responses"].items() if status != "200")
+        for part in (*operation.get("parameters", []), *answers):
+            if "$ref" not in part:
+                alike[json.dumps(part, sort_keys=True)] += 1
+    assert [part for part, count in alike.items() if count > 1] == []
+    used = json.dumps(DOCUMENT["paths"])
+    for kind in ("parameters", "responses"):
+        for name in DOCUMENT["components"][kind]:
+            assert used.count(f'"#/components/{kind}/{name}"') > 1
+    for name, parameter in DOCUMENT["components"]["parameters"].items():
+        assert name.partition("_no_")[0] == parameter["name"]
+
+
+def test_fields_of_answers_are_described() -> None:
+    schemas = DOCUMENT["components"]["schemas"]
+    ours = ("DesignSummary", "DesignPage", "Problem", "Violation", "ServerLimits", "Formats")
+    for name in ours:
+        for field, schema in schemas[name]["properties"].items():
+            told = "description" in schema or "$ref" in schema or field in ("name", "items")
+            assert told or "anyOf" in schema or "discriminator" in schema, (name, field)
+
+
+@pytest.mark.parametrize("name", examples())
+def test_worked_examples_are_documented_and_sound(name: str) -> None:
+    example = examples()[name]
+    assert set(example) == {"summary", "description", "value"}
+    DesignSpec.model_validate_json(json.dumps(example["value"]), strict=True)
+    body = DOCUMENT["paths"]["/v1/designs"]["post"]["requestBody"]["content"]["application/json"]
+    assert body["examples"][name] == example
+
+
+def test_the_self_check_is_among_them() -> None:
+    assert SELF_CHECK in examples()
+    assert len(examples()) >= 5

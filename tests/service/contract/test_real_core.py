@@ -1,0 +1,242 @@
+"""The service with the real core: every worked example, every file, and what the way costs."""
+
+from __future__ import annotations
+
+import hashlib
+import re
+import sys
+import time
+from typing import Any
+
+import httpx2
+import pytest
+
+from service.contract.examples import SELF_CHECK, examples
+from tests.service.conftest import Running
+
+
+@pytest.fixture(scope="module")
+def client(real_service: Running) -> httpx2.Client:
+    return real_service.client
+
+
+def post(client: httpx2.Client, body: dict[str, Any]) -> httpx2.Response:
+    answer = client.post("/v1/designs", json=body)
+    assert answer.status_code == 200, answer.text
+    return answer
+
+
+@pytest.mark.parametrize("name", examples())
+def test_worked_examples(client: httpx2.Client, name: str) -> None:
+    value = examples()[name]["value"]
+    design = post(client, value).json()
+    if name.startswith("infeasible"):
+        assert design["status"] == "infeasible"
+        assert design["conflict"]["relaxations"]
+        assert list(design["links"]) == ["self", "report.html"]
+        return
+    assert design["certificate"]["certified"]
+    assert all(extreme["holds"] for extreme in design["extremes"])
+    if design["status"] == "optimal":
+        assert design["certificate"]["gap"] <= value.get("tolerance", 1e-3)
+
+
+def test_a_sweep_is_stopped_in_the_middle_of_its_solves(client: httpx2.Client) -> None:
+    """Both workers sit in a proof of several seconds; nothing of it is stored afterwards."""
+    base = examples()["undercut-limit"]["value"]
+    base = {**base, "proof": "thorough", "tolerance": 1e-6, "time_budget_s": 100.0}
+    axis = {"kind": "range", "pointer": "/speed_rpm", "start": 91.3, "stop": 97.1, "count": 9}
+    answer = client.post("/v1/sweeps", json={"base": base, "axes": [axis]})
+    where = answer.headers["location"]
+    time.sleep(0.5)
+    started = time.monotonic()
+    stopped = client.delete(where).json()
+    print(f"stopped within {time.monotonic() - started:.2f} s")
+    assert time.monotonic() - started < 20.0
+    assert stopped["state"] == "dismissed"
+    assert stopped["counts"]["done"] < 9
+    time.sleep(0.5)
+    assert client.get(where).json() == stopped
+
+
+def test_an_infeasible_design_has_no_files(client: httpx2.Client) -> None:
+    design = post(client, examples()["infeasible-on-purpose"]["value"]).json()
+    answer = client.get(f"/v1/designs/{design['id']}/profile.csv")
+    assert answer.status_code == 409
+    assert answer.json()["type"] == "/problems/nothing-fits"
+
+
+def test_a_given_cam_that_breaks_its_limits_is_drawn_and_named_so(client: httpx2.Client) -> None:
+    value = examples()["fixed-laws"]["value"] | {"base_radius_mm": 41.3}
+    value = value | {"follower": value["follower"] | {"offset_mm": 11.7}}
+    design = post(client, value).json()
+    assert design["status"] == "infeasible"
+    assert any(not extreme["holds"] for extreme in design["extremes"])
+    answer = client.get(design["links"]["profile.csv"])
+    assert answer.status_code == 200
+    assert "-not-certified-profile.csv" in answer.headers["content-disposition"]
+
+
+@pytest.fixture(scope="module")
+def links(client: httpx2.Client) -> dict[str, str]:
+    found: dict[str, str] = post(client, examples()[SELF_CHECK]["value"]).json()["links"]
+    return found
+
+
+def test_what_each_limit_costs(client: httpx2.Client, links: dict[str, str]) -> None:
+    answer = client.get(f"{links['self']}/sensitivities")
+    assert answer.status_code == 200, answer.text
+    dearest = answer.json()["sensitivities"][0]
+    assert dearest["per_unit"] < 0.0
+    assert "smaller" in dearest["words"]
+    known = {"If-None-Match": answer.headers["etag"]}
+    assert client.get(f"{links['self']}/sensitivities", headers=known).status_code == 304
+    nothing = post(client, examples()["infeasible-on-purpose"]["value"]).json()
+    told = client.get(f"{nothing['links']['self']}/sensitivities").json()
+    assert told["sensitivities"] == []
+
+
+def test_every_file(client: httpx2.Client, links: dict[str, str]) -> None:
+    formats = client.get("/v1/formats").json()
+    described = {
+        f"{part}.{each['name']}": each
+        for part in ("profile", "motion", "solid")
+        for each in formats[part]
+    } | {each["name"]: each for each in formats["pictures"]}
+    assert set(links) == {"self", *described}
+    for name, each in described.items():
+        answer = client.get(links[name])
+        assert answer.status_code == 200
+        assert answer.headers["content-type"] == each["media_type"]
+        how, _, file_name = answer.headers["content-disposition"].partition("; filename=")
+        shown = each["extension"] in (".svg", ".html", ".png")
+        assert how == ("inline" if shown else "attachment")
+        policy = answer.headers.get("content-security-policy", "")
+        assert policy.startswith("default-src 'none'") == shown
+        assert ("sandbox" in policy) == (each["extension"] == ".html")
+        assert file_name.strip('"') == f"example-13-6-{name}"
+        known = {"If-None-Match": answer.headers["etag"]}
+        assert client.get(links[name], headers=known).status_code == 304
+
+
+def test_themes_of_pictures(client: httpx2.Client, links: dict[str, str]) -> None:
+    for name in ("profile.svg", "motion.svg", "contact.svg", "animation.html"):
+        dark, light = (client.get(f"{links[name]}?theme={theme}") for theme in ("dark", "print"))
+        assert dark.headers["etag"] != light.headers["etag"]
+        assert "#15191e" in dark.text
+        assert "#15191e" not in light.text
+    wrong = client.get(f"{links['contact.svg']}?theme=pink")
+    assert (wrong.status_code, wrong.json()["errors"][0]["parameter"]) == (422, "theme")
+
+
+def test_reports(client: httpx2.Client, links: dict[str, str]) -> None:
+    plain = client.get(links["report.html"])
+    costs = client.get(f"{links['report.html']}?sensitivities=true")
+    assert "What each limit costs" in costs.text
+    assert "What each limit costs" not in plain.text
+    assert plain.headers["etag"] != costs.headers["etag"]
+    csv = client.get(links["profile.csv"]).content
+    assert hashlib.sha256(csv).hexdigest() in plain.text
+    nothing = post(client, examples()["infeasible-on-purpose"]["value"]).json()
+    assert set(nothing["links"]) == {"self", "report.html"}
+    told = client.get(nothing["links"]["report.html"])
+    assert told.status_code == 200
+    assert "Why nothing fits" in told.text
+    drawing = client.get(f"{nothing['links']['self']}/animation.svg")
+    assert (drawing.status_code, drawing.json()["type"]) == (409, "/problems/nothing-fits")
+
+
+def test_options_choose_the_points(client: httpx2.Client, links: dict[str, str]) -> None:
+    path = links["profile.csv"]
+
+    def lines(query: str) -> int:
+        return len(client.get(f"{path}?{query}").text.splitlines()) - 1
+
+    assert lines("points_per_degree=1") < lines("points_per_degree=4") == lines("") + 0
+    assert lines("tolerance_um=100") < lines("tolerance_um=1")
+    pitch, profile = (client.get(f"{path}?curve={curve}") for curve in ("pitch", "profile"))
+    assert pitch.headers["etag"] != profile.headers["etag"]
+    assert pitch.text != profile.text
+    missing = client.get(f"{path}?curve=counter")
+    assert (missing.status_code, missing.json()["type"]) == (422, "/problems/invalid-parameter")
+    (told,) = missing.json()["errors"]
+    assert (told["parameter"], told["value"]) == ("curve", "counter")
+    assert "pitch" in told["rule"]
+
+
+def test_point_files_tell_what_their_readers_make_of_them(
+    client: httpx2.Client, links: dict[str, str]
+) -> None:
+    answer = client.get(f"{links['profile.sldcrv']}?points=180&decimals=4")
+    block = client.get(f"{links['profile.fidelity.json']}?points=180&decimals=4").json()
+    told = dict(each.split(": ") for each in answer.headers["camwright-fidelity"].split("; "))
+    assert list(told) == [each["reader"] for each in block["readers"]]
+    for each in block["readers"]:
+        assert told[each["reader"]].startswith(f"form {each['form_um']:.3g} um, acceleration ")
+    table = client.get(f"{links['profile.csv']}?points=180").headers["camwright-fidelity"]
+    (periodic,) = (each for each in block["readers"] if each["reader"] == "periodic")
+    unrounded = float(re.findall(r"periodic: form [^ ]+ um, acceleration ([^ ]+) %", table)[0])
+    assert 0.0 < unrounded < 100.0 * periodic["acceleration_part"]  # 4 decimals cost something
+    drive = client.get(f"{links['motion.cam.csv']}?points=90").headers["camwright-fidelity"]
+    assert drive.startswith("linear: displacement ")
+    assert "quintic: displacement " in drive
+    close = client.get(f"{links['profile.sldcrv']}?points_per_degree=100")
+    assert (close.status_code, close.json()["type"]) == (422, "/problems/invalid-parameter")
+    assert "0.01 mm" in close.json()["detail"]
+
+
+def test_exact_curves_tell_how_true_they_are(client: httpx2.Client, links: dict[str, str]) -> None:
+    answer = client.get(f"{links['profile.nurbs.json']}?tolerance_um=0.01&curve=pitch")
+    assert answer.json()["error_mm"] <= 1e-5
+    told = answer.headers["camwright-curve-error-mm"]
+    assert float(told) == pytest.approx(answer.json()["error_mm"], rel=5e-3)
+    count = answer.headers["camwright-curve-control-points"]
+    assert int(count) == len(answer.json()["control_points_mm"])
+    for wrong, parameter in (
+        ("tolerance_um=-1", "tolerance_um"),
+        ("tolerance_um=1e-9", "tolerance_um"),
+        ("curve=cutter", "cutter_diameter_mm"),
+        ("curve=cutter&cutter_diameter_mm=1e5", "cutter_diameter_mm"),
+        ("points_per_degree=4", "points_per_degree"),
+    ):
+        refused = client.get(f"{links['profile.step']}?{wrong}")
+        assert (refused.status_code, refused.json()["type"]) == (422, "/problems/invalid-parameter")
+        (violation,) = refused.json()["errors"]
+        assert violation["parameter"] == parameter
+        assert violation["way_out"]
+
+
+def test_a_worker_makes_the_solid(client: httpx2.Client, links: dict[str, str]) -> None:
+    answer = client.get(f"{links['solid.step']}?thickness_mm=8&bore_mm=14&keyway=true")
+    assert answer.status_code == 200, answer.text
+    assert float(answer.headers["camwright-volume-mm3"]) > 1e4
+    refused = client.get(f"{links['solid.step']}?bore_mm=1000")
+    assert (refused.status_code, refused.json()["type"]) == (422, "/problems/invalid-parameter")
+    (violation,) = refused.json()["errors"]
+    assert violation["parameter"] == "bore_mm"
+    assert "smaller bore" in violation["way_out"]
+
+
+def test_the_process_that_answers_holds_no_solver_and_no_kernel(real_service: Running) -> None:
+    """In a process of its own, as this one may hold anything."""
+    import subprocess
+
+    heavy = ("cvxpy", "casadi", "OCP", "ezdxf")
+    code = f"import sys, service.app; print([m for m in {heavy} if m in sys.modules])"
+    run = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    assert run.stdout.strip() == "[]"
+
+
+def test_a_design_is_confirmed_to_25_digits(client: httpx2.Client) -> None:
+    design = post(client, examples()["fixed-laws"]["value"]).json()
+    path = f"/v1/designs/{design['id']}/confirmation"
+    answer = client.get(path)
+    assert answer.status_code == 200, answer.text
+    found = answer.json()
+    assert (found["verdict"], found["id"]) == ("confirmed", design["id"])
+    assert [line["limit"] for line in found["lines"]] == [e["limit"] for e in design["extremes"]]
+    known = {"if-none-match": answer.headers["etag"]}
+    assert client.get(path, headers=known).status_code == 304
+    none = post(client, examples()["infeasible-on-purpose"]["value"]).json()
+    refused = client.get(f"/v1/designs/{none['id']}/confirmation")
+    assert (refused.status_code, refused.json()["type"]) == (409, "/problems/nothing-fits")

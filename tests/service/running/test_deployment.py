@@ -1,0 +1,175 @@
+"""The deployment: the compose file's words are true, and what it starts works together."""
+
+from __future__ import annotations
+
+import json
+import os
+import re
+import signal
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+import dask
+import httpx2
+import psycopg
+import pytest
+
+from service.client import Client
+from service.contract.examples import SELF_CHECK, examples
+from service.settings import Settings
+from service.workers.engine import CONFIGURATION
+from tests.service.killing import ROOT, Process, answering
+from tests.service.postgres import PASSWORD, postgres
+from tests.service.sweeps.test_kills import until
+from tests.service.topology import COMPOSE, DOCKERFILE, SECRET, SERVICES, Topology
+
+ITEMS = 140
+
+
+def test_every_variable_is_a_setting() -> None:
+    known = {f"CAMWRIGHT_{name.upper()}" for name in Settings.model_fields}
+    used = {
+        name for service in SERVICES.values() for name in service.get("environment", {})
+        if name.startswith("CAMWRIGHT_")
+    }  # fmt: skip
+    assert used | set(re.findall(r"CAMWRIGHT_\w+(?==)", DOCKERFILE)) <= known
+    assert {"CAMWRIGHT_DATABASE_URL", "CAMWRIGHT_SCHEDULER"} <= used
+    api = {key.removeprefix("CAMWRIGHT_").lower(): SECRET.sub(PASSWORD, value)
+           for key, value in SERVICES["api"]["environment"].items()}  # fmt: skip
+    settings = Settings.model_validate(api)
+    database = SERVICES["database"]["environment"]
+    assert settings.database.username == database["POSTGRES_USER"]
+    assert settings.database.database == database["POSTGRES_DB"]
+    assert settings.database.password == SECRET.sub(PASSWORD, database["POSTGRES_PASSWORD"])
+
+
+def test_a_scheduler_elsewhere_is_set_as_one_of_our_own() -> None:
+    """Dask reads its settings from variables; what they come to is what the engine sets."""
+    declared = dask.config.collect_env(SERVICES["scheduler"]["environment"])
+    for name, value in declared["distributed"]["scheduler"].items():
+        asked = CONFIGURATION[f"distributed.scheduler.{name.replace('_', '-')}"]
+        assert (value, type(value)) == (asked, type(asked)), name
+    assert len(declared["distributed"]["scheduler"]) == 3
+
+
+@pytest.mark.parametrize("name", SERVICES)
+def test_every_service_is_limited_restarted_and_checked(name: str) -> None:
+    service = SERVICES[name]
+    limits = service["deploy"]["resources"]["limits"]
+    assert float(limits["cpus"]) > 0
+    assert limits["memory"].endswith("G")
+    assert service["restart"] == "unless-stopped"
+    check = service.get("healthcheck", {})
+    assert check.get("test") or name == "api"  # the image's own
+    assert not check.get("disable")
+
+
+def test_only_the_api_is_reachable_and_everything_is_on_a_declared_network() -> None:
+    assert [name for name, service in SERVICES.items() if "ports" in service] == ["api"]
+    for service in SERVICES.values():
+        assert set(service["networks"]) <= set(COMPOSE["networks"])
+        assert set(service.get("depends_on", {})) <= set(SERVICES)
+    assert COMPOSE["networks"]["inside"]["internal"] is True
+    worker = " ".join(SERVICES["worker"]["command"])
+    memory = re.search(r"--memory-limit=(\d+)MiB", worker)
+    assert memory is not None
+    limit = SERVICES["worker"]["deploy"]["resources"]["limits"]["memory"]
+    assert int(memory.group(1)) < 1024 * int(limit.removesuffix("G"))
+
+
+@pytest.fixture
+def database() -> Iterator[int]:
+    declared = SERVICES["database"]["environment"]
+    with postgres(declared["POSTGRES_USER"], declared["POSTGRES_DB"]) as port:
+        yield port
+
+
+def signalled(worker: Process, what: signal.Signals) -> None:
+    """As when its container is killed or paused: the keeper and the process that it keeps."""
+    os.killpg(worker.running.pid, what)
+    if what is signal.SIGKILL:
+        worker.running.wait()
+
+
+def sweep() -> dict[str, Any]:
+    base = json.loads(json.dumps(examples()[SELF_CHECK]["value"]))
+    axis = {"kind": "range", "pointer": "/limits/0/rise_deg", "start": 22, "stop": 36}
+    return {"name": "on many machines", "base": base, "axes": [{**axis, "count": ITEMS}]}
+
+
+def test_a_sweep_while_workers_come_and_go(database: int, tmp_path: Path) -> None:
+    """A third worker joins, the first two die, then service and scheduler: nothing is lost.
+
+    What Docker would do is done here: whatever has ended is started again, but for the workers.
+    """
+    here = Topology(tmp_path, database)
+    running = [here.started("scheduler")]
+    try:
+        until(lambda: here.healthy("scheduler"))
+        workers = [here.started("worker", f"worker {i}") for i in (1, 2)]
+        api = here.started("api")
+        running += [*workers, api]
+        url = f"http://127.0.0.1:{here.api}"
+        with Client(url, timeout_s=30.0) as client, httpx2.Client(base_url=url) as plain:
+            answering(plain)
+            until(lambda: ready(plain, 2))
+            for name in ("worker 1", "worker 2"):
+                assert here.healthy("worker", name)
+            assert here.healthy("api")
+            assert here.healthy("database")
+            where = client.sweep(sweep())["links"]["self"]
+            until(lambda: done(client, where) >= 8)
+            for worker in workers:  # so that a fast machine is not done before the third is there
+                signalled(worker, signal.SIGSTOP)
+            running.append(here.started("worker", "worker 3"))
+            until(lambda: ready(plain, 3))
+            signalled(workers[1], signal.SIGCONT)
+            signalled(workers[0], signal.SIGKILL)
+            assert done(client, where) < ITEMS, "it was over before a worker was killed"
+            signalled(workers[1], signal.SIGKILL)
+            api.kill()
+            running[0].kill()
+            assert not here.healthy("worker", "worker 1")
+            until(lambda: running[-1].running.poll() is not None)  # it has no scheduler any more
+            for process in running[0], running[-1], api:
+                process.start()
+            answering(plain)
+            assert done(client, where) < ITEMS, "it was over before the service was killed"
+            until(lambda: ready(plain, 1))
+            over = client.wait(where.rpartition("/")[2])
+            assert (over["state"], over["counts"]["failed"]) == ("successful", 0)
+            listed = [item["number"] for item in client.items(over["id"])]
+        every_item_once(database, listed)
+    finally:
+        for process in reversed(running):
+            process.stop()
+    assert not here.healthy("api")
+    assert not here.healthy("scheduler")
+
+
+def every_item_once(port: int, listed: list[int]) -> None:
+    """By what the service lists, and by the rows of the database."""
+    address = SECRET.sub(PASSWORD, SERVICES["api"]["environment"]["CAMWRIGHT_DATABASE_URL"])
+    address = address.replace("+psycopg", "").replace("@database:5432", f"@127.0.0.1:{port}")
+    with psycopg.connect(address) as connection:
+        rows = [row[0] for row in connection.execute("select number from sweep_items")]
+    lost, twice = set(range(ITEMS)) - set(rows), len(rows) - len(set(rows))
+    print(f"items expected {ITEMS}, done {len(rows)}, lost {len(lost)}, duplicated {twice}")
+    assert sorted(rows) == sorted(listed) == list(range(ITEMS))
+
+
+def ready(client: httpx2.Client, workers: int) -> bool:
+    found = client.get("/readyz").json()
+    return bool(found["store"]) and found["workers"] == workers
+
+
+def done(client: Client, where: str) -> int:
+    counts: dict[str, int] = client.get(where)["counts"]
+    return counts["done"]
+
+
+def test_what_a_running_service_needs_is_in_the_image() -> None:
+    for folder in ("synthesis", "service", "openapi"):
+        assert re.search(rf"^COPY {folder} ", DOCKERFILE, re.M)
+        assert (ROOT / folder).is_dir()

@@ -1,0 +1,155 @@
+"""Two services on one PostgreSQL: one works on a sweep, and the other goes on where it died."""
+
+from __future__ import annotations
+
+import asyncio
+import os
+import signal
+import time
+from collections import Counter
+from datetime import UTC, datetime
+from pathlib import Path
+from typing import Any
+
+import httpx2
+import psycopg
+import pytest
+
+from service.storage.store import Store
+from service.sweeps.lease import Leases
+from service.sweeps.store import Done, NotOurs, SweepRow, SweepStore
+from service.sweeps.work import ItemAnswer
+from tests.service.conftest import settings_for
+from tests.service.killing import Process, answering, free_port, service
+from tests.service.postgres import PASSWORD, postgres
+from tests.service.sweeps.test_kills import done, until
+from tests.service.sweeps.test_sweeps import counted, items_at, over, posted, sweep_of
+
+ITEMS = 160
+LEASE_S = 1.5
+
+
+def test_one_at_a_time_and_nobody_else_writes(tmp_path: Path) -> None:
+    """Two processes' leases on one store: what the second may do, and what the first may not."""
+
+    async def told(store: Store) -> None:
+        sweeps = SweepStore(store.do)
+        one, other = Leases(store.do, 60.0), Leases(store.do, 60.0)
+        row = await sweeps.accept(a_sweep())
+        number = row.sequence
+        assert [each.id for each in await one.nobodys()] == [row.id]
+        assert await one.take(number)
+        assert not await other.take(number)
+        assert await other.nobodys() == []
+        assert (await sweeps.record(number, one.owner, [an_item(0)])).done == 1
+        one.length_s = -1.0  # has run out as soon as it is renewed
+        assert await one.renew(number)
+        assert await other.take(number)
+        assert not await one.renew(number)
+        assert await one.nobodys() == []
+        with pytest.raises(NotOurs):
+            await sweeps.record(number, one.owner, [an_item(1)])
+        await one.release(number)  # not its own to give
+        assert await other.renew(number)
+        assert (await sweeps.record(number, other.owner, [an_item(0), an_item(1)])).done == 2
+        await sweeps.end(number, "dismissed", one.owner)  # by whoever does not work on it
+        with pytest.raises(NotOurs):
+            await sweeps.record(number, other.owner, [an_item(2)])
+        await sweeps.accept(a_sweep())
+        assert await one.take(number)
+        await sweeps.end(number, "dismissed", one.owner)
+        assert (await sweeps.record(number, one.owner, [an_item(2)])).done == 3  # at hand by then
+
+    store = Store(settings_for(tmp_path))
+    try:
+        asyncio.run(told(store))
+    finally:
+        store.dispose()
+
+
+def a_sweep() -> SweepRow:
+    return SweepRow(
+        id="s", name="", created=datetime.now(UTC), state="accepted", spec=b"{}", size=3, axes=[],
+        quantities=[], optimal=0, feasible=0, infeasible=0, failed=0,
+    )  # fmt: skip
+
+
+def an_item(number: int) -> Done:
+    return ItemAnswer(number, "optimal"), []
+
+
+def test_every_item_once_while_owners_die_and_stand_still(tmp_path: Path) -> None:
+    """The owner stands still for longer than its lease, and wakes; the next one is killed."""
+    log, ports = tmp_path / "log", (free_port(), free_port())
+    with postgres("camwright", "camwright") as database:
+        address = f"camwright:{PASSWORD}@127.0.0.1:{database}/camwright"
+        services = [
+            service(
+                folder, port, FAKE_CORE_LOG=str(log), CAMWRIGHT_WORKERS="1",
+                CAMWRIGHT_SWEEP_LEASE_S=str(LEASE_S),
+                CAMWRIGHT_DATABASE_URL=f"postgresql+psycopg://{address}",
+            )
+            for folder, port in zip(folders(tmp_path), ports, strict=True)
+        ]  # fmt: skip
+        first, second = (
+            httpx2.Client(base_url=f"http://127.0.0.1:{port}", timeout=30.0) for port in ports
+        )
+        try:
+            answering(first)
+            answering(second)
+            where = posted(first, sweep_of([f"sleep 0.05{' ' * i}" for i in range(ITEMS)]))
+            assert posted(second, second.get(where).json()["spec"]) == where  # joined, not begun
+            until(lambda: done(second, where) >= 50)
+            assert max(Counter(log.read_text().splitlines()).values()) == 1
+            os.kill(services[0].running.pid, signal.SIGSTOP)
+            print(f"stopped: {goes_on(second, where):.1f} s until the other went on")
+            until(lambda: done(second, where) >= 90)
+            os.kill(services[0].running.pid, signal.SIGCONT)
+            kept = done(first, where)
+            services[1].kill()
+            assert kept < ITEMS
+            print(f"killed: {goes_on(first, where):.1f} s until the other went on")
+            counted(over(first, where), items=ITEMS, done=ITEMS, optimal=ITEMS)
+            listed = [item["number"] for item in items_at(first, where)]
+            with psycopg.connect(f"postgresql://{address}", autocommit=True) as connection:
+                rows = [row[0] for row in connection.execute("select number from sweep_items")]
+                leaves_in_order(services[0], first, connection)
+        finally:
+            for client in (first, second):
+                client.close()
+            for process in services:
+                process.stop()
+    lost, twice = set(range(ITEMS)) - set(rows), len(rows) - len(set(rows))
+    begun = len(log.read_text().splitlines())
+    print(f"items expected {ITEMS}, done {len(rows)}, lost {len(lost)}, duplicated {twice}")
+    print(f"begun {begun}: {begun - ITEMS} more than once, as their owner was lost with them")
+    assert sorted(rows) == sorted(listed) == list(range(ITEMS))
+    assert begun - ITEMS <= 60
+
+
+def leaves_in_order(
+    process: Process, client: httpx2.Client, database: psycopg.Connection[Any]
+) -> None:
+    """SIGTERM while somebody watches a sweep: the stream ends, the lease is given back."""
+    asked = "select state, owner is null from sweeps order by sequence desc limit 1"
+    where = posted(client, sweep_of([f"look 600{' ' * i}" for i in range(3)]))
+    with client.stream("GET", f"{where}/events") as watched:
+        assert next(watched.iter_lines())
+        until(lambda: database.execute(asked).fetchone() == ("running", False))
+        process.running.terminate()
+        process.running.wait(180.0)
+    assert database.execute(asked).fetchone() == ("running", True)
+
+
+def folders(folder: Path) -> list[Path]:
+    found = [folder / name for name in ("first", "second")]
+    for each in found:
+        each.mkdir()
+    return found
+
+
+def goes_on(client: httpx2.Client, where: str) -> float:
+    """Seconds until more is done."""
+    started, kept = time.monotonic(), done(client, where)
+    until(lambda: done(client, where) > kept)
+    return time.monotonic() - started

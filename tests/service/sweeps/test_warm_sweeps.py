@@ -1,0 +1,157 @@
+"""Sweeps whose designs begin where the item before has ended: chains, and what breaks them."""
+
+from __future__ import annotations
+
+import time
+import zlib
+from itertools import pairwise
+from typing import Any
+
+import httpx2
+import pytest
+
+from benchmarks.proof import SCENES
+from service.sweeps.chunks import CHAIN, Chunks
+from service.sweeps.work import ItemAnswer, solve_items
+from service.workers.solve import solve
+from synthesis.design import Design, design_id
+from synthesis.pipeline import synthesise
+from synthesis.spec import DesignSpec
+from synthesis.sweeps import SweepSpec
+from tests.service.conftest import Running
+from tests.service.specs import spec
+from tests.service.sweeps.test_sweeps import items_at, over, posted
+
+
+def speeds(name: str, count: int) -> dict[str, Any]:
+    axis = {"kind": "range", "pointer": "/speed_rpm", "start": 10, "stop": 20, "count": count}
+    return {"name": "warm", "base": spec(name), "axes": [axis], "warm_start": True}
+
+
+def chained(client: httpx2.Client, where: str, count: int) -> None:
+    """Every item once, each begun at the one before, but for the first of a chain."""
+    items = sorted(items_at(client, where), key=lambda item: item["number"])
+    assert [item["number"] for item in items] == list(range(count))
+    designs = [client.get(item["links"]["design"]).json() for item in items]
+    for number, design in enumerate(designs):
+        before = designs[number - 1]["id"] if number % CHAIN else None
+        assert design["started_from"] == before
+        assert items[number]["links"]["design"].endswith(design["id"])
+    assert len({design["id"] for design in designs}) == count
+
+
+def test_items_begin_where_the_one_before_ended(client: httpx2.Client) -> None:
+    where = posted(client, speeds("x", 21))
+    assert over(client, where)["counts"]["optimal"] == 21
+    chained(client, where, 21)
+
+
+def test_a_chain_longer_than_a_time_slice_stays_one(client: httpx2.Client) -> None:
+    where = posted(client, speeds("sleep 0.3", 6))
+    assert over(client, where)["counts"]["optimal"] == 6
+    chained(client, where, 6)
+
+
+def test_a_chain_that_was_stopped_goes_on_as_one(service: Running) -> None:
+    client, body = service.client, speeds("look 0.3", 7)
+    where = posted(client, body)
+    while client.get(where).json()["counts"]["done"] == 0:
+        time.sleep(0.01)
+    assert 0 < client.delete(where).json()["counts"]["done"] < 7
+    assert posted(client, body) == where
+    assert over(client, where)["counts"]["optimal"] == 7
+    chained(client, where, 7)
+
+
+def test_chains_are_the_same_ones_whatever_is_done() -> None:
+    """Items 9 and 12 are done, 10 is suspected: it is sent alone, the others with these."""
+    chunks = Chunks(21, [9, 12], 2, {10: 1}, CHAIN)
+    assert chunks.left == 19
+    assert chunks.take() == [10]
+    assert chunks.take() == [*range(8)]
+    second = chunks.take()
+    assert second == [8, 9, 11, 12, 13, 14, 15]
+    assert chunks.undone(second) == [8, 11, 13, 14, 15]
+    assert chunks.finish(8)
+    assert not chunks.finish(9)
+    chunks.back([14, 15])
+    assert chunks.left == 5 + 2
+    assert [chunks.take(), chunks.take(), chunks.take()] == [[14, 15], [*range(16, 21)], []]
+    assert chunks.left == 0
+
+
+SCENE = SCENES[0]
+AXIS = {"kind": "list", "pointer": "/limits/0/rise_deg", "values": [30.0, 29.7, 29.4]}
+
+
+@pytest.fixture(scope="module")
+def warm() -> list[Design]:
+    """Three neighbours where curvature decides, by the real core."""
+    base = SCENE.spec().model_dump(mode="json")
+    sweep = SweepSpec.model_validate({"base": base, "axes": [AXIS], "warm_start": True})
+    wanted = [(number, sweep.picks(number)) for number in range(sweep.size)]
+    body, found, near = sweep.model_dump_json().encode(), list[ItemAnswer](), None
+    while len(found) < sweep.size:  # a busy machine's time slices end between them
+        found += solve_items(body, wanted[len(found) :], 60.0, solve, near)
+        near = found[-1].near
+        assert near is not None
+    return [Design.model_validate_json(zlib.decompress(answer.design or b"")) for answer in found]
+
+
+def test_the_first_of_a_chain_is_that_of_its_spec_alone(warm: list[Design]) -> None:
+    alone = synthesise(warm[0].spec)
+    assert warm[0].started_from is None
+    assert warm[0].id == alone.id == design_id(warm[0].spec)
+    assert warm[0].motion == alone.motion
+
+
+def test_the_others_are_proven_and_as_good_as_alone(warm: list[Design]) -> None:
+    for before, design in pairwise(warm):
+        assert design.started_from == before.id
+        assert design.id != design_id(design.spec)
+        assert any("neighbour" in stage.stage for stage in design.report.stages)
+        alone = synthesise(design.spec).certificate
+        proof = design.certificate
+        assert proof.certified
+        assert proof.lower_bound == alone.lower_bound
+        assert proof.value == pytest.approx(alone.value, rel=2e-3)
+
+
+def test_a_start_of_another_form_is_left_aside(warm: list[Design]) -> None:
+    """Laws on other segments: nothing of the neighbour's serves, and the answer is the spec's."""
+    from synthesis.pipeline import synthesise_beside
+
+    _, near = synthesise_beside(warm[0].spec, None)
+    assert near is not None
+    body = warm[0].spec.model_dump(mode="json")
+    body["program"][0]["law"] = {"kind": "polynomial_7"}
+    other = DesignSpec.model_validate(body)
+    found, _ = synthesise_beside(other, near)
+    assert found.started_from is None
+    assert found.motion == synthesise(other).motion
+
+
+def test_given_laws_have_their_own_displacements_from_a_neighbour() -> None:
+    """The return is given, and 5 % longer at the neighbour: its points are not ours."""
+    from synthesis.formulations.nonconvex.warm import here
+    from synthesis.formulations.question.problem import pose
+    from synthesis.laws import LAWS
+    from synthesis.pipeline import synthesise_beside
+
+    body = SCENE.spec().model_dump(mode="json")
+    body["program"][2]["law"] = {"kind": "cycloidal"}
+    asked = DesignSpec.model_validate(body)
+    for segment in (body["program"][0], body["program"][2]):
+        segment["lift_mm"] *= 1.05
+    _, near = synthesise_beside(DesignSpec.model_validate(body), None)
+    assert near is not None
+    problem = pose(asked, asked.objectives()[0], (), asked.stretches())
+    given = [spot for spot in here(near.search.spots, problem) if spot.position == 2]
+    assert given
+    for spot in given:
+        law, stretch = LAWS["cycloidal"].curve("return"), asked.stretches()[2]
+        expected = stretch.s_start + stretch.lift * law(spot.x)
+        assert spot.s[0] == pytest.approx(expected, abs=1e-12 * stretch.s_start)
+    found, _ = synthesise_beside(asked, near)
+    assert found.started_from == near.id
+    assert found.certificate.value == pytest.approx(synthesise(asked).certificate.value, rel=5e-4)
