@@ -70,11 +70,11 @@ class Boxes:
 
     def cut(self, cuts: Array) -> Boxes:
         """Each cut at those of the sorted points that lie inside of it."""
-        before, behind = np.searchsorted(cuts, self.lo, "right"), np.searchsorted(cuts, self.hi)
+        before, behind = cuts.searchsorted(self.lo, "right"), cuts.searchsorted(self.hi)
         parts = np.maximum(behind - before, 0) + 1
         owner, nth, _ = _counted(parts)
         lo, hi, cut = self.lo[owner], self.hi[owner], before[owner] + nth
-        inner = np.flatnonzero(nth)  # of neighbours in one box
+        inner = nth.nonzero()[0]  # of neighbours in one box
         lo[inner] = hi[inner - 1] = cuts[cut[inner] - 1]
         return Boxes(self.piece[owner], lo, hi, self.asked.take(owner, axis=1))
 
@@ -89,5 +89,5 @@ def _counted(parts: Indices) -> tuple[Indices, Indices, Indices]:
 
     The third is how many parts there are up to each thing's last one, (n,).
     """
-    owner, behind = np.repeat(np.arange(len(parts)), parts), np.cumsum(parts)
+    owner, behind = np.arange(len(parts)).repeat(parts), parts.cumsum()
     return owner, np.arange(len(owner)) - (behind - parts)[owner], behind

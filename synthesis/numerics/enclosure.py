@@ -137,7 +137,7 @@ class _Search:
             ]
         ).T
         self.function = [q.function for q in questions]
-        self.closely = np.flatnonzero(self.absolute < np.inf)
+        self.closely = (self.absolute < np.inf).nonzero()[0]
         self.best = np.full(count, -np.inf)
         self.proven = np.full(count, -np.inf)
         self.above = np.ones(count, dtype=bool)
@@ -178,7 +178,7 @@ class _Search:
             what they say of boxes and, behind these, of points.
         """
         both = boxes.joined(points.boxes(len(self.best)))
-        live = np.flatnonzero(both.asked.any(axis=1))
+        live = both.asked.any(axis=1).nonzero()[0]
         wanted, slot = self._functions(live)
         each = models(both.piece, both.lo, both.hi, wanted)
         model = _stacked([each[k] for k in slot], both.lo == both.hi)
@@ -231,7 +231,7 @@ class _Search:
 
     def exclude(self, which: Mask, possible: Array) -> None:
         """Leave these boxes: what is possible there stays in the proven bound."""
-        most = np.max(np.where(which, possible, -np.inf), axis=1, initial=-np.inf)
+        most = np.where(which, possible, -np.inf).max(axis=1, initial=-np.inf)
         self.proven = np.maximum(self.proven, most)
 
     def answers(self) -> list[Answer]:
@@ -331,7 +331,7 @@ def _first_boxes(breaks: Array, counts: Indices, questions: Sequence[Question]) 
     for q, question in enumerate(questions):
         if question.spans is None:
             whole[q, question.pieces] = True
-    pieces = np.flatnonzero(whole.any(axis=0))
+    pieces = whole.any(axis=0).nonzero()[0]
     asked = whole.take(pieces, axis=1)
     found = Boxes.spans(pieces, breaks[pieces], breaks[pieces + 1], counts, asked)
     for q, question in enumerate(questions):

@@ -99,9 +99,9 @@ def sighted(boxes: Boxes, heights: Heights, bounds: Bounds) -> Sighted:
     question, box, seen = _peaks(boxes, heights, bounds)
     piece, left, width = boxes.piece[box], boxes.lo[box], (boxes.hi - boxes.lo)[box]
     height = seen @ BETWEEN
-    top = np.max(height, axis=1)
+    top = height.max(axis=1)
     alike, equal = bounds.grains(question, top)
-    best = np.argmax(height >= (top - alike)[:, None], axis=1)
+    best = (height >= (top - alike)[:, None]).argmax(axis=1)
     middle = np.minimum(np.maximum(best, 1), len(FAN) - 2)
     before, there, behind = height[np.arange(len(box)), middle + BESIDE]
     bend = before + behind - 2.0 * there
@@ -129,7 +129,7 @@ def _peaks(boxes: Boxes, heights: Heights, bounds: Bounds) -> tuple[Indices, Ind
     vertex = np.where(inner, 0.25 * slope * slope / bend, 0.0)
     height = np.maximum(np.maximum(left, right), middle + vertex)
     height = np.where(boxes.asked & (height > -np.inf), height, -np.inf)
-    top = np.max(height, axis=1, initial=-HUGE)
+    top = height.max(axis=1, initial=-HUGE)
     alike, equal = bounds.grains(np.arange(len(top)), top)
     rising = height[:, 1:] > height[:, :-1] + alike[:, None]
     hill = np.ones(height.shape, dtype=bool)
@@ -155,7 +155,7 @@ def _highest(question: Indices, height: Array, grain: Array, questions: int) -> 
     """Which (k,) of the sorted questions is the highest of each; of equal ones the first."""
     top = np.full(questions, -np.inf)
     np.maximum.at(top, question, height)
-    high = np.flatnonzero(~(top[question] - height > grain))
+    high = (~(top[question] - height > grain)).nonzero()[0]
     which = question[high]
     new = np.ones(len(high), dtype=bool)
     np.not_equal(which[1:], which[:-1], out=new[1:])

@@ -41,7 +41,7 @@ def horner(falling: Array, t: Array, highest: int) -> Array:
     rows = [first]  # f^(k) / k! of what the scheme has come to
     for coefficient in others:
         pairs = zip(rows, (coefficient, *rows), strict=False)
-        rows = [*(row * t + below for row, below in pairs), rows[-1]][: highest + 1]
+        rows = [*[row * t + below for row, below in pairs], rows[-1]][: highest + 1]
     value = np.zeros((highest + 1, *first.shape))
     for order, row in enumerate(rows):
         np.multiply(row, float(factorial(order)), out=value[order])
