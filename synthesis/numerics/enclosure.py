@@ -178,7 +178,7 @@ class _Search:
             what they say of boxes and, behind these, of points.
         """
         both = boxes.joined(points.boxes(len(self.best)))
-        live = both.asked.any(axis=1).nonzero()[0]
+        live = np.flatnonzero(both.asked.any(axis=1))
         wanted, slot = self._functions(live)
         each = models(both.piece, both.lo, both.hi, wanted)
         model = _stacked([each[k] for k in slot], both.lo == both.hi)
@@ -331,7 +331,7 @@ def _first_boxes(breaks: Array, counts: Indices, questions: Sequence[Question]) 
     for q, question in enumerate(questions):
         if question.spans is None:
             whole[q, question.pieces] = True
-    pieces = whole.any(axis=0).nonzero()[0]
+    pieces = np.flatnonzero(whole.any(axis=0))
     asked = whole.take(pieces, axis=1)
     found = Boxes.spans(pieces, breaks[pieces], breaks[pieces + 1], counts, asked)
     for q, question in enumerate(questions):

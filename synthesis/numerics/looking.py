@@ -22,8 +22,9 @@ Heights = Callable[[Indices, Array], Array]
 
 PEAKS: Final = 3  # of a question, that are nearly as high as its highest
 NEARLY: Final = 0.5  # of what lies between the values on its box
-PLACES: Final = np.linspace(0.0, 1.0, 7)  # on a box: there its functions are evaluated
-FAN: Final = np.linspace(0.0, 1.0, 65)  # on a box: there they are looked at
+FEW: Final = 160  # boxes: of so many each is looked at more closely, for it is larger as a rule
+PLACES: Final = (5, 9)  # on a box, where functions are evaluated: of many boxes, and of few
+FAN: Final = np.linspace(0.0, 1.0, 257)  # on a box: there they are looked at
 STEPS: Final = 2.0 ** -np.arange(1.0, 12.0)  # of a box: how far from a peak it is cut
 LADDER: Final = np.concatenate([-STEPS, STEPS])
 HUGE: Final = 1e290  # what is larger is none of a function's values
@@ -34,19 +35,18 @@ BLUR: Final = 2.0**-48  # of a bound: what is left of a height over it is no bet
 BESIDE: Final = np.arange(-1, 2)[:, None]
 
 
-def _between() -> Array:
-    """Lagrange's polynomials of the places over the fan, exact at the places: (places, fan)."""
-    factors = FAN - PLACES[:, None]
-    spans = PLACES[:, None] - PLACES
-    return np.array(
-        [
-            np.prod(np.delete(factors, i, 0), axis=0) / np.prod(np.delete(spans[i], i))
-            for i in range(len(PLACES))
-        ]
-    )
+def _between(places: int) -> tuple[Array, Array]:
+    """Even places on a box, and Lagrange's polynomials of these over the fan: (places, fan)."""
+    at = np.linspace(0.0, 1.0, places)
+    factors, spans = FAN - at[:, None], at[:, None] - at
+    each = [
+        np.prod(np.delete(factors, i, 0), axis=0) / np.prod(np.delete(spans[i], i))
+        for i in range(places)
+    ]
+    return at, np.array(each)
 
 
-BETWEEN: Final = _between()
+MANY_BOXES, FEW_BOXES = (_between(places) for places in PLACES)
 
 
 @dataclass(frozen=True, eq=False)
@@ -96,9 +96,10 @@ def sighted(boxes: Boxes, heights: Heights, bounds: Bounds) -> Sighted:
     Args:
         boxes: where. heights: of the functions, over their bounds.
     """
-    question, box, seen = _peaks(boxes, heights, bounds)
+    places, between = FEW_BOXES if len(boxes) <= FEW else MANY_BOXES
+    question, box, seen = _peaks(boxes, heights, bounds, places)
     piece, left, width = boxes.piece[box], boxes.lo[box], (boxes.hi - boxes.lo)[box]
-    height = seen @ BETWEEN
+    height = seen @ between
     top = height.max(axis=1)
     alike, equal = bounds.grains(question, top)
     best = (height >= (top - alike)[:, None]).argmax(axis=1)
@@ -113,17 +114,19 @@ def sighted(boxes: Boxes, heights: Heights, bounds: Bounds) -> Sighted:
     return Sighted(question[first], piece[first], at[first], cuts)
 
 
-def _peaks(boxes: Boxes, heights: Heights, bounds: Bounds) -> tuple[Indices, Indices, Array]:
+def _peaks(
+    boxes: Boxes, heights: Heights, bounds: Bounds, places: Array
+) -> tuple[Indices, Indices, Array]:
     """Questions and boxes: of every question that of the highest peak and others nearly as high.
 
     The height on a box is that of a parabola through its ends and centre. The third are the
     heights at the places on these boxes: (k, places).
     """
-    x = boxes.lo[:, None] + (boxes.hi - boxes.lo)[:, None] * PLACES
+    x = boxes.lo[:, None] + (boxes.hi - boxes.lo)[:, None] * places
     x[:, -1] = boxes.hi
-    seen = heights(np.repeat(boxes.piece, len(PLACES)), x.ravel())
-    seen = seen.reshape(len(seen), -1, len(PLACES))
-    left, middle, right = seen[..., 0], seen[..., len(PLACES) // 2], seen[..., -1]
+    seen = heights(boxes.piece.repeat(len(places)), x.ravel())
+    seen = seen.reshape(len(seen), -1, len(places))
+    left, middle, right = seen[..., 0], seen[..., len(places) // 2], seen[..., -1]
     slope, bend = 0.5 * (right - left), middle - 0.5 * (left + right)
     inner = np.abs(slope) < 2.0 * bend
     vertex = np.where(inner, 0.25 * slope * slope / bend, 0.0)
