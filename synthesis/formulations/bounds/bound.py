@@ -201,7 +201,7 @@ def _unknown_states(
         for factor, law in zip(plan.energy.factors, laws, strict=True):
             spent += float(np.sum((factor @ law.coefficients) ** 2))
     for position, (state, control) in enumerate(zip(ledger.state, steering, strict=True)):
-        if not np.any(state):
+        if not np.count_nonzero(state):
             continue
         free = plan.problem.free[position].free
         if free is None or free.overshoot:

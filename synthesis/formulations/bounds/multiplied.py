@@ -205,7 +205,7 @@ def further(plan: Plan, order: int, z: Array) -> list[tuple[Multiplied, Array]]:
     for ball in plan.balls:
         v = z[at + 1 : at + 1 + len(ball.shift)]
         at += 1 + len(ball.shift)
-        if ball.head is None and ball.ring is None:
+        if ball.head is None and ball.ring is None and np.count_nonzero(v):
             rhs = np.array([np.linalg.norm(v) * ball.radius + v @ ball.shift])
             size = -(ball.matrix.T @ v)[plan.size][None, :]
             found.append((Multiplied(None, nowhere, nothing, rhs, size), np.ones(1)))

@@ -13,13 +13,15 @@ SILENT = 1e-10  # of the largest: multipliers of rows that do not bind, all but 
 
 
 def heard(plan: Plan, solution: ConeSolution) -> Array:
-    """The multipliers (m,), those of inequalities without what is noise.
+    """The multipliers (m,), those of inequalities and cones without what is noise.
 
     An interior point gives every row one; most are of rows far from binding, and cost time only.
     """
     z, first = solution.multipliers.copy(), plan.program.equalities
-    own = z[first : first + plan.program.inequalities]
-    own[own <= SILENT * max(float(np.max(own, initial=0.0)), 0.0)] = 0.0
+    own, conic = np.split(z[first:], [plan.program.inequalities])
+    noise = SILENT * float(own.max(initial=0.0))
+    own[own <= noise] = 0.0
+    conic[np.abs(conic) <= noise] = 0.0
     return z
 
 

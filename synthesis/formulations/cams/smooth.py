@@ -18,6 +18,7 @@ Vector = tuple[float, ...]
 DENSITY, LEAST_DENSITY = 192, 8  # points on a law, and on every piece of it, ends included
 PEAK_ROUNDS = 4
 NEAR = -0.1  # samples slacker than this have no peak beside them that matters
+CROSSED = 1e-9  # relative: how closely a size is raised
 ZOOMS = 5  # each narrows a peak to a quarter of the interval
 # points that are slacker than this are not looked at while growing, in turn: few do as a rule
 WATCHED = (-0.15, -0.7, -0.7, -0.7)
@@ -178,18 +179,24 @@ def _zoomed(problem: Problem, part: Samples, size: Vector, top: NDArray[np.intp]
 
 
 def _crossing(excess: Callable[[float], float], low: float, high: float) -> float:
-    """A point where ``excess`` is not positive, within 1e-9 relative of where it crosses zero."""
-    f_low, f_high = excess(low), excess(high)
+    """A point where ``excess`` is not positive, within 1e-9 relative of where it crosses zero.
+
+    By false position; an end that stays counts half as much from then on (the Illinois rule).
+    """
+    f_low, f_high, moved = excess(low), excess(high), 0
     for _ in range(60):
-        if high - low <= 1e-9 * high:
+        if high - low <= CROSSED * high:
             break
         share = f_low / (f_low - f_high) if np.isfinite(f_low) else 0.5
-        middle = low + min(max(share, 0.05), 0.95) * (high - low)
+        aside = 0.5 * CROSSED * high  # next to a root, beyond it
+        middle = min(max(low + share * (high - low), low + aside), high - aside)
         value = excess(middle)
         if value > 0.0:
-            low, f_low = middle, value
+            f_high *= 0.5 if moved > 0 else 1.0
+            low, f_low, moved = middle, value, 1
         else:
-            high, f_high = middle, value
+            f_low *= 0.5 if moved < 0 else 1.0
+            high, f_high, moved = middle, value, -1
     return high
 
 

@@ -285,18 +285,23 @@ def _blocks(
 
 
 def _size_bounds(problem: Problem, scales: Scales) -> Iterator[Block]:
-    """Lower and upper bounds of the size variables that are not fixed."""
-    for j, (low, high) in enumerate(problem.sizing.bounds):
-        if low == high:
-            continue
-        unit = np.zeros(len(problem.sizing.bounds))
-        for unit[j], bound in ((1.0, high), (-1.0, -low)):
-            # a far bound is divided by its size: the solver's tolerance is relative to the largest
-            far = max(abs(bound) / scales.size, 1.0)
-            yield Block(
-                "size", None, None, np.zeros(1), np.zeros(4), rounded(unit / far), 0.0,
-                rounded(np.array([bound / scales.size / far])), "bounds",
-            )  # fmt: skip
+    """Upper and lower bounds of the size variables that are not fixed, one after the other."""
+    count = len(problem.sizing.bounds)
+    sides = [
+        (j, sign, sign * bound / scales.size)
+        for j, (low, high) in enumerate(problem.sizing.bounds)
+        if low != high
+        for sign, bound in ((1.0, high), (-1.0, low))
+    ]
+    table = np.zeros((len(sides), count + 1))
+    for own, (j, sign, bound) in zip(table, sides, strict=True):
+        # a far bound is divided by its size: the solver's tolerance is relative to the largest
+        far = max(abs(bound), 1.0)
+        own[j], own[count] = sign / far, bound / far
+    size, rhs = np.split(rounded(table), [count], axis=1)
+    if sides:
+        nowhere = np.zeros(len(sides))
+        yield Block("size", None, None, nowhere, np.zeros(4), size, 0.0, rhs[:, 0], "bounds")
 
 
 def _balls(

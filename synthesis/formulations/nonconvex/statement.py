@@ -89,15 +89,15 @@ class Statement:
 
     def _implied(self) -> list[int]:
         """Bounds of the size that a ball implies: where it touches them, they leave no interior."""
-        found, at = [], self.plan.program.equalities
+        found, at = list[int](), self.plan.program.equalities
         for block in self.plan.blocks:
             for cone in self.plan.problem.sizing.cones if block.source == "bounds" else ():
                 matrix = np.array(cone.norm.matrix)
                 centre = np.linalg.solve(matrix, -np.array(cone.norm.shift))
-                reach = cone.radius * np.linalg.norm(np.linalg.solve(matrix.T, block.size))
-                room = block.rhs[0] * self.plan.scales.size - block.size @ centre - reach
-                if room >= -1e-9 * cone.radius:
-                    found.append(at)
+                across = np.linalg.norm(np.linalg.solve(matrix.T, block.size.T), axis=0)
+                room = block.rhs * self.plan.scales.size - block.size @ centre
+                idle = room - cone.radius * across >= -1e-9 * cone.radius
+                found += (at + np.flatnonzero(idle)).tolist()
             at += len(block.rhs)
         return found
 

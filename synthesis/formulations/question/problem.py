@@ -71,8 +71,8 @@ class Problem:
     held: tuple[Held, ...] = ()
     radii: tuple[float, float] = (0.0, inf)
     circle: float = 0.0
-    _rows: dict[Place, tuple[Row, ...]] = field(default_factory=dict, init=False, repr=False)
-    _curves: dict[Place, tuple[Curved, ...]] = field(default_factory=dict, init=False, repr=False)
+    _rows: dict[Stretch, tuple[Row, ...]] = field(default_factory=dict, init=False, repr=False)
+    _curves: dict[Stretch, tuple[Curved, ...]] = field(default_factory=dict, init=False, repr=False)
 
     @property
     def cramped(self) -> str:
@@ -107,10 +107,9 @@ class Problem:
         Constant ones leave nothing to choose: whether they hold is the certificate's business.
         A limit says them of a place in the program, whatever the law there: they are made once.
         """
-        place = _place(stretch)
-        if place not in self._rows:
-            self._rows[place] = tuple(self._limit_rows(stretch))
-        return self._rows[place]
+        if stretch not in self._rows:
+            self._rows[stretch] = tuple(self._limit_rows(stretch))
+        return self._rows[stretch]
 
     def _limit_rows(self, stretch: Stretch) -> Iterator[Row]:
         for limit in self.limits:
@@ -122,11 +121,10 @@ class Problem:
 
     def curves_on(self, stretch: Stretch) -> tuple[Curved, ...]:
         """What limits say on one stretch that no fixed row does: made once, as their rows."""
-        place = _place(stretch)
-        if place not in self._curves:
+        if stretch not in self._curves:
             each = (limit.curved(stretch, self.machine) for limit in self.limits)
-            self._curves[place] = tuple(curve for curves in each for curve in curves)
-        return self._curves[place]
+            self._curves[stretch] = tuple(curve for curves in each for curve in curves)
+        return self._curves[stretch]
 
     @cached_property
     def curved(self) -> bool:
@@ -185,6 +183,10 @@ class Problem:
         found = replace(self, stretches=tuple(by_index.get(s.index, s) for s in self.stretches))
         found._rows.update(self._rows)
         found._curves.update(self._curves)
+        for free in self.free:
+            law = by_index.get(free.index, free)
+            if _place(law) == _place(free):  # limits say the same there, whatever the law
+                found._rows[law], found._curves[law] = self.limit_rows(free), self.curves_on(free)
         return found
 
 

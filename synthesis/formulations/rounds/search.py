@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Collection
 from dataclasses import dataclass, field
 from math import inf, isfinite
 
@@ -51,6 +52,7 @@ class Search:
         last: the last cam read from a cone program, whatever it is worth.
         near: where a neighbouring question's local search ended, to begin this one's there.
         left_behind: the same of this question. from_near: whether ``near`` was of use.
+        taken_in: kinds of limits that are not convex and that the bound knows of all the same.
         program: the last cone program that had a point, that point and its bound.
     """
 
@@ -76,6 +78,7 @@ class Search:
     near: Neighbour | None = None
     left_behind: Neighbour | None = None
     from_near: bool = False
+    taken_in: Collection[str] = ()
     program: tuple[Plan, ConeSolution, Bound] | None = None
 
     def left(self) -> float:
