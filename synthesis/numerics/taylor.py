@@ -219,7 +219,10 @@ class Taylor(OnModels):
         return Taylor(*(part[which] for part in self.parts))
 
     def range(self) -> tuple[Array, Array]:
-        """Largest and smallest value of the quadratic over t in [−1, 1], as in ``extremes``."""
+        """Largest and smallest value of the quadratic over t in [−1, 1], as in ``extremes``.
+
+        To be asked for under ``np.errstate(all="ignore")``.
+        """
         vertex = np.fmin(np.fmax(-0.5 * self.c1 / self.c2, -1.0), 1.0)  # of 0/0, an end
         there = self.c0 + vertex * (self.c1 + vertex * self.c2)
         middle, slope = self.c0 + self.c2, np.abs(self.c1)
