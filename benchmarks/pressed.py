@@ -23,7 +23,8 @@ TEXT = """Scenes with a roller on a slide whose Hertz pressure binds; offset and
 where nothing is said, jerk 1.5 times the least, tolerance 0.5 %. *Without it* is the gap to the
 bound of the same question without the limit, *quick* that of the answer as it comes, *thorough*
 that with `"proof": "thorough"`; gaps are of the base radius, over all motion laws with a bounded
-jerk. Among them are a dwell that needs its size by itself, inertia at lift-off, friction of a guide."""
+jerk. Among them are a dwell that needs its size by itself, inertia at lift-off, and a guide's
+friction."""
 
 
 @dataclass(frozen=True)
