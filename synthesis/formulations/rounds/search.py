@@ -16,6 +16,8 @@ from synthesis.formulations.question.problem import Problem
 from synthesis.formulations.rounds.neighbour import Neighbour
 from synthesis.solvers.clarabel import ConeSolution
 
+FIRST = 1e-7  # by what limits are drawn in where the certificate has refused no cam yet
+
 
 @dataclass(frozen=True)
 class Stage:
@@ -100,7 +102,7 @@ class Search:
 
     def finish(self, found: Candidate) -> None:
         """Grow a cam until every limit holds, and keep it if it is the best so far."""
-        finished = grow(found)
+        finished = grow(found, closely=self.tighten > FIRST)
         if finished is not None and (self.best is None or finished.value < self.best.value):
             self.best = finished
 
