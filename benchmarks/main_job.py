@@ -31,7 +31,7 @@ BITING = CONVEX | {"limits": [*CONVEX["limits"], {"kind": "profile_radius", "min
 SCENES: dict[str, dict[str, Any]] = {
     "pressure angle 30°/45°, jerk ≤ 1.5 × minimum": CONVEX,
     "the same, tolerance 0.1 %": CONVEX | {"tolerance": 1e-3},
-    "and profile radius ≥ 12 mm (not convex: IPOPT)": BITING,
+    "and profile radius ≥ 12 mm (not convex)": BITING,
     'the same, `proof: "thorough"`': BITING | {"proof": "thorough"},
 }
 TEXT = """Example 13-6's motion with the laws free: 30 mm up over 60°, 30° dwell, 60° back, at 10

@@ -7,7 +7,6 @@ from dataclasses import dataclass, replace
 from statistics import median, quantiles
 from time import process_time
 
-import casadi
 import numpy as np
 
 from benchmarks.effort import FULL, Effort
@@ -16,21 +15,16 @@ from benchmarks.section import Section, Table
 from benchmarks.timing import spread
 from service.sweeps.chunks import CHAIN
 from synthesis.design import Design
-from synthesis.formulations.cone.convex import Plan
-from synthesis.formulations.nonconvex.statement import Statement
 from synthesis.pipeline import Near, synthesise, synthesise_beside
-from synthesis.sensitivity.family import Family
-from synthesis.solvers.ipopt import OPTIONS
 from synthesis.spec import DesignSpec
 
 RADII = tuple(float(r) for r in np.linspace(9.0, 15.0, 10))
 ANGLES = tuple(float(a) for a in np.linspace(26.0, 35.5, 20))
-SPARE = 2e-4  # what a design at this tolerance asks of IPOPT's rows
 TEXT = """The main job with a profile radius, 200 designs over radius and pressure angle of the
 rise, in the order of a grid, processor time of one core. *Warm*: a sweep's warm starts, chains of
 eight, the local search begun where the design before has ended; cone programs, bound and
-certificate stay. *Stated and built* is what one program for IPOPT takes before it is solved: the
-most that functions built once and kept could save."""
+certificate stay."""
+LOCAL = ("tangents", "nonlinear")
 
 
 @dataclass(frozen=True, eq=False)
@@ -38,16 +32,15 @@ class Step:
     """A design and what its neighbour would have made of it.
 
     Attributes:
-        seconds: of the design. nonlinear: of its nonlinear stage. building: of one program for
-            IPOPT. warm: of the design in its chain. apart: value of the warm cam over the
-            design's, less 1. begun: whether it was begun at the one before.
+        seconds: of the design. local: of its local search. warm: of the design in its chain.
+        apart: value of the warm cam over the design's, less 1. begun: whether it was begun at the
+            one before.
     """
 
     spec: DesignSpec
     design: Design
     seconds: float
-    nonlinear: float
-    building: float
+    local: float
     warm: float
     apart: float
     begun: bool
@@ -70,31 +63,15 @@ def steps(effort: Effort) -> Iterator[Step]:
         warm, left = synthesise_beside(spec, near if number % CHAIN else None)
         both = process_time()
         near = left or near
-        family = Family.of(design, spec)
-        plan, _ = family.stated(family.posed(spec))
-        stages = [stage.seconds for stage in design.report.stages if stage.stage == "nonlinear"]
+        stages = [stage.seconds for stage in design.report.stages if stage.stage in LOCAL]
         share = sum(stages) / design.report.seconds
         value, other = design.certificate.value, warm.certificate.value
         assert value is not None
         assert other is not None
         yield Step(
-            spec, design, alone - began, share * (alone - began), _building(plan, family),
-            both - alone, other / value - 1.0, warm.started_from is not None,
+            spec, design, alone - began, share * (alone - began), both - alone,
+            other / value - 1.0, warm.started_from is not None,
         )  # fmt: skip
-
-
-def _building(plan: Plan, family: Family) -> float:
-    """Seconds to state a program for IPOPT and to build its derivatives."""
-    from synthesis.formulations.cams.spots import spread as spots
-    from synthesis.formulations.nonconvex.nonlinear import settled
-
-    start = family.start(plan)
-    places = spots(*settled(plan, start))
-    began = process_time()
-    program = Statement(plan, start).stated(places, SPARE)
-    stated = {"x": program.x, "f": program.objective, "g": program.rows}
-    casadi.nlpsol("built", "ipopt", stated, OPTIONS)
-    return process_time() - began
 
 
 def raised(found: Sequence[Step]) -> int:
@@ -112,20 +89,14 @@ def raised(found: Sequence[Step]) -> int:
 def run(effort: Effort = FULL) -> Section:
     """The whole sweep."""
     found = list(steps(effort))
-    cold = median(step.seconds for step in found)
     mean = sum(step.seconds for step in found)
     rows = [
         ("a design", _told([step.seconds for step in found]), ""),
-        ("its nonlinear stage", _told([step.nonlinear for step in found]), ""),
+        ("its local search", _told([step.local for step in found]), ""),
         (
             "a design in its chain",
             _told([step.warm for step in found]),
             _share(1.0 - sum(step.warm for step in found) / mean),
-        ),
-        (
-            "stated and built",
-            _told([step.building for step in found]),
-            _share(median(step.building for step in found) / cold),
         ),
     ]
     worst = max(abs(step.apart) for step in found)

@@ -215,6 +215,9 @@ class DesignSpec(BaseModel):
 
     def _with(self, filled: Filled) -> DesignSpec:
         program, follower = filled
+        pairs = zip(program, self.program, strict=True)
+        if follower is self.follower and all(new is old for new, old in pairs):
+            return self
         return self.model_copy(update={"program": program, "follower": follower})
 
     @cached_property

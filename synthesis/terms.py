@@ -15,6 +15,8 @@ from functools import cached_property
 from operator import mul
 from typing import Any, ClassVar
 
+import numpy as np
+
 from synthesis.numerics.piecewise import Array
 
 Vector = tuple[float, ...]
@@ -248,11 +250,67 @@ class Seen:
 
     def offsets(self, sizes: Sequence[tuple[float, float]]) -> tuple[float, float]:
         """Least and largest e for sizes in a box [mm]."""
+        return self._still(2, sizes)
+
+    def _still(self, which: int, sizes: Sequence[tuple[float, float]]) -> tuple[float, float]:
+        """Least and largest part of X, u or e that no motion is in, for sizes in a box [mm]."""
         ends = [
-            sorted((a * low, a * high)) for a, (low, high) in zip(self.by[2], sizes, strict=True)
+            sorted((a * low, a * high))
+            for a, (low, high) in zip(self.by[which], sizes, strict=True)
         ]
-        least, most = (self.constants[2] + sum(end[k] for end in ends) for k in (0, 1))
+        least, most = (self.constants[which] + sum(end[k] for end in ends) for k in (0, 1))
         return least, most
+
+    def moved(
+        self, low: Array, high: Array, sizes: Sequence[tuple[float, float]]
+    ) -> tuple[Array, Array]:
+        """Bounds of s and s' that follow from those of X, u and e, (3, n), and of sizes: (2, n)."""
+        still = [self._still(which, sizes) for which in (0, 1)]
+        ends = np.stack(
+            [
+                np.stack([low[k] - most, high[k] - least]) * self.sign
+                for k, (least, most) in enumerate(still)
+            ],
+            axis=1,
+        )
+        return ends.min(axis=0), ends.max(axis=0)
+
+
+@dataclass(frozen=True, eq=False)
+class Moving:
+    """What is known of the motion at n points.
+
+    Attributes:
+        theta: (n,) cam angles [rad].
+        low, high: (3, n) bounds of s, s' and s''. about: (3, n) where rows shall be tight; None:
+            in the middles.
+    """
+
+    theta: Array
+    low: Array
+    high: Array
+    about: Array | None = None
+
+
+class Thrust(ABC):
+    """What presses a roller against its cam, as a number Λ that (k − σκ) φ cos α may not be below.
+
+    κ is the curvature of the roller's centre's curve, k [1/mm] the most that σκ may be on a cam
+    without undercut, α the pressure angle; φ cos α is what friction leaves of its cosine.
+    """
+
+    @abstractmethod
+    def drive(self, theta: Array) -> tuple[Array, Array]:
+        """Λ at cam angles (n,) as a linear form in s, s' and s'': (3,), constants (n,) [1/mm]."""
+
+    @abstractmethod
+    def grip(self, low: Array, high: Array, moving: Moving) -> tuple[Array, Array]:
+        """a and b, (n,) each, with φ ≤ a + b tan α and 0 < a + b tan α all over boxes.
+
+        Args:
+            low, high: (3, n) bounds of the point's X, u and e [mm]; tan α = u/X.
+            moving: bounds of the motion.
+        """
 
 
 @dataclass(frozen=True)
@@ -265,13 +323,21 @@ class Traced(ABC):
     source: str
     seen: Seen
 
+    @property
+    def weighed(self) -> bool:
+        """Whether its rows need to know how the motion is bounded, s'' too."""
+        return False
+
     @abstractmethod
-    def cuts(self, low: Array, high: Array, about: Array | None) -> Cuts | None:
+    def cuts(
+        self, low: Array, high: Array, about: Array | None, moving: Moving | None = None
+    ) -> Cuts | None:
         """Rows implied wherever (X, u, e) is in a box, n points at once, tight about a place.
 
         Args:
             low, high: (3, n) the boxes.
             about: (3, n) where the rows shall be tight; None: in the middles.
+            moving: what is known of the motion there; None: nothing.
 
         Returns:
             None where no such rows are known.

@@ -289,10 +289,11 @@ async def running_engine(
     """An engine for as long as the service runs."""
     with dask.config.set(CONFIGURATION):
         async with contextlib.AsyncExitStack() as stack:
-            cluster = None
-            if settings.scheduler is None:
+            cluster, address = None, settings.scheduler
+            if address is None:
                 cluster = await stack.enter_async_context(_own_cluster(settings))
-            connect = partial(_connected, cluster or settings.scheduler, prepare)
+                address = await cluster.within()
+            connect = partial(_connected, address, WarmUp(prepare, ours=cluster is not None))
             client = await connect()
             engine = Engine(
                 connect, client, settings, task, cluster.how_it_ended if cluster else _unseen
@@ -305,11 +306,11 @@ async def running_engine(
             yield engine
 
 
-async def _connected(address: Any, prepare: Callable[[], None]) -> Any:
+async def _connected(address: str, warming: WarmUp) -> Any:
     connect: Any = Client
     client = await connect(address, asynchronous=True)
     client.scheduler_comm.interval = BATCH_S
-    await client.register_plugin(WarmUp(prepare, ours=not isinstance(address, str)))
+    await client.register_plugin(warming)
     return client
 
 

@@ -18,7 +18,7 @@ the circle's own upper arc reaches, and beyond it lies beside the circle. The ce
 circle is O(θ). Corners that turn away from the circle only help. The curvature is the business
 of the limit ``profile_radius``, which every spec of a roller has.
 
-**A curve that goes round the axis** never comes here: `simple` asks for it. Let P's tangent lines,
+**A curve that goes round the axis** is cleared before (`simple` asks). Let P's tangent lines,
 where P runs smoothly, pass the axis on one side and farther than R: n · P > R, n the normal on the
 other side of the cam. Then P(θ) − (R − d) n has n · P > 0 too, for every d from 0 to R, and where
 nothing is undercut its polar angle runs one way, once round as P's does: s comes back without a

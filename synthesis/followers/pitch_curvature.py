@@ -9,6 +9,16 @@ Each of the four terms is convex or concave in (X, u, e) as a whole: squares ove
 (X² + u²)^{3/2}/X, are convex. So the right side is a difference A − B of convex functions, and over
 a box it is nowhere below the tangent of A anywhere, less the lowest plane of a given slope that is
 above B at every corner: linear in X, X', X'' and e. The narrower the box, the less is lost.
+
+What presses the roller leaves less: (k − σκ) φ cos α ≥ Λ with Λ linear in the motion, cos α =
+X/√(X² + u²) and φ ≤ a + b u/X adds Λ Q to the right side, Q = (X + u²/X)²/(a + b u/X). That is
+convex: X² times the square of h(q) = (1 + q²)/√(a + bq) at q = u/X, and X h(u/X) is convex and
+positive as h is (of h'' the sign is that of 2A² − 2bqA + ¾b²(1 + q²), A = a + bq > 0, which has no
+real root). Where Λ and Q lie between Λ1 and Λ2, Q1 and Q2,
+
+    Λ Q ≥ Λ1 Q + Q1 (Λ − Λ1),    Λ Q ≥ Λ2 Q + Q2 (Λ − Λ2)        (McCormick)
+
+which is linear in the motion and a multiple of Q: a part of A, or of B if it is negative.
 """
 
 from __future__ import annotations
@@ -19,56 +29,142 @@ from itertools import product
 import numpy as np
 
 from synthesis.numerics.piecewise import Array
-from synthesis.terms import Cuts, Traced
+from synthesis.terms import Cuts, Moving, Thrust, Traced
 
 ROUNDING = 1e-13  # of the terms' size, by which a row is loosened
 CORNERS = np.array(list(product((False, True), repeat=3))).T  # which ends: (3, 8)
 Convex = tuple[Array, Array]  # a function's values (n,) and its slopes by X, u and e (3, n)
 
 
+@dataclass(frozen=True, eq=False)
+class _Pressed:
+    """Λ Q ≥ weight Q + square (Λ − weight), Λ = factors · (s, s', s'') + constant.
+
+    Attributes:
+        weight, square, constant: (n,) each. factors: (3, 1). grip: a and b of Q, (2, n).
+    """
+
+    weight: Array
+    square: Array
+    factors: Array
+    constant: Array
+    grip: Array
+
+    @classmethod
+    def not_at_all(cls, count: int) -> _Pressed:
+        """Λ = 0."""
+        zero = np.zeros(count)
+        return cls(zero, zero, np.zeros((3, 1)), zero, np.stack([zero + 1.0, zero]))
+
+
 @dataclass(frozen=True)
 class PitchCurvature(Traced):
-    """side · κ ≤ most [1/mm], most > 0, of the curve that a point draws."""
+    """side · κ ≤ most [1/mm], most > 0, of the curve that a point draws; less what ``thrust`` says.
+
+    ``thrust``: (most − side · κ) φ cos α ≥ Λ, the same without it for Λ = 0.
+    """
 
     side: int
     most: float
+    thrust: Thrust | None = None
 
-    def cuts(self, low: Array, high: Array, about: Array | None) -> Cuts | None:
+    @property
+    def weighed(self) -> bool:
+        return self.thrust is not None
+
+    def cuts(
+        self, low: Array, high: Array, about: Array | None, moving: Moving | None = None
+    ) -> Cuts | None:
         if not (np.all(low[0] > 0.0) and np.all(np.isfinite(low)) and np.all(np.isfinite(high))):
             return None
         middle = 0.5 * (low + high)
         at = middle if about is None else np.clip(about, low, high)
-        value, slopes = self._convex(at)
-        _, other = self._subtracted(middle)
-        corners = np.where(CORNERS[:, :, None], high[:, None], low[:, None])  # (3, 8, n)
-        above = self._height(corners) - np.sum(other[:, None] * corners, axis=0)
+        pressed = self._pressed(low, high, at, moving)
+        if pressed is None:
+            return None
+        value, slopes = self._convex(at, pressed)
+        _, other = self._subtracted(middle, pressed)
+        corners = _corners(low, high)
+        above = self._subtracted(corners, pressed)[0] - np.sum(other[:, None] * corners, axis=0)
         most = np.max(above, axis=0)
-        # side X'' ≥ least + by · (X, u, e) all over the box
+        # side X'' ≥ least + by · (X, u, e) + square (Λ − weight) all over the box
         by = slopes - other
         least = value - np.sum(slopes * at, axis=0) - most
         least -= ROUNDING * (np.abs(value) + np.abs(most) + np.sum(np.abs(slopes * at), axis=0))
+        shift = pressed.square * (pressed.constant - pressed.weight)
+        lost = pressed.square * (np.abs(pressed.constant) + np.abs(pressed.weight))
+        least += shift - ROUNDING * lost
         one, sign = np.ones_like(least), self.seen.sign
         coefficients = np.stack([sign * by[0], sign * by[1], -self.side * sign * one, 0.0 * one])
+        coefficients[:3] += pressed.square * pressed.factors
         known = np.array(self.seen.constants) @ by
         return Cuts(coefficients, np.array(self.seen.by).T @ by, -least - known)
 
-    def _convex(self, at: Array) -> Convex:
+    def _pressed(
+        self, low: Array, high: Array, at: Array, moving: Moving | None
+    ) -> _Pressed | None:
+        """The product with the squares from below; None where too little is known."""
+        if self.thrust is None:
+            return _Pressed.not_at_all(low.shape[1])
+        if moving is None or not (np.all(np.isfinite(moving.low + moving.high))):
+            return None
+        factors, constant = self.thrust.drive(moving.theta)
+        factors, grip = factors[:, None], np.stack(self.thrust.grip(low, high, moving))
+        ends = np.sort(np.stack([factors * moving.low, factors * moving.high]), axis=0)
+        weak, strong = np.sum(ends, axis=1) + constant
+        small, large = _squares(low, high, grip)
+        # the one that loses less at the place where rows shall be tight
+        here = _square(at, grip)[0]
+        middle = 0.5 * (moving.low + moving.high) if moving.about is None else moving.about
+        force = np.clip(np.sum(factors * middle, axis=0) + constant, weak, strong)
+        lower = (force - weak) * (here - small) <= (strong - force) * (large - here)
+        weight, square = np.where(lower, weak, strong), np.where(lower, small, large)
+        return _Pressed(weight, square, factors, constant, grip)
+
+    def _convex(self, at: Array, pressed: _Pressed) -> Convex:
         """A."""
-        return _spread(at) if self.side > 0 else _leaning(at)
+        value, slopes = _spread(at) if self.side > 0 else _leaning(at)
+        return _with(value, slopes, at, np.maximum(pressed.weight, 0.0), pressed.grip)
 
-    def _height(self, at: Array) -> Array:
-        """B alone, at points (3, …)."""
-        x, u, e = at
-        w = np.hypot(x, u)
-        q = (u + 0.25 * e) / x
-        rest = 0.125 * (e / x) * e if self.side > 0 else x + 2.0 * q * q * x
-        return np.asarray(rest + self.most * (w**3 / x))
-
-    def _subtracted(self, at: Array) -> Convex:
+    def _subtracted(self, at: Array, pressed: _Pressed) -> Convex:
         """B."""
         bend, bends = _bend(at)
         rest, rests = _leaning(at) if self.side > 0 else _spread(at)
-        return rest + self.most * bend, rests + self.most * bends
+        value, slopes = rest + self.most * bend, rests + self.most * bends
+        return _with(value, slopes, at, np.maximum(-pressed.weight, 0.0), pressed.grip)
+
+
+def _corners(low: Array, high: Array) -> Array:
+    """The corners of boxes: (3, 8, n)."""
+    return np.where(CORNERS[:, :, None], high[:, None], low[:, None])
+
+
+def _with(value: Array, slopes: Array, at: Array, weight: Array, grip: Array) -> Convex:
+    """A function and so many Q."""
+    if not np.any(weight):
+        return value, slopes
+    square, steps = _square(at, grip)
+    return value + weight * square, slopes + weight * steps
+
+
+def _square(at: Array, grip: Array) -> Convex:
+    """Q = (X + u²/X)²/(a + b u/X)."""
+    x, u, e = at
+    q = u / x
+    root, left = x + q * u, grip[0] + grip[1] * q
+    value, lost = root**2 / left, grip[1] * root**2 / (x * left**2)
+    by_x, by_u = 2.0 * root * (1.0 - q * q) / left + lost * q, 4.0 * root * q / left - lost
+    return value, np.stack([by_x, by_u, 0.0 * e])
+
+
+def _squares(low: Array, high: Array, grip: Array) -> tuple[Array, Array]:
+    """What Q is at least and at most in boxes."""
+    corners = _corners(low, high)
+    # X + u²/X grows with |u|, and with X from |u| on
+    slow = np.maximum(np.maximum(low[1], -high[1]), 0.0)
+    x = np.clip(slow, low[0], high[0])
+    most = np.max(grip[0] + grip[1] * corners[1] / corners[0], axis=0)
+    return (x + slow**2 / x) ** 2 / most, np.max(_square(corners, grip)[0], axis=0)
 
 
 def _spread(at: Array) -> Convex:

@@ -11,7 +11,7 @@ from __future__ import annotations
 from abc import ABC, abstractmethod
 from typing import Any
 
-from synthesis.terms import Norm, Row, Traced
+from synthesis.terms import Norm, Row, Thrust, Traced
 
 Vector2 = tuple[Any, Any]
 
@@ -65,8 +65,13 @@ class Trace(ABC):
     def curvature_terms(self, s: Any, z: Any) -> tuple[Any, Any]:
         """Numerator N and squared speed W² of the traced curve: κ = N / W³."""
 
-    def curvature_implied(self, side: int, most: float) -> tuple[Traced, ...]:
-        """What rows are implied by side · κ ≤ most [1/mm], most > 0; () where none is known."""
+    def curvature_implied(
+        self, side: int, most: float, thrust: Thrust | None = None
+    ) -> tuple[Traced, ...]:
+        """What rows are implied by side · κ ≤ most [1/mm], most > 0; () where none is known.
+
+        ``thrust``: what presses a roller besides, which leaves less.
+        """
         return ()
 
     @abstractmethod

@@ -23,7 +23,7 @@ from synthesis.followers.sizing import Sizing
 from synthesis.followers.trace import Vector2
 from synthesis.motion import Motion, Stretch
 from synthesis.ranges import Dimension, Range, ends
-from synthesis.terms import Cone, Norm, Row, Seen, Traced
+from synthesis.terms import Cone, Norm, Row, Seen, Thrust, Traced
 
 ROLLER = Seen(1, (0.0, 0.0, 0.0), ((0.0, 1.0), (-1.0, 0.0), (1.0, 0.0)))  # of z = (e, s0)
 
@@ -125,8 +125,10 @@ class TranslatingRoller(RollerFollower):
         x, u = s[0] + s0, s[1] - e
         return x * x + u * (2.0 * s[1] - e) - x * s[2], x * x + u * u
 
-    def curvature_implied(self, side: int, most: float) -> tuple[Traced, ...]:
-        return (PitchCurvature("", ROLLER, side, most),)
+    def curvature_implied(
+        self, side: int, most: float, thrust: Thrust | None = None
+    ) -> tuple[Traced, ...]:
+        return (PitchCurvature("", ROLLER, side, most, thrust),)
 
     def dimensions(self, z: tuple[float, ...]) -> Mapping[str, float]:
         e, s0 = z

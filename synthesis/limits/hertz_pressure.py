@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
 from math import sqrt
 from typing import Annotated, Any, ClassVar, Literal
 
@@ -16,9 +17,10 @@ from synthesis.followers.trace import leaning
 from synthesis.forces import Load
 from synthesis.limits.base import Claim, Machine, where
 from synthesis.limits.force import ForceLimit, drive, loaded, pushing, yielding
+from synthesis.limits.thrust import RollerThrust
 from synthesis.motion import Stretch
 from synthesis.numerics.piecewise import Array
-from synthesis.terms import Row
+from synthesis.terms import Row, Traced
 
 
 class HertzPressure(ForceLimit):
@@ -84,6 +86,19 @@ class HertzPressure(ForceLimit):
             upper = grip * radius.upper - (load.constant + least) / self._scale(machine)
             found.append(Row((s, v, a, j), size, upper, source=self.kind))
         return tuple(found)
+
+    def traced(self, stretch: Stretch, machine: Machine) -> tuple[Traced, ...]:
+        """Of a roller on a slide: what thrust leaves of the curvature that undercut allows."""
+        return tuple(
+            replace(rows, source=labelled(self.kind, flank.name))
+            for flank in machine.follower.flanks
+            if flank.distance > 0.0
+            for rows in flank.trace.curvature_implied(
+                flank.side,
+                1.0 / flank.distance,
+                RollerThrust(flank, stretch, machine, self._scale(machine)),
+            )
+        )
 
     def _scale(self, machine: Machine) -> float:
         """B p_max² [N/mm]."""

@@ -183,7 +183,8 @@ def test_a_process_force_may_jump_in_the_middle_of_a_rise(
     told = {extreme.limit: extreme for extreme in design.extremes}[name]
     assert design.certificate.certified
     assert told.value == pytest.approx(short, rel=2e-3)
-    assert told.angle_deg == pytest.approx(33.3, abs=4.0)  # held along an arc that ends there
+    # held along an arc that ends at a jump
+    assert min(abs(told.angle_deg - jump) for jump in (33.3, 117.7)) < 4.0
 
 
 @pytest.mark.parametrize("tilt", [0.0, -8.3])

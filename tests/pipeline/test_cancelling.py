@@ -17,7 +17,12 @@ from tests.pipeline.scenes import PRESSURE, jerk, spec
 RADIUS = {"kind": "profile_radius", "min_mm": 12.0}
 SCENES: dict[str, dict[str, Any]] = {
     "cone programs": {"limits": [PRESSURE, jerk(48.0)], "tolerance": 1e-3},
-    "IPOPT": {"limits": [PRESSURE, jerk(48.0), RADIUS], "proof": "quick"},
+    "tangents": {"limits": [PRESSURE, jerk(48.0), RADIUS], "proof": "quick"},
+    "IPOPT": {
+        "limits": [PRESSURE, RADIUS],
+        "base_radius_mm": {"max": 40.0},
+        "objective": {"kind": "peak_jerk"},
+    },
     "hulls": {"limits": [PRESSURE, jerk(48.0), RADIUS], "proof": "thorough"},
 }
 

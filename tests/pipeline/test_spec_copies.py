@@ -19,6 +19,7 @@ def test_a_changed_copy_is_laid_out_anew() -> None:
     spec = DesignSpec.model_validate(scene(ANGLES, jerk(48.0)))
     levels = [stretch.s_end for stretch in spec.stretches()]
     assert spec.stretches() is spec.stretches()
+    assert spec.with_numbers([]) is spec
     program = [
         segment.model_copy(update={"lift_mm": 1.7 * segment.lift_mm})
         if segment.kind in ("rise", "return")

@@ -17,7 +17,7 @@ from typing import Any
 
 from synthesis.followers.pitch_curvature import PitchCurvature
 from synthesis.followers.trace import Trace, Vector2
-from synthesis.terms import Norm, Row, Seen, Traced
+from synthesis.terms import Norm, Row, Seen, Thrust, Traced
 
 
 @dataclass(frozen=True)
@@ -48,10 +48,12 @@ class CounterSlide(Trace):
         y, v = self.distance - z[1] - s[0], self.offset - s[1]
         return y * y + v * (self.offset - 2.0 * s[1]) + y * s[2], y * y + v * v
 
-    def curvature_implied(self, side: int, most: float) -> tuple[Traced, ...]:
+    def curvature_implied(
+        self, side: int, most: float, thrust: Thrust | None = None
+    ) -> tuple[Traced, ...]:
         constants = (self.distance, self.offset, -self.offset)
         seen = Seen(-1, constants, ((0.0, -1.0), (0.0, 0.0), (0.0, 0.0)))
-        return (PitchCurvature("", seen, side, most),)
+        return (PitchCurvature("", seen, side, most, thrust),)
 
     def pressure_angle_rows(self, slope: float) -> tuple[Row, ...]:
         # −slope (L − s0 − s) ≤ s' − e2 ≤ slope (L − s0 − s)

@@ -18,7 +18,8 @@ def heard(plan: Plan, solution: ConeSolution) -> Array:
     An interior point gives every row one; most are of rows far from binding, and cost time only.
     """
     z, first = solution.multipliers.copy(), plan.program.equalities
-    own, conic = np.split(z[first:], [plan.program.inequalities])
+    last = first + plan.program.inequalities
+    own, conic = z[first:last], z[last:]
     noise = SILENT * float(own.max(initial=0.0))
     own[own <= noise] = 0.0
     conic[np.abs(conic) <= noise] = 0.0

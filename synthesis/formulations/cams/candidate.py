@@ -104,9 +104,12 @@ def given_size(problem: Problem) -> Candidate | None:
     return Candidate(problem, (), size, value(problem, size))
 
 
-def grow(found: Candidate) -> Candidate | None:
-    """The cam raised until the limits that are not convex hold; None where none allowed does."""
-    size = grown(found.problem, found.size, CLEARANCE)
+def grow(found: Candidate, *, closely: bool = False) -> Candidate | None:
+    """The cam raised until the limits that are not convex hold; None where none allowed does.
+
+    ``closely``: as in ``grown``.
+    """
+    size = grown(found.problem, found.size, CLEARANCE, closely=closely)
     if size is None or (found.problem.machine.follower.companions and breaks(found.problem, size)):
         return None
     if _pushed_out(found.problem, size):

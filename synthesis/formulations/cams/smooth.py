@@ -18,9 +18,12 @@ Vector = tuple[float, ...]
 DENSITY, LEAST_DENSITY = 192, 8  # points on a law, and on every piece of it, ends included
 PEAK_ROUNDS = 4
 NEAR = -0.1  # samples slacker than this have no peak beside them that matters
+CROSSED = 1e-9  # relative: how closely a size is raised
 ZOOMS = 5  # each narrows a peak to a quarter of the interval
 # points that are slacker than this are not looked at while growing, in turn: few do as a rule
 WATCHED = (-0.15, -0.7, -0.7, -0.7)
+MANY = 24  # pieces of a law: what is far from binding is seen where they begin
+FACTORIALS = np.array([[1.0], [1.0], [2.0], [6.0]])
 
 
 @dataclass(frozen=True, eq=False)
@@ -84,13 +87,18 @@ def _values(problem: Problem, samples: list[Samples], size: Vector) -> list[Arra
     return found
 
 
-def grown(problem: Problem, size: Vector, margin: float) -> Vector | None:
+def grown(problem: Problem, size: Vector, margin: float, *, closely: bool) -> Vector | None:
     """The size raised as little as needed for the smooth limits to hold by ``margin``.
 
     Raising enlarges the prime radius and lowers pressure angle and curvature alike; None where
     even the largest size allowed does not do. Peaks that lie between the samples are looked for
     on the grown cam and sampled too, until none is left.
+
+    Args:
+        closely: sample the laws densely even where the limits seem to be far from binding.
     """
+    if not closely and _far(problem, size):
+        return size
     samples, follower = sample(problem), problem.machine.follower
     for _ in range(PEAK_ROUNDS):
         found = _grown(problem, samples, size, margin)
@@ -103,6 +111,29 @@ def grown(problem: Problem, size: Vector, margin: float) -> Vector | None:
         samples = [*samples, *missed]
     clear = margin * follower.prime_radius().value(size)
     return follower.raised(size, min(clear, problem.room(size)))
+
+
+def _far(problem: Problem, size: Vector) -> bool:
+    """Whether every smooth expression is far from binding, as seen where the pieces begin.
+
+    What the laws are there their coefficients say. In between an expression may rise by as much
+    as it changes from one of these points to the next at most.
+    """
+    curves = [stretch.placed() for stretch in problem.stretches]
+    seen = all(c.still or (c.count >= MANY and not c.waves.shape[1]) for c in curves)
+    if problem.machine.load is not None or not seen:
+        return False
+    samples = []
+    for stretch, curve in zip(problem.stretches, curves, strict=True):
+        s, known = np.zeros((4, curve.count)), min(curve.poly.shape[1], 4)
+        s[:known] = curve.poly.T[:known] * FACTORIALS[:known]
+        samples.append(Samples(stretch, curve.origins, s, np.arange(curve.count)))
+    each = _values(problem, samples, size)
+    values = np.concatenate([*each, each[0][:1]])
+    top = float(values.max())
+    if not np.isfinite(values).all():
+        return top == -np.inf  # nothing is said
+    return top + float(np.abs(values[1:] - values[:-1]).max()) <= NEAR
 
 
 def _grown(
@@ -178,18 +209,24 @@ def _zoomed(problem: Problem, part: Samples, size: Vector, top: NDArray[np.intp]
 
 
 def _crossing(excess: Callable[[float], float], low: float, high: float) -> float:
-    """A point where ``excess`` is not positive, within 1e-9 relative of where it crosses zero."""
-    f_low, f_high = excess(low), excess(high)
+    """A point where ``excess`` is not positive, within 1e-9 relative of where it crosses zero.
+
+    By false position; an end that stays counts half as much from then on (the Illinois rule).
+    """
+    f_low, f_high, moved = excess(low), excess(high), 0
     for _ in range(60):
-        if high - low <= 1e-9 * high:
+        if high - low <= CROSSED * high:
             break
         share = f_low / (f_low - f_high) if np.isfinite(f_low) else 0.5
-        middle = low + min(max(share, 0.05), 0.95) * (high - low)
+        aside = 0.5 * CROSSED * high  # next to a root, beyond it
+        middle = min(max(low + share * (high - low), low + aside), high - aside)
         value = excess(middle)
         if value > 0.0:
-            low, f_low = middle, value
+            f_high *= 0.5 if moved > 0 else 1.0
+            low, f_low, moved = middle, value, 1
         else:
-            high, f_high = middle, value
+            f_low *= 0.5 if moved < 0 else 1.0
+            high, f_high, moved = middle, value, -1
     return high
 
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -40,6 +40,29 @@ def spread(settled: Problem, size: Vector) -> list[Spots]:
         kept = _thinned(samples, values.shape).ravel()
         found += _distinct(limit, position, samples, samples.theta[kept], samples.s[:, kept])
     return found
+
+
+def near(settled: Problem, size: Vector, above: float) -> list[Spots]:
+    """Points all along the turn where a smooth limit exceeds a value, and peaks between these."""
+    found = []
+    for limit, position, samples, values in _traces(settled, size):
+        kept = (_thinned(samples, values.shape) & (values > above)).ravel()
+        theta, piece = _peaks(samples.theta.reshape(values.shape), values)
+        s = samples.stretch.placed().jet(theta, piece, 3)
+        high = _value(settled, limit, position, theta, s, size) > above
+        theta = np.concatenate([samples.theta[kept], theta[high]])
+        s = np.concatenate([samples.s[:, kept], s[:, high]], axis=1)
+        found += _distinct(limit, position, samples, theta, s)
+    return found
+
+
+def moved(spot: Spots, settled: Problem) -> Spots:
+    """The same points with the displacements of another motion; where it is given, as they are."""
+    stretch = settled.stretches[spot.position]
+    if stretch.free is None:
+        return spot
+    curve, theta = stretch.placed(), stretch.start + spot.x * stretch.angle
+    return replace(spot, s=curve.jet(theta, curve.piece_of(theta), 3))
 
 
 def broken(settled: Problem, size: Vector, eased: int = 0, above: float = 0.0) -> list[Spots]:
@@ -101,13 +124,21 @@ def _thinned(samples: Samples, shape: tuple[int, ...]) -> NDArray[np.bool_]:
 
 
 def _peaks(theta: Array, values: Array) -> tuple[Array, NDArray[np.intp]]:
-    """Local maxima of sampled pieces, moved to the top of the parabola through three samples."""
+    """Local maxima of sampled pieces, moved to the top of the parabola through three samples.
+
+    One at an end of a piece may top between the last two samples.
+    """
     padded = np.pad(values, ((0, 0), (1, 1)), constant_values=-np.inf)
     before, after = padded[:, :-2], padded[:, 2:]
     piece, column = np.nonzero((values > before) & (values >= after))
-    left, top, right = before[piece, column], values[piece, column], after[piece, column]
+    middle = np.clip(column, 1, values.shape[1] - 2)
+    left, top, right = (values[piece, middle + k] for k in (-1, 0, 1))
+    finite = np.isfinite(left) & np.isfinite(top) & np.isfinite(right)
+    left, top, right = (np.where(finite, each, 0.0) for each in (left, top, right))
+    fall = 2.0 * top - left - right
+    curved = fall > 0.0
+    move = np.where(curved, 0.5 * (right - left), 0.0) / np.where(curved, fall, 1.0)
     step = theta[piece, 1] - theta[piece, 0]
-    inner = np.isfinite(left) & np.isfinite(right)
-    fall = np.where(inner, 2.0 * top - left - right, 1.0)
-    move = np.where(inner, 0.5 * (right - left), 0.0) / np.where(fall > 0.0, fall, 1.0)
-    return theta[piece, column] + step * np.clip(move, -1.0, 1.0), piece
+    return np.where(
+        curved, theta[piece, middle] + step * np.clip(move, -1.0, 1.0), theta[piece, column]
+    ), piece

@@ -298,10 +298,10 @@ def _size_bounds(problem: Problem, scales: Scales) -> Iterator[Block]:
         # a far bound is divided by its size: the solver's tolerance is relative to the largest
         far = max(abs(bound), 1.0)
         own[j], own[count] = sign / far, bound / far
-    size, rhs = np.split(rounded(table), [count], axis=1)
+    table = rounded(table)
     if sides:
-        nowhere = np.zeros(len(sides))
-        yield Block("size", None, None, nowhere, np.zeros(4), size, 0.0, rhs[:, 0], "bounds")
+        size, rhs, nowhere = table[:, :count], table[:, count], np.zeros(len(sides))
+        yield Block("size", None, None, nowhere, np.zeros(4), size, 0.0, rhs, "bounds")
 
 
 def _balls(

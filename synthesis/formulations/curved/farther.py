@@ -22,17 +22,20 @@ def farther(
     """What least norms of the problem's cones imply within ranges of the size [mm]."""
     for cone in problem.cones:
         if cone.least > 0.0:
-            yield from _row(cone.norm, cone.least, sizes, scales)
+            yield from beyond(cone.norm, cone.least, sizes, scales)
     if problem.sizing.least > 0.0:
-        yield from _row(
+        yield from beyond(
             problem.machine.follower.prime_radius(), problem.sizing.least, sizes, scales
         )
 
 
-def _row(
+def beyond(
     norm: Norm, least: float, sizes: Sequence[tuple[float, float]], scales: Scales
 ) -> Iterator[Block]:
-    """−Σ (low + high) y ≤ −least² − Σ low · high, y = matrix · z + shift; none where all is far."""
+    """What a norm of the size from ``least`` on implies within ranges [mm].
+
+    −Σ (low + high) y ≤ −least² − Σ low · high, y = matrix · z + shift; none where all is far.
+    """
     matrix, shift = np.array(norm.matrix), np.array(norm.shift)
     middle, half = np.array(sizes).mean(axis=1), 0.5 * np.ptp(np.array(sizes), axis=1)
     centre, reach = matrix @ middle + shift, np.abs(matrix) @ half

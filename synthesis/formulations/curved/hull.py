@@ -16,7 +16,7 @@ from synthesis.numerics.piecewise import Array
 
 @dataclass(frozen=True, eq=False)
 class Hull:
-    """Bounds at nodes of a free law: low ≤ (X, u) ≤ high, (2, n) each.
+    """Bounds at nodes of a free law: low ≤ (X, u) ≤ high, (2, n) each; of (X, u, s'') (3, n).
 
     Attributes:
         nodes: (n,) in [0, 1]. parts: first and last node of every part of interest.
@@ -42,7 +42,7 @@ class Hull:
     @property
     def width(self) -> float:
         """How far X and u are open at a node, on average [mm]."""
-        return float(np.mean(self.high - self.low))
+        return float(np.mean(self.high[:2] - self.low[:2]))
 
     def at(self, x: Array) -> tuple[Array, Array]:
         """Bounds of (X, u, e) at any x between the first node and the last: (3, m) each."""
@@ -63,6 +63,19 @@ class Hull:
             np.stack([low, slow, self.offsets[0] * one]),
             np.stack([high, fast, self.offsets[1] * one]),
         )
+
+    def bends(self, x: Array) -> tuple[Array, Array]:
+        """Bounds of s'' at any x between the first node and the last: (m,) each.
+
+        Infinite where they are not known at nodes.
+        """
+        if len(self.low) < 3:
+            return np.full_like(x, -np.inf), np.full_like(x, np.inf)
+        left = np.clip(np.searchsorted(self.nodes, x, "right") - 1, 0, len(self.nodes) - 2)
+        before = self.bend * self.angle * (x - self.nodes[left])
+        after = self.bend * self.angle * (self.nodes[left + 1] - x)
+        low = np.maximum(self.low[2, left] - before, self.low[2, left + 1] - after)
+        return low, np.minimum(self.high[2, left] + before, self.high[2, left + 1] + after)
 
     def _speeds(self) -> tuple[Array, Array]:
         """Bounds of X' = u + e over every interval."""

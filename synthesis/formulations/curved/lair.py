@@ -23,7 +23,7 @@ from synthesis.formulations.question.grid import Grid, SettledLaw
 from synthesis.formulations.question.problem import Problem
 from synthesis.motion import Stretch
 from synthesis.numerics.piecewise import Array
-from synthesis.terms import Seen, Traced, Vector
+from synthesis.terms import Moving, Seen, Traced, Vector
 
 APART = 0.05  # of a law, between nodes of a hull
 OPEN = 1e9  # strokes: nothing known
@@ -70,7 +70,7 @@ class Lair:
     @property
     def width(self) -> float:
         """How far the hulls are open, on average [mm]."""
-        return float(np.mean([hull.width for hull in self.hulls.values()]))
+        return float(np.mean([hull.width for hull in self.hulls.values()] or [0.0]))
 
     def inside(self, sizes: Sizes) -> Lair:
         """The part of it in a box of sizes."""
@@ -146,18 +146,39 @@ class Lair:
         low, high = hull.at(x)
         near = self._about(position, stretch, implied.seen, x)
         for about in near if sparing and near else (None, *near):
-            found = implied.cuts(low, high, about)
+            moving = self._moving(stretch, implied, hull, x, None if about is None else about[3:])
+            found = implied.cuts(low, high, None if about is None else about[:3], moving)
             if found is not None:
                 yield cuts.block(
                     found, implied.source, position, stretch, grid, plan.scales, Drawn(), bare=bare
                 )
 
     def _about(self, position: int, stretch: Stretch, seen: Seen, x: Array) -> list[Array]:
+        """X, u and e, s, s' and s'' of the guess: (6, n); nothing where there is none."""
         if self.guess is None:
             return []
         law = self.guess.laws[position].curve()
-        s = stretch.s_start + stretch.lift * law(x)
-        return [np.stack(seen.of((s, stretch.lift / stretch.angle * law(x, 1)), self.guess.size))]
+        s = [stretch.lift / stretch.angle**k * law(x, k) for k in range(3)]
+        s[0] = stretch.s_start + s[0]
+        return [np.stack([*seen.of(s, self.guess.size), *s])]
+
+    def _moving(
+        self, stretch: Stretch, implied: Traced, hull: Hull, x: Array, about: Array | None
+    ) -> Moving | None:
+        """What hulls say of the motion itself, to rows that ask for it."""
+        if not implied.weighed:
+            return None
+        low, high = (
+            np.stack([*ends, bend])
+            for ends, bend in zip(
+                implied.seen.moved(*hull.at(x), self.sizes), hull.bends(x), strict=True
+            )
+        )
+        assert stretch.free is not None
+        if not stretch.free.overshoot:
+            least, most = sorted((stretch.s_start, stretch.s_end))
+            low[0], high[0] = np.clip(low[0], least, most), np.clip(high[0], least, most)
+        return Moving(stretch.start + stretch.angle * x, low, high, about)
 
 
 def unknown(problem: Problem, steering: Sequence[Control], parts: Mapping[int, Parts]) -> Lair:
@@ -170,14 +191,18 @@ def unknown(problem: Problem, steering: Sequence[Control], parts: Mapping[int, P
         nodes = np.concatenate(
             [np.linspace(a, b, 1 + max(2, int(np.ceil((b - a) / APART)))) for a, b in ranges]
         )
+        known = dict[Seen, int]()  # how many of X, u and s'' are asked for
         for limit in problem.limits:
             for implied in limit.traced(stretch, problem.machine):
-                seen, wide = implied.seen, np.full((2, len(nodes)), OPEN * problem.length)
-                sense = 0 if stretch.free.overshoot else int(np.sign(stretch.lift)) * seen.sign
-                bend = abs(stretch.lift) / stretch.angle**3 * cap
-                hulls[position, seen] = Hull(
-                    nodes, ranges, stretch.angle, bend, sense, -wide, wide, seen.offsets(sizes)
-                )
+                asked = 3 if implied.weighed else 2
+                known[implied.seen] = max(asked, known.get(implied.seen, 0))
+        for seen, rows in known.items():
+            wide = np.full((rows, len(nodes)), OPEN * problem.length)
+            sense = 0 if stretch.free.overshoot else int(np.sign(stretch.lift)) * seen.sign
+            bend = abs(stretch.lift) / stretch.angle**3 * cap
+            hulls[position, seen] = Hull(
+                nodes, ranges, stretch.angle, bend, sense, -wide, wide, seen.offsets(sizes)
+            )
     return Lair(sizes, hulls, Planes.none(len(sizes)))
 
 

@@ -185,7 +185,7 @@ def _shared(lair: Lair, directions: Array, said: Sequence[Planes]) -> Lair:
 
 
 def _motion(lair: Lair, position: int, law: int, plan: Plan) -> tuple[_Asked, Array]:
-    """X and u of a law's hulls from below, then from above, and what is constant in them.
+    """X, u and perhaps s'' of a law's hulls from below, then from above, and their constants.
 
     ``law``: its number in the plan.
     """
@@ -193,14 +193,19 @@ def _motion(lair: Lair, position: int, law: int, plan: Plan) -> tuple[_Asked, Ar
     x, alpha, size, constants = list[Array](), list[Array](), list[Array](), list[Array]()
     for sign in (1.0, -1.0):
         for seen, hull in lair.hulls_of(position):
+            one = np.ones((len(hull.nodes), 1))
             for order in (0, 1):
                 factor = sign * seen.sign * stretch.lift / stretch.angle**order
                 known = seen.constants[order] + (seen.sign * stretch.s_start if order == 0 else 0.0)
-                one = np.ones((len(hull.nodes), 1))
                 x.append(hull.nodes)
                 alpha.append(one * (factor * np.eye(3)[order]))
                 size.append(one * (sign * scale * np.array(seen.by[order])))
                 constants.append(one[:, 0] * sign * known)
+            for order in range(2, len(hull.low)):
+                x.append(hull.nodes)
+                alpha.append(one * (sign * stretch.lift / stretch.angle**order * np.eye(3)[order]))
+                size.append(np.zeros((len(one), len(lair.sizes))))
+                constants.append(np.zeros(len(one)))
     asked = _Asked.of(law, np.concatenate(x), np.concatenate(alpha), np.concatenate(size))
     return asked, np.concatenate(constants)
 

@@ -24,6 +24,7 @@ from synthesis.formulations.curved.closing import close
 from synthesis.formulations.curved.everywhere import enclose
 from synthesis.formulations.curved.tangency import turned
 from synthesis.formulations.ladder.gentlest import gentlest
+from synthesis.formulations.ladder.leaving import left_out
 from synthesis.formulations.ladder.pinned import pinned
 from synthesis.formulations.ladder.polish import polish
 from synthesis.formulations.ladder.steepness import steepness
@@ -75,7 +76,8 @@ def search(
     """
     state = Search(problem, tolerance, deadline, tighten, near=near)
     _searched(state, thorough=thorough)
-    return state.round_off()
+    state.round_off().over += left_out(state)
+    return state
 
 
 def _searched(state: Search, *, thorough: bool) -> None:
@@ -107,8 +109,8 @@ def _searched(state: Search, *, thorough: bool) -> None:
         nonlinear(state)
         if problem.rigid and problem.machine.follower.pinning() is None:
             enclose(state, thorough=thorough)
-        elif thorough:
-            close(state)
+        else:
+            close(state, thorough=thorough)
 
 
 def _unrung(state: Search) -> None:

@@ -1,4 +1,4 @@
-"""Local optima under limits that are not convex: rows of the cone program, smooth limits, IPOPT.
+"""Local optima under limits that are not convex: cone programs one after the other, or IPOPT.
 
 What comes from here is a cam and never a bound.
 """

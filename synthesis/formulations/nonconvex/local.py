@@ -3,14 +3,19 @@
 from __future__ import annotations
 
 import time
-from math import inf
 
-from synthesis.formulations.cams.candidate import Candidate, mended, settle
+from synthesis.formulations.cams.candidate import Candidate, settle
 from synthesis.formulations.cone.convex import formulate
 from synthesis.formulations.cone.cuts import Region
 from synthesis.formulations.cone.rows import Drawn
+from synthesis.formulations.nonconvex.by_tangents import (
+    by_tangents,
+    kept,
+    more_points,
+)
 from synthesis.formulations.nonconvex.warm import from_neighbour
 from synthesis.formulations.rounds.missed import ALLOWED, misses
+from synthesis.formulations.rounds.neighbour import Neighbour
 from synthesis.formulations.rounds.search import Search, Stage
 from synthesis.numerics.piecewise import Array
 from synthesis.objectives.rms_acceleration import RmsAcceleration
@@ -19,8 +24,8 @@ from synthesis.solvers.clarabel import solve
 from synthesis.solvers.statuses import USABLE
 
 FAR = 1.5  # of the bound: a cam this large is not taken for a start without a look at another
-GROWN = 0.1  # of the tolerance: what may be left to growing, for it saves a run of IPOPT
 EXCHANGES = 3  # of rows between whose points something was missed
+GROWN = 0.1  # of the tolerance: what may be left to growing, for it saves a run of IPOPT
 
 
 def nonlinear(state: Search) -> None:
@@ -35,15 +40,13 @@ def nonlinear(state: Search) -> None:
 
 
 def improve_from(state: Search, start: Candidate) -> None:
-    """IPOPT on the present knots, its rows written at more points where they were missed."""
+    """A local optimum on the present knots: by tangents, and by IPOPT where these do not end."""
+    if by_tangents(state, start.laws, start.size) or state.left() <= 0.0:
+        return
+    start = state.best or start
     for _ in range(EXCHANGES):
-        missed, excess = _improved(state, start)
-        if excess <= ALLOWED or state.problem.curved or state.left() <= 0.0:
+        if not more_points(state, _improved(state, start)):
             break
-        # rows that the size cannot mend, a counter cam's, were missed between their points
-        state.margin = 1.1 * (state.margin + excess)
-        both = zip(state.grids, missed, strict=True)
-        state.grids = tuple(grid.with_points(more) for grid, more in both)
 
 
 def _improved(state: Search, start: Candidate) -> tuple[list[Array], float]:
@@ -60,15 +63,9 @@ def _improved(state: Search, start: Candidate) -> tuple[list[Array], float]:
     began, growth = plan.point(start.laws, start.size), GROWN * state.tolerance
     solution = improve(plan, began, state.deadline, *asked, growth=growth)
     laws, size = plan.recover(solution.x)
-    least: tuple[list[Array], float] = [], inf
-    for keep_hint in (True, False):
-        found = settle(state.problem, laws, size, keep_hint=keep_hint)
-        found = mended(found) if keep_hint and not state.problem.curved else found
-        missed = misses(state, found)
-        least = min(least, missed, key=lambda each: each[1])
-        if missed[1] <= ALLOWED:
-            state.accept(found)
-            state.left_behind = solution.left(plan, state.grids)
+    least = kept(state, laws, size)
+    if least[1] <= ALLOWED:
+        state.left_behind = Neighbour(state.grids, tuple(laws), size)
     state.stages.append(
         Stage(
             "nonlinear", "NLP", "IPOPT", len(solution.x), solution.rows, solution.iterations,

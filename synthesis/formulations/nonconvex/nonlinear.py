@@ -20,9 +20,7 @@ from synthesis.formulations.cams.smooth import peaks, sample, violation
 from synthesis.formulations.cams.spots import Spots, broken, spread
 from synthesis.formulations.cone.convex import Plan
 from synthesis.formulations.nonconvex.statement import Statement, whole
-from synthesis.formulations.question.grid import Grid
 from synthesis.formulations.question.problem import Problem
-from synthesis.formulations.rounds.neighbour import Neighbour
 from synthesis.numerics.piecewise import Array
 from synthesis.solvers.ipopt import Guess, solve
 from synthesis.solvers.statuses import USABLE, Stopped
@@ -48,11 +46,6 @@ class NonlinearSolution:
     rows: int
     spots: tuple[Spots, ...]
     guess: Guess
-
-    def left(self, plan: Plan, grids: Sequence[Grid]) -> Neighbour:
-        """What it leaves to a neighbouring question."""
-        guess = self.guess
-        return Neighbour.of(plan, grids, self.spots, guess.x, (guess.rows, guess.bounds))
 
 
 def accuracies(tolerance: float) -> tuple[float, float]:

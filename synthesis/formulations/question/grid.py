@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from functools import cached_property, lru_cache
 
 import numpy as np
+from scipy.linalg import solve_banded
 
 from synthesis.motion import Stretch
 from synthesis.numerics.bspline import SplineSpace
@@ -55,7 +56,10 @@ class SettledLaw:
         """Coefficients on another space of the same degree: equal or finer knots keep the law."""
         if space is self.space:
             return self.coefficients
-        found = np.linalg.solve(space.basis(space.greville), self.curve()(space.greville))
+        table, values = space.basis(space.greville), self.curve()(space.greville)
+        reach = range(space.degree, -space.degree - 1, -1)  # no spline reaches farther
+        bands = [np.pad(np.diagonal(table, k), (max(k, 0), max(-k, 0))) for k in reach]
+        found = solve_banded((space.degree, space.degree), np.stack(bands), values)
         return np.asarray(found, dtype=float)
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Collection
 from dataclasses import dataclass, field
 from math import inf, isfinite
 
@@ -14,6 +15,8 @@ from synthesis.formulations.question.grid import Grid
 from synthesis.formulations.question.problem import Problem
 from synthesis.formulations.rounds.neighbour import Neighbour
 from synthesis.solvers.clarabel import ConeSolution
+
+FIRST = 1e-7  # by what limits are drawn in where the certificate has refused no cam yet
 
 
 @dataclass(frozen=True)
@@ -51,6 +54,7 @@ class Search:
         last: the last cam read from a cone program, whatever it is worth.
         near: where a neighbouring question's local search ended, to begin this one's there.
         left_behind: the same of this question. from_near: whether ``near`` was of use.
+        taken_in: kinds of limits that are not convex and that the bound knows of all the same.
         program: the last cone program that had a point, that point and its bound.
     """
 
@@ -76,6 +80,7 @@ class Search:
     near: Neighbour | None = None
     left_behind: Neighbour | None = None
     from_near: bool = False
+    taken_in: Collection[str] = ()
     program: tuple[Plan, ConeSolution, Bound] | None = None
 
     def left(self) -> float:
@@ -97,7 +102,7 @@ class Search:
 
     def finish(self, found: Candidate) -> None:
         """Grow a cam until every limit holds, and keep it if it is the best so far."""
-        finished = grow(found)
+        finished = grow(found, closely=self.tighten > FIRST)
         if finished is not None and (self.best is None or finished.value < self.best.value):
             self.best = finished
 

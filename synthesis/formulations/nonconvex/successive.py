@@ -1,0 +1,247 @@
+"""Local optima by cone programs alone: limits that are not convex, each time by their tangents.
+
+Round by round the smooth limits are replaced by their tangents at the last point. What the cone
+program finds there is grown until the limits themselves hold; a cam no smaller than the best is
+sought half-way back. Under a bounded jerk an optimum is a corner of its rows but for a few
+unknowns: there this is Newton's method and ends after three or four rounds, each on a matrix as
+sparse as the laws are many. (Sequential convex programming.)
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass, replace
+from itertools import pairwise
+from math import inf
+
+import numpy as np
+
+from synthesis import clock
+from synthesis.formulations.cams.candidate import Candidate, grow, settle
+from synthesis.formulations.cams.spots import Spots, broken, moved, near
+from synthesis.formulations.cone.convex import Plan, with_rows
+from synthesis.formulations.cone.cuts import block
+from synthesis.formulations.cone.rows import Block, Drawn
+from synthesis.formulations.question.grid import Grid, SettledLaw
+from synthesis.formulations.question.problem import Problem
+from synthesis.numerics.piecewise import Array
+from synthesis.solvers.clarabel import solve
+from synthesis.solvers.statuses import USABLE
+from synthesis.terms import Cuts
+
+Vector = tuple[float, ...]
+ROUNDS = 12
+NEAR = -0.6  # limits slacker than this, relative, get no rows
+REACH = 0.4  # of the value: by how much a cam may shrink in the first round
+BACK = 0.25  # of that, once nothing smaller was found on the way
+LEAST_STEP, BOLD = 1.0 / 16.0, 0.5  # of the way; from the latter on tangents move all the way
+KEPT = 1e-6  # relative: by how much a start may break rows
+STEP = 1e-6  # of a natural unit, for differences
+SOURCE = "tangents"
+
+
+@dataclass(frozen=True)
+class Sought:
+    """How near a local optimum shall be, relative.
+
+    Attributes:
+        close: how far above what the tangents allow its value may lie.
+        drawn: by how much smooth limits are drawn in at the points where they are written.
+        anew: whether a larger cam than that of the start is welcome: it keeps these.
+    """
+
+    close: float
+    drawn: float
+    anew: bool = False
+
+
+@dataclass(frozen=True, eq=False)
+class Approach:
+    """Where it ended.
+
+    Attributes:
+        cam: the best cam, None where there is none. settled: whether it is a local optimum.
+        rounds, rows, iterations: cone programs, rows of the last, and iterations of all of them.
+    """
+
+    cam: Candidate | None
+    settled: bool
+    rounds: int
+    rows: int
+    iterations: int
+
+
+@dataclass(frozen=True, eq=False)
+class Tangent:
+    """One expression of a limit at spots, to first order.
+
+    ``number``: of the expression. ``drawn``: by how much it is drawn in.
+    """
+
+    spot: Spots
+    number: int
+    cuts: Cuts
+    drawn: float
+
+    @property
+    def finite(self) -> bool:
+        """Whether the limit has a value and slopes there."""
+        return bool(np.isfinite(self.cuts.upper).all())
+
+
+def approach(
+    plan: Plan, laws: Sequence[SettledLaw], size: Vector, deadline: float, sought: Sought
+) -> Approach:
+    """Smaller and smaller cams that keep all limits, down to a local optimum.
+
+    Args:
+        plan: the relaxation; its objective is a norm of the size.
+        laws, size: where to begin [mm], best at a cam that keeps all limits.
+        deadline: ``time.monotonic()`` at which to stop.
+        sought: how near an optimum shall be.
+    """
+    here = settle(plan.problem, *plan.recover(plan.point(laws, size)), keep_hint=True)
+    grown, peaks = grow(here), list[Spots]()
+    keeps = grown is not None and not sought.anew and _keeps(plan, grown)
+    best = grown if keeps else None
+    here, reach, rows, iterations = grown or here, REACH, 0, 0
+    for number in range(ROUNDS):
+        left = deadline - clock.now()
+        tangents = list(_tangents(plan, here, peaks, sought.drawn)) if left > 0.0 else None
+        if tangents is None or not all(each.finite for each in tangents):
+            return Approach(best, False, number, rows, iterations)
+        blocks = [_block(plan, each.spot, each.cuts) for each in tangents]
+        full = with_rows(plan, [*blocks, _floor(plan, here, reach)])
+        found = solve(full.program, left)
+        rows, iterations = len(full.program.rhs), iterations + found.iterations
+        if found.stopped not in USABLE:
+            return Approach(best, False, number + 1, rows, iterations)
+        wanted = settle(plan.problem, *plan.recover(found.x), keep_hint=True)
+        taken, step = _smaller(plan, here, wanted, inf if best is None else best.value)
+        peaks += broken(wanted.problem, wanted.size)  # where tangents at spots said too little
+        if taken is None:
+            if best is None or here is best:
+                return Approach(best, False, number + 1, rows, iterations)
+            here, reach = best, BACK * reach
+            continue
+        best = taken
+        free = wanted.size[-1] > here.size[-1] - 0.99 * reach * here.value
+        least = wanted.value - max(_left(full, tangents, blocks, wanted, found.multipliers), 0.0)
+        if step == 1.0 and free and best.value <= least * (1.0 + sought.close):
+            return Approach(best, True, number + 1, rows, iterations)
+        # tangents are nearest to the truth at the size where the next optimum lies
+        here = wanted if step >= BOLD else taken
+        reach *= 2.0 if step == 1.0 else step
+    return Approach(best, False, ROUNDS, rows, iterations)
+
+
+def _keeps(plan: Plan, cam: Candidate) -> bool:
+    """Whether a cam keeps the plan's rows and cones: a neighbour's may not."""
+    program = plan.program
+    slack = program.rhs - program.matrix @ plan.point(cam.laws, cam.size)
+    at = program.equalities + program.inequalities
+    ends = np.cumsum([at, *program.cones])
+    cones = [slack[a] - np.linalg.norm(slack[a + 1 : b]) for a, b in pairwise(ends)]
+    least = min(*cones, *slack[program.equalities : at], *-np.abs(slack[: program.equalities]))
+    return bool(least >= -KEPT)
+
+
+def _smaller(
+    plan: Plan, here: Candidate, wanted: Candidate, value: float
+) -> tuple[Candidate | None, float]:
+    """The wanted cam or one on the way there, grown, that is below a value; and its step."""
+    step, tried = 1.0, wanted
+    while step >= LEAST_STEP:
+        found = grow(tried)
+        if found is not None and found.value < value:
+            return found, step
+        step *= 0.5
+        tried = _between(plan, here, wanted, step)
+    return None, step
+
+
+def _between(plan: Plan, one: Candidate, other: Candidate, share: float) -> Candidate:
+    """What lies on the way from one cam to another of the same knots."""
+    laws = [
+        SettledLaw(b.space, a.coefficients + share * (b.coefficients - a.coefficients))
+        for a, b in zip(one.laws, other.laws, strict=True)
+    ]
+    size = tuple(a + share * (b - a) for a, b in zip(one.size, other.size, strict=True))
+    return settle(plan.problem, laws, size, keep_hint=True)
+
+
+def _floor(plan: Plan, here: Candidate, reach: float) -> Block:
+    """The cam shrinks by no more than a share of its value: tangents say nothing far away."""
+    growing = -np.eye(len(here.size))[-1]
+    least = (here.size[-1] - reach * here.value) / plan.scales.size
+    return Block("size", None, None, np.zeros(1), np.zeros(4), growing, 0.0, np.array([-least]), "")
+
+
+def _tangents(
+    plan: Plan, here: Candidate, peaks: Sequence[Spots], drawn: float
+) -> Iterator[Tangent]:
+    """What smooth limits ask for to first order, wherever they are near to binding."""
+    spots = near(here.problem, here.size, NEAR)
+    spots += [moved(peak, here.problem) for peak in peaks]
+    for spot in spots:
+        slopes = zip(*_slopes(here.problem, spot, here.size), strict=True)
+        for number, (value, motion, size) in enumerate(slopes):
+            upper = np.sum(motion * spot.s, axis=0) + np.array(here.size) @ size - value
+            yield Tangent(spot, number, Cuts(motion, size, upper - drawn), drawn)
+
+
+def _left(
+    full: Plan, tangents: Sequence[Tangent], blocks: Sequence[Block], wanted: Candidate, z: Array
+) -> float:
+    """What tangents at the wanted cam would let it shrink by, to first order: by multipliers."""
+    program, gain = full.program, 0.0
+    at = program.equalities + program.inequalities - 1 - sum(len(each.rhs) for each in blocks)
+    for tangent, own in zip(tangents, blocks, strict=True):
+        spot, cuts = moved(tangent.spot, wanted.problem), tangent.cuts
+        value = _said(wanted.problem, spot)(spot.s, wanted.size)[tangent.number]
+        told = np.sum(cuts.coefficients * spot.s, axis=0) + np.array(wanted.size) @ cuts.size
+        truly = _block(full, spot, replace(cuts, upper=told - value - tangent.drawn), bare=True)
+        gain += float(z[at : at + len(own.rhs)] @ (truly.rhs - own.rhs))
+        at += len(own.rhs)
+    return gain * full.scales.size
+
+
+def _block(plan: Plan, spot: Spots, cuts: Cuts, *, bare: bool = False) -> Block:
+    """The rows at a spot's points; where the law is given they are about the size alone."""
+    stretch = plan.problem.stretches[spot.position]
+    if stretch.law is None:
+        position = plan.problem.free.index(stretch)
+        grid = Grid(plan.grids[position].space, spot.x)
+        return block(cuts, SOURCE, position, stretch, grid, plan.scales, Drawn(), bare=bare)
+    size = cuts.size.T * plan.scales.size
+    scale = np.maximum(np.max(np.abs(size), axis=1), 1e-300)
+    room = cuts.upper - np.sum(cuts.coefficients * spot.s, axis=0)
+    return Block(
+        "size", None, None, np.zeros(len(room)), np.zeros(4), size / scale[:, None], 0.0,
+        room / scale, SOURCE,
+    )  # fmt: skip
+
+
+def _said(settled: Problem, spot: Spots) -> Callable[[Array, Vector], Array]:
+    """A limit's expressions at its spots as a function of motion (4, k) and size: (rows, k)."""
+    stretch, limit = settled.stretches[spot.position], settled.limits[spot.limit]
+    theta = stretch.start + stretch.angle * spot.x
+    return lambda s, z: np.stack(limit.smooth(stretch, settled.machine, theta, s, z))
+
+
+def _slopes(settled: Problem, spot: Spots, size: Vector) -> tuple[Array, Array, Array]:
+    """A limit's expressions at its spots: values (rows, k), slopes (rows, 4, k), (rows, n, k).
+
+    By central differences: a limit says itself once, in numbers as in symbols.
+    """
+    said, step = _said(settled, spot), STEP * settled.length
+    angle, motion, sizes = settled.stretches[spot.position].angle, list[Array](), list[Array]()
+    for order in range(4):
+        by = step / angle**order * np.eye(4)[:, [order]]
+        motion.append((said(spot.s + by, size) - said(spot.s - by, size)) / (2.0 * by[order]))
+    for axis in range(len(size)):
+        more, less = (
+            tuple(v + sign * step * (k == axis) for k, v in enumerate(size)) for sign in (1.0, -1.0)
+        )
+        sizes.append((said(spot.s, more) - said(spot.s, less)) / (2.0 * step))
+    return said(spot.s, size), np.stack(motion, 1), np.stack(sizes, 1)
