@@ -176,7 +176,8 @@ def _sums_at_start(x: Array, weights: Array) -> Array:
 def _powers(x: Array, count: int) -> Array:
     """x^n/n! for n < count: (count, n)."""
     found = np.ones((count, len(x)))
-    for n in range(1, count):
+    found[1:2] = x
+    for n in range(2, count):
         np.multiply(found[n - 1], x / n, out=found[n])
     return found
 

@@ -178,7 +178,8 @@ def within(poly: Array, low: Array, high: Array) -> Array:
     found = np.empty((*low.shape, degree))
     if degree <= 3:
         c, b, a = columns + [np.zeros(1)] * (3 - degree)
-        parts = c + low * (b + low * a), width * (b + 2.0 * low * a), width * width * a
+        rising = low * a
+        parts = c + low * (b + rising), width * (b + 2.0 * rising), width * width * a
         for j in range(degree):
             found[..., j] = parts[j]
         return found
@@ -227,18 +228,20 @@ def switching(points: Array, weights: Array, order: int) -> Switching:
         weights: (r, order) λ_i alpha_k for k < order.
         order: m.
     """
-    sorting = np.argsort(points, kind="stable")
+    sorting = points.argsort(kind="stable")
     x, w = points[sorting], weights[sorting]
     breaks = np.zeros(len(x) + 2)
     breaks[1:-1], breaks[-1] = x, 1.0
-    breaks = breaks[np.append(True, breaks[1:] != breaks[:-1])]  # they are in order
+    new = np.ones(len(breaks), dtype=bool)
+    np.not_equal(breaks[1:], breaks[:-1], out=new[1:])  # they are in order
+    breaks = breaks[new]
     # Σ w (x − τ)^n/n! of all rows with x ≥ breaks[i+1], in powers of τ and then about breaks[i]
     w2, w1, w0 = w[:, -1], w[:, -2], w[:, -3] if order > 2 else np.zeros(len(x))
     table = np.zeros((3, len(x) + 1))
     table[0, :-1], table[1, :-1] = w2 + x * (w1 + 0.5 * x * w0), -w1 - x * w0
     table[2, :-1] = 0.5 * w0
-    suffix = np.cumsum(table[:, ::-1], axis=1)[:, ::-1]
-    c, b, a = suffix[:, np.searchsorted(x, breaks[1:], side="left")]
+    suffix = table[:, ::-1].cumsum(axis=1)[:, ::-1]
+    c, b, a = suffix[:, x.searchsorted(breaks[1:], side="left")]
     first, width = breaks[:-1], breaks[1:] - breaks[:-1]
     parts = c + first * (b + first * a), width * (b + 2.0 * a * first), width**2 * a
     poly = np.empty((len(first), order))

@@ -37,7 +37,10 @@ class Ends:
         """Rows over all coefficients as rows over the unknown ones, and the known part: (r,)."""
         p, q = len(self.first), len(self.last)
         stop = dense.shape[1] - q
-        return dense[:, p:stop], dense[:, :p] @ self.first + dense[:, stop:] @ self.last
+        fixed = dense[:, stop:] @ self.last
+        if np.count_nonzero(self.first):  # none where it starts at rest
+            fixed += dense[:, :p] @ self.first
+        return dense[:, p:stop], fixed
 
 
 @dataclass(frozen=True)
