@@ -15,6 +15,8 @@ from scipy.optimize import differential_evolution
 from synthesis import Design, DesignSpec, analyse, synthesise
 from synthesis.errors import InputError
 from synthesis.exporters import PROFILE_FORMATS
+from synthesis.formulations.ladder.refine import search
+from synthesis.formulations.question.problem import pose
 from tests.formulations.arms import ARM, FALL, HOLD, RISE, SENSES, angles, body, jerk, slope
 from tests.pipeline.test_oscillating_roller import dense
 
@@ -111,6 +113,16 @@ def test_with_laws_free_no_length_beside_it_is_better() -> None:
     for factor in (0.94, 1.06):
         other = synthesise(spec(angles(), jerk(1.9), arm=factor * at, **asked))
         assert other.status == "infeasible" or prime(found) <= prime(other) * (1.0 + 2e-2)
+
+
+def test_a_length_at_which_nothing_is_found_is_given_up_soon() -> None:
+    """Rows that allow what no cam keeps were written at three times the points in every round."""
+    asked = spec(angles(), jerk(1.9), arm=93.183, distance=DISTANCE)
+    found = search(pose(asked, asked.objectives()[0]), 2e-2)
+    rounds = [stage for stage in found.stages if stage.stage.startswith("convex")]
+    assert found.best is None
+    assert len(rounds) <= 4
+    assert max(stage.rows for stage in rounds) < 4000
 
 
 def test_a_range_that_reaches_in_part_is_searched_there() -> None:

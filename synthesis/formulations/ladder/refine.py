@@ -197,7 +197,7 @@ def _climb(state: Search) -> None:
     knots = 0
     for number in range(1, ROUNDS + 1):
         started = time.perf_counter()
-        before = state.gap
+        before, bound_before = state.gap, state.lower
         plan, solution, lower = solve_once(state)
         found, missed = _weigh(state, plan, solution, lower)
         _report(state, number, plan, solution, time.perf_counter() - started)
@@ -226,6 +226,8 @@ def _climb(state: Search) -> None:
         idle = 0.9 * before < state.gap < inf
         slight = _count(state.grids) < MORE * knots and not state.limited_by_shape
         knots = _count(state.grids)
+        if _open(state) and state.lower - bound_before <= state.tolerance * abs(state.lower):
+            break  # no knots make such rows cams
         if (idle and not slight) or (number > 1 and _fine_enough(state)):
             break  # finer knots no longer help, or what comes next is served by these
         usable = state.grids if lower is not None else ()
@@ -248,6 +250,14 @@ def _next(
     if state.relaxed is not None and lower is not None and not lower.switching:
         return denser(state.grids)
     return finer(state.problem, state.grids, found, lower, missed)
+
+
+def _open(state: Search) -> bool:
+    """Whether rows of curved limits allow what no cam keeps, and there is none to narrow them by.
+
+    They are exceeded at their own points then, so that more of these are of no use.
+    """
+    return state.problem.curved and not state.tangent and state.best is state.relaxed is None
 
 
 def _count(grids: Sequence[Grid]) -> int:
@@ -306,6 +316,8 @@ def _weigh(
     missed, excess = misses(state, found)
     if excess <= ALLOWED:
         state.offer(found)
+    elif _open(state):
+        missed = [np.zeros(0)] * len(missed)
     elif state.tangent:
         state.margin = float(rounded(1.1 * (state.margin + excess), MARGIN_BITS))
     state.learn(lower)
