@@ -54,7 +54,9 @@ else
 	@$(MAKE) --no-print-directory --keep-going --jobs=5 lint $(PARTS:%=test-%)
 endif
 
-# Its output is shown when the part is through.
+# Its output is shown when the part is through. One thread each, as in workers: more than there are
+# cores wait for each other at work.
+test-%: export OPENBLAS_NUM_THREADS = 1
 test-%: $(DEV)
 	@$(PY) -m pytest $($*) >$(VENV)/tests-$*.log 2>&1; code=$$?; cat $(VENV)/tests-$*.log; exit $$code
 

@@ -19,6 +19,7 @@ NAMES = (
     "convex_stage",
     "curvature",
     "proof",
+    "pressed",
     "train",
     "neighbours",
     "camshape",

@@ -44,16 +44,16 @@ def run(effort: Effort = FULL) -> Section:
         for part, formats in PARTS.items()
         for name, exporter in formats.items()
     }
+    made: dict[str, Made] = {}
     calls: dict[str, Call] = {
-        name: (lambda e=exporter, o=options: e.make(design, o))
+        name: (lambda n=name, e=exporter, o=options: made.update({n: e.make(design, o)}))
         for name, (exporter, options) in files.items()
     }
     times = in_turns(calls, effort.repeats(25), effort.warm_up(2))
-    made = {name: exporter.make(design, options) for name, (exporter, options) in files.items()}
     told = {name: _told(each) for name, each in made.items()}
     rows = [
-        (f"`{name}`", str(times[name]), f"{len(each.data) / 1024:.0f} KiB", told[name])
-        for name, each in made.items()
+        (f"`{name}`", str(times[name]), f"{len(made[name].data) / 1024:.0f} KiB", told[name])
+        for name in files
     ]
     table = Table(("file", ">time", ">size", ">told"), rows)
     front = [

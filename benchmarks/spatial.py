@@ -8,6 +8,7 @@ from benchmarks.effort import FULL, Effort
 from benchmarks.section import Section, Table
 from benchmarks.timing import Call, in_turns
 from service.contract.examples import SPATIAL_CAMS, examples
+from synthesis.exporters import Made
 from synthesis.spatial.files.body_step import STEP, FacetedOptions
 from synthesis.spatial.pipeline import synthesise_spatial
 from synthesis.spatial.spec import SpatialCamSpec
@@ -86,13 +87,15 @@ def _solids(effort: Effort) -> Table:
     """Time and error of solids as files."""
     names, asked = effort.some(SOLIDS), FacetedOptions()
     designs = {name: synthesise_spatial(given(name)) for name in names}
+    made: dict[str, Made] = {}
     calls: dict[str, Call] = {
-        name: lambda design=design: STEP.whole(design, asked) for name, design in designs.items()
+        name: lambda name=name, design=design: made.update({name: STEP.whole(design, asked)})
+        for name, design in designs.items()
     }
     times, rows = in_turns(calls, effort.repeats(2), effort.warm_up(0)), []
-    for name, design in designs.items():
-        made = STEP.whole(design, asked)
-        size, error = len(made.data) / 1e6, 1e3 * float(made.told["Surface-Error-Mm"])
-        told = (made.told["Body"], made.told["Faces"], f"{error:.2f} µm", f"{size:.2f} MB")
+    for name in names:
+        data, facts = made[name].data, made[name].told
+        size, error = len(data) / 1e6, 1e3 * float(facts["Surface-Error-Mm"])
+        told = (facts["Body"], facts["Faces"], f"{error:.2f} µm", f"{size:.2f} MB")
         rows.append((name, *told, str(times[name])))
     return Table(("body.step", "body", ">faces", ">walls within", ">size", ">time"), rows)

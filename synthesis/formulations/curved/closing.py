@@ -47,6 +47,7 @@ FEW_TURNS = 2  # where the proof need not be thorough
 FIRST_TURNS = 3  # before a better cam is looked for
 GAIN = 0.1  # of what is missing: less is not worth another climb
 MOST_BOXES = 21
+FEW_BOXES, WIDE = 3, 0.05  # where the proof need not be thorough, and a share of the value is open
 THICK = 0.4  # of the sizes' widths: values of a box farther apart than that are cut first
 
 
@@ -77,7 +78,10 @@ def close(state: Search, *, thorough: bool) -> None:
         if box.lower >= quest.target or state.left() <= 0.0 or not thorough:
             break
         quest = improved(quest, box)
-    lowest, count = divided(quest, box) if thorough else (box, 1)
+    most = MOST_BOXES if thorough else FEW_BOXES
+    wide = box.lower < (1.0 - WIDE) * quest.target
+    boxes, count = divided(quest, box, most if thorough or wide else 1)
+    lowest = finished(quest, boxes) if thorough else min(boxes, key=_lower)
     state.raise_to(min(lowest.lower, quest.target), lowest.over)
     state.stages.append(
         Stage(
@@ -98,17 +102,32 @@ def _weighs(state: Search, limit: Limit) -> bool:
     return limit.of_forces and _traced(state, limit)
 
 
-def divided(quest: Quest, box: Box) -> tuple[Box, int]:
-    """The lowest box that is left when the worst has been split again and again; how many."""
-    boxes, count = [box], 1
-    while count < MOST_BOXES and quest.state.left() > 0.0:
-        worst = min(boxes, key=lambda box: box.lower)
+def divided(quest: Quest, box: Box, most: int) -> tuple[list[Box], int]:
+    """The boxes that are left when the worst has been split again and again.
+
+    ``most``: boxes that are explored, the first one among them; how many were comes back, too.
+    """
+    boxes, count = [settled(quest, box)], 1
+    while count < most and quest.state.left() > 0.0:
+        worst = min(boxes, key=_lower)
         if worst.lower >= quest.target or not worst.lair.divisible:
             break
         boxes.remove(worst)
-        boxes += [settled(quest, explored(quest, half)) for half in halves(quest, worst)]
-        count += 2
-    return finished(quest, boxes), count
+        halved = [worst] if worst.fresh else halves(quest, worst)
+        for half in halved:
+            # one of better cams than the other's comes first, and may be all there is time for
+            later = half.fresh and len(halved) > 1
+            boxes.append(half if later else settled(quest, explored(quest, _begun(half))))
+            count += not later
+    return boxes, count
+
+
+def _lower(box: Box) -> float:
+    return box.lower
+
+
+def _begun(box: Box) -> Box:
+    return replace(box, fresh=False)
 
 
 def binding(state: Search, free: Stretch) -> Parts:
@@ -180,7 +199,7 @@ def halves(quest: Quest, box: Box) -> list[Box]:
         middle = 0.5 * (low + high)
         return [
             replace(box, least=low, most=middle),
-            replace(box, least=middle, lower=max(box.lower, middle)),
+            replace(box, least=middle, lower=max(box.lower, middle), fresh=True),
         ]
     axis = int(np.argmax(among))
     low, high = sizes[axis]

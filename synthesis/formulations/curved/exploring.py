@@ -100,6 +100,7 @@ class Box:
     Attributes:
         grids: few knots, where the bound asks for them. relaxed: its last cone program.
         least, most: its cams' values, as far as better ones are not in another box.
+        fresh: not explored yet.
     """
 
     lair: Lair
@@ -109,6 +110,7 @@ class Box:
     relaxed: Relaxed | None = None
     least: float = -inf
     most: float = inf
+    fresh: bool = False
 
 
 def excess(problem: Problem, stretch: Stretch, x: Array, size: Vector) -> Array:

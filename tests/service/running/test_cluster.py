@@ -16,6 +16,7 @@ import pytest
 from distributed import Client
 
 from service.workers.engine import CONFIGURATION, _own_cluster
+from service.workers.forks import ENVIRONMENT, prepare
 from tests.service.conftest import settings_for
 
 HASTY = {"distributed.deploy.lost-worker-timeout": "10ms"}  # shorter than any restart
@@ -111,6 +112,14 @@ def test_workers_are_forks_of_one_process_without_threads(tmp_path: Path) -> Non
         assert await client.submit(held_back, pure=False) > 100_000
 
     with_one_worker(tmp_path, story)
+
+
+def test_forks_have_the_environment_that_dask_gives_to_workers() -> None:
+    """And their number of threads by it, which NumPy reads where it is imported."""
+    asked = dask.config.get("distributed.nanny.pre-spawn-environ")
+    assert {name: str(value) for name, value in asked.items()}.items() <= ENVIRONMENT.items()
+    prepare()
+    assert os.environ.keys() >= ENVIRONMENT.keys()
 
 
 def threads(process: int) -> int:
