@@ -56,7 +56,7 @@ def certify(
     course = Course(motion, cuts(machine))
     asked = [claim for limit in limits for claim in limit.claims(motion.stretches, machine)]
     asked += standing(motion, machine, size)
-    claims = [claim for claim in asked if len(course.pieces(claim.stretches))]
+    claims = [claim for claim in asked if course.has(claim.stretches)]
     if not (course.finite and all(math.isfinite(value) for value in size)):
         return [_not_a_number(machine), *(_unknown(claim, 0.0, NOT_A_NUMBER) for claim in claims)]
     found, clear = _judged(claims, course, machine, size)

@@ -60,9 +60,10 @@ class Course:
         self.curve, owner = motion.curve.cut(cuts)
         placed = [s for s in motion.stretches if s.angle > 0.0]
         pieces = [s.law.count if s.law is not None else 0 for s in placed]
-        self.stretch: Indices = np.repeat([s.index for s in placed], pieces)[owner]
-        self._lift = np.repeat([abs(s.unit) for s in placed], pieces)[owner]
-        self._beta = np.repeat([s.angle for s in placed], pieces)[owner]
+        each = np.array([(s.index, abs(s.unit), s.angle) for s in placed]).T
+        stretch, self._lift, self._beta = np.repeat(each, pieces, axis=1).take(owner, axis=1)
+        self.stretch: Indices = stretch.astype(np.intp)
+        self._present = {s.index for s, count in zip(placed, pieces, strict=True) if count}
         levels = [level for s in placed for level in (s.s_start, s.s_end)]
         self.stroke = max(max(levels) - min(levels), *(abs(s.unit) for s in placed))
 
@@ -75,7 +76,11 @@ class Course:
     def finite(self) -> bool:
         """Whether the motion is made of numbers."""
         tables = (self.curve.breaks, self.curve.origins, self.curve.poly, self.curve.waves)
-        return all(bool(np.isfinite(table).all()) for table in tables)
+        return bool(np.isfinite(np.concatenate([table.ravel() for table in tables])).all())
+
+    def has(self, stretches: Sequence[int]) -> bool:
+        """Whether any of these stretches has pieces."""
+        return not self._present.isdisjoint(stretches)
 
     def _touched(self, stretches: Sequence[int]) -> NDArray[np.bool_]:
         """Which pieces belong to these stretches."""
@@ -110,10 +115,14 @@ class Course:
         return np.stack([start + angle * x for x in part])
 
     @cached_property
+    def _lengths(self) -> Array:
+        """Of the pieces: (n,)."""
+        return self.curve.breaks[1:] - self.curve.breaks[:-1]
+
+    @cached_property
     def counts(self) -> Indices:
         """With how many boxes to begin on each piece: few, yet most of them soon excluded."""
-        length = np.diff(self.curve.breaks)
-        still = np.all(self.curve.poly[:, 1:] == 0.0, axis=1)
+        length, still = self._lengths, ~self.curve.poly[:, 1:].any(axis=1)
         fewest = 1.0 + 12.0 * length / self._beta
         if self.curve.waves.shape[1]:
             real = self.curve.waves[..., 0] != 0.0
@@ -137,52 +146,54 @@ class Course:
         n = self.curve.count
         x = np.concatenate([self.curve.breaks[1:], self.curve.breaks[self.after]])
         values, errors = self.jets.derivatives(np.concatenate([np.arange(n), self.after]), x)
-        rows = max(len(values), HIGHEST_JOIN + 2)
-        filled = np.zeros((2, rows, 2 * n))
-        filled[0, : len(values)], filled[1, : len(values)] = values, errors
+        count = HIGHEST_JOIN + 1
         # the joint's angle is itself rounded
-        rounding = filled[1] + np.roll(np.abs(filled[0]), -1, axis=0) * ANGLE_ROUNDING
-        rounding = (rounding[:, :n] + rounding[:, n:])[: HIGHEST_JOIN + 1]
-        value = filled[0, : HIGHEST_JOIN + 1]
-        return value[:, :n], value[:, n:], rounding
+        rounding = errors[:count] + np.abs(values[1 : count + 1]) * ANGLE_ROUNDING
+        value = values[:count]
+        return value[:, :n], value[:, n:], rounding[:, :n] + rounding[:, n:]
 
     @cached_property
-    def _jumps(self) -> tuple[Array, Array, NDArray[np.bool_]]:
-        """What is between the sides, what of it counts as joined, where it is more: (5, n)."""
+    def _jumps(self) -> tuple[Array, Array, Array]:
+        """What is between the sides, what of it counts as joined, the share of both: (5, n)."""
         left, right, rounding = self._sides
-        length = np.diff(self.curve.breaks)
-        natural = self._scale(self._beta)
-        allowed = JOIN_TOLERANCE * natural + SHAPE_TOLERANCE * self._scale(length) + rounding
+        natural, shape = self._scales(np.array([self._beta, self._lengths]))
+        allowed = JOIN_TOLERANCE * natural + SHAPE_TOLERANCE * shape + rounding
         sizes = right - left
-        return sizes, allowed, ~(np.abs(sizes) <= allowed)
+        return sizes, allowed, np.abs(sizes) / allowed
 
-    def _scale(self, length: Array) -> Array:
-        """Lift over powers of a length, the larger of both sides of each joint: (5, n).
+    @cached_property
+    def _whole(self) -> int:
+        """How many derivatives from s itself on jump nowhere by more than rounding."""
+        joined = np.all(self._jumps[2] <= 1.0, axis=1).tolist()
+        return [*joined, False].index(False)
+
+    def _scales(self, lengths: Array) -> Array:
+        """Lift over powers of lengths (k, n), the larger of both sides of each joint: (k, 5, n).
 
         Between two dwells the whole stroke stands for the lift.
         """
-        powers = np.ones((HIGHEST_JOIN + 1, len(length)))
-        for order in range(1, len(powers)):
-            powers[order] = powers[order - 1] * length
+        powers = np.ones((len(lengths), HIGHEST_JOIN + 1, self.curve.count))
+        for order in range(1, HIGHEST_JOIN + 1):
+            powers[:, order] = powers[:, order - 1] * lengths
         sides = self._lift / powers
-        scale = np.maximum(sides, sides[:, self.after])
-        spare = self.stroke / np.minimum(powers, powers[:, self.after])
+        scale = np.maximum(sides, sides.take(self.after, axis=-1))
+        spare = self.stroke / np.minimum(powers, powers.take(self.after, axis=-1))
         return np.maximum(np.where(scale > 0.0, scale, spare), TINY)
 
     def worst(self, order: int, joints: Indices) -> Jump:
         """What is between the two sides of a derivative where it is most, by what is allowed."""
-        sizes, allowed, _ = self._jumps
-        i = int(joints[np.argmax(np.abs(sizes[order, joints]) / allowed[order, joints])])
+        sizes, allowed, shares = self._jumps
+        i = int(joints[np.argmax(shares[order][joints])])
         angle = float(self.curve.breaks[i + 1])
         return Jump(order, i, angle, float(sizes[order, i]), float(allowed[order, i]))
 
     def joined(self, order: int) -> bool:
         """Whether derivatives below this one jump nowhere by more than rounding."""
-        return not self._jumps[2][:order].any()
+        return order <= self._whole
 
     def breaches(self, order: int, joints: Indices) -> Indices:
         """Those of the joints at which a derivative jumps by more than rounding."""
-        apart: Indices = joints[self._jumps[2][order, joints]]
+        apart: Indices = joints[~(self._jumps[2][order][joints] <= 1.0)]
         return apart
 
     def sides(self, joint: int) -> tuple[tuple[float, ...], tuple[float, ...]]:

@@ -24,16 +24,15 @@ def joins(course: Course, machine: Machine, continuity: int | None = None) -> li
         course: the motion. machine: gives the speed.
         continuity: how many derivatives may jump nowhere; None where nothing is asked.
     """
-    everywhere = np.arange(course.curve.count)
     smooth = np.maximum(_smoothness(course), continuity or 0)
     found = []
-    for order in range(HIGHEST_JOIN + 1):
-        promised = everywhere[smooth >= order]
+    for order in range(min(max(REPORTED, int(smooth.max())), HIGHEST_JOIN) + 1):
+        promised = (smooth >= order).nonzero()[0]
         if len(promised):
             asked = continuity is not None and order <= continuity
             found.append(_join(machine, course.worst(order, promised), len(promised), asked=asked))
-        if order <= REPORTED:
-            others = course.breaches(order, everywhere[smooth < order])
+        if order <= REPORTED and len(promised) < len(smooth):
+            others = course.breaches(order, (smooth < order).nonzero()[0])
             if len(others):
                 found.append(_jump(machine, course.worst(order, others)))
     return found
@@ -61,7 +60,7 @@ def _join(machine: Machine, jump: Jump, count: int, *, asked: bool) -> Extreme:
     """The worst of the joints where continuity is promised or asked for."""
     to_wire = machine.rate(jump.order)
     value, bound = abs(jump.size) * to_wire, jump.allowed * to_wire
-    finite = bool(np.isfinite(value))
+    finite = math.isfinite(value)
     return Extreme(
         limit=f"{NAMES[jump.order]}_join", value=value if finite else None,
         unit=machine.told(jump.order), angle_deg=jump.angle / DEGREE, bound=bound,

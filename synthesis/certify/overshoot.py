@@ -68,8 +68,10 @@ def _travel(course: Course, pieces: Indices) -> tuple[Array, Array, int]:
     whole = _on_pieces(course, pieces)
     coarse = ~(whole <= fine[owner] / np.bincount(owner)[owner])
     most += np.bincount(owner[~coarse], whole[~coarse], len(stretches))
+    if not coarse.any():
+        return least, most, count
     boxes = Boxes(pieces, breaks[pieces], breaks[pieces + 1]).take(coarse).split(FIRST)
-    for round_ in range(ROUNDS if coarse.any() else 0):
+    for round_ in range(ROUNDS):
         low, high = _on_boxes(course, boxes)
         count += len(low)
         owner = course.stretch[boxes.piece]
@@ -88,13 +90,13 @@ def _travel(course: Course, pieces: Indices) -> tuple[Array, Array, int]:
 def _on_pieces(course: Course, pieces: Indices) -> Array:
     """The most on whole pieces: the backward velocity is nowhere above its largest coefficient."""
     curve = course.curve
-    start, poly = curve.breaks[pieces], curve.poly[pieces, 1:]
+    start, poly = curve.breaks[pieces], curve.poly[pieces, 1:].T
     if curve.waves[pieces, :, 0].any() or not np.array_equal(curve.origins[pieces], start):
         return np.full(len(pieces), np.inf)
-    length, power = curve.breaks[pieces + 1] - start, np.arange(poly.shape[1])
-    terms = poly * (power + 1.0) * length[:, None] ** power  # of v in (x − start) / length
-    back = -_forward(course, pieces)[:, None] * (terms @ _to_bernstein(len(power)))
-    speed: Array = back.max(axis=1) + ROUNDING * np.abs(terms).sum(axis=1)
+    length, power = curve.breaks[pieces + 1] - start, np.arange(len(poly))[:, None]
+    terms = poly * (power + 1.0) * length**power  # of v in (x − start) / length
+    back = -_forward(course, pieces) * (_to_bernstein(len(poly)) @ terms)
+    speed: Array = back.max(axis=0) + ROUNDING * np.abs(terms).sum(axis=0)
     return (1.0 + 1e-12) * length * np.maximum(speed, 0.0)
 
 
@@ -103,7 +105,7 @@ def _to_bernstein(count: int) -> Array:
     """(count, count): from coefficients of powers to those of Bernstein's polynomials."""
     degree = count - 1
     return np.array(
-        [[comb(k, j) / comb(degree, j) for k in range(count)] for j in range(count)], dtype=float
+        [[comb(k, j) / comb(degree, j) for j in range(count)] for k in range(count)], dtype=float
     )
 
 

@@ -8,7 +8,7 @@ machine frame. Nothing here comes from the closed forms that the formulations us
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from functools import cached_property
 from typing import Any, Protocol
 
@@ -47,10 +47,22 @@ class Sight:
         return dx + py, dy - px
 
     @cached_property
+    def moment(self) -> Any:
+        """(n · p) |T|."""
+        (px, py), *_ = self.point
+        tx, ty = self.tangent
+        return py * tx - px * ty
+
+    @cached_property
     def square(self) -> Any:
         """|T|²."""
         tx, ty = self.tangent
         return tx * tx + ty * ty
+
+    @cached_property
+    def speed(self) -> Any:
+        """|T|."""
+        return np.sqrt(self.square)
 
 
 Formula = Callable[[Sight], Any]
@@ -67,15 +79,8 @@ def pitch_curvature(at: Sight) -> Any:
     """κ = T × S / |T|³ of the curve, run clockwise round the cam: convex positive [1/mm]."""
     _, (dx, dy), (ax, ay), *_ = at.point
     tx, ty = at.tangent
-    sx, sy = ax + dy + ty, ay - dx - tx
-    return (ty * sx - tx * sy) * at.square**-1.5
-
-
-def tangent_distance(at: Sight) -> Any:
-    """n · p: how far the curve's tangent passes the cam's axis, positive with the axis inside."""
-    (px, py), *_ = at.point
-    tx, ty = at.tangent
-    return (py * tx - px * ty) * at.square**-0.5
+    # S = T' + J T, so that T × S = T × T' + |T|²
+    return (at.square + ty * (ax + dy) - tx * (ay - dx)) / (at.square * at.speed)
 
 
 def pitch_radius(at: Sight) -> Any:
@@ -179,12 +184,19 @@ QUANTITIES = {
     "pressure_angle": Quantity(pressure_angle, 1, absolute=1e-10),
     "pitch_curvature": Quantity(pitch_curvature, 2, turns=True),
     "pitch_radius": Quantity(pitch_radius, 1),
-    "tangent_distance": Quantity(tangent_distance, 1),
     "face_radius": Quantity(face_radius, 2, smooth=2, share=1e-12),
     "contact": Quantity(contact, 1, smooth=1, share=1e-12),
     "contact_left": Quantity(lambda at: -contact(at), 1, smooth=1, share=1e-12),
     "contact_right": Quantity(contact, 1, smooth=1, share=1e-12),
 }
+
+
+def clearance(depth: float) -> Quantity:
+    """(n · p − depth) |T|: positive where the curve's tangent passes the cam's axis that far off.
+
+    With the axis on the inner side, and more than ``depth`` [mm] away.
+    """
+    return Quantity(lambda at: at.moment - depth * at.speed, 1)
 
 
 def traced(machine: Machine, path: str = "") -> Trace:
@@ -207,7 +219,7 @@ def enclose_all(
         course, machine, size: the cam.
         questions: what is asked, to the width that each says and what is good enough anyway.
     """
-    traces = {path: traced(machine, path) for _, path in subjects}
+    traces = {path: traced(machine, path) for path in {path for _, path in subjects}}
     scale = machine.follower.radius(size)
 
     def models(piece: Indices, lo: Array, hi: Array, wanted: Sequence[int]) -> list[Taylor]:
@@ -224,8 +236,7 @@ def enclose_all(
         return [quantity.at(seen[path], (piece, x)) for quantity, path in asked]
 
     enough = [quantity.absolute + quantity.share * scale for quantity, _ in subjects]
-    asked = [replace(q, absolute=q.absolute + enough[q.function]) for q in questions]
-    return enclose(models, course.curve.breaks, course.counts, asked, values)
+    return enclose(models, course.curve.breaks, course.counts, questions, values, enough)
 
 
 def infinite(

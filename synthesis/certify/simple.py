@@ -25,7 +25,7 @@ import numpy as np
 
 from synthesis.certify.course import Course
 from synthesis.certify.path import Boxes, Path, Trace
-from synthesis.certify.quantities import QUANTITIES, Measurable, Size, enclose_all
+from synthesis.certify.quantities import Measurable, Size, clearance, enclose_all
 from synthesis.certify.self_crossing import Nearest, nearest
 from synthesis.design import Extreme
 from synthesis.followers.flank import Flank, labelled
@@ -48,23 +48,23 @@ def rounding(course: Course, machine: Machine) -> list[Flank]:
 def rounds_axis(
     course: Course, flanks: Sequence[Flank], first: int
 ) -> tuple[list[Question], list[tuple[Measurable, str]]]:
-    """Asks how far traced curves' tangents pass the axis, all round: nothing else is needed.
+    """Asks by how much traced curves' tangents pass the axis far enough off, all round.
 
     Returns:
         questions and their subjects, the functions from number ``first`` on.
     """
-    everywhere, distance = np.arange(course.curve.count), QUANTITIES["tangent_distance"]
+    everywhere = np.arange(course.curve.count)
     questions = [
-        Question(everywhere, depth(flank), math.inf, None, first + k, absolute=math.inf)
-        for k, flank in enumerate(flanks)
+        Question(everywhere, 0.0, math.inf, None, first + k, absolute=math.inf)
+        for k in range(len(flanks))
     ]
-    return questions, [(distance, flank.path) for flank in flanks]
+    return questions, [(clearance(depth(flank)), flank.path) for flank in flanks]
 
 
 def apart(flanks: Sequence[Flank], answers: Iterable[Answer]) -> list[Flank]:
     """Those whose curves go round the axis well apart: tangent and profile pass it on one side."""
     told = zip(flanks, answers, strict=True)
-    return [flank for flank, answer in told if answer.extreme.lower > depth(flank)]
+    return [flank for flank, answer in told if answer.extreme.lower > 0.0]
 
 
 def depth(flank: Flank) -> float:

@@ -184,8 +184,9 @@ def times(factor: float) -> Callable[[float], float]:
 
 def where(stretches: Sequence[Stretch], *kinds: str) -> tuple[int, ...]:
     """Indices of the stretches that move so and have an extent (of all if nothing is named)."""
+    wanted = set(kinds)
     return tuple(
         s.index
         for s in stretches
-        if s.angle > 0.0 and (not kinds or any(sense in kinds for sense in s.senses))
+        if s.angle > 0.0 and (not wanted or not wanted.isdisjoint(s.senses))
     )

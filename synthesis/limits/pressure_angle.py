@@ -99,7 +99,7 @@ class PressureAngle(Limit):
             Claim(
                 labelled(f"pressure_angle_{kind}", path),
                 "pressure_angle",
-                where(stretches, kind),
+                moving,
                 -largest,
                 largest,
                 "deg",
@@ -109,5 +109,5 @@ class PressureAngle(Limit):
             )
             for path in machine.follower.paths
             for kind in kinds
-            if (largest := self._largest(kind)) is not None and where(stretches, kind)
+            if (largest := self._largest(kind)) is not None and (moving := where(stretches, kind))
         )

@@ -42,10 +42,11 @@ class Boxes:
         """
         parts = np.where(last > first, counts[pieces], 1)
         step = (last - first) / parts
-        owner, nth = _counted(parts)
-        lo = first[owner] + nth * step[owner]
-        hi = np.where(nth + 1 == parts[owner], last[owner], first[owner] + (nth + 1) * step[owner])
-        return cls(pieces[owner], lo, hi, asked[:, owner])
+        owner, nth, behind = _counted(parts)
+        start, width = first[owner], step[owner]
+        lo, hi = start + nth * width, start + (nth + 1) * width
+        hi[behind - 1] = last
+        return cls(pieces[owner], lo, hi, asked.take(owner, axis=1))
 
     def left(self, asked: Mask) -> Boxes:
         """Those that are still asked for."""
@@ -54,7 +55,9 @@ class Boxes:
 
     def at(self, which: Indices) -> Boxes:
         """Some of them, in this order."""
-        return Boxes(self.piece[which], self.lo[which], self.hi[which], self.asked[:, which])
+        return Boxes(
+            self.piece[which], self.lo[which], self.hi[which], self.asked.take(which, axis=1)
+        )
 
     def split(self) -> Boxes:
         """Each cut into equal parts: into many where there are few, for a round costs much."""
@@ -67,13 +70,13 @@ class Boxes:
 
     def cut(self, cuts: Array) -> Boxes:
         """Each cut at those of the sorted points that lie inside of it."""
-        before, behind = np.searchsorted(cuts, self.lo, "right"), np.searchsorted(cuts, self.hi)
+        before, behind = cuts.searchsorted(self.lo, "right"), cuts.searchsorted(self.hi)
         parts = np.maximum(behind - before, 0) + 1
-        owner, nth = _counted(parts)
+        owner, nth, _ = _counted(parts)
         lo, hi, cut = self.lo[owner], self.hi[owner], before[owner] + nth
-        inner = np.flatnonzero(nth)  # of neighbours in one box
+        inner = nth.nonzero()[0]  # of neighbours in one box
         lo[inner] = hi[inner - 1] = cuts[cut[inner] - 1]
-        return Boxes(self.piece[owner], lo, hi, self.asked[:, owner])
+        return Boxes(self.piece[owner], lo, hi, self.asked.take(owner, axis=1))
 
     def joined(self, other: Boxes) -> Boxes:
         """These and the others."""
@@ -81,7 +84,10 @@ class Boxes:
         return Boxes(*(np.concatenate(pair, axis=-1) for pair in pairs))
 
 
-def _counted(parts: Indices) -> tuple[Indices, Indices]:
-    """Of things with so many parts each, (n,): whose each part is, and the how manieth of it."""
-    owner = np.repeat(np.arange(len(parts)), parts)
-    return owner, np.arange(len(owner)) - np.repeat(np.cumsum(parts) - parts, parts)
+def _counted(parts: Indices) -> tuple[Indices, Indices, Indices]:
+    """Of things with so many parts each, (n,): whose each part is, and the how manieth of it.
+
+    The third is how many parts there are up to each thing's last one, (n,).
+    """
+    owner, behind = np.arange(len(parts)).repeat(parts), parts.cumsum()
+    return owner, np.arange(len(owner)) - (behind - parts)[owner], behind

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import Final
 
 import numpy as np
@@ -113,14 +113,13 @@ class _View:
 
     Attributes:
         boxes: all of them. live: (q,) the questions that are asked there.
-        slot: (q,) which of the models answers each. model: (functions, n).
+        model: (q, n) of the functions that these ask for.
         excess: (q, n) how far each question's function may exceed a bound, up to ± the model's
             remainder; −inf where it is not asked for.
     """
 
     boxes: Boxes
     live: Indices
-    slot: Indices
     model: Taylor
     excess: Array
 
@@ -128,14 +127,17 @@ class _View:
 class _Search:
     """One branch and bound: the best excess found, and the largest one not excluded."""
 
-    def __init__(self, questions: Sequence[Question]) -> None:
+    def __init__(self, questions: Sequence[Question], enough: Sequence[float] | None) -> None:
         count = len(questions)
-        self.lower = np.array([q.lower for q in questions])
-        self.upper = np.array([q.upper for q in questions])
-        self.relative = np.array([q.relative for q in questions])
-        self.absolute = np.array([q.absolute for q in questions])
-        self.function = np.array([q.function for q in questions])
-        self.closely = np.flatnonzero(self.absolute < np.inf)
+        spare = [0.0 if enough is None else enough[q.function] for q in questions]
+        self.lower, self.upper, self.relative, self.absolute = np.array(
+            [
+                (q.lower, q.upper, q.relative, q.absolute + more)
+                for q, more in zip(questions, spare, strict=True)
+            ]
+        ).T
+        self.function = [q.function for q in questions]
+        self.closely = (self.absolute < np.inf).nonzero()[0]
         self.best = np.full(count, -np.inf)
         self.proven = np.full(count, -np.inf)
         self.above = np.ones(count, dtype=bool)
@@ -143,16 +145,16 @@ class _Search:
         self.angle = np.zeros(count)
         self.boxes = np.zeros(count, dtype=int)
 
-    def _functions(self, live: Indices) -> tuple[list[int], Indices]:
+    def _functions(self, live: Indices) -> tuple[list[int], list[int]]:
         """The functions that these questions speak of, and which of them each does."""
-        wanted = sorted(set(self.function[live].tolist()))
-        return wanted, np.searchsorted(wanted, self.function[live])
+        functions = [self.function[q] for q in live.tolist()]
+        wanted = sorted(set(functions))
+        return wanted, [wanted.index(function) for function in functions]
 
     def _excess(self, live: Indices, high: Array, low: Array) -> Array:
         """How far values (q, n) of these questions' functions are beyond a bound."""
-        return np.asarray(
-            np.maximum(high - self.upper[live, None], self.lower[live, None] - low)
-        )  # fmt: skip
+        upper, lower = self.upper[live][:, None], self.lower[live][:, None]
+        return np.asarray(np.maximum(high - upper, lower - low))
 
     def look(self, boxes: Boxes, values: Values) -> tuple[_Points, Array]:
         """Where each extreme seems to be; and where to cut boxes beside those that seem to be."""
@@ -160,11 +162,13 @@ class _Search:
         wanted, slot = self._functions(closely)
 
         def heights(piece: Indices, x: Array) -> Array:
-            found = np.stack(values(piece, x, wanted))[slot]
+            each = values(piece, x, wanted)
+            found = np.concatenate([each[k] for k in slot]).reshape(len(slot), -1)
             return self._excess(closely, found, found)
 
         bounds = Bounds(self.lower[closely], self.upper[closely])
-        seen = sighted(replace(boxes, asked=boxes.asked[closely]), heights, bounds)
+        asked = Boxes(boxes.piece, boxes.lo, boxes.hi, boxes.asked[closely])
+        seen = sighted(asked, heights, bounds)
         return _Points(closely[seen.question], seen.piece, seen.at), seen.cuts
 
     def weigh(self, boxes: Boxes, points: _Points, models: Models) -> _View:
@@ -176,17 +180,16 @@ class _Search:
         both = boxes.joined(points.boxes(len(self.best)))
         live = np.flatnonzero(both.asked.any(axis=1))
         wanted, slot = self._functions(live)
-        model = _stacked(models(both.piece, both.lo, both.hi, wanted))
-        model = _cleared(model, both.lo == both.hi)
-        high, low = (end[slot] for end in model.range())
+        each = models(both.piece, both.lo, both.hi, wanted)
+        model = _stacked([each[k] for k in slot], both.lo == both.hi)
+        high, low = model.range()
         excess = np.where(both.asked[live], self._excess(live, high, low), -np.inf)
-        self.boxes += np.count_nonzero(both.asked, axis=1)
-        row = np.searchsorted(live, points.question)
-        column = np.arange(len(boxes), len(both))
-        rem = model.rem[slot[row], column]
-        sure = np.where(rem < UNBOUNDED, excess[row, column] - rem, -np.inf)
-        self._note(points, high[row, column], sure, rem)
-        return _View(both, live, slot, model, excess)
+        self.boxes += both.asked.sum(axis=1)
+        row, column = np.searchsorted(live, points.question), np.arange(len(boxes), len(both))
+        blur = model.rem[row, column]
+        sure = np.where(blur < UNBOUNDED, excess[row, column] - blur, -np.inf)
+        self._note(points, high[row, column], sure, blur)
+        return _View(both, live, model, excess)
 
     def _note(self, points: _Points, value: Array, sure: Array, blur: Array) -> None:
         """Keep what was reached at points: values, their excess over a bound, their roundings."""
@@ -199,9 +202,9 @@ class _Search:
 
     def leaders(self, view: _View) -> _Points:
         """Where the model of the box that looks best has its extreme, question by question."""
-        known = view.model.rem[view.slot] < UNBOUNDED
+        known = view.model.rem < UNBOUNDED
         leader = np.argmax(np.where(known, view.excess, -np.inf), axis=1)
-        high, low, t_high, t_low = view.model.take(view.slot, leader).extremes()
+        high, low, t_high, t_low = view.model.take(np.arange(len(leader)), leader).extremes()
         above = high - self.upper[view.live] >= self.lower[view.live] - low
         piece, lo, hi = (part[leader] for part in (view.boxes.piece, view.boxes.lo, view.boxes.hi))
         where = 0.5 * (lo + hi) + np.where(above, t_high, t_low) * 0.5 * (hi - lo)
@@ -210,7 +213,7 @@ class _Search:
     def possible(self, view: _View, boxes: int) -> Array:
         """The largest excess that is possible on each box, −inf where not asked: (questions, n)."""
         found = np.full((len(self.best), boxes), -np.inf)
-        found[view.live] = (view.excess + view.model.rem[view.slot])[:, :boxes]
+        found[view.live] = (view.excess + view.model.rem)[:, :boxes]
         return found
 
     def survivors(self, possible: Array) -> Mask:
@@ -228,26 +231,28 @@ class _Search:
 
     def exclude(self, which: Mask, possible: Array) -> None:
         """Leave these boxes: what is possible there stays in the proven bound."""
-        most = np.max(possible, axis=1, where=which, initial=-np.inf)
+        most = np.where(which, possible, -np.inf).max(axis=1, initial=-np.inf)
         self.proven = np.maximum(self.proven, most)
 
     def answers(self) -> list[Answer]:
         """What is known of each question."""
-        return [self._answer(q) for q in range(len(self.best))]
+        known = (self.best, self.proven, self.value, self.angle, self.boxes)
+        return [
+            self._answer(q, *each)
+            for q, each in enumerate(zip(*(x.tolist() for x in known), strict=True))
+        ]
 
-    def _answer(self, q: int) -> Answer:
-        best, proven, value = (float(x[q]) for x in (self.best, self.proven, self.value))
-        angle, side, boxes = float(self.angle[q]), 1 if self.above[q] else -1, int(self.boxes[q])
+    def _answer(
+        self, q: int, best: float, proven: float, value: float, angle: float, boxes: int
+    ) -> Answer:
+        side, lower, upper = 1 if self.above[q] else -1, float(self.lower[q]), float(self.upper[q])
         proven = math.inf if proven > 0.1 * UNBOUNDED else proven
         if best < -0.1 * UNBOUNDED:
             low, high = -math.inf, math.inf
             if self.absolute[q] == math.inf:  # what is proven counts by itself
-                low, high = float(self.lower[q]) - proven, float(self.upper[q]) + proven
+                low, high = lower - proven, upper + proven
             return Answer(Enclosed(math.nan, low, high, angle), side, boxes)
-        if side > 0:
-            low, high = best + float(self.upper[q]), proven + float(self.upper[q])
-        else:
-            low, high = float(self.lower[q]) - proven, float(self.lower[q]) - best
+        low, high = (best + upper, proven + upper) if side > 0 else (lower - proven, lower - best)
         return Answer(Enclosed(value, min(low, value), max(high, value), angle), side, boxes)
 
 
@@ -257,6 +262,7 @@ def enclose(
     counts: Indices,
     questions: Sequence[Question],
     values: Values | None = None,
+    enough: Sequence[float] | None = None,
 ) -> list[Answer]:
     """Answer all questions about functions of one variable, defined piece by piece.
 
@@ -268,12 +274,13 @@ def enclose(
         counts: (n,) how many boxes to begin with on each piece.
         questions: what is asked.
         values: the functions wanted at points (piece, x) in numbers, which are not relied on.
+        enough: of each function, by how much wider than asked an enclosure may be.
     """
     if not questions:
         return []
-    search, points, seen = _Search(questions), NOWHERE, 0
+    search, points, seen = _Search(questions, enough), NOWHERE, 0
     boxes = _first_boxes(breaks, counts, questions)
-    most = MOST_BOXES * len(set(search.function.tolist()))
+    most = MOST_BOXES * len(set(search.function))
     with np.errstate(all="ignore"):
         if values is not None and len(search.closely):
             points, cuts = search.look(boxes, values)
@@ -295,24 +302,24 @@ def enclose(
     return search.answers()
 
 
-def _stacked(models: Sequence[Taylor]) -> Taylor:
-    """Models of several functions on the same boxes as one of (functions, n)."""
-    table = np.concatenate([part for model in models for part in model.parts])
-    return Taylor(*table.reshape(len(models), 5, -1).swapaxes(0, 1))
+def _stacked(models: Sequence[Taylor], points: Mask) -> Taylor:
+    """Models of several functions on the same boxes as one of (functions, n).
 
-
-def _cleared(model: Taylor, points: Mask) -> Taylor:
-    """The model without what it says beyond points, roundings of its range in the remainder.
-
-    Where nothing is known it is 0 to within ``UNBOUNDED``.
+    Of points without what they say beyond them. Roundings of the range are in the remainder. Where
+    nothing is known it is 0 to within ``UNBOUNDED``.
     """
-    rem = model.rem + ULPS * model.mag
-    c0, c1, c2 = (model.c0, *(np.where(points, 0.0, part) for part in (model.c1, model.c2)))
+    table = np.concatenate(
+        [part for parts in zip(*(model.parts for model in models), strict=True) for part in parts]
+    )
+    table = table.reshape(5, len(models), -1)
+    np.copyto(table[1:3], 0.0, where=points)
+    c0, c1, c2, rem, mag = table
+    rem += ULPS * mag
     known = np.isfinite(c0 + c1 + c2 + rem)
     if not known.all():
-        c0, c1, c2 = (np.where(known, part, 0.0) for part in (c0, c1, c2))
-        rem = np.where(known, rem, UNBOUNDED)
-    return Taylor(c0, c1, c2, rem, model.mag)
+        np.copyto(table[:3], 0.0, where=~known)
+        np.copyto(rem, UNBOUNDED, where=~known)
+    return Taylor(c0, c1, c2, rem, mag)
 
 
 def _first_boxes(breaks: Array, counts: Indices, questions: Sequence[Question]) -> Boxes:
@@ -325,7 +332,8 @@ def _first_boxes(breaks: Array, counts: Indices, questions: Sequence[Question]) 
         if question.spans is None:
             whole[q, question.pieces] = True
     pieces = np.flatnonzero(whole.any(axis=0))
-    found = Boxes.spans(pieces, breaks[pieces], breaks[pieces + 1], counts, whole[:, pieces])
+    asked = whole.take(pieces, axis=1)
+    found = Boxes.spans(pieces, breaks[pieces], breaks[pieces + 1], counts, asked)
     for q, question in enumerate(questions):
         if question.spans is not None:
             asked = np.zeros((len(questions), len(question.pieces)), dtype=bool)

@@ -22,15 +22,31 @@ Heights = Callable[[Indices, Array], Array]
 
 PEAKS: Final = 3  # of a question, that are nearly as high as its highest
 NEARLY: Final = 0.5  # of what lies between the values on its box
-FAN: Final = np.linspace(0.0, 1.0, 33)
-REACH: Final = 0.25  # of a box, to either side of its parabola's peak: there it is looked for
+FEW: Final = 160  # boxes: of so many each is looked at more closely, for it is larger as a rule
+PLACES: Final = (5, 9)  # on a box, where functions are evaluated: of many boxes, and of few
+FAN: Final = np.linspace(0.0, 1.0, 257)  # on a box: there they are looked at
 STEPS: Final = 2.0 ** -np.arange(1.0, 12.0)  # of a box: how far from a peak it is cut
 LADDER: Final = np.concatenate([-STEPS, STEPS])
 HUGE: Final = 1e290  # what is larger is none of a function's values
-EQUAL: Final = 2.0**-34  # relative: peaks whose heights differ by less are one as high as the other
-ALIKE: Final = 2.0**-44  # the same of points beside each other
+ALIKE: Final = 2.0**-44  # relative: points of a peak whose heights differ by less are as high
+EQUAL: Final = 2.0**-34  # the same of peaks
+EACH: Final = np.array([[ALIKE], [EQUAL]])
 BLUR: Final = 2.0**-48  # of a bound: what is left of a height over it is no better known
 BESIDE: Final = np.arange(-1, 2)[:, None]
+
+
+def _between(places: int) -> tuple[Array, Array]:
+    """Even places on a box, and Lagrange's polynomials of these over the fan: (places, fan)."""
+    at = np.linspace(0.0, 1.0, places)
+    factors, spans = FAN - at[:, None], at[:, None] - at
+    each = [
+        np.prod(np.delete(factors, i, 0), axis=0) / np.prod(np.delete(spans[i], i))
+        for i in range(places)
+    ]
+    return at, np.array(each)
+
+
+MANY_BOXES, FEW_BOXES = (_between(places) for places in PLACES)
 
 
 @dataclass(frozen=True, eq=False)
@@ -55,11 +71,12 @@ class Bounds:
     lower: Array
     upper: Array
 
-    def grain(self, question: Indices, height: Array, share: float) -> Array:
-        """By how much heights have to differ from these to count as others: (n,)."""
+    def grains(self, question: Indices, height: Array) -> tuple[Array, Array]:
+        """By how much heights (n,) have to differ from these to count as others, and of peaks."""
         lower, upper = self.lower[question], self.upper[question]
         size = np.minimum(np.abs(lower - height), np.abs(upper + height))
-        return np.asarray(share * _finite(size) + self._blur[question])
+        alike, equal = EACH * _finite(size) + self._blur[question]
+        return alike, equal
 
     @cached_property
     def _blur(self) -> Array:
@@ -79,65 +96,70 @@ def sighted(boxes: Boxes, heights: Heights, bounds: Bounds) -> Sighted:
     Args:
         boxes: where. heights: of the functions, over their bounds.
     """
-    question, box, place = _peaks(boxes, heights, bounds)
-    piece, left, right = boxes.piece[box], boxes.lo[box], boxes.hi[box]
-    width = right - left
-    first, last = np.maximum(place - REACH, 0.0), np.minimum(place + REACH, 1.0)
-    low, high = left + width * first, np.minimum(left + width * last, right)
-    peak, on = np.arange(len(box)), np.repeat(piece, len(FAN))
-    x = np.minimum(low[:, None] + (high - low)[:, None] * FAN, high[:, None])
-    height = heights(on, x.ravel()).reshape(len(boxes.asked), *x.shape)[question, peak]
-    top = np.max(height, axis=1)
-    grain = bounds.grain(question, top, ALIKE)
-    best = np.argmax(height >= (top - grain)[:, None], axis=1)
+    places, between = FEW_BOXES if len(boxes) <= FEW else MANY_BOXES
+    question, box, seen = _peaks(boxes, heights, bounds, places)
+    piece, left, width = boxes.piece[box], boxes.lo[box], (boxes.hi - boxes.lo)[box]
+    height = seen @ between
+    top = height.max(axis=1)
+    alike, equal = bounds.grains(question, top)
+    best = (height >= (top - alike)[:, None]).argmax(axis=1)
     middle = np.minimum(np.maximum(best, 1), len(FAN) - 2)
-    three = peak, middle + BESIDE
-    low, here, high = x[three]
-    before, there, behind = height[three]
+    before, there, behind = height[np.arange(len(box)), middle + BESIDE]
     bend = before + behind - 2.0 * there
-    vertex = here + 0.5 * (before - behind) / bend * (here - low)  # of a parabola through them
     inner = (best == middle) & (bend < 0.0)
-    at = np.where(inner, np.minimum(np.maximum(vertex, low), high), x[peak, best])
-    first = _leading(question, top, bounds, 1)
+    place = np.where(inner, best + 0.5 * (before - behind) / bend, best)  # of a parabola's vertex
+    at = np.minimum(left + width * (place / (len(FAN) - 1.0)), boxes.hi[box])
+    first = _highest(question, top, equal, len(bounds.lower))
     cuts = distinct(at[:, None] + width[:, None] * LADDER)
     return Sighted(question[first], piece[first], at[first], cuts)
 
 
-def _peaks(boxes: Boxes, heights: Heights, bounds: Bounds) -> tuple[Indices, Indices, Array]:
+def _peaks(
+    boxes: Boxes, heights: Heights, bounds: Bounds, places: Array
+) -> tuple[Indices, Indices, Array]:
     """Questions and boxes: of every question that of the highest peak and others nearly as high.
 
-    The height on a box is that of a parabola through its ends and centre; where on the box that
-    has its peak, from 0 to 1, is the third.
+    The height on a box is that of a parabola through its ends and centre. The third are the
+    heights at the places on these boxes: (k, places).
     """
-    piece, x = boxes.piece, np.concatenate([boxes.lo, 0.5 * (boxes.lo + boxes.hi), boxes.hi])
-    found = heights(np.concatenate([piece, piece, piece]), x)
-    left, middle, right = found.reshape(len(found), 3, -1).swapaxes(0, 1)
+    x = boxes.lo[:, None] + (boxes.hi - boxes.lo)[:, None] * places
+    x[:, -1] = boxes.hi
+    seen = heights(boxes.piece.repeat(len(places)), x.ravel())
+    seen = seen.reshape(len(seen), -1, len(places))
+    left, middle, right = seen[..., 0], seen[..., len(places) // 2], seen[..., -1]
     slope, bend = 0.5 * (right - left), middle - 0.5 * (left + right)
     inner = np.abs(slope) < 2.0 * bend
     vertex = np.where(inner, 0.25 * slope * slope / bend, 0.0)
     height = np.maximum(np.maximum(left, right), middle + vertex)
     height = np.where(boxes.asked & (height > -np.inf), height, -np.inf)
-    top = np.max(height, axis=1)
-    grain = bounds.grain(np.arange(len(top)), top, ALIKE)
-    rising = height[:, 1:] > height[:, :-1] + grain[:, None]
+    top = height.max(axis=1, initial=-HUGE)
+    alike, equal = bounds.grains(np.arange(len(top)), top)
+    rising = height[:, 1:] > height[:, :-1] + alike[:, None]
     hill = np.ones(height.shape, dtype=bool)
     hill[:, 1:] &= rising
     hill[:, :-1] &= ~rising
     nearly = height + NEARLY * (np.abs(slope) + np.abs(bend)) >= top[:, None]
-    question, box = np.nonzero(hill & nearly & (height > -np.inf))
-    kept = _leading(question, height[question, box], bounds, PEAKS)
-    question, box = question[kept], box[kept]
-    slope, bend, inner = slope[question, box], bend[question, box], inner[question, box]
-    place = np.where(inner, 0.5 + 0.25 * slope / bend, np.where(slope > 0.0, 1.0, 0.0))
-    return question, box, place
+    question, box = np.nonzero(hill & nearly)
+    if np.bincount(question, minlength=1).max() > PEAKS:
+        below = np.floor((top[question] - height[question, box]) / equal[question])
+        kept = _first_few(question, below)
+        question, box = question[kept], box[kept]
+    return question, box, seen[question, box]
 
 
-def _leading(question: Indices, height: Array, bounds: Bounds, count: int) -> Indices:
-    """Which (k,) are among the so many highest of their question; of equal ones the first."""
-    top = np.full(len(bounds.lower), -np.inf)
-    np.maximum.at(top, question, height)
-    top = top[question]
-    below = np.floor((top - height) / bounds.grain(question, top, EQUAL))
+def _first_few(question: Indices, below: Array) -> Indices:
+    """Which (k,) of the sorted questions are the ``PEAKS`` least below; of equal ones the first."""
     order = np.lexsort((np.where(np.isnan(below), 0.0, below), question))
-    ranked = question[order]
-    return order[np.arange(len(order)) - np.searchsorted(ranked, ranked) < count]
+    rank = np.arange(len(order)) - np.searchsorted(question, question)
+    return np.sort(order[rank < PEAKS])
+
+
+def _highest(question: Indices, height: Array, grain: Array, questions: int) -> Indices:
+    """Which (k,) of the sorted questions is the highest of each; of equal ones the first."""
+    top = np.full(questions, -np.inf)
+    np.maximum.at(top, question, height)
+    high = (~(top[question] - height > grain)).nonzero()[0]
+    which = question[high]
+    new = np.ones(len(high), dtype=bool)
+    np.not_equal(which[1:], which[:-1], out=new[1:])
+    return high[new]

@@ -28,6 +28,26 @@ def distinct(values: Array) -> Array:
     return np.asarray(found[new])
 
 
+def horner(falling: Array, t: Array, highest: int) -> Array:
+    """Polynomials and their derivatives up to this one at t, all in one run of Horner's scheme.
+
+    Args:
+        falling: (d+1, …) coefficients, highest power first. t: (…).
+
+    Returns:
+        (highest + 1, …), to within 3 d + 2 roundings of the terms, that of t included.
+    """
+    first, *others = falling
+    rows = [first]  # f^(k) / k! of what the scheme has come to
+    for coefficient in others:
+        pairs = zip(rows, (coefficient, *rows), strict=False)
+        rows = [*[row * t + below for row, below in pairs], rows[-1]][: highest + 1]
+    value = np.zeros((highest + 1, *first.shape))
+    for order, row in enumerate(rows):
+        np.multiply(row, float(factorial(order)), out=value[order])
+    return value
+
+
 @dataclass(frozen=True, eq=False)
 class Piecewise:
     """f(x) = Σ_j poly[i,j] (x − origin[i])^j + Σ_m A sin(w (x − origin[i]) + φ) on piece i.
@@ -135,18 +155,12 @@ class Piecewise:
 
         The values of ``at`` but for roundings, in half of the time.
         """
-        value = np.zeros((highest + 1, len(x)))
         if self.still:
+            value = np.zeros((highest + 1, len(x)))
             value[0] = self.poly[piece, 0]
             return value
         t = x - self.origins[piece]
-        first, *others = self._falling[:, piece]
-        rows = [first]  # f^(k) / k! of what Horner's scheme has come to, for all k at once
-        for coefficient in others:
-            pairs = zip(rows, (coefficient, *rows), strict=False)
-            rows = [*(row * t + below for row, below in pairs), rows[-1]][: highest + 1]
-        for order, row in enumerate(rows):
-            np.multiply(row, float(factorial(order)), out=value[order])
+        value = horner(self.falling.take(piece, axis=-1), t, highest)
         if self.waves.shape[1]:
             amplitude, frequency, phase = np.moveaxis(self.waves[piece], -1, 0)
             angle = frequency * t[:, None] + phase
@@ -158,7 +172,7 @@ class Piecewise:
         return value
 
     @cached_property
-    def _falling(self) -> Array:
+    def falling(self) -> Array:
         """Coefficients, highest power first: (d+1, n)."""
         return np.ascontiguousarray(self.poly.T[::-1])
 
@@ -196,9 +210,10 @@ class Piecewise:
 
         A break less than 1e-12 of the interval from another one is left out.
         """
-        wanted = distinct(np.asarray(at, dtype=float))
-        if not len(wanted):
+        given = np.asarray(at, dtype=float)
+        if not given.size:
             return self, np.arange(self.count)
+        wanted = distinct(given)
         far = 1e-12 * (self.breaks[-1] - self.breaks[0])
         apart = np.abs(wanted[:, None] - self.breaks).min(axis=1, initial=np.inf)
         inside = (wanted > self.breaks[0]) & (wanted < self.breaks[-1]) & (apart > far)

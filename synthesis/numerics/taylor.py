@@ -121,11 +121,11 @@ class Taylor(OnModels):
         c0 = self.c0 / b0
         c1 = (self.c1 - c0 * b1) / b0
         c2 = (self.c2 - c0 * b2 - c1 * b1) / b0
-        size = np.abs(c0) + np.abs(c1) + np.abs(c2)
+        size, blur = np.abs(c0) + np.abs(c1) + np.abs(c2), other.rem + ROUNDING * other.mag
         # a/b − c = (a − c b)/b, and a − c b holds no term below t³ but roundings
-        residual = np.abs(c1 * b2 + c2 * b1) + np.abs(c2 * b2) + self.rem + size * other.rem
-        residual = residual + ROUNDING * (self.mag + size * other.mag)
-        rem = residual / _positive(other.least() - ROUNDING * other.mag)
+        residual = np.abs(c1 * b2 + c2 * b1) + np.abs(c2 * b2) + self.rem + size * blur
+        residual = residual + ROUNDING * self.mag
+        rem = residual / _positive(np.abs(b0) - np.abs(b1) - np.abs(b2) - blur)
         return Taylor(c0, c1, c2, rem, size + rem)
 
     def __radd__(self, other: Array | float) -> Taylor:
@@ -160,14 +160,16 @@ class Taylor(OnModels):
     def sqrt(self) -> Taylor:
         """√f, for f > 0 on the whole box."""
         c0 = np.sqrt(self.c0)
-        c1 = self.c1 / (2.0 * c0)
-        c2 = (self.c2 - c1 * c1) / (2.0 * c0)
-        size = np.abs(c0) + np.abs(c1) + np.abs(c2)
-        # √a − c = (a − c²)/(√a + c); c > 0.3 c0 wherever a > 0 on the whole box
+        twice = c0 + c0
+        c1 = self.c1 / twice
+        c2 = (self.c2 - c1 * c1) / twice
+        spread = np.abs(c1) + np.abs(c2)
+        size = c0 + spread
+        # √a − c = (a − c²)/(√a + c), where a > 0 as c² is more than what a lacks of it
         residual = 2.0 * np.abs(c1 * c2) + c2 * c2 + self.rem
         residual = residual + ROUNDING * (self.mag + size * size)
-        least = np.where(self.least() > 0.0, c0 - np.abs(c1) - np.abs(c2), 0.0)
-        rem = residual / _positive(least - ROUNDING * size)
+        least = _positive(c0 - spread - ROUNDING * size)
+        rem = residual / np.where(least * least > residual, least, 0.0)
         return Taylor(c0, c1, c2, rem, size + rem)
 
     def __pow__(self, exponent: float) -> Taylor:
@@ -217,9 +219,11 @@ class Taylor(OnModels):
         return Taylor(*(part[which] for part in self.parts))
 
     def range(self) -> tuple[Array, Array]:
-        """Largest and smallest value of the quadratic over t in [−1, 1], as in ``extremes``."""
-        ends = np.where(self.c2 == 0.0, 1.0, self.c2)
-        vertex = np.minimum(np.maximum(-0.5 * self.c1 / ends, -1.0), 1.0)
+        """Largest and smallest value of the quadratic over t in [−1, 1], as in ``extremes``.
+
+        To be asked for under ``np.errstate(all="ignore")``.
+        """
+        vertex = np.fmin(np.fmax(-0.5 * self.c1 / self.c2, -1.0), 1.0)  # of 0/0, an end
         there = self.c0 + vertex * (self.c1 + vertex * self.c2)
         middle, slope = self.c0 + self.c2, np.abs(self.c1)
         return np.maximum(middle + slope, there), np.minimum(middle - slope, there)

@@ -1,6 +1,7 @@
 """Branch and bound on functions whose extremes are known."""
 
 import math
+from dataclasses import replace
 from fractions import Fraction
 
 import numpy as np
@@ -95,6 +96,18 @@ def test_questions_about_several_functions_do_not_disturb_each_other():
         found = (answer.side * answer.extreme.lower, answer.side * answer.extreme.upper)
         assert max(reached) <= max(found) + 1e-15
         assert max(reached) == pytest.approx(max(found), abs=1e-6 + question.absolute)
+
+
+def test_what_is_good_enough_of_a_function_goes_for_every_question_about_it():
+    """Beside the questions or in them: it is the same, and it saves boxes."""
+    terms, enough = ((2.0, 0.3), (9.0, -1.7)), (0.0, 3e-3)
+    plain = [Question(EVERYWHERE, -1.3, math.inf, function=k) for k in (1, 0, 1)]
+    own = [replace(question, absolute=enough[question.function]) for question in plain]
+    beside = enclose(waves(*terms), BREAKS, COUNTS, plain, enough=enough)
+    assert beside == enclose(waves(*terms), BREAKS, COUNTS, own)
+    exact = enclose(waves(*terms), BREAKS, COUNTS, plain)
+    assert beside[0].boxes < exact[0].boxes
+    assert 1e-9 < beside[0].extreme.width <= 3e-3 + 1e-9
 
 
 @pytest.mark.parametrize("sees", [False, True])

@@ -281,7 +281,7 @@ def test_the_certificate_needs_no_pairs_where_curves_go_round_the_axis() -> None
     theta = np.linspace(0.0, 2.0 * np.pi, 4001)
     for _ in range(24):
         motion, R = thin_lobed(rng), rng.uniform(2.0, 9.0)
-        e, s0 = size = rng.uniform(-2.0, 2.0), R * rng.uniform(0.6, 9.0)
+        e, s0 = size = rng.uniform(-2.0, 2.0), R * rng.uniform(0.4, 9.0)
         follower = TranslatingRoller(roller_radius_mm=R, offset_mm=e, closure=Groove())
         course, machine = Course(motion), Machine(follower, 10.0)
         flanks = rounding(course, machine)
@@ -292,11 +292,11 @@ def test_the_certificate_needs_no_pairs_where_curves_go_round_the_axis() -> None
         along = pitch(motion, e, s0, theta + 1e-6) - pitch(motion, e, s0, theta - 1e-6)
         here = pitch(motion, e, s0, theta)
         moment = here[:, 1] * along[:, 0] - here[:, 0] * along[:, 1]
-        least = float(np.min(moment / np.hypot(*along.T)))
+        speed = np.hypot(*along.T)
         for flank, answer in zip(flanks, answers, strict=True):
             offset = flank.side * flank.distance
-            over = least - max(offset, 0.0)
-            assert answer.extreme.lower <= least + 1e-6
+            over = float(np.min(moment - max(offset, 0.0) * speed)) / 2e-6
+            assert answer.extreme.lower <= over + 1e-3
             assert over > 0.0 or flank not in clear
             holds = search(motion, e, s0, offset).holds_off(flank.distance)
             assert found[f"self_crossing_{flank.name}"].holds == holds

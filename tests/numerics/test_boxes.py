@@ -58,7 +58,7 @@ def test_the_highest_of_several_peaks_is_seen_where_it_is_asked_for() -> None:
         seen = sighted(boxes, heights, Bounds(np.full(2, -np.inf), np.zeros(2)))
     np.testing.assert_array_equal(seen.question, [0, 1])
     np.testing.assert_array_equal(seen.piece, [0, 1])
-    np.testing.assert_allclose(seen.at, [0.4123, 1.9271], atol=1e-5)
+    np.testing.assert_allclose(seen.at, [0.4123, 1.9271], atol=1e-6)
     assert np.all(np.diff(seen.cuts) > 0.0)
     apart = np.abs(seen.cuts[:, None] - seen.at)
     assert np.max(np.min(apart, axis=0)) < 2e-4
@@ -78,3 +78,34 @@ def test_of_equal_peaks_the_first_is_seen_whatever_their_last_digits() -> None:
         with np.errstate(all="ignore"):
             seen = sighted(boxes, heights, Bounds(np.array([-np.inf]), np.array([0.61])))
         assert seen.at == pytest.approx([0.4123], abs=1e-5)
+
+
+def test_of_many_peaks_that_are_nothing_the_first_is_seen() -> None:
+    ends = np.arange(9.0)
+    boxes = Boxes.spans(np.arange(9), ends, ends + 1.0, np.full(9, 1), np.ones((2, 9), dtype=bool))
+
+    def heights(piece, x):
+        hill = -((x - piece - 0.5) ** 2)
+        return np.stack([hill, hill - 0.01 * (piece == 0) + 0.02 * (piece == 7)])
+
+    with np.errstate(all="ignore"):
+        seen = sighted(boxes, heights, Bounds(np.full(2, -np.inf), np.zeros(2)))
+    np.testing.assert_array_equal(seen.question, [0, 1])
+    np.testing.assert_allclose(seen.at, [0.5, 7.5], atol=1e-12)
+
+
+@pytest.mark.parametrize("count", [7, 200])
+def test_a_peak_between_the_samples_is_found(count: int) -> None:
+    """Of waves that are long and short beside the boxes: few boxes are looked at more closely."""
+    boxes = Boxes.spans(
+        np.array([0]), np.array([0.0]), np.array([1.0]), np.array([count]), np.ones((1, 1), bool)
+    )
+    short = 0.2 * count
+
+    def heights(piece, x):
+        return (np.sin(3.1 * x + 0.4) + 1e-3 * np.cos(short * (x - 0.31)))[None]
+
+    with np.errstate(all="ignore"):
+        (at,) = sighted(boxes, heights, Bounds(np.array([-np.inf]), np.array([2.0]))).at
+    slope = 3.1 * np.cos(3.1 * at + 0.4) - 1e-3 * short * np.sin(short * (at - 0.31))
+    assert abs(slope) < 1e-5 * 3.1**2
