@@ -16,6 +16,7 @@ from dataclasses import replace
 
 import numpy as np
 
+from synthesis import clock
 from synthesis.formulations.cams.candidate import Candidate
 from synthesis.formulations.cone.control import controls
 from synthesis.formulations.cone.convex import formulate
@@ -44,6 +45,7 @@ NEAR = -0.15  # a smooth limit above this, relative, is near to binding
 CLOSE_BY = 0.08  # of a law: parts that are no farther apart are one
 AIM = 0.985  # of the tolerance: the gap that is to be proven
 FEW_TURNS = 2  # where the proof need not be thorough
+SPARED = 0.5  # of the time that is left, if the proof was not asked for
 FIRST_TURNS = 3  # before a better cam is looked for
 GAIN = 0.1  # of what is missing: less is not worth another climb
 MOST_BOXES = 21
@@ -70,7 +72,9 @@ def close(state: Search, *, thorough: bool) -> None:
     if quest is None:
         return
     state.taken_in = {limit.kind for limit in state.problem.limits if _traced(state, limit)}
-    started = time.perf_counter()
+    started, until = time.perf_counter(), state.deadline
+    if not thorough:
+        state.deadline = min(until, clock.now() + SPARED * state.left())
     lair = unknown(quest.problem, quest.steering, parts)
     box = climbed(quest, Box(lair, state.lower, state.over))
     for turns in (FIRST_TURNS, TURNS) if thorough else (FEW_TURNS,):
@@ -82,6 +86,7 @@ def close(state: Search, *, thorough: bool) -> None:
     wide = box.lower < (1.0 - WIDE) * quest.target
     boxes, count = divided(quest, box, most if thorough or wide else 1)
     lowest = finished(quest, boxes) if thorough else min(boxes, key=_lower)
+    state.deadline = until
     state.raise_to(min(lowest.lower, quest.target), lowest.over)
     state.stages.append(
         Stage(
