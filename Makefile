@@ -41,12 +41,11 @@ run: $(RUN)  ## start the service (HOST=127.0.0.1 PORT=8000)
 PARTS   := waiting service core rest
 waiting := $(patsubst %,tests/service/%.py,sweeps/test_kills running/test_deployment \
              sweeps/test_leases running/test_trouble running/test_benchmark \
-             resources/test_cam_sets commands/test_sweep_and_export commands/test_commands) \
-           tests/benchmarks
+             resources/test_cam_sets commands/test_sweep_and_export commands/test_commands)
 service := $(filter-out $(waiting),$(wildcard tests/service/test_*.py tests/service/*/test_*.py))
 core    := tests/pipeline tests/formulations tests/validation
 rest    := --ignore=tests/architecture/test_quality.py \
-           $(filter-out tests/service tests/benchmarks $(core),$(patsubst %/,%,$(wildcard tests/*/)))
+           $(filter-out tests/service $(core),$(patsubst %/,%,$(wildcard tests/*/)))
 test: $(DEV)  ## run everything: style, types, layers and the tests (ARGS="-k name")
 ifneq ($(ARGS),)
 	@$(MAKE) --no-print-directory lint

@@ -139,7 +139,7 @@ class Drawn:
 
 
 def _ends(angle: Taylor) -> tuple[Array, Array]:
-    """Between what an angle lies on each box."""
+    """Between what an angle lies on each box; its last operation allowed for roundings here too."""
     reach = np.abs(angle.c1) + np.abs(angle.c2) + angle.rem
     return angle.c0 - reach, angle.c0 + reach
 

@@ -23,9 +23,11 @@ from synthesis.formulations.conflict.impasse import stalemate
 from synthesis.formulations.conflict.parts import Part
 from synthesis.formulations.conflict.relaxation import least_value
 from synthesis.formulations.conflict.scene import NOTHING, OutOfTime, Scene, yielded
+from synthesis.formulations.conflict.size_parts import OPEN, harmed_by_size
 from synthesis.formulations.question.grid import Grid
 from synthesis.formulations.question.problem import Problem
 from synthesis.limits import Claim
+from synthesis.ranges import ends
 from synthesis.solvers.clarabel import solve
 from synthesis.solvers.statuses import Stopped
 from synthesis.spec import DesignSpec
@@ -71,6 +73,7 @@ def diagnose(
         for relaxation in _relaxations(scene, k, members, given, deadline)
     ]
     words = [scene.parts[k].words for k in sorted(members)]
+    evidence += _as_far_as(spec, scene, members)
     return Conflict(limits=words, relaxations=relaxations, evidence=evidence)
 
 
@@ -133,6 +136,18 @@ def _proof(scene: Scene, problem: Problem, total: float, whole: bool) -> str:
         "(sum of relative excesses); "
         f"{EACH if whole else LATE}"
         f"{certified if stopped is Stopped.INFEASIBLE else ''}"
+    )
+
+
+def _as_far_as(spec: DesignSpec, scene: Scene, members: Collection[int]) -> str:
+    """Up to which size a conflict was looked at, where a cam larger still would end it."""
+    names = {scene.parts[k].name for k in members}
+    eased = any(block.source in names and block.size.any() for block in scene.plan().blocks)
+    if not eased or harmed_by_size(scene.problem) or ends(spec.base_radius_mm)[1] < inf:
+        return ""
+    return (
+        f"; looked at were base radii up to {spec.base_radius_range()[1]:.6g} mm, {OPEN:.0e} "
+        "strokes: for larger ones give base_radius_mm a max"
     )
 
 

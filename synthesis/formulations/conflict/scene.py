@@ -53,7 +53,7 @@ class Scene:
     @classmethod
     def of(cls, spec: DesignSpec, problem: Problem, grids: Sequence[Grid]) -> Scene:
         """The scene of a spec."""
-        idle = replace(open_size(problem), objective=Nothing(), held=())
+        idle = replace(open_size(spec, problem), objective=Nothing(), held=())
         parts = (*limit_parts(problem, len(spec.limits)), *range_parts(spec, problem))
         return cls(idle, tuple(grids), parts)
 

@@ -12,14 +12,18 @@ from synthesis.ranges import ends
 from synthesis.spec import DesignSpec
 
 OPEN = 1e4  # strokes: what the base radius may grow to while it is not limited
+BEYOND = 10.0  # and how far beyond a limit asked for it, at least
 
 
-def open_size(problem: Problem) -> Problem:
+def open_size(spec: DesignSpec, problem: Problem) -> Problem:
     """The problem with every range of its size left open (but for the unit of size)."""
     follower = problem.machine.follower
     names = [f"{name}_mm" for name in follower.size_names]
     free = {name: None for name in names if name in type(follower).model_fields}
-    largest = OPEN * max(problem.length, problem.sizing.least)
+    asked = [end for end in ends(spec.base_radius_mm) if end < inf]
+    largest = max(
+        OPEN * max(problem.length, problem.sizing.least), BEYOND * max(asked, default=0.0)
+    )
     sizing = follower.model_copy(update=free).sizing((1e-3 * problem.length, largest))
     return replace(problem, sizing=replace(sizing, least=problem.sizing.least))
 
@@ -34,13 +38,13 @@ def range_parts(spec: DesignSpec, problem: Problem) -> list[Part]:
             found += _sides(size_name, f"follower/{name}", ends(getattr(follower, name)), axis, 0.0)
     low, high = ends(spec.base_radius_mm)
     radii = list(_sides("base_radius", "base_radius_mm", (low, high), None, roller))
-    if _harmed_by_size(problem):
+    if harmed_by_size(problem):
         return found + radii
     # a larger size eases everything, so that only the largest can be in the way
     return found + [replace(part, low=-inf) for part in radii if part.high < inf]
 
 
-def _harmed_by_size(problem: Problem) -> bool:
+def harmed_by_size(problem: Problem) -> bool:
     """Whether a larger size may break a limit: its outer radius, or contact on a tilted face."""
     follower, low = problem.machine.follower, tuple(low for low, _ in problem.sizing.bounds)
     raised = follower.raised(low, 1.0)

@@ -19,9 +19,11 @@ from synthesis.formulations.cone.rows import Block
 from synthesis.formulations.conflict.parts import Part, RangePart
 from synthesis.numerics.piecewise import Array
 from synthesis.solvers.clarabel import ConeProgram, solve
-from synthesis.solvers.statuses import USABLE
+from synthesis.solvers.statuses import USABLE, Stopped
 
 NOBODY = -1
+UNITS = (1.0, 1e4, 1e8)
+AMPLE = 1e4  # of a unit: what gives way by more is not told exactly in it
 
 
 @dataclass(frozen=True, eq=False)
@@ -206,12 +208,33 @@ def least_yield(
         floor: the least that each may give way, 0 or negative.
         direction: with which they were stated.
     """
+    best: Yielded | None = None
+    for unit in UNITS:  # what has to give way by far is told in units of as much
+        found, stopped = _in_units(stated, loose, dropped, floor, direction, unit)
+        if stopped is Stopped.INFEASIBLE:
+            break
+        best = found or best
+        if found is not None and np.max(found.amounts, initial=0.0) <= AMPLE * unit:
+            break
+    return best
+
+
+def _in_units(
+    stated: Statement,
+    loose: Sequence[int],
+    dropped: Collection[int],
+    floor: float,
+    direction: Array | None,
+    unit: float,
+) -> tuple[Yielded | None, Stopped]:
     unequal, conic = stated.unequal.without(dropped), stated.conic.without(dropped)
     width, count = stated.equal.matrix.shape[1], len(loose)
     below = sparse.hstack([sparse.csr_matrix((count, width)), -sparse.eye(count)])
-    blocks = [sparse.hstack([rows.matrix, rows.columns(loose)]) for rows in (stated.equal, unequal)]
-    cones = sparse.hstack([conic.matrix, conic.columns(loose)])
-    rhs = (stated.equal.rhs, unequal.rhs, np.full(count, -floor), conic.rhs)
+    blocks = [
+        sparse.hstack([rows.matrix, unit * rows.columns(loose)]) for rows in (stated.equal, unequal)
+    ]
+    cones = sparse.hstack([conic.matrix, unit * conic.columns(loose)])
+    rhs = (stated.equal.rhs, unequal.rhs, np.full(count, -floor / unit), conic.rhs)
     program = ConeProgram(
         sparse.csc_matrix((width + count, width + count)),
         np.concatenate([np.zeros(width), np.ones(count)]),
@@ -223,5 +246,5 @@ def least_yield(
     )
     found = solve(program)
     if found.stopped not in USABLE:
-        return None
-    return Yielded(found.x[:width], found.x[width:], direction)
+        return None, found.stopped
+    return Yielded(found.x[:width], unit * found.x[width:], direction), found.stopped

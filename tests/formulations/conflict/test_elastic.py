@@ -119,7 +119,7 @@ CASES: dict[str, tuple[DesignSpec, set[str]]] = {
 KEPT = 1e-8  # rows are of the order of one
 
 
-def changed(spec: DesignSpec, field: str, value: float) -> DesignSpec:
+def changed(spec: DesignSpec, field: str, value: Any) -> DesignSpec:
     """The spec with one field, named by its path, at another value."""
     body = copy.deepcopy(spec.model_dump())
     at: Any = body
@@ -204,6 +204,47 @@ def test_limits_that_cannot_help_alone_are_said_so(
             far = 89.0 if r.unit == "deg" else 1e4 * r.asked
             assert not possible(changed(spec, r.field, far)), r
             assert r.note
+
+
+@pytest.mark.parametrize("factor", [3.1e-3, 3.1e-8])
+def test_what_is_needed_is_as_exact_from_far(factor: float) -> None:
+    """The least peak jerk between dwells is 32 h/β³ (mathematics.md, §2)."""
+    found = why(scene(PLAIN, jerk(factor, 71.7), base=LEAST), 16)
+    (needed,) = found.relaxations
+    assert needed.needed == pytest.approx(32.0 / factor * needed.asked, rel=3e-6)
+
+
+def test_two_limits_far_out_of_reach_are_a_conflict_and_no_failure() -> None:
+    found = why(scene(PLAIN, angles(1e-3, 45.0), jerk(3.1e-8, 71.7)))
+    assert found.limits == [f"jerk ≤ {jerk(3.1e-8, 71.7)['max_mm_per_s3']:.6g} mm/s³"]
+    assert all(r.needed is None for r in found.relaxations)
+
+
+def found_by_search(spec: DesignSpec) -> bool:
+    return search(problem(spec), 1e-2).best is not None
+
+
+def test_a_largest_radius_beyond_what_is_looked_at_by_itself() -> None:
+    asked = scene(PLAIN, angles(3.1e-3, 5e-3), jerk(47.0, 71.7), base={"max": 3.7e5})
+    assert not found_by_search(asked)
+    found = [r for r in why(asked, 40).relaxations if r.needed is not None]
+    assert {r.field for r in found} == {
+        "limits/0/rise_deg", "limits/0/return_deg", "limits/1/max_mm_per_s3", "base_radius_mm/max"
+    }  # fmt: skip
+    for r in found:
+        assert found_by_search(changed(asked, r.field, r.needed + 1e-2 * (r.needed - r.asked))), r
+        assert not found_by_search(
+            changed(asked, r.field, r.needed - 0.1 * (r.needed - r.asked))
+        ), r
+
+
+@pytest.mark.parametrize("law", [None, "cycloidal"])
+def test_how_large_a_cam_was_looked_at_is_said_where_a_larger_one_would_do(law: str | None) -> None:
+    program = (rise(71.7, law=law), dwell(23.9), fall(83.3, law=law), dwell(181.1))
+    asked = scene(program, angles(1e-3, 45.0))
+    assert f"base radii up to {1e4 * LIFT:.6g} mm" in why(asked).evidence
+    assert found_by_search(changed(asked, "base_radius_mm", {"max": 3e6}))
+    assert "base radii up to" not in why(scene(PLAIN, jerk(31.0, 71.7), base=LEAST)).evidence
 
 
 # -- the set in conflict ---------------------------------------------------------------------
