@@ -146,7 +146,7 @@ def _as_far_as(spec: DesignSpec, scene: Scene, members: Collection[int]) -> str:
     if not eased or harmed_by_size(scene.problem) or ends(spec.base_radius_mm)[1] < inf:
         return ""
     return (
-        f"; looked at were base radii up to {spec.base_radius_range()[1]:.6g} mm, {OPEN:.0e} "
+        f"; looked at were base radii up to {spec.base_radius_range()[1]:.6g} mm, {OPEN:.0f} "
         "strokes: for larger ones give base_radius_mm a max"
     )
 
