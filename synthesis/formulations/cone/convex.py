@@ -300,8 +300,7 @@ def _size_bounds(problem: Problem, scales: Scales) -> Iterator[Block]:
         own[j], own[count] = sign / far, bound / far
     table = rounded(table)
     if sides:
-        size, rhs, nowhere = table[:, :count], table[:, count], np.zeros(len(sides))
-        yield Block("size", None, None, nowhere, np.zeros(4), size, 0.0, rhs, "bounds")
+        yield Block.of_size(table[:, :count], table[:, count], "bounds")
 
 
 def _balls(

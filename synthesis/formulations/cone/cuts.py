@@ -164,7 +164,5 @@ def on_given(curve: Curved, stretch: Stretch, scales: Scales, tighten: float) ->
         normals, offsets = found.normals[worst], found.offsets[worst]
     rows = normals * scales.size
     scale = np.max(np.abs(rows), axis=1)
-    yield Block(
-        "size", None, None, np.zeros(len(rows)), np.zeros(4), rounded(rows / scale[:, None]), 0.0,
-        rounded(offsets / scale), curve.source, tighten,
-    )  # fmt: skip
+    rows, room = rounded(rows / scale[:, None]), rounded(offsets / scale)
+    yield Block.of_size(rows, room, curve.source, tighten=tighten)

@@ -66,6 +66,14 @@ class Block:
     spans: Array | None = None
     exact: bool = False
 
+    @classmethod
+    def of_size(
+        cls, size: Array, rhs: Array, source: str, *, level: float = 0.0, tighten: float = 0.0
+    ) -> Block:
+        """Rows without motion: size (n_size,) or (r, n_size), rhs (r,)."""
+        nowhere = np.zeros(len(rhs))
+        return cls("size", None, None, nowhere, np.zeros(4), size, level, rhs, source, tighten)
+
     @cached_property
     def orders(self) -> tuple[int, ...]:
         """The derivatives that ``alpha`` names, in any of its rows."""
@@ -254,10 +262,10 @@ def on_given(row: Row, stretch: Stretch, scales: Scales, tighten: float) -> Bloc
     size = np.array(row.size) * scales.size if row.size else np.zeros(0)
     level = row.level * scales.level
     scale = max(np.abs(size).max(initial=0.0), abs(level))
-    return Block(
-        "size", None, None, np.zeros(1), np.zeros(4), rounded(size / scale),
-        float(rounded(level / scale)), rounded(np.array([(row.upper - worst) / scale])),
-        row.source, tighten,
+    room = rounded(np.array([(row.upper - worst) / scale]))
+    return Block.of_size(
+        rounded(size / scale), room, row.source, level=float(rounded(level / scale)),
+        tighten=tighten,
     )  # fmt: skip
 
 

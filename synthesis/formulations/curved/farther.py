@@ -46,7 +46,4 @@ def beyond(
     size = -(low + high) @ matrix * scales.size
     upper = -(least**2) - float(low @ high) + float((low + high) @ shift)
     unit = max(float(np.max(np.abs(size))), 1e-300)
-    yield Block(
-        "size", None, None, np.zeros(1), np.zeros(4), size / unit, 0.0,
-        np.array([upper / unit]), "farther",
-    )  # fmt: skip
+    yield Block.of_size(size / unit, np.array([upper / unit]), "farther")

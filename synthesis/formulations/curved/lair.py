@@ -225,10 +225,7 @@ def fan(plan: Plan, ball: Ball, sizes: Sizes) -> Iterator[Block]:
         norms = np.linalg.norm(images, axis=1)
         directions = images[norms > 0.0] / norms[norms > 0.0, None]
     for y in directions:
-        yield Block(
-            "size", None, None, np.zeros(1), np.zeros(4), y @ matrix, 0.0,
-            np.array([ball.radius - y @ ball.shift]), ball.source,
-        )  # fmt: skip
+        yield Block.of_size(y @ matrix, np.array([ball.radius - y @ ball.shift]), ball.source)
 
 
 def _places(hull: Hull, plan: Plan, position: int) -> Array:

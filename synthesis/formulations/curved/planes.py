@@ -48,13 +48,10 @@ class Planes:
         """As rows of a program whose sizes are in a unit [mm]."""
         scale = np.maximum(unit * np.max(np.abs(self.normals), axis=1, initial=0.0), 1e-300)
         return [
-            Block(
-                "size", None, None, np.zeros(1), np.zeros(4), -unit * normal / each, 0.0,
-                np.array([-floor / each]), "shared",
-            )
+            Block.of_size(-unit * normal / each, np.array([-floor / each]), "shared")
             for normal, floor, each in zip(self.normals, self.floors, scale, strict=True)
             if np.isfinite(floor)
-        ]  # fmt: skip
+        ]
 
     def least(self, directions: Array, box: Sizes) -> Array:
         """What direction · z is at least in a box, (q, d) to (q,); infinite where no size is left.

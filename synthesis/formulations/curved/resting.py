@@ -49,10 +49,7 @@ def resting(problem: Problem, sizes: Sizes, scales: Scales) -> Iterator[Block]:
         size = rows[:, broken].T * scales.size
         unit = np.maximum(np.max(np.abs(size), axis=1), 1e-300)
         if len(size):
-            yield Block(
-                "size", None, None, np.zeros(len(size)), np.zeros(4), size / unit[:, None], 0.0,
-                upper[broken] / unit, source,
-            )  # fmt: skip
+            yield Block.of_size(size / unit[:, None], upper[broken] / unit, source)
 
 
 def risen(problem: Problem, sizes: Ends) -> Ends:

@@ -71,10 +71,9 @@ def size_ends(plan: Plan, axis: int, known: tuple[float, float]) -> tuple[float,
     unit = np.zeros(len(plan.problem.sizing.bounds))
     unit[axis] = plan.scales.size
     low, high = (
-        _floor(plan, Block("size", None, None, np.zeros(1), np.zeros(4), sign * unit, -1.0,
-                           np.zeros(1), "tube"))
+        _floor(plan, Block.of_size(sign * unit, np.zeros(1), "tube", level=-1.0))
         for sign in (1.0, -1.0)
-    )  # fmt: skip
+    )
     return max(low, known[0]), min(-high, known[1])
 
 

@@ -174,7 +174,7 @@ def _floor(plan: Plan, here: Candidate, reach: float) -> Block:
     """The cam shrinks by no more than a share of its value: tangents say nothing far away."""
     growing = -np.eye(len(here.size))[-1]
     least = (here.size[-1] - reach * here.value) / plan.scales.size
-    return Block("size", None, None, np.zeros(1), np.zeros(4), growing, 0.0, np.array([-least]), "")
+    return Block.of_size(growing, np.array([-least]), "")
 
 
 def _tangents(
@@ -216,10 +216,7 @@ def _block(plan: Plan, spot: Spots, cuts: Cuts, *, bare: bool = False) -> Block:
     size = cuts.size.T * plan.scales.size
     scale = np.maximum(np.max(np.abs(size), axis=1), 1e-300)
     room = cuts.upper - np.sum(cuts.coefficients * spot.s, axis=0)
-    return Block(
-        "size", None, None, np.zeros(len(room)), np.zeros(4), size / scale[:, None], 0.0,
-        room / scale, SOURCE,
-    )  # fmt: skip
+    return Block.of_size(size / scale[:, None], room / scale, SOURCE)
 
 
 def _said(settled: Problem, spot: Spots) -> Callable[[Array, Vector], Array]:
