@@ -27,7 +27,6 @@ from synthesis.formulations.curved.exploring import (
     Box,
     Quest,
     climbed,
-    excess,
     explored,
     holding,
 )
@@ -41,7 +40,6 @@ from synthesis.limits import Limit
 from synthesis.motion import Stretch
 
 INTERVALS = 20  # of the laws whose caps are read
-NEAR = -0.15  # a smooth limit above this, relative, is near to binding
 CLOSE_BY = 0.08  # of a law: parts that are no farther apart are one
 AIM = 0.985  # of the tolerance: the gap that is to be proven
 FEW_TURNS = 2  # where the proof need not be thorough
@@ -145,8 +143,9 @@ def binding(state: Search, free: Stretch) -> Parts:
     for cam in (state.best, state.relaxed):
         if cam is not None:
             (stretch,) = (s for s in cam.problem.stretches if s.index == free.index)
-            worst = np.maximum(worst, excess(cam.problem, stretch, x, cam.size))
-    where = np.flatnonzero(worst > NEAR)
+            theta = stretch.start + stretch.angle * x
+            worst = np.maximum(worst, resting.excess(cam.problem, stretch, theta, cam.size))
+    where = np.flatnonzero(worst > resting.NEAR)
     if not len(where):
         return ()
     runs = np.split(where, np.flatnonzero(np.diff(where) > CLOSE_BY * SAMPLES) + 1)

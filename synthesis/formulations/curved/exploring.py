@@ -22,16 +22,14 @@ from synthesis.formulations.cone.rows import Block, Scales
 from synthesis.formulations.curved.farther import beyond
 from synthesis.formulations.curved.lair import Guess, Lair
 from synthesis.formulations.curved.narrowing import narrowed
-from synthesis.formulations.curved.resting import resting, risen
+from synthesis.formulations.curved.resting import excess, resting, risen
 from synthesis.formulations.question.grid import Grid, merged, over, uniform
 from synthesis.formulations.question.problem import Held, Nothing, Problem
 from synthesis.formulations.rounds.knots import all_halved, finer
 from synthesis.formulations.rounds.search import Search
-from synthesis.motion import Stretch
 from synthesis.numerics.piecewise import Array
 from synthesis.solvers.clarabel import ConeSolution, solve
 from synthesis.solvers.statuses import USABLE, Stopped
-from synthesis.terms import Vector
 
 INTERVALS = 20  # of the first laws of every climb
 FEW = 2  # times at most that these are refined for the laws that say where better cams lie
@@ -113,17 +111,6 @@ class Box:
     fresh: bool = False
 
 
-def excess(problem: Problem, stretch: Stretch, x: Array, size: Vector) -> Array:
-    """By how much limits with implied rows are broken on a settled stretch, relative: (n,)."""
-    theta = stretch.start + stretch.angle * x
-    s, worst = stretch.placed().derivatives(theta), np.full(len(x), -np.inf)
-    for limit in problem.limits:
-        if limit.traced(stretch, problem.machine):
-            for value in limit.smooth(stretch, problem.machine, theta, s, size):
-                worst = np.maximum(worst, value)
-    return worst
-
-
 def explored(quest: Quest, box: Box, turns: int = TURNS) -> Box:
     """Hulls and rows in turn, each from what the other has shown, while it is worth it.
 
@@ -154,7 +141,11 @@ def _breaking(quest: Quest, lair: Lair) -> tuple[int, ...]:
     x, hulled = np.linspace(0.0, 1.0, SAMPLES + 1), {position for position, _ in lair.hulls}
     laws = ((k, free[k].with_law(guess.laws[k].curve())) for k in hulled)
     return tuple(
-        sorted(k for k, law in laws if np.max(excess(quest.problem, law, x, guess.size)) > 0.0)
+        sorted(
+            k
+            for k, law in laws
+            if np.max(excess(quest.problem, law, law.start + law.angle * x, guess.size)) > 0.0
+        )
     )
 
 

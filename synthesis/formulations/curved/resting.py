@@ -25,17 +25,20 @@ Sizes = Sequence[tuple[float, float]]
 Ends = tuple[tuple[float, float], ...]
 
 
+def excess(problem: Problem, stretch: Stretch, theta: Array, size: tuple[float, ...]) -> Array:
+    """By how much traced limits are broken on a settled stretch at cam angles (n,), relative."""
+    s, worst = stretch.placed().derivatives(theta), np.full(len(theta), -np.inf)
+    for limit in problem.limits:
+        if limit.traced(stretch, problem.machine):
+            for value in limit.smooth(stretch, problem.machine, theta, s, size):
+                worst = np.maximum(worst, value)
+    return worst
+
+
 def binding(problem: Problem, size: tuple[float, ...]) -> bool:
     """Whether a traced limit is near to binding on a given stretch at a size, or broken."""
-    for stretch in problem.stretches:
-        theta = _angles(problem, stretch)
-        s = None if stretch.law is None else stretch.placed().derivatives(theta)
-        for limit in () if s is None else problem.limits:
-            if limit.traced(stretch, problem.machine):
-                found = limit.smooth(stretch, problem.machine, theta, s, size)
-                if any(np.max(value) > NEAR for value in found):
-                    return True
-    return False
+    given = (stretch for stretch in problem.stretches if stretch.law is not None)
+    return any(np.max(excess(problem, s, _angles(problem, s), size)) > NEAR for s in given)
 
 
 def resting(problem: Problem, sizes: Sizes, scales: Scales) -> Iterator[Block]:
