@@ -13,7 +13,8 @@ COPY requirements.lock requirements-dev.lock ./
 RUN pip install -r requirements.lock \
  && pip install -c requirements-dev.lock "psycopg[binary]" pyarrow
 
-COPY pyproject.toml README.md LICENSE ./
+COPY pyproject.toml README.md CONTRIBUTING.md CHANGELOG.md LICENSE ./
+COPY docs docs
 COPY synthesis synthesis
 COPY service service
 RUN pip install --no-deps . && pip check

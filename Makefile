@@ -39,11 +39,11 @@ run: $(RUN)  ## start the service (HOST=127.0.0.1 PORT=8000)
 # All tests at once, in four parts that take about as long, and lint beside them: those that kill,
 # restart and wait leave two cores to the others. What lint says is not asked once more by a test.
 PARTS   := waiting service core rest
-waiting := $(patsubst %,tests/service/%.py,sweeps/test_kills running/test_deployment \
-             sweeps/test_leases running/test_trouble running/test_benchmark \
+waiting := $(patsubst %,tests/service/%.py,sweeps/test_kills test_deployment \
+             sweeps/test_leases workers/test_trouble test_benchmark \
              resources/test_cam_sets commands/test_sweep_and_export commands/test_commands)
 service := $(filter-out $(waiting),$(wildcard tests/service/test_*.py tests/service/*/test_*.py))
-core    := tests/pipeline tests/formulations tests/validation
+core    := tests/pipeline tests/optimise tests/validation
 rest    := --ignore=tests/architecture/test_quality.py \
            $(filter-out tests/service $(core),$(patsubst %/,%,$(wildcard tests/*/)))
 test: $(DEV)  ## run everything: style, types, layers and the tests (ARGS="-k name")
@@ -60,7 +60,7 @@ test-%: export OPENBLAS_NUM_THREADS = 1
 test-%: $(DEV)
 	@$(PY) -m pytest $($*) >$(VENV)/tests-$*.log 2>&1; code=$$?; cat $(VENV)/tests-$*.log; exit $$code
 
-hard: $(DEV)  ## all 2000 random specs against the independent verifier (ARGS="0 2000 1": first, end, step)
+hard: $(DEV)  ## all 2000 random specs against the independent verifier, or ARGS=loaded: 500 with a load (ARGS="0 2000 1": first, end, step)
 	$(PY) -m tests.hard.run $(ARGS)
 
 lint: $(DEV)  ## style, types and layers only
@@ -73,7 +73,7 @@ format: $(DEV)  ## put the code in form
 	$(PY) -m ruff check --fix
 	$(PY) -m ruff format
 
-bench: $(DEV)  ## measure speed and error, print it, write docs/benchmarks and README's table (ARGS="name" only prints)
+bench: $(DEV)  ## measure speed and error, print it, write docs/benchmarks and the table of docs/overview.md (ARGS="name" only prints)
 	$(PY) -m benchmarks $(or $(ARGS),--write)
 
 openapi: $(DEV)  ## write openapi/openapi.json anew

@@ -2,7 +2,7 @@
 
 ``python -m benchmarks`` runs them all, ``python -m benchmarks name …`` some of them,
 ``python -m benchmarks --list`` says which there are, and ``--write`` writes the page
-docs/benchmarks with its diagrams and the table in README.md that quotes it.
+docs/benchmarks with its diagrams and the table in docs/overview.md that quotes it.
 """
 
 from benchmarks.timing import Timing, timed

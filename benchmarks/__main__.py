@@ -35,7 +35,7 @@ NAMES = (
     "startup",
 )
 ROOT = Path(__file__).resolve().parents[1]
-FOLDER, README = ROOT / "docs" / "benchmarks", ROOT / "README.md"
+FOLDER, README = ROOT / "docs" / "benchmarks", ROOT / "docs" / "overview.md"
 
 
 def section(name: str, effort: Effort) -> Section:
@@ -51,7 +51,9 @@ def main() -> None:
     parser.add_argument("name", nargs="*", help=f"which of them; all if none: {', '.join(NAMES)}")
     parser.add_argument("--list", action="store_true", help="say which there are")
     parser.add_argument("--trial", action="store_true", help="few sizes and repeats: does it work?")
-    parser.add_argument("--write", action="store_true", help="write docs/benchmarks and README.md")
+    parser.add_argument(
+        "--write", action="store_true", help="write docs/benchmarks and docs/overview.md"
+    )
     asked = parser.parse_args()
     unknown = [name for name in asked.name if name not in NAMES]
     if unknown:

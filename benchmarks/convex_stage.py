@@ -9,13 +9,13 @@ from benchmarks.effort import FULL, Effort
 from benchmarks.main_job import CONVEX
 from benchmarks.section import Section, Table
 from benchmarks.timing import Call, in_turns, timed
-from synthesis.formulations.bounds.bound import bound, in_core_units
-from synthesis.formulations.cone.convex import formulate
-from synthesis.formulations.conflict.elastic import diagnose
-from synthesis.formulations.question.grid import Grid, uniform
-from synthesis.formulations.question.problem import Problem, pose
-from synthesis.solvers.clarabel import solve
-from synthesis.spec import DesignSpec
+from synthesis.numerics.solvers.clarabel import solve
+from synthesis.optimise.conic.program import formulate
+from synthesis.optimise.dual_bound.bound import dual_bound, in_core_units
+from synthesis.optimise.infeasibility.diagnosis import diagnose
+from synthesis.optimise.problem.grid import Grid, uniform_grid
+from synthesis.optimise.problem.problem import Problem, formulate_problem
+from synthesis.spec.design_spec import DesignSpec
 
 OMEGA = 10.0
 KINDS = ("base_radius", "peak_acceleration", "peak_jerk", "rms_jerk")
@@ -49,8 +49,8 @@ def spec(objective: str = "base_radius", jerk: float = 1.5, **more: Any) -> Desi
 
 
 def _posed(asked: DesignSpec, intervals: int) -> tuple[Problem, list[Grid]]:
-    problem = pose(asked, asked.objectives()[0])
-    return problem, [uniform(stretch, intervals) for stretch in problem.free]
+    problem = formulate_problem(asked, asked.objectives()[0])
+    return problem, [uniform_grid(segment, intervals) for segment in problem.free]
 
 
 def _stages(effort: Effort) -> Table:
@@ -65,11 +65,11 @@ def _stage(kind: str, intervals: int, effort: Effort) -> tuple[str, ...]:
     problem, grids = _posed(spec(kind), intervals)
     plan = formulate(problem, grids)
     solution = solve(plan.program)
-    lower = bound(plan, solution)
+    lower = dual_bound(plan, solution)
     calls: dict[str, Call] = {
         "matrices": lambda: formulate(problem, grids),
         "Clarabel": lambda: solve(plan.program),
-        "bound": lambda: bound(plan, solution),
+        "bound": lambda: dual_bound(plan, solution),
     }
     times = in_turns(calls, effort.repeats(20), effort.warm_up(2))
     value = in_core_units(plan, plan.program.value(solution.x))

@@ -9,13 +9,13 @@ from benchmarks.effort import FULL, Effort
 from benchmarks.main_job import CONVEX
 from benchmarks.section import Section, Table
 from benchmarks.timing import timed
-from synthesis.formulations.cams.candidate import grow, settle
-from synthesis.formulations.cone.convex import Plan, formulate
-from synthesis.formulations.nonconvex.nonlinear import improve
-from synthesis.formulations.question.grid import uniform
-from synthesis.formulations.question.problem import pose
-from synthesis.solvers.clarabel import solve
-from synthesis.spec import DesignSpec
+from synthesis.numerics.solvers.clarabel import solve
+from synthesis.optimise.conic.program import ConicModel, formulate
+from synthesis.optimise.heuristics.ipopt_search import solve_ipopt
+from synthesis.optimise.problem.grid import uniform_grid
+from synthesis.optimise.problem.problem import formulate_problem
+from synthesis.optimise.recovery.candidate import enlarge_until_feasible, recover_cam
+from synthesis.spec.design_spec import DesignSpec
 
 OMEGA = 10.0
 MAIN = "main job, radius ≥ 12 mm"
@@ -67,12 +67,12 @@ def spec(scene: dict[str, Any]) -> DesignSpec:
     )
 
 
-def posed(asked: DesignSpec, intervals: int) -> tuple[Plan, np.ndarray, float]:
+def posed(asked: DesignSpec, intervals: int) -> tuple[ConicModel, np.ndarray, float]:
     """The plan, the start, and the prime radius that the relaxation allows."""
-    problem = pose(asked, asked.objectives()[0])
-    plan = formulate(problem, [uniform(stretch, intervals) for stretch in problem.free])
+    problem = formulate_problem(asked, asked.objectives()[0])
+    plan = formulate(problem, [uniform_grid(segment, intervals) for segment in problem.free])
     laws, size = plan.recover(solve(plan.program).x)
-    raised = grow(settle(problem, laws, size))
+    raised = enlarge_until_feasible(recover_cam(problem, laws, size))
     assert raised is not None
     return plan, plan.point(raised.laws, raised.size), float(np.hypot(*size))
 
@@ -90,9 +90,9 @@ def run(effort: Effort = FULL) -> Section:
 
 def _row(name: str, allowed: float, effort: Effort) -> tuple[str, ...]:
     plan, start, relaxed = posed(spec(SCENES[name]), INTERVALS)
-    found = improve(plan, start, tighten=allowed)
+    found = solve_ipopt(plan, start, tighten=allowed)
     time = timed(
-        lambda: improve(plan, start, tighten=allowed), effort.repeats(7), effort.warm_up(1)
+        lambda: solve_ipopt(plan, start, tighten=allowed), effort.repeats(7), effort.warm_up(1)
     )
     primes = (relaxed, *(float(np.hypot(*plan.recover(x)[1])) for x in (start, found.x)))
     radii = [f"{prime:.3f} mm" for prime in primes]

@@ -21,7 +21,7 @@ from benchmarks.effort import FULL, Effort
 from benchmarks.section import Section, Table
 from benchmarks.timing import Call, Timing, in_turns
 from synthesis import DesignSpec, synthesise
-from synthesis.design import Design
+from synthesis.design.design import Design
 from synthesis.exporters import PROFILE_FORMATS, ProfileOptions
 from synthesis.numerics.piecewise import Array
 from tests.validation.textbook import OffsetRoller

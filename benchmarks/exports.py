@@ -12,7 +12,7 @@ from benchmarks.density import cam, textbook
 from benchmarks.effort import FULL, Effort
 from benchmarks.section import Section, Table
 from benchmarks.timing import Call, in_turns
-from synthesis.design import Design
+from synthesis.design.design import Design
 from synthesis.exporters import (
     MOTION_FORMATS,
     PICTURES,

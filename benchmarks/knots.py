@@ -12,14 +12,20 @@ from benchmarks.effort import FULL, Effort
 from benchmarks.section import Section, Table
 from benchmarks.timing import Call, Timing, in_turns
 from benchmarks.truth import BASE_RADIUS, PEAK_ACCELERATION, PRIME, Scene
-from synthesis.formulations.bounds.bound import bound
-from synthesis.formulations.cams.candidate import settle
-from synthesis.formulations.cone.convex import formulate
-from synthesis.formulations.question.grid import CLOSEST_KNOTS, Grid, merged, over, ramps
-from synthesis.formulations.question.problem import Problem, pose
-from synthesis.motion import Stretch
-from synthesis.solvers.clarabel import solve
-from synthesis.solvers.statuses import Stopped
+from synthesis.catalogue.motion import PlacedSegment
+from synthesis.numerics.solvers.clarabel import solve
+from synthesis.numerics.solvers.statuses import StopReason
+from synthesis.optimise.conic.program import formulate
+from synthesis.optimise.dual_bound.bound import dual_bound
+from synthesis.optimise.problem.grid import (
+    CLOSEST_KNOTS,
+    Grid,
+    grid_through,
+    merge_knots,
+    ramp_knots,
+)
+from synthesis.optimise.problem.problem import Problem, formulate_problem
+from synthesis.optimise.recovery.candidate import recover_cam
 
 KINDS = {  # smoothness, and whether there are ramps at the ends
     "C2, cubic": (2, False),
@@ -63,10 +69,10 @@ class _Round:
         """Value and bound [core units], number of unknowns; None where nothing fits."""
         plan = formulate(self.problem, self.grids)
         solution = solve(plan.program)
-        if solution.stopped is Stopped.INFEASIBLE:
+        if solution.stopped is StopReason.INFEASIBLE:
             return None
-        found = settle(self.problem, *plan.recover(solution.x))
-        lower = bound(plan, solution).value
+        found = recover_cam(self.problem, *plan.recover(solution.x))
+        lower = dual_bound(plan, solution).value
         return found.value, lower, plan.program.matrix.shape[1]
 
 
@@ -97,16 +103,16 @@ def _outcomes(scene: Scene, effort: Effort) -> list[Outcome]:
 
 def _posed(scene: Scene, smoothness: int, ramped: bool, intervals: int) -> _Round:
     spec = scene.spec(smoothness)
-    problem = pose(spec, spec.objectives()[0])
+    problem = formulate_problem(spec, spec.objectives()[0])
     return _Round(
         problem, tuple(_grid(s, intervals, smoothness - 2 if ramped else 0) for s in problem.free)
     )
 
 
-def _grid(stretch: Stretch, intervals: int, softer: int) -> Grid:
+def _grid(segment: PlacedSegment, intervals: int, softer: int) -> Grid:
     """Equal intervals, with knots for ramps of so many derivatives at both ends."""
     equal = np.linspace(0.0, 1.0, intervals + 1)
-    return over(stretch, merged(equal, ramps(np.zeros(0), softer)))
+    return grid_through(segment, merge_knots(equal, ramp_knots(np.zeros(0), softer)))
 
 
 def _in_core_units(scene: Scene, problem: Problem) -> float:

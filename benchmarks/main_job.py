@@ -9,7 +9,7 @@ from benchmarks.effort import FULL, Effort
 from benchmarks.section import Section, Table
 from benchmarks.timing import Timing, in_turns
 from synthesis import DesignSpec, synthesise
-from synthesis.design import Design
+from synthesis.design.design import Design
 
 OMEGA = 10.0
 CONVEX: dict[str, Any] = {

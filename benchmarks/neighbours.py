@@ -14,9 +14,9 @@ from benchmarks.proof import SCENES
 from benchmarks.section import Section, Table
 from benchmarks.timing import spread
 from service.sweeps.chunks import CHAIN
-from synthesis.design import Design
-from synthesis.pipeline import Near, synthesise, synthesise_beside
-from synthesis.spec import DesignSpec
+from synthesis.design.design import Design
+from synthesis.pipeline.synthesise import Near, synthesise, synthesise_beside
+from synthesis.spec.design_spec import DesignSpec
 
 RADII = tuple(float(r) for r in np.linspace(9.0, 15.0, 10))
 ANGLES = tuple(float(a) for a in np.linspace(26.0, 35.5, 20))

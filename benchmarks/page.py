@@ -1,4 +1,4 @@
-"""The page docs/benchmarks, its diagrams, and the table of README.md that quotes it."""
+"""The page docs/benchmarks, its diagrams, and the table of docs/overview.md that quotes it."""
 
 from __future__ import annotations
 

@@ -12,10 +12,10 @@ from typing import Any
 from benchmarks.effort import FULL, Effort
 from benchmarks.section import Section, Table
 from benchmarks.timing import spread
-from synthesis.formulations.ladder.refine import search
-from synthesis.formulations.question.problem import Problem, pose
-from synthesis.formulations.rounds.search import Search
-from synthesis.spec import DesignSpec
+from synthesis.optimise.driver import optimise
+from synthesis.optimise.problem.problem import Problem, formulate_problem
+from synthesis.optimise.state.solve_state import SolveState
+from synthesis.spec.design_spec import DesignSpec
 
 TOLERANCE = 5e-3
 LONG = 4.0  # seconds of runs after which there are no more
@@ -100,24 +100,24 @@ SCENES = (
 class Found:
     """The searches of a scene, and the seconds of each run."""
 
-    without: Search
-    quick: Search
-    thorough: Search
+    without: SolveState
+    quick: SolveState
+    thorough: SolveState
     first: tuple[float, ...]
     both: tuple[float, ...]
 
     def row(self, scene: Scene) -> tuple[str, ...]:
         """As a row of the table."""
         boxes = [s.model for s in self.thorough.stages if s.stage == "implied rows"]
-        best = self.thorough.best
+        best = self.thorough.incumbent
         return (
             scene.name,
             f"{scene.limit:g}",
-            f"{100.0 * self.without.gap_of(self.quick.best):.1f} %",
+            f"{100.0 * self.without.gap_between(self.quick.incumbent, self.without.lower):.1f} %",
             _seconds(self.first),
-            f"{100.0 * self.quick.gap_of(self.quick.best):.2f} %",
+            f"{100.0 * self.quick.gap_between(self.quick.incumbent, self.quick.lower):.2f} %",
             _seconds(self.both),
-            f"{100.0 * self.thorough.gap_of(best):.2f} %",
+            f"{100.0 * self.thorough.gap_between(best, self.thorough.lower):.2f} %",
             "".join(boxes).removeprefix("linear and cone programs in ").removesuffix(" boxes"),
             f"{best.value:.3f}" if best else "",
         )
@@ -148,17 +148,19 @@ def run(effort: Effort = FULL) -> Section:
 def measured(scene: Scene, repeats: int) -> Found:
     """All searches, timed."""
     spec, unlimited = scene.spec(), scene.spec(limited=False)
-    problem = pose(spec, spec.objectives()[0])
+    problem = formulate_problem(spec, spec.objectives()[0])
     quick, first = _timed(problem, repeats, thorough=False)
     thorough, both = _timed(problem, repeats, thorough=True)
-    without = search(pose(unlimited, unlimited.objectives()[0]), TOLERANCE)
+    without = optimise(formulate_problem(unlimited, unlimited.objectives()[0]), TOLERANCE)
     return Found(without, quick, thorough, first, both)
 
 
-def _timed(problem: Problem, repeats: int, *, thorough: bool) -> tuple[Search, tuple[float, ...]]:
+def _timed(
+    problem: Problem, repeats: int, *, thorough: bool
+) -> tuple[SolveState, tuple[float, ...]]:
     seconds = list[float]()
     while not seconds or (len(seconds) < repeats and sum(seconds) < LONG):
         began = perf_counter()
-        found = search(problem, TOLERANCE, thorough=thorough)
+        found = optimise(problem, TOLERANCE, thorough=thorough)
         seconds.append(perf_counter() - began)
     return found, tuple(seconds)

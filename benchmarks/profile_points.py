@@ -6,12 +6,12 @@ from benchmarks.density import textbook
 from benchmarks.effort import FULL, Effort
 from benchmarks.section import Section, Table
 from benchmarks.timing import Call, in_turns
-from synthesis.followers import TranslatingRoller
-from synthesis.laws import LAWS
-from synthesis.motion import Motion, Stretch
+from synthesis.catalogue.followers import TranslatingRoller
+from synthesis.catalogue.laws import LAWS
+from synthesis.catalogue.motion import Motion, PlacedSegment
+from synthesis.catalogue.profile import cam_profile
 from synthesis.numerics.bspline import SplineSpace
 from synthesis.numerics.piecewise import Piecewise
-from synthesis.profile import cam_profile
 
 POINTS = 1440
 SIZE = (20.0, float(np.sqrt(60.0**2 - 20.0**2)))  # example 13-6
@@ -31,7 +31,7 @@ def motion(rise: Piecewise, back: Piecewise) -> Motion:
     )
     return Motion.of(
         [
-            Stretch(i, kind, ends[i], ends[i + 1] - ends[i], low, high, law)
+            PlacedSegment(i, kind, ends[i], ends[i + 1] - ends[i], low, high, law)
             for i, (kind, low, high, law) in enumerate(plan)
         ]
     )

@@ -11,10 +11,10 @@ from typing import Any
 from benchmarks.effort import FULL, Effort
 from benchmarks.section import Section, Table
 from benchmarks.timing import spread
-from synthesis.formulations.ladder.refine import search
-from synthesis.formulations.question.problem import Problem, pose
-from synthesis.formulations.rounds.search import Search
-from synthesis.spec import DesignSpec
+from synthesis.optimise.driver import optimise
+from synthesis.optimise.problem.problem import Problem, formulate_problem
+from synthesis.optimise.state.solve_state import SolveState
+from synthesis.spec.design_spec import DesignSpec
 
 OMEGA = 10.0
 TOLERANCE = 5e-3
@@ -101,8 +101,8 @@ SCENES = (
 class Found:
     """Both searches of a scene, and the seconds of each run."""
 
-    quick: Search
-    thorough: Search
+    quick: SolveState
+    thorough: SolveState
     first: tuple[float, ...]
     both: tuple[float, ...]
 
@@ -112,14 +112,14 @@ class Found:
         boxes = [s.model for s in self.thorough.stages if s.stage == "implied rows"]
         limits = ((f"ρ ≥ {scene.radius:g}", scene.radius), (f"Rg {scene.cutter:g}", scene.cutter))
         kind = ", ".join(told for told, value in limits if value)
-        best = self.thorough.best
+        best = self.thorough.incumbent
         return (
             scene.name,
             kind,
             _seconds(self.first),
-            f"{100.0 * self.quick.gap_of(self.quick.best):.1f} %",
+            f"{100.0 * self.quick.gap_between(self.quick.incumbent, self.quick.lower):.1f} %",
             _seconds(more),
-            f"{100.0 * self.thorough.gap_of(best):.2f} %",
+            f"{100.0 * self.thorough.gap_between(best, self.thorough.lower):.2f} %",
             "".join(boxes).removeprefix("linear and cone programs in ").removesuffix(" boxes"),
             f"{best.value:.3f}" if best else "",
         )
@@ -150,16 +150,18 @@ def run(effort: Effort = FULL) -> Section:
 def measured(scene: Scene, repeats: int) -> Found:
     """Both searches, timed."""
     spec = scene.spec()
-    problem = pose(spec, spec.objectives()[0])
+    problem = formulate_problem(spec, spec.objectives()[0])
     quick, first = _timed(problem, repeats, thorough=False)
     thorough, both = _timed(problem, repeats, thorough=True)
     return Found(quick, thorough, first, both)
 
 
-def _timed(problem: Problem, repeats: int, *, thorough: bool) -> tuple[Search, tuple[float, ...]]:
+def _timed(
+    problem: Problem, repeats: int, *, thorough: bool
+) -> tuple[SolveState, tuple[float, ...]]:
     seconds = list[float]()
     while len(seconds) < 2 or (len(seconds) < repeats and sum(seconds) < LONG):
         began = perf_counter()
-        found = search(problem, TOLERANCE, thorough=thorough)
+        found = optimise(problem, TOLERANCE, thorough=thorough)
         seconds.append(perf_counter() - began)
     return found, tuple(seconds)

@@ -15,11 +15,11 @@ from benchmarks.main_job import CONVEX
 from benchmarks.section import Section, Table
 from benchmarks.timing import Call, Timing, in_turns
 from synthesis import DesignSpec, synthesise
-from synthesis.formulations.bounds.bound import bound
-from synthesis.formulations.cone.convex import formulate
-from synthesis.formulations.question.grid import uniform
-from synthesis.formulations.question.problem import pose
-from synthesis.solvers.clarabel import solve
+from synthesis.numerics.solvers.clarabel import solve
+from synthesis.optimise.conic.program import formulate
+from synthesis.optimise.dual_bound.bound import dual_bound
+from synthesis.optimise.problem.grid import uniform_grid
+from synthesis.optimise.problem.problem import formulate_problem
 
 SEGMENTS = (1, 2, 4, 10, 20, 50, 100)  # with free laws
 INTERVALS = (10, 20, 40, 80, 160, 320, 640)  # of each of two laws
@@ -68,11 +68,11 @@ def design(segments: int) -> str:
 def one_round(intervals: int) -> str:
     """One cone program with its bound; the gap."""
     spec = DesignSpec.model_validate(CONVEX)
-    problem = pose(spec, spec.objectives()[0])
-    plan = formulate(problem, [uniform(stretch, intervals) for stretch in problem.free])
+    problem = formulate_problem(spec, spec.objectives()[0])
+    plan = formulate(problem, [uniform_grid(segment, intervals) for segment in problem.free])
     solution = solve(plan.program)
     reached = plan.program.value(solution.x) * plan.scales.size
-    return f"{1.0 - bound(plan, solution).value / reached:.1e}"
+    return f"{1.0 - dual_bound(plan, solution).value / reached:.1e}"
 
 
 CALLS = {"design": design, "one_round": one_round}

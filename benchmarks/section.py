@@ -57,7 +57,8 @@ class Section:
 
     Attributes:
         title: its heading. text: what was measured, and how its errors are known.
-        parts: tables and diagrams. front: rows for the table in short that README.md quotes: what
+        parts: tables and diagrams. front: rows for the short table of
+            docs/overview.md: what
             was asked, its time, its error or gap.
     """
 

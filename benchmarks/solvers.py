@@ -14,7 +14,6 @@ from typing import Any
 
 import casadi
 import clarabel
-import cvxpy
 import numpy as np
 from scipy import sparse
 from scipy.optimize import minimize
@@ -25,12 +24,12 @@ from benchmarks.effort import FULL, Effort
 from benchmarks.main_job import CONVEX
 from benchmarks.section import Section, Table
 from benchmarks.timing import Call, Timing, in_turns
-from synthesis.formulations.cone.convex import Plan, formulate
-from synthesis.formulations.cone.reference import optimum
-from synthesis.formulations.question.grid import uniform
-from synthesis.formulations.question.problem import pose
 from synthesis.numerics.piecewise import Array
-from synthesis.spec import DesignSpec
+from synthesis.optimise.conic.program import ConicModel, formulate
+from synthesis.optimise.problem.grid import uniform_grid
+from synthesis.optimise.problem.problem import formulate_problem
+from synthesis.spec.design_spec import DesignSpec
+from tests.optimise.conic.reference import optimum
 
 INTERVALS = 42  # of each law
 ACCURACIES = (1e-8, 1e-6, 1e-4, 1e-2)
@@ -50,7 +49,7 @@ start from the 3-4-5 law."""
 class Scene:
     """The program, and the optimum to judge by [of the program's unit]."""
 
-    plan: Plan
+    plan: ConicModel
     optimum: float
 
     @property
@@ -75,7 +74,8 @@ class Scene:
         """The 3-4-5 law's coefficients and a prime radius that is generous."""
         plan = self.plan
         x = np.zeros(plan.program.matrix.shape[1])
-        for grid, known, columns in zip(plan.grids, plan.settled, plan.columns, strict=True):
+        each = zip(plan.grids, plan.boundary_states, plan.columns, strict=True)
+        for grid, known, columns in each:
             at = grid.space.greville
             law = 10.0 * at**3 - 15.0 * at**4 + 6.0 * at**5
             fit = np.linalg.solve(grid.space.basis(at), law)
@@ -164,8 +164,8 @@ def _front(
 def posed(intervals: int) -> Scene:
     """The program on equal intervals, and its optimum by the second statement."""
     spec = DesignSpec.model_validate(CONVEX)
-    problem = pose(spec, spec.objectives()[0])
-    grids = [uniform(stretch, intervals) for stretch in problem.free]
+    problem = formulate_problem(spec, spec.objectives()[0])
+    grids = [uniform_grid(segment, intervals) for segment in problem.free]
     plan = formulate(problem, grids)
     best = optimum(problem, grids).value
     assert best is not None
@@ -199,6 +199,8 @@ class Restated:
     """Stated once, solved as often as it is called; the right-hand side is a parameter."""
 
     def __init__(self, scene: Scene) -> None:
+        import cvxpy  # takes more than a second
+
         cp: Any = cvxpy
         program, (equal, below) = scene.plan.program, scene.split
         self.x = cp.Variable(program.matrix.shape[1])
@@ -214,7 +216,7 @@ class Restated:
         asked = dict.fromkeys(("tol_gap_abs", "tol_gap_rel", "tol_feas"), accuracy)
         with warnings.catch_warnings():
             warnings.simplefilter("ignore")  # of reduced accuracy: the error is measured
-            self.problem.solve(solver=cvxpy.CLARABEL, **asked)
+            self.problem.solve(solver="CLARABEL", **asked)
         return np.asarray(self.x.value)
 
 

@@ -9,9 +9,9 @@ from benchmarks.section import Section, Table
 from benchmarks.timing import Call, in_turns
 from service.contract.examples import SPATIAL_CAMS, examples
 from synthesis.exporters import Made
-from synthesis.spatial.files.body_step import STEP, FacetedOptions
-from synthesis.spatial.pipeline import synthesise_spatial
-from synthesis.spatial.spec import SpatialCamSpec
+from synthesis.machines.spatial.files.body_step import STEP, FacetedOptions
+from synthesis.machines.spatial.pipeline import synthesise_spatial
+from synthesis.machines.spatial.spec import SpatialCamSpec
 
 POINTS = 200
 SOLIDS = (

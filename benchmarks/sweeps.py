@@ -12,8 +12,8 @@ from benchmarks.effort import FULL, Effort
 from benchmarks.http import PATIENCE_S, connection, service
 from benchmarks.main_job import CONVEX
 from benchmarks.section import Section, Table
-from service.workers.solve import solve
-from synthesis.sweeps import SweepSpec
+from service.workers.tasks import solve_design
+from synthesis.studies.sweeps import SweepSpec
 
 WORKERS = 2
 SIZES = (10, 1000)
@@ -50,11 +50,11 @@ def _alone(asked: dict[str, Any], count: int) -> float:
     """Seconds an item, in this process."""
     sweep = SweepSpec.model_validate(asked)
     numbers = range(0, sweep.size, max(1, sweep.size // count))
-    specs = [json.dumps(sweep.item(sweep.picks(number))).encode() for number in numbers]
-    solve(specs[0], PATIENCE_S)
+    specs = [json.dumps(sweep.item(sweep.item_values(number))).encode() for number in numbers]
+    solve_design(specs[0], PATIENCE_S)
     started = time.perf_counter()
     for spec in specs:
-        solve(spec, PATIENCE_S)
+        solve_design(spec, PATIENCE_S)
     return (time.perf_counter() - started) / len(specs)
 
 

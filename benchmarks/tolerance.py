@@ -11,7 +11,7 @@ from benchmarks.section import Section, Table
 from benchmarks.timing import Call, Timing, in_turns
 from benchmarks.truth import SCENES, Scene
 from synthesis import synthesise
-from synthesis.design import Design
+from synthesis.design.design import Design
 
 TOLERANCES = (1e-1, 1e-2, 1e-3, 1e-4, 1e-5)
 LEAST = 1e-7  # errors below that are drawn at the edge

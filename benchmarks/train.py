@@ -15,9 +15,9 @@ from benchmarks.effort import FULL, Effort
 from benchmarks.section import Section, Table
 from benchmarks.timing import Call, Timing, in_turns
 from synthesis import DesignSpec
-from synthesis.dynamics.chain import Chain
-from synthesis.dynamics.response import Steps, from_rest
-from synthesis.motion import Motion
+from synthesis.catalogue.motion import Motion
+from synthesis.machines.dynamics.chain import Chain
+from synthesis.machines.dynamics.response import Steps, from_rest
 from synthesis.numerics.piecewise import Array
 
 LIFT, RISE, OMEGA, PLACES = 17.0, 80.0, 25.0, 90
@@ -95,7 +95,7 @@ def cam() -> Motion:
     ]
     follower = {"kind": "translating_roller", "roller_radius_mm": 8.0, "offset_mm": 0.0}
     body = {"program": program, "follower": follower, "base_radius_mm": 40.0}
-    return Motion.of(DesignSpec.model_validate(body).stretches())
+    return Motion.of(DesignSpec.model_validate(body).placed_segments())
 
 
 def run(effort: Effort = FULL) -> Section:

@@ -12,10 +12,8 @@ from dataclasses import dataclass
 from math import pi, radians, sqrt, tan
 from typing import Any
 
-import cvxpy
-
 from benchmarks.main_job import CONVEX
-from synthesis.spec import DesignSpec
+from synthesis.spec.design_spec import DesignSpec
 
 LIFT, OMEGA = 17.3, 7.9  # mm, rad/s
 RISE, DWELL, RETURN = 71.3, 37.9, 113.7  # deg; the return is slower, so peaks are the rise's
@@ -106,6 +104,8 @@ def prime_radius(intervals: int) -> float:
     Lengths over the lift, angles over the segment; s, v, a at the ends of the intervals are
     unknowns, joined by exact integration. The pressure angle is limited at these ends.
     """
+    import cvxpy  # takes more than a second
+
     cp: Any = cvxpy
     size = cp.Variable(2)  # offset and height
     said = [
@@ -119,6 +119,8 @@ def prime_radius(intervals: int) -> float:
 
 
 def _segment(n: int, t: float, up: bool, size: Any) -> Iterator[Any]:
+    import cvxpy
+
     cp: Any = cvxpy
     s, v, a, j = (cp.Variable(n + (k < 3)) for k in range(4))
     h = 1.0 / n

@@ -1,11 +1,10 @@
-"""create_app: routes, error table, documentation and what surrounds every request."""
+"""The application: routes, problem documents, OpenAPI document, middleware."""
 
 from __future__ import annotations
 
 from collections.abc import AsyncIterator, Callable
 from contextlib import AbstractAsyncContextManager, asynccontextmanager
 from functools import partial
-from typing import Any
 
 from fastapi import FastAPI
 from starlette.middleware.cors import CORSMiddleware
@@ -14,24 +13,8 @@ from starlette_compress import CompressMiddleware
 from service import pages
 from service.contract.documentation import OPENAPI_URL, TITLE, client_name, describe
 from service.resources.jobs import Jobs
-from service.resources.resource import LINKAGE_RESOURCES, RESOURCES
-from service.routes import (
-    analyses,
-    analysis_pictures,
-    cam_sets,
-    catalogue,
-    confirmation,
-    designs,
-    files,
-    linkages,
-    operation,
-    profile_analyses,
-    spatial_cams,
-    spatial_files,
-    sweep_items,
-    sweeps,
-    train_responses,
-)
+from service.resources.registry import RESOURCES
+from service.routes import catalogue, designs, operation, resource_routes, sweep_items, sweeps
 from service.settings import Settings
 from service.state import State
 from service.storage.store import Store
@@ -45,11 +28,7 @@ from service.wire.ranges import Ranges
 from service.workers.engine import Engine, running_engine
 
 EngineOf = Callable[[Settings], AbstractAsyncContextManager[Engine]]
-ROUTES = (
-    designs, confirmation, files, cam_sets, spatial_cams, spatial_files, sweeps, sweep_items,
-    analyses, analysis_pictures, profile_analyses, linkages, train_responses,
-    catalogue, operation,
-)  # fmt: skip
+ROUTES = (designs, sweeps, sweep_items, catalogue, operation)
 EXPOSED = (
     "Accept-Ranges", "Content-Location", "Content-Range", "ETag", "Location", "Retry-After",
     "X-Request-ID",
@@ -57,24 +36,25 @@ EXPOSED = (
 
 
 def create_app(settings: Settings, engine_of: EngineOf = running_engine) -> FastAPI:
-    """The service; ``engine_of`` makes the engine that it runs its designs on."""
+    """The application; ``engine_of`` makes the engine that runs its tasks."""
     metrics = Metrics()
 
     @asynccontextmanager
     async def lifespan(app: FastAPI) -> AsyncIterator[None]:
         store = Store(settings)
         async with engine_of(settings) as engine:
-            many = Sweeps(engine, store, settings)
-            work_on = partial(Jobs, engine=engine, store=store, metrics=metrics, settings=settings)
-            kinds = [work_on(each) for each in RESOURCES]
-            linkages = {name: work_on(each) for name, each in LINKAGE_RESOURCES.items()}
-            app.state.parts = State(settings, metrics, engine, store, many, linkages, *kinds)
-            under_way: list[Jobs | Sweeps] = [many, *kinds, *linkages.values()]
-            for work in under_way:
+            all_sweeps = Sweeps(engine, store, settings)
+            jobs = {
+                path: Jobs(resource, engine, store, metrics, settings)
+                for path, resource in RESOURCES.items()
+            }
+            app.state.parts = State(settings, metrics, engine, store, all_sweeps, jobs)
+            working: list[Jobs | Sweeps] = [all_sweeps, *jobs.values()]
+            for work in working:
                 await work.resume()
             yield
             engine.closing = True
-            for work in under_way:
+            for work in working:
                 await work.close()
         store.dispose()
 
@@ -88,17 +68,19 @@ def create_app(settings: Settings, engine_of: EngineOf = running_engine) -> Fast
         generate_unique_id_function=client_name,
         redirect_slashes=False,
     )
+    for resource in RESOURCES.values():
+        app.include_router(resource_routes.router_of(resource))
     for routes in ROUTES:
         app.include_router(routes.router)
     pages.install(app)
     problem.install(app)
-    _surround(app, settings, metrics)
-    _document(app)
+    _add_middleware(app, settings, metrics)
+    app.openapi = partial(describe, app)  # type: ignore[method-assign]
     return app
 
 
-def _surround(app: FastAPI, settings: Settings, metrics: Metrics) -> None:
-    """From the inside out."""
+def _add_middleware(app: FastAPI, settings: Settings, metrics: Metrics) -> None:
+    """From the innermost to the outermost."""
     app.add_middleware(BodyLimit, max_bytes=settings.max_body_bytes)
     app.add_middleware(CompressMiddleware, minimum_size=1000)
     app.add_middleware(TagEncodings)
@@ -112,10 +94,3 @@ def _surround(app: FastAPI, settings: Settings, metrics: Metrics) -> None:
             expose_headers=EXPOSED,
         )
     app.add_middleware(Observe, metrics=metrics)
-
-
-def _document(app: FastAPI) -> None:
-    def openapi() -> dict[str, Any]:
-        return describe(app)
-
-    app.openapi = openapi  # type: ignore[method-assign]

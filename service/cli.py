@@ -21,7 +21,7 @@ from service.commands.serve import serve
 from service.commands.spatial import spatial
 from service.commands.sweep import sweep
 from service.commands.terminal import out
-from synthesis.design import engine_version
+from synthesis.design.identity import ENGINE_NUMBER, engine_version
 
 COMMANDS: Mapping[str, Callable[..., Any]] = {
     "design": design,
@@ -44,7 +44,7 @@ for name, command in COMMANDS.items():
 
 def _version(wanted: bool) -> None:
     if wanted:
-        out.print(f"camwright {engine_version()}")
+        out.print(f"camwright {engine_version()}, engine {ENGINE_NUMBER}")
         raise typer.Exit
 
 

@@ -1,4 +1,4 @@
-"""Writes openapi/openapi.json: `python -m service.openapi`."""
+"""Write openapi/openapi.json: `python -m service.openapi`."""
 
 from __future__ import annotations
 
@@ -11,12 +11,12 @@ from service.settings import Settings
 TARGET = Path(__file__).resolve().parents[1] / "openapi" / "openapi.json"
 
 
-def rendered() -> str:
-    """The OpenAPI document as text, the same wherever it is made."""
+def openapi_text() -> str:
+    """The OpenAPI document as text; the same on every machine."""
     document = create_app(Settings()).openapi()
     return json.dumps(document, indent=1, ensure_ascii=False, sort_keys=True) + "\n"
 
 
 if __name__ == "__main__":
-    TARGET.write_text(rendered(), encoding="utf-8")
+    TARGET.write_text(openapi_text(), encoding="utf-8")
     print(f"{TARGET} written.")

@@ -1,4 +1,4 @@
-"""Pages for people: /, /docs and /redoc, with every asset served from here."""
+"""Pages for people: the studio, /docs and /redoc, with all assets served from here."""
 
 from __future__ import annotations
 
@@ -11,12 +11,13 @@ from fastapi.openapi.docs import get_redoc_html
 from fastapi.responses import HTMLResponse
 from starlette.staticfiles import StaticFiles
 
+from service import guide
 from service.contract.documentation import OPENAPI_URL, TITLE
 
 HERE = Path(__file__).resolve().parent
 SWAGGER = Path(fastapi_swagger.__file__).resolve().parent / "resources"
 ICON = "/assets/swagger/favicon-32x32.png"
-# Nothing from elsewhere, whatever the bundles would like to load (ReDoc: a logo).
+# Nothing from other hosts, whatever the bundles try to load (ReDoc: a logo).
 DOCS_POLICY = (
     "default-src 'self'; style-src 'self' 'unsafe-inline'; "
     "img-src 'self' data:; font-src 'self' data:; worker-src 'self' blob:; frame-ancestors 'self'"
@@ -29,7 +30,7 @@ router = APIRouter(include_in_schema=False)
 
 @router.get("/")
 async def show_studio() -> Response:
-    """The studio: a page that uses nothing but the public API."""
+    """The studio, a page that uses the public API alone."""
     return _studio("index")
 
 
@@ -46,12 +47,12 @@ async def show_linkage_studio() -> Response:
 
 
 def _studio(name: str) -> Response:
-    """A page of the studio, with the parts that all of them have."""
-    page = INCLUDED.sub(lambda found: _written("parts", found[1]), _written(name))
+    """A page of the studio, with the parts that all pages share."""
+    page = INCLUDED.sub(lambda found: _html("parts", found[1]), _html(name))
     return HTMLResponse(page, headers={"Content-Security-Policy": STUDIO_POLICY})
 
 
-def _written(*names: str) -> str:
+def _html(*names: str) -> str:
     return (HERE / "studio" / Path(*names)).with_suffix(".html").read_text("utf-8")
 
 
@@ -78,6 +79,7 @@ async def show_redoc() -> Response:
 def install(app: FastAPI) -> None:
     """Add the pages and their assets."""
     app.include_router(router)
+    app.include_router(guide.router)
     app.mount("/studio", StaticFiles(directory=HERE / "studio"), name="studio")
     app.mount("/assets/swagger", StaticFiles(directory=SWAGGER), name="swagger")
     app.mount("/assets/docs", StaticFiles(directory=HERE / "assets" / "docs"), name="docs")

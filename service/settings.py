@@ -1,4 +1,4 @@
-"""The environment, read once: one frozen Settings."""
+"""The settings, from the environment."""
 
 from __future__ import annotations
 
@@ -13,27 +13,30 @@ from sqlalchemy.exc import ArgumentError
 
 
 class Settings(BaseSettings):
-    """What an operator may choose; each field is CAMWRIGHT_<NAME> in the environment."""
+    """The settings of an operator; each field is CAMWRIGHT_<NAME> in the environment."""
 
     model_config = SettingsConfigDict(env_prefix="CAMWRIGHT_", frozen=True, extra="forbid")
 
     host: str = "127.0.0.1"
     port: Annotated[int, Field(ge=0, le=65535)] = 8000
     database_url: Annotated[
-        str, Field(description="SQLAlchemy address; SQLite by default, PostgreSQL by URL.")
+        str, Field(description="SQLAlchemy URL: SQLite by default, or PostgreSQL.")
     ] = "sqlite:///camwright.db"
     scheduler: Annotated[
-        str | None, Field(description="Address of a Dask scheduler; None starts one of our own.")
+        str | None,
+        Field(description="Address of a Dask scheduler; None: the service starts its own."),
     ] = None
-    workers: Annotated[int, Field(ge=1, le=1024, description="Processes of our own engine.")] = 2
+    workers: Annotated[
+        int, Field(ge=1, le=1024, description="Worker processes of the service's own engine.")
+    ] = 2
     time_budget_s: Annotated[
-        float, Field(gt=0.0, description="Time for a design that asks for none [s].")
+        float, Field(gt=0.0, description="Time budget of a design that requests none [s].")
     ] = 30.0
     max_time_budget_s: Annotated[
-        float, Field(gt=0.0, description="Most that a design may ask for [s].")
+        float, Field(gt=0.0, description="Largest time budget that a design may request [s].")
     ] = 300.0
     grace_s: Annotated[
-        float, Field(gt=0.0, description="After the budget, until the worker is stopped [s].")
+        float, Field(gt=0.0, description="After the time budget, until the worker is stopped [s].")
     ] = 2.0
     max_body_bytes: Annotated[int, Field(ge=1024)] = 1_048_576
     max_waiting: Annotated[int, Field(ge=0, description="Designs that may wait for a worker.")] = 64
@@ -45,11 +48,13 @@ class Settings(BaseSettings):
         Field(
             ge=0.5,
             le=3600.0,
-            description="Without a sign of life for so long, another process that shares the "
-            "database goes on with a sweep [s].",
+            description="After so long without renewal of its lease, another process that shares "
+            "the database continues a sweep [s].",
         ),
     ] = 5.0
-    max_sweeps: Annotated[int, Field(ge=1, description="Sweeps that may be under way.")] = 16
+    max_sweeps: Annotated[int, Field(ge=1, description="Sweeps that may run at the same time.")] = (
+        16
+    )
     idempotency_hours: Annotated[float, Field(gt=0.0)] = 24.0
     cors_origins: list[str] = []
     log_level: Annotated[str, Field(pattern="^(debug|info|warning|error)$")] = "info"
@@ -65,16 +70,16 @@ class Settings(BaseSettings):
 
     @cached_property
     def database(self) -> URL:
-        """The database's address, taken apart."""
+        """The parsed address of the database."""
         return make_url(self.database_url)
 
-    def budget_s(self, asked: float | None) -> float:
-        """Seconds that a design gets: what it asks for, within what this server allows."""
-        return min(asked or self.time_budget_s, self.max_time_budget_s)
+    def budget_s(self, requested: float | None) -> float:
+        """Time budget [s] of a question: what it asks for, or the default, at most the maximum."""
+        return min(requested or self.time_budget_s, self.max_time_budget_s)
 
 
 def settings_from(**given: Any) -> Settings:
-    """What is given, the environment, the defaults; one sentence and exit 1 where that is wrong."""
+    """Settings from arguments, the environment and defaults; one sentence and exit 1 if invalid."""
     try:
         return Settings(**given)
     except ValidationError as error:

@@ -1,4 +1,4 @@
-"""What handlers ask for: the parts of the running application."""
+"""The parts of the running application, as handlers get them."""
 
 from __future__ import annotations
 
@@ -18,20 +18,14 @@ from service.workers.engine import Engine
 
 @dataclass(frozen=True)
 class State:
-    """Everything with a life of its own."""
+    """The parts of the running application."""
 
     settings: Settings
     metrics: Metrics
     engine: Engine
     store: Store
     sweeps: Sweeps
-    linkages: Mapping[str, Jobs]
-    designs: Jobs
-    cam_sets: Jobs
-    analyses: Jobs
-    profile_analyses: Jobs
-    spatial_cams: Jobs
-    train_responses: Jobs
+    jobs: Mapping[str, Jobs]  # by the resource's path
 
 
 def _state(request: Request) -> State:

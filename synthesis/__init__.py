@@ -23,20 +23,20 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
-    from synthesis.analysis import analyse
-    from synthesis.camset import CamSet
-    from synthesis.camset_spec import CamSetSpec
-    from synthesis.confirmation import Confirmation, confirm
-    from synthesis.design import Design
-    from synthesis.findings import Analysis
-    from synthesis.pipeline import synthesise
-    from synthesis.sensitivity import sensitivities
-    from synthesis.set_synthesis import synthesise_set
-    from synthesis.spatial.design import SpatialDesign
-    from synthesis.spatial.pipeline import synthesise_spatial
-    from synthesis.spatial.spec import SpatialCamSpec
-    from synthesis.spec import DesignSpec
-    from synthesis.sweeps.spec import SweepSpec
+    from synthesis.certify.second import Confirmation, confirm
+    from synthesis.design.analysis import Analysis
+    from synthesis.design.cam_set import CamSet
+    from synthesis.design.design import Design
+    from synthesis.machines.spatial.design import SpatialDesign
+    from synthesis.machines.spatial.pipeline import synthesise_spatial
+    from synthesis.machines.spatial.spec import SpatialCamSpec
+    from synthesis.pipeline.synthesise import synthesise
+    from synthesis.spec.cam_set import CamSetSpec
+    from synthesis.spec.design_spec import DesignSpec
+    from synthesis.studies.analyse import analyse
+    from synthesis.studies.cam_set import synthesise_set
+    from synthesis.studies.sensitivity import sensitivities
+    from synthesis.studies.sweeps.spec import SweepSpec
 
 __all__ = [
     "Analysis",
@@ -57,21 +57,21 @@ __all__ = [
 ]
 
 _HOMES = {
-    "Analysis": "synthesis.findings",
-    "CamSet": "synthesis.camset",
-    "CamSetSpec": "synthesis.camset_spec",
-    "Confirmation": "synthesis.confirmation",
-    "Design": "synthesis.design",
-    "DesignSpec": "synthesis.spec",
-    "SpatialCamSpec": "synthesis.spatial.spec",
-    "SpatialDesign": "synthesis.spatial.design",
-    "SweepSpec": "synthesis.sweeps",
-    "analyse": "synthesis.analysis",
-    "sensitivities": "synthesis.sensitivity",
-    "confirm": "synthesis.confirmation",
-    "synthesise": "synthesis.pipeline",
-    "synthesise_set": "synthesis.set_synthesis",
-    "synthesise_spatial": "synthesis.spatial.pipeline",
+    "Analysis": "synthesis.design.analysis",
+    "CamSet": "synthesis.design.cam_set",
+    "CamSetSpec": "synthesis.spec.cam_set",
+    "Confirmation": "synthesis.certify.second",
+    "Design": "synthesis.design.design",
+    "DesignSpec": "synthesis.spec.design_spec",
+    "SpatialCamSpec": "synthesis.machines.spatial.spec",
+    "SpatialDesign": "synthesis.machines.spatial.design",
+    "SweepSpec": "synthesis.studies.sweeps",
+    "analyse": "synthesis.studies.analyse",
+    "sensitivities": "synthesis.studies.sensitivity",
+    "confirm": "synthesis.certify.second",
+    "synthesise": "synthesis.pipeline.synthesise",
+    "synthesise_set": "synthesis.studies.cam_set",
+    "synthesise_spatial": "synthesis.machines.spatial.pipeline",
 }
 
 

@@ -24,15 +24,15 @@ class InputError(CamwrightError, ValueError):
         field: path of the field, as in ``/program/0/angle_deg``.
         value: the value found there.
         rule: what it has to satisfy.
-        way_out: what the caller can do about it.
+        remedy: what the caller can do about it.
     """
 
-    def __init__(self, field: str, value: Any, rule: str, way_out: str) -> None:
-        super().__init__(f"{field} = {value!r}: {rule} {way_out}")
-        self.field, self.value, self.rule, self.way_out = field, value, rule, way_out
+    def __init__(self, field: str, value: Any, rule: str, remedy: str) -> None:
+        super().__init__(f"{field} = {value!r}: {rule} {remedy}")
+        self.field, self.value, self.rule, self.remedy = field, value, rule, remedy
 
     def __reduce__(self) -> tuple[type[InputError], tuple[str, Any, str, str]]:
-        return type(self), (self.field, self.value, self.rule, self.way_out)
+        return type(self), (self.field, self.value, self.rule, self.remedy)
 
 
 class SolverFailed(CamwrightError):

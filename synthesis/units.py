@@ -1,64 +1,92 @@
-"""Conversions between the wire (deg, rpm) and the core (rad, rad/s); lengths are mm in both."""
+"""Units: the four systems in use, and the functions that change from one to the next.
+
+====================  ========  =========  ==================  ======  ======  ==================
+system                length    cam angle  derivatives of s    time    force   where
+====================  ========  =========  ==================  ======  ======  ==================
+wire, sliding         mm        deg        mm/s, mm/s², …      s, rpm  N, MPa  bodies, files
+wire, swinging (arm)  deg of s  deg        deg/s, deg/s², …    s, rpm  N, MPa  bodies, files
+core                  mm        rad        s', s'', … per rad  s       N       catalogue, certify
+nondimensional        L         rad        s', s'', … per rad  T       N       optimise
+conic program         stroke    x in 0..1  g', g'', … of g(x)  –       –       optimise/conic
+====================  ========  =========  ==================  ======  ======  ==================
+
+Masses are in kg everywhere. Every change of units happens in one place:
+
+* Field names on the wire end with their unit (``lift_mm``, ``speed_rpm``).
+* wire → core: ``MotionUnits.to_core`` when a segment of the program is placed on the cam, and the
+  limits and objectives when they state their rows. The displacement of an arm is the arc of its
+  roller's centre, a length: ``Travel.per_unit`` of it is one unit on the wire.
+* core → wire: ``MotionUnits.to_wire``, ``Machine.wire_factor`` and ``Objective.to_wire``.
+* wire → nondimensional and back: ``optimise/problem/nondimensional.py``, which divides every field
+  of a spec by the unit of length L (the longest travel of a segment) and of time T. The result is
+  a spec again, so what the core calls mm is L throughout ``optimise``.
+* core → conic program: ``Problem.length`` scales the size variables, ``PlacedSegment.scale`` the
+  laws.
+"""
 
 from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from typing import Literal
+from typing import Final, Literal
 
-DEGREE = math.pi / 180.0
-FULL_TURN = 2.0 * math.pi
+DEGREE: Final = math.pi / 180.0  # rad
+FULL_TURN: Final = 2.0 * math.pi  # rad
+FIELD_SUFFIXES: Final = ("", "_per_s", "_per_s2", "_per_s3")
+"""How a field name continues after mm or deg, by the order of the time derivative."""
 
 
 def rad_per_s(speed_rpm: float) -> float:
-    """Angular speed ω in rad/s of a shaft turning at ``speed_rpm``."""
+    """Angular speed ω [rad/s] of a shaft turning at ``speed_rpm``."""
     return speed_rpm * FULL_TURN / 60.0
 
 
 @dataclass(frozen=True)
 class Travel:
-    """How a follower's displacement is told: a length, or the angle of its arm.
-
-    Inside the core every displacement is a length: of an arm, the arc of the roller's centre.
+    """The unit in which the wire gives a follower's displacement: mm, or deg of its arm.
 
     Attributes:
-        unit: on the wire. per_unit: the core's mm in one of them.
+        unit: on the wire. per_unit: length in the core of one such unit [mm].
     """
 
     unit: Literal["mm", "deg"] = "mm"
     per_unit: float = 1.0
 
-    def told(self, order: int) -> str:
-        """The unit of the ``order``-th time derivative, as in ``mm/s²``."""
+    def derivative_unit(self, order: int) -> str:
+        """Unit of the ``order``-th time derivative, as in ``mm/s²``."""
         return self.unit + ("", "/s", "/s²", "/s³", "/s⁴")[order]
 
-    def rate(self, order: int, omega: float) -> float:
+    def field_suffix(self, order: int) -> str:
+        """The same as it ends the name of a field, as in ``mm_per_s2``; order at most 3."""
+        return self.unit + FIELD_SUFFIXES[order]
+
+    def wire_factor(self, order: int, omega: float) -> float:
         """Factor from s^(order) per radian to the time derivative on the wire, at ω [rad/s]."""
         return float(omega**order / self.per_unit)
 
 
-SLIDE = Travel()
+MILLIMETRES: Final = Travel()
 
 
 @dataclass(frozen=True)
-class Pace:
-    """What turns displacements and rates of the wire into the core's mm and mm per radian.
+class MotionUnits:
+    """Conversion of displacements and their derivatives between the wire and the core.
 
     Attributes:
-        travel: how the follower's displacement is told. omega: cam speed ω [rad/s].
+        travel: unit of the displacement on the wire. omega: cam speed ω [rad/s].
     """
 
-    travel: Travel = SLIDE
+    travel: Travel = MILLIMETRES
     omega: float = 1.0
 
-    def core(self, value: float, order: int = 0) -> float:
+    def to_core(self, value: float, order: int = 0) -> float:
         """s^(order) per radian [mm/rad^order] of a time derivative on the wire."""
-        return value / self.travel.rate(order, self.omega)
+        return value / self.travel.wire_factor(order, self.omega)
 
-    def wire(self, value: float, order: int = 0) -> float:
+    def to_wire(self, value: float, order: int = 0) -> float:
         """The time derivative on the wire of s^(order) per radian."""
-        return value * self.travel.rate(order, self.omega)
+        return value * self.travel.wire_factor(order, self.omega)
 
 
-AS_IS = Pace()
-"""Displacements in mm, rates per radian."""
+CORE_UNITS: Final = MotionUnits()
+"""Displacements in mm, derivatives per radian: the wire's numbers are the core's."""

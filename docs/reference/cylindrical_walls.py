@@ -11,10 +11,10 @@ import numpy as np
 
 from docs.reference.tables import table
 from synthesis import SpatialCamSpec, synthesise_spatial
-from synthesis.spatial.cam import SpatialCam
-from synthesis.spatial.design import SpatialDesign
-from synthesis.spatial.development import departures, wall
-from synthesis.spatial.files.cutter_path import CSV, CutterOptions
+from synthesis.machines.spatial.cam import SpatialCam
+from synthesis.machines.spatial.design import SpatialDesign
+from synthesis.machines.spatial.development import offset_errors, wall_curve
+from synthesis.machines.spatial.files.cutter_path import CSV, CutterOptions
 
 EXAMPLE = Path(__file__).resolve().parents[2] / (
     "openapi/examples/spatial-cams/cylindrical-groove.json"
@@ -30,19 +30,20 @@ def design(**machine: float) -> SpatialDesign:
     return synthesise_spatial(SpatialCamSpec.model_validate(asked))
 
 
-def fastest(found: SpatialDesign) -> float:
+def max_speed(found: SpatialDesign) -> float:
     """Largest s' [mm/rad]."""
     return float(np.max(np.abs(found.curve.derivatives(THETA, 1)[1])))
 
 
 def flat(found: SpatialDesign) -> None:
     """The offset drawn on a cylinder, and that of the outer one wrapped to it."""
-    cam, outer, speed = found.cam, RADII[0], fastest(found)
+    cam, outer, speed = found.cam, RADII[0], max_speed(found)
     roller = cam.swept.roller.radius
     rows = [("radius mm", "pressure angle °", "drawn there mm", "wrapped mm", "closed form mm")]
     for radius in RADII:
         own, wrapped = (
-            max(float(np.max(departures(cam, wall(cam, each, THETA, radius), drawn, radius)))
+            max(float(np.max(offset_errors(
+                cam, wall_curve(cam, each, THETA, radius), drawn, radius)))
                 for each in cam.walls)
             for drawn in (radius, outer)
         )  # fmt: skip
@@ -73,7 +74,7 @@ def undercut(found: SpatialDesign) -> None:
 def stands(found: SpatialDesign, radius: float, inner: float) -> bool:
     """Whether rollers of this radius leave all of both walls."""
     spec, motion = found.spec, found.curve
-    swept = spec.machine.swept({"cylinder_radius_mm": 70.0, "roller_radius_mm": radius}, 1)
+    swept = spec.machine.swept_roller({"cylinder_radius_mm": 70.0, "roller_radius_mm": radius}, 1)
     cam = SpatialCam(swept, motion, found.cam.walls, found.cam.sizes)
     rho = np.array([inner])
     return all(float(cam.contacts(each, THETA, rho).regular.min()) > 0.0 for each in cam.walls)
@@ -81,7 +82,7 @@ def stands(found: SpatialDesign, radius: float, inner: float) -> bool:
 
 def cutters(found: SpatialDesign) -> None:
     """What cutters thinner than the roller leave on the wall."""
-    speed, roller = fastest(found), found.cam.swept.roller
+    speed, roller = max_speed(found), found.cam.swept.roller
     inner, middle, outer = (atan(speed / r) for r in (roller.inner, roller.middle, roller.outer))
     rows = [("cutter mm", "tilted µm", "upright µm", "led along the wrapped offset µm")]
     for diameter in CUTTERS:

@@ -11,9 +11,9 @@ from typing import Any
 import numpy as np
 
 from synthesis import DesignSpec, synthesise
-from synthesis.analysis import given
 from synthesis.exporters import PROFILE_FORMATS, PointOptions
-from synthesis.measured import MeasuredCam, ProfileAnalysis, read_back
+from synthesis.studies.analyse import given_cam
+from synthesis.studies.measured import MeasuredCam, ProfileAnalysis, read_back
 
 EXAMPLE = (
     Path(__file__).resolve().parents[2] / "openapi/examples/profile-analyses/spare-roller.json"
@@ -60,10 +60,10 @@ def measured(asked: DesignSpec, per_degree: float = 2.0, noise: float = 1e-3) ->
 
 def errors(asked: DesignSpec, found: ProfileAnalysis) -> list[float]:
     """Largest error of displacement to jerk, in the wire's units."""
-    motion, travel = given(asked).motion, asked.follower.travel
+    motion, travel = given_cam(asked).motion, asked.follower.travel
     true = motion.derivatives(np.radians(found.table["angle_deg"]))
     columns = [values for name, values in found.table.items() if name[1] == "_"]
-    rates = [travel.rate(order, asked.machine().omega) for order in range(4)]
+    rates = [travel.wire_factor(order, asked.machine().omega) for order in range(4)]
     pairs = zip(columns, true, rates, strict=True)
     return [float(np.max(np.abs(np.array(c) - rate * t))) for c, t, rate in pairs]
 
@@ -96,8 +96,8 @@ def example() -> dict[str, Any]:
     return {
         "summary": "A roller too large for a valley",
         "description": "Points of a profile, one every 1.7°, and a roller of 33 mm where one of "
-        "4.1 mm belongs: `not_touched` says where it spans the valley, the hollow's radius and the "
-        "gap.",
+        "4.1 mm belongs: `unreached_hollows` says where it spans the valley, the hollow's "
+        "radius and the gap.",
         "value": {
             "name": "spare roller", "speed_rpm": 100.0, "points_mm": points,
             "follower": {"kind": "translating_roller", "roller_radius_mm": 33.0, "offset_mm": 7.1},
@@ -113,7 +113,7 @@ if __name__ == "__main__":
         EXAMPLE.write_text(text + "\n", encoding="utf-8")
     table()
     found = read_back(MeasuredCam.model_validate(example()["value"]))
-    for place in found.not_touched:
+    for place in found.unreached_hollows:
         print(
             f"spare roller: at {place.angle_deg:.2f}° over a hollow of "
             f"{place.hollow_radius_mm:.2f} mm, gap {place.gap_mm:.3f} mm"

@@ -10,7 +10,7 @@ from typing import Any
 from scipy.optimize import brentq
 
 from synthesis import DesignSpec, synthesise
-from synthesis.design import Design
+from synthesis.design.design import Design
 
 INCH = 25.4  # mm
 OMEGA = 15.0  # rad/s

@@ -8,9 +8,9 @@ from math import pi, sqrt
 import numpy as np
 
 from docs.reference.tables import number
-from synthesis.motion import Motion
-from synthesis.profile import cam_profile
-from synthesis.spec import DesignSpec
+from synthesis.catalogue.motion import Motion
+from synthesis.catalogue.profile import cam_profile
+from synthesis.spec.design_spec import DesignSpec
 
 OMEGA = 10.0  # rad/s
 MOVE = {"angle_deg": 60.0, "lift_mm": 30.0, "law": {"kind": "cycloidal"}}
@@ -35,7 +35,7 @@ SIZE = (20.0, sqrt(60.0**2 - 20.0**2))  # e, s0 = √(Rp² − e²)
 def row(k: int) -> tuple[float, ...]:
     """S, v, a, pitch x y and profile x y at k degrees."""
     theta = np.radians([float(k)])
-    p = cam_profile(Motion.of(SPEC.stretches()), SPEC.follower, SIZE, SPEC.rotation, theta)
+    p = cam_profile(Motion.of(SPEC.placed_segments()), SPEC.follower, SIZE, SPEC.rotation, theta)
     s, v, a = p.s[0, 0], p.s[1, 0] * OMEGA, p.s[2, 0] * OMEGA**2
     return s, v, a, p.pitch_x[0], p.pitch_y[0], p.x[0], p.y[0]
 

@@ -68,7 +68,7 @@ def mends(found: Analysis) -> None:
                 s.offset, number(s.dimensions["offset_mm"]), number(s.dimensions["base_radius_mm"]),
                 number(s.dimensions["prime_radius_mm"]), number(s.base_radius_change_mm),
             )
-            for s in found.mend.sizes
+            for s in found.remedy.sizes
         ),
     )  # fmt: skip
 

@@ -11,8 +11,8 @@ import numpy as np
 
 from docs.reference.tables import number, table
 from synthesis import Analysis, DesignSpec, analyse
-from synthesis.motion import Motion
-from synthesis.profile import CamProfile, cam_profile
+from synthesis.catalogue.motion import Motion
+from synthesis.catalogue.profile import CamProfile, cam_profile
 
 EXAMPLES = Path(__file__).resolve().parents[2] / "openapi/examples/analyses"
 SENSES = ("opposite", "same")
@@ -31,8 +31,8 @@ SPECS = {sense: example(sense) for sense in SENSES}
 
 def profile(sense: str, theta: np.ndarray) -> CamProfile:
     spec = SPECS[sense]
-    size = tuple(low for low, _ in spec.follower.sizing(spec.base_radius_range()).bounds)
-    return cam_profile(Motion.of(spec.stretches()), spec.follower, size, spec.rotation, theta)
+    size = tuple(low for low, _ in spec.follower.size_domain(spec.base_radius_range()).bounds)
+    return cam_profile(Motion.of(spec.placed_segments()), spec.follower, size, spec.rotation, theta)
 
 
 def sizes(found: dict[str, Analysis]) -> None:

@@ -10,9 +10,9 @@ from pathlib import Path
 import numpy as np
 
 from docs.reference.tables import number, table
-from synthesis.linkages.shaper import ShaperSpec, SixBarShaper, shaped
-from synthesis.linkages.shaper.course import QUANTITIES, Quantity
-from synthesis.linkages.shaper.mechanism import Motion
+from synthesis.machines.linkages.shaper import ShaperSpec, SixBarShaper, analyse_or_size_shaper
+from synthesis.machines.linkages.shaper.mechanism import Motion
+from synthesis.machines.linkages.shaper.turn_analysis import QUANTITIES, Quantity
 
 EXAMPLE = Path(__file__).resolve().parents[2] / "openapi/examples/linkages/six-bar-shapers/p5.json"
 BODY = json.loads(EXAMPLE.read_text(encoding="utf-8"))["value"]
@@ -20,7 +20,7 @@ MISSED = 0.033  # deg: how far from the dead centre the printed program starts
 
 
 def asked(**changes: object) -> SixBarShaper:
-    return shaped(ShaperSpec.model_validate(BODY | changes))
+    return analyse_or_size_shaper(ShaperSpec.model_validate(BODY | changes))
 
 
 P5 = asked()

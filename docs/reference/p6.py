@@ -8,7 +8,7 @@ from math import asin, degrees, hypot, radians, sin
 from pathlib import Path
 
 from docs.reference.tables import number, table
-from synthesis.linkages.arm import ArmSpec, PalletisingArm, posed
+from synthesis.machines.linkages.arm import ArmSpec, PalletisingArm, analyse_arm
 
 FOLDER = Path(__file__).resolve().parents[2] / "openapi/examples/linkages/palletising-arms"
 BODY = json.loads((FOLDER / "irb-660.json").read_text(encoding="utf-8"))["value"]
@@ -18,7 +18,7 @@ BESIDE = BODY["shoulder_offset_mm"] + BODY["wrist_offset_mm"]
 
 
 def asked(**changes: object) -> PalletisingArm:
-    return posed(ArmSpec.model_validate(BODY | changes))
+    return analyse_arm(ArmSpec.model_validate(BODY | changes))
 
 
 P6 = asked()
@@ -86,7 +86,13 @@ def poses() -> None:
     for pose in P6.poses:
         for one in pose.solutions:
             beyond = ", ".join(each.joint.replace("_", " ") for each in one.beyond)
-            angles = (one.base_deg, one.upper_arm_deg, one.forearm_deg, one.tool_deg, one.in_line)
+            angles = (
+                one.base_deg,
+                one.upper_arm_deg,
+                one.forearm_deg,
+                one.tool_deg,
+                one.in_line,
+            )
             r = hypot(pose.x_mm, pose.y_mm)
             rows.append((f"{pose.name}, {one.base} {one.elbow}", told(r), told(pose.z_mm),
                          *(told(angle) for angle in angles), beyond))  # fmt: skip

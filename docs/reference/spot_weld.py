@@ -13,7 +13,7 @@ import numpy as np
 from scipy.optimize import linprog
 
 from synthesis import DesignSpec, synthesise
-from synthesis.design import Design
+from synthesis.design.design import Design
 
 INCH = 25.4  # mm
 RPM = 58.0
@@ -175,10 +175,11 @@ def rows() -> Iterator[str]:
         proof = design.certificate
         assert proof.value is not None
         assert proof.lower_bound is not None
-        first, last = (design.chosen[f"program/{i}/angle_deg"] for i in (2, 4))
+        first, last = (design.free_parameters[f"program/{i}/angle_deg"] for i in (2, 4))
         yield (
             f"| `{objective}` | {proof.value / INCH:.2f} | {proof.lower_bound / INCH:.2f} "
-            f"| {first:.1f}° + {last:.1f}° | {design.chosen['program/2/lift_mm'] / INCH:.3f} "
+            f"| {first:.1f}° + {last:.1f}° "
+            f"| {design.free_parameters['program/2/lift_mm'] / INCH:.3f} "
             f"| {peak:.2f} | {a:.1f}° + {b:.1f}° |"
         )
 

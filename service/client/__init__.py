@@ -1,4 +1,4 @@
-"""A client of the service, for programs: `Client` waits, `AsyncClient` awaits.
+"""A client of the service, for programs: `Client` blocks, `AsyncClient` is for asyncio.
 
     with Client("http://127.0.0.1:8000") as client:
         design = client.design(spec)
@@ -16,26 +16,26 @@ from typing import Any, Self, TypeVar
 import httpx2
 
 from service.client.calls import Calls, Json, Spec
-from service.client.download import Told
+from service.client.download import ProgressCallback
 from service.client.errors import ClientError, Refused, Unreachable
+from service.client.events import Event
 from service.client.retries import Retries
-from service.client.watching import Event
-from service.client.wire import AwaitingWire, WaitingWire, run
+from service.client.transport import AsyncTransport, BlockingTransport, run
 
 __all__ = [
     "AsyncClient", "Client", "ClientError", "Event", "Refused", "Retries", "Unreachable",
 ]  # fmt: skip
 T = TypeVar("T")
 ADDRESS = "http://127.0.0.1:8000"
-SILENT_S = 60.0  # without a byte, until a connection counts as lost
+SILENCE_S = 60.0  # without a byte, after which a connection counts as lost
 
 
 class AsyncClient(Calls):
-    """The calls of `Calls`, to be awaited.
+    """The calls of `Calls`, as coroutines.
 
     Args:
-        url: where the service is. retries: how patient to be.
-        timeout_s: without a byte, until a connection counts as lost and the request is sent again.
+        url: address of the service. retries: how often and how long to try.
+        timeout_s: without a byte, after which the connection counts as lost.
         more: for httpx2.AsyncClient, such as ``headers``, ``verify`` or ``proxy``.
     """
 
@@ -44,11 +44,11 @@ class AsyncClient(Calls):
         url: str = ADDRESS,
         *,
         retries: Retries = Retries(),  # noqa: B008 (frozen)
-        timeout_s: float = SILENT_S,
+        timeout_s: float = SILENCE_S,
         **more: Any,
     ) -> None:
         self._http = httpx2.AsyncClient(base_url=url, timeout=timeout_s, **more)
-        super().__init__(AwaitingWire(self._http), retries)
+        super().__init__(AsyncTransport(self._http), retries)
 
     async def __aenter__(self) -> Self:
         return self
@@ -62,11 +62,11 @@ class AsyncClient(Calls):
 
 
 class Client:
-    """The calls of `Calls`, waited for.
+    """The calls of `Calls`, blocking.
 
     Args:
-        url: where the service is. retries: how patient to be.
-        timeout_s: without a byte, until a connection counts as lost and the request is sent again.
+        url: address of the service. retries: how often and how long to try.
+        timeout_s: without a byte, after which the connection counts as lost.
         more: for httpx2.Client, such as ``headers``, ``verify`` or ``proxy``.
     """
 
@@ -75,11 +75,11 @@ class Client:
         url: str = ADDRESS,
         *,
         retries: Retries = Retries(),  # noqa: B008 (frozen)
-        timeout_s: float = SILENT_S,
+        timeout_s: float = SILENCE_S,
         **more: Any,
     ) -> None:
         self._http = httpx2.Client(base_url=url, timeout=timeout_s, **more)
-        self._calls = Calls(WaitingWire(self._http), retries)
+        self._calls = Calls(BlockingTransport(self._http), retries)
 
     def __enter__(self) -> Self:
         return self
@@ -92,7 +92,7 @@ class Client:
         self._http.close()
 
     def get(self, path: str, **query: Any) -> Json:
-        """Anything the service has, by its path, such as a link of an answer."""
+        """Any JSON document of the service, by its path, such as a link of an answer."""
         return run(self._calls.get(path, **query))
 
     def design(self, spec: Spec) -> Json:
@@ -100,11 +100,11 @@ class Client:
         return run(self._calls.design(spec))
 
     def analyse(self, spec: Spec) -> Json:
-        """What a cam does that is given in full."""
+        """The analysis of a given cam."""
         return run(self._calls.analyse(spec))
 
     def read_back(self, measured: Spec) -> Json:
-        """The motion, from measured points of a profile."""
+        """The motion that measured points of a profile give."""
         return run(self._calls.read_back(measured))
 
     def cam_set(self, spec: Spec) -> Json:
@@ -120,46 +120,48 @@ class Client:
         return run(self._calls.linkage(kind, spec))
 
     def train_response(self, spec: Spec) -> Json:
-        """What a TrainSpec's follower train does on its cam."""
+        """The response of a follower train to its cam."""
         return run(self._calls.train_response(spec))
 
     def sweep(self, spec: Spec) -> Json:
-        """Start a sweep, or join it where it is under way; as it stands."""
+        """Start a sweep, or join it where it is running; its current state."""
         return run(self._calls.sweep(spec))
 
     def watch(self, sweep: str, *, after: str = "", items: bool = True) -> Iterator[Event]:
-        """Every event of a sweep up to its end, across lost connections."""
+        """All events of a sweep, continued after lost connections."""
         return _each(lambda: self._calls.watch(sweep, after=after, items=items))
 
     def wait(self, sweep: str) -> Json:
-        """The sweep when it is over."""
+        """The sweep when it has ended."""
         return run(self._calls.wait(sweep))
 
     def items(self, sweep: str, *, status: str | None = None) -> Iterator[Json]:
-        """Every item that is finished by now, in the order in which they were finished."""
+        """All items finished by now, in the order in which they were finished."""
         return _each(lambda: self._calls.items(sweep, status=status))
 
     def pareto(
         self, sweep: str, *, minimise: Sequence[str] = (), maximise: Sequence[str] = ()
     ) -> Json:
-        """What no other design of the sweep beats in all of these quantities."""
+        """The Pareto front of a sweep in these quantities."""
         return run(self._calls.pareto(sweep, minimise=minimise, maximise=maximise))
 
     def dismiss(self, sweep: str) -> Json:
-        """Stop a sweep and keep what is done; one that is over stays as it is."""
+        """Stop a sweep and keep what is done; one that has ended stays as it is."""
         return run(self._calls.dismiss(sweep))
 
     def delete(self, path: str) -> None:
-        """Forget something, by its path; a sweep that is under way is stopped first."""
+        """Delete an answer or a sweep, by its path; a running sweep is stopped first."""
         run(self._calls.delete(path))
 
-    def download(self, path: str, target: Path, *, told: Told | None = None, **query: Any) -> Path:
-        """A file, such as ``/v1/designs/ID/profile.csv``; goes on where an earlier call broke."""
-        return run(self._calls.download(path, target, told=told, **query))
+    def download(
+        self, path: str, target: Path, *, progress: ProgressCallback | None = None, **query: Any
+    ) -> Path:
+        """A file, such as ``/v1/designs/ID/profile.csv``; continues an interrupted download."""
+        return run(self._calls.download(path, target, progress=progress, **query))
 
 
 def _each(flow: Callable[[], AsyncGenerator[T, None]]) -> Iterator[T]:
-    """An asynchronous iterator over a waiting wire, waited for."""
+    """A blocking iterator over an asynchronous one on a blocking transport."""
     flowing = flow()
     try:
         while True:

@@ -1,4 +1,4 @@
-"""Files, gone on with where a connection broke, in this process or in an earlier one."""
+"""Downloads that continue after a lost connection, in this process or in a later one."""
 
 from __future__ import annotations
 
@@ -10,30 +10,30 @@ from pathlib import Path
 import httpx2
 
 from service.client.errors import ClientError
-from service.client.retries import Retries, lost, pause_before_retry, refused
-from service.client.wire import Asked, Opened, Wire
+from service.client.retries import Retries, pause_before_retry, refused, unreachable
+from service.client.transport import Request, ResponseStream, Transport
 
-Told = Callable[[int, "int | None"], None]
+ProgressCallback = Callable[[int, "int | None"], None]
 
 
 @dataclass(frozen=True)
 class Part:
-    """The beginning of a file, beside where the file will be, and which bytes it is a part of."""
+    """The beginning of a file, next to the target, and a note on which file it is a part of."""
 
     target: Path
     request: str
 
     @property
     def file(self) -> Path:
-        """What has come so far."""
+        """The bytes received so far."""
         return self.target.with_name(f"{self.target.name}.part")
 
     @property
     def _note(self) -> Path:
         return self.target.with_name(f"{self.target.name}.part.json")
 
-    def known(self) -> tuple[str, int]:
-        """Strong ETag and number of the bytes there are; nothing where they cannot be used."""
+    def received(self) -> tuple[str, int]:
+        """Strong ETag and number of the bytes received; ("", 0) where they cannot be used."""
         try:
             note = json.loads(self._note.read_text(encoding="utf-8"))
             size = self.file.stat().st_size
@@ -43,97 +43,105 @@ class Part:
         return (note["etag"], size) if same and size else ("", 0)
 
     def begin(self, etag: str) -> None:
-        """From the first byte on; without a strong ETag there is no going on later."""
+        """Begin with the first byte; without a strong ETag it cannot be continued later."""
         self.file.parent.mkdir(parents=True, exist_ok=True)
-        self.forget_the_note()
+        self.delete_note()
         self.file.write_bytes(b"")
         if etag.startswith('"'):
             note = {"request": self.request, "etag": etag}
             self._note.write_text(json.dumps(note), encoding="utf-8")
 
     def add(self, chunk: bytes) -> None:
-        """Some more bytes."""
+        """Append bytes."""
         with self.file.open("ab") as file:
             file.write(chunk)
 
-    def whole(self) -> Path:
-        """It is all there: it becomes the file."""
+    def complete(self) -> Path:
+        """Rename it to the target."""
         self.file.replace(self.target)
-        self.forget_the_note()
+        self.delete_note()
         return self.target
 
-    def forget_the_note(self) -> None:
-        """The bytes cannot be gone on with any more."""
+    def delete_note(self) -> None:
+        """Make the bytes unusable for continuation."""
         self._note.unlink(missing_ok=True)
 
 
-async def downloaded(
-    wire: Wire, retries: Retries, asked: Asked, target: Path, told: Told | None = None
+async def download(
+    transport: Transport,
+    retries: Retries,
+    request: Request,
+    target: Path,
+    progress: ProgressCallback | None = None,
 ) -> Path:
-    """The file at ``target``, which appears when it is whole.
+    """Download a file to ``target``, which appears when it is complete.
 
-    Until then the bytes are in ``target``.part; called again, it goes on with them if the service
+    Until then the bytes are in ``target``.part; called again, it continues with them if the service
     still has the same file (its strong ETag), and begins anew if not.
 
     Args:
-        told: called with the bytes that are there, and of how many (None: not known).
+        progress: called with the bytes received, and the total (None: unknown).
 
     Raises:
-        Refused, Unreachable: as for every call; every byte starts the count of tries anew.
+        Refused, Unreachable: as for every call; every byte resets the number of tries.
         OSError: the file cannot be written.
     """
-    part = Part(target, f"{wire.address}{asked.path}?{sorted(asked.query.items())}")
+    part = Part(target, f"{transport.address}{request.path}?{sorted(request.query.items())}")
     tried = 0
     while True:
         tried += 1
-        etag, have = part.known()
+        etag, have = part.received()
         resuming = {"Range": f"bytes={have}-", "If-Range": etag} if have else {}
-        # Compressed on the way, the bytes would be counted differently from those that are kept.
+        # Ranges count bytes of the uncompressed file.
         headers = {"Accept-Encoding": "identity", **resuming}
         try:
-            async with wire.opened(replace(asked, headers=headers)) as opened:
-                if opened.status < 400:
-                    _check(part, opened, etag, have)
-                    await _taken(part, opened, have, told)
-                    return part.whole()
+            async with transport.stream(replace(request, headers=headers)) as response:
+                if response.status < 400:
+                    _check(part, response, etag, have)
+                    await _receive(part, response, have, progress)
+                    return part.complete()
                 if (
-                    opened.status == 416
-                    and opened.headers.get("content-range") == f"bytes */{have}"
+                    response.status == 416
+                    and response.headers.get("content-range") == f"bytes */{have}"
                 ):
-                    return part.whole()
-                answer = await opened.read()
+                    return part.complete()
+                answer = await response.read()
         except httpx2.TransportError as error:
-            if part.known()[1] > have:
+            if part.received()[1] > have:
                 tried = 0
             elif tried >= retries.tries:
-                raise lost(asked, error, tried) from error
-            await wire.pause(retries.pause_s(max(tried, 1)))
+                raise unreachable(request, error, tried) from error
+            await transport.pause(retries.pause_s(max(tried, 1)))
         else:
             pause = pause_before_retry(retries, answer, tried)
             if pause is None:
                 raise refused(answer)
-            await wire.pause(pause)
+            await transport.pause(pause)
 
 
-def _check(part: Part, opened: Opened, etag: str, have: int) -> None:
-    """Whether the bytes that follow are those that were asked for."""
-    encoding = opened.headers.get("content-encoding", "identity")
+def _check(part: Part, response: ResponseStream, etag: str, have: int) -> None:
+    """Check that the bytes that follow are those requested."""
+    encoding = response.headers.get("content-encoding", "identity")
     if encoding != "identity":
-        raise ClientError(f"{part.request} came as {encoding}, though asked for as it is.")
-    span, tag = opened.headers.get("content-range", ""), opened.headers.get("etag")
-    if opened.status == 206 and not (tag == etag and span.startswith(f"bytes {have}-")):
-        part.forget_the_note()
-        raise httpx2.RemoteProtocolError(f"another part ({span}) than was asked for")
+        raise ClientError(
+            f"{part.request} was sent as {encoding}, though requested without encoding."
+        )
+    span, tag = response.headers.get("content-range", ""), response.headers.get("etag")
+    if response.status == 206 and not (tag == etag and span.startswith(f"bytes {have}-")):
+        part.delete_note()
+        raise httpx2.RemoteProtocolError(f"another range ({span}) than requested")
 
 
-async def _taken(part: Part, opened: Opened, have: int, told: Told | None) -> None:
-    if opened.status != 206:
-        part.begin(opened.headers.get("etag", ""))
+async def _receive(
+    part: Part, response: ResponseStream, have: int, progress: ProgressCallback | None
+) -> None:
+    if response.status != 206:
+        part.begin(response.headers.get("etag", ""))
         have = 0
-    length = opened.headers.get("content-length")
+    length = response.headers.get("content-length")
     total = None if length is None else have + int(length)
-    async for chunk in opened.chunks():
+    async for chunk in response.chunks():
         part.add(chunk)
         have += len(chunk)
-        if told is not None:
-            told(have, total)
+        if progress is not None:
+            progress(have, total)

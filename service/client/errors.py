@@ -1,8 +1,8 @@
-"""What goes wrong between a client and its service.
+"""Errors of the client.
 
 ClientError
-├── Unreachable     no answer, however often it was asked
-└── Refused         the service's answer is a problem document
+├── Unreachable     no response after all tries
+└── Refused         the response is a problem document
 """
 
 from __future__ import annotations
@@ -11,21 +11,21 @@ from typing import Any
 
 
 class ClientError(Exception):
-    """Root of what the client raises."""
+    """Base class of the client's errors."""
 
 
 class Unreachable(ClientError):
-    """The service gave no answer, or broke off, as often as it was asked."""
+    """No response, or a broken one, after all tries."""
 
 
 class Refused(ClientError):
-    """The service said no; ``str`` of it is the problem's detail.
+    """The service answered with a problem document; ``str`` of it is the problem's detail.
 
     Attributes:
-        problem: the document (RFC 9457) as the service sent it; of an answer that is none, such as
-            a proxy's, one made up from its status.
+        problem: the document (RFC 9457) as sent; for another response, such as a proxy's, one made
+            from its status.
         status: the HTTP status.
-        retry_after_s: when the service asked to be tried again [s]; None where it did not.
+        retry_after_s: Retry-After of the response [s]; None where there is none.
     """
 
     def __init__(
@@ -36,7 +36,7 @@ class Refused(ClientError):
 
     @property
     def kind(self) -> str:
-        """What kind of problem, such as ``invalid-request``: the end of its type."""
+        """The kind of problem, such as ``invalid-request``: the end of its type."""
         return str(self.problem.get("type", "")).rpartition("/")[2]
 
     @property
@@ -46,5 +46,5 @@ class Refused(ClientError):
 
     @property
     def best(self) -> dict[str, Any] | None:
-        """With status 504: the best that was found in time."""
+        """With status 504: the best answer found in time."""
         return self.problem.get("best")

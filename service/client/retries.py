@@ -1,4 +1,4 @@
-"""When a request is sent again, and how long to wait before."""
+"""When a request is sent again, and after what pause."""
 
 from __future__ import annotations
 
@@ -10,22 +10,22 @@ from email.utils import parsedate_to_datetime
 import httpx2
 
 from service.client.errors import Refused, Unreachable
-from service.client.wire import Answer, Asked, Wire
+from service.client.transport import Answer, Request, Transport
 
-BUSY = frozenset({429, 503})  # the service's own word, with Retry-After
-PROXY = frozenset({502, 503, 504})  # somebody before the service
+BUSY = frozenset({429, 503})  # from the service, with Retry-After
+PROXY = frozenset({502, 503, 504})  # from a proxy before the service
 PROBLEM = "application/problem+json"
 
 
 @dataclass(frozen=True)
 class Retries:
-    """How patient a client is.
+    """How often and how long a client tries.
 
     Attributes:
         tries: how often a request is sent at most.
-        first_s: pause after the first try where the service names none; doubled every time,
-            up to ``most_s``, and shortened by chance so that clients do not come back together.
-        patience_s: longest Retry-After that is waited for; a longer one is an error at once.
+        first_s: pause [s] after the first try where the service names none; doubled every time, up
+            to ``most_s``, and shortened at random so that clients do not retry together.
+        patience_s: longest Retry-After [s] that is waited for; a longer one is an error.
     """
 
     tries: int = 5
@@ -34,24 +34,24 @@ class Retries:
     patience_s: float = 120.0
 
     def pause_s(self, tried: int) -> float:
-        """After so many tries, where the service names no time."""
+        """The pause [s] after so many tries, where the service names none."""
         return random.uniform(0.5, 1.0) * min(self.first_s * 2.0 ** (tried - 1), self.most_s)
 
 
-async def sent(wire: Wire, retries: Retries, asked: Asked) -> Answer:
-    """The answer to a request, sent again where that is safe and promises something.
+async def send_with_retries(transport: Transport, retries: Retries, request: Request) -> Answer:
+    """The response to a request, which is sent again where that is safe and may help.
 
     Raises:
-        Refused: any status from 400 on. Unreachable: no answer.
+        Refused: any status from 400 on. Unreachable: no response.
     """
     tried = 0
     while True:
         tried += 1
         try:
-            answer = await wire.send(asked)
+            answer = await transport.send(request)
         except httpx2.TransportError as error:
-            if tried >= retries.tries or not asked.repeatable:
-                raise lost(asked, error, tried) from error
+            if tried >= retries.tries or not request.repeatable:
+                raise unreachable(request, error, tried) from error
             pause = retries.pause_s(tried)
         else:
             if answer.status < 400:
@@ -60,27 +60,27 @@ async def sent(wire: Wire, retries: Retries, asked: Asked) -> Answer:
             if found is None:
                 raise refused(answer)
             pause = found
-        await wire.pause(pause)
+        await transport.pause(pause)
 
 
 def pause_before_retry(retries: Retries, answer: Answer, tried: int) -> float | None:
     """Seconds until a refused request is sent again; None where it is not."""
     if tried >= retries.tries:
         return None
-    said = retry_after_s(answer.headers)
-    if answer.status in BUSY and said is not None:
-        return said if said <= retries.patience_s else None
+    wait = retry_after_s(answer.headers)
+    if answer.status in BUSY and wait is not None:
+        return wait if wait <= retries.patience_s else None
     from_proxy = answer.status in PROXY and PROBLEM not in answer.headers.get("content-type", "")
     return retries.pause_s(tried) if from_proxy else None
 
 
 def retry_after_s(headers: httpx2.Headers) -> float | None:
     """Retry-After in seconds from now, given as a number or as a date; None without one."""
-    said = headers.get("retry-after", "").strip()
-    if said.isascii() and said.isdecimal():
-        return float(said)
+    text = headers.get("retry-after", "").strip()
+    if text.isascii() and text.isdecimal():
+        return float(text)
     try:
-        until = parsedate_to_datetime(said)
+        until = parsedate_to_datetime(text)
     except ValueError:
         return None
     if until.tzinfo is None:
@@ -89,7 +89,7 @@ def retry_after_s(headers: httpx2.Headers) -> float | None:
 
 
 def refused(answer: Answer) -> Refused:
-    """An answer that is a no, as an exception."""
+    """The exception for a response with a status from 400 on."""
     problem: object = None
     if PROBLEM in answer.headers.get("content-type", ""):
         problem = httpx2.Response(200, content=answer.body).json()
@@ -100,9 +100,9 @@ def refused(answer: Answer) -> Refused:
     return Refused(problem, answer.status, retry_after_s(answer.headers))
 
 
-def lost(asked: Asked, error: Exception, tried: int) -> Unreachable:
-    """A request without an answer, as an exception."""
-    again = "" if asked.repeatable else " It was not sent again, since that might do it twice."
+def unreachable(request: Request, error: Exception, tried: int) -> Unreachable:
+    """The exception for a request without a response."""
+    again = "" if request.repeatable else " It was not sent again, as that might repeat its effect."
     times = "once" if tried == 1 else f"{tried} times"
     why = str(error) or type(error).__name__
-    return Unreachable(f"{asked.method} {asked.path}, tried {times}: {why}.{again}")
+    return Unreachable(f"{request.method} {request.path}, tried {times}: {why}.{again}")

@@ -1,1 +1,1 @@
-"""Commands that are more than a call of the core, one a file."""
+"""The commands of `camwright`, one a file; `requests.py` answers by a service or here."""

@@ -1,21 +1,17 @@
-"""`camwright analyse`: what a given cam does, what it breaks, what mends it."""
+"""`camwright analyse`: the analysis of a given cam."""
 
 from __future__ import annotations
 
-import time
 from pathlib import Path
 from typing import Annotated
 
 import typer
 
-from service.commands.asking import Url, asked
-from service.commands.showing import AsJson, as_document, widened
+from service.commands.requests import Url, answer
 from service.commands.tables import analysis_table
-from service.commands.terminal import out, read_spec, stop
-from service.settings import settings_from
-from synthesis.errors import CamwrightError
-from synthesis.findings import Analysis
-from synthesis.spec import DesignSpec
+from service.commands.terminal import AsJson, out, print_json, print_tables, read_spec
+from synthesis.design.analysis import Analysis
+from synthesis.spec.design_spec import DesignSpec
 
 
 def analyse(
@@ -26,24 +22,23 @@ def analyse(
     url: Url = None,
 ) -> None:
     """Analyse a cam that is given in full: what it does, what it breaks, and what mends it."""
-    found = _done(read_spec(spec, DesignSpec), spec, url)
+    found = _analysis(read_spec(spec, DesignSpec), spec, url)
     if as_json:
-        as_document(found)
+        print_json(found)
     else:
         out.print(analysis_table.headline(found))
         out.print(analysis_table.undercut(found), analysis_table.self_crossing(found), sep="\n")
-        widened(analysis_table.tables(found), analysis_table.WIDTH)
+        print_tables(analysis_table.tables(found), analysis_table.WIDTH)
     if not found.holds:
         raise typer.Exit(3)
 
 
-def _done(question: DesignSpec, path: Path, url: str | None) -> Analysis:
-    if url is not None:
-        return asked(url, path, Analysis, lambda client: client.analyse(question))
-    from synthesis.analysis import analyse
+def _analysis(question: DesignSpec, path: Path, url: str | None) -> Analysis:
+    def work(deadline: float) -> Analysis:
+        from synthesis.studies.analyse import analyse
 
-    budget = settings_from().budget_s(question.time_budget_s)
-    try:
-        return analyse(question, deadline=time.monotonic() + budget)
-    except CamwrightError as error:
-        stop(str(error))
+        return analyse(question, deadline=deadline)
+
+    return answer(
+        url, path, Analysis, lambda client: client.analyse(question), work, question.time_budget_s
+    )

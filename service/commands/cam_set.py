@@ -7,10 +7,10 @@ from typing import Annotated
 
 import typer
 
-from service.commands.asking import Url, asked
-from service.commands.terminal import out, read_spec, save, synthesised
-from synthesis.camset import CamSet
-from synthesis.camset_spec import CamSetSpec
+from service.commands.requests import Url, answer
+from service.commands.terminal import out, read_spec, save
+from synthesis.design.cam_set import CamSet
+from synthesis.spec.cam_set import CamSetSpec
 
 
 def cam_set(
@@ -23,7 +23,7 @@ def cam_set(
     """Size the cams of one shaft; write the set, its timing and a folder for each cam."""
     from synthesis.exporters.bundle import BundleOptions, bundle_files
 
-    found = _done(read_spec(spec, CamSetSpec), spec, url)
+    found = _cam_set(read_spec(spec, CamSetSpec), spec, url)
     out.print(f"{found.status}, {1e3 * found.seconds:.0f} ms: {len(found.cams)} cams on one shaft")
     for cam in found.cams:
         sizes = ", ".join(f"{name} {value:.4f}" for name, value in cam.design.dimensions.items())
@@ -40,10 +40,12 @@ def cam_set(
         raise typer.Exit(3)
 
 
-def _done(question: CamSetSpec, path: Path, url: str | None) -> CamSet:
-    if url is not None:
-        return asked(url, path, CamSet, lambda client: client.cam_set(question))
-    from synthesis.set_synthesis import synthesise_set
+def _cam_set(question: CamSetSpec, path: Path, url: str | None) -> CamSet:
+    def work(deadline: float) -> CamSet:
+        from synthesis.studies.cam_set import synthesise_set
 
-    found: CamSet = synthesised(question, synthesise_set)
-    return found
+        return synthesise_set(question, deadline=deadline)
+
+    return answer(
+        url, path, CamSet, lambda client: client.cam_set(question), work, question.time_budget_s
+    )

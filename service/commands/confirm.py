@@ -7,10 +7,16 @@ from typing import Annotated
 
 import typer
 
-from service.commands.showing import AsJson, as_document, widened
 from service.commands.tables import confirmation_table
-from service.commands.terminal import out, read_spec, stop
-from synthesis.design import Design
+from service.commands.terminal import (
+    AsJson,
+    out,
+    print_json,
+    print_tables,
+    read_spec,
+    stop,
+)
+from synthesis.design.design import Design
 from synthesis.errors import CamwrightError
 
 
@@ -19,16 +25,16 @@ def confirm(
     as_json: AsJson = False,
 ) -> None:
     """Measure a finished design's certificate again, in ball arithmetic, to 25 digits."""
-    from synthesis.confirmation import confirm as confirmed
+    from synthesis.certify.second import confirm as confirmed
 
     try:
         found = confirmed(read_spec(design, Design))
     except CamwrightError as error:
         stop(str(error))
     if as_json:
-        as_document(found)
+        print_json(found)
     else:
         out.print(confirmation_table.headline(found))
-        widened([confirmation_table.table(found)], confirmation_table.WIDTH)
+        print_tables([confirmation_table.table(found)], confirmation_table.WIDTH)
     if found.verdict != "confirmed":
         raise typer.Exit(3)

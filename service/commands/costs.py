@@ -8,10 +8,9 @@ from typing import Annotated
 
 import typer
 
-from service.commands.showing import AsJson, as_document
-from service.commands.terminal import out, read_spec
+from service.commands.terminal import AsJson, out, print_json, read_spec
 from service.settings import settings_from
-from synthesis.design import Design
+from synthesis.design.design import Design
 
 
 def costs(
@@ -19,15 +18,15 @@ def costs(
     as_json: AsJson = False,
 ) -> None:
     """Say what each limit of a design costs, in the limit's own units."""
-    from synthesis.sensitivity import sensitivities
+    from synthesis.studies.sensitivity import sensitivities
 
     known = read_spec(design, Design)
     found = sensitivities(known, time.monotonic() + settings_from().budget_s(None))
     if as_json:
-        as_document(found)
+        print_json(found)
     else:
         for each in found.sensitivities:
-            out.print(each.words)
+            out.print(each.sentence)
         for pointer in found.unconfirmed:
             out.print(f"{pointer}: not confirmed")
         out.print(f"Evidence: {found.evidence}.")

@@ -9,12 +9,12 @@ from typing import Annotated, Any
 
 import typer
 
-from service.commands.asking import Url, asked
 from service.commands.forces import force_lines
-from service.commands.terminal import out, read_spec, save, synthesise, synthesised
-from synthesis.design import Design
+from service.commands.requests import Url, answer
+from service.commands.terminal import out, read_spec, save
+from synthesis.design.design import Design
 from synthesis.exporters.exporter import Exporter
-from synthesis.spec import DesignSpec
+from synthesis.spec.design_spec import DesignSpec
 
 
 def design(
@@ -24,32 +24,36 @@ def design(
     ] = Path(),
     url: Url = None,
 ) -> None:
-    """Size one cam; write design.json, its files and pictures."""
+    """Design one cam; write design.json, its files and pictures."""
     question = read_spec(spec, DesignSpec)
     started = time.perf_counter()
-    done = _done(question, spec, url)
-    took = time.perf_counter() - started
-    names = _write(done, out_dir)
-    gap = "" if done.certificate.gap is None else f", gap {100.0 * done.certificate.gap:.2f} %"
-    sizes = ", ".join(f"{name} {value:.4f}" for name, value in done.dimensions.items())
-    out.print(f"{done.status}{gap}, {1e3 * took:.0f} ms: {sizes}")
-    if done.forces is not None:
-        for line in force_lines(done.forces):
+    found = _design(question, spec, url)
+    seconds = time.perf_counter() - started
+    names = _write(found, out_dir)
+    gap = "" if found.certificate.gap is None else f", gap {100.0 * found.certificate.gap:.2f} %"
+    sizes = ", ".join(f"{name} {value:.4f}" for name, value in found.dimensions.items())
+    out.print(f"{found.status}{gap}, {1e3 * seconds:.0f} ms: {sizes}")
+    if found.forces is not None:
+        for line in force_lines(found.forces):
             out.print(line)
-    if done.chosen:
-        told = (f"{name} {value:.6g}" for name, value in done.chosen.items())
-        out.print(f"Chosen: {', '.join(told)}")
+    if found.free_parameters:
+        values = (f"{name} {value:.6g}" for name, value in found.free_parameters.items())
+        out.print(f"Chosen: {', '.join(values)}")
     out.print(f"Written to {out_dir}: {', '.join(names)}")
-    if done.conflict is not None:
-        out.print(f"These limits cannot hold together: {', '.join(done.conflict.limits)}")
+    if found.conflict is not None:
+        out.print(f"These limits cannot hold together: {', '.join(found.conflict.limits)}")
         raise typer.Exit(3)
 
 
-def _done(question: DesignSpec, path: Path, url: str | None) -> Design:
-    if url is not None:
-        return asked(url, path, Design, lambda client: client.design(question))
-    found: Design = synthesised(question, synthesise)
-    return found
+def _design(question: DesignSpec, path: Path, url: str | None) -> Design:
+    def work(deadline: float) -> Design:
+        from synthesis.pipeline.synthesise import synthesise
+
+        return synthesise(question, deadline=deadline)
+
+    return answer(
+        url, path, Design, lambda client: client.design(question), work, question.time_budget_s
+    )
 
 
 def _write(design: Design, folder: Path) -> list[str]:

@@ -14,10 +14,10 @@ from typing import Annotated, Any
 import typer
 from pydantic.fields import FieldInfo
 
-from service.commands.terminal import out, read_spec, save, stop, synthesise, synthesised
+from service.commands.terminal import out, read_spec, save, stop, synthesise
 from service.wire.body import parsed
 from service.wire.errors import ServiceError
-from synthesis.design import Design
+from synthesis.design.design import Design
 from synthesis.errors import CamwrightError
 from synthesis.exporters import (
     MOTION_FORMATS,
@@ -27,7 +27,7 @@ from synthesis.exporters import (
     Exporter,
     form,
 )
-from synthesis.spec import DesignSpec
+from synthesis.spec.design_spec import DesignSpec
 
 
 class Part(StrEnum):
@@ -120,12 +120,11 @@ export = _with_options()
 
 
 def _design(path: Path) -> Design:
-    """As it stands in the file, or sized from the spec that does."""
+    """The design in the file, or that of the spec in the file, computed now."""
     try:
         document = parsed(path.read_bytes())
     except (OSError, ServiceError):
-        document = None  # told when it is read as a spec
+        document = None  # reported when it is read as a spec
     if isinstance(document, dict) and "certificate" in document:
         return read_spec(path, Design)
-    found: Design = synthesised(read_spec(path, DesignSpec), synthesise)
-    return found
+    return synthesise(read_spec(path, DesignSpec))

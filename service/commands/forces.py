@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from synthesis.forces.told import ForcePeak, Forces
+from synthesis.catalogue.forces.report import ForcePeak, Forces
 
 
 def force_lines(forces: Forces) -> Iterator[str]:
@@ -24,8 +24,8 @@ def force_lines(forces: Forces) -> Iterator[str]:
     )
     for arc in forces.floats:
         yield f"floats from {arc.start_deg:.5g}° to {arc.end_deg:.5g}°: {arc.lowest_n:.4g} N"
-    if forces.floats_from_rpm is not None:
-        yield f"floats from {forces.floats_from_rpm:.6g} rpm on"
+    if forces.float_onset_rpm is not None:
+        yield f"floats from {forces.float_onset_rpm:.6g} rpm on"
     if forces.changes_flank_deg:
         angles = ", ".join(f"{angle:.5g}°" for angle in forces.changes_flank_deg)
         yield f"changes flank at {angles}"

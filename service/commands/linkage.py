@@ -7,10 +7,10 @@ from typing import Annotated, Any
 
 import typer
 
-from service.commands.asking import Url, asked
-from service.commands.terminal import out, read_spec, save, stop, synthesised
-from synthesis.design import Relaxation
-from synthesis.linkages import LINKAGES, Linkage
+from service.commands.requests import Url, answer
+from service.commands.terminal import out, read_spec, save, stop
+from synthesis.design.design import Relaxation
+from synthesis.machines.linkages import LINKAGES, Linkage
 
 
 def linkage(
@@ -24,15 +24,17 @@ def linkage(
     """Analyse or size a linkage; write the answer, tables, diagrams and animations."""
     known = LINKAGES.get(kind)
     if known is None:
-        stop(f"{kind} is no kind of linkage here. Known: {', '.join(LINKAGES)}.")
-    found = _done(known, read_spec(spec, known.spec), spec, url)
-    told = known.told(found)
-    out.print(", ".join([found.status, *(f"{name} {value:.6g}" for name, value in told.items())]))
-    for line in _troubles(found):
+        stop(f"{kind} is not a kind of linkage. There are {', '.join(LINKAGES)}.")
+    found = _answer(known, read_spec(spec, known.spec), spec, url)
+    summary = known.summary(found)
+    out.print(
+        ", ".join([found.status, *(f"{name} {value:.6g}" for name, value in summary.items())])
+    )
+    for line in _conflicts(found):
         out.print(line)
     files = {"linkage.json": found.model_dump_json(indent=1).encode()}
-    if told:
-        from synthesis.exporters.linkages import LINKAGE_FILES
+    if summary:
+        from synthesis.machines.linkages.files import LINKAGE_FILES
 
         made = LINKAGE_FILES[kind].values()
         wanted = (file for file in made if file.usual and file.suits(found))
@@ -43,17 +45,18 @@ def linkage(
         raise typer.Exit(3)
 
 
-def _troubles(found: Any) -> list[str]:
-    """Why an answer is no, a line each."""
+def _conflicts(found: Any) -> list[str]:
+    """What conflicts in an infeasible answer, a line each."""
     conflict = getattr(found, "conflict", None)
     changes: list[Relaxation] = [] if conflict is None else conflict.relaxations
-    told = [f"  {each.limit}: {each.asked:g} asked, {each.needed:.6g} {each.unit} would do"
+    limits = [f"  {each.limit}: {each.requested:g} requested, {each.needed:.6g} {each.unit} needed"
             for each in changes if each.needed is not None]  # fmt: skip
     poses = [pose for pose in getattr(found, "poses", []) if not pose.reachable]
-    return [*told, *(f"  {pose.name or 'pose'}: {pose.note}" for pose in poses)]
+    return [*limits, *(f"  {pose.name or 'pose'}: {pose.note}" for pose in poses)]
 
 
-def _done(known: Linkage, question: Any, path: Path, url: str | None) -> Any:
-    if url is not None:
-        return asked(url, path, known.found, lambda client: client.linkage(known.name, question))
-    return synthesised(question, known.work)
+def _answer(kind: Linkage, question: Any, path: Path, url: str | None) -> Any:
+    return answer(
+        url, path, kind.answer, lambda client: client.linkage(kind.name, question),
+        lambda deadline: kind.solve(question, deadline), question.time_budget_s,
+    )  # fmt: skip

@@ -7,14 +7,20 @@ from typing import Annotated
 
 import typer
 
-from service.commands.asking import Url, asked
 from service.commands.points_file import points_in
-from service.commands.showing import AsJson, as_document, widened
+from service.commands.requests import Url, answer
 from service.commands.tables import analysis_table, reading_table
-from service.commands.terminal import out, read_spec, stop
+from service.commands.terminal import (
+    AsJson,
+    out,
+    print_json,
+    print_tables,
+    read_spec,
+    stop,
+)
 from synthesis.errors import CamwrightError
-from synthesis.measured.reading import ProfileAnalysis
-from synthesis.measured.spec import MeasuredCam
+from synthesis.studies.measured.report import ProfileAnalysis
+from synthesis.studies.measured.spec import MeasuredCam
 
 
 def read_back(
@@ -33,23 +39,21 @@ def read_back(
     except OSError as error:
         stop(f"{points} cannot be read: {error.strerror}.")
     except UnicodeDecodeError:
-        stop(f"{points} is no text in UTF-8.")
+        stop(f"{points} is not text in UTF-8.")
     except CamwrightError as error:
         stop(str(error))
-    found = _done(read_spec(spec, MeasuredCam, given), spec, url)
+    found = _analysis(read_spec(spec, MeasuredCam, given), spec, url)
     if as_json:
-        as_document(found)
+        print_json(found)
         return
     out.print(reading_table.headline(found))
-    widened(reading_table.tables(found), analysis_table.WIDTH)
+    print_tables(reading_table.tables(found), analysis_table.WIDTH)
 
 
-def _done(question: MeasuredCam, path: Path, url: str | None) -> ProfileAnalysis:
-    if url is not None:
-        return asked(url, path, ProfileAnalysis, lambda client: client.read_back(question))
-    from synthesis.measured import read_back as read
+def _analysis(question: MeasuredCam, path: Path, url: str | None) -> ProfileAnalysis:
+    def work(_: float) -> ProfileAnalysis:
+        from synthesis.studies.measured import read_back
 
-    try:
-        return read(question)
-    except CamwrightError as error:
-        stop(str(error))
+        return read_back(question)
+
+    return answer(url, path, ProfileAnalysis, lambda client: client.read_back(question), work)

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import time
 from pathlib import Path
 from typing import Annotated
 
@@ -10,11 +9,9 @@ import typer
 from rich.box import SIMPLE_HEAD
 from rich.table import Table
 
-from service.commands.asking import Url, asked
-from service.commands.terminal import out, read_spec, save, stop
-from service.settings import settings_from
-from synthesis.dynamics import TrainResponse, TrainSpec
-from synthesis.errors import CamwrightError
+from service.commands.requests import Url, answer
+from service.commands.terminal import out, read_spec, save
+from synthesis.machines.dynamics import TrainResponse, TrainSpec
 
 
 def respond(
@@ -25,7 +22,7 @@ def respond(
     url: Url = None,
 ) -> None:
     """Say what an elastic follower train does on a cam."""
-    found = _done(read_spec(spec, TrainSpec), spec, url)
+    found = _response(read_spec(spec, TrainSpec), spec, url)
     modes = ", ".join(
         f"{mode.natural_frequency_hz:.4g} Hz (ζ {mode.damping_ratio:.3g})" for mode in found.modes
     )
@@ -57,8 +54,8 @@ def _table(found: TrainResponse) -> Table:
 
 
 def _files(found: TrainResponse) -> dict[str, bytes]:
-    from synthesis.exporters.diagrams.train import response_svg, spectrum_svg
-    from synthesis.exporters.tables.train_csv import TrainOptions, response_csv
+    from synthesis.machines.dynamics.files.train_csv import TrainOptions, response_csv
+    from synthesis.machines.dynamics.files.train_diagrams import response_svg, spectrum_svg
 
     options = TrainOptions()
     return {
@@ -69,13 +66,13 @@ def _files(found: TrainResponse) -> dict[str, bytes]:
     }
 
 
-def _done(question: TrainSpec, path: Path, url: str | None) -> TrainResponse:
-    if url is not None:
-        return asked(url, path, TrainResponse, lambda client: client.train_response(question))
-    from synthesis.train_response import respond as responded
+def _response(question: TrainSpec, path: Path, url: str | None) -> TrainResponse:
+    def work(deadline: float) -> TrainResponse:
+        from synthesis.studies.train_response import respond
 
-    budget = settings_from().budget_s(question.time_budget_s)
-    try:
-        return responded(question, deadline=time.monotonic() + budget)
-    except CamwrightError as error:
-        stop(str(error))
+        return respond(question, deadline=deadline)
+
+    budget_s = question.time_budget_s
+    return answer(
+        url, path, TrainResponse, lambda client: client.train_response(question), work, budget_s
+    )

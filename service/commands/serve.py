@@ -7,9 +7,9 @@ from typing import Annotated, Any
 
 import typer
 
-from service.listening import bound
 from service.settings import settings_from
-from service.workers import forks
+from service.sockets import listening_socket
+from service.workers import prefork
 
 
 def serve(
@@ -34,15 +34,15 @@ def serve(
     ] = None,
 ) -> None:
     """Start the service, with its page, its API and its documentation."""
-    asked = {"host": host, "port": port, "database_url": database_url, "scheduler": scheduler}
-    given: dict[str, Any] = {name: value for name, value in asked.items() if value is not None}
+    options = {"host": host, "port": port, "database_url": database_url, "scheduler": scheduler}
+    given: dict[str, Any] = {name: value for name, value in options.items() if value is not None}
     settings = settings_from(**given)
-    listening = bound(settings)
+    listener = listening_socket(settings)
     if settings.scheduler is None:
-        forks.prepare()
-    gc.disable()  # it takes a sixth of the time of imports, and finds nothing
-    from service.run import serve as run
+        prefork.start_fork_server()
+    gc.disable()  # collections take a sixth of the time of the imports, and free nothing
+    from service.server import serve as run
 
     gc.freeze()
     gc.enable()
-    run(settings, listening)
+    run(settings, listener)

@@ -2,20 +2,16 @@
 
 from __future__ import annotations
 
-import time
 from pathlib import Path
 from typing import Annotated
 
 import typer
 
-from service.commands.asking import Url, asked
-from service.commands.showing import AsJson, as_document, widened
+from service.commands.requests import Url, answer
 from service.commands.tables import spatial_table
-from service.commands.terminal import out, read_spec, save, stop
-from service.settings import settings_from
-from synthesis.errors import CamwrightError
-from synthesis.spatial.design import SpatialDesign
-from synthesis.spatial.spec import SpatialCamSpec
+from service.commands.terminal import AsJson, out, print_json, print_tables, read_spec, save
+from synthesis.machines.spatial.design import SpatialDesign
+from synthesis.machines.spatial.spec import SpatialCamSpec
 
 
 def spatial(
@@ -28,12 +24,12 @@ def spatial(
     url: Url = None,
 ) -> None:
     """Design one spatial cam: its walls, what they do and where; write its files."""
-    found = _done(read_spec(spec, SpatialCamSpec), spec, url)
+    found = _design(read_spec(spec, SpatialCamSpec), spec, url)
     if as_json:
-        as_document(found)
+        print_json(found)
     else:
         out.print(spatial_table.headline(found))
-        widened(spatial_table.tables(found), spatial_table.WIDTH)
+        print_tables(spatial_table.tables(found), spatial_table.WIDTH)
     if out_dir is not None:
         files = _files(found)
         save(files, out_dir)
@@ -43,22 +39,18 @@ def spatial(
         raise typer.Exit(3)
 
 
-def _done(question: SpatialCamSpec, path: Path, url: str | None) -> SpatialDesign:
-    if url is not None:
-        return asked(url, path, SpatialDesign, lambda client: client.spatial_cam(question))
-    from synthesis.spatial.pipeline import synthesise_spatial
+def _design(question: SpatialCamSpec, path: Path, url: str | None) -> SpatialDesign:
+    def work(deadline: float) -> SpatialDesign:
+        from synthesis.machines.spatial.pipeline import synthesise_spatial
 
-    try:
-        return synthesise_spatial(
-            question, deadline=time.monotonic() + settings_from().budget_s(None)
-        )
-    except CamwrightError as error:
-        stop(str(error))
+        return synthesise_spatial(question, deadline=deadline)
+
+    return answer(url, path, SpatialDesign, lambda client: client.spatial_cam(question), work)
 
 
 def _files(found: SpatialDesign) -> dict[str, bytes]:
-    """What the cam can be had as; an infeasible one as its answer alone."""
-    from synthesis.spatial.files import FORMATS, formats_of
+    """All usual files of the cam; of an infeasible one the answer alone."""
+    from synthesis.machines.spatial.files import FORMATS, formats_of
 
     files = {"spatial.json": found.model_dump_json(indent=1).encode()}
     if found.status == "infeasible":

@@ -20,16 +20,16 @@ from rich.progress import (
 )
 
 from service.client import Client, Refused
-from service.client.download import Told
-from service.commands.asking import STAYS, Url, checked, refusals
+from service.client.download import ProgressCallback
+from service.commands.requests import CONTINUES, Url, report_errors, valid_address
 from service.commands.terminal import err, out, read_spec, save, stop
-from service.listening import bound
 from service.settings import settings_from
-from service.workers import forks
-from synthesis.sweeps import SweepSpec
+from service.sockets import listening_socket
+from service.workers import prefork
+from synthesis.studies.sweeps import SweepSpec
 
 FILES = ("items.csv", "items.parquet")
-STORE = "sweeps.db"  # what a sweep here has done so far, in the folder of its results
+STORE = "sweeps.db"  # the finished items of a sweep that is computed here
 
 
 def sweep(
@@ -37,36 +37,36 @@ def sweep(
     out_dir: Annotated[Path, typer.Option("--out", help="Folder for the results.")] = Path(),
     url: Url = None,
 ) -> None:
-    """Run a sweep; write sweep.json and its table. Stopped or killed, it goes on when asked again.
+    """Run a sweep; write sweep.json and its table. The same command continues a stopped one.
 
-    Here its progress is kept in the folder of the results, by a service there.
+    Computed here, finished items are kept in the folder of the results.
     """
-    asked = read_spec(spec, SweepSpec)
-    kept = "What is done is kept; the same command joins it again."
+    question = read_spec(spec, SweepSpec)
+    kept = "Finished items are kept; the same command continues the sweep."
     try:
         out_dir.mkdir(parents=True, exist_ok=True)
         with (
-            refusals(spec, url, STAYS if url else kept),
+            report_errors(spec, url, CONTINUES if url else kept),
             _at(url, out_dir) as address,
             Client(address) as client,
             _progress() as progress,
         ):
-            over = _done(client, client.sweep(asked), progress)
-            files = [name for name in FILES if _fetched(client, over, name, out_dir, progress)]
+            ended = _watch(client, client.sweep(question), progress)
+            files = [name for name in FILES if _download(client, ended, name, out_dir, progress)]
     except OSError as error:
         stop(f"{out_dir} cannot be written to: {error.strerror}.")
-    save({"sweep.json": json.dumps(over, indent=1, ensure_ascii=False).encode()}, out_dir)
-    counts = over["counts"]
-    told = ", ".join(f"{counts[name]} {name}" for name in list(counts)[2:] if counts[name])
-    out.print(f"{over['state']}: {counts['done']} of {counts['items']} items, {told}")
+    save({"sweep.json": json.dumps(ended, indent=1, ensure_ascii=False).encode()}, out_dir)
+    counts = ended["counts"]
+    results = ", ".join(f"{counts[name]} {name}" for name in list(counts)[2:] if counts[name])
+    out.print(f"{ended['state']}: {counts['done']} of {counts['items']} items, {results}")
     out.print(f"Written to {out_dir}: {', '.join(['sweep.json', *files])}")
-    if over["state"] != "successful":
+    if ended["state"] != "successful":
         raise typer.Exit(3)
 
 
 def _at(url: str | None, folder: Path) -> AbstractContextManager[str]:
-    """Address of the service to ask: the one named, or one of our own."""
-    return own_service(folder) if url is None else nullcontext(checked(url))
+    """Address of the service: the one named, or one started here."""
+    return own_service(folder) if url is None else nullcontext(valid_address(url))
 
 
 @contextmanager
@@ -75,55 +75,56 @@ def own_service(folder: Path) -> Iterator[str]:
     store = f"sqlite:///{folder.resolve() / STORE}"
     settings = settings_from(host="127.0.0.1", port=0, database_url=store)
     if settings.scheduler is None:
-        forks.prepare()
+        prefork.start_fork_server()
     import uvicorn
 
     from service.app import create_app
-    from service.run import web
+    from service.server import check_database, server_config
     from service.wire.observe import configure_logs
 
     configure_logs("error")
-    app, listening = create_app(settings), bound(settings)
-    server = uvicorn.Server(web(app))
-    running = threading.Thread(target=lambda: asyncio.run(server.serve([listening])))
+    check_database(settings)
+    app, listener = create_app(settings), listening_socket(settings)
+    server = uvicorn.Server(server_config(app))
+    running = threading.Thread(target=lambda: asyncio.run(server.serve([listener])))
     running.start()
     try:
         while not server.started:
             running.join(0.02)
             if not running.is_alive():
-                stop("The workers could not be started; see above.")
-        yield f"http://127.0.0.1:{listening.getsockname()[1]}"
+                stop("The workers could not be started; see the messages above.")
+        yield f"http://127.0.0.1:{listener.getsockname()[1]}"
     finally:
         server.should_exit = True
         running.join()
-        listening.close()
+        listener.close()
 
 
 def _progress() -> Progress:
     return Progress(
         TextColumn("{task.description}"), BarColumn(), TextColumn("{task.percentage:3.0f} %"),
-        TextColumn("{task.fields[told]}"), TimeRemainingColumn(), console=err,
+        TextColumn("{task.fields[text]}"), TimeRemainingColumn(), console=err,
     )  # fmt: skip
 
 
-def _done(client: Client, sweep: dict[str, Any], progress: Progress) -> dict[str, Any]:
-    """Watch it to its end."""
-    bar = progress.add_task("items", total=sweep["counts"]["items"], told="")
+def _watch(client: Client, sweep: dict[str, Any], progress: Progress) -> dict[str, Any]:
+    """Wait for the end of a sweep, and show its progress."""
+    bar = progress.add_task("items", total=sweep["counts"]["items"], text="")
     for event in client.watch(sweep["id"], items=False):
         counts, rate = event.data["counts"], event.data["rate_per_s"]
         speed = "" if rate is None else f", {rate:.1f}/s"
-        told = f"{counts['done']}/{counts['items']}{speed}"
-        progress.update(bar, completed=counts["done"], told=told)
+        text = f"{counts['done']}/{counts['items']}{speed}"
+        progress.update(bar, completed=counts["done"], text=text)
     return client.get(sweep["links"]["self"])
 
 
-def _fetched(
-    client: Client, over: dict[str, Any], name: str, folder: Path, progress: Progress
+def _download(
+    client: Client, ended: dict[str, Any], name: str, folder: Path, progress: Progress
 ) -> bool:
-    """A table of it; False where the service does not write this format."""
-    bar = progress.add_task(name, total=None, told="")
+    """Download a table; False where the service cannot write this format."""
+    bar = progress.add_task(name, total=None, text="")
     try:
-        client.download(over["links"][name], folder / name, told=_telling(progress, bar))
+        client.download(ended["links"][name], folder / name, progress=_update_bar(progress, bar))
     except Refused as error:
         if error.kind != "format-missing":
             raise
@@ -132,8 +133,8 @@ def _fetched(
     return True
 
 
-def _telling(progress: Progress, bar: TaskID) -> Told:
-    def told(done: int, total: int | None) -> None:
-        progress.update(bar, completed=done, total=total or done, told=f"{done / 1e3:.0f} kB")
+def _update_bar(progress: Progress, bar: TaskID) -> ProgressCallback:
+    def update(done: int, total: int | None) -> None:
+        progress.update(bar, completed=done, total=total or done, text=f"{done / 1e3:.0f} kB")
 
-    return told
+    return update

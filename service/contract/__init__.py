@@ -1,4 +1,4 @@
-"""What the OpenAPI document says beyond what FastAPI reads from the handlers, with its examples.
+"""The OpenAPI document: texts and schemas beyond what FastAPI reads from handlers, and examples.
 
-It stands below the routes: they take their words from here.
+The routes import their descriptions from here. Begin with `documentation.py`.
 """

@@ -1,4 +1,4 @@
-"""What the OpenAPI document would say in many places stands once, and is referred to."""
+"""Move repeated parts of the OpenAPI document to its components."""
 
 from __future__ import annotations
 
@@ -10,20 +10,19 @@ from typing import Any
 Json = dict[str, Any]
 
 
-def refer_to_what_repeats(document: Json) -> None:
-    """Parameters and responses that several operations have alike move to the components.
+def share_components(document: Json) -> None:
+    """Move parameters and responses that several operations share to the components.
 
-    Of those that differ and would have one name, the later ones carry a number. What an operation
-    answers when all is well stays with it, for whoever reads. Titles that only say a field's own
-    name in other letters go.
+    Different ones of the same name are numbered. Responses of status 200 stay with their operation,
+    for readers. Titles that only repeat a field's name are removed.
     """
     components, operations = document["components"], list(_operations(document))
     for operation in operations:
         for parameter in operation.get("parameters", []):
-            _without_echo(parameter["name"], parameter["schema"])
+            _remove_repeated_title(parameter["name"], parameter["schema"])
     for schema in components["schemas"].values():
         for name, field in schema.get("properties", {}).items():
-            _without_echo(name, field)
+            _remove_repeated_title(name, field)
     lists = [operation.get("parameters", []) for operation in operations]
     places = [(each, at, each[at]["name"]) for each in lists for at in range(len(each))]
     components["parameters"] = _moved(places, "parameters")
@@ -42,10 +41,10 @@ def _named(status: str) -> str:
 
 
 def _moved(places: list[tuple[Any, Any, str]], kind: str) -> Json:
-    """What stands at several of the places, by name; the places refer to it.
+    """What occurs at several places, by name; the places become references to it.
 
     Args:
-        places: what holds it, key in that, name. kind: the part of the components.
+        places: container, key and name of each. kind: the section of the components.
     """
     texts = [json.dumps((name, holder[key]), sort_keys=True) for holder, key, name in places]
     often, names, parts = Counter(texts), dict[str, str](), Json()
@@ -60,6 +59,6 @@ def _moved(places: list[tuple[Any, Any, str]], kind: str) -> Json:
     return parts
 
 
-def _without_echo(name: str, field: Json) -> None:
+def _remove_repeated_title(name: str, field: Json) -> None:
     if field.get("title") == name.replace("_", " ").title():
         del field["title"]

@@ -1,4 +1,4 @@
-"""What the OpenAPI document says beyond what FastAPI reads from the handlers."""
+"""Texts and schemas of the OpenAPI document beyond what FastAPI reads from the handlers."""
 
 from __future__ import annotations
 
@@ -10,48 +10,47 @@ from fastapi.openapi.utils import get_openapi
 from fastapi.routing import APIRoute
 from pydantic import BaseModel
 
-from service.contract.components import refer_to_what_repeats
+from service.contract.components import share_components
 from service.contract.examples import examples
 from service.wire.errors import BY_STATUS, PROBLEMS
 from service.wire.problem import MEDIA_TYPE, LateProblem, Problem
-from synthesis.design import engine_version
-from synthesis.dynamics import TrainSpec
-from synthesis.linkages import LINKAGES
-from synthesis.measured import MeasuredCam
-from synthesis.spatial.spec import SpatialCamSpec
-from synthesis.sweeps import SweepSpec
+from synthesis.design.identity import engine_version
+from synthesis.machines.dynamics import TrainSpec
+from synthesis.machines.linkages import LINKAGES
+from synthesis.machines.spatial.spec import SpatialCamSpec
+from synthesis.studies.measured import MeasuredCam
+from synthesis.studies.sweeps import SweepSpec
 
 TITLE = "Camwright"
 DESCRIPTION = """\
-Say what the follower must do and what the cam must not exceed; Camwright picks base radius, offset
-and motion law **together**, proves that every limit holds at **every** cam angle, and hands back
-the profile.
+Specify the motion of the follower and the limits of the cam; Camwright chooses base radius, offset
+and motion law **together**, proves that every limit holds at **every** cam angle, and returns the
+profile.
 
-1. `POST /v1/designs` with a spec: the motion program, the follower, the limits, what to make small.
+1. `POST /v1/designs` with a spec: the motion program, the follower, the limits, the objective.
    The worked examples below are a good start.
 2. Read `status`, `dimensions`, `extremes` (each limit: value, where, margin) and `certificate`
-   (how close to the best possible the answer is).
-3. Take the points: `/v1/designs/{id}/profile.csv`, `.txt`, `.json`, `.svg`, and `/motion.*`.
+   (how close the answer is to the optimum).
+3. Get the points: `/v1/designs/{id}/profile.csv`, `.txt`, `.json`, `.svg`, and `/motion.*`.
 
-A cam that exists already goes to `POST /v1/analyses`: what it does, which limits it breaks, by how
-much and where, and what would mend it. Of a cam that exists as metal only, send measured points of
-its profile to `POST /v1/profile-analyses`: the motion that it gives its follower.
+`POST /v1/analyses` analyses a given cam: its extremes, which limits it breaks, by how much and
+where, and which changes would help. `POST /v1/profile-analyses` takes measured points of a real
+cam's profile and returns the motion of its follower.
 
-Several cams on one shaft go to `POST /v1/cam-sets`, each with its phase: one timing diagram, and
+`POST /v1/cam-sets` designs several cams on one shaft, each with its phase: one timing diagram, and
 one archive with all files, in the cams' own frames and in the shaft's.
 
-Cams whose rollers' axes do not lie along the cam's, as those of globoidal indexers, go to
-`POST /v1/spatial-cams`: their walls, pressure angle, undercut, where and at which roller.
+`POST /v1/spatial-cams` designs cams whose rollers' axes are not parallel to the cam's, such as
+globoidal indexers: walls, pressure angle, undercut, with place and roller.
 
-What an elastic follower train does on a cam, speed by speed, says `POST /v1/train-responses`:
-residual vibration in the dwells, contact force, the speed at which contact is lost.
+`POST /v1/train-responses` computes the response of an elastic follower train to a cam, speed by
+speed: residual vibration in the dwells, contact force, the speed at which contact is lost.
 
-Linkages have places of their own: a six-bar shaper, given or sized for a stroke and a quick-return
-ratio, goes to `POST /v1/linkages/six-bar-shapers`, a palletising arm to
-`POST /v1/linkages/palletising-arms`.
+`POST /v1/linkages/six-bar-shapers` analyses a six-bar shaper, or sizes one for a stroke and a
+quick-return ratio; `POST /v1/linkages/palletising-arms` analyses a palletising arm.
 
-Many designs out of one go to `POST /v1/sweeps`: a base spec, the fields to vary, and how their
-values are combined. Watch them come in, take them as a table, and see what is traded for what.
+`POST /v1/sweeps` computes many designs: a base spec, the fields to vary, and how their values are
+combined. Follow its events, get the items as a table, and the Pareto front of any quantities.
 
 **Units** are in the field names: mm, degrees of cam angle, rpm; velocity to jerk in mm/s to mm/s³
 at the given speed, or in deg/s to deg/s³ where the follower swings on an arm (`lift_deg`).
@@ -60,32 +59,38 @@ fixes a dimension, `{"min", "max"}` leaves it free in between, leaving it out le
 law** is named, or `spline`: then it is part of the answer.
 
 Infeasible is a result, not an error: `status` is `infeasible` and `conflict` names the limits that
-cannot hold together and the least change of each that would help. Everything that does go wrong is
-a problem document (RFC 9457, `application/problem+json`) that names field, value, rule and way out.
+cannot hold together and the least change of each that would help. Every error is a problem document
+(RFC 9457, `application/problem+json`) that names field, value, rule and what to do.
 
 The same spec gives the same id and the same bytes; results carry a strong `ETag`.
 """
 TAGS = [
-    {"name": "designs", "description": "Ask for a cam; look at it, list them, forget it."},
-    {"name": "analyses", "description": "What a cam does that is given in full."},
+    {"name": "designs", "description": "Synthesise a cam; get, list and delete designs."},
+    {"name": "analyses", "description": "Analyses of given and of measured cams."},
     {"name": "cam sets", "description": "Several cams on one shaft, with their phases."},
-    {"name": "spatial cams", "description": "Cams for rollers whose axes lie across the cam's."},
-    {"name": "follower trains", "description": "Masses, springs and dampers that a cam drives."},
+    {
+        "name": "spatial cams",
+        "description": "Cams with rollers whose axes are not parallel to the cam's.",
+    },
+    {
+        "name": "follower trains",
+        "description": "Response of masses, springs and dampers that a cam drives.",
+    },
     {"name": "linkages", "description": "Shapers and palletising arms."},
-    {"name": "sweeps", "description": "Many designs out of one, and their trade-offs."},
-    {"name": "files", "description": "Points and curves of a finished design."},
-    {"name": "catalogue", "description": "What a spec may name, and what this server allows."},
+    {"name": "sweeps", "description": "Many designs from one base spec, and their trade-offs."},
+    {"name": "files", "description": "Points, curves, pictures and solids of a finished design."},
+    {"name": "catalogue", "description": "What a spec can contain, and the limits of this server."},
     {"name": "operation", "description": "For those who run the service."},
 ]
-# of statuses that stand for several kinds of problems
+# Statuses of several types of problems.
 SEVERAL = {
-    404: "Nothing is here",
-    409: "Not as things stand now",
-    422: "The request makes no sense",
-    503: "Not now, try again",
+    404: "Not found",
+    409: "Conflict with the current state",
+    422: "The request is invalid",
+    503: "Temporarily unavailable: try again",
 }
 OPENAPI_URL = "/openapi.json"
-# Bodies that no handler's signature names.
+# Models that no handler's signature names.
 UNNAMED: tuple[type[BaseModel], ...] = (
     Problem, LateProblem, MeasuredCam, SpatialCamSpec, SweepSpec, TrainSpec,
     *(each.spec for each in LINKAGES.values()),
@@ -103,7 +108,7 @@ def problems(*statuses: int) -> dict[int | str, dict[str, Any]]:
 
 
 def _problem(status: int) -> dict[str, Any]:
-    """The form of a problem; only what comes too late has a design in it: a large schema."""
+    """The schema of a problem; only that of 504 contains a design, which is large."""
     model = LateProblem if status == 504 else Problem
     return {MEDIA_TYPE: {"schema": {"$ref": f"#/components/schemas/{model.__name__}"}}}
 
@@ -112,18 +117,18 @@ def tagged(status: int = 200, **more: Any) -> dict[int | str, dict[str, Any]]:
     """A response with a strong ETag, and 304 for those who have it."""
     return {
         status: {"headers": {"ETag": _header("Strong: the same tag, the same bytes.")}, **more},
-        304: {"description": "You have it already."},
+        304: {"description": "The caller has it already."},
     }
 
 
 def in_parts(**more: Any) -> dict[int | str, dict[str, Any]]:
-    """A file: tagged, and to be had in parts by those who send Range."""
+    """A file with a tag, of which parts can be requested by Range."""
     return {
         **tagged(**more),
         206: {
             "description": "With `Range: bytes=…` and, if given, the file's tag in `If-Range`: the "
-            "part asked for, uncompressed.",
-            "headers": {"Content-Range": _header("Which bytes of how many.")},
+            "requested part, uncompressed.",
+            "headers": {"Content-Range": _header("The range and the total size.")},
             **({"content": more["content"]} if "content" in more else {}),
         },
         **problems(416),
@@ -135,13 +140,13 @@ def _header(description: str) -> dict[str, Any]:
 
 
 UNDER_WAY_HEADERS = {
-    "Location": _header("Where to ask again."),
+    "Location": _header("Address to ask again."),
     "Retry-After": _header("Seconds until then."),
 }
 
 
 def spec_body(part: str = "", schema: str = "DesignSpec") -> dict[str, Any]:
-    """A spec as request body, with the worked examples of a part of the service."""
+    """A spec as request body, with the worked examples of a folder."""
     content = {
         "schema": {"$ref": f"#/components/schemas/{schema}"},
         "examples": examples(part),
@@ -150,7 +155,7 @@ def spec_body(part: str = "", schema: str = "DesignSpec") -> dict[str, Any]:
 
 
 def client_name(route: APIRoute) -> str:
-    """The handler's own name: what a generated client's method is called."""
+    """The operation id: the name of the method of generated clients."""
     return route.name
 
 
@@ -174,26 +179,26 @@ def describe(app: FastAPI) -> dict[str, Any]:
             for name, schema in own.pop("$defs").items():
                 schemas.setdefault(name, schema)
             schemas[model.__name__] = own
-        _without_default_errors(document)
-        _without_default_objects(document)
+        _remove_default_errors(document)
+        _describe_default_objects(document)
         document["components"]["schemas"] = dict(sorted(schemas.items()))
-        refer_to_what_repeats(document)
+        share_components(document)
         app.openapi_schema = document
     return app.openapi_schema
 
 
-def _without_default_objects(document: dict[str, Any]) -> None:
-    """A default that is an object is said in words: generators of clients drop its schema."""
+def _describe_default_objects(document: dict[str, Any]) -> None:
+    """Move defaults that are objects into descriptions: client generators drop their schemas."""
     for schema in document["components"]["schemas"].values():
         for field in schema.get("properties", {}).values():
             if isinstance(field.get("default"), dict):
                 default = json.dumps(field.pop("default"))
-                said = field.get("description", "")
-                field["description"] = f"{said} Left out, it is `{default}`.".strip()
+                text = field.get("description", "")
+                field["description"] = f"{text} Default: `{default}`.".strip()
 
 
-def _without_default_errors(document: dict[str, Any]) -> None:
-    """FastAPI adds its own form of 422 to what has parameters; ours is a problem document."""
+def _remove_default_errors(document: dict[str, Any]) -> None:
+    """Remove FastAPI's own form of 422: the service answers with problem documents."""
     for unused in ("HTTPValidationError", "ValidationError"):
         document["components"]["schemas"].pop(unused, None)
     for methods in document["paths"].values():

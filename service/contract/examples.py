@@ -1,4 +1,4 @@
-"""The worked examples: documentation, fixtures of the tests and smoke tests at once."""
+"""The worked examples: documentation and test data."""
 
 from __future__ import annotations
 
@@ -14,13 +14,14 @@ FOLDERS = (
 SELF_CHECK = "example-13-6-sized"
 
 
-ANALYSES = "analyses"  # the folder of those that are given in full, for POST /v1/analyses
-PROFILE_ANALYSES = "profile-analyses"  # the folder of those for POST /v1/profile-analyses
-CAM_SETS = "cam-sets"  # the folder of those for POST /v1/cam-sets
-SPATIAL_CAMS = "spatial-cams"  # the folder of those for POST /v1/spatial-cams
-TRAINS = "train-responses"  # the folder of those for POST /v1/train-responses
-LINKAGES = "linkages"  # the folder of folders, one for each kind of /v1/linkages
-SWEEPS = "sweeps"  # the folder of those for POST /v1/sweeps
+# Folders, named as the paths under /v1/; linkages have one for each kind.
+ANALYSES = "analyses"
+PROFILE_ANALYSES = "profile-analyses"
+CAM_SETS = "cam-sets"
+SPATIAL_CAMS = "spatial-cams"
+TRAINS = "train-responses"
+LINKAGES = "linkages"
+SWEEPS = "sweeps"
 
 
 @cache

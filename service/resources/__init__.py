@@ -1,4 +1,7 @@
-"""What is kept by id: a table each, the work under way for it, and how it looks on the wire.
+"""What is kept by id: questions with their answers.
 
-One code for all: the routes of a resource say only what is its own.
+A resource is one record (`resource.Resource`): its path, the models of question and answer, the
+task that a worker runs, the lines of lists, its files. A file of this room holds each; `registry`
+has them all. `jobs.Jobs` runs the questions of one resource and keeps the answers;
+`routes/resource_routes.py` makes the routes of any. Begin with `designs.py`.
 """

@@ -1,4 +1,4 @@
-"""Work under way: the same question asked twice is worked on once, and the answer is kept."""
+"""Questions being worked on; work on the same question is shared."""
 
 from __future__ import annotations
 
@@ -7,61 +7,130 @@ import hashlib
 from datetime import UTC, datetime
 from typing import Any
 
+from pydantic import ValidationError
+
 from service.resources.resource import Resource
 from service.settings import Settings
-from service.storage.store import Row, Store
-from service.wire.errors import Dismissed
+from service.storage.store import AnswerRow, Store
+from service.wire.errors import Dismissed, NotDone, ServiceError
 from service.wire.metrics import Metrics
-from service.wire.problem import described
+from service.wire.problem import problem_of
 from service.workers.engine import Engine
+from synthesis.design.identity import ENGINE_NUMBER
 
 
 class Jobs:
-    """What is being worked on in this process of one kind, by id; and the kind's answers."""
+    """What this process works on of one resource, by id; and the answers that are kept of it."""
 
     def __init__(
-        self, kind: Resource, engine: Engine, store: Store, metrics: Metrics, settings: Settings
+        self, resource: Resource, engine: Engine, store: Store, metrics: Metrics, settings: Settings
     ) -> None:
-        self.kind, self.engine = kind, engine
-        self.answers = store.table(kind.row, kind.elsewhere)
+        self.resource, self.engine = resource, engine
+        self.answers = store.answers(resource.path, resource.elsewhere)
         self._metrics, self._settings = metrics, settings
-        self._tasks: dict[str, asyncio.Task[Row]] = {}
+        self._tasks: dict[str, asyncio.Task[AnswerRow]] = {}
 
-    def start(self, spec: Any) -> asyncio.Task[Row]:
+    async def find(self, id: str) -> AnswerRow:
+        """The answer with this id, by this engine.
+
+        Where an earlier engine gave it, its question is accepted anew and the answer dropped: the
+        row returned has the id that the question has on this engine.
+
+        Raises:
+            ServiceError: there is none, or an earlier engine gave it and its spec cannot be read
+                any more; the resource's own kind of it.
+        """
+        row = await self.answers.find(id)
+        if row is None:
+            raise self.unknown(id)
+        if row.engine >= ENGINE_NUMBER:
+            return row
+        try:
+            spec = self.resource.spec.model_validate_json(row.spec)
+        except ValidationError:
+            raise self.resource.unknown(
+                f"{self.resource.noun.capitalize()} {id} was made by an earlier engine, and this "
+                f"one cannot read its spec. POST it to {self.resource.path} in today's form, as "
+                "in /docs."
+            ) from None
+        current = await self.answers.find(self.resource.id_of(spec))
+        if current is None:
+            current = await self._accept(spec)
+        await self.answers.supersede(id)
+        return current
+
+    async def find_done(self, id: str) -> tuple[AnswerRow, bytes]:
+        """The answer with this id and its body; see ``find``.
+
+        Raises:
+            NotDone: it is being worked on, or the work failed.
+        """
+        row = await self.find(id)
+        if row.state != "done" or row.body is None:
+            noun, path = self.resource.noun.capitalize(), self.resource.at(row.id)
+            renewed = "" if row.id == id else " An earlier engine made it; it is being made anew."
+            raise NotDone(
+                f"{noun} {row.id} is {row.state}: GET {path} says how it stands.{renewed}"
+            )
+        return row, row.body
+
+    def unknown(self, id: str) -> ServiceError:
+        """The error for an id that does not exist."""
+        resource = self.resource
+        return resource.unknown(
+            f"There is no {resource.noun} {id[:64]!r}. GET {resource.path} lists those there are; "
+            "POST the spec again to make it anew."
+        )
+
+    def start(self, spec: Any) -> asyncio.Task[AnswerRow]:
         """Work on a question, or join the work on it; the task ends when the answer is kept."""
-        name = self.kind.name_of(spec)
-        if name not in self._tasks:
+        id = self.resource.id_of(spec)
+        if id not in self._tasks:
             self.engine.admit()
-        return self._begun(name, spec)
+        return self._task(id, spec)
 
-    async def accept(self, spec: Any) -> Row:
+    async def accept(self, spec: Any) -> AnswerRow:
         """Note a question as accepted, so that it outlives this process, and start it."""
-        name = self.kind.name_of(spec)
-        if name not in self._tasks:
+        if self.resource.id_of(spec) not in self._tasks:
             self.engine.admit()
-        row = await self.answers.put(self._row(name, spec, "accepted"))
+        return await self._accept(spec)
+
+    async def _accept(self, spec: Any) -> AnswerRow:
+        id = self.resource.id_of(spec)
+        row = await self.answers.put(self._row(id, spec, "accepted"))
         if row.state != "done":
-            self._begun(name, spec)
+            self._task(id, spec)
         return row
 
     async def resume(self) -> None:
         """Start again what a process before this one had accepted and not finished."""
         for row in await self.answers.unfinished():
-            self._begun(row.id, self.kind.spec.model_validate_json(row.spec))
+            if row.engine >= ENGINE_NUMBER:
+                self._task(row.id, self.resource.spec.model_validate_json(row.spec))
+                continue
+            try:
+                await self.find(row.id)
+            except ServiceError as error:
+                await self.answers.fail(row.id, problem_of(error))
 
-    def _begun(self, name: str, spec: Any) -> asyncio.Task[Row]:
-        task = self._tasks.get(name)
+    def _task(self, id: str, spec: Any) -> asyncio.Task[AnswerRow]:
+        task = self._tasks.get(id)
         if task is None:
-            task = self._tasks[name] = asyncio.create_task(self._run(name, spec))
-            task.add_done_callback(lambda done: self._over(name, done))
+            task = self._tasks[id] = asyncio.create_task(self._run(id, spec))
+            task.add_done_callback(lambda done: self._remove(id, done))
         return task
 
-    async def dismiss(self, name: str) -> bool:
-        """Stop and forget one; whether there was one."""
-        task = self._tasks.get(name)
+    def _remove(self, id: str, task: asyncio.Task[AnswerRow]) -> None:
+        del self._tasks[id]
+        if not task.cancelled():
+            task.exception()  # retrieved, so that asyncio does not log it
+
+    async def dismiss(self, id: str) -> bool:
+        """Stop and delete one; whether there was one."""
+        task = self._tasks.get(id)
         if task is not None:
             task.cancel()
-        return await self.answers.remove(name) or task is not None
+        return await self.answers.remove(id) or task is not None
 
     async def close(self) -> None:
         """Stop everything; what was accepted is resumed at the next start."""
@@ -70,32 +139,26 @@ class Jobs:
             task.cancel()
         await asyncio.gather(*tasks, return_exceptions=True)
 
-    async def _run(self, name: str, spec: Any) -> Row:
-        row = self._row(name, spec, "done")
+    async def _run(self, id: str, spec: Any) -> AnswerRow:
+        row = self._row(id, spec, "done")
         try:
-            budget = self._settings.budget_s(self.kind.budget_of(spec))
-            answer = await self.engine.solve(row.spec, budget, self.kind.task)
+            budget = self._settings.budget_s(self.resource.budget_of(spec))
+            answer = await self.engine.solve(row.spec, budget, self.resource.task)
         except Exception as error:
-            await self._failed(name, error)
+            problem = problem_of(error)
+            self._metrics.count_failure(problem["type"].rpartition("/")[2])
+            await self.answers.fail(id, problem)
             raise
-        self._metrics.solved(answer.status, answer.seconds)
-        row.status, row.summary, row.design = answer.status, answer.summary, answer.design
-        row.etag = hashlib.sha256(answer.design).hexdigest()[:32]
+        self._metrics.count_solve(answer.status, answer.seconds)
+        row.status, row.summary, row.body = answer.status, dict(answer.summary), answer.body
+        row.etag = hashlib.sha256(answer.body).hexdigest()[:32]
         return await self.answers.put(row)
 
-    async def _failed(self, name: str, error: Exception) -> None:
-        problem = described(error)
-        self._metrics.failed(problem["type"].rpartition("/")[2])
-        await self.answers.fail(name, problem)
-
-    def _over(self, name: str, task: asyncio.Task[Row]) -> None:
-        del self._tasks[name]
-        if not task.cancelled():
-            task.exception()  # seen: whoever waits gets it, and nobody has to
-
-    def _row(self, name: str, spec: Any, state: str) -> Row:
-        return self.kind.row(
-            id=name,
+    def _row(self, id: str, spec: Any, state: str) -> AnswerRow:
+        return AnswerRow(
+            id=id,
+            kind=self.resource.path,
+            engine=ENGINE_NUMBER,
             name=spec.name,
             created=datetime.now(UTC),
             state=state,
@@ -104,11 +167,11 @@ class Jobs:
         )
 
 
-async def finished(task: asyncio.Task[Row]) -> Row:
-    """The task's row; the work goes on when the caller who waits goes away."""
+async def result_of(task: asyncio.Task[AnswerRow]) -> AnswerRow:
+    """The row that a task ends with; the task continues if the caller is cancelled."""
     try:
         return await asyncio.shield(task)
     except asyncio.CancelledError:
         if task.cancelled():
-            raise Dismissed("It was deleted while it was being worked on.") from None
+            raise Dismissed("The question was deleted while it was being worked on.") from None
         raise

@@ -1,176 +1,135 @@
-"""What is kept by id: designs, cam sets, analyses. A table each, and one code for all."""
+"""A kept resource as one record: question, task, answer, lists and files."""
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
-from functools import partial
 from operator import attrgetter
 from typing import Any
 
-from service.storage.store import (
-    AnalysisRow,
-    CamSetRow,
-    DesignRow,
-    Lookup,
-    PalletisingArmRow,
-    ProfileAnalysisRow,
-    Row,
-    SixBarShaperRow,
-    SpatialCamRow,
-    TrainResponseRow,
-)  # fmt: skip
-from service.sweeps.store import design_of_item
-from service.wire.errors import (
-    ServiceError,
-    UnknownAnalysis,
-    UnknownCamSet,
-    UnknownDesign,
-    UnknownLinkage,
-    UnknownSpatialCam,
-    UnknownTrainResponse,
-)  # fmt: skip
-from service.wire.links import (
-    analysis_links,
-    design_links,
-    linkage_links,
-    set_links,
-    spatial_links,
-    train_links,
-)
-from service.workers.solve import (
-    Task,
-    analyse,
-    linked,
-    read_back,
-    respond,
-    solve_set,
-    solve_spatial,
-)
-from synthesis.camset import set_id
-from synthesis.camset_spec import CamSetSpec
-from synthesis.design import design_id, question_id
-from synthesis.dynamics import TrainSpec
-from synthesis.linkages import LINKAGES, Linkage
-from synthesis.measured import MeasuredCam
-from synthesis.spatial.design import spatial_id
-from synthesis.spatial.spec import SpatialCamSpec
-from synthesis.spec import DesignSpec
+from pydantic import BaseModel
+
+from service.resources.views import Page
+from service.storage.store import Lookup
+from service.wire.errors import ServiceError
+from service.workers.tasks import Task
+from synthesis.exporters import Made, form
+from synthesis.exporters.exporter import FileFormat
+
+
+def _unchanged(query: Any) -> Any:
+    return query
 
 
 @dataclass(frozen=True)
+class ResourceFile:
+    """A file that is made of an answer.
+
+    Attributes:
+        path: the last part of its address. operation: name in the contract, without ``get_``.
+        title, purpose: for people. media_type: with its parameters.
+        query: the options as query parameters; options_of: those as ``make`` takes them.
+        make: an answer's body and options to the file.
+        in_worker: whether a worker makes it, because that takes long or much memory.
+        download_name: what the name of a saved file ends in.
+        made_by: what decides on its bytes besides the answer and the options.
+    """
+
+    path: str
+    operation: str
+    title: str
+    media_type: str
+    query: type[BaseModel]
+    make: Callable[[bytes, Any], Made]
+    purpose: str = ""
+    options_of: Callable[[Any], Any] = _unchanged
+    in_worker: bool = False
+    download_name: str = ""
+    made_by: str = ""
+
+
+def file_of(
+    exporter: FileFormat[Any, Any],
+    path: str,
+    operation: str,
+    make: Callable[[bytes, Any], Made],
+    **more: Any,
+) -> ResourceFile:
+    """A file in a format of the core. ``more``: fields of ``ResourceFile`` that differ."""
+    fields: dict[str, Any] = {
+        "title": exporter.title,
+        "purpose": exporter.purpose,
+        "in_worker": exporter.apart,
+        "download_name": path,
+    }
+    return ResourceFile(
+        path=path,
+        operation=operation,
+        media_type=exporter.media_type,
+        query=form(exporter.options),
+        options_of=lambda query: exporter.options(**dict(query)),
+        make=make,
+        **(fields | more),
+    )
+
+
+@dataclass(frozen=True, eq=False)
 class Resource:
     """A kind of question whose answers are kept.
 
     Attributes:
-        path: of the collection. noun: for people.
-        row: its table. spec: its request body. name_of: spec to id.
-        task: what a worker does; None: what the engine does anyway.
-        budget_of: spec to the time that it asks for [s]; None: what the server gives.
+        path: of the collection, and the kind of its answers in the store.
+        tag: section of the documentation, and file_tag: of its files' ("": the same).
+        noun: what one is called, and plural. id_name: what paths call the id of one.
+        spec: the question. answer: what it leads to. page: of the list.
+        examples: folder of the worked examples.
+        id_of: question to id.
+        task: what a worker does; None: what the engine was made for, which is to solve designs.
         links: id, and what lists show of the answer, to addresses.
-        unknown: the error for an id that leads nowhere.
-        elsewhere: finds what is kept as part of something else; None: there is no such thing.
+        unknown: the error for an id that does not exist.
+        title, text: what the contract says of POST, and answer_text: of GET.
+        status: type of the filter of lists; None: there is none.
+        budget_of: question to the time that it asks for [s]; None: what the server gives.
+        elsewhere: finds answers that are kept as part of something else; None: there are none.
+        files: what its answers can be had as.
+        marks_broken_limits: whether the files of a cam that breaks its limits are named so.
+        own_delete: whether its routes have a DELETE of their own.
     """
 
     path: str
+    tag: str
     noun: str
-    row: type[Row]
+    plural: str
+    id_name: str
     spec: type[Any]
-    name_of: Callable[[Any], str]
+    answer: type[BaseModel]
+    page: type[Page[Any]]
+    examples: str
+    id_of: Callable[[Any], str]
     task: Task | None
-    links: Callable[[str, dict[str, Any]], dict[str, str]]
+    links: Callable[[str, Mapping[str, Any]], dict[str, str]]
     unknown: type[ServiceError]
+    title: str
+    text: str
+    answer_text: str
+    status: Any = None
     budget_of: Callable[[Any], float | None] = attrgetter("time_budget_s")
     elsewhere: Lookup | None = None
+    files: Sequence[ResourceFile] = ()
+    file_tag: str = ""
+    marks_broken_limits: bool = False
+    own_delete: bool = False
 
-    def at(self, name: str) -> str:
+    def at(self, id: str) -> str:
         """Address of one of them."""
-        return f"{self.path}/{name}"
+        return f"{self.path}/{id}"
 
+    @property
+    def operation(self) -> str:
+        """What operations call one, as in ``get_cam_set``."""
+        return self.noun.replace(" ", "_").replace("-", "_")
 
-DESIGNS = Resource(
-    path="/v1/designs",
-    noun="design",
-    row=DesignRow,
-    spec=DesignSpec,
-    name_of=design_id,
-    task=None,
-    links=lambda name, summary: design_links(name, has_cam=bool(summary.get("dimensions"))),
-    unknown=UnknownDesign,
-    elsewhere=design_of_item,
-)
-CAM_SETS = Resource(
-    path="/v1/cam-sets",
-    noun="cam set",
-    row=CamSetRow,
-    spec=CamSetSpec,
-    name_of=set_id,
-    task=solve_set,
-    links=lambda name, summary: set_links(name, has_cams=bool(summary.get("fitting"))),
-    unknown=UnknownCamSet,
-)
-ANALYSES = Resource(
-    path="/v1/analyses",
-    noun="analysis",
-    row=AnalysisRow,
-    spec=DesignSpec,
-    name_of=lambda spec: question_id(spec, "analysis"),
-    task=analyse,
-    links=lambda name, _: analysis_links(name),
-    unknown=UnknownAnalysis,
-)
-PROFILE_ANALYSES = Resource(
-    path="/v1/profile-analyses",
-    noun="profile analysis",
-    row=ProfileAnalysisRow,
-    spec=MeasuredCam,
-    name_of=lambda cam: question_id(cam, "profile analysis"),
-    task=read_back,
-    links=lambda name, _: {"self": f"/v1/profile-analyses/{name}"},
-    unknown=UnknownAnalysis,
-    budget_of=lambda _: None,
-)
-SPATIAL_CAMS = Resource(
-    path="/v1/spatial-cams",
-    noun="spatial cam",
-    row=SpatialCamRow,
-    spec=SpatialCamSpec,
-    name_of=spatial_id,
-    task=solve_spatial,
-    links=lambda name, summary: spatial_links(
-        name, summary.get("machine", ""), has_cam=bool(summary.get("dimensions"))
-    ),
-    unknown=UnknownSpatialCam,
-    budget_of=lambda _: None,
-)
-TRAIN_RESPONSES = Resource(
-    path="/v1/train-responses",
-    noun="train response",
-    row=TrainResponseRow,
-    spec=TrainSpec,
-    name_of=lambda spec: question_id(spec, "train response"),
-    task=respond,
-    links=lambda name, _: train_links(name),
-    unknown=UnknownTrainResponse,
-)
-
-
-def _linkages(linkage: Linkage, row: type[Row]) -> Resource:
-    """A kind of linkage."""
-    return Resource(
-        path=f"/v1/linkages/{linkage.name}",
-        noun=linkage.noun,
-        row=row,
-        spec=linkage.spec,
-        name_of=lambda spec: question_id(spec, linkage.noun),
-        task=partial(linked, linkage.name),
-        links=lambda name, summary: linkage_links(linkage.name, name, summary.get("files", ())),
-        unknown=UnknownLinkage,
-    )
-
-
-LINKAGE_ROWS = {"six-bar-shapers": SixBarShaperRow, "palletising-arms": PalletisingArmRow}
-LINKAGE_RESOURCES = {
-    name: _linkages(linkage, LINKAGE_ROWS[name]) for name, linkage in LINKAGES.items()
-}
-RESOURCES = (DESIGNS, CAM_SETS, ANALYSES, PROFILE_ANALYSES, SPATIAL_CAMS, TRAIN_RESPONSES)
+    @property
+    def operations(self) -> str:
+        """What operations call several, as in ``list_cam_sets``."""
+        return self.plural.replace(" ", "_").replace("-", "_")

@@ -1,22 +1,20 @@
-"""How what is stored looks on the wire."""
+"""How what is kept looks on the wire: one that is under way, and pages of lists."""
 
 from __future__ import annotations
 
 import base64
 import binascii
-from collections.abc import Sequence
 from datetime import UTC, datetime
-from typing import Annotated, Generic, Literal, Self, TypeVar
+from typing import Annotated, Generic, Literal, TypeVar
 
 from pydantic import BaseModel, Field
 
-from service.resources.resource import Resource
-from service.storage.store import Row
 from service.wire.errors import BadQuery
-from synthesis.design import Status
+from synthesis.design.design import Status
 
 State = Literal["accepted", "done", "failed"]
-Verdict = Literal["holds", "broken"]
+Verdict = Literal["holds", "violated"]
+StatusOrNone = Annotated[Status | None, Field(description="What came out; null until it is done.")]
 
 
 class Accepted(BaseModel):
@@ -29,15 +27,25 @@ class Accepted(BaseModel):
     links: Annotated[dict[str, str], Field(description="Where to ask again.")]
 
 
+Summary = TypeVar("Summary", bound=Accepted)
+
+
+class Page(BaseModel, Generic[Summary]):
+    """Some lines of a list."""
+
+    items: Annotated[list[Summary], Field(description="The newest first.")]
+    next: Annotated[str | None, Field(description="`cursor` of the next page; null at the end.")]
+
+
 class DesignSummary(Accepted):
     """One line of the list."""
 
-    status: Annotated[Status | None, Field(description="What came out; null until it is done.")]
+    status: StatusOrNone
     dimensions: Annotated[
         dict[str, float], Field(description="Base radius, offset, …: name and unit.")
     ] = {}
-    objective: Annotated[str | None, Field(description="What was made small.")] = None
-    value: Annotated[float | None, Field(description="How small it became.")] = None
+    objective: Annotated[str | None, Field(description="What was minimised.")] = None
+    value: Annotated[float | None, Field(description="The value that it reached.")] = None
     gap: Annotated[float | None, Field(description="Relative distance to the bound.")] = None
     certified: Annotated[bool | None, Field(description="Every limit holds everywhere.")] = None
 
@@ -47,14 +55,32 @@ class CamSetSummary(Accepted):
 
     status: Annotated[Status | None, Field(description="The worst of its cams'.")]
     cams: Annotated[int | None, Field(description="How many cams; null until it is done.")] = None
-    fitting: Annotated[int | None, Field(description="For how many a cam was found.")] = None
+    solved: Annotated[int | None, Field(description="For how many a cam was found.")] = None
+
+
+class AnalysisSummary(Accepted):
+    """One line of the list of analyses."""
+
+    status: Annotated[
+        Verdict | None, Field(description="Whether every limit holds; null until it is done.")
+    ]
+    violated: Annotated[list[str], Field(description="The limits that do not hold.")] = []
+
+
+class ProfileAnalysisSummary(Accepted):
+    """One line of the list of measured profiles."""
+
+    status: Annotated[Literal["read"] | None, Field(description="null until it is done.")]
+    dimensions: Annotated[
+        dict[str, float], Field(description="Base radius, stroke, … as read: name and unit.")
+    ] = {}
 
 
 class SpatialCamSummary(Accepted):
     """One line of the list of spatial cams."""
 
-    status: Annotated[Status | None, Field(description="What came out; null until it is done.")]
-    machine: Annotated[str | None, Field(description="Kind of its machine.")] = None
+    status: StatusOrNone
+    machine: Annotated[str | None, Field(description="ProblemType of its machine.")] = None
     dimensions: Annotated[
         dict[str, float], Field(description="Centre distance, roller radius, …: name and unit.")
     ] = {}
@@ -67,51 +93,13 @@ class TrainResponseSummary(Accepted):
     modes_hz: Annotated[list[float], Field(description="Natural frequencies of the train.")] = []
 
 
-class AnalysisSummary(Accepted):
-    """One line of the list of analyses."""
-
-    status: Annotated[
-        Verdict | None, Field(description="Whether every limit holds; null until it is done.")
-    ]
-    broken: Annotated[list[str], Field(description="The limits that do not hold.")] = []
-
-
-class ProfileAnalysisSummary(Accepted):
-    """One line of the list of profiles that were read back."""
-
-    status: Annotated[Literal["read"] | None, Field(description="null until it is done.")]
-    dimensions: Annotated[
-        dict[str, float], Field(description="Base radius, stroke, … as read: name and unit.")
-    ] = {}
-
-
 class LinkageSummary(Accepted):
     """One line of a list of linkages."""
 
-    status: Annotated[Status | None, Field(description="What came out; null until it is done.")]
+    status: StatusOrNone
     quantities: Annotated[
         dict[str, float], Field(description="Stroke, reach, …: name and unit.")
     ] = {}
-
-
-Summary = TypeVar("Summary", bound=Accepted)
-
-
-class Page(BaseModel, Generic[Summary]):
-    """Some lines of a list."""
-
-    items: Annotated[list[Summary], Field(description="The newest first.")]
-    next: Annotated[str | None, Field(description="`cursor` of the next page; null at the end.")]
-
-    @classmethod
-    def of(cls, kind: Resource, rows: Sequence[Row], limit: int) -> Self:
-        """The first ``limit`` rows, and where the next page begins, if there is one."""
-        lines = [
-            {**accepted(kind, row).model_dump(), "status": row.status, **row.summary}
-            for row in rows[:limit]
-        ]
-        following = cursor_at(rows[limit - 1].sequence) if len(rows) > limit else None
-        return cls.model_validate({"items": lines, "next": following})
 
 
 class DesignPage(Page[DesignSummary]):
@@ -122,6 +110,14 @@ class CamSetPage(Page[CamSetSummary]):
     """Cam sets, the newest first."""
 
 
+class AnalysisPage(Page[AnalysisSummary]):
+    """Analyses, the newest first."""
+
+
+class ProfileAnalysisPage(Page[ProfileAnalysisSummary]):
+    """Measured profiles, the newest first."""
+
+
 class SpatialCamPage(Page[SpatialCamSummary]):
     """Spatial cams, the newest first."""
 
@@ -130,32 +126,17 @@ class TrainResponsePage(Page[TrainResponseSummary]):
     """Follower trains on their cams, the newest first."""
 
 
-class AnalysisPage(Page[AnalysisSummary]):
-    """Analyses, the newest first."""
-
-
-class ProfileAnalysisPage(Page[ProfileAnalysisSummary]):
-    """Profiles that were read back, the newest first."""
-
-
 class LinkagePage(Page[LinkageSummary]):
     """Linkages of one kind, the newest first."""
 
 
-def accepted(kind: Resource, row: Row) -> Accepted:
-    """One that is under way."""
-    links = kind.links(row.id, row.summary or {})
-    state: State = row.state  # type: ignore[assignment]
-    return Accepted(id=row.id, name=row.name, state=state, created=_utc(row), links=links)
-
-
 def cursor_at(sequence: int) -> str:
-    """A cursor that continues after the row with this sequence."""
+    """A cursor that continues after the row with this sequence number."""
     return base64.urlsafe_b64encode(str(sequence).encode()).decode().rstrip("=")
 
 
 def position_of(cursor: str) -> int:
-    """The row that a cursor continues after."""
+    """The sequence number of the row that a cursor continues after."""
     try:
         text = base64.urlsafe_b64decode((cursor + "=" * (-len(cursor) % 4)).encode()).decode()
         if text.isascii() and text.isdecimal() and len(text) < 19:
@@ -165,5 +146,6 @@ def position_of(cursor: str) -> int:
     raise BadQuery("cursor: not one that this service gave. Take `next` of the page before.")
 
 
-def _utc(row: Row) -> datetime:
-    return row.created if row.created.tzinfo else row.created.replace(tzinfo=UTC)
+def in_utc(moment: datetime) -> datetime:
+    """A time from the store; SQLite keeps none with a zone."""
+    return moment if moment.tzinfo else moment.replace(tzinfo=UTC)

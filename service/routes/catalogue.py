@@ -8,7 +8,17 @@ from fastapi import APIRouter
 from pydantic import BaseModel, Field
 
 from service.state import Parts
-from synthesis.camset_spec import MAX_CAMS
+from synthesis.catalogue.followers import FOLLOWERS
+from synthesis.catalogue.laws import (
+    LAWS,
+    TASKS,
+    Characteristics,
+    EndKinds,
+    SplineLaw,
+    characteristics,
+)
+from synthesis.catalogue.limits import LIMITS
+from synthesis.catalogue.objectives import OBJECTIVES
 from synthesis.exporters import (
     MOTION_FORMATS,
     PICTURES,
@@ -18,12 +28,9 @@ from synthesis.exporters import (
 )
 from synthesis.exporters.exporter import FileFormat
 from synthesis.exporters.options import MAX_POINTS, MAX_POINTS_PER_DEGREE, MIN_TOLERANCE_UM
-from synthesis.followers import FOLLOWERS
-from synthesis.laws import LAWS, TASKS, Characteristics, Ends, SplineLaw, characteristics
-from synthesis.limits import LIMITS
-from synthesis.objectives import OBJECTIVES
-from synthesis.spatial.files import FORMATS as SPATIAL_FORMATS
-from synthesis.spec import MAX_SEGMENTS
+from synthesis.machines.spatial.files import FORMATS as SPATIAL_FORMATS
+from synthesis.spec.cam_set import MAX_CAMS
+from synthesis.spec.design_spec import MAX_SEGMENTS
 
 router = APIRouter(prefix="/v1", tags=["catalogue"])
 
@@ -42,7 +49,7 @@ class MotionLawEntry(Entry):
 
     source: Annotated[str, Field(description="Where its formula is from.")]
     ends: Annotated[
-        Ends | None,
+        EndKinds | None,
         Field(description="VDI 2143: R rests, U turns back without resting; null: as the spec is."),
     ]
     tasks: Annotated[

@@ -1,56 +1,34 @@
-"""/v1/designs: ask for a cam, look at it, list them, forget it."""
+"""What designs alone have: sensitivities, confirmation, the report, and DELETE."""
 
 from __future__ import annotations
 
-from fastapi import APIRouter, Request, Response
+import json
+from functools import partial
+from typing import Annotated
 
-from service.contract.documentation import problems, spec_body, tagged
-from service.resources.views import DesignPage
-from service.routes.collection import WAITING, Kept, Said, declare
-from service.routes.kept import KnownTag, WithStatus, done, unknown
+from fastapi import APIRouter, Query, Request, Response
+
+from service.contract.documentation import problems, tagged
+from service.resources.designs import DESIGNS, REPORT
+from service.resources.resource import file_of
+from service.routes.file_routes import add_file_route, send_file
+from service.routes.resource_routes import KnownTag
 from service.state import Parts
-from service.sweeps.views import at
-from service.wire.errors import PartOfSweep
-from service.wire.etag import tag_of, unchanged
-from service.workers.solve import priced
-from synthesis.design import Design
-from synthesis.findings import Sensitivities
+from service.sweeps.views import sweep_path
+from service.wire.errors import NothingFits, PartOfSweep
+from service.wire.etag import not_modified, tag_of
+from service.workers.tasks import confirm_design, design_file, design_sensitivities
+from synthesis.certify.second import Confirmation
+from synthesis.design.analysis import Sensitivities
+from synthesis.exporters import MOTION_FORMATS, PICTURES, PROFILE_FORMATS, report_with
+from synthesis.exporters.drawing.picture_options import Colours, PictureOptions
 
-router = APIRouter(prefix="/v1/designs", tags=["designs"])
-
-CREATE = Said(
-    "Synthesise a cam",
-    """Picks base radius, offset and spline laws together and proves that every limit holds.
-
-    Infeasible is a result (status `infeasible`, with the conflict), not an error. The same spec
-    gives the same id and the same bytes.
-    """,
-)
-declare(
-    router,
-    Kept(
-        jobs=lambda parts: parts.designs,
-        one="design",
-        many="designs",
-        id="design_id",
-        found=Design,
-        page=DesignPage,
-        on_page="Designs on a page.",
-        body=spec_body(),
-        status=WithStatus,
-    ),
-    create=CREATE,
-    list="List designs",
-    get=Said(
-        "A design",
-        f"Dimensions, motion, extremes, certificate, report and links.\n\n{WAITING}",
-    ),
-    delete=None,  # see below: it may be part of a sweep
-)
+router = APIRouter()
 
 
 @router.get(
-    "/{design_id}/sensitivities",
+    "/v1/designs/{design_id}/sensitivities",
+    tags=["designs"],
     response_model=Sensitivities,
     responses={**tagged(), **problems(404, 409, 500, 503, 504)},
     summary="What each limit costs",
@@ -62,37 +40,98 @@ async def get_design_sensitivities(
 
     In the limit's own units, as in: 1 deg more pressure angle makes the base radius 0.8 mm smaller.
     For every follower and objective, curvature included: multipliers of the cone program, or of the
-    local optimum with every limit in it, each confirmed by seeking that again with the number a
-    little larger and smaller. Where the two sides differ, both are told; what is not confirmed is
-    listed as such, and what was not reached in time.
+    local optimum with every limit in it, each confirmed by solving again with the number a little
+    larger and smaller. Where the two sides differ, both are given; what is not confirmed is listed
+    as such, and what was not reached in time.
     """
-    row, design = await done(parts.designs, design_id)
+    row, design = await parts.jobs[DESIGNS.path].find_done(design_id)
     tag = tag_of(row.etag or "", "sensitivities")
-    known = unchanged(request, tag)
+    known = not_modified(request, tag)
     if known is not None:
         return known
     budget_s = parts.settings.time_budget_s
-    body = await parts.engine.run(priced, design, budget_s, budget_s=budget_s)
+    body = await parts.engine.run(design_sensitivities, design, budget_s, budget_s=budget_s)
     return Response(body, 200, {"ETag": f'"{tag}"'}, "application/json")
 
 
+@router.get(
+    "/v1/designs/{design_id}/confirmation",
+    tags=["designs"],
+    response_model=Confirmation,
+    responses={200: tagged()[200], **problems(404, 409, 429, 500, 501, 503, 504)},
+    summary="A design's certificate to 25 digits",
+)
+async def get_confirmation(request: Request, design_id: str, parts: Parts) -> Response:
+    """Every line of the certificate in ball arithmetic, by other formulas; in tenths of a second.
+
+    Needs the optional part `exact` on the workers; without it the answer is 501.
+    """
+    row, design = await parts.jobs[DESIGNS.path].find_done(design_id)
+    if not json.loads(design)["motion"]:
+        raise NothingFits("No cam fits these limits: see conflict in the design for what would.")
+    tag = tag_of(row.etag or "", "confirmation", "json", "")
+    known = not_modified(request, tag)
+    if known is not None:
+        return known
+    parts.engine.admit()
+    found = await parts.engine.solve(design, parts.settings.budget_s(None), confirm_design)
+    return Response(found.body, 200, {"ETag": f'"{tag}"'}, "application/json")
+
+
 @router.delete(
-    "/{design_id}", status_code=204, responses=problems(404, 409), summary="Forget a design"
+    "/v1/designs/{design_id}",
+    tags=["designs"],
+    status_code=204,
+    responses=problems(404, 409),
+    summary="Delete a design",
 )
 async def delete_design(design_id: str, parts: Parts) -> None:
     """A design being worked on is stopped; a finished one is discarded.
 
     One that came out of a sweep is part of the sweep's result and goes with that: 409 names it.
-    Where the same design had been asked for by itself before, that is forgotten, and the sweep
-    keeps its own.
+    Where the same design was also requested by itself, that one is deleted, and the sweep keeps its
+    own.
     """
-    if await parts.designs.dismiss(design_id):
+    jobs = parts.jobs[DESIGNS.path]
+    if await jobs.dismiss(design_id):
         return
     holder = await parts.sweeps.store.holder(design_id)
     if holder is None:
-        raise unknown(parts.designs.kind, design_id)
+        raise jobs.unknown(design_id)
     sweep, number = holder
     raise PartOfSweep(
         f"Design {design_id} is item {number} of sweep {sweep}, and goes with it: "
-        f"DELETE {at(sweep)} discards both."
+        f"DELETE {sweep_path(sweep)} discards both."
     )
+
+
+async def _get_report(
+    request: Request,
+    design_id: str,
+    parts: Parts,
+    theme: Annotated[Colours, Query()] = "auto",
+    sensitivities: Annotated[
+        bool, Query(description="Say what each limit costs too: a few solves more.")
+    ] = False,
+    if_none_match: KnownTag = None,
+) -> Response:
+    row, design = await parts.jobs[DESIGNS.path].find_done(design_id)
+    costs = None
+    if sensitivities:
+        budget_s = parts.settings.time_budget_s
+        body = await parts.engine.run(design_sensitivities, design, budget_s, budget_s=budget_s)
+        costs = Sensitivities.model_validate_json(body)
+    report = report_with(PROFILE_FORMATS, MOTION_FORMATS, costs)
+    made_by = "with sensitivities" if costs else ""
+    file = file_of(report, REPORT, "report_html", partial(design_file, report), made_by=made_by)
+    return await send_file(request, parts, DESIGNS, file, row, design, PictureOptions(theme))
+
+
+_report = PICTURES[REPORT]
+add_file_route(
+    router,
+    DESIGNS,
+    file_of(_report, REPORT, "report_html", partial(design_file, _report)),
+    _get_report,
+    (500, 503, 504),
+)

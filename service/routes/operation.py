@@ -11,9 +11,10 @@ from sqlalchemy.exc import SQLAlchemyError
 from starlette.exceptions import HTTPException
 
 from service.contract.documentation import problems
+from service.resources.designs import DESIGNS
 from service.state import Parts
 from service.wire.errors import BY_STATUS, PROBLEMS
-from synthesis.design import engine_version
+from synthesis.design.identity import ENGINE_NUMBER, engine_version
 
 router = APIRouter(tags=["operation"])
 
@@ -36,7 +37,14 @@ class Version(BaseModel):
     """What is running."""
 
     name: Annotated[Literal["camwright"], Field(description="Always this.")] = "camwright"
-    version: Annotated[str, Field(description="Part of what a design's id is made from.")]
+    version: Annotated[str, Field(description="Version of Camwright.")]
+    engine: Annotated[
+        int,
+        Field(
+            description="Number of the engine, part of every id: it rises whenever answers may "
+            "change, and answers stored under an earlier one are computed anew."
+        ),
+    ]
     python: Annotated[str, Field(description="Version of Python under it.")]
 
 
@@ -80,7 +88,7 @@ async def get_readyz(parts: Parts, response: Response) -> Ready:
 )
 async def get_metrics(parts: Parts) -> Response:
     """Requests by route, solve times, designs by status, the queue."""
-    engine, counts = parts.engine, await parts.designs.answers.counts()
+    engine, counts = parts.engine, await parts.jobs[DESIGNS.path].answers.counts()
     page = parts.metrics.page(counts, engine.waiting, engine.running, await engine.workers())
     return Response(page, media_type="text/plain; version=0.0.4")
 
@@ -88,7 +96,7 @@ async def get_metrics(parts: Parts) -> Response:
 @router.get("/v1/version", summary="What is running")
 async def get_version() -> Version:
     """The version that answers."""
-    return Version(version=engine_version(), python=platform.python_version())
+    return Version(version=engine_version(), engine=ENGINE_NUMBER, python=platform.python_version())
 
 
 @router.get("/problems/{slug}", responses=problems(404), summary="What a kind of problem means")

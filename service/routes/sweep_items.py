@@ -1,4 +1,4 @@
-"""/v1/sweeps/{id}/items and what is made of them: pages, files, the Pareto front."""
+"""/v1/sweeps/{id}/items, their tables, and the Pareto front."""
 
 from __future__ import annotations
 
@@ -12,13 +12,19 @@ from fastapi.responses import StreamingResponse
 
 from service.contract.documentation import in_parts, problems, tagged
 from service.resources.views import cursor_at, position_of
-from service.routes.download import PNG, SVG, Download, stem_of
-from service.routes.files import ON_WORKERS, by_worker
+from service.routes.file_routes import (
+    PNG,
+    SVG,
+    WORKER_STATUSES,
+    download_headers,
+    file_stem,
+    in_worker,
+)
 from service.routes.sweeps import Known
 from service.state import Parts, State
-from service.sweeps.front import front_of, weighed
+from service.sweeps.pareto import compare_designs, pareto_front
 from service.sweeps.store import UNDER_WAY, SweepRow
-from service.sweeps.table import Columns, CsvWriter, ParquetWriter, Writer, written
+from service.sweeps.table import Columns, CsvWriter, ParquetWriter, Writer, write_table
 from service.sweeps.views import (
     ItemStatus,
     ParetoAxis,
@@ -29,7 +35,7 @@ from service.sweeps.views import (
     items_of,
 )
 from service.wire.errors import BadQuery, UnknownSweep
-from service.wire.etag import tag_of, unchanged
+from service.wire.etag import not_modified, tag_of
 from service.wire.ranges import IN_PARTS
 from synthesis.exporters.diagrams.tradeoff import Aim, TradeOff, trade_off
 from synthesis.exporters.drawing.picture_options import Colours, PixelColours, PixelWidth
@@ -59,7 +65,7 @@ async def list_sweep_items(
 
 @router.get("/items/{number}", summary="One item", responses=problems(404, 422))
 async def get_sweep_item(sweep: Known, number: int, parts: Parts) -> SweepItem:
-    """Its values, what came out, and where the design is."""
+    """Its values, status and quantities, and the address of its design."""
     row = None
     if 0 <= number < sweep.size:
         row = await parts.sweeps.store.item(sweep.sequence, number)
@@ -81,9 +87,9 @@ async def get_sweep_item(sweep: Known, number: int, parts: Parts) -> SweepItem:
     summary="Finished items as CSV",
 )
 async def get_sweep_items_csv(request: Request, sweep: Known, parts: Parts) -> Response:
-    """A row an item, by number: status, axes, quantities, gap, seconds, design, problem.
+    """A row for each item, by number: status, axes, quantities, gap, seconds, design, problem.
 
-    It has a tag, and can be had in parts, once the sweep is over.
+    Once the sweep has ended, it has a tag, and parts of it can be requested.
     """
     return await _table(request, parts, sweep, CsvWriter, ("csv", CSV))
 
@@ -114,31 +120,31 @@ async def _table(
 ) -> Response:
     def body() -> AsyncIterator[bytes]:
         columns = Columns(sweep)
-        return written(parts.sweeps.store, sweep, columns, writer(columns))
+        return write_table(parts.sweeps.store, sweep, columns, writer(columns))
 
     extension, media_type = kind
-    name = f'attachment; filename="{stem_of(sweep.name)}-items.{extension}"'
+    name = f'attachment; filename="{file_stem(sweep.name)}-items.{extension}"'
     headers = {"Content-Disposition": name}
     tag = _tag(sweep, extension)
     if tag is not None:
-        known = unchanged(request, tag)
+        known = not_modified(request, tag)
         if known is not None:
             return known
         headers |= {"ETag": f'"{tag}"', **IN_PARTS}
-        if "range" in request.headers:  # a part says of how many bytes: written once to count
+        if "range" in request.headers:  # Content-Range needs the total: written once to count
             headers["Content-Length"] = str(sum([len(chunk) async for chunk in body()]))
     return StreamingResponse(body(), 200, headers, media_type)
 
 
 Small = Annotated[
-    list[str], Query(max_length=8, description="Quantity to be small; may be repeated.")
+    list[str], Query(max_length=8, description="Quantity to minimise; may be repeated.")
 ]
 Large = Annotated[
-    list[str], Query(max_length=8, description="Quantity to be large; may be repeated.")
+    list[str], Query(max_length=8, description="Quantity to maximise; may be repeated.")
 ]
 
 
-@router.get("/pareto", summary="What is traded for what", responses=problems(404, 422))
+@router.get("/pareto", summary="The Pareto front", responses=problems(404, 422))
 async def get_sweep_pareto(
     sweep: Known,
     parts: Parts,
@@ -146,12 +152,12 @@ async def get_sweep_pareto(
     maximise: Large = [],  # noqa: B006
     limit: Annotated[int, Query(ge=1, le=MAX_FRONT, description="Most items of the front.")] = 500,
 ) -> ParetoFront:
-    """The Pareto front: certified designs that none of the others beats in everything named.
+    """The certified designs that are not dominated by another in the quantities named.
 
-    `quantities` of the sweep says what can be named. `size` tells how many are on the front where
-    there are more than `limit`.
+    `quantities` of the sweep says what can be named. `size` is the number of designs on the front,
+    which may be more than `limit`.
     """
-    return await front_of(parts.sweeps.store, sweep, _axes(minimise, maximise), limit)
+    return await pareto_front(parts.sweeps.store, sweep, _axes(minimise, maximise), limit)
 
 
 @router.get(
@@ -161,7 +167,7 @@ async def get_sweep_pareto(
         **tagged(description="The drawing.", content={SVG: {"schema": {"type": "string"}}}),
         **problems(404, 422),
     },
-    summary="The same, drawn",
+    summary="The Pareto front as a drawing",
 )
 async def get_sweep_pareto_svg(
     request: Request,
@@ -173,13 +179,14 @@ async def get_sweep_pareto_svg(
 ) -> Response:
     """The front among all certified designs: two to four quantities, a panel for every pair.
 
-    What is not shown, as infeasible designs are, is counted. It has a tag once the sweep is over.
+    Items that are not shown, such as infeasible designs, are counted. It has a tag once the
+    sweep has ended.
     """
 
     async def paint(drawn: TradeOff) -> bytes:
         return await asyncio.to_thread(trade_off, drawn, theme)
 
-    file = Download("pareto.svg", SVG)
+    file = ("pareto.svg", SVG)
     return await _drawn(request, sweep, parts, _axes(minimise, maximise), file, (theme,), paint)
 
 
@@ -191,9 +198,9 @@ async def get_sweep_pareto_svg(
             description="The picture.",
             content={PNG: {"schema": {"type": "string", "format": "binary"}}},
         ),
-        **problems(404, 422, *ON_WORKERS),
+        **problems(404, 422, *WORKER_STATUSES),
     },
-    summary="The same as pixels",
+    summary="The Pareto front as pixels",
 )
 async def get_sweep_pareto_png(
     request: Request,
@@ -207,10 +214,10 @@ async def get_sweep_pareto_png(
     """The drawing, painted. Needs the optional part plots; without it the answer is 501."""
 
     async def paint(drawn: TradeOff) -> bytes:
-        return await by_worker(parts, partial(rasterised, trade_off(drawn, theme), width_px))
+        return await in_worker(parts, partial(rasterised, trade_off(drawn, theme), width_px))
 
-    file, asked = Download("pareto.png", PNG), (theme, str(width_px))
-    return await _drawn(request, sweep, parts, _axes(minimise, maximise), file, asked, paint)
+    file, options = ("pareto.png", PNG), (theme, str(width_px))
+    return await _drawn(request, sweep, parts, _axes(minimise, maximise), file, options, paint)
 
 
 async def _drawn(
@@ -218,8 +225,8 @@ async def _drawn(
     sweep: SweepRow,
     parts: State,
     axes: list[ParetoAxis],
-    file: Download,
-    asked: tuple[str, ...],
+    file: tuple[str, str],
+    options: tuple[str, ...],
     paint: Callable[[TradeOff], Awaitable[bytes]],
 ) -> Response:
     """A picture of the front, or 304."""
@@ -227,21 +234,22 @@ async def _drawn(
         raise BadQuery(
             f"minimise, maximise: {len(axes)} named. Name two to {MAX_DRAWN} quantities to draw."
         )
-    headers = file.headers(sweep.name)
-    tag = _tag(sweep, file.ending, repr(axes), *asked)
+    name, media_type = file
+    headers = download_headers(sweep.name, name, media_type)
+    tag = _tag(sweep, name, repr(axes), *options)
     if tag is not None:
-        known = unchanged(request, tag)
+        known = not_modified(request, tag)
         if known is not None:
             return known
         headers |= {"ETag": f'"{tag}"'}
-    found = await weighed(parts.sweeps.store, sweep, axes)
+    found = await compare_designs(parts.sweeps.store, sweep, axes)
     aims = [Aim(axis.quantity, axis.direction == "maximise") for axis in axes]
     drawn = TradeOff(sweep.name, aims, found.numbers, found.values, found.front, found.left_out)
-    return Response(await paint(drawn), 200, headers, file.media_type)
+    return Response(await paint(drawn), 200, headers, media_type)
 
 
 def _tag(sweep: SweepRow, *made_by: str) -> str | None:
-    """Tag of what is made of a sweep's items; None until it is over: the next has other bytes."""
+    """Tag of what is made of a sweep's items; None until the sweep has ended."""
     if sweep.state in UNDER_WAY:
         return None
     return tag_of(sweep.id, sweep.created.isoformat(), str(sweep.done), *made_by)

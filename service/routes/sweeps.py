@@ -1,4 +1,4 @@
-"""/v1/sweeps: ask for many designs at once, watch them come in, stop or forget them."""
+"""/v1/sweeps: start a sweep, list, watch, stop or delete it."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from fastapi.sse import EventSourceResponse, ServerSentEvent
 from service.contract.documentation import UNDER_WAY_HEADERS, problems, spec_body
 from service.contract.examples import SWEEPS
 from service.resources.views import cursor_at, position_of
-from service.routes.kept import Key, name_by_key
+from service.routes.resource_routes import Key, check_key
 from service.state import Parts, State
 from service.sweeps.store import UNDER_WAY, SweepRow
 from service.sweeps.views import (
@@ -21,18 +21,18 @@ from service.sweeps.views import (
     SweepPage,
     SweepState,
     SweepSummary,
-    at,
     items_of,
     summary_of,
     sweep_of,
+    sweep_path,
 )
 from service.wire.body import read_body
 from service.wire.errors import UnknownSweep
-from synthesis.sweeps import SweepSpec
+from synthesis.studies.sweeps import SweepSpec
 
 router = APIRouter(prefix="/v1/sweeps", tags=["sweeps"])
-BATCH = 200  # items read at once for whoever watches
-LOOK_S = 1.0  # between looks at a sweep that another process works on
+BATCH = 200  # items read at once for a stream of events
+POLL_S = 1.0  # between reads of a sweep that another process works on
 
 
 async def known(sweep_id: str, parts: Parts) -> SweepRow:
@@ -41,21 +41,21 @@ async def known(sweep_id: str, parts: Parts) -> SweepRow:
     if row is None:
         raise UnknownSweep(
             f"There is no sweep {sweep_id[:64]!r}. GET /v1/sweeps lists those there are; POST the "
-            "spec again to make it anew."
+            "spec again to start it anew."
         )
     return row
 
 
-def _after(
+def _last_event(
     last_event_id: Annotated[
-        str | None, Header(description="Id of the last event that you have: goes on after it.")
+        str | None, Header(description="Id of the last event received; the stream continues there.")
     ] = None,
 ) -> int:
     return position_of(last_event_id) if last_event_id else 0
 
 
 Known = Annotated[SweepRow, Depends(known)]
-After = Annotated[int, Depends(_after)]
+After = Annotated[int, Depends(_last_event)]
 
 
 @router.post(
@@ -63,7 +63,7 @@ After = Annotated[int, Depends(_after)]
     status_code=202,
     response_model=Sweep,
     responses={
-        202: {"description": "Under way, or over already: see `state`.",
+        202: {"description": "Running, or finished already: see `state`.",
               "headers": UNDER_WAY_HEADERS},
         **problems(400, 413, 415, 422, 429, 503),
     },
@@ -75,17 +75,15 @@ async def create_sweep(
 ) -> Sweep:
     """Many designs out of one: the base with other values in some of its fields.
 
-    The same spec gives the same sweep: asked again, it is joined; where it was dismissed, it goes
-    on. Every finished item is in the store before it is counted, and a restart of the service, of
+    The same spec gives the same sweep: a second request joins it, or continues it where it was
+    dismissed. Every finished item is stored before it is counted, and a restart of the service, of
     the scheduler or of a worker loses none.
     """
     spec = await read_body(request, SweepSpec)
     parts.sweeps.check(spec)
-    name = parts.sweeps.name_of(spec)
-    if await name_by_key(parts, name, idempotency_key, await request.body()) != name:
-        raise UnknownSweep("Idempotency-Key: it was used for something else. Use a new one.")
+    await check_key(parts, idempotency_key, await request.body())
     row = await parts.sweeps.accept(spec)
-    response.headers.update({"Location": at(name), "Retry-After": "1"})
+    response.headers.update({"Location": sweep_path(row.id), "Retry-After": "1"})
     return _sweep(parts, row)
 
 
@@ -105,7 +103,7 @@ async def list_sweeps(
 
 @router.get("/{sweep_id}", summary="A sweep", responses=problems(404))
 async def get_sweep(row: Known, parts: Parts) -> Sweep:
-    """State, progress, counts, rate and time left; what was asked; links."""
+    """State, progress, counts, rate and time left; the spec; links."""
     return _sweep(parts, row)
 
 
@@ -114,28 +112,28 @@ async def get_sweep(row: Known, parts: Parts) -> Sweep:
     response_model=Sweep,
     responses={
         200: {
-            "description": "It was under way: stopped, and what is done is kept. Or it was over, "
-            "and kept as `discard=false` asks."
+            "description": "It was running: stopped, and what is done is kept. Or it was finished, "
+            "and is kept as `discard=false` asks."
         },
-        204: {"description": "It was over: discarded with all its items."},
+        204: {"description": "It was finished: deleted with all its items."},
         **problems(404),
     },
-    summary="Stop or discard a sweep",
+    summary="Stop or delete a sweep",
 )
 async def delete_sweep(
     row: Known,
     parts: Parts,
     discard: Annotated[
-        bool, Query(description="false: stop it only. What is over by then stays as it is.")
+        bool, Query(description="false: stop it only; one that is finished stays as it is.")
     ] = True,
 ) -> Response:
-    """Under way: dismissed within a second, and what is done is kept. Over: discarded."""
+    """A running one is stopped within a second, its items are kept; a finished one is deleted."""
     stopped = await parts.sweeps.dismiss(row)
     if stopped is None and not discard:
         stopped = await parts.sweeps.store.find(row.id)
     if stopped is not None:
         return Response(_sweep(parts, stopped).model_dump_json(), 200, None, "application/json")
-    await parts.sweeps.store.discard(row.sequence)
+    await parts.sweeps.store.delete(row.sequence)
     return Response(status_code=204)
 
 
@@ -150,14 +148,14 @@ async def watch_sweep(
     after: After,
     parts: Parts,
     items: Annotated[
-        bool, Query(description="Tell of every item; otherwise of progress only.")
+        bool, Query(description="Send an event for every item; otherwise for progress only.")
     ] = True,
 ) -> AsyncIterator[ServerSentEvent]:
     """Server-sent events: `item` for every finished item, `progress`, and `end` as the last one.
 
     The data of `item` is as in the list of items, that of the others the sweep's summary. Every
-    `item` has an id; sent back as Last-Event-ID, as browsers do by themselves, the stream goes on
-    with the next one.
+    `item` has an id; sent back as Last-Event-ID, as browsers do, the stream continues with the next
+    one.
     """
     async for event in _events(parts, row, after, items):
         yield event
@@ -166,10 +164,11 @@ async def watch_sweep(
 async def _events(
     parts: State, row: SweepRow, after: int, items: bool
 ) -> AsyncIterator[ServerSentEvent]:
-    told: SweepSummary | None = None
+    last: SweepSummary | None = None
     while True:
         progress = parts.sweeps.progress(row.id)
-        pulse = progress.pulse if progress else asyncio.Event()  # whatever comes from here on
+        # Taken before the sweep is read, so that no change after that is missed.
+        change = progress.next_change if progress else asyncio.Event()
         now = await parts.sweeps.store.find(row.id)
         if now is None:
             return
@@ -181,11 +180,11 @@ async def _events(
         if now.state not in UNDER_WAY:
             yield ServerSentEvent(data=summary, event="end")
             return
-        if summary != told:
+        if summary != last:
             yield ServerSentEvent(data=summary, event="progress")
-            told = summary
+            last = summary
         with contextlib.suppress(TimeoutError):
-            await asyncio.wait_for(pulse.wait(), LOOK_S)
+            await asyncio.wait_for(change.wait(), POLL_S)
 
 
 def _sweep(parts: State, row: SweepRow) -> Sweep:

@@ -1,4 +1,5 @@
-"""Answers by id in SQLite or PostgreSQL, and how the tables came to be what they are.
+"""The database: answers by id, in SQLite or PostgreSQL, and the migrations of its tables.
 
-Sweeps and all that is kept by id are rows of the same database.
+Questions and answers go in and come out as rows (`store.AnswerRow`). Sweeps keep their rows in the
+same database (`sweeps/store.py`). Begin with `store.py`.
 """

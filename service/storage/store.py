@@ -1,4 +1,4 @@
-"""Answers by id, a table a kind: SQLite by default, PostgreSQL by URL, the same code for both."""
+"""Answers by id: SQLite by default, PostgreSQL by URL, the same code for both."""
 
 from __future__ import annotations
 
@@ -14,6 +14,7 @@ from sqlalchemy import (
     BigInteger,
     DateTime,
     Engine,
+    Index,
     Integer,
     LargeBinary,
     String,
@@ -32,13 +33,11 @@ from service.settings import Settings
 from service.storage.migrations import migrate
 
 T = TypeVar("T")
-
-
-Lookup = Callable[[Session, str], "Row | None"]
+Lookup = Callable[[Session, str], "AnswerRow | None"]
 
 
 class Do(Protocol):
-    """Runs some work as one transaction."""
+    """Runs a function of a session as one transaction."""
 
     async def __call__(self, work: Callable[[Session], T]) -> T: ...
 
@@ -47,82 +46,44 @@ class Base(DeclarativeBase):
     """The tables."""
 
 
-class Row(Base):
-    """One question with its answer: accepted, done or failed."""
+class AnswerRow(Base):
+    """One question with its answer.
 
-    __abstract__ = True
+    Attributes:
+        kind: of question: the path of its collection. engine: number of the engine that answered.
+        state: accepted, done or failed; superseded: of an earlier engine, its answer dropped since
+            this one has accepted the question.
+        status: what came out; None until it is done. spec: the question. body: the answer.
+        summary: what lists show of it. problem: the problem document, where it failed.
+    """
+
+    __tablename__ = "answers"
+    __table_args__ = (Index("ix_answers_kind", "kind", "sequence"),)
 
     sequence: Mapped[int] = mapped_column(
         BigInteger().with_variant(Integer, "sqlite"), primary_key=True
     )
     id: Mapped[str] = mapped_column(String(64), unique=True)
+    kind: Mapped[str] = mapped_column(String(64))
+    engine: Mapped[int] = mapped_column(Integer)
     name: Mapped[str] = mapped_column(String(200))
     created: Mapped[datetime] = mapped_column(DateTime(timezone=True))
     state: Mapped[str] = mapped_column(String(16), index=True)
     status: Mapped[str | None] = mapped_column(String(16))
     spec: Mapped[bytes] = mapped_column(LargeBinary)
-    design: Mapped[bytes | None] = mapped_column(LargeBinary)
+    body: Mapped[bytes | None] = mapped_column(LargeBinary)
     etag: Mapped[str | None] = mapped_column(String(64))
     summary: Mapped[dict[str, Any]] = mapped_column(JSON, default=dict)
     problem: Mapped[dict[str, Any] | None] = mapped_column(JSON)
 
 
-class DesignRow(Row):
-    """One design."""
-
-    __tablename__ = "designs"
-
-
-class CamSetRow(Row):
-    """One set of cams; ``design`` holds the whole set."""
-
-    __tablename__ = "cam_sets"
-
-
-class AnalysisRow(Row):
-    """One analysis of a given cam."""
-
-    __tablename__ = "analyses"
-
-
-class ProfileAnalysisRow(Row):
-    """One motion read back from measured points."""
-
-    __tablename__ = "profile_analyses"
-
-
-class SixBarShaperRow(Row):
-    """One six-bar shaper."""
-
-    __tablename__ = "six_bar_shapers"
-
-
-class PalletisingArmRow(Row):
-    """One palletising arm."""
-
-    __tablename__ = "palletising_arms"
-
-
-class SpatialCamRow(Row):
-    """One spatial cam."""
-
-    __tablename__ = "spatial_cams"
-
-
-class TrainResponseRow(Row):
-    """One follower train on its cam."""
-
-    __tablename__ = "train_responses"
-
-
 class KeyRow(Base):
-    """An Idempotency-Key: which body it came with, and which answer it led to."""
+    """An Idempotency-Key, and which body it came with."""
 
     __tablename__ = "idempotency_keys"
 
     key: Mapped[str] = mapped_column(String(255), primary_key=True)
     body_hash: Mapped[str] = mapped_column(String(64))
-    design_id: Mapped[str] = mapped_column(String(64))
     created: Mapped[datetime] = mapped_column(DateTime(timezone=True), index=True)
 
 
@@ -138,7 +99,7 @@ class Store:
         migrate(self._engine)
 
     async def do(self, work: Callable[[Session], T]) -> T:
-        """Some work as one transaction."""
+        """Run a function of a session as one transaction."""
 
         def transaction() -> T:
             with self._session.begin() as session:
@@ -150,61 +111,61 @@ class Store:
         """Whether the database answers."""
         return await self.do(lambda session: session.execute(text("select 1")).scalar()) == 1
 
-    def table(self, row: type[Row], elsewhere: Lookup | None = None) -> Table:
+    def answers(self, kind: str, elsewhere: Lookup | None = None) -> Answers:
         """The answers of one kind; ``elsewhere`` finds those that are kept as part of others."""
-        return Table(row, self.do, elsewhere)
+        return Answers(kind, self.do, elsewhere)
 
-    async def key(self, key: str, body_hash: str, design_id: str) -> KeyRow:
-        """What the key stands for: what it was first used for, or this from now on."""
+    async def body_of_key(self, key: str, body_hash: str) -> str:
+        """Hash of the body that an Idempotency-Key came with first: this one, if it is new."""
 
-        def work(session: Session) -> KeyRow:
+        def work(session: Session) -> str:
             now = datetime.now(UTC)
             session.execute(delete(KeyRow).where(KeyRow.created < now - self._kept_for))
-            there = session.get(KeyRow, key)
-            if there is None:
-                there = KeyRow(key=key, body_hash=body_hash, design_id=design_id, created=now)
-                session.add(there)
-            return there
+            row = session.get(KeyRow, key)
+            if row is None:
+                row = KeyRow(key=key, body_hash=body_hash, created=now)
+                session.add(row)
+            return row.body_hash
 
         try:
             return await self.do(work)
-        except IntegrityError:
+        except IntegrityError:  # another process was first
             return await self.do(work)
 
     def dispose(self) -> None:
-        """Let go of the database."""
+        """Close the connections to the database."""
         self._threads.shutdown()
         self._engine.dispose()
 
 
-class Table:
+class Answers:
     """The answers of one kind; every method is one transaction of the store's."""
 
-    def __init__(self, row: type[Row], do: Do, elsewhere: Lookup | None = None) -> None:
-        self._row, self._do, self._elsewhere = row, do, elsewhere
+    def __init__(self, kind: str, do: Do, elsewhere: Lookup | None = None) -> None:
+        self._kind, self._do, self._elsewhere = kind, do, elsewhere
 
-    async def find(self, name: str) -> Row | None:
+    async def find(self, id: str) -> AnswerRow | None:
         """The answer with this id."""
 
-        def work(session: Session) -> Row | None:
-            found = session.scalar(select(self._row).filter_by(id=name))
-            if found is None and self._elsewhere is not None:
-                return self._elsewhere(session, name)
-            return found
+        def work(session: Session) -> AnswerRow | None:
+            row = session.scalar(select(AnswerRow).filter_by(id=id, kind=self._kind))
+            if row is None and self._elsewhere is not None:
+                return self._elsewhere(session, id)
+            return row
 
         return await self._do(work)
 
-    async def put(self, row: Row) -> Row:
+    async def put(self, row: AnswerRow) -> AnswerRow:
         """Keep an answer in place of what there was; one that is done already stays as it is."""
 
-        def work(session: Session) -> Row:
-            there = session.scalar(select(self._row).filter_by(id=row.id).with_for_update())
+        def work(session: Session) -> AnswerRow:
+            there = session.scalar(select(AnswerRow).filter_by(id=row.id).with_for_update())
             if there is None:
                 session.add(row)
                 session.flush()
                 return row
             if there.state != "done":
-                for field in ("created", "state", "status", "design", "etag", "summary", "problem"):
+                for field in ("created", "state", "status", "body", "etag", "summary", "problem"):
                     setattr(there, field, getattr(row, field))
             return there
 
@@ -213,37 +174,45 @@ class Table:
         except IntegrityError:  # another process was first
             return await self._do(work)
 
-    async def fail(self, name: str, problem: dict[str, Any]) -> None:
+    async def fail(self, id: str, problem: dict[str, Any]) -> None:
         """Note why an accepted one failed; nothing where it was never accepted."""
-        change = update(self._row).filter_by(id=name, state="accepted")
+        change = update(AnswerRow).filter_by(id=id, state="accepted")
         await self._do(lambda s: s.execute(change.values(state="failed", problem=problem)))
 
-    async def remove(self, name: str) -> bool:
-        """Forget an answer; whether there was one."""
-        gone = delete(self._row).filter_by(id=name).returning(self._row.sequence)
+    async def supersede(self, id: str) -> None:
+        """Drop the answer of an earlier engine; its row still leads from its id to its question."""
+        change = update(AnswerRow).filter_by(id=id, kind=self._kind)
+        change = change.values(state="superseded", body=None, problem=None)
+        await self._do(lambda s: s.execute(change))
+
+    async def remove(self, id: str) -> bool:
+        """Delete an answer; whether there was one."""
+        gone = delete(AnswerRow).filter_by(id=id, kind=self._kind).returning(AnswerRow.sequence)
         return await self._do(lambda s: s.scalar(gone)) is not None
 
-    async def page(self, before: int | None, size: int, status: str | None) -> Sequence[Row]:
+    async def page(self, before: int | None, size: int, status: str | None) -> Sequence[AnswerRow]:
         """Answers from the newest on, those with a smaller sequence than ``before``."""
-        row = self._row
-        listed = defer(row.design), defer(row.spec)
-        asked = select(row).options(*listed).order_by(row.sequence.desc()).limit(size)
+        query = select(AnswerRow).options(defer(AnswerRow.body), defer(AnswerRow.spec))
+        query = query.filter_by(kind=self._kind).where(AnswerRow.state != "superseded")
+        query = query.order_by(AnswerRow.sequence.desc()).limit(size)
         if before is not None:
-            asked = asked.where(row.sequence < before)
+            query = query.where(AnswerRow.sequence < before)
         if status is not None:
-            asked = asked.filter_by(status=status)
-        return await self._do(lambda session: session.scalars(asked).all())
+            query = query.filter_by(status=status)
+        return await self._do(lambda session: session.scalars(query).all())
 
-    async def unfinished(self) -> Sequence[Row]:
+    async def unfinished(self) -> Sequence[AnswerRow]:
         """What was accepted and is neither done nor failed."""
-        asked = select(self._row).filter_by(state="accepted").order_by(self._row.sequence)
-        return await self._do(lambda session: session.scalars(asked).all())
+        query = select(AnswerRow).filter_by(kind=self._kind, state="accepted")
+        query = query.order_by(AnswerRow.sequence)
+        return await self._do(lambda session: session.scalars(query).all())
 
     async def counts(self) -> dict[str, int]:
         """How many there are by status, or by state where they have none."""
-        named = func.coalesce(self._row.status, self._row.state)
-        asked = select(named, func.count()).group_by(named)
-        return await self._do(lambda session: dict(session.execute(asked).all()))
+        named = func.coalesce(AnswerRow.status, AnswerRow.state)
+        query = select(named, func.count()).filter_by(kind=self._kind).group_by(named)
+        query = query.where(AnswerRow.state != "superseded")
+        return await self._do(lambda session: dict(session.execute(query).all()))
 
 
 def _connected(settings: Settings) -> Engine:

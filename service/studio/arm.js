@@ -114,7 +114,7 @@ export class Arm {
       [each.base_deg, 5, "°"], [each.upper_arm_deg, 5, "°"], [each.forearm_deg, 5, "°"], [each.tool_deg, 5, "°"],
       [each.in_line, 3, ""], [each.torque_upper_nm, 5, ""], [each.torque_forearm_nm, 5, ""],
     ];
-    const beyond = each.beyond.map(({ joint, by_deg: by }) => `${words(joint)} by ${figure(by, 4)}°`).join(", ");
+    const beyond = each.beyond.map(({ joint, excess_deg: by }) => `${words(joint)} by ${figure(by, 4)}°`).join(", ");
     return element(
       "tr",
       { class: beyond ? "broken" : "" },

@@ -4,10 +4,10 @@
 export function placed(errors) {
   for (const place of document.querySelectorAll("[data-fault]")) place.textContent = "";
   for (const input of document.querySelectorAll("[aria-invalid]")) input.removeAttribute("aria-invalid");
-  return errors.filter(({ pointer, rule, way_out }) => {
+  return errors.filter(({ pointer, rule, remedy }) => {
     const place = nearest(pointer ?? "", "data-fault");
     if (!place) return true;
-    place.textContent = [place.textContent, sentences(rule, way_out)].filter(Boolean).join(" ");
+    place.textContent = [place.textContent, sentences(rule, remedy)].filter(Boolean).join(" ");
     nearest(pointer, "data-pointer")?.setAttribute("aria-invalid", "true");
     return false;
   });

@@ -245,7 +245,7 @@ export class Form {
     const objective = Array.isArray(this.store.spec.objective)
       ? field(this, "/objective", {}, { label: "objectives, in order" })
       : properties.objective && field(this, "/objective", properties.objective);
-    const rest = this.#some(["tolerance", "proof", "continuity", "price_smoothness", "time_budget_s"]);
+    const rest = this.#some(["tolerance", "proof", "continuity", "report_smoothness_cost", "time_budget_s"]);
     return [objective, ...rest].filter(Boolean);
   }
 

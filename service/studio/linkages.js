@@ -127,10 +127,10 @@ class Studio {
   }
 
   /** Makes the least change of one wish that helps. */
-  #mend({ field, asked, needed }) {
+  #mend({ field, requested, needed }) {
     const spec = structuredClone(this.bench.store.spec);
     const present = this.bench.store.at(field);
-    const wider = needed < asked ? "min" : "max";
+    const wider = needed < requested ? "min" : "max";
     put(spec, typeof present === "object" ? `${field}/${wider}` : field, needed);
     this.#take(spec);
   }

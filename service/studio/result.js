@@ -28,11 +28,11 @@ export function showProblem(problem, loose) {
   const { title, detail, status } = problem.document;
   say(status ? `${title}: ${detail}` : detail, "problem");
   byId("conflict").replaceChildren(
-    ...loose.map(({ pointer, rule, way_out }) => element("p", { class: "fault" }, `${pointer ?? ""} ${sentences(rule, way_out)}`)),
+    ...loose.map(({ pointer, rule, remedy }) => element("p", { class: "fault" }, `${pointer ?? ""} ${sentences(rule, remedy)}`)),
   );
 }
 
-function proven({ gap, bound_over: over, lower_bound: bound, objective }) {
+function proven({ gap, bound_valid_for: over, lower_bound: bound, objective }) {
   if (gap === null || bound === null) return "";
   const name = parts(objective)[0];
   if (gap < 1e-6) return `No smaller ${name} exists, to a millionth, over ${over}.`;
@@ -41,7 +41,7 @@ function proven({ gap, bound_over: over, lower_bound: bound, objective }) {
 
 /** Terms and figures of a design's dimensions, and of what else is told of it. */
 export function sizes(design) {
-  return terms({ ...design.dimensions, ...design.objectives, ...design.chosen, ...forces(design.forces) });
+  return terms({ ...design.dimensions, ...design.objectives, ...design.free_parameters, ...forces(design.forces) });
 }
 
 /** A term and its figure for each {name_unit: value}. */
@@ -67,7 +67,7 @@ function forces(found) {
     if (force) told[`contact_force${name}_at_most_n`] = force.value;
     if (pressure) told[`hertz_pressure${name}_at_most_mpa`] = pressure.value;
   }
-  if (found.floats_from_rpm !== null) told.floats_from_rpm = found.floats_from_rpm;
+  if (found.float_onset_rpm !== null) told.float_onset_rpm = found.float_onset_rpm;
   return told;
 }
 
@@ -104,7 +104,7 @@ function meter(used) {
 export function conflict({ limits, relaxations, evidence }, apply) {
   const lines = relaxations.map((each) => {
     if (each.needed === null) return element("li", {}, `${parts(each.limit)[0]}: ${each.note || "alone cannot help"}`);
-    const text = `${parts(each.limit)[0]}: ${figure(each.asked, 5)} → ${figure(each.needed, 6)} ${each.unit} `;
+    const text = `${parts(each.limit)[0]}: ${figure(each.requested, 5)} → ${figure(each.needed, 6)} ${each.unit} `;
     const label = `apply ${parts(each.limit)[0]} ${figure(each.needed, 6)}`;
     const button = element("button", { type: "button", class: "small", "aria-label": label, onclick: () => apply(each) }, "Apply");
     return element("li", {}, text, button);

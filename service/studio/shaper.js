@@ -20,7 +20,7 @@ const CURVES = [
 export class Shaper {
   constructor(api, store, ask) {
     Object.assign(this, { api, store, ask, box: byId("shaper") });
-    this.charts = new Charts((angle) => this.cam.turnTo(angle), CURVES, "turned_");
+    this.charts = new Charts((angle) => this.cam.turnTo(angle), CURVES, "crank_travel_");
     this.cam = new Cam((angle) => this.charts.point(angle));
     byId("to-cam").addEventListener("click", () => this.#toCam());
   }
@@ -65,7 +65,7 @@ export class Shaper {
     const [motion, scene] = await Promise.all([fetched("motion.json?points_per_degree=2"), fetched("animation.json")]);
     byId("sizes").replaceChildren(...terms(sizesOf(found)));
     const design = { extremes: [] }; // no bounds to draw
-    this.charts.show({ motion, design, marks: found.dead_centres.map((each) => each.turned_deg) }, null);
+    this.charts.show({ motion, design, marks: found.dead_centres.map((each) => each.crank_travel_deg) }, null);
     this.cam.show({ scene }, null);
     byId("wishes-part").hidden = found.limits.length === 0;
     byId("wishes").replaceChildren(...tabled(["", "came out", "at least", "at most", ""], found.limits.map(wish)));
@@ -95,7 +95,7 @@ function told(found) {
   if (broken.length > 0) return `Infeasible: these lengths do not keep ${broken.join(", ")}.`;
   const made = `Stroke ${figure(found.stroke_mm, 6)} mm, quick return ${figure(found.quick_return.ratio, 5)}.`;
   if (!found.certificate) return made;
-  const { objective, value, gap, bound_over: over } = found.certificate;
+  const { objective, value, gap, bound_valid_for: over } = found.certificate;
   const [name, unit] = parts(objective);
   const near = gap < 1e-6 ? "the best there is" : `within ${figure(100 * gap, 2)} % of the best`;
   const best = `${name} ${figure(value, 6)} ${unit}, ${near} over ${over}.`;
@@ -134,11 +134,11 @@ function wish(each) {
 function extreme({ quantity, unit, largest, smallest }) {
   const ends = [largest, smallest].flatMap((peak) => [
     element("td", { title: peak.width === null ? "not proven" : `proven to ${figure(peak.width, 2)}` }, `${figure(peak.value, 6)} ${unit}`),
-    cell(`${figure(peak.turned_deg, 5)}°`),
+    cell(`${figure(peak.crank_travel_deg, 5)}°`),
   ]);
   return element("tr", {}, element("th", { scope: "row" }, words(quantity)), ...ends);
 }
 
-function centre({ turned_deg: turned, crank_deg: crank, ram_mm: ram, cause }) {
+function centre({ crank_travel_deg: turned, crank_deg: crank, ram_mm: ram, cause }) {
   return element("tr", {}, element("th", { scope: "row" }, `${figure(turned, 6)}°`), cell(`${figure(crank, 6)}°`), cell(`${figure(ram, 6)} mm`), cell(words(cause)));
 }

@@ -1,8 +1,8 @@
-"""Who works on a sweep: one process at a time, for as long as it says that it is alive.
+"""Leases: one process at a time works on a sweep.
 
 Several services may share a database. The one that works on a sweep holds a lease on its row and
-renews it; where the lease has run out, the process is taken for dead and another goes on. If it was
-only slow, it finds its lease gone, and what it still had in hand is not written.
+renews it. When the lease has run out, the process is taken for dead, and another one takes the
+sweep. If it was only slow, it finds its lease gone, and writes nothing more.
 """
 
 from __future__ import annotations
@@ -45,37 +45,37 @@ class Leases:
         self.owner = uuid.uuid4().hex
 
     async def take(self, sweep: int) -> bool:
-        """Take a sweep that is under way and nobody's; whether it is ours now."""
-        return await self._changed(
+        """Take the lease of a running sweep that no living process holds; whether it was got."""
+        return await self._update(
             SweepRow.sequence == sweep,
-            or_(SweepRow.owner == self.owner, _nobodys()),
+            or_(SweepRow.owner == self.owner, _is_unowned()),
             owner=self.owner,
             leased_until=_Now() + self.length_s,
         )
 
     async def renew(self, sweep: int) -> bool:
-        """Hold it for longer; False where it has ended or is another's."""
-        return await self._changed(
+        """Renew the lease; False where the sweep has ended or another process holds it."""
+        return await self._update(
             SweepRow.sequence == sweep,
             SweepRow.owner == self.owner,
             leased_until=_Now() + self.length_s,
         )
 
-    async def _changed(self, *where: ColumnElement[bool], **values: Any) -> bool:
+    async def _update(self, *where: ColumnElement[bool], **values: Any) -> bool:
         change = update(SweepRow).where(SweepRow.state.in_(UNDER_WAY), *where).values(**values)
         change = change.returning(SweepRow.sequence)
         return await self._do(lambda session: session.scalar(change)) is not None
 
     async def release(self, sweep: int) -> None:
-        """Leave it to whoever comes next."""
-        mine = update(SweepRow).filter_by(sequence=sweep, owner=self.owner)
-        await self._do(lambda session: session.execute(mine.values(owner=None, leased_until=None)))
+        """Give the lease back."""
+        own = update(SweepRow).filter_by(sequence=sweep, owner=self.owner)
+        await self._do(lambda session: session.execute(own.values(owner=None, leased_until=None)))
 
-    async def nobodys(self) -> Sequence[SweepRow]:
-        """Sweeps under way that no living process works on."""
-        asked = select(SweepRow).where(SweepRow.state.in_(UNDER_WAY), _nobodys())
-        return await self._do(lambda s: s.scalars(asked.order_by(SweepRow.sequence)).all())
+    async def unowned(self) -> Sequence[SweepRow]:
+        """Running sweeps that no living process works on."""
+        query = select(SweepRow).where(SweepRow.state.in_(UNDER_WAY), _is_unowned())
+        return await self._do(lambda s: s.scalars(query.order_by(SweepRow.sequence)).all())
 
 
-def _nobodys() -> ColumnElement[bool]:
+def _is_unowned() -> ColumnElement[bool]:
     return or_(SweepRow.owner.is_(None), SweepRow.leased_until < _Now())

@@ -1,4 +1,4 @@
-"""How far a sweep that is being worked on has come, and how fast it goes."""
+"""How far a running sweep has come, and how fast it goes."""
 
 from __future__ import annotations
 
@@ -12,30 +12,30 @@ WINDOW = 32  # commits over which the rate is taken
 
 @dataclass(eq=False)
 class Progress:
-    """Fed with every commit; whoever watches is woken by it."""
+    """Updated with every commit; notifies those who wait for a change."""
 
-    _marks: deque[tuple[float, int]] = field(default_factory=lambda: deque(maxlen=WINDOW))
-    _pulse: asyncio.Event = field(default_factory=asyncio.Event)
+    _commits: deque[tuple[float, int]] = field(default_factory=lambda: deque(maxlen=WINDOW))
+    _change: asyncio.Event = field(default_factory=asyncio.Event)
 
-    def advanced(self, done: int) -> None:
-        """So many items are in the store now."""
-        self._marks.append((time.monotonic(), done))
-        self.woken()
+    def update(self, done: int) -> None:
+        """Note how many items are in the store now."""
+        self._commits.append((time.monotonic(), done))
+        self.notify()
 
-    def woken(self) -> None:
-        """Wake whoever watches."""
-        pulse, self._pulse = self._pulse, asyncio.Event()
-        pulse.set()
+    def notify(self) -> None:
+        """Wake those who wait for a change."""
+        change, self._change = self._change, asyncio.Event()
+        change.set()
 
     @property
-    def pulse(self) -> asyncio.Event:
-        """Set as soon as anything happens from now on."""
-        return self._pulse
+    def next_change(self) -> asyncio.Event:
+        """Set at the next change."""
+        return self._change
 
     @property
     def rate_per_s(self) -> float | None:
         """Items a second over the last commits; None until there are two."""
-        if len(self._marks) < 2:
+        if len(self._commits) < 2:
             return None
-        (since, had), (until, has) = self._marks[0], self._marks[-1]
-        return (has - had) / (until - since) if until > since else None
+        (start, first), (end, last) = self._commits[0], self._commits[-1]
+        return (last - first) / (end - start) if end > start else None

@@ -26,8 +26,8 @@ from sqlalchemy import (
 from sqlalchemy.exc import IntegrityError
 from sqlalchemy.orm import Mapped, Session, defer, mapped_column
 
-from service.storage.store import Base, DesignRow, Do, Row
-from service.sweeps.work import ItemAnswer
+from service.storage.store import AnswerRow, Base, Do
+from service.sweeps.tasks import ItemAnswer
 
 STATUSES = ("optimal", "feasible", "infeasible", "failed")
 UNDER_WAY = ("accepted", "running")
@@ -43,6 +43,7 @@ class SweepRow(Base):
         BigInteger().with_variant(Integer, "sqlite"), primary_key=True
     )
     id: Mapped[str] = mapped_column(String(64), unique=True)
+    engine: Mapped[int] = mapped_column(Integer)
     name: Mapped[str] = mapped_column(String(200))
     created: Mapped[datetime] = mapped_column(DateTime(timezone=True))
     started: Mapped[datetime | None] = mapped_column(DateTime(timezone=True))
@@ -91,7 +92,7 @@ class ItemRow(Base):
 
 
 class StrikeRow(Base):
-    """How many workers an item has taken with it."""
+    """How many workers an item has killed."""
 
     __tablename__ = "sweep_strikes"
 
@@ -104,8 +105,8 @@ UNREAD = defer(SweepRow.spec)
 LISTED = defer(ItemRow.design)
 
 
-class NotOurs(Exception):
-    """The sweep is another process's now, was dismissed elsewhere, or is gone."""
+class LeaseLost(Exception):
+    """Another process works on the sweep now, or it was dismissed or deleted."""
 
 
 class SweepStore:
@@ -115,7 +116,7 @@ class SweepStore:
         self._do = do
 
     async def accept(self, row: SweepRow) -> SweepRow:
-        """The sweep with this id: this one, or the one there is, which a dismissed one goes on."""
+        """Keep a sweep; where there is one with its id, that one, which continues if dismissed."""
 
         def work(session: Session) -> SweepRow:
             there = session.scalar(select(SweepRow).filter_by(id=row.id).with_for_update())
@@ -138,27 +139,27 @@ class SweepStore:
 
     async def page(self, before: int | None, size: int, state: str | None) -> Sequence[SweepRow]:
         """Sweeps from the newest on, without their specs."""
-        asked = select(SweepRow).options(UNREAD)
-        asked = asked.order_by(SweepRow.sequence.desc()).limit(size)
+        query = select(SweepRow).options(UNREAD)
+        query = query.order_by(SweepRow.sequence.desc()).limit(size)
         if before is not None:
-            asked = asked.where(SweepRow.sequence < before)
+            query = query.where(SweepRow.sequence < before)
         if state is not None:
-            asked = asked.filter_by(state=state)
-        return await self._do(lambda session: session.scalars(asked).all())
+            query = query.filter_by(state=state)
+        return await self._do(lambda session: session.scalars(query).all())
 
     async def done_numbers(self, sweep: int) -> set[int]:
         """Which items of a sweep are finished."""
-        asked = select(ItemRow.number).filter_by(sweep=sweep)
-        return await self._do(lambda session: set(session.scalars(asked)))
+        query = select(ItemRow.number).filter_by(sweep=sweep)
+        return await self._do(lambda session: set(session.scalars(query)))
 
     async def strikes(self, sweep: int) -> dict[int, int]:
-        """Items of a sweep that have taken workers with them, and how many."""
-        asked = select(StrikeRow).filter_by(sweep=sweep)
-        found = await self._do(lambda session: session.scalars(asked).all())
+        """Items of a sweep that have killed workers, and how many."""
+        query = select(StrikeRow).filter_by(sweep=sweep)
+        found = await self._do(lambda session: session.scalars(query).all())
         return {row.number: row.strikes for row in found}
 
-    async def note_strikes(self, sweep: int, strikes: Mapping[int, int]) -> None:
-        """Keep how many workers these items have taken with them."""
+    async def keep_strikes(self, sweep: int, strikes: Mapping[int, int]) -> None:
+        """Keep how many workers these items have killed."""
 
         def work(session: Session) -> None:
             for number, count in strikes.items():
@@ -167,7 +168,7 @@ class SweepStore:
         await self._do(work)
 
     async def start(self, sweep: int) -> None:
-        """Note that a sweep is being worked on."""
+        """Mark a sweep as running."""
         change = update(SweepRow).filter_by(sequence=sweep, state="accepted")
         now = datetime.now(UTC)
         await self._do(lambda s: s.execute(change.values(state="running", started=now)))
@@ -176,14 +177,14 @@ class SweepStore:
         """Keep finished items and count them, in one transaction; those kept already stay.
 
         Raises:
-            NotOurs: the sweep is not this owner's any more.
+            LeaseLost: the sweep is not this owner's any more.
         """
         rows = {answer.number: _row(sweep, answer, values) for answer, values in done}
 
         def work(session: Session) -> SweepRow:
             whole = session.get(SweepRow, sweep, options=[UNREAD], with_for_update=True)
             if whole is None or whole.owner != owner:
-                raise NotOurs
+                raise LeaseLost
             there = select(ItemRow.number).where(
                 ItemRow.sweep == sweep, ItemRow.number.in_(list(rows))
             )
@@ -207,9 +208,9 @@ class SweepStore:
             return await self._do(work)
 
     async def end(self, sweep: int, state: str, owner: str | None = None) -> SweepRow | None:
-        """Note how a sweep that was under way ended; None where it was not, or is gone.
+        """Mark a running sweep as ended; None where it was not running, or is deleted.
 
-        Whoever else than ``owner`` works on it writes nothing more.
+        A process other than ``owner`` that works on it writes nothing more.
         """
 
         def work(session: Session) -> SweepRow | None:
@@ -223,8 +224,8 @@ class SweepStore:
 
         return await self._do(work)
 
-    async def discard(self, sweep: int) -> None:
-        """Forget a sweep and its items."""
+    async def delete(self, sweep: int) -> None:
+        """Delete a sweep and its items."""
 
         def work(session: Session) -> None:
             for rows in (ItemRow, StrikeRow):
@@ -237,36 +238,36 @@ class SweepStore:
         self, sweep: int, after: int, size: int, status: str | None = None
     ) -> Sequence[ItemRow]:
         """Items in the order in which they were finished, those after a sequence."""
-        asked = select(ItemRow).options(LISTED).where(ItemRow.sweep == sweep)
-        asked = asked.where(ItemRow.sequence > after).order_by(ItemRow.sequence).limit(size)
+        query = select(ItemRow).options(LISTED).where(ItemRow.sweep == sweep)
+        query = query.where(ItemRow.sequence > after).order_by(ItemRow.sequence).limit(size)
         if status is not None:
-            asked = asked.where(ItemRow.status == status)
-        return await self._do(lambda session: session.scalars(asked).all())
+            query = query.where(ItemRow.status == status)
+        return await self._do(lambda session: session.scalars(query).all())
 
-    async def numbered(self, sweep: int, above: int, size: int) -> Sequence[ItemRow]:
+    async def items_by_number(self, sweep: int, above: int, size: int) -> Sequence[ItemRow]:
         """Finished items in the order of their numbers, those above one."""
-        asked = select(ItemRow).options(LISTED).where(ItemRow.sweep == sweep)
-        asked = asked.where(ItemRow.number > above).order_by(ItemRow.number).limit(size)
-        return await self._do(lambda session: session.scalars(asked).all())
+        query = select(ItemRow).options(LISTED).where(ItemRow.sweep == sweep)
+        query = query.where(ItemRow.number > above).order_by(ItemRow.number).limit(size)
+        return await self._do(lambda session: session.scalars(query).all())
 
-    async def chosen(self, sweep: int, numbers: Sequence[int]) -> Sequence[ItemRow]:
+    async def items_with(self, sweep: int, numbers: Sequence[int]) -> Sequence[ItemRow]:
         """These finished items, without their designs."""
-        asked = select(ItemRow).options(LISTED).where(ItemRow.sweep == sweep)
-        asked = asked.where(ItemRow.number.in_(numbers))
-        return await self._do(lambda session: session.scalars(asked).all())
+        query = select(ItemRow).options(LISTED).where(ItemRow.sweep == sweep)
+        query = query.where(ItemRow.number.in_(numbers))
+        return await self._do(lambda session: session.scalars(query).all())
 
     async def item(self, sweep: int, number: int) -> ItemRow | None:
         """One finished item with its design."""
-        asked = select(ItemRow).filter_by(sweep=sweep, number=number)
-        return await self._do(lambda session: session.scalar(asked))
+        query = select(ItemRow).filter_by(sweep=sweep, number=number)
+        return await self._do(lambda session: session.scalar(query))
 
     async def holder(self, design_id: str) -> tuple[str, int] | None:
         """The sweep that has this design, and as which item; None where no sweep has."""
-        asked = select(SweepRow.id, ItemRow.number).join(
+        query = select(SweepRow.id, ItemRow.number).join(
             ItemRow, ItemRow.sweep == SweepRow.sequence
         )
-        asked = asked.where(ItemRow.design_id == design_id).limit(1)
-        found = await self._do(lambda session: session.execute(asked).first())
+        query = query.where(ItemRow.design_id == design_id).limit(1)
+        found = await self._do(lambda session: session.execute(query).first())
         return None if found is None else (found[0], found[1])
 
 
@@ -285,22 +286,32 @@ def _row(sweep: int, answer: ItemAnswer, values: list[Any]) -> dict[str, Any]:
     }
 
 
-def design_of_item(session: Session, name: str) -> Row | None:
-    """The design with this id as a row of its own, where it came out of a sweep."""
-    item = session.scalar(select(ItemRow).filter_by(design_id=name).limit(1))
-    if item is None or item.design is None:
+def design_of_item(session: Session, id: str) -> AnswerRow | None:
+    """The design with this id as an answer of its own, where it came out of a sweep."""
+    found = session.execute(
+        select(ItemRow, SweepRow.engine)
+        .join(SweepRow, ItemRow.sweep == SweepRow.sequence)
+        .where(ItemRow.design_id == id)
+        .limit(1)
+    ).first()
+    if found is None:
+        return None
+    item, engine = found
+    if item.design is None:
         return None
     body = zlib.decompress(item.design)
     design = json.loads(body)
-    return DesignRow(
+    return AnswerRow(
         sequence=0,
-        id=name,
+        id=id,
+        kind="/v1/designs",
+        engine=engine,
         name=design["name"],
         created=datetime.now(UTC),
         state="done",
         status=item.status,
         spec=json.dumps(design["spec"]).encode(),
-        design=body,
+        body=body,
         etag=hashlib.sha256(body).hexdigest()[:32],
         summary={},
     )

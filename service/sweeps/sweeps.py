@@ -1,4 +1,4 @@
-"""All sweeps of this process: taken on, gone on with after a restart, stopped, forgotten."""
+"""All sweeps: accepted, continued after a restart, stopped, deleted."""
 
 from __future__ import annotations
 
@@ -6,56 +6,57 @@ import asyncio
 import logging
 from datetime import UTC, datetime
 
+from pydantic import ValidationError
 from sqlalchemy.exc import InterfaceError, OperationalError
 
 from service.settings import Settings
 from service.storage.store import Store
 from service.sweeps.lease import Leases
 from service.sweeps.progress import Progress
-from service.sweeps.run import Run
+from service.sweeps.runner import SweepRunner
 from service.sweeps.store import SweepRow, SweepStore
-from service.sweeps.work import item_spec
+from service.sweeps.tasks import item_spec
 from service.wire.errors import Busy, InvalidBody
 from service.workers.engine import Engine
-from synthesis.design import engine_version
-from synthesis.sweeps import SweepSpec
-from synthesis.sweeps.spec import sweep_id
+from synthesis.design.identity import ENGINE_NUMBER
+from synthesis.studies.sweeps import SweepSpec
+from synthesis.studies.sweeps.spec import sweep_id
 
 log = logging.getLogger("camwright.sweeps")
-LOOK_S = 1.0  # between looks for sweeps that nobody works on
-TRIED = 8  # items looked at before a sweep is taken on
+POLL_S = 1.0  # between searches for sweeps that no process works on
+SAMPLED = 8  # items that are validated before a sweep is accepted
 
 
 class Sweeps:
-    """What is being swept in this process, by id; and all sweeps that are kept."""
+    """The sweeps that this process runs, by id; and all that are stored."""
 
     def __init__(self, engine: Engine, store: Store, settings: Settings) -> None:
         self.engine, self.store, self._settings = engine, SweepStore(store.do), settings
         self._leases = Leases(store.do, settings.sweep_lease_s)
-        self._looking: asyncio.Task[None] | None = None
-        self._runs: dict[str, Run] = {}
+        self._polling: asyncio.Task[None] | None = None
+        self._runners: dict[str, SweepRunner] = {}
         self._tasks: dict[str, asyncio.Task[None]] = {}
 
     @staticmethod
-    def name_of(spec: SweepSpec) -> str:
+    def id_of(spec: SweepSpec) -> str:
         """The sweep's id on this engine."""
-        return sweep_id(spec, engine_version())
+        return sweep_id(spec)
 
     def check(self, spec: SweepSpec) -> None:
-        """Refuse what is too large, and what makes no sense anywhere.
+        """Refuse a sweep that is too large, or of which no item seems to be valid.
 
-        Items that make no sense are told one by one when their turn comes: a corner of a grid may
-        be out of reach. Where none of some that lie far apart makes sense, the sweep is refused.
+        Invalid items fail one by one when their turn comes: a corner of a grid may be out of reach.
+        Where none of some that lie far apart is valid, the sweep is refused.
         """
         most = self._settings.max_sweep_items
         if spec.size > most:
             raise _too_large(spec.size, most)
-        shares = (i / max(TRIED - 1, 1) for i in range(TRIED))
-        tried = dict.fromkeys(round(share * (spec.size - 1)) for share in shares)
+        shares = (i / max(SAMPLED - 1, 1) for i in range(SAMPLED))
+        sample = dict.fromkeys(round(share * (spec.size - 1)) for share in shares)
         first: InvalidBody | None = None
-        for number in tried:
+        for number in sample:
             try:
-                item_spec(spec, spec.picks(number))
+                item_spec(spec, spec.item_values(number))
             except InvalidBody as error:
                 first = first or error
             else:
@@ -63,88 +64,107 @@ class Sweeps:
         assert first is not None
         found = [{**each, "pointer": f"/base{each['pointer']}"} for each in first.violations]
         raise InvalidBody(
-            f"None of {len(tried)} items that were tried makes sense. With the values of item 0: "
+            f"None of {len(sample)} items that were tried is valid. With the values of item 0: "
             f"{first.detail}", found,
         )  # fmt: skip
 
     async def accept(self, spec: SweepSpec) -> SweepRow:
-        """Take a sweep on, or join it, or go on with one that was dismissed."""
-        name = self.name_of(spec)
-        if name not in self._runs and len(self._runs) >= self._settings.max_sweeps:
+        """Accept a sweep, or join it, or continue one that was dismissed."""
+        running = len(self._runners)
+        if self.id_of(spec) not in self._runners and running >= self._settings.max_sweeps:
             raise Busy(
-                f"{len(self._runs)} sweeps are under way already. Try again when one has ended, "
-                "or dismiss one.",
+                f"{running} sweeps are running already. Try again when one has ended, or stop one.",
                 {"Retry-After": "10"},
             )
+        return await self._accept(spec)
+
+    async def _accept(self, spec: SweepSpec) -> SweepRow:
         row = SweepRow(
-            id=name, name=spec.name, created=datetime.now(UTC), state="accepted",
+            id=self.id_of(spec), engine=ENGINE_NUMBER, name=spec.name,
+            created=datetime.now(UTC), state="accepted",
             spec=spec.model_dump_json().encode(), size=spec.size, quantities=[],
             axes=[axis.pointer for axis in spec.axes],
             optimal=0, feasible=0, infeasible=0, failed=0,
         )  # fmt: skip
-        kept = await self.store.accept(row)
-        await self._begin(kept)
-        return kept
+        row = await self.store.accept(row)
+        await self._start(row)
+        return row
 
     async def resume(self) -> None:
-        """Go on with what nobody works on: now, and whenever another process has died."""
-        await self._adopt()
-        self._looking = asyncio.create_task(self._look())
+        """Continue sweeps that no process works on: now, and whenever another process has died."""
+        await self._continue_unowned()
+        self._polling = asyncio.create_task(self._poll())
 
-    async def _look(self) -> None:
+    async def _poll(self) -> None:
         while True:
-            await asyncio.sleep(min(LOOK_S, 0.5 * self._settings.sweep_lease_s))
+            await asyncio.sleep(min(POLL_S, 0.5 * self._settings.sweep_lease_s))
             try:
-                await self._adopt()
+                await self._continue_unowned()
             except (InterfaceError, OperationalError):
                 log.warning("the store cannot be reached")
 
-    async def _adopt(self) -> None:
-        for row in await self._leases.nobodys():
-            await self._begin(row)
+    async def _continue_unowned(self) -> None:
+        for row in await self._leases.unowned():
+            if row.engine < ENGINE_NUMBER:
+                await self._renew(row)
+            else:
+                await self._start(row)
 
-    async def _begin(self, row: SweepRow) -> None:
-        if row.id in self._runs or not await self._leases.take(row.sequence):
-            return
-        if row.id in self._runs:  # begun meanwhile
-            return
-        run = Run(row, self.engine, self.store, self._leases, self._settings)
-        self._runs[row.id] = run
-        self._tasks[row.id] = asyncio.create_task(self._worked(row, run))
+    async def _renew(self, row: SweepRow) -> None:
+        """End a sweep that an earlier engine began, and begin its question anew.
 
-    async def _worked(self, row: SweepRow, run: Run) -> None:
+        Items of two engines do not go into one table. What is done of the old one is kept.
+        """
+        await self.store.end(row.sequence, "dismissed")
         try:
-            await run.work()
+            spec = SweepSpec.model_validate_json(row.spec)
+        except ValidationError:
+            log.warning("the spec of a sweep that an earlier engine began cannot be read")
+            return
+        await self._accept(spec)
+
+    async def _start(self, row: SweepRow) -> None:
+        if row.id in self._runners or not await self._leases.take(row.sequence):
+            return
+        if row.id in self._runners:  # started meanwhile
+            return
+        runner = SweepRunner(row, self.engine, self.store, self._leases, self._settings)
+        self._runners[row.id] = runner
+        self._tasks[row.id] = asyncio.create_task(self._run(row, runner))
+
+    async def _run(self, row: SweepRow, runner: SweepRunner) -> None:
+        try:
+            await runner.run()
         except Exception:
-            log.exception("a sweep cannot go on")
+            log.exception("a sweep has failed")
             await self.store.end(row.sequence, "failed", self._leases.owner)
         finally:
             try:
                 await self._leases.release(row.sequence)
             except (InterfaceError, OperationalError):
-                log.warning("the store cannot be reached; a lease runs out by itself")
+                log.warning("the store cannot be reached; the lease will expire")
             finally:
-                del self._runs[row.id], self._tasks[row.id]
+                del self._runners[row.id], self._tasks[row.id]
 
     def progress(self, name: str) -> Progress | None:
-        """How one that is under way here gets on."""
-        run = self._runs.get(name)
-        return None if run is None else run.progress
+        """The progress of a sweep that this process runs."""
+        runner = self._runners.get(name)
+        return None if runner is None else runner.progress
 
     async def dismiss(self, row: SweepRow) -> SweepRow | None:
-        """Stop one that is under way and keep what is done; None where it was over already."""
-        run, task = self._runs.get(row.id), self._tasks.get(row.id)
-        here = None if run is None else self._leases.owner
-        ended = await self.store.end(row.sequence, "dismissed", here)
-        if run is not None and task is not None:
-            await run.stop()
+        """Stop a running sweep and keep what is done; None where it had ended already."""
+        runner, task = self._runners.get(row.id), self._tasks.get(row.id)
+        owner = None if runner is None else self._leases.owner
+        ended = await self.store.end(row.sequence, "dismissed", owner)
+        if runner is not None and task is not None:
+            await runner.stop()
             await asyncio.wait({task})
         return None if ended is None else await self.store.find(row.id)
 
     async def close(self) -> None:
         """Stop everything; it is gone on with at the next start."""
-        if self._looking is not None:
-            self._looking.cancel()
+        if self._polling is not None:
+            self._polling.cancel()
         tasks = list(self._tasks.values())
         for task in tasks:
             task.cancel()
@@ -153,6 +173,6 @@ class Sweeps:
 
 def _too_large(size: int, most: int) -> InvalidBody:
     rule = f"makes {size} items; this server takes {most} in a sweep"
-    way_out = "Give fewer values, use a Latin hypercube, or split the sweep in parts."
-    found = {"pointer": "/axes", "value": size, "rule": rule, "way_out": way_out}
-    return InvalidBody(f"/axes: {rule}. {way_out}", [found])
+    remedy = "Give fewer values, use a Latin hypercube, or split the sweep in parts."
+    found = {"pointer": "/axes", "value": size, "rule": rule, "remedy": remedy}
+    return InvalidBody(f"/axes: {rule}. {remedy}", [found])

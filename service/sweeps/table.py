@@ -1,4 +1,4 @@
-"""Finished items as rows of a table, written page by page: memory does not grow with the sweep."""
+"""Finished items as a table, written page by page: memory does not grow with the sweep."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from pydantic import JsonValue
 
 from service.sweeps.store import ItemRow, SweepRow, SweepStore
 from service.wire.errors import FormatMissing
-from synthesis.sweeps import SweepSpec
+from synthesis.studies.sweeps import SweepSpec
 
 PAGE = 500
 BEFORE = (("number", "int"), ("status", "text"))
@@ -21,7 +21,7 @@ AFTER = (("gap", "number"), ("seconds", "number"), ("design", "text"), ("problem
 
 
 class Columns:
-    """What stands in which column: the axes by their pointers, the quantities by their names."""
+    """The columns: the axes by their pointers, the quantities by their names."""
 
     def __init__(self, sweep: SweepRow) -> None:
         axes = SweepSpec.model_validate_json(sweep.spec).axes
@@ -35,7 +35,7 @@ class Columns:
         ]
 
     def row(self, item: ItemRow) -> list[Any]:
-        """One item; None where it has nothing to say."""
+        """The cells of one item; None where a cell is empty."""
         pairs = zip(item.axis_values, self._numeric, strict=True)
         values = [float(value) if numeric else _text(value) for value, numeric in pairs]
         quantities = [item.quantities.get(name) for name in self._quantities]
@@ -48,16 +48,16 @@ class Writer(ABC):
     """Turns rows into bytes."""
 
     @abstractmethod
-    def begun(self) -> bytes:
-        """What stands before all rows."""
+    def header(self) -> bytes:
+        """The bytes before all rows."""
 
     @abstractmethod
     def rows(self, rows: Sequence[list[Any]]) -> bytes:
-        """Some rows."""
+        """The bytes of some rows."""
 
     @abstractmethod
-    def ended(self) -> bytes:
-        """What stands after all rows."""
+    def footer(self) -> bytes:
+        """The bytes after all rows."""
 
 
 class CsvWriter(Writer):
@@ -66,7 +66,7 @@ class CsvWriter(Writer):
     def __init__(self, columns: Columns) -> None:
         self._names = [name for name, _ in columns.kinds]
 
-    def begun(self) -> bytes:
+    def header(self) -> bytes:
         return self.rows([self._names])
 
     def rows(self, rows: Sequence[list[Any]]) -> bytes:
@@ -74,7 +74,7 @@ class CsvWriter(Writer):
         csv.writer(text).writerows(rows)
         return text.getvalue().encode()
 
-    def ended(self) -> bytes:
+    def footer(self) -> bytes:
         return b""
 
 
@@ -87,17 +87,17 @@ class ParquetWriter(Writer):
             from pyarrow.parquet import ParquetWriter as Parquet
         except ImportError:
             raise FormatMissing(
-                "Parquet needs the extra `parquet` of Camwright, which this server was installed "
-                "without. Take items.csv, or ask for pyarrow to be installed."
+                "Parquet needs the extra `parquet` of Camwright, which is not installed on this "
+                "server. Take items.csv, or ask the operator to install pyarrow."
             ) from None
         types = {"int": pa.int64(), "number": pa.float64(), "text": pa.string()}
         self._pa, self._sink = pa, io.BytesIO()
         self._schema = pa.schema([(name, types[kind]) for name, kind in columns.kinds])
         self._written = 0
-        self._parquet = Parquet(pa.PythonFile(_Forward(self._sink), mode="w"), self._schema)
+        self._parquet = Parquet(pa.PythonFile(_AppendOnly(self._sink), mode="w"), self._schema)
 
-    def begun(self) -> bytes:
-        return self._drained()
+    def header(self) -> bytes:
+        return self._take_written()
 
     def rows(self, rows: Sequence[list[Any]]) -> bytes:
         columns = [
@@ -105,21 +105,21 @@ class ParquetWriter(Writer):
             for column, field in zip(zip(*rows, strict=True), self._schema, strict=True)
         ]
         self._parquet.write_table(self._pa.Table.from_arrays(columns, schema=self._schema))
-        return self._drained()
+        return self._take_written()
 
-    def ended(self) -> bytes:
+    def footer(self) -> bytes:
         self._parquet.close()
-        return self._drained()
+        return self._take_written()
 
-    def _drained(self) -> bytes:
+    def _take_written(self) -> bytes:
         found = self._sink.getvalue()
         self._sink.seek(0)
         self._sink.truncate()
         return found
 
 
-class _Forward(io.RawIOBase):
-    """A file that only grows, and of which nothing is kept but what was not fetched yet."""
+class _AppendOnly(io.RawIOBase):
+    """A file that is only appended to; keeps what was not taken yet."""
 
     def __init__(self, sink: io.BytesIO) -> None:
         self._sink, self._at = sink, 0
@@ -135,16 +135,16 @@ class _Forward(io.RawIOBase):
         return self._at
 
 
-async def written(
+async def write_table(
     store: SweepStore, sweep: SweepRow, columns: Columns, writer: Writer
 ) -> AsyncIterator[bytes]:
-    """The whole table, in the order of the items' numbers."""
-    yield writer.begun()
+    """The whole table, in the order of the items' numbers, in pieces."""
+    yield writer.header()
     above = -1
-    while found := await store.numbered(sweep.sequence, above, PAGE):
+    while found := await store.items_by_number(sweep.sequence, above, PAGE):
         yield writer.rows([columns.row(item) for item in found])
         above = found[-1].number
-    yield writer.ended()
+    yield writer.footer()
 
 
 def _text(value: JsonValue) -> str:

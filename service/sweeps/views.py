@@ -1,4 +1,4 @@
-"""How sweeps and their items look on the wire."""
+"""Sweeps and their items on the wire."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from pydantic import BaseModel, Field, JsonValue
 
 from service.sweeps.progress import Progress
 from service.sweeps.store import UNDER_WAY, ItemRow, SweepRow
-from synthesis.sweeps import SweepSpec
+from synthesis.studies.sweeps import SweepSpec
 
 SweepState = Literal["accepted", "running", "successful", "failed", "dismissed"]
 ItemStatus = Literal["optimal", "feasible", "infeasible", "failed"]
@@ -18,10 +18,10 @@ FILES = ("items.csv", "items.parquet")
 
 
 class Counts(BaseModel):
-    """How many items are done, and what came out."""
+    """How many items are done, by status."""
 
     items: Annotated[int, Field(description="All of them.")]
-    done: Annotated[int, Field(description="Finished, whatever came out.")]
+    done: Annotated[int, Field(description="Finished, with any status.")]
     optimal: Annotated[int, Field(description="Certified, gap within the tolerance.")]
     feasible: Annotated[int, Field(description="Certified.")]
     infeasible: Annotated[int, Field(description="No cam fits; the design says why.")]
@@ -29,35 +29,43 @@ class Counts(BaseModel):
 
 
 class SweepSummary(BaseModel):
-    """A sweep: how it stands."""
+    """A sweep and its progress."""
 
-    id: Annotated[str, Field(description="Hash of the spec and the engine's version.")]
+    id: Annotated[str, Field(description="Hash of the spec and the engine's number.")]
+    engine: Annotated[
+        int,
+        Field(
+            description="Number of the engine that made its items; where `/v1/version` has a "
+            "later one, POST the spec again for a sweep by that."
+        ),
+    ]
     name: Annotated[str, Field(description="As in the spec.")]
     state: Annotated[
         SweepState,
         Field(
             description="`accepted`, `running`; `successful`: gone through to the end; `failed`: "
-            "not one item has a design, or the service could not go on; `dismissed`: stopped."
+            "no item has a design, or the service could not continue; `dismissed`: stopped."
         ),
     ]
     created: Annotated[datetime, Field(description="When it was accepted, UTC.")]
     started: Annotated[datetime | None, Field(description="When its first item was sent.")]
-    finished: Annotated[datetime | None, Field(description="When it came to its end.")]
+    finished: Annotated[datetime | None, Field(description="When it ended.")]
     progress: Annotated[float, Field(ge=0, le=100, description="Share that is done [%].")]
-    counts: Annotated[Counts, Field(description="How many, and what came out.")]
+    counts: Annotated[Counts, Field(description="How many items, by status.")]
     rate_per_s: Annotated[
-        float | None, Field(description="Items a second just now; null where none are made.")
+        float | None,
+        Field(description="Current rate of finished items [1/s]; null where it is not running."),
     ]
-    time_left_s: Annotated[float | None, Field(description="What is left, at that rate [s].")]
+    time_left_s: Annotated[float | None, Field(description="Remaining time at that rate [s].")]
     axes: Annotated[list[str], Field(description="The fields that it varies.")]
     quantities: Annotated[
-        list[str], Field(description="What its designs have been measured for so far, with unit.")
+        list[str], Field(description="Quantities of its designs so far, with unit.")
     ]
     links: Annotated[dict[str, str], Field(description="Items, files, trade-offs, events.")]
 
 
 class Sweep(SweepSummary):
-    """A sweep and what was asked."""
+    """A sweep with its spec."""
 
     spec: Annotated[SweepSpec, Field(description="The question.")]
 
@@ -95,34 +103,37 @@ class SweepItemPage(BaseModel):
     next: Annotated[
         str | None,
         Field(
-            description="`cursor` of what follows; null once the sweep is over and nothing does. "
-            "While it runs, ask again with it for what is finished by then."
+            description="`cursor` of what follows; null once the sweep has ended and nothing does. "
+            "While it runs, request this again for the items finished by then."
         ),
     ]
 
 
 class ParetoAxis(BaseModel):
-    """One of the quantities that are traded."""
+    """A quantity and its direction."""
 
     quantity: Annotated[str, Field(description="Its name.")]
     direction: Annotated[Literal["minimise", "maximise"], Field(description="Which way is better.")]
 
 
 class ParetoFront(BaseModel):
-    """The designs that no other design of the sweep beats in everything that was named."""
+    """The non-dominated designs of a sweep in the quantities named."""
 
-    axes: Annotated[list[ParetoAxis], Field(description="What is traded.")]
-    considered: Annotated[int, Field(description="Certified designs that have every quantity.")]
-    left_out: Annotated[int, Field(description="Finished items that are none, or lack one.")]
+    axes: Annotated[list[ParetoAxis], Field(description="The quantities.")]
+    compared: Annotated[int, Field(description="Certified designs that have every quantity.")]
+    excluded: Annotated[
+        int,
+        Field(description="Other finished items: not certified, or without one of the quantities."),
+    ]
     size: Annotated[int, Field(description="How many are on the front.")]
     items: Annotated[
         list[SweepItem], Field(description="The front, ascending in the first quantity.")
     ]
 
 
-def at(name: str) -> str:
-    """Address of a sweep."""
-    return f"/v1/sweeps/{name}"
+def sweep_path(id: str) -> str:
+    """Path of a sweep."""
+    return f"/v1/sweeps/{id}"
 
 
 def summary_of(row: SweepRow, progress: Progress | None) -> SweepSummary:
@@ -139,9 +150,10 @@ def _fields(row: SweepRow, progress: Progress | None) -> dict[str, Any]:
     under_way = row.state in UNDER_WAY
     rate = progress.rate_per_s if progress is not None and under_way else None
     left = row.size - row.done
-    self = at(row.id)
+    self = sweep_path(row.id)
     return {
         "id": row.id,
+        "engine": row.engine,
         "name": row.name,
         "state": row.state,
         "created": _utc(row.created),
@@ -165,7 +177,7 @@ def _fields(row: SweepRow, progress: Progress | None) -> dict[str, Any]:
 
 def item_of(sweep: SweepRow, row: ItemRow) -> SweepItem:
     """One finished item."""
-    links = {"self": f"{at(sweep.id)}/items/{row.number}"}
+    links = {"self": f"{sweep_path(sweep.id)}/items/{row.number}"}
     if row.design_id is not None:
         links["design"] = f"/v1/designs/{row.design_id}"
     return SweepItem(

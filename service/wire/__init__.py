@@ -1,4 +1,6 @@
-"""What every request and answer has in common: bodies read strictly, problems told, tags, parts.
+"""What all requests and responses share.
 
-All resources use it, so that they behave alike.
+Bodies are read strictly (`body`), errors become problem documents (`errors`, `problem`,
+`violations`); middleware limits bodies, tags and cuts responses, logs and counts. Begin with
+`problem.py`.
 """

@@ -1,44 +1,93 @@
-"""Reading a JSON body: strictly, once, and with a problem document for whatever is wrong."""
+"""Read a JSON body strictly and validate it against a model.
+
+The work is linear in the size of the body, whatever it contains: it runs in the event loop, which
+answers no other request meanwhile.
+"""
 
 from __future__ import annotations
 
 import json
+from collections.abc import Iterator
+from itertools import islice
 from typing import Any, TypeVar
 
 from fastapi import Request
 from pydantic import BaseModel, ValidationError
 
 from service.wire.errors import InvalidBody, NotJson, WrongMediaType
-from service.wire.violations import of_body, pointer_to
+from service.wire.schema_walk import all_names
+from service.wire.violations import (
+    MAX_LISTED,
+    describe_errors,
+    pointer_to,
+    unknown_field,
+)
 
 Model = TypeVar("Model", bound=BaseModel)
+Path = list[str | int]
+
+# Pydantic takes about 3 µs to build each error; beyond this many, they are not built.
+MAX_ITEMISED = 1000
+TOO_DEEP = "The body is nested too deeply. A design needs five levels."
 
 
 async def read_body(request: Request, model: type[Model]) -> Model:
-    """The body of a request as ``model``."""
-    _declared_as_json(request.headers.get("content-type"))
+    """The body of a request as ``model``; see ``validated`` for the errors raised."""
+    _require_json(request.headers.get("content-type"))
     return validated(await request.body(), model)
 
 
 def validated(body: bytes, model: type[Model]) -> Model:
-    """Bytes as ``model``; numbers must be numbers, and nothing is guessed."""
-    document = parsed(body)
+    """Bytes as ``model``, in strict mode: no number is read from a text.
+
+    Raises:
+        NotJson: the bytes are not JSON.
+        InvalidBody: they are, but do not satisfy the model.
+    """
+    known = all_names(model)
+    document, unknown = _decoded(body, known)
+    if known is not None and unknown > MAX_ITEMISED:
+        paths = _paths_of_unknown_names(document, known)
+        found = [unknown_field(path, document, model) for path in islice(paths, MAX_LISTED)]
+        raise InvalidBody(_summary(found, unknown), found)
     try:
         return model.model_validate_json(body, strict=True)
     except ValidationError as error:
-        found = of_body(error.errors(include_url=False), document, model)
-        raise InvalidBody(_in_words(found), found) from None
+        raise _invalid(error, document, model) from None
 
 
 def parsed(body: bytes) -> Any:
-    """Bytes as plain JSON: no NaN, no repeated names, not nested without end."""
+    """Bytes as plain JSON, without NaN and without repeated names.
+
+    Raises:
+        NotJson: the bytes are not JSON.
+        InvalidBody: there is NaN or Infinity, which JSON does not have.
+    """
+    return _decoded(body, None)[0]
+
+
+def _decoded(body: bytes, known: frozenset[str] | None) -> tuple[Any, int]:
+    """The document, and how many of its names are not among the known ones (None: all are)."""
     if not body.strip():
         raise NotJson("The body is empty. Send a JSON object; /docs holds worked examples.")
-    foreign: list[str] = []
+    unknown = constants = 0
+
+    def make_object(pairs: list[tuple[str, Any]]) -> dict[str, Any]:
+        nonlocal unknown
+        result = dict(pairs)
+        if len(result) != len(pairs):
+            raise NotJson(_repeated_name(pairs))
+        if known is not None and not known.issuperset(result):
+            unknown += len(result.keys() - known)
+        return result
+
+    def make_constant(word: str) -> _NotANumber:
+        nonlocal constants
+        constants += 1
+        return _NotANumber(word)
+
     try:
-        document = json.loads(
-            body, object_pairs_hook=_object, parse_constant=lambda word: foreign.append(word)
-        )
+        document = json.loads(body, object_pairs_hook=make_object, parse_constant=make_constant)
     except json.JSONDecodeError as error:
         raise NotJson(
             f"Line {error.lineno}, column {error.colno}: {error.msg}. Send valid JSON."
@@ -46,55 +95,96 @@ def parsed(body: bytes) -> Any:
     except UnicodeDecodeError:
         raise NotJson("The body is not UTF-8. Send JSON in UTF-8.") from None
     except RecursionError:
-        raise NotJson("The body is nested too deeply. A design needs five levels.") from None
+        raise NotJson(TOO_DEEP) from None
     except ValueError as error:
         raise NotJson("The body holds a number of thousands of digits.") from error
-    if foreign:
-        raise InvalidBody(*_not_numbers(body))
-    return document
+    if constants:
+        raise _not_numbers(document, constants)
+    return document, unknown
 
 
-def _object(pairs: list[tuple[str, Any]]) -> dict[str, Any]:
-    result = dict(pairs)
-    if len(result) != len(pairs):
-        names = [name for name, _ in pairs]
-        twice = next(name for name in names if names.count(name) > 1)
-        raise NotJson(f"The name {twice!r:.80} occurs twice in one object. Keep one of the two.")
-    return result
+def _repeated_name(pairs: list[tuple[str, Any]]) -> str:
+    seen: set[str] = set()
+    for name, _ in pairs:
+        if name in seen:
+            return f"The name {name!r:.80} occurs twice in one object. Keep one of the two."
+        seen.add(name)
+    raise AssertionError("no name is repeated")
 
 
-def _not_numbers(body: bytes) -> tuple[str, list[dict[str, Any]]]:
-    """Where the document says NaN or Infinity, which JSON does not know."""
-
-    def visit(at: Any, path: tuple[str | int, ...]) -> None:
-        if isinstance(at, _Foreign):
-            found.append(
-                {
-                    "pointer": pointer_to(path),
-                    "value": at,
-                    "rule": "must be a finite number; JSON knows no such word",
-                    "way_out": "Leave it out, or give a number.",
-                }
-            )
-        elif isinstance(at, dict):
-            for key, inner in at.items():
-                visit(inner, (*path, key))
-        elif isinstance(at, list):
-            for index, inner in enumerate(at):
-                visit(inner, (*path, index))
-
-    found: list[dict[str, Any]] = []
-    visit(json.loads(body, parse_constant=_Foreign), ())
-    return _in_words(found), found[:50]
-
-
-class _Foreign(str):
-    """A word in place of a number."""
+class _NotANumber(str):
+    """NaN, Infinity or -Infinity in place of a number."""
 
     __slots__ = ()
 
 
-def _declared_as_json(content_type: str | None) -> None:
+def _not_numbers(document: Any, count: int) -> InvalidBody:
+    """The error for NaN and Infinity, with the places of the first of them."""
+    constants = ((path, value) for path, value in _walk(document) if type(value) is _NotANumber)
+    found = [
+        {
+            "pointer": pointer_to(path),
+            "value": value,
+            "rule": "must be a finite number; JSON does not have this word",
+            "remedy": "Leave it out, or give a number.",
+        }
+        for path, value in islice(constants, MAX_LISTED)
+    ]
+    return InvalidBody(_summary(found, count), found)
+
+
+def _paths_of_unknown_names(document: Any, known: frozenset[str]) -> Iterator[Path]:
+    for path, _ in _walk(document):
+        if path and isinstance(path[-1], str) and path[-1] not in known:
+            yield path
+
+
+def _walk(document: Any) -> Iterator[tuple[Path, Any]]:
+    """Every value of a document with its path, in document order.
+
+    Not recursive, for deep documents, and one list is the path of all values: copy it to keep it.
+    """
+    path: Path = []
+    yield path, document
+    levels = [_children(document)]
+    while levels:
+        child = next(levels[-1], None)
+        if child is None:
+            levels.pop()
+            if path:
+                path.pop()
+            continue
+        part, value = child
+        path.append(part)
+        yield path, value
+        if isinstance(value, dict | list):
+            levels.append(_children(value))
+        else:
+            path.pop()
+
+
+def _children(value: Any) -> Iterator[tuple[str | int, Any]]:
+    if isinstance(value, dict):
+        return iter(value.items())
+    return iter(enumerate(value)) if isinstance(value, list) else iter(())
+
+
+def _invalid(error: ValidationError, document: Any, model: type[BaseModel]) -> Exception:
+    """What pydantic found, as an error of the service."""
+    count = error.error_count()
+    if count > MAX_ITEMISED:
+        rule, remedy = f"has {count} errors, too many to list", "Compare it with those in /docs."
+        found = [{"pointer": "", "value": None, "rule": rule, "remedy": remedy}]
+        return InvalidBody(_summary(found, 1), found)
+    errors = error.errors(include_url=False)
+    if errors[0]["type"] == "json_invalid":  # what Python's reader accepts and pydantic's does not
+        reason = str(errors[0].get("ctx", {}).get("error", ""))
+        return NotJson(TOO_DEEP if "recursion" in reason else f"{reason}. Send valid JSON.")
+    found, places = describe_errors(errors, document, model)
+    return InvalidBody(_summary(found, places), found)
+
+
+def _require_json(content_type: str | None) -> None:
     declared = (content_type or "").partition(";")[0].strip().lower()
     subtype = declared.removeprefix("application/")
     if declared == subtype or not (subtype == "json" or subtype.endswith("+json")):
@@ -105,10 +195,12 @@ def _declared_as_json(content_type: str | None) -> None:
         )
 
 
-def _in_words(found: list[dict[str, Any]]) -> str:
-    if not found:
-        return "The body does not fit. See /docs for the form."
-    first = found[0]
-    more = f" ({len(found) - 1} more under errors)" if len(found) > 1 else ""
+def _summary(found: list[dict[str, Any]], count: int) -> str:
+    """The first violation in words, and how many there are."""
+    first, more = found[0], ""
+    if count > len(found):
+        more = f" ({count} errors in all; the first {len(found)} are under errors)"
+    elif count > 1:
+        more = f" ({count - 1} more under errors)"
     where = first["pointer"] or "the body"
-    return f"{where}: {first['rule'].rstrip('.')}. {first['way_out']}{more}"
+    return f"{where}: {first['rule'].rstrip('.')}. {first['remedy']}{more}"

@@ -1,4 +1,4 @@
-"""Bodies larger than allowed are refused: by their declared length, or once they exceed it."""
+"""Refuse bodies that are too large: by their declared length, or as soon as they exceed it."""
 
 from __future__ import annotations
 
@@ -7,13 +7,13 @@ from starlette.datastructures import Headers
 from starlette.types import ASGIApp, Message, Receive, Scope, Send
 
 from service.wire.errors import BodyTooLarge
-from service.wire.problem import answer
+from service.wire.problem import error_response
 
-READ_ON = 32  # limits' worth of what is refused is still read, so that clients see the answer
+READ_ON = 32  # times the limit: so much of a refused body is read, so that clients see the answer
 
 
 class BodyLimit:
-    """Counts what a request sends."""
+    """Middleware that counts the bytes of a body."""
 
     def __init__(self, app: ASGIApp, max_bytes: int) -> None:
         self._app, self._max_bytes = app, max_bytes
@@ -48,10 +48,10 @@ class BodyLimit:
             left -= len(message.get("body", b""))
             more = message.get("more_body", False)
         error = BodyTooLarge(
-            f"The body is larger than {self._max_bytes} bytes, the most that this server reads. "
+            f"The body is larger than {self._max_bytes} bytes, the limit of this server. "
             "A design with 100 segments needs less than 50 kB."
         )
-        await answer(Request(scope), error)(scope, receive, send)
+        await error_response(Request(scope), error)(scope, receive, send)
 
 
 class _TooLarge(Exception):

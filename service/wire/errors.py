@@ -1,4 +1,4 @@
-"""What the service raises on purpose, and the one table from exceptions to problems."""
+"""The errors that the service raises, and the table from exceptions to problem documents."""
 
 from __future__ import annotations
 
@@ -11,11 +11,10 @@ from synthesis.errors import ExtraMissing, InputError, SolverFailed, TimeBudgetE
 
 
 class ServiceError(Exception):
-    """Root of what the service raises; its text is for the caller.
+    """Base class of the service's errors; its text is for the caller.
 
     Args:
-        detail: what went wrong and the way out, in sentences.
-        headers: to send with the answer.
+        detail: what is wrong and what to do, in sentences. headers: of the response.
     """
 
     def __init__(self, detail: str, headers: dict[str, str] | None = None) -> None:
@@ -24,7 +23,7 @@ class ServiceError(Exception):
 
 
 class InvalidBody(ServiceError):
-    """The body is JSON but not what was asked for; ``violations`` says where and why."""
+    """The body is JSON but does not satisfy its schema; ``errors`` says where and why."""
 
     def __init__(self, detail: str, violations: list[dict[str, Any]]) -> None:
         super().__init__(detail)
@@ -32,15 +31,15 @@ class InvalidBody(ServiceError):
 
 
 class NotJson(ServiceError):
-    """The body cannot be read as JSON."""
+    """The body is not valid JSON."""
 
 
 class WrongMediaType(ServiceError):
-    """The body is declared as something else than JSON."""
+    """The body is not declared as JSON."""
 
 
 class BodyTooLarge(ServiceError):
-    """The body is larger than this server reads."""
+    """The body is larger than this server's limit."""
 
 
 class UnknownDesign(ServiceError):
@@ -60,7 +59,7 @@ class UnknownSweep(ServiceError):
 
 
 class FormatMissing(ServiceError):
-    """This server was installed without what writes the format."""
+    """An optional package that writes the format is not installed on this server."""
 
 
 class UnknownAnalysis(ServiceError):
@@ -76,46 +75,46 @@ class UnknownLinkage(ServiceError):
 
 
 class BadQuery(ServiceError):
-    """A query parameter or a header makes no sense."""
+    """A query parameter or a header is invalid."""
 
 
 class NotDone(ServiceError):
-    """The design is still being worked on: it has no files yet."""
+    """The answer is still being worked on, or the work failed: it has no files."""
 
 
 class PartOfSweep(ServiceError):
-    """The design is an item of a sweep and goes with it."""
+    """The design is an item of a sweep and is deleted with the sweep."""
 
 
 class NothingFits(ServiceError):
-    """The design is infeasible: there is no cam to export."""
+    """The limits are infeasible: there is no cam to export."""
 
 
 class KeyReused(ServiceError):
-    """An Idempotency-Key came back with another body."""
+    """An Idempotency-Key was used before with another body."""
 
 
 class Busy(ServiceError):
-    """More designs are waiting than this server takes."""
+    """The queue of this server is full."""
 
 
 class WorkerLost(ServiceError):
-    """The process that worked on the design died."""
+    """The worker process died while it worked on the question."""
 
 
 class EngineUnreachable(ServiceError):
-    """There is no worker to send the design to."""
+    """No worker can be reached."""
 
 
 class Dismissed(ServiceError):
-    """The design was deleted while it was being worked on."""
+    """The question was deleted while it was being worked on."""
 
 
 @dataclass(frozen=True)
-class Kind:
+class ProblemType:
     """A type of problem: its HTTP status, its slug under /problems/, and its title.
 
-    ``again_s`` is for Retry-After, where it passes by itself and the exception names no time [s].
+    ``again_s`` [s] is for Retry-After, where the exception names no time.
     """
 
     status: int
@@ -124,43 +123,47 @@ class Kind:
     again_s: int | None = None
 
 
-PROBLEMS: dict[type[Exception], Kind] = {
-    InvalidBody: Kind(422, "invalid-request", "The request makes no sense"),
-    BadQuery: Kind(422, "invalid-parameter", "A parameter or header makes no sense"),
-    InputError: Kind(422, "invalid-design", "The design makes no sense"),
-    KeyReused: Kind(422, "idempotency-key-reused", "The key belongs to another request"),
-    NotJson: Kind(400, "not-json", "The body is not JSON"),
-    UnknownDesign: Kind(404, "unknown-design", "No such design"),
-    UnknownCamSet: Kind(404, "unknown-cam-set", "No such cam set"),
-    UnknownSpatialCam: Kind(404, "unknown-spatial-cam", "No such spatial cam"),
-    UnknownSweep: Kind(404, "unknown-sweep", "No such sweep or item"),
-    FormatMissing: Kind(501, "format-missing", "This server does not write the format"),
-    UnknownTrainResponse: Kind(404, "unknown-train-response", "No such train response"),
-    UnknownAnalysis: Kind(404, "unknown-analysis", "No such analysis"),
-    UnknownLinkage: Kind(404, "unknown-linkage", "No such linkage"),
-    NotDone: Kind(409, "not-done", "The design is not finished"),
-    PartOfSweep: Kind(409, "part-of-sweep", "The design belongs to a sweep"),
-    NothingFits: Kind(409, "nothing-fits", "The design is infeasible and has no files"),
-    Dismissed: Kind(409, "dismissed", "The design was dismissed"),
-    BodyTooLarge: Kind(413, "body-too-large", "The body is too large"),
-    WrongMediaType: Kind(415, "wrong-media-type", "The body must be application/json"),
-    Busy: Kind(429, "busy", "Too many designs are waiting"),
-    SolverFailed: Kind(500, "solver-failed", "The solver gave no usable answer"),
-    ExtraMissing: Kind(501, "not-installed", "An optional part is not installed here"),
-    WorkerLost: Kind(503, "worker-lost", "The worker was lost"),
-    EngineUnreachable: Kind(503, "engine-unreachable", "No worker can be reached"),
-    SQLAlchemyError: Kind(503, "store-unreachable", "The store cannot be reached", again_s=2),
-    TimeBudgetExceeded: Kind(504, "time-budget", "The time budget ended first"),
+PROBLEMS: dict[type[Exception], ProblemType] = {
+    InvalidBody: ProblemType(422, "invalid-request", "The request is invalid"),
+    BadQuery: ProblemType(422, "invalid-parameter", "A parameter or header is invalid"),
+    InputError: ProblemType(422, "invalid-design", "The spec is invalid"),
+    KeyReused: ProblemType(
+        422, "idempotency-key-reused", "The idempotency key was used for another request"
+    ),
+    NotJson: ProblemType(400, "not-json", "The body is not JSON"),
+    UnknownDesign: ProblemType(404, "unknown-design", "No such design"),
+    UnknownCamSet: ProblemType(404, "unknown-cam-set", "No such cam set"),
+    UnknownSpatialCam: ProblemType(404, "unknown-spatial-cam", "No such spatial cam"),
+    UnknownSweep: ProblemType(404, "unknown-sweep", "No such sweep or item"),
+    FormatMissing: ProblemType(501, "format-missing", "This server does not write the format"),
+    UnknownTrainResponse: ProblemType(404, "unknown-train-response", "No such train response"),
+    UnknownAnalysis: ProblemType(404, "unknown-analysis", "No such analysis"),
+    UnknownLinkage: ProblemType(404, "unknown-linkage", "No such linkage"),
+    NotDone: ProblemType(409, "not-done", "The answer is not finished"),
+    PartOfSweep: ProblemType(409, "part-of-sweep", "The design belongs to a sweep"),
+    NothingFits: ProblemType(409, "nothing-fits", "The design is infeasible and has no files"),
+    Dismissed: ProblemType(409, "dismissed", "The question was deleted"),
+    BodyTooLarge: ProblemType(413, "body-too-large", "The body is too large"),
+    WrongMediaType: ProblemType(415, "wrong-media-type", "The body must be application/json"),
+    Busy: ProblemType(429, "busy", "The queue is full"),
+    SolverFailed: ProblemType(500, "solver-failed", "The solver failed"),
+    ExtraMissing: ProblemType(501, "not-installed", "An optional package is not installed here"),
+    WorkerLost: ProblemType(503, "worker-lost", "The worker process died"),
+    EngineUnreachable: ProblemType(503, "engine-unreachable", "No worker can be reached"),
+    SQLAlchemyError: ProblemType(
+        503, "store-unreachable", "The store cannot be reached", again_s=2
+    ),
+    TimeBudgetExceeded: ProblemType(504, "time-budget", "The time budget ended first"),
 }
-BY_STATUS: dict[int, Kind] = {
-    404: Kind(404, "not-found", "Nothing is here"),
-    405: Kind(405, "method-not-allowed", "This resource does not know the method"),
-    416: Kind(416, "no-such-bytes", "The file has no such bytes"),
-    500: Kind(500, "internal", "Something went wrong in the service"),
+BY_STATUS: dict[int, ProblemType] = {
+    404: ProblemType(404, "not-found", "Not found"),
+    405: ProblemType(405, "method-not-allowed", "The resource does not have this method"),
+    416: ProblemType(416, "no-such-bytes", "The range is not satisfiable"),
+    500: ProblemType(500, "internal", "Internal error"),
 }
 
 
-def kind_of(error: Exception) -> Kind | None:
-    """The row of the table for an exception, by its nearest class; None where there is none."""
+def problem_type(error: Exception) -> ProblemType | None:
+    """The problem type of an exception, by its nearest base class; None if there is none."""
     rows = (PROBLEMS[base] for base in type(error).__mro__ if base in PROBLEMS)
     return next(rows, None)

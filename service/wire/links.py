@@ -1,4 +1,4 @@
-"""Addresses of what belongs to a design, and to a set of cams."""
+"""Addresses of answers and of their files."""
 
 from __future__ import annotations
 
@@ -11,11 +11,11 @@ from synthesis.exporters import (
     PROFILE_FORMATS,
     SOLID_FORMATS,
 )
-from synthesis.spatial.files import formats_of
+from synthesis.machines.spatial.files import formats_of
 
 
 def design_links(design_id: str, *, has_cam: bool) -> dict[str, str]:
-    """Where the design and its files are; where nothing fits there is no cam to draw."""
+    """Of a design; where no cam fits, it has few files."""
     self = f"/v1/designs/{design_id}"
     links = {"self": self}
     if has_cam:
@@ -27,33 +27,33 @@ def design_links(design_id: str, *, has_cam: bool) -> dict[str, str]:
 
 
 def analysis_links(analysis_id: str) -> dict[str, str]:
-    """Where the analysis and its pictures are."""
+    """Of an analysis."""
     self = f"/v1/analyses/{analysis_id}"
     return {"self": self, **{name: f"{self}/{name}" for name in DRAWINGS}}
 
 
 def linkage_links(kind: str, name: str, files: Collection[str]) -> dict[str, str]:
-    """Where a linkage of this kind and its files are."""
+    """Of a linkage of a kind."""
     self = f"/v1/linkages/{kind}/{name}"
     return {"self": self, **{file: f"{self}/{file}" for file in files}}
 
 
 def spatial_links(cam_id: str, machine: str, *, has_cam: bool) -> dict[str, str]:
-    """Where the spatial cam and its files are; where nothing fits there is no cam to draw."""
+    """Of a spatial cam; where none fits, it has no files."""
     self = f"/v1/spatial-cams/{cam_id}"
     files = formats_of(machine) if has_cam else ()
     return {"self": self, **{name: f"{self}/{name}" for name in files}}
 
 
 def train_links(train_id: str) -> dict[str, str]:
-    """Where the train's response and its files are."""
+    """Of a train response."""
     self = f"/v1/train-responses/{train_id}"
     files = ("response.csv", "response.svg", "spectrum.svg", "polydyne.csv")
     return {"self": self, **{name: f"{self}/{name}" for name in files}}
 
 
 def set_links(set_id: str, *, has_cams: bool) -> dict[str, str]:
-    """Where the set and its files are; where no cam fits there is nothing to draw."""
+    """Of a cam set; where no cam fits, it has no files."""
     self = f"/v1/cam-sets/{set_id}"
     files = ("timing.svg", "bundle.zip") if has_cams else ()
     return {"self": self, **{name: f"{self}/{name}" for name in files}}

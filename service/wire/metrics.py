@@ -1,4 +1,4 @@
-"""What Prometheus reads: requests by route, solves by result, designs, the queue."""
+"""Metrics for Prometheus: requests by route, solve times, designs by status, the queue."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ SECONDS = (0.002, 0.005, 0.01, 0.02, 0.05, 0.1, 0.2, 0.5, 1.0, 2.0, 5.0, 10.0, 3
 
 
 class Metrics:
-    """The instruments of one application."""
+    """The metrics of one application."""
 
     def __init__(self) -> None:
         self._registry = registry = CollectorRegistry()
@@ -39,21 +39,21 @@ class Metrics:
         )
         self._workers = Gauge("camwright_workers", "Workers reachable.", registry=registry)
 
-    def answered(self, method: str, route: str, status: int, seconds: float) -> None:
-        """One request."""
+    def count_request(self, method: str, route: str, status: int, seconds: float) -> None:
+        """Count a request."""
         self._requests.labels(method, route, str(status)).inc()
         self._latency.labels(route).observe(seconds)
 
-    def solved(self, status: str, seconds: float) -> None:
-        """One design with an answer."""
+    def count_solve(self, status: str, seconds: float) -> None:
+        """Count an answer."""
         self._solves.labels(status).observe(seconds)
 
-    def failed(self, problem: str) -> None:
-        """One design that ended in a problem."""
+    def count_failure(self, problem: str) -> None:
+        """Count a question that ended in a problem."""
         self._failures.labels(problem).inc()
 
     def page(self, designs: dict[str, int], waiting: int, running: int, workers: int) -> bytes:
-        """The text that Prometheus reads, with the state of this moment."""
+        """The text for Prometheus, with the current state."""
         self._designs.clear()
         for status, count in designs.items():
             self._designs.labels(status).set(count)

@@ -1,4 +1,4 @@
-"""Around every request: an id, a line in the log, a count, and an answer whatever happens."""
+"""Logging and metrics of requests; an id for each, and a response to each."""
 
 from __future__ import annotations
 
@@ -13,16 +13,16 @@ from starlette.datastructures import Headers, MutableHeaders
 from starlette.types import ASGIApp, Message, Receive, Scope, Send
 
 from service.wire.metrics import Metrics
-from service.wire.problem import answer
+from service.wire.problem import error_response
 
-GOOD_ID = re.compile(r"[\w.:-]{1,64}", re.ASCII)
+VALID_ID = re.compile(r"[\w.:-]{1,64}", re.ASCII)
 METHODS = frozenset({"GET", "HEAD", "POST", "PUT", "PATCH", "DELETE", "OPTIONS"})
 QUIET = frozenset({"/livez", "/readyz", "/metrics"})
 log = structlog.get_logger("camwright.request")
 
 
 def configure_logs(level: str) -> None:
-    """One JSON object a line on standard error, for our own loggers and for warnings of others."""
+    """One JSON object a line on standard error: the service's own logs, and others' warnings."""
     steps: list[structlog.typing.Processor] = [
         structlog.stdlib.add_log_level,
         structlog.stdlib.add_logger_name,
@@ -52,7 +52,7 @@ def configure_logs(level: str) -> None:
 
 
 class Observe:
-    """The outermost layer."""
+    """The outermost middleware."""
 
     def __init__(self, app: ASGIApp, metrics: Metrics) -> None:
         self._app, self._metrics = app, metrics
@@ -61,11 +61,11 @@ class Observe:
         if scope["type"] != "http":
             await self._app(scope, receive, send)
             return
-        given = Headers(scope=scope).get("x-request-id", "")
-        scope["request_id"] = given if GOOD_ID.fullmatch(given) else uuid.uuid4().hex
+        id = Headers(scope=scope).get("x-request-id", "")
+        scope["request_id"] = id if VALID_ID.fullmatch(id) else uuid.uuid4().hex
         started, status = time.perf_counter(), 0
 
-        async def named(message: Message) -> None:
+        async def send_with_headers(message: Message) -> None:
             nonlocal status
             if message["type"] == "http.response.start":
                 status = message["status"]
@@ -75,18 +75,18 @@ class Observe:
             await send(message)
 
         try:
-            await self._app(scope, receive, named)
+            await self._app(scope, receive, send_with_headers)
         except Exception as error:
             if status:
-                raise  # too late for another answer
-            await answer(Request(scope), error)(scope, receive, named)
+                raise  # the response has begun
+            await error_response(Request(scope), error)(scope, receive, send_with_headers)
         finally:
-            self._note(scope, status, time.perf_counter() - started)
+            self._log(scope, status, time.perf_counter() - started)
 
-    def _note(self, scope: Scope, status: int, seconds: float) -> None:
+    def _log(self, scope: Scope, status: int, seconds: float) -> None:
         route = getattr(scope.get("route"), "path", "unmatched")
         method = scope["method"] if scope["method"] in METHODS else "other"
-        self._metrics.answered(method, route, status, seconds)
+        self._metrics.count_request(method, route, status, seconds)
         level = logging.DEBUG if route in QUIET else logging.INFO
         log.log(
             level,

@@ -1,4 +1,4 @@
-"""Problem documents (RFC 9457): the one form in which anything goes wrong on the wire."""
+"""Problem documents (RFC 9457): the form of every error on the wire."""
 
 from __future__ import annotations
 
@@ -18,13 +18,13 @@ from service.wire.errors import (
     PROBLEMS,
     BadQuery,
     InvalidBody,
-    Kind,
+    ProblemType,
     ServiceError,
-    kind_of,
+    problem_type,
 )
-from service.wire.violations import Violation, of_parameters, shown
-from synthesis.camset import CamSet
-from synthesis.design import Design
+from service.wire.violations import Violation, describe_parameter_errors, shown
+from synthesis.design.cam_set import CamSet
+from synthesis.design.design import Design
 from synthesis.errors import CamwrightError, InputError, TimeBudgetExceeded
 
 MEDIA_TYPE = "application/problem+json"
@@ -33,7 +33,7 @@ MEDIA_TYPE = "application/problem+json"
 class Problem(BaseModel):
     """What went wrong, in the form of RFC 9457."""
 
-    type: Annotated[str, Field(description="Kind of problem; the address explains it.")]
+    type: Annotated[str, Field(description="ProblemType of problem; the address explains it.")]
     title: Annotated[str, Field(description="The kind in words; the same for each occurrence.")]
     status: Annotated[int, Field(description="The HTTP status once more.")]
     detail: Annotated[str, Field(description="What happened here, and the way out.")]
@@ -45,24 +45,24 @@ class Problem(BaseModel):
 
 
 class LateProblem(Problem):
-    """The time budget ended: a problem document with the best that was found by then."""
+    """The time budget ended: a problem document with the best answer found by then."""
 
     best: Annotated[
         Design | CamSet | None,
         Field(
-            description="The best certified design found in time, if any; of a set all cams, each "
-            "as good as it became."
+            description="The best certified design found in time, if any; of a cam set all cams, "
+            "each as good as was found."
         ),
     ] = None
 
 
-def document(
-    kind: Kind,
+def problem_document(
+    kind: ProblemType,
     detail: str,
     errors: list[dict[str, Any]] | None = None,
     best: Design | CamSet | None = None,
 ) -> dict[str, Any]:
-    """What is known of a problem before it has a request to answer."""
+    """A problem document without what it takes from the request."""
     body: dict[str, Any] = {
         "type": f"/problems/{kind.slug}",
         "title": kind.title,
@@ -76,85 +76,88 @@ def document(
     return body
 
 
-def described(error: Exception) -> dict[str, Any]:
-    """Any exception as a problem; what the table does not know is a plain 500."""
-    kind = kind_of(error)
+def problem_of(error: Exception) -> dict[str, Any]:
+    """The problem document of an exception; one that is not in the table is a 500."""
+    kind = problem_type(error)
     if kind is None:
-        return document(BY_STATUS[500], "The fault is ours and has been logged.")
+        return problem_document(BY_STATUS[500], "An error of the service, which has been logged.")
     if isinstance(error, InputError):
-        found = {
+        violation = {
             "pointer": error.field,
             "value": shown(error.value),
             "rule": error.rule,
-            "way_out": error.way_out,
+            "remedy": error.remedy,
         }
-        return document(kind, str(error), [found])
+        return problem_document(kind, str(error), [violation])
     if isinstance(error, InvalidBody):
-        return document(kind, str(error), error.violations)
+        return problem_document(kind, str(error), error.violations)
     if isinstance(error, TimeBudgetExceeded):
-        return document(kind, str(error), best=error.best)
+        return problem_document(kind, str(error), best=error.best)
     meant_for_callers = isinstance(error, ServiceError | CamwrightError)
-    return document(kind, str(error) if meant_for_callers else f"{kind.title}.")
+    return problem_document(kind, str(error) if meant_for_callers else f"{kind.title}.")
 
 
-def respond(
+def problem_response(
     request: Request, problem: dict[str, Any], headers: Mapping[str, str] | None = None
 ) -> Response:
-    """A problem as the answer to a request."""
-    asked = {"instance": request.url.path, "request_id": request.scope.get("request_id")}
-    text = json.dumps({**problem, **asked}, ensure_ascii=False, allow_nan=False)
+    """The response with a problem document."""
+    fields = {"instance": request.url.path, "request_id": request.scope.get("request_id")}
+    text = json.dumps({**problem, **fields}, ensure_ascii=False, allow_nan=False)
     body = text.encode("utf-8", "replace")
     return Response(body, problem["status"], dict(headers or {}), MEDIA_TYPE)
 
 
-def answer(request: Request, error: Exception) -> Response:
-    """Any exception as the answer to a request."""
-    kind = kind_of(error)
+def error_response(request: Request, error: Exception) -> Response:
+    """The response to a request that raised an exception."""
+    kind = problem_type(error)
     if kind is None:
         logging.getLogger("camwright").error("unexpected", exc_info=error)
-    problem = described(error)
+    problem = problem_of(error)
     again = {"Retry-After": str(kind.again_s)} if kind is not None and kind.again_s else None
-    if isinstance(error, InputError) and request.method == "GET":  # there is no body to point into
-        (found,) = problem["errors"]
-        parameter = found.pop("pointer").removeprefix("/")
-        problem = document(PROBLEMS[BadQuery], str(error), [{"parameter": parameter, **found}])
-    return respond(request, problem, getattr(error, "headers", again))
+    # A GET has no body that a pointer could point into: the field is a query parameter.
+    if isinstance(error, InputError) and request.method == "GET":
+        (violation,) = problem["errors"]
+        violation["parameter"] = violation.pop("pointer").removeprefix("/")
+        problem = problem_document(PROBLEMS[BadQuery], str(error), [violation])
+    return problem_response(request, problem, getattr(error, "headers", again))
 
 
 async def _known(request: Request, error: Exception) -> Response:
-    return answer(request, error)
+    return error_response(request, error)
 
 
 async def _http(request: Request, error: Exception) -> Response:
     assert isinstance(error, HTTPException)
-    kind = BY_STATUS.get(error.status_code) or Kind(error.status_code, "http", str(error.detail))
+    kind = BY_STATUS.get(error.status_code) or ProblemType(
+        error.status_code, "http", str(error.detail)
+    )
     detail = f"{request.method} {request.url.path}: {kind.title}. See /docs for what there is."
     headers = {"Allow": _allowed(request)} if error.status_code == 405 else error.headers
-    return respond(request, document(kind, detail), headers)
+    return problem_response(request, problem_document(kind, detail), headers)
 
 
 def _allowed(request: Request) -> str:
-    """Every method that this path knows: routes only tell of their own."""
+    """All methods of this path; a route knows only its own."""
     routes = request.app.router.routes
-    known = [
+    methods = [
         method
         for method in ("GET", "POST", "PUT", "PATCH", "DELETE")
         if any(
             route.matches({**request.scope, "method": method})[0] == Match.FULL for route in routes
         )
     ]
-    return ", ".join(known)
+    return ", ".join(methods)
 
 
 async def _parameters(request: Request, error: Exception) -> Response:
     assert isinstance(error, RequestValidationError)
-    found = of_parameters(error.errors())
-    detail = "; ".join(f"{each['parameter']}: {each['rule']}" for each in found)
-    return respond(request, document(PROBLEMS[BadQuery], detail, found))
+    violations = describe_parameter_errors(error.errors())
+    detail = "; ".join(f"{each['parameter']}: {each['rule']}" for each in violations)
+    return problem_response(request, problem_document(PROBLEMS[BadQuery], detail, violations))
 
 
 def install(app: FastAPI) -> None:
-    """Make the application answer every failure with a problem document."""
+    """Make the application answer every error with a problem document."""
     for exception in PROBLEMS:
         app.add_exception_handler(exception, _known)
     app.add_exception_handler(HTTPException, _http)

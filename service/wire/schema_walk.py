@@ -1,4 +1,4 @@
-"""Which fields the schema of a body knows at a place of a document: for hints only."""
+"""The fields that the schema of a body has at a place of a document, for hints in messages."""
 
 from __future__ import annotations
 
@@ -14,6 +14,25 @@ Schema = dict[str, Any]
 @cache
 def _whole(model: type[BaseModel]) -> Schema:
     return model.model_json_schema()
+
+
+@cache
+def all_names(model: type[BaseModel]) -> frozenset[str] | None:
+    """The name of every field at any place of a body; None where other names are allowed too."""
+    whole = _whole(model)
+    objects = [each for each in _schemas(whole) if each.get("type") == "object"]
+    if any(schema.get("additionalProperties") is not False for schema in objects):
+        return None
+    return frozenset(name for schema in objects for name in schema["properties"])
+
+
+def _schemas(part: Any) -> Iterator[Schema]:
+    """Every object of a schema, at any depth."""
+    if isinstance(part, dict):
+        yield part
+    if isinstance(part, dict | list):
+        for inner in part.values() if isinstance(part, dict) else part:
+            yield from _schemas(inner)
 
 
 def properties_at(

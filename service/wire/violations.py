@@ -1,4 +1,4 @@
-"""What pydantic found wrong, told to the caller: pointer, value, rule, way out."""
+"""Validation errors of pydantic as violations: pointer, value, rule, way out."""
 
 from __future__ import annotations
 
@@ -13,10 +13,12 @@ from pydantic_core.core_schema import ErrorType
 
 from service.wire.schema_walk import properties_at
 
-MOST_SHOWN = 50
-LONGEST_VALUE = 200
-# Rules over several fields: where the caller has to look in the spec, which may be part of a set.
-# What stands in braces is among the error's numbers and names.
+MAX_LISTED = 50  # violations in one answer
+LONGEST_VALUE = 200  # characters of a wrong value that are sent back
+LONGEST_POINTER = 500  # characters; the names of fields are at most 28 long
+LONGEST_GUESSED = 80  # characters of a wrong name that are compared with the right ones
+# Rules over several fields: the place in the spec that the caller is pointed to. The spec may be
+# part of a set. Names in braces are in the error's context.
 PLACES = {
     "program_angles": ("program",),
     "program_lift": ("program",),
@@ -92,7 +94,7 @@ PLACES = {
 }
 SHAPES = ("model_type", "model_attributes_type", "list_type", "dict_type", "float_type")
 OBJECTS = ("model_type", "model_attributes_type", "dict_type")
-# pydantic's words for a shape, in those of people
+# Shapes in plain words.
 PLAIN = {
     **dict.fromkeys(OBJECTS, "must be an object"),
     "list_type": "must be a list",
@@ -101,7 +103,7 @@ PLAIN = {
     "int_type": "must be a whole number",
     "string_type": "must be a text",
 }
-# What is not among these was raised by the core: "rule. Way out." with its numbers.
+# Other types are raised by the core, with messages "Rule. What to do." and numbers.
 PYDANTICS_OWN = frozenset(get_args(ErrorType))
 COMPARISONS = {
     "greater_than": ("gt", "must be greater than"),
@@ -112,10 +114,13 @@ COMPARISONS = {
 
 Loc = tuple[str | int, ...]
 Body = type[BaseModel] | None  # what a document ought to be; None: it is not one
+# An error of pydantic, its path in the document, and whether the value lacks the shape of the
+# union's member that the error is of.
+_Located = tuple[Any, Loc, bool]
 
 
 class Violation(BaseModel):
-    """One thing that is wrong with the request."""
+    """One error of the request."""
 
     pointer: Annotated[
         str | None, Field(description="JSON pointer (RFC 6901) into the body as it was sent.")
@@ -123,13 +128,13 @@ class Violation(BaseModel):
     parameter: Annotated[
         str | None, Field(description="Name of the query parameter, path part or header instead.")
     ] = None
-    value: Annotated[Any, Field(description="What was found there, shortened where it is long.")]
-    rule: Annotated[str, Field(description="What it has to satisfy.")]
-    way_out: Annotated[str, Field(description="What to do about it.")]
+    value: Annotated[Any, Field(description="The value found there, shortened if it is long.")]
+    rule: Annotated[str, Field(description="The rule that it breaks.")]
+    remedy: Annotated[str, Field(description="What to do about it.")]
 
 
 def shown(value: Any) -> Any:
-    """A value fit for a problem document: short, and JSON whatever it holds."""
+    """A value as a problem document shows it: short, and valid JSON."""
     if isinstance(value, bytes):
         value = value.decode("utf-8", "replace")
     if isinstance(value, float) and not math.isfinite(value):
@@ -145,16 +150,17 @@ def shown(value: Any) -> Any:
 
 
 def pointer_to(path: Sequence[str | int]) -> str:
-    """The JSON pointer of a path, '' for the whole document."""
+    """The JSON pointer of a path, '' for the whole document; absurdly long ones are cut."""
     parts = (str(part).replace("~", "~0").replace("/", "~1") for part in path)
-    return "".join(f"/{part}" for part in parts)
+    pointer = "".join(f"/{part}" for part in parts)
+    return pointer if len(pointer) <= LONGEST_POINTER else pointer[: LONGEST_POINTER - 1] + "…"
 
 
-def place(body: Any, loc: Loc, kind: str) -> tuple[tuple[str | int, ...], tuple[str, ...]]:
-    """The path in the document that pydantic's location names, and the names that are only its own.
+def locate(body: Any, loc: Loc, kind: str) -> tuple[tuple[str | int, ...], tuple[str, ...]]:
+    """The path in the document of a location of pydantic's, and the names that pydantic inserts.
 
-    Pydantic inserts the tags of discriminated unions and the names of union members; whatever is
-    neither a key nor an index of the document at that point is such a name.
+    It inserts the tags of discriminated unions and the names of union members: whatever is neither
+    a key nor an index of the document at that point.
     """
     path: list[str | int] = []
     inserted: list[str] = []
@@ -172,27 +178,53 @@ def place(body: Any, loc: Loc, kind: str) -> tuple[tuple[str | int, ...], tuple[
     return tuple(path), tuple(inserted)
 
 
-def of_body(errors: Sequence[Any], body: Any, model: Body) -> list[dict[str, Any]]:
-    """What is wrong with a body that ought to be a ``model``, one entry for each field."""
-    by_place: dict[str, list[tuple[dict[str, Any], bool]]] = {}
-    members: dict[str, set[bool]] = {}
+def describe_errors(
+    errors: Sequence[Any], body: Any, model: Body
+) -> tuple[list[dict[str, Any]], int]:
+    """The first violations of a body that ought to be a ``model``, and how many places are wrong.
+
+    Args:
+        errors: as ``ValidationError.errors()`` gives them. body: the parsed document.
+    """
+    by_pointer: dict[str, list[_Located]] = {}
+    # For each place whose value may be one of several types: whether the value lacks the shape of
+    # a type, for each error.
+    shapes: dict[str, set[bool]] = {}
     for error in errors:
-        path, inserted = place(body, error["loc"], error["type"])
-        path = _looked_up(error, path)
+        path, inserted = locate(body, error["loc"], error["type"])
+        path = _place_of_rule(error, path)
         if error["type"] in ("union_tag_invalid", "union_tag_not_found"):
             path = (*path, error["ctx"]["discriminator"].strip("'"))
-        wrong_shape = error["type"] in SHAPES and any(_is_member(name) for name in inserted)
-        entry = {"pointer": pointer_to(path), **_told(error, path, body, model)}
-        by_place.setdefault(entry["pointer"], []).append((entry, wrong_shape))
-        for name in inserted:
-            if _is_member(name):
-                whole = pointer_to(place(body, error["loc"][: error["loc"].index(name)], "")[0])
-                members.setdefault(whole, set()).add(wrong_shape)
-    return _settled(by_place, members)[:MOST_SHOWN]
+        members = [name for name in inserted if _is_member(name)]
+        wrong_shape = bool(members) and error["type"] in SHAPES
+        by_pointer.setdefault(pointer_to(path), []).append((error, path, wrong_shape))
+        for name in members:
+            whole = pointer_to(locate(body, error["loc"][: error["loc"].index(name)], "")[0])
+            shapes.setdefault(whole, set()).add(wrong_shape)
+    described: list[dict[str, Any]] = []
+    places = 0
+    for pointer, located in by_pointer.items():
+        if False in shapes.get(pointer, set()):  # the value has the shape of another type
+            located = [each for each in located if not each[2]]
+        if not located:
+            continue
+        places += 1
+        if len(described) < MAX_LISTED:
+            described += _at_one_place(pointer, located, body, model)
+    return described[:MAX_LISTED], max(places, len(described))
 
 
-def _looked_up(error: Any, path: Loc) -> Loc:
-    """The path where to look for a rule over several fields, in the spec that it was broken in."""
+def unknown_field(path: Sequence[str | int], body: Any, model: Body) -> dict[str, Any]:
+    """The violation of a name at ``path`` that no field has."""
+    value = body
+    for part in path:
+        value = value[part]
+    rule = "is not a field here"
+    return {"pointer": pointer_to(path), **_entry(value, rule, _suggest_name(path, body, model))}
+
+
+def _place_of_rule(error: Any, path: Loc) -> Loc:
+    """The path to look at for a rule over several fields, within the spec that breaks it."""
     if error["type"] not in PLACES:
         return path
     place = [part.format(**error.get("ctx") or {}) for part in PLACES[error["type"]]]
@@ -205,23 +237,21 @@ def _is_member(name: str) -> bool:
     return "[" in name or name.removeprefix("constrained-") in ("float", "int", "str")
 
 
-def _settled(
-    by_place: dict[str, list[tuple[dict[str, Any], bool]]], members: dict[str, set[bool]]
+def _at_one_place(
+    pointer: str, located: Sequence[_Located], body: Any, model: Body
 ) -> list[dict[str, Any]]:
-    """Of the members of a union, leave out those that the value has not even the shape of."""
-    told = []
-    for pointer, entries in by_place.items():
-        better_elsewhere = False in members.get(pointer, set())
-        kept = [entry for entry, wrong_shape in entries if not (wrong_shape and better_elsewhere)]
-        if len(kept) > 1 and all(wrong for _, wrong in entries):
-            first, *rest = dict.fromkeys(entry["rule"] for entry in kept)
-            rule = " or ".join([first, *(other.removeprefix("must be ") for other in rest)])
-            kept = [{**kept[0], "rule": rule}]
-        told += [entry for i, entry in enumerate(kept) if entry not in kept[:i]]
-    return told
+    """The violations at one pointer; those of a union's members become one."""
+    found = [
+        {"pointer": pointer, **_described(error, path, body, model)} for error, path, _ in located
+    ]
+    if len(found) > 1 and all(wrong_shape for *_, wrong_shape in located):
+        first, *rest = dict.fromkeys(entry["rule"] for entry in found)
+        rule = " or ".join([first, *(other.removeprefix("must be ") for other in rest)])
+        return [{**found[0], "rule": rule}]
+    return [entry for i, entry in enumerate(found) if entry not in found[:i]]
 
 
-def _told(error: Any, path: Sequence[str | int], body: Any, model: Body) -> dict[str, Any]:
+def _described(error: Any, path: Sequence[str | int], body: Any, model: Body) -> dict[str, Any]:
     kind, ctx, value = error["type"], error.get("ctx") or {}, error.get("input")
     if kind in COMPARISONS:
         key, words = COMPARISONS[kind]
@@ -230,14 +260,14 @@ def _told(error: Any, path: Sequence[str | int], body: Any, model: Body) -> dict
         meaning = properties_at(body, path[:-1], model).get(str(path[-1]) if path else "", "")
         return _entry(None, "is required", f"Add it. {meaning}".strip())
     if kind == "extra_forbidden":
-        return _entry(value, "is not a field here", _instead(path, body, model))
+        return _entry(value, "is not a field here", _suggest_name(path, body, model))
     if kind in ("union_tag_invalid", "literal_error"):
-        allowed = [word.strip(" '") for word in _listed(ctx)]
+        allowed = [word.strip(" '") for word in _allowed(ctx)]
         tag = ctx.get("tag", value)
-        way_out = _guess(tag, allowed) or "Choose one of these."
-        return _entry(tag, f"must be one of {', '.join(allowed)}", way_out)
+        remedy = _suggest(tag, allowed) or "Choose one of these."
+        return _entry(tag, f"must be one of {', '.join(allowed)}", remedy)
     if kind == "union_tag_not_found":
-        return _entry(None, "is required", "Add it: it says which kind of thing this is.")
+        return _entry(None, "is required", "Add it: it selects the kind.")
     if kind == "finite_number":
         return _entry(value, "must be a finite number", "Leave it out, or give a number.")
     if kind in ("too_long", "too_short"):
@@ -247,49 +277,49 @@ def _told(error: Any, path: Sequence[str | int], body: Any, model: Body) -> dict
         rule = f"must have at {'most' if most else 'least'} {bound} entries{has}"
         return _entry(value, rule, "Leave some out." if most else "Add what is missing.")
     if kind not in PYDANTICS_OWN:
-        rule, _, way_out = error["msg"].partition(". ")
+        rule, _, remedy = error["msg"].partition(". ")
         numbers = (each for each in ctx.values() if isinstance(each, int | float))
-        return _entry(ctx.get("value", next(numbers, None)), rule + ".", way_out)
+        return _entry(ctx.get("value", next(numbers, None)), rule + ".", remedy)
     rule = error["msg"].replace("Input should be", "must be").replace(" or instance of", ":")
-    return _entry(value, PLAIN.get(kind, rule), _shaped(kind, value if path else None))
+    return _entry(value, PLAIN.get(kind, rule), _correct_type(kind, value if path else None))
 
 
-def _shaped(kind: str, value: Any) -> str:
-    """The way out where a value has not even the shape of what is asked for."""
+def _correct_type(kind: str, value: Any) -> str:
+    """What to do where a value has the wrong type."""
     if kind in OBJECTS and isinstance(value, str):
         return f'If that is its kind, write {{"kind": {json.dumps(shown(value))}}}.'
     if kind in ("float_type", "int_type") and isinstance(value, str):
         return "Give a number, without quotes and without a unit: the field's name holds the unit."
-    return "Correct it; /docs shows the form and worked examples."
+    return "Correct it; /docs shows the schema and worked examples."
 
 
-def _entry(value: Any, rule: str, way_out: str) -> dict[str, Any]:
-    return {"value": shown(value), "rule": rule, "way_out": way_out}
+def _entry(value: Any, rule: str, remedy: str) -> dict[str, Any]:
+    return {"value": shown(value), "rule": rule, "remedy": remedy}
 
 
-def _listed(ctx: dict[str, Any]) -> list[str]:
+def _allowed(ctx: dict[str, Any]) -> list[str]:
     return str(ctx.get("expected_tags") or ctx.get("expected", "")).replace(" or ", ", ").split(",")
 
 
-def _nearest(given: Any, allowed: Sequence[str]) -> str:
-    return f"{_guess(given, allowed)} Allowed: {', '.join(allowed)}.".strip()
+def _suggest_or_list(given: Any, allowed: Sequence[str]) -> str:
+    return f"{_suggest(given, allowed)} Allowed: {', '.join(allowed)}.".strip()
 
 
-def _guess(given: Any, allowed: Sequence[str]) -> str:
-    close = get_close_matches(str(given), allowed, n=1)
+def _suggest(given: Any, allowed: Sequence[str]) -> str:
+    close = get_close_matches(str(given)[:LONGEST_GUESSED], allowed, n=1)
     return f"Did you mean {close[0]!r}?" if close else ""
 
 
-def _instead(path: Sequence[str | int], body: Any, model: Body) -> str:
+def _suggest_name(path: Sequence[str | int], body: Any, model: Body) -> str:
     allowed = list(properties_at(body, path[:-1], model))
-    return _nearest(path[-1], allowed) if allowed else "Remove it."
+    return _suggest_or_list(path[-1], allowed) if allowed else "Remove it."
 
 
-def of_parameters(errors: Sequence[Any]) -> list[dict[str, Any]]:
-    """What is wrong with query parameters, path parts and headers."""
-    told = []
-    for error in errors[:MOST_SHOWN]:
+def describe_parameter_errors(errors: Sequence[Any]) -> list[dict[str, Any]]:
+    """The violations of query parameters, path parts and headers."""
+    described = []
+    for error in errors[:MAX_LISTED]:
         name = str(error["loc"][-1])
-        entry = _told({**error, "loc": ()}, (name,), {}, None)
-        told.append({"parameter": name, **entry})
-    return told
+        entry = _described({**error, "loc": ()}, (name,), {}, None)
+        described.append({"parameter": name, **entry})
+    return described

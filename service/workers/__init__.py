@@ -1,4 +1,5 @@
-"""Where solves run: the engine in the service, and what its workers do with the bytes they get.
+"""Worker processes: the engine that the service sends tasks to, and the tasks.
 
-Dask is known in this room only.
+Bytes of a question go in, bytes of an answer come out. Dask is used in this room only. Begin with
+`tasks.py`, then `engine.py`.
 """

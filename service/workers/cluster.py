@@ -1,4 +1,4 @@
-"""The worker processes of our own engine, and who replaces them."""
+"""The worker processes of the service's own engine, and what replaces them when they die."""
 
 from __future__ import annotations
 
@@ -8,22 +8,22 @@ from typing import Any
 
 from distributed import LocalCluster, Nanny, Status
 
-GONE = (Status.closed, Status.failed)
+ENDED = (Status.closed, Status.failed)
 DIED = "died"
-TOLD_S = 1.0  # until a keeper has heard of its worker's end, at the longest
+EXIT_REPORT_S = 1.0  # at most, until a nanny knows how its worker ended
 
 
-class Keeper(Nanny):
+class WorkerNanny(Nanny):
     """Remembers how its worker ended."""
 
-    ended: str | None = None
+    exit_reason: str | None = None
 
     def _on_worker_exit_sync(self, exitcode: int) -> None:
-        self.ended = _in_words(exitcode)
+        self.exit_reason = _describe_exit(exitcode)
         super()._on_worker_exit_sync(exitcode)  # type: ignore[no-untyped-call]
 
 
-def _in_words(exitcode: int) -> str:
+def _describe_exit(exitcode: int) -> str:
     if exitcode >= 0:
         return f"ended by itself with status {exitcode}"
     known = {each.value for each in signal.Signals}
@@ -32,50 +32,48 @@ def _in_words(exitcode: int) -> str:
 
 
 class OwnCluster(LocalCluster):
-    """A local cluster in which only the keepers of the workers bring them back.
+    """A local cluster that replaces a nanny only after the nanny has ended.
 
-    Each worker process has a keeper (Dask's nanny) that starts it anew when it dies. Dask's cluster
-    gives a keeper up as well, a fixed time after any death of its worker, if the worker happens to
-    be away at that moment: on a busy machine that meets a later restart half-way, and then two
-    keepers start a worker of the same name and one of them is turned away. Here a keeper is
-    replaced when it has ended, and not before.
+    Each worker process has a nanny (Dask's) that starts it anew when it dies. Dask's cluster also
+    gives a nanny up, a fixed time after any death of its worker, if the worker is away at that
+    moment. On a busy machine this coincides with a later restart; two nannies then start a worker
+    of the same name, and one of them is turned away.
     """
 
-    async def within(self) -> str:
-        """An address of its scheduler for this process: messages to it pass through no socket.
+    async def in_process_address(self) -> str:
+        """An address of the scheduler for this process: messages to it pass no socket.
 
-        Those between workers and scheduler do; of the time that a task takes besides its work, the
-        client's four were a third.
+        Of the time that a task takes besides its work, the client's four messages were a third.
         """
         scheduler: Any = self.scheduler
         await scheduler.listen("inproc://")
         return str(scheduler.listeners[-1].contact_address)
 
     def _update_worker_status(self, op: str, msg: Any) -> None:
-        """Note who is there. One that is unknown may leave: an error would end the watch."""
+        """Update the table of workers. An unknown one may leave: an error would end the watch."""
         workers = self.scheduler_info["workers"]
         if op == "remove":
             workers.pop(msg, None)
         else:
             workers.update(msg["workers"])
 
-    def replace_the_lost(self) -> None:
-        """Start a new keeper, and so a worker, for each that has ended; return at once."""
-        lost = [name for name, keeper in self.workers.items() if keeper.status in GONE]
+    def replace_lost_workers(self) -> None:
+        """Start a new nanny, and so a worker, for each that has ended; return at once."""
+        lost = [name for name, nanny in self.workers.items() if nanny.status in ENDED]
         for name in lost:
             del self.workers[name]
         if lost:
             scale: Any = self.scale
             scale(len(self.worker_spec))
 
-    async def how_it_ended(self, name: Any) -> str:
+    async def exit_reason(self, name: Any) -> str:
         """What ended the worker of this name, in words."""
-        keeper: Any = self.workers.get(name)
+        nanny: Any = self.workers.get(name)
         for _ in range(10):
-            if keeper is None or keeper.ended is not None:
+            if nanny is None or nanny.exit_reason is not None:
                 break
-            await asyncio.sleep(0.1 * TOLD_S)
-        if keeper is None or keeper.ended is None:
+            await asyncio.sleep(0.1 * EXIT_REPORT_S)
+        if nanny is None or nanny.exit_reason is None:
             return DIED
-        told, keeper.ended = keeper.ended, None
-        return str(told)
+        reason, nanny.exit_reason = nanny.exit_reason, None
+        return str(reason)

@@ -1,8 +1,9 @@
-"""Where solves run: one Dask client, with a cluster of our own or a scheduler elsewhere.
+"""The engine: runs tasks on worker processes, by a Dask client.
 
-Each design, or chunk of a sweep, is one task on a worker process with one thread. Not more are sent
-than there are workers, so that a design's clock starts when it starts, and what waits is counted
-here. Sweeps let single designs go first.
+The workers are a cluster of the service's own, or belong to a scheduler elsewhere. Each design, or
+chunk of a sweep, is one task on a process with one thread. No more tasks are sent than there are
+workers, so that a task's time budget begins when the task does; the rest waits here. Single designs
+go before sweeps.
 """
 
 from __future__ import annotations
@@ -25,26 +26,27 @@ from distributed.utils import get_mp_context
 
 from service.settings import Settings
 from service.wire.errors import Busy, EngineUnreachable, WorkerLost
-from service.workers import forks
-from service.workers.cluster import DIED, Keeper, OwnCluster
-from service.workers.solve import Answer, Task, solve, warm_up
-from service.workers.stopping import stop, stoppable
+from service.workers import prefork
+from service.workers.cancellation import cancel, run_cancellable
+from service.workers.cluster import DIED, OwnCluster, WorkerNanny
+from service.workers.tasks import Answer, Task, solve_design, warm_up
 from synthesis.errors import TimeBudgetExceeded
 
 log = logging.getLogger("camwright.engine")
 T = TypeVar("T")
 Connect = Callable[[], Awaitable[Any]]
-Ended = Callable[[Any], Awaitable[str]]  # a worker's name to what ended it
+ExitReason = Callable[[Any], Awaitable[str]]  # a worker's name to what ended it
 
 CONFIGURATION = {
     "distributed.scheduler.work-stealing": False,
-    "distributed.scheduler.allowed-failures": 0,  # a design that kills its worker gets one
+    "distributed.scheduler.allowed-failures": 0,  # a task that kills its worker is not repeated
     "distributed.scheduler.worker-saturation": 1.0,
-    "distributed.worker.multiprocessing-method": forks.METHOD,
+    "distributed.worker.multiprocessing-method": prefork.METHOD,
     "distributed.worker.profile.enabled": False,
     "distributed.admin.system-monitor.gil.enabled": False,
     "distributed.admin.system-monitor.interval": "5s",
-    "distributed.admin.low-level-log-length": 100,  # for Dask's developers, in every process
+    # Logs for Dask's developers, in every process.
+    "distributed.admin.low-level-log-length": 100,
     "distributed.admin.log-length": 100,
     "distributed.admin.system-monitor.log-length": 10,
     "distributed.admin.tick.interval": "500ms",  # 20 ms otherwise, in every process
@@ -54,37 +56,37 @@ CONFIGURATION = {
 }
 WATCH_S = 2.0
 REPAIR_S = 60.0
-ASK_S = 0.1  # between words to work that is to stop: it may not have begun at the first
-STOP_S = 0.5  # that work gets to stop in; then its worker is started anew
+CANCEL_AGAIN_S = 0.1  # cancellation is repeated: the work may not have begun at the first
+CANCEL_S = 0.5  # that work has to end in; then its worker is restarted
 BATCH_S = 0.001  # Dask gathers messages for 10 ms before it sends them: longer than many designs
 
 
 class WarmUp(WorkerPlugin):
-    """Prepares every worker when it starts, restarted ones too."""
+    """Prepares each worker when it starts, restarted ones too."""
 
     name = "camwright-warm-up"
 
-    def __init__(self, prepare: Callable[[], None], ours: bool) -> None:
-        self.prepare, self.ours = prepare, ours
+    def __init__(self, prepare: Callable[[], None], own: bool) -> None:
+        self.prepare, self.own = prepare, own
 
     def setup(self, worker: Worker) -> None:
-        if self.ours:  # Ctrl-C in a terminal reaches our workers too; we stop them in order
+        if self.own:  # Ctrl-C in a terminal reaches them too, but the service stops them in order
             signal.signal(signal.SIGINT, signal.SIG_IGN)
         try:
             self.prepare()
-        except Exception:  # the worker is sound; the first design will tell what is wrong
+        except Exception:  # the worker itself works; the first design will show what is wrong
             log.exception("warm-up failed")
 
 
 class Engine:
-    """Runs designs on workers; refuses what would wait too long, and stops what overruns."""
+    """Runs tasks on workers; refuses what would wait too long, and cancels what overruns."""
 
     def __init__(
-        self, connect: Connect, client: Any, settings: Settings, task: Task, how_it_ended: Ended
+        self, connect: Connect, client: Any, settings: Settings, task: Task, exit_reason: ExitReason
     ) -> None:
-        self._connect, self._client, self._how_it_ended = connect, client, how_it_ended
+        self._connect, self._client, self._exit_reason = connect, client, exit_reason
         self._settings, self.task = settings, task
-        self._turn = asyncio.Condition()
+        self._slot_free = asyncio.Condition()
         self._repairs: set[asyncio.Task[None]] = set()
         self.slots = settings.workers
         self.waiting = 0
@@ -94,10 +96,10 @@ class Engine:
     async def workers(self) -> int:
         """Workers that can be reached now."""
         try:
-            told = await asyncio.wait_for(self._client.scheduler.identity(n_workers=0), 2.0)
+            identity = await asyncio.wait_for(self._client.scheduler.identity(n_workers=0), 2.0)
         except (OSError, CommClosedError, TimeoutError):
             return 0
-        return int(told["n_workers"])
+        return int(identity["n_workers"])
 
     def admit(self) -> None:
         """Refuse a design that would have to wait behind too many others."""
@@ -108,81 +110,83 @@ class Engine:
             )
 
     async def solve(self, spec: bytes, budget_s: float, task: Task | None = None) -> Answer:
-        """Run one design, or another task in its place.
+        """Run a task: that of designs, or another one.
 
-        Raises what the core raised, or WorkerLost, or TimeBudgetExceeded.
+        Raises what the core raises, or WorkerLost, or TimeBudgetExceeded.
         """
         return await self.run(task or self.task, spec, budget_s, budget_s=budget_s)
 
     async def run(
         self,
         work: Callable[..., T],
-        *given: Any,
+        *arguments: Any,
         budget_s: float,
-        behind: bool = False,
+        low_priority: bool = False,
         name: str = "",
     ) -> T:
-        """Run some work on a worker, stopped when it overruns its budget or nobody waits for it.
+        """Run some work on a worker; cancelled when it overruns its budget or its caller is.
 
         Args:
-            work: a function that a worker can import. given: what it is called with.
-            budget_s: time it has. behind: let everybody else go first.
-            name: to stop it by; nobody else's.
+            work: a function that a worker can import. arguments: of it.
+            budget_s: time that it has. low_priority: whether all other work goes first.
+            name: to cancel it by; unique.
         """
-        await self._enter(behind)
+        await self._acquire_slot(low_priority)
         if self._client.status != "running":
-            await self._leave()
+            await self._release_slot()
             raise EngineUnreachable("No worker can be reached. Try again shortly.", RETRY)
-        key = name or new_name()
-        future = self._client.submit(stoppable, key, work, *given, key=key, pure=False)
+        key = name or new_task_name()
+        future = self._client.submit(run_cancellable, key, work, *arguments, key=key, pure=False)
         result = asyncio.ensure_future(future.result())
         try:
-            answer: T = await self._answer(future, result, budget_s)
+            answer: T = await self._wait_for(future, result, budget_s)
             return answer
         finally:
-            # A place is free again when its worker is: a lost one has to be replaced first.
-            if result.done() and _sound(result):
+            # The slot is free again when its worker is: a lost worker has to be replaced first.
+            if result.done() and _worker_survived(result):
                 future.release()
-                ending = self._leave()
+                ending = self._release_slot()
             else:
-                ending = self._repaired(future, result)
+                ending = self._repair(future, result)
             repair = asyncio.create_task(ending)
             self._repairs.add(repair)
             repair.add_done_callback(self._repairs.discard)
 
-    async def stop(self, names: Sequence[str], result: asyncio.Future[Any]) -> bool:
-        """Tell work of these names to stop, again and again; whether the result is there in time.
+    async def cancel(self, names: Sequence[str], result: asyncio.Future[Any]) -> bool:
+        """Cancel work, repeatedly; whether its result is there within ``CANCEL_S``.
 
         Args:
-            names: given to ``run``. result: what it leads to.
+            names: given to ``run``. result: what the work leads to.
         """
-        for _ in range(round(STOP_S / ASK_S)):
+        for _ in range(round(CANCEL_S / CANCEL_AGAIN_S)):
             if self._client.status != "running":
                 break
-            told = asyncio.ensure_future(self._client.run(stop, list(names), on_error="ignore"))
-            told.add_done_callback(_heard)
-            done, _ = await asyncio.wait({result}, timeout=ASK_S)
+            sent = asyncio.ensure_future(self._client.run(cancel, list(names), on_error="ignore"))
+            sent.add_done_callback(_ignore_result)
+            done, _ = await asyncio.wait({result}, timeout=CANCEL_AGAIN_S)
             if done:
                 return True
         return result.done()
 
-    async def _enter(self, behind: bool) -> None:
-        async with self._turn:
-            self.waiting += not behind
+    async def _acquire_slot(self, low_priority: bool) -> None:
+        async with self._slot_free:
+            self.waiting += not low_priority
             try:
-                await self._turn.wait_for(
-                    lambda: self.running < self.slots and not (behind and self.waiting)
+                await self._slot_free.wait_for(
+                    lambda: self.running < self.slots and not (low_priority and self.waiting)
                 )
                 self.running += 1
             finally:
-                self.waiting -= not behind
-                self._turn.notify_all()
+                self.waiting -= not low_priority
+                self._slot_free.notify_all()
 
-    async def _answer(self, future: Any, result: asyncio.Task[Any], budget_s: float) -> Any:
+    async def _wait_for(self, future: Any, result: asyncio.Task[Any], budget_s: float) -> Any:
         allowed = budget_s + self._settings.grace_s
         done, _ = await asyncio.wait({result}, timeout=allowed)
-        if not done and not await self._begun(future):  # another service's work was before it
-            while not done and not await self._begun(future):
+        if not done and not await self._has_started(
+            future
+        ):  # it waits behind another service's work
+            while not done and not await self._has_started(future):
                 done, _ = await asyncio.wait({result}, timeout=WATCH_S)
             if not done:
                 done, _ = await asyncio.wait({result}, timeout=allowed)
@@ -191,51 +195,61 @@ class Engine:
         try:
             return result.result()
         except KilledWorker as error:
-            ended = await self._how_it_ended(error.last_worker.name)
+            reason = await self._exit_reason(error.last_worker.name)
             raise WorkerLost(
-                f"The process working on this design {ended}, perhaps for want of memory. "
-                "Others go on. Try again, or ask for a simpler design.",
+                f"The process working on this design {reason}, perhaps for lack of memory. "
+                "Other work goes on. Try again, or ask for a simpler design.",
                 RETRY,
             ) from None
         except (CommClosedError, FutureCancelledError):
-            raise EngineUnreachable("The engine was lost meanwhile. Try again.", RETRY) from None
+            raise EngineUnreachable(
+                "The connection to the workers was lost. Try again.", RETRY
+            ) from None
 
-    async def _begun(self, future: Any) -> bool:
-        """Whether a worker has this task: several services may share the workers elsewhere."""
+    async def _has_started(self, future: Any) -> bool:
+        """Whether a worker has this task: several services may share remote workers."""
         try:
-            at_work = await self._client.processing()
+            running = await self._client.processing()
         except (OSError, CommClosedError):
-            return False  # the result will say so
-        return any(future.key in keys for keys in at_work.values())
+            return False  # waiting for the result will raise
+        return any(future.key in keys for keys in running.values())
 
-    async def _leave(self) -> None:
-        async with self._turn:
+    async def _release_slot(self) -> None:
+        async with self._slot_free:
             self.running -= 1
-            self._turn.notify_all()
+            self._slot_free.notify_all()
 
-    async def _repaired(self, future: Any, result: asyncio.Task[Any]) -> None:
-        """Stop a task, start its worker anew if need be, and give its place back after that."""
+    async def _repair(self, future: Any, result: asyncio.Task[Any]) -> None:
+        """Cancel a task, restart its worker if need be, and free its slot after that."""
         try:
-            if not self.closing and not (await self.stop([future.key], result) and _sound(result)):
-                await self._restart_whoever_runs(future)
+            if not self.closing and not (
+                await self.cancel([future.key], result) and _worker_survived(result)
+            ):
+                await self._restart_worker_of(future)
                 await self._client.wait_for_workers(self.slots, timeout=REPAIR_S)
         except Exception:
-            log.exception("a worker could not be started anew")
+            log.exception("a worker could not be restarted")
         finally:
+            result.add_done_callback(_ignore_result)  # the restart is what lost its worker
             result.cancel()
             future.release()
-            await self._leave()
+            await self._release_slot()
 
-    async def _restart_whoever_runs(self, future: Any) -> None:
-        at_work = await self._client.processing()
-        stuck = [where for where, keys in at_work.items() if future.key in keys]
-        await self._client.cancel([future], force=True)
+    async def _restart_worker_of(self, future: Any) -> None:
+        """Restart the worker that has this task, and then cancel the task.
+
+        In this order: once a task is cancelled, the scheduler takes its worker for free and may
+        send the next design there, which would be lost in the restart.
+        """
+        running = await self._client.processing()
+        stuck = [address for address, keys in running.items() if future.key in keys]
         if stuck:
-            log.warning("a worker is stopped and started anew")
+            log.warning("a worker did not end in time and is restarted")
             await self._client.restart_workers(stuck, raise_for_error=False)
+        await self._client.cancel([future], force=True)
 
     async def close(self) -> None:
-        """End what is being repaired, and let go of the workers."""
+        """End repairs, and disconnect from the workers."""
         self.closing = True
         for repair in list(self._repairs):
             repair.cancel()
@@ -243,48 +257,48 @@ class Engine:
         await self._client.close()
 
     async def watch(self, cluster: Any = None) -> None:
-        """Replace workers that our own cluster has lost; follow how many a remote one has."""
+        """Replace workers that the own cluster has lost; follow how many a remote one has."""
         while True:
             await asyncio.sleep(WATCH_S)
             if self._client.status == "closed":  # the scheduler was lost, and may be back
                 with contextlib.suppress(OSError):
                     self._client = await self._connect()
-            there = await self.workers()
+            workers = await self.workers()
             if cluster is None:
-                self.slots = max(1, there)
-                async with self._turn:
-                    self._turn.notify_all()
+                self.slots = max(1, workers)
+                async with self._slot_free:
+                    self._slot_free.notify_all()
             else:
-                cluster.replace_the_lost()
+                cluster.replace_lost_workers()
 
 
 RETRY = {"Retry-After": "2"}
 
 
-def new_name() -> str:
-    """A name for some work that nothing else has."""
+def new_task_name() -> str:
+    """A unique name for some work."""
     return f"design-{uuid.uuid4().hex}"
 
 
-def _sound(result: asyncio.Future[Any]) -> bool:
-    """Whether the worker that this finished result came from is still there."""
+def _worker_survived(result: asyncio.Future[Any]) -> bool:
+    """Whether the worker of this finished result is still there."""
     return not isinstance(result.exception(), KilledWorker)
 
 
-def _heard(told: asyncio.Future[Any]) -> None:
-    """Whether a word reached every worker is seen by what the work does."""
-    if not told.cancelled():
-        told.exception()
+def _ignore_result(sent: asyncio.Future[Any]) -> None:
+    """Retrieve an exception, so that asyncio does not log it."""
+    if not sent.cancelled():
+        sent.exception()
 
 
-async def _unseen(name: Any) -> str:
-    """How a worker elsewhere ended."""
+async def _unknown_reason(name: Any) -> str:
+    """Of a remote worker, only that it died is known."""
     return DIED
 
 
 @asynccontextmanager
 async def running_engine(
-    settings: Settings, task: Task = solve, prepare: Callable[[], None] = warm_up
+    settings: Settings, task: Task = solve_design, prepare: Callable[[], None] = warm_up
 ) -> AsyncIterator[Engine]:
     """An engine for as long as the service runs."""
     with dask.config.set(CONFIGURATION):
@@ -292,12 +306,11 @@ async def running_engine(
             cluster, address = None, settings.scheduler
             if address is None:
                 cluster = await stack.enter_async_context(_own_cluster(settings))
-                address = await cluster.within()
-            connect = partial(_connected, address, WarmUp(prepare, ours=cluster is not None))
+                address = await cluster.in_process_address()
+            connect = partial(_connect, address, WarmUp(prepare, own=cluster is not None))
             client = await connect()
-            engine = Engine(
-                connect, client, settings, task, cluster.how_it_ended if cluster else _unseen
-            )
+            exit_reason = cluster.exit_reason if cluster else _unknown_reason
+            engine = Engine(connect, client, settings, task, exit_reason)
             stack.push_async_callback(engine.close)
             if cluster is not None:
                 await client.wait_for_workers(settings.workers)
@@ -306,27 +319,27 @@ async def running_engine(
             yield engine
 
 
-async def _connected(address: str, warming: WarmUp) -> Any:
-    connect: Any = Client
-    client = await connect(address, asynchronous=True)
+async def _connect(address: str, warm_up_plugin: WarmUp) -> Any:
+    make: Any = Client
+    client = await make(address, asynchronous=True)
     client.scheduler_comm.interval = BATCH_S
-    await client.register_plugin(warming)
+    await client.register_plugin(warm_up_plugin)
     return client
 
 
 @asynccontextmanager
 async def _own_cluster(settings: Settings) -> AsyncIterator[Any]:
-    name_modules: Any = get_mp_context
-    name_modules()  # what is to be imported before forks: Dask does once, and then we do
-    forks.prepare()
+    set_preload: Any = get_mp_context
+    set_preload()  # Dask sets what is imported before forks, once; ours replaces it
+    prefork.start_fork_server()
     make: Any = OwnCluster
     cluster = make(
         n_workers=settings.workers,
         threads_per_worker=1,
         processes=True,
-        worker_class=Keeper,
+        worker_class=WorkerNanny,
         host="127.0.0.1",
-        dashboard_address="127.0.0.1:0",  # nothing is shown there; without one it takes 8787
+        dashboard_address="127.0.0.1:0",  # unused, but without an address Dask takes port 8787
         silence_logs=logging.CRITICAL,
         asynchronous=True,
     )

@@ -1,12 +1,29 @@
-"""The judge: measures the finished cam at every angle; knows no solver and no formulation."""
+"""The judge: measures a finished cam at every cam angle and proves every limit, or refuses it.
+
+In: a motion, a machine (follower, speed, load), the follower's size, and the spec's limits. Out:
+the lines of the certificate (``Extreme``), each with value, bound, proven width and verdict; values
+of objectives; what the forces come to. Nothing here imports the optimiser, and no formula is
+shared with it: geometry comes from the path of the traced point alone.
+
+Open ``certificate.py`` first; ``quantities.py`` has the measured quantities, ``motion_checks.py``
+what every motion must satisfy, ``self_intersection.py`` and ``roller_interference.py`` the proof
+that the profile is simple. ``second/`` is a second judge in ball arithmetic.
+"""
 
 from __future__ import annotations
 
-from synthesis.certify.claims import certify
+from synthesis.certify.certificate import certify
 from synthesis.certify.dimensions import certify_size
-from synthesis.certify.forces import forces
-from synthesis.certify.objectives import measure
-from synthesis.certify.simple import CROSSING
-from synthesis.numerics.enclosure import Enclosed
+from synthesis.certify.force_report import report_forces
+from synthesis.certify.objectives import measure_objective
+from synthesis.certify.self_intersection import SELF_CROSSING
+from synthesis.numerics.enclosure import Enclosure
 
-__all__ = ["CROSSING", "Enclosed", "certify", "certify_size", "forces", "measure"]
+__all__ = [
+    "SELF_CROSSING",
+    "Enclosure",
+    "certify",
+    "certify_size",
+    "measure_objective",
+    "report_forces",
+]

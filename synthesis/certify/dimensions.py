@@ -1,49 +1,55 @@
-"""The cam's dimensions: physical, and inside the ranges that were asked for."""
+"""The cam's dimensions: a follower that is driven outwards, and the ranges of the spec."""
 
 from __future__ import annotations
 
 import math
+from typing import Final
 
-from synthesis.certify.course import Course
-from synthesis.certify.quantities import Sight, Size, pressure_angle
-from synthesis.design import Extreme
-from synthesis.followers import Follower
-from synthesis.followers.flank import labelled
-from synthesis.followers.trace import Trace
-from synthesis.limits.base import Claim, Machine, where
-from synthesis.motion import Motion
-from synthesis.ranges import ends
-from synthesis.spec import DesignSpec
+from synthesis.catalogue.followers import Follower
+from synthesis.catalogue.followers.base import paths
+from synthesis.catalogue.followers.counter_roller import counter_dimensions
+from synthesis.catalogue.followers.flank import labelled
+from synthesis.catalogue.followers.kinematics import TracePoint
+from synthesis.catalogue.followers.sizing import prime_radius
+from synthesis.catalogue.limits.base import Claim, Machine, segment_indices
+from synthesis.catalogue.motion import Motion
+from synthesis.catalogue.ranges import ends
+from synthesis.certify.piecewise_motion import PiecewiseMotion
+from synthesis.certify.quantities import Size, TracedPoint, pressure_angle
+from synthesis.design.design import Extreme
+from synthesis.spec.design_spec import DesignSpec
 from synthesis.units import DEGREE
 
-ALLOWANCE = 1e-12  # of the prime radius, or of 180°: roundings on the way from the size
+# Rounding error of a dimension computed from the size variables: a share of the prime radius, of
+# 180° for an angle, of the dimension itself for one that follows from another part.
+DIMENSION_ROUNDING: Final = 1e-12
 
 
-def stands(course: Course, machine: Machine, size: Size) -> list[Extreme]:
-    """A positive base radius, and a follower that the prime circle drives outwards.
+def check_follower(motion: PiecewiseMotion, machine: Machine, size: Size) -> list[Extreme]:
+    """A positive base radius, and a follower that the cam drives outwards from the prime circle.
 
-    A translating follower does so where its offset lies inside the prime radius, with the roller
-    above the axis; one on an arm, where the arm is not stretched along the line of centres. Then
-    the pressure angle at rest on the prime circle is below 90°.
+    The pressure angle at rest on the prime circle must be below 90°. For a translating follower
+    this means that its offset is less than the prime radius, with the roller above the axis; for
+    one on an arm, that the arm is not in line with the centres.
     """
     base = machine.follower.dimensions(size)["base_radius_mm"]
     return [
         Extreme(
             limit="base_radius_positive", value=base, unit="mm", angle_deg=0.0, bound=0.0,
-            margin=base, width=0.0, holds=base > 0.0, evidence="from the size",
+            margin=base, width=0.0, holds=base > 0.0, evidence="computed from the size",
             field="base_radius_mm",
         ),
         *(
-            _at_rest(labelled("prime_circle_angle", path), trace, size, course.stroke)
-            for path, trace in machine.follower.paths.items()
+            _prime_circle_angle(labelled("prime_circle_angle", path), trace, size, motion.stroke)
+            for path, trace in paths(machine.follower).items()
         ),
     ]  # fmt: skip
 
 
-def _at_rest(limit: str, trace: Trace, size: Size, stroke: float) -> Extreme:
+def _prime_circle_angle(limit: str, trace: TracePoint, size: Size, stroke: float) -> Extreme:
     """The pressure angle at rest where the traced curve is nearest to the axis."""
-    still = (trace.nearest(stroke), 0.0, 0.0, 0.0)
-    alpha = abs(float(pressure_angle(Sight(trace, size, still)))) / DEGREE
+    at_rest = (trace.nearest_displacement(stroke), 0.0, 0.0, 0.0)
+    alpha = abs(float(pressure_angle(TracedPoint(trace, size, at_rest)))) / DEGREE
     return Extreme(
         limit=limit, value=alpha, unit="deg", angle_deg=0.0, bound=90.0,
         margin=90.0 - alpha, width=0.0, holds=alpha < 90.0,
@@ -52,14 +58,14 @@ def _at_rest(limit: str, trace: Trace, size: Size, stroke: float) -> Extreme:
     )  # fmt: skip
 
 
-def standing(motion: Motion, machine: Machine, size: Size) -> list[Claim]:
-    """That the follower can stand at every displacement, where that is not so by itself."""
+def reach_claims(motion: Motion, machine: Machine, size: Size) -> list[Claim]:
+    """The claim that the follower can take every displacement, for families where it may not."""
     found = machine.follower.displacement_measure(size)
     if found is None:
         return []
     return [
         Claim(
-            "reach", found.quantity, where(motion.stretches), found.lower, found.upper,
+            "reach", found.quantity, segment_indices(motion.segments), found.lower, found.upper,
             found.unit, found.to_wire, "follower",
         )
     ]  # fmt: skip
@@ -71,39 +77,39 @@ def certify_size(
     """Every dimension that the spec names, against its range.
 
     Args:
-        spec: what was asked; its ``base_radius_mm`` and the follower's dimensions.
+        spec: its ``base_radius_mm`` and the ranges of its follower's dimensions.
         size: the follower's size variables [mm].
-        built: the follower with what was settled after the size; None: the spec's own.
+        built: the follower as built, with values chosen after the size; None: the spec's own.
     """
     dimensions = (built or spec.follower).dimensions(size)
-    sizes = {"mm": spec.follower.radius(size), "deg": 180.0}
+    scales = {"mm": prime_radius(spec.follower, size), "deg": 180.0}
     owners = [(one, type(one).model_fields) for one in (spec, spec.follower)]
     found = []
     for name, value in dimensions.items():
         for (owner, fields), prefix in zip(owners, ("", "follower/"), strict=True):
             if name in fields:
-                asked = ends(getattr(owner, name))
-                allowance = ALLOWANCE * sizes[name.rpartition("_")[2]]
-                found += _within(name, value, asked, allowance, prefix + name)
-    for field, (name, wanted) in spec.follower.companion_ranges().items():
-        allowance = ALLOWANCE * dimensions[name]
-        found += _within(name, dimensions[name], ends(wanted), allowance, f"follower/{field}")
+                rounding = DIMENSION_ROUNDING * scales[name.rpartition("_")[2]]
+                found += _in_range(name, value, ends(getattr(owner, name)), rounding, prefix + name)
+    for field, (name, wanted) in counter_dimensions(spec.follower).items():
+        rounding = DIMENSION_ROUNDING * dimensions[name]
+        found += _in_range(name, dimensions[name], ends(wanted), rounding, f"follower/{field}")
     return found
 
 
-def _within(
-    name: str, value: float, asked: tuple[float, float], allowance: float, field: str
+def _in_range(
+    name: str, value: float, limits: tuple[float, float], rounding: float, field: str
 ) -> list[Extreme]:
-    """A dimension against the nearer end of its range; nothing where both are open."""
-    low, high = asked
-    named, _, unit = name.rpartition("_")
+    """A dimension against the nearer end of its range; no line if both ends are open."""
+    low, high = limits
+    limit, _, unit = name.rpartition("_")
     margin, bound = min((value - low, low), (high - value, high))
     if math.isinf(bound):
         return []
     return [
         Extreme(
-            limit=named, value=value, unit=unit, angle_deg=0.0, bound=bound,
-            margin=margin, width=0.0, holds=margin >= -allowance,
-            evidence=f"from the size; rounding allowance {allowance:.3g} {unit}", field=field,
+            limit=limit, value=value, unit=unit, angle_deg=0.0, bound=bound,
+            margin=margin, width=0.0, holds=margin >= -rounding,
+            evidence=f"computed from the size; allowance for rounding {rounding:.3g} {unit}",
+            field=field,
         )
     ]  # fmt: skip

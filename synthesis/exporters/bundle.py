@@ -25,15 +25,16 @@ from dataclasses import dataclass, field, replace
 from typing import Any, cast
 from zipfile import ZIP_DEFLATED, ZipFile, ZipInfo
 
-from synthesis.camset import CamSet, MountedCam
-from synthesis.design import Design
+from synthesis.catalogue.followers.counter_roller import counter_paths
+from synthesis.catalogue.followers.flank import labelled
+from synthesis.design.cam_set import CamSet, MountedCam
+from synthesis.design.design import Design
 from synthesis.errors import InputError
 from synthesis.exporters import MOTION_FORMATS, PROFILE_FORMATS
 from synthesis.exporters.diagrams.timing import timing_diagram
 from synthesis.exporters.exporter import Exporter
 from synthesis.exporters.options import CurveName, MotionOptions, Options, ProfileOptions
 from synthesis.exporters.samples.cam import profiles
-from synthesis.followers.flank import labelled
 
 LONG_AGO = (1980, 1, 1, 0, 0, 0)  # the earliest time that ZIP can hold; no clock in the bytes
 LEVEL = 2
@@ -69,8 +70,8 @@ class BundleOptions:
     def __post_init__(self) -> None:
         if self.profile.curve not in WHICH:
             rule = f"Of a set these can be had: {', '.join(WHICH)}."
-            way_out = "Name one of them: every cam gives all that it has of it."
-            raise InputError("/curve", self.profile.curve, rule, way_out)
+            remedy = "Name one of them: every cam gives all that it has of it."
+            raise InputError("/curve", self.profile.curve, rule, remedy)
         wanted = (
             ("/profile", self.profile_formats, PROFILE_FORMATS),
             ("/motion", self.motion_formats, MOTION_FORMATS),
@@ -158,7 +159,7 @@ def _curves(cam: MountedCam, wanted: CurveName) -> dict[str, CurveName]:
     """The curves that a cam consists of, by what their files are called."""
     if wanted == "profile":
         return profiles(cam.design)
-    companions = cam.design.built.follower.companions
+    companions = counter_paths(cam.design.completed_spec.follower)
     others = [cast(CurveName, labelled(path, "pitch")) for path in companions]
     return {name.replace("_", "-"): name for name in (wanted, *others)}
 

@@ -6,7 +6,7 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field, fields
 from typing import Generic, TypeVar
 
-from synthesis.design import Design
+from synthesis.design.design import Design
 from synthesis.exporters.options import Options
 
 Subject = TypeVar("Subject")

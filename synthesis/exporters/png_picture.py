@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Any
 
-from synthesis.design import Design
+from synthesis.design.design import Design
 from synthesis.exporters.diagrams.contact import CONTACT
 from synthesis.exporters.diagrams.motion import MOTION
 from synthesis.exporters.drawing.picture_options import (

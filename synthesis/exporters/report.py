@@ -12,7 +12,8 @@ import json
 from collections.abc import Iterator, Mapping, Sequence
 from typing import Any
 
-from synthesis.design import Conflict, Design, Extreme, Proof, SmoothnessPrice
+from synthesis.design.analysis import Sensitivities
+from synthesis.design.design import Conflict, Design, Extreme, Proof, SmoothnessCost
 from synthesis.exporters.diagrams.contact import CONTACT
 from synthesis.exporters.diagrams.motion import MOTION
 from synthesis.exporters.drawing import canvas as svg
@@ -27,7 +28,6 @@ from synthesis.exporters.exporter import Exporter, untold
 from synthesis.exporters.figures.profile import PROFILE
 from synthesis.exporters.options import Options, ProfileOptions
 from synthesis.exporters.samples.cam import profiles
-from synthesis.findings import Sensitivities
 
 Formats = Mapping[str, Exporter[Any]]
 VERDICTS = {
@@ -87,13 +87,13 @@ def _cam(design: Design, options: PictureOptions) -> Iterator[str]:
     theme = options.theme
     drawing = PROFILE.write(design, CamDrawingOptions(theme=theme))
     sizes = [_dimension(name, value) for name, value in design.dimensions.items()]
-    chosen = [(name, svg.figure(value, 8)) for name, value in design.chosen.items()]
+    chosen = [(name, svg.figure(value, 8)) for name, value in design.free_parameters.items()]
     yield _section("Dimensions", _pairs([*sizes, *chosen]))
     yield _section("The cam", _image(drawing, "Drawing of the cam"), "drawing")
     yield _section("Limits", _limits(design.extremes))
     yield _section("Certificate", _certificate(design))
-    if design.smoothness_price is not None:
-        yield _section("What smoothness costs", _smoothness(design.smoothness_price))
+    if design.smoothness_cost is not None:
+        yield _section("What smoothness costs", _smoothness(design.smoothness_cost))
     yield _section("Program", _program(design))
     motion, contact = (
         MOTION.write(design, DiagramOptions(theme=theme)),
@@ -123,7 +123,7 @@ def _limit(extreme: Extreme) -> list[str]:
 
 
 def _certificate(design: Design) -> str:
-    proofs = [design.certificate, *design.certificate.also]
+    proofs = [design.certificate, *design.certificate.other_objectives]
     head = ("Objective", "Value", "No cam is better than", "Gap", "Over")
     rows = [("", _proof(proof)) for proof in proofs]
     certified = "Every limit holds at every cam angle." if design.certificate.certified else (
@@ -135,10 +135,10 @@ def _proof(proof: Proof) -> list[str]:
     value = "–" if proof.value is None else svg.figure(proof.value, 8)
     bound = "–" if proof.lower_bound is None else svg.figure(proof.lower_bound, 8)
     gap = "–" if proof.gap is None else f"{svg.figure(100.0 * proof.gap, 3)} %"
-    return [_words(proof.objective), value, bound, gap, proof.bound_over or "–"]
+    return [_words(proof.objective), value, bound, gap, proof.bound_valid_for or "–"]
 
 
-def _smoothness(price: SmoothnessPrice) -> str:
+def _smoothness(price: SmoothnessCost) -> str:
     named = [("value", price.value), ("with C2 laws", price.c2_value), ("price", price.price),
              ("at most", price.at_most)]  # fmt: skip
     rows = [(name, svg.figure(value, 8)) for name, value in named if value is not None]
@@ -164,12 +164,12 @@ def _conflict(conflict: Conflict, given: bool) -> str:
     """Why nothing fits, and the least changes that would help."""
     named = ", ".join(_words(limit) for limit in conflict.limits)
     rows = [
-        ("", [_words(each.limit), svg.measured(each.asked, each.unit),
+        ("", [_words(each.limit), svg.measured(each.requested, each.unit),
               "–" if each.needed is None else svg.measured(each.needed, each.unit),
               each.field, each.note])
         for each in conflict.relaxations
     ]  # fmt: skip
-    head = ("Limit", "asked", "needed", "Field", "")
+    head = ("Limit", "requested", "needed", "Field", "")
     told = f"<p>These cannot hold together: <strong>{html.plain(named)}</strong>.</p>"
     changes = "<p>The least change of each alone, the others kept:</p>" + _table(head, rows)
     evidence = f"<p class=note>{html.plain(conflict.evidence)}</p>"
@@ -178,9 +178,9 @@ def _conflict(conflict: Conflict, given: bool) -> str:
 
 
 def _sensitivities(found: Sensitivities) -> str:
-    rows = [("", [each.field, svg.figure(each.asked, 8), each.words])
+    rows = [("", [each.field, svg.figure(each.requested, 8), each.sentence])
             for each in found.sensitivities]  # fmt: skip
-    table = _table(("Field", "asked", "One unit more there"), rows) if rows else ""
+    table = _table(("Field", "requested", "One unit more there"), rows) if rows else ""
     return _section("What each limit costs",
                     f"{table}<p class=note>{html.plain(found.evidence)}</p>")  # fmt: skip
 

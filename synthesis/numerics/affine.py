@@ -19,14 +19,14 @@ from typing import ClassVar, Final
 
 import numpy as np
 
-from synthesis.numerics.on_models import ARITHMETIC, OnModels, Rules
 from synthesis.numerics.piecewise import Array
+from synthesis.numerics.ufunc_dispatch import ARITHMETIC, UfuncDispatch, UfuncRules
 
 ROUNDING: Final = 2.0**-47
 FARTHER: Final = 1.2  # of a known range: slopes are worth as much
 
 
-class Affine(OnModels):
+class Affine(UfuncDispatch):
     """A model on each of n boxes; see the module's text.
 
     Attributes:
@@ -34,7 +34,7 @@ class Affine(OnModels):
     """
 
     __slots__ = ("c", "g", "rem")
-    rules: ClassVar[Rules] = {
+    rules: ClassVar[UfuncRules] = {
         **ARITHMETIC,
         np.maximum: lambda f, g: _maximum(f, g),
         np.minimum: lambda f, g: -_maximum(-f, -g),
@@ -130,7 +130,7 @@ class Affine(OnModels):
         rem = np.abs(slope) * self.rem + sag + ROUNDING * (self._size() + sag)
         return Affine(slope * self.c + sag, slope * self.g, rem)
 
-    def within(self, low: float, high: float) -> Affine:
+    def restrict(self, low: float, high: float) -> Affine:
         """The same where it is known to lie between two ends: these alone where they say more."""
         middle, half = 0.5 * (low + high), 0.5 * (high - low)
         own = np.abs(self.c - middle) + self.radius <= FARTHER * half

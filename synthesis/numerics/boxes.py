@@ -25,13 +25,13 @@ class Boxes:
     piece: Indices
     lo: Array
     hi: Array
-    asked: Mask
+    active: Mask
 
     def __len__(self) -> int:
         return len(self.lo)
 
     @classmethod
-    def spans(
+    def from_spans(
         cls, pieces: Indices, first: Array, last: Array, counts: Indices, asked: Mask
     ) -> Boxes:
         """Spans [first, last], each on one piece, cut into equal parts.
@@ -48,15 +48,15 @@ class Boxes:
         hi[behind - 1] = last
         return cls(pieces[owner], lo, hi, asked.take(owner, axis=1))
 
-    def left(self, asked: Mask) -> Boxes:
+    def keep(self, asked: Mask) -> Boxes:
         """Those that are still asked for."""
         which = np.flatnonzero(asked.any(axis=0))
-        return replace(self, asked=asked).at(which)
+        return replace(self, active=asked).take(which)
 
-    def at(self, which: Indices) -> Boxes:
+    def take(self, which: Indices) -> Boxes:
         """Some of them, in this order."""
         return Boxes(
-            self.piece[which], self.lo[which], self.hi[which], self.asked.take(which, axis=1)
+            self.piece[which], self.lo[which], self.hi[which], self.active.take(which, axis=1)
         )
 
     def split(self) -> Boxes:
@@ -65,10 +65,10 @@ class Boxes:
         parts = np.arange(count + 1) / count
         edges = self.lo[:, None] + (self.hi - self.lo)[:, None] * parts
         edges[:, -1] = self.hi
-        piece, asked = np.repeat(self.piece, count), np.repeat(self.asked, count, axis=1)
+        piece, asked = np.repeat(self.piece, count), np.repeat(self.active, count, axis=1)
         return Boxes(piece, edges[:, :-1].ravel(), edges[:, 1:].ravel(), asked)
 
-    def cut(self, cuts: Array) -> Boxes:
+    def cut_at(self, cuts: Array) -> Boxes:
         """Each cut at those of the sorted points that lie inside of it."""
         before, behind = cuts.searchsorted(self.lo, "right"), cuts.searchsorted(self.hi)
         parts = np.maximum(behind - before, 0) + 1
@@ -76,9 +76,9 @@ class Boxes:
         lo, hi, cut = self.lo[owner], self.hi[owner], before[owner] + nth
         inner = nth.nonzero()[0]  # of neighbours in one box
         lo[inner] = hi[inner - 1] = cuts[cut[inner] - 1]
-        return Boxes(self.piece[owner], lo, hi, self.asked.take(owner, axis=1))
+        return Boxes(self.piece[owner], lo, hi, self.active.take(owner, axis=1))
 
-    def joined(self, other: Boxes) -> Boxes:
+    def append(self, other: Boxes) -> Boxes:
         """These and the others."""
         pairs = zip(vars(self).values(), vars(other).values(), strict=True)
         return Boxes(*(np.concatenate(pair, axis=-1) for pair in pairs))

@@ -9,7 +9,12 @@ from itertools import pairwise
 import numpy as np
 from scipy.interpolate import BSpline
 
-from synthesis.numerics.double_double import Twofold, difference, differences, quotient
+from synthesis.numerics.double_double import (
+    DoubleDouble,
+    difference,
+    neighbour_differences,
+    quotient,
+)
 from synthesis.numerics.piecewise import Array, Piecewise
 
 
@@ -53,7 +58,7 @@ class SplineSpace:
         """All basis functions at once."""
         return BSpline.construct_fast(self.knots, np.eye(self.size), self.degree)
 
-    def boundary(self, x: float, count: int) -> Array:
+    def end_derivatives(self, x: float, count: int) -> Array:
         """Derivatives 0 to count − 1 of every basis function at an end of [0, 1]: (count, size)."""
         return self._ends[0.0 if x <= 0.0 else 1.0][:count]
 
@@ -64,7 +69,7 @@ class SplineSpace:
         table = np.stack([self.basis(both, order) for order in range(max(self.degree, 5) + 1)])
         return {0.0: _kept(table[:, 0]), 1.0: _kept(table[:, 1])}
 
-    def control(self, order: int) -> Array:
+    def control_matrix(self, order: int) -> Array:
         """Matrix to the B-spline coefficients of the derivative: (size − order, size).
 
         A spline lies in the hull of its coefficients, so a bound on these bounds the
@@ -83,12 +88,12 @@ class SplineSpace:
         return tuple(found)
 
     @cached_property
-    def steps(self) -> Array:
+    def step_matrix(self) -> Array:
         """Matrix to what each coefficient is more than the next one: (size − 1, size)."""
         return _kept(-np.diff(np.eye(self.size), axis=0))
 
     @cached_property
-    def slopes(self) -> tuple[Array, Array]:
+    def step_slopes(self) -> tuple[Array, Array]:
         """What a coefficient's step stands for: c_i − c_(i+1) = factor · a coefficient of g'.
 
         Returns:
@@ -98,14 +103,14 @@ class SplineSpace:
         x = np.mean([knots[2 + j : 2 + j + count] for j in range(p - 1)], axis=0)
         return _kept(x), _kept(-(knots[p + 1 : p + 1 + count] - knots[1 : 1 + count]) / p)
 
-    def end_prices(self, gradient: Array) -> Array:
+    def end_multipliers(self, gradient: Array) -> Array:
         """Prices of g to g^(q−1) at 1 that pay for a gradient (…, q) over the last q coefficients.
 
         Of a function that is made stationary in these by multiplying the known values at the end.
         """
         count = gradient.shape[-1]
         if count not in self._end_inverses:
-            rows = self.boundary(1.0, count)[:, self.size - count :]
+            rows = self.end_derivatives(1.0, count)[:, self.size - count :]
             self._end_inverses[count] = np.asarray(np.linalg.inv(rows), dtype=float)
         return np.asarray(-gradient @ self._end_inverses[count])
 
@@ -123,11 +128,11 @@ class SplineSpace:
         Differences of neighbouring coefficients over close knots lose digits, most in the highest
         derivative; so they are taken in doubled precision, and rounded once.
         """
-        table: Twofold = (coefficients, np.zeros_like(coefficients))
+        table: DoubleDouble = (coefficients, np.zeros_like(coefficients))
         columns, share = list[Array](), 1.0
         for order in range(self.degree + 1):
             if order:
-                table = quotient(differences(table), self._gaps[order - 1])
+                table = quotient(neighbour_differences(table), self._gaps[order - 1])
                 share *= (self.degree - order + 1) / order
             columns.append(share * self._at_left(table[0], order))
         left = self.breaks[:-1]
@@ -136,7 +141,7 @@ class SplineSpace:
         return [Piecewise(self.breaks, left, poly, waves) for poly in tables]
 
     @cached_property
-    def _gaps(self) -> tuple[Twofold, ...]:
+    def _gaps(self) -> tuple[DoubleDouble, ...]:
         """By what differences are divided for the derivatives from the first to the highest."""
         found, t = [], self.knots
         for order in range(1, self.degree + 1):

@@ -13,8 +13,9 @@ from typing import Final
 
 import numpy as np
 
+from synthesis.numerics.box_search import BoxSearch, Budget
 from synthesis.numerics.boxes import SPLIT, Boxes, Indices, Mask
-from synthesis.numerics.looking import Bounds, sighted
+from synthesis.numerics.extremum_search import ExcessBounds, locate_extrema
 from synthesis.numerics.taylor import Array, Taylor
 
 Models = Callable[[Indices, Array, Array, Sequence[int]], Sequence[Taylor]]
@@ -28,7 +29,7 @@ CLEAR: Final = 3.0  # roundings of a value: two lie between its ends, of a box t
 
 
 @dataclass(frozen=True)
-class Enclosed:
+class Enclosure:
     """A quantity that is proven to lie in [lower, upper].
 
     Attributes:
@@ -49,7 +50,7 @@ class Enclosed:
 
 
 @dataclass(frozen=True)
-class Question:
+class ExtremumQuery:
     """On these pieces, how far does a function exceed ``upper``, or fall below ``lower``?
 
     Attributes:
@@ -73,7 +74,7 @@ class Question:
 
 
 @dataclass(frozen=True)
-class Answer:
+class Extremum:
     """The extreme of a function that is nearest to its bound, or farthest beyond it.
 
     Attributes:
@@ -83,7 +84,7 @@ class Answer:
         boxes: on how many boxes the question was looked at.
     """
 
-    extreme: Enclosed
+    enclosure: Enclosure
     side: int
     boxes: int
 
@@ -124,11 +125,19 @@ class _View:
     excess: Array
 
 
-class _Search:
-    """One branch and bound: the best excess found, and the largest one not excluded."""
+class _ExtremumSearch(BoxSearch[Boxes]):
+    """Box search for the excess of every question's function over its bound.
 
-    def __init__(self, questions: Sequence[Question], enough: Sequence[float] | None) -> None:
+    The incumbents are values at single points, where the models are exact but for rounding.
+    """
+
+    children = SPLIT
+
+    def __init__(
+        self, models: Models, questions: Sequence[ExtremumQuery], enough: Sequence[float] | None
+    ) -> None:
         count = len(questions)
+        self.models, self.points = models, NOWHERE
         spare = [0.0 if enough is None else enough[q.function] for q in questions]
         self.lower, self.upper, self.relative, self.absolute = np.array(
             [
@@ -139,7 +148,7 @@ class _Search:
         self.function = [q.function for q in questions]
         self.closely = (self.absolute < np.inf).nonzero()[0]
         self.best = np.full(count, -np.inf)
-        self.proven = np.full(count, -np.inf)
+        self.proven: Array = np.full(count, -np.inf)
         self.above = np.ones(count, dtype=bool)
         self.value, self.blur = np.zeros(count), np.zeros(count)
         self.angle = np.zeros(count)
@@ -166,30 +175,47 @@ class _Search:
             found = np.concatenate([each[k] for k in slot]).reshape(len(slot), -1)
             return self._excess(closely, found, found)
 
-        bounds = Bounds(self.lower[closely], self.upper[closely])
-        asked = Boxes(boxes.piece, boxes.lo, boxes.hi, boxes.asked[closely])
-        seen = sighted(asked, heights, bounds)
+        bounds = ExcessBounds(self.lower[closely], self.upper[closely])
+        asked = Boxes(boxes.piece, boxes.lo, boxes.hi, boxes.active[closely])
+        seen = locate_extrema(asked, heights, bounds)
         return _Points(closely[seen.question], seen.piece, seen.at), seen.cuts
 
-    def weigh(self, boxes: Boxes, points: _Points, models: Models) -> _View:
-        """Take in what the models say of points, where they are exact but for rounding.
+    def bound(self, boxes: Boxes) -> Array:
+        """The largest excess that is possible on each box, −inf where not asked: (questions, n).
 
-        Returns:
-            what they say of boxes and, behind these, of points.
+        First the points that looked best on the level before are evaluated, together with the
+        boxes: what their functions reach there are the incumbents.
         """
-        both = boxes.joined(points.boxes(len(self.best)))
-        live = np.flatnonzero(both.asked.any(axis=1))
+        points = self.points
+        both = boxes.append(points.boxes(len(self.best)))
+        live = np.flatnonzero(both.active.any(axis=1))
         wanted, slot = self._functions(live)
-        each = models(both.piece, both.lo, both.hi, wanted)
+        each = self.models(both.piece, both.lo, both.hi, wanted)
         model = _stacked([each[k] for k in slot], both.lo == both.hi)
         high, low = model.range()
-        excess = np.where(both.asked[live], self._excess(live, high, low), -np.inf)
-        self.boxes += both.asked.sum(axis=1)
+        excess = np.where(both.active[live], self._excess(live, high, low), -np.inf)
+        self.boxes += both.active.sum(axis=1)
         row, column = np.searchsorted(live, points.question), np.arange(len(boxes), len(both))
         blur = model.rem[row, column]
         sure = np.where(blur < UNBOUNDED, excess[row, column] - blur, -np.inf)
         self._note(points, high[row, column], sure, blur)
-        return _View(both, live, model, excess)
+        self.view = _View(both, live, model, excess)
+        possible = np.full((len(self.best), len(boxes)), -np.inf)
+        possible[live] = (excess + model.rem)[:, : len(boxes)]
+        return possible
+
+    def threshold(self) -> Array:
+        """The incumbents and the width that is good enough; a box is no narrower than roundings."""
+        bound = np.where(self.above, self.upper, self.lower)
+        size = np.maximum(np.abs(self.value), np.where(np.isfinite(bound), np.abs(bound), 0.0))
+        wanted = np.maximum(self.absolute, self.relative * size)
+        enough = np.maximum(wanted, CLEAR * self.blur)
+        # of a question for an upper bound alone the first boxes are enough
+        return np.where(enough < np.inf, self.best + enough, np.inf)[:, None]
+
+    def split(self, boxes: Boxes, keep: Mask) -> Boxes:
+        self.points = self.leaders(self.view)
+        return boxes.keep(keep).split()
 
     def _note(self, points: _Points, value: Array, sure: Array, blur: Array) -> None:
         """Keep what was reached at points: values, their excess over a bound, their roundings."""
@@ -210,31 +236,7 @@ class _Search:
         where = 0.5 * (lo + hi) + np.where(above, t_high, t_low) * 0.5 * (hi - lo)
         return _Points(view.live, piece, np.clip(where, lo, hi))
 
-    def possible(self, view: _View, boxes: int) -> Array:
-        """The largest excess that is possible on each box, −inf where not asked: (questions, n)."""
-        found = np.full((len(self.best), boxes), -np.inf)
-        found[view.live] = (view.excess + view.model.rem)[:, :boxes]
-        return found
-
-    def survivors(self, possible: Array) -> Mask:
-        """Which boxes may still hold more than the target width above the best found."""
-        keep: Mask = possible > (self.best + self._enough())[:, None]
-        self.exclude(~keep, possible)
-        return keep
-
-    def _enough(self) -> Array:
-        """The width that is good enough for each question; no box is narrower than roundings."""
-        bound = np.where(self.above, self.upper, self.lower)
-        size = np.maximum(np.abs(self.value), np.where(np.isfinite(bound), np.abs(bound), 0.0))
-        wanted = np.maximum(self.absolute, self.relative * size)
-        return np.asarray(np.maximum(wanted, CLEAR * self.blur))
-
-    def exclude(self, which: Mask, possible: Array) -> None:
-        """Leave these boxes: what is possible there stays in the proven bound."""
-        most = np.where(which, possible, -np.inf).max(axis=1, initial=-np.inf)
-        self.proven = np.maximum(self.proven, most)
-
-    def answers(self) -> list[Answer]:
+    def answers(self) -> list[Extremum]:
         """What is known of each question."""
         known = (self.best, self.proven, self.value, self.angle, self.boxes)
         return [
@@ -244,26 +246,26 @@ class _Search:
 
     def _answer(
         self, q: int, best: float, proven: float, value: float, angle: float, boxes: int
-    ) -> Answer:
+    ) -> Extremum:
         side, lower, upper = 1 if self.above[q] else -1, float(self.lower[q]), float(self.upper[q])
         proven = math.inf if proven > 0.1 * UNBOUNDED else proven
         if best < -0.1 * UNBOUNDED:
             low, high = -math.inf, math.inf
             if self.absolute[q] == math.inf:  # what is proven counts by itself
                 low, high = lower - proven, upper + proven
-            return Answer(Enclosed(math.nan, low, high, angle), side, boxes)
+            return Extremum(Enclosure(math.nan, low, high, angle), side, boxes)
         low, high = (best + upper, proven + upper) if side > 0 else (lower - proven, lower - best)
-        return Answer(Enclosed(value, min(low, value), max(high, value), angle), side, boxes)
+        return Extremum(Enclosure(value, min(low, value), max(high, value), angle), side, boxes)
 
 
 def enclose(
     models: Models,
     breaks: Array,
     counts: Indices,
-    questions: Sequence[Question],
+    questions: Sequence[ExtremumQuery],
     values: Values | None = None,
     enough: Sequence[float] | None = None,
-) -> list[Answer]:
+) -> list[Extremum]:
     """Answer all questions about functions of one variable, defined piece by piece.
 
     All of them share their boxes: a round costs little more for several functions than for one.
@@ -278,27 +280,17 @@ def enclose(
     """
     if not questions:
         return []
-    search, points, seen = _Search(questions, enough), NOWHERE, 0
+    search = _ExtremumSearch(models, questions, enough)
     boxes = _first_boxes(breaks, counts, questions)
-    most = MOST_BOXES * len(set(search.function))
+    budget = Budget(MOST_ROUNDS, MOST_BOXES * len(set(search.function)))
     with np.errstate(all="ignore"):
         if values is not None and len(search.closely):
-            points, cuts = search.look(boxes, values)
-            boxes = boxes.cut(cuts)
-        for rounds_left in range(MOST_ROUNDS, 0, -1):
-            view = search.weigh(boxes, points, models)
-            possible = search.possible(view, len(boxes))
-            keep = search.survivors(possible)
-            seen += len(boxes)
-            left = np.count_nonzero(keep.any(axis=0))
-            if left == 0:
-                break
-            points = search.leaders(view)
-            if seen + SPLIT * left > most or rounds_left == 1:
-                search.exclude(keep, possible)
-                search.weigh(boxes.at(NONE), points, models)
-                break
-            boxes = boxes.left(keep).split()
+            search.points, cuts = search.look(boxes, values)
+            boxes = boxes.cut_at(cuts)
+        if not search.run(boxes, budget):
+            # the points that look best on the boxes left open are incumbents too
+            search.points = search.leaders(search.view)
+            search.bound(boxes.take(NONE))
     return search.answers()
 
 
@@ -322,7 +314,7 @@ def _stacked(models: Sequence[Taylor], points: Mask) -> Taylor:
     return Taylor(c0, c1, c2, rem, mag)
 
 
-def _first_boxes(breaks: Array, counts: Indices, questions: Sequence[Question]) -> Boxes:
+def _first_boxes(breaks: Array, counts: Indices, questions: Sequence[ExtremumQuery]) -> Boxes:
     """Every piece that is asked for, cut into its number of boxes; parts of pieces by themselves.
 
     Those of a piece serve all questions that ask for the whole of it.
@@ -333,11 +325,11 @@ def _first_boxes(breaks: Array, counts: Indices, questions: Sequence[Question]) 
             whole[q, question.pieces] = True
     pieces = np.flatnonzero(whole.any(axis=0))
     asked = whole.take(pieces, axis=1)
-    found = Boxes.spans(pieces, breaks[pieces], breaks[pieces + 1], counts, asked)
+    found = Boxes.from_spans(pieces, breaks[pieces], breaks[pieces + 1], counts, asked)
     for q, question in enumerate(questions):
         if question.spans is not None:
             asked = np.zeros((len(questions), len(question.pieces)), dtype=bool)
             asked[q] = True
             first, last = question.spans.T
-            found = found.joined(Boxes.spans(question.pieces, first, last, counts, asked))
+            found = found.append(Boxes.from_spans(question.pieces, first, last, counts, asked))
     return found

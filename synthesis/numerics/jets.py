@@ -26,7 +26,7 @@ class Jets:
         self.curve = curve
         degree, waves = curve.poly.shape[1] - 1, curve.waves.shape[1] > 0
         self.rows = (max(degree, HIGHEST + 2) if waves else degree) + 1  # that do not vanish
-        self._falling = np.stack([curve.falling, np.abs(curve.falling)], axis=1)
+        self._falling = np.stack([curve.descending, np.abs(curve.descending)], axis=1)
         self._horner_ulps = (4.0 * degree + 8.0) * UNIT
         amplitude, frequency, self._phase = curve.waves.transpose(2, 0, 1)
         self._frequency = frequency

@@ -19,7 +19,7 @@ Array = NDArray[np.float64]
 Side = Literal["left", "right"]
 
 
-def distinct(values: Array) -> Array:
+def sorted_unique(values: Array) -> Array:
     """Sorted, without repetition: what ``np.unique`` does, in a third of its time for a few."""
     found = np.sort(values, axis=None)
     new = np.empty(len(found), dtype=bool)
@@ -93,7 +93,7 @@ class Piecewise:
         return len(self.origins)
 
     @property
-    def still(self) -> bool:
+    def is_constant(self) -> bool:
         """Whether no piece moves."""
         return self.poly.shape[1] == 1 and not self.waves.shape[1]
 
@@ -155,12 +155,12 @@ class Piecewise:
 
         The values of ``at`` but for roundings, in half of the time.
         """
-        if self.still:
+        if self.is_constant:
             value = np.zeros((highest + 1, len(x)))
             value[0] = self.poly[piece, 0]
             return value
         t = x - self.origins[piece]
-        value = horner(self.falling.take(piece, axis=-1), t, highest)
+        value = horner(self.descending.take(piece, axis=-1), t, highest)
         if self.waves.shape[1]:
             amplitude, frequency, phase = np.moveaxis(self.waves[piece], -1, 0)
             angle = frequency * t[:, None] + phase
@@ -172,11 +172,11 @@ class Piecewise:
         return value
 
     @cached_property
-    def falling(self) -> Array:
+    def descending(self) -> Array:
         """Coefficients, highest power first: (d+1, n)."""
         return np.ascontiguousarray(self.poly.T[::-1])
 
-    def combined(self, coefficients: Sequence[float]) -> Piecewise:
+    def combine_derivatives(self, coefficients: Sequence[float]) -> Piecewise:
         """Σ_k coefficients[k] f^(k) as a function of its own; of polynomials alone."""
         poly = np.zeros_like(self.poly)
         for factor, table in zip(coefficients, self._powers, strict=False):
@@ -184,7 +184,7 @@ class Piecewise:
                 poly[:, : table.shape[1]] += factor * table
         return Piecewise(self.breaks, self.origins, poly, self.waves)
 
-    def bound(self, piece: NDArray[np.intp], width: Array, order: int) -> Array:
+    def bound_derivative(self, piece: NDArray[np.intp], width: Array, order: int) -> Array:
         """Crude bound of |f^(order)| within ``width`` of the origin of each piece: (k,)."""
         value = np.zeros(len(piece))
         if order < len(self._powers):
@@ -196,7 +196,7 @@ class Piecewise:
             value = value + np.sum(np.abs(amplitude * frequency**order), axis=1)
         return value
 
-    def within(self, low: float, high: float) -> Piecewise:
+    def restrict(self, low: float, high: float) -> Piecewise:
         """The same function on [low, high] alone, a part of its interval that is no point."""
         first = int(np.searchsorted(self.breaks, low, side="right")) - 1
         last = int(np.searchsorted(self.breaks, high, side="left"))
@@ -205,7 +205,7 @@ class Piecewise:
         breaks[0], breaks[-1] = low, high
         return Piecewise(breaks, self.origins[kept], self.poly[kept], self.waves[kept])
 
-    def cut(self, at: ArrayLike) -> tuple[Piecewise, NDArray[np.intp]]:
+    def split_at(self, at: ArrayLike) -> tuple[Piecewise, NDArray[np.intp]]:
         """The same function with further breaks, and of which piece each new one is a part.
 
         A break less than 1e-12 of the interval from another one is left out.
@@ -213,7 +213,7 @@ class Piecewise:
         given = np.asarray(at, dtype=float)
         if not given.size:
             return self, np.arange(self.count)
-        wanted = distinct(given)
+        wanted = sorted_unique(given)
         far = 1e-12 * (self.breaks[-1] - self.breaks[0])
         apart = np.abs(wanted[:, None] - self.breaks).min(axis=1, initial=np.inf)
         inside = (wanted > self.breaks[0]) & (wanted < self.breaks[-1]) & (apart > far)
@@ -222,7 +222,7 @@ class Piecewise:
         parts = Piecewise(breaks, self.origins[owner], self.poly[owner], self.waves[owner])
         return parts, owner
 
-    def placed(self, start: float, width: float, shift: float, scale: float) -> Piecewise:
+    def rescale(self, start: float, width: float, shift: float, scale: float) -> Piecewise:
         """x ↦ shift + scale · f((x − start)/width), on [start, start + width · span]."""
         powers = scale / width ** np.arange(self.poly.shape[1])
         poly = self.poly * powers
@@ -232,7 +232,7 @@ class Piecewise:
             waves = waves * np.array([scale, 1.0 / width, 1.0])
         return Piecewise(start + width * self.breaks, start + width * self.origins, poly, waves)
 
-    def reversed(self) -> Piecewise:
+    def mirror(self) -> Piecewise:
         """x ↦ f(a + b − x) on the same interval [a, b]."""
         both = self.breaks[0] + self.breaks[-1]
         signs = (-1.0) ** np.arange(self.poly.shape[1])
@@ -242,7 +242,7 @@ class Piecewise:
         )
 
 
-def join(parts: Sequence[Piecewise]) -> Piecewise:
+def concatenate(parts: Sequence[Piecewise]) -> Piecewise:
     """One function out of neighbours, each beginning where the one before ends."""
     degree = max(part.poly.shape[1] for part in parts)
     waves = max(part.waves.shape[1] for part in parts)

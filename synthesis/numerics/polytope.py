@@ -32,15 +32,15 @@ class Polytope:
         """A point as far from the box's sides as can be; None where there is no point."""
         m, n = self.matrix.shape
         room = np.vstack([np.eye(n), -np.eye(n)])
-        found = least_linear(
+        found = minimise_linear(
             np.append(np.zeros(n), -1.0),
             (np.hstack([room, np.ones((2 * n, 1))]), np.append(np.ones(n), np.zeros(n))),
             (np.hstack([self.matrix, np.zeros((m, 1))]), self.rhs),
             [*[(0.0, 1.0)] * n, (0.0, 0.5)],
         )
-        return None if found is None else self.nearest(found[:n])
+        return None if found is None else self.project(found[:n])
 
-    def nearest(self, u: Array) -> Array:
+    def project(self, u: Array) -> Array:
         """The point next to u at which the equations hold to rounding."""
         inverse = np.linalg.pinv(self.matrix, rcond=RANK)
         for _ in range(2):
@@ -53,13 +53,13 @@ class Polytope:
         found = []
         for _ in range(count):
             cost, nothing = rng.standard_normal((n,)), (np.zeros((0, n)), np.zeros(0))
-            corner = least_linear(cost, nothing, (self.matrix, self.rhs), [(0.0, 1.0)] * n)
+            corner = minimise_linear(cost, nothing, (self.matrix, self.rhs), [(0.0, 1.0)] * n)
             if corner is not None:
-                found.append(self.nearest(corner))
+                found.append(self.project(corner))
         return found
 
 
-def least_linear(
+def minimise_linear(
     cost: Array,
     below: tuple[Array, Array],
     equal: tuple[Array, Array],

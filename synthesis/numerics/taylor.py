@@ -29,13 +29,13 @@ from typing import Any, ClassVar, Final
 import numpy as np
 from numpy.typing import NDArray
 
-from synthesis.numerics.on_models import ARITHMETIC, OnModels, Rules
+from synthesis.numerics.ufunc_dispatch import ARITHMETIC, UfuncDispatch, UfuncRules
 
 Array = NDArray[np.float64]
 ROUNDING: Final = 2.0**-48
 
 
-class Taylor(OnModels):
+class Taylor(UfuncDispatch):
     """A quadratic Taylor model on each of n boxes; see the module's text.
 
     Attributes:
@@ -44,7 +44,7 @@ class Taylor(OnModels):
     """
 
     __slots__ = ("c0", "c1", "c2", "mag", "rem")
-    rules: ClassVar[Rules] = {
+    rules: ClassVar[UfuncRules] = {
         **ARITHMETIC,
         np.sin: methodcaller("sin"),
         np.cos: methodcaller("cos"),
@@ -146,13 +146,13 @@ class Taylor(OnModels):
         zero = np.zeros_like(self.c0)
         return Taylor.of(zero + value, zero, zero, zero)
 
-    def least(self) -> Array:
+    def mignitude(self) -> Array:
         """A lower bound of |f| on each box; not positive where f may vanish."""
         return np.abs(self.c0) - np.abs(self.c1) - np.abs(self.c2) - self.rem
 
     def __abs__(self) -> Taylor:
         """|f|: where its sign is not known on a box, no more than how large it can be."""
-        sign = np.where(self.least() - ROUNDING * self.mag > 0.0, np.sign(self.c0), 0.0)
+        sign = np.where(self.mignitude() - ROUNDING * self.mag > 0.0, np.sign(self.c0), 0.0)
         half = np.where(sign == 0.0, 0.5 * self.mag, 0.0)
         rem = np.where(sign == 0.0, half, self.rem)
         return Taylor(sign * self.c0 + half, sign * self.c1, sign * self.c2, rem, self.mag)
@@ -209,7 +209,7 @@ class Taylor(OnModels):
         """The angle of (x, f) [rad], continued steadily from its value at the box's centre."""
         return _angle(self, x)
 
-    def finite(self) -> NDArray[np.bool_]:
+    def is_finite(self) -> NDArray[np.bool_]:
         """Where the model says something."""
         finite: NDArray[np.bool_] = np.isfinite(self.c0 + self.c1 + self.c2 + self.rem)
         return finite

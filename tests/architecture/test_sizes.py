@@ -2,8 +2,6 @@
 
 from pathlib import Path
 
-import pytest
-
 ROOT = Path(__file__).resolve().parents[2]
 SOURCES = sorted(
     path for package in ("synthesis", "service") for path in (ROOT / package).rglob("*.py")
@@ -20,14 +18,12 @@ def test_there_are_sources() -> None:
     assert SOURCES
 
 
-@pytest.mark.parametrize("path", SOURCES, ids=name_of)
-def test_no_file_is_too_long(path: Path) -> None:
-    lines = len(path.read_text(encoding="utf-8").splitlines())
-    assert lines <= MOST_LINES, f"{name_of(path)} has {lines} lines; {MOST_LINES} is the most"
+def test_no_file_is_too_long() -> None:
+    lines = {name_of(path): len(path.read_text("utf-8").splitlines()) for path in SOURCES}
+    assert {name: n for name, n in lines.items() if n > MOST_LINES} == {}, f"at most {MOST_LINES}"
 
 
-@pytest.mark.parametrize("path", SOURCES, ids=name_of)
-def test_every_name_says_something(path: Path) -> None:
-    parts = path.relative_to(ROOT).with_suffix("").parts
-    empty = NAMES_THAT_SAY_NOTHING.intersection(parts)
-    assert not empty, f"{name_of(path)}: name it after what it holds, not {empty.pop()!r}"
+def test_every_name_says_something() -> None:
+    parts = {name_of(path): path.relative_to(ROOT).with_suffix("").parts for path in SOURCES}
+    empty = [name for name, own in parts.items() if NAMES_THAT_SAY_NOTHING.intersection(own)]
+    assert empty == [], "name them after what they hold"

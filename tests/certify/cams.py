@@ -11,10 +11,10 @@ import numpy as np
 from hypothesis import strategies as st
 from scipy.optimize import minimize_scalar
 
-from synthesis.followers import TranslatingRoller
-from synthesis.laws import LAWS
-from synthesis.limits import Machine
-from synthesis.motion import FreeLaw, Motion, Stretch
+from synthesis.catalogue.followers import TranslatingRoller
+from synthesis.catalogue.laws import LAWS
+from synthesis.catalogue.limits import Machine
+from synthesis.catalogue.motion import FreeLaw, Motion, PlacedSegment
 from synthesis.numerics.bspline import SplineSpace
 from synthesis.numerics.piecewise import Piecewise
 
@@ -32,7 +32,7 @@ def motion_of(segments: Sequence[Segment], free: FreeLaw | None = None) -> Motio
         beta = TURN - start if i == len(segments) - 1 else TURN * angle / turn
         end = level + {"rise": lift, "return": -lift, "dwell": 0.0}[kind]
         promise = None if kind == "dwell" else free
-        placed.append(Stretch(i, kind, start, beta, level, end, law or STILL, promise))
+        placed.append(PlacedSegment(i, kind, start, beta, level, end, law or STILL, promise))
         start, level = start + beta, end
     return Motion.of(placed)
 
@@ -67,8 +67,8 @@ class Cam:
     def machine(self) -> Machine:
         return Machine(TranslatingRoller(roller_radius_mm=self.roller), self.omega)
 
-    def stretches(self, *kinds: str) -> list[int]:
-        return [s.index for s in self.motion.stretches if s.kind in kinds or not kinds]
+    def segments(self, *kinds: str) -> list[int]:
+        return [s.index for s in self.motion.segments if s.kind in kinds or not kinds]
 
     def mirrored(self) -> "Cam":
         """The same cam seen from behind: it turns the other way, offset to the other side."""
@@ -77,7 +77,7 @@ class Cam:
 
 def flipped(law: Piecewise) -> Piecewise:
     """x ↦ 1 − g(1 − x)."""
-    back = law.reversed()
+    back = law.mirror()
     poly = -back.poly
     poly[:, 0] += 1.0
     return Piecewise(back.breaks, back.origins, poly, back.waves * np.array([-1.0, 1.0, 1.0]))
@@ -87,10 +87,10 @@ def backwards(motion: Motion) -> Motion:
     """The same motion run through the other way, as by a cam that turns the other way."""
     swap = {"rise": "return", "return": "rise", "dwell": "dwell"}
     placed = []
-    for i, s in enumerate(reversed(motion.stretches)):
+    for i, s in enumerate(reversed(motion.segments)):
         law = s.law if s.kind == "dwell" else flipped(s.law)
         placed.append(
-            Stretch(i, swap[s.kind], 2.0 * np.pi - s.end, s.angle, s.s_end, s.s_start, law)
+            PlacedSegment(i, swap[s.kind], 2.0 * np.pi - s.end, s.angle, s.s_end, s.s_start, law)
         )
     return Motion.of(placed)
 
@@ -132,26 +132,26 @@ def on_pieces(cam: Cam, quantity: str, pieces: Sequence[int], x: np.ndarray) -> 
     return FORMULAS[quantity](cam, s).reshape(x.shape)
 
 
-def pieces_of(cam: Cam, stretches: Sequence[int]) -> list[int]:
-    owners = [s.index for s in cam.motion.stretches if s.angle > 0.0 for _ in range(s.law.count)]
-    return [i for i, owner in enumerate(owners) if owner in stretches]
+def pieces_of(cam: Cam, segments: Sequence[int]) -> list[int]:
+    owners = [s.index for s in cam.motion.segments if s.angle > 0.0 for _ in range(s.law.count)]
+    return [i for i, owner in enumerate(owners) if owner in segments]
 
 
 def samples(
-    cam: Cam, quantity: str, stretches: Sequence[int], points: int
+    cam: Cam, quantity: str, segments: Sequence[int], points: int
 ) -> tuple[list[int], np.ndarray, np.ndarray]:
-    """Pieces of these stretches, ``points`` places on each, ends included, and the values there."""
-    pieces = pieces_of(cam, stretches)
+    """Pieces of these segments, ``points`` places on each, ends included, and the values there."""
+    pieces = pieces_of(cam, segments)
     breaks = cam.motion.curve.breaks
     x = np.array([np.linspace(*breaks[piece : piece + 2], points) for piece in pieces])
     return pieces, x, on_pieces(cam, quantity, pieces, x)
 
 
 def sampled(
-    cam: Cam, quantity: str, stretches: Sequence[int], sign: int, points: int
+    cam: Cam, quantity: str, segments: Sequence[int], sign: int, points: int
 ) -> tuple[float, float]:
     """Largest value of sign · quantity and where: samples, the best of them polished."""
-    pieces, x, values = samples(cam, quantity, stretches, points)
+    pieces, x, values = samples(cam, quantity, segments, points)
     row, i = np.unravel_index(np.argmax(sign * values), values.shape)
     low, high = x[row, max(i - 1, 0)], x[row, min(i + 1, points - 1)]
 

@@ -9,8 +9,8 @@ from typing import Any
 
 import numpy as np
 
-from synthesis.certify.course import Course
-from synthesis.motion import Motion
+from synthesis.catalogue.motion import Motion
+from synthesis.certify.piecewise_motion import PiecewiseMotion
 from synthesis.numerics.piecewise import Piecewise
 from tests.certify.cams import TURN, motion_of
 
@@ -86,9 +86,11 @@ class Horseshoe:
         c, s = np.cos(bend), np.sin(bend)
         return (out * s, out * c), (grow * s + out * c * turn, grow * c - out * s * turn)
 
-    def course(self) -> Course:
+    def motion(self) -> PiecewiseMotion:
         """A motion that says nothing but the angle itself."""
-        return Course(motion_of([("rise", 1.0, TURN, Piecewise.of([0.0, 1.0], [[0.0, 1.0]]))]))
+        return PiecewiseMotion(
+            motion_of([("rise", 1.0, TURN, Piecewise.of([0.0, 1.0], [[0.0, 1.0]]))])
+        )
 
     def trace(self, s: Any) -> tuple[tuple[Any, Any], ...]:
         """The point as the machine sees it, turned with the cam by s itself."""

@@ -7,14 +7,14 @@ from dataclasses import dataclass
 import numpy as np
 import pytest
 
-from synthesis.certify import certify, certify_size, measure
-from synthesis.followers import OscillatingRoller
-from synthesis.laws import LAWS
-from synthesis.limits import LIMITS, Machine
-from synthesis.objectives.base_radius import BaseRadius
-from synthesis.spec import DesignSpec
+from synthesis.catalogue.followers import OscillatingRoller
+from synthesis.catalogue.laws import LAWS
+from synthesis.catalogue.limits import LIMITS, Machine
+from synthesis.catalogue.objectives.base_radius import BaseRadius
+from synthesis.certify import certify, certify_size, measure_objective
+from synthesis.spec.design_spec import DesignSpec
+from tests.catalogue.followers.samples import spec
 from tests.certify.cams import motion_of, spline
-from tests.followers.samples import spec
 
 LIMIT = {limit.model_fields["kind"].default: limit for limit in LIMITS}
 OMEGA = 14.35
@@ -114,11 +114,11 @@ def test_the_extremes_are_those_of_the_cam(cam: ArmCam):
     nearer = min((np.min(dense["psi"]), np.max(dense["psi"])), key=lambda psi: min(psi, 180 - psi))
     assert found["reach"].value == pytest.approx(nearer, rel=1e-12)
     assert found["reach"].unit == "deg"
-    prime = measure("prime_radius", cam.motion, cam.machine, cam.size)
+    prime = measure_objective("prime_radius", cam.motion, cam.machine, cam.size)
     base = BaseRadius().to_wire(prime.value, cam.machine)
     assert base + cam.roller == pytest.approx(np.min(dense["radius"]), rel=1e-12)
     assert prime.lower <= prime.value <= prime.upper
-    slope = measure("pressure_slope", cam.motion, cam.machine, cam.size)
+    slope = measure_objective("pressure_slope", cam.motion, cam.machine, cam.size)
     assert np.degrees(np.arctan(slope.value)) <= alpha + 1e-9
     for extreme in found.values():
         assert extreme.width <= 1e-5 * max(abs(extreme.value or 1.0), 1.0), extreme

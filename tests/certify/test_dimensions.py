@@ -5,7 +5,7 @@ import math
 import pytest
 
 from synthesis.certify import certify_size
-from synthesis.spec import DesignSpec
+from synthesis.spec.design_spec import DesignSpec
 
 
 def spec_of(**changed) -> DesignSpec:

@@ -7,9 +7,8 @@ import numpy as np
 import pytest
 from hypothesis import given
 
-from synthesis.certify import certify, measure
-from synthesis.laws import LAWS
-from synthesis.limits import (
+from synthesis.catalogue.laws import LAWS
+from synthesis.catalogue.limits import (
     Acceleration,
     CutterRadius,
     Jerk,
@@ -18,6 +17,7 @@ from synthesis.limits import (
     ProfileRadius,
     Velocity,
 )
+from synthesis.certify import certify, measure_objective
 from synthesis.units import DEGREE
 from tests.certify.cams import Cam, cams, motion_of, sampled, samples
 
@@ -25,7 +25,7 @@ POINTS = 1_000  # on every piece
 
 
 def limits_of(cam: Cam, hollow: float) -> list:
-    """One limit of every kind, on every stretch."""
+    """One limit of every kind, on every segment."""
     return [
         PressureAngle(rise_deg=40.0, return_deg=40.0, dwell_deg=40.0),
         ProfileRadius(min_mm=0.1 * cam.s0),
@@ -39,11 +39,11 @@ def limits_of(cam: Cam, hollow: float) -> list:
 
 def check(cam: Cam) -> None:
     """Every proven extreme bounds the samples, and none is far above them."""
-    omega, turn = cam.omega, cam.stretches()
+    omega, turn = cam.omega, cam.segments()
     readings = {
-        "pressure_angle_rise": ("pressure_angle", cam.stretches("rise"), 1.0 / DEGREE),
-        "pressure_angle_return": ("pressure_angle", cam.stretches("return"), 1.0 / DEGREE),
-        "pressure_angle_dwell": ("pressure_angle", cam.stretches("dwell"), 1.0 / DEGREE),
+        "pressure_angle_rise": ("pressure_angle", cam.segments("rise"), 1.0 / DEGREE),
+        "pressure_angle_return": ("pressure_angle", cam.segments("return"), 1.0 / DEGREE),
+        "pressure_angle_dwell": ("pressure_angle", cam.segments("dwell"), 1.0 / DEGREE),
         "velocity": ("velocity", turn, omega),
         "acceleration": ("acceleration", turn, omega**2),
         "jerk": ("jerk", turn, omega**3),
@@ -64,7 +64,7 @@ def check(cam: Cam) -> None:
 
 def curvature(cam: Cam, found: dict) -> None:
     """Both curvature claims, back in the core's unit."""
-    *_, values = samples(cam, "pitch_curvature", cam.stretches(), POINTS)
+    *_, values = samples(cam, "pitch_curvature", cam.segments(), POINTS)
     convex, hollow = found["profile_radius"], found["cutter_radius"]
     if convex.value is not None:
         proven = 1.0 / (convex.value - convex.width + cam.roller)
@@ -104,12 +104,12 @@ def test_objectives_are_enclosed(cam):
                 at = 0.5 * (low + high) + 0.5 * (high - low) * nodes
                 s = cam.motion.curve.at(at, np.full(len(at), piece), order)
                 total += 0.5 * (high - low) * float(weights @ s**2)
-        found = measure(name, cam.motion, cam.machine, cam.size)
+        found = measure_objective(name, cam.motion, cam.machine, cam.size)
         value = math.sqrt(total / (2.0 * math.pi))
         assert found.lower * (1.0 - 1e-12) <= value <= found.upper * (1.0 + 1e-12)
         assert found.width <= 1e-9 * found.value
-    found = measure("pressure_slope", cam.motion, cam.machine, cam.size)
-    moving = cam.stretches("rise", "return")
+    found = measure_objective("pressure_slope", cam.motion, cam.machine, cam.size)
+    moving = cam.segments("rise", "return")
     best = max(sampled(cam, "pressure_angle", moving, sign, 2_000)[0] for sign in (-1, 1))
     assert math.tan(best) <= found.upper * (1.0 + 1e-12)
     assert found.value <= math.tan(best) * (1.0 + 1e-6)

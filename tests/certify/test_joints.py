@@ -6,12 +6,12 @@ import math
 import numpy as np
 import pytest
 
-from synthesis.certify import certify, measure, overshoot
-from synthesis.certify.course import Course
-from synthesis.design import Extreme
-from synthesis.laws import LAWS
-from synthesis.limits import Acceleration, CutterRadius, Jerk, ProfileRadius, Velocity
-from synthesis.motion import FreeLaw, Motion
+from synthesis.catalogue.laws import LAWS
+from synthesis.catalogue.limits import Acceleration, CutterRadius, Jerk, ProfileRadius, Velocity
+from synthesis.catalogue.motion import FreeLaw, Motion
+from synthesis.certify import certify, measure_objective, motion_checks
+from synthesis.certify.piecewise_motion import PiecewiseMotion
+from synthesis.design.design import Extreme
 from synthesis.numerics.piecewise import Piecewise
 from tests.certify.cams import Cam, motion_of, spline
 
@@ -64,10 +64,10 @@ def test_a_jump_of_the_acceleration_is_an_infinite_jerk(kind, jump, angles):
     assert report.value == pytest.approx(size, rel=1e-9)
     assert (report.bound, report.holds) == (None, True)
     assert "velocity_jump" not in found
-    jerk_now = measure("jerk", cam.motion, cam.machine, cam.size)
+    jerk_now = measure_objective("jerk", cam.motion, cam.machine, cam.size)
     assert jerk_now.lower == math.inf
-    assert measure("rms_jerk", cam.motion, cam.machine, cam.size).value == math.inf
-    assert measure("acceleration", cam.motion, cam.machine, cam.size).upper < math.inf
+    assert measure_objective("rms_jerk", cam.motion, cam.machine, cam.size).value == math.inf
+    assert measure_objective("acceleration", cam.motion, cam.machine, cam.size).upper < math.inf
     # one-sided: the parabolic law's curvature uses both of its accelerations
     peak = {"parabolic": 4.0, "simple_harmonic": math.pi**2 / 2.0, "cubic_2_3": 6.0}[kind]
     a = found["acceleration"]
@@ -106,7 +106,7 @@ def test_a_gap_is_never_accepted():
     curve = good.motion.curve
     poly = curve.poly.copy()
     poly[-1, 0] += 1e-5
-    torn = Motion(good.motion.stretches, Piecewise(curve.breaks, curve.origins, poly, curve.waves))
+    torn = Motion(good.motion.segments, Piecewise(curve.breaks, curve.origins, poly, curve.waves))
     found = {e.limit: e for e in certify(torn, good.machine, good.size, ALL)}
     assert not found["displacement_join"].holds
     assert found["displacement_join"].value == pytest.approx(1e-5)
@@ -147,7 +147,7 @@ def test_a_promise_broken_by_a_millionth_is_found(order):
     curve = good.motion.curve
     poly = curve.poly.copy()
     poly[5, order] += 1e-6 * LIFT / BETA**order / math.factorial(order)
-    bent = Motion(good.motion.stretches, Piecewise(curve.breaks, curve.origins, poly, curve.waves))
+    bent = Motion(good.motion.segments, Piecewise(curve.breaks, curve.origins, poly, curve.waves))
     found = {e.limit: e for e in certify(bent, good.machine, good.size, [])}
     name = ("displacement_join", "velocity_join", "acceleration_join")[order]
     assert not found[name].holds
@@ -164,11 +164,15 @@ def test_whole_pieces_and_small_boxes_tell_the_same_travel_backwards(degree, mon
     breaks = np.linspace(0.0, 1.0, 23)
     bumps = 3e-2 * rng.standard_normal(len(breaks) - 1 + degree)
     free = FreeLaw(2, overshoot=False)
-    course = Course(cam_of(spline(degree, breaks, bumps), spline(degree, breaks), free).motion)
-    pieces = course.pieces([0, 2])
-    least, most, count = overshoot._travel(course, pieces)
-    monkeypatch.setattr(overshoot, "_on_pieces", lambda _, some: np.full(len(some), np.inf))
-    also_least, also_most, more = overshoot._travel(course, pieces)
+    motion = PiecewiseMotion(
+        cam_of(spline(degree, breaks, bumps), spline(degree, breaks), free).motion
+    )
+    pieces = motion.pieces_of([0, 2])
+    least, most, count = motion_checks.backward_travel(motion, pieces)
+    monkeypatch.setattr(
+        motion_checks, "backward_travel_bound", lambda _, some: np.full(len(some), np.inf)
+    )
+    also_least, also_most, more = motion_checks.backward_travel(motion, pieces)
     assert most[0] > 1e-3
     assert np.all(least <= also_most)
     assert np.all(also_least <= most)
@@ -179,13 +183,13 @@ def test_whole_pieces_and_small_boxes_tell_the_same_travel_backwards(degree, mon
 def test_whole_pieces_travel_back_no_farther_than_their_largest_speed():
     rng = np.random.default_rng(6)
     rise = spline(3, np.linspace(0.0, 1.0, 23), 6e-2 * rng.standard_normal(25))
-    course = Course(cam_of(rise, rise, FreeLaw(2, overshoot=False)).motion)
-    pieces = course.pieces([0, 2])
-    most = overshoot._on_pieces(course, pieces)
-    ends = course.curve.breaks[pieces], course.curve.breaks[pieces + 1]
+    motion = PiecewiseMotion(cam_of(rise, rise, FreeLaw(2, overshoot=False)).motion)
+    pieces = motion.pieces_of([0, 2])
+    most = motion_checks.backward_travel_bound(motion, pieces)
+    ends = motion.curve.breaks[pieces], motion.curve.breaks[pieces + 1]
     theta = np.linspace(*ends, 2001)
-    v = course.curve.at(theta.ravel(), np.tile(pieces, 2001), 1).reshape(theta.shape)
-    back = np.where(course.stretch[pieces] == 0, -1.0, 1.0) * v
+    v = motion.curve.at(theta.ravel(), np.tile(pieces, 2001), 1).reshape(theta.shape)
+    back = np.where(motion.segment_of_piece[pieces] == 0, -1.0, 1.0) * v
     length = ends[1] - ends[0]
     travelled = np.mean(np.maximum(back, 0.0), axis=0) * length
     assert np.count_nonzero(travelled > 0.0) > 5
@@ -217,7 +221,7 @@ def test_numbers_that_are_none():
     curve = good.motion.curve
     poly = curve.poly.copy()
     poly[1, 1] = np.nan
-    torn = Motion(good.motion.stretches, Piecewise(curve.breaks, curve.origins, poly, curve.waves))
+    torn = Motion(good.motion.segments, Piecewise(curve.breaks, curve.origins, poly, curve.waves))
     for found in (
         certify(torn, good.machine, good.size, ALL),
         certify(torn, good.machine, good.size, []),

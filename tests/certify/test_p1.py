@@ -6,10 +6,8 @@ import math
 import numpy as np
 import pytest
 
-from synthesis.certify import certify, measure
-from synthesis.design import Extreme
-from synthesis.laws import LAWS
-from synthesis.limits import (
+from synthesis.catalogue.laws import LAWS
+from synthesis.catalogue.limits import (
     Acceleration,
     CutterRadius,
     Jerk,
@@ -18,6 +16,8 @@ from synthesis.limits import (
     ProfileRadius,
     Velocity,
 )
+from synthesis.certify import certify, measure_objective
+from synthesis.design.design import Extreme
 from synthesis.units import DEGREE
 from tests.certify.cams import Cam, motion_of, sampled
 
@@ -42,7 +42,7 @@ LIMITS = [
     Jerk(max_mm_per_s3=1.2e6),
     OuterRadius(max_mm=70.0),
 ]
-# limit: quantity, stretches, sign of the extreme, core to wire
+# limit: quantity, segments, sign of the extreme, core to wire
 READINGS = {
     "pressure_angle_rise": ("pressure_angle", "rise", 1, lambda a: a / DEGREE),
     "pressure_angle_return": ("pressure_angle", "return", -1, lambda a: a / DEGREE),
@@ -67,7 +67,7 @@ def test_it_agrees_with_a_million_samples(extremes, limit):
     quantity, kind, sign, to_wire = READINGS[limit]
     if limit in ("acceleration", "jerk"):  # as large downwards as upwards
         sign = 1 if extremes[limit].value > 0.0 else -1
-    where = CAM.stretches(*([kind] if kind else []))
+    where = CAM.segments(*([kind] if kind else []))
     found, _ = sampled(CAM, quantity, where, sign, 1_000_000 // CAM.motion.curve.count)
     reference, extreme = to_wire(sign * found), extremes[limit]
     assert extreme.value == pytest.approx(reference, rel=1e-9)
@@ -109,7 +109,7 @@ def test_the_wire_takes_it(extremes):
 
 def test_objectives():
     def value(name: str) -> float:
-        found = measure(name, CAM.motion, CAM.machine, CAM.size)
+        found = measure_objective(name, CAM.motion, CAM.machine, CAM.size)
         assert found.lower <= found.value <= found.upper
         assert found.width < 1e-9 * found.value
         return found.value
@@ -123,7 +123,7 @@ def test_objectives():
     assert value("rms_acceleration") == pytest.approx(rms, rel=1e-13)
     rms = 4.0 * math.pi**2 * 30.0 / beta**3 * math.sqrt(beta / (2.0 * math.pi))
     assert value("rms_jerk") == pytest.approx(rms, rel=1e-13)
-    steepest, _ = sampled(CAM, "pressure_angle", CAM.stretches("rise", "return"), -1, 100_000)
+    steepest, _ = sampled(CAM, "pressure_angle", CAM.segments("rise", "return"), -1, 100_000)
     assert value("pressure_slope") == pytest.approx(math.tan(steepest), rel=1e-10)
 
 
@@ -136,10 +136,10 @@ def test_a_circle_is_a_circle():
     assert outer.value == pytest.approx(prime - 7.3, rel=1e-13)
     assert radius.width < 1e-11
     assert (cutter.value, cutter.margin, cutter.holds) == (None, None, True)
-    found = measure("rms_jerk", cam.motion, cam.machine, cam.size)
+    found = measure_objective("rms_jerk", cam.motion, cam.machine, cam.size)
     assert (found.value, found.upper) == (0.0, 0.0)
     for name in ("jerk", "pressure_slope"):
-        assert measure(name, cam.motion, cam.machine, cam.size).upper == 0.0
+        assert measure_objective(name, cam.motion, cam.machine, cam.size).upper == 0.0
 
 
 def test_seen_from_behind():
@@ -181,4 +181,6 @@ def test_angles_wider_than_a_right_angle_do_not_pass():
     found = {e.limit: e for e in certify(below.motion, below.machine, below.size, LIMITS[:1])}
     assert not found["prime_circle_angle"].holds
     assert not found["pressure_angle_dwell"].holds
-    assert measure("pressure_slope", below.motion, below.machine, below.size).upper == np.inf
+    assert (
+        measure_objective("pressure_slope", below.motion, below.machine, below.size).upper == np.inf
+    )

@@ -5,19 +5,23 @@ import math
 import numpy as np
 import pytest
 
-from synthesis.certify import certify, claims
-from synthesis.certify.course import Course
-from synthesis.certify.path import Boxes, Path
-from synthesis.certify.quantities import enclose_all
-from synthesis.certify.self_crossing import Nearest, _Groups, nearest
-from synthesis.certify.simple import apart, rounding, rounds_axis
-from synthesis.design import Extreme
-from synthesis.followers import TranslatingFlatFace, TranslatingRoller
-from synthesis.followers.closures.groove import Groove
-from synthesis.laws import LAWS
-from synthesis.limits import Machine
-from synthesis.limits.profile_radius import ProfileRadius
-from synthesis.motion import Motion
+from synthesis.catalogue.followers import TranslatingFlatFace, TranslatingRoller
+from synthesis.catalogue.followers.closures.groove import Groove
+from synthesis.catalogue.laws import LAWS
+from synthesis.catalogue.limits import Machine
+from synthesis.catalogue.limits.profile_radius import ProfileRadius
+from synthesis.catalogue.motion import Motion
+from synthesis.certify import certificate, certify
+from synthesis.certify.piecewise_motion import PiecewiseMotion
+from synthesis.certify.profile_models import OffsetProfile
+from synthesis.certify.quantities import enclose_quantities
+from synthesis.certify.roller_interference import NearestPair, _Groups, nearest_far_pair
+from synthesis.certify.self_intersection import (
+    clear_flanks,
+    clearance_questions,
+    smooth_roller_flanks,
+)
+from synthesis.design.design import Extreme
 from tests.certify.cams import motion_of
 from tests.certify.crossing import Horseshoe, brute, pitch, sharpest
 
@@ -50,28 +54,30 @@ def thin_lobed(rng: np.random.Generator) -> Motion:
     ])  # fmt: skip
 
 
-def search(motion: Motion, e: float, s0: float, offset: float) -> Nearest:
+def search(motion: Motion, e: float, s0: float, offset: float) -> NearestPair:
     follower = TranslatingRoller(roller_radius_mm=abs(offset), offset_mm=e)
-    return nearest(Path(Course(motion), lambda s: follower.traced_point(s, (e, s0)), offset))
+    return nearest_far_pair(
+        OffsetProfile(PiecewiseMotion(motion), lambda s: follower.position(s, (e, s0)), offset)
+    )
 
 
 def agree(motion: Motion, e: float, s0: float, offset: float) -> bool:
     """Search and samples, on yes or no and on the depth; whether the profile crosses itself."""
     radius = abs(offset)
     found, seen = search(motion, e, s0, offset), brute(motion, e, s0, offset)
-    crosses = not found.holds_off(radius)
+    crosses = not found.excludes_interference(radius)
     # a sample misses the nearest point by at most half a step along the curve, squared over R
     coarse = 0.5 * seen.step**2 / radius
     if not crosses:
         assert seen.distance >= radius - coarse
         return False
-    window = (found.profile, found.roller, 4e-3)
+    window = (found.profile_angle, found.roller_angle, 4e-3)
     close = brute(motion, e, s0, offset, window)
-    assert found.least == pytest.approx(close.distance, abs=2e-5 * radius)
-    assert found.least <= seen.distance + 1e-9 * radius
-    assert seen.distance <= found.least + seen.step
-    assert found.lower <= found.least
-    assert found.least - found.lower <= 1e-6 * radius
+    assert found.distance == pytest.approx(close.distance, abs=2e-5 * radius)
+    assert found.distance <= seen.distance + 1e-9 * radius
+    assert seen.distance <= found.distance + seen.step
+    assert found.lower_bound <= found.distance
+    assert found.distance - found.lower_bound <= 1e-6 * radius
     return True
 
 
@@ -107,9 +113,12 @@ def test_arcs_no_longer_than_needed_say_the_same_of_these_pairs(seed: int) -> No
     index = np.arange(count)
     between = np.abs(index - index[:, None])
     pairs = np.minimum(between, count - between) <= rng.integers(3, 15)
-    longest = groups.longest(pairs)
+    longest = groups.longest_arc(pairs)
     assert longest == np.max(np.minimum(between, count - between)[pairs]) + 1
-    short, full = groups.near(low, high, longest), groups.near(low, high, count)
+    short, full = (
+        groups.within_half_turn(low, high, longest),
+        groups.within_half_turn(low, high, count),
+    )
     assert not np.any(short & ~full)
     beside = (index - index[:, None]) % count < longest
     np.testing.assert_array_equal(short[beside | beside.T], full[beside | beside.T])
@@ -125,7 +134,7 @@ def test_any_closed_curve_and_either_side(
 ) -> None:
     """A horseshoe, which no cam is: an outer profile meets itself in the mouth."""
     shoe = Horseshoe(1.0, half_length, thickness)
-    found = nearest(Path(shoe.course(), shoe.trace, offset))
+    found = nearest_far_pair(OffsetProfile(shoe.motion(), shoe.trace, offset))
     u = 2.0 * np.pi * np.arange(2400) / 2400
     (x, y), (dx, dy) = shoe.point(u)
     speed = np.hypot(dx, dy)
@@ -134,9 +143,9 @@ def test_any_closed_curve_and_either_side(
     ahead = (u[None, :] - u[:, None]) % (2.0 * np.pi)
     far = np.minimum(ahead, 2.0 * np.pi - ahead) > 0.9  # past the tips, where it bends sharply
     least = float(np.min(apart[far]))
-    assert found.holds_off(abs(offset)) == (least >= abs(offset))
+    assert found.excludes_interference(abs(offset)) == (least >= abs(offset))
     if least < abs(offset):
-        assert found.least == pytest.approx(least, abs=4e-4)  # the samples' step, squared
+        assert found.distance == pytest.approx(least, abs=4e-4)  # the samples' step, squared
 
 
 def thin_lobe(base: float, e: float = 1.3) -> tuple[Motion, Machine, tuple[float, float]]:
@@ -177,7 +186,7 @@ def test_the_certificate_accepts_the_same_cam_made_larger() -> None:
     found = judged(0.97)
     assert all(each.holds for each in found.values())
     assert found["self_crossing"].value == 0.0
-    assert "no position of the roller reaches in" in found["self_crossing"].evidence
+    assert "the roller reaches into no other part" in found["self_crossing"].evidence
 
 
 @pytest.mark.parametrize("scale", [1e-4, 1e4])
@@ -186,11 +195,11 @@ def test_size_does_not_matter(scale: float) -> None:
     small = search(motion, e, s0, 7.6)
     scaled = Motion.of([
         type(s)(s.index, s.kind, s.start, s.angle, scale * s.s_start, scale * s.s_end, s.law)
-        for s in motion.stretches
+        for s in motion.segments
     ])  # fmt: skip
     large = search(scaled, scale * e, scale * s0, scale * 7.6)
-    assert large.least == pytest.approx(scale * small.least, rel=1e-8)
-    assert large.profile == pytest.approx(small.profile, abs=1e-4)
+    assert large.distance == pytest.approx(scale * small.distance, rel=1e-8)
+    assert large.profile_angle == pytest.approx(small.profile_angle, abs=1e-4)
 
 
 def test_a_knife_edge_and_a_flat_face_need_no_search() -> None:
@@ -198,7 +207,7 @@ def test_a_knife_edge_and_a_flat_face_need_no_search() -> None:
     edge = Machine(TranslatingRoller(roller_radius_mm=0.0, offset_mm=e), 10.0)
     found = {each.limit: each for each in certify(motion, edge, (e, s0), [])}
     assert found["self_crossing"].holds
-    assert "one way with s" in found["self_crossing"].evidence
+    assert "monotone in s" in found["self_crossing"].evidence
     # through the axis the point comes back over places that it has passed before
     under = {each.limit: each for each in certify(motion, edge, (e, -20.0), [])}
     assert not under["self_crossing"].holds
@@ -213,12 +222,12 @@ def test_a_corner_that_turns_away_is_no_crossing() -> None:
         ("return", 130.0, 27.0, line.curve("return")), ("dwell", 71.0, 0.0, None),
         ("rise", 97.0, 27.0, line.curve("rise")), ("dwell", 62.0, 0.0, None),
     ])  # fmt: skip
-    assert search(motion, 3.1, 41.7, 1e-3).holds_off(1e-3)
+    assert search(motion, 3.1, 41.7, 1e-3).excludes_interference(1e-3)
 
 
 def test_normals_say_nothing_of_a_curve_with_a_corner(monkeypatch: pytest.MonkeyPatch) -> None:
     """Even where all of them point away from the axis: what they do at the corner is not seen."""
-    monkeypatch.setattr(claims, "apart", lambda flanks, _: flanks)
+    monkeypatch.setattr(certificate, "clear_flanks", lambda flanks, _: flanks)
     line = LAWS["constant_velocity"]
     motion = motion_of([
         ("rise", 31.0, 57.0, line.curve("rise")), ("dwell", 5.0, 0.0, None),
@@ -233,7 +242,7 @@ def test_normals_say_nothing_of_a_curve_with_a_corner(monkeypatch: pytest.Monkey
 def test_what_cannot_be_proven_is_not_called_sound() -> None:
     """A roller whose centre runs through the cam's axis with the offset 0: no tangent there."""
     motion, _, _ = thin_lobe(1.0)
-    assert not search(motion, 0.0, 0.0, 2.0).holds_off(2.0)
+    assert not search(motion, 0.0, 0.0, 2.0).excludes_interference(2.0)
 
 
 def test_every_flank_is_judged_by_itself() -> None:
@@ -254,11 +263,11 @@ def test_the_roller_and_its_profile_point_lie_in_the_shadow(side: float) -> None
     motion, R = thin_lobed(rng), 8.3
     e, s0 = 1.7, math.sqrt((0.9 + R) ** 2 - 1.7**2)
     follower = TranslatingRoller(roller_radius_mm=R, offset_mm=e)
-    path = Path(Course(motion), lambda s: follower.traced_point(s, (e, s0)), side * R)
-    boxes = Boxes.of(path.course, 0.13)
-    low, high = path.on(boxes).shadow()
+    path = OffsetProfile(PiecewiseMotion(motion), lambda s: follower.position(s, (e, s0)), side * R)
+    intervals = path.motion.intervals(0.13)
+    low, high = path.models(intervals).polar_range()
     share = np.linspace(0.0, 1.0, 9)
-    theta = (boxes.lo[:, None] + (boxes.hi - boxes.lo)[:, None] * share).ravel()
+    theta = (intervals.lo[:, None] + (intervals.hi - intervals.lo)[:, None] * share).ravel()
     s, v = motion.derivatives(theta, 1)
     x, y, tx, ty = np.full_like(s, e), s0 + s, s0 + s, v - e
     rim = R * np.exp(1j * np.linspace(0.0, 2.0 * np.pi, 60))
@@ -270,7 +279,7 @@ def test_the_roller_and_its_profile_point_lie_in_the_shadow(side: float) -> None
     assert np.all(off <= 0.5 * half + 1e-12)
     filled = np.max(off, axis=1) / (0.5 * half[:, 0])
     assert np.max(filled) > 0.999  # no wider than need be
-    low, high = Path(path.course, path.trace, side * 40.0).on(boxes).shadow()
+    low, high = OffsetProfile(path.motion, path.trace, side * 40.0).models(intervals).polar_range()
     assert np.any(high - low == 2.0 * np.pi)
     assert np.any(high - low < 5.0)
 
@@ -283,11 +292,11 @@ def test_the_certificate_needs_no_pairs_where_curves_go_round_the_axis() -> None
         motion, R = thin_lobed(rng), rng.uniform(2.0, 9.0)
         e, s0 = size = rng.uniform(-2.0, 2.0), R * rng.uniform(0.4, 9.0)
         follower = TranslatingRoller(roller_radius_mm=R, offset_mm=e, closure=Groove())
-        course, machine = Course(motion), Machine(follower, 10.0)
-        flanks = rounding(course, machine)
-        questions, subjects = rounds_axis(course, flanks, 0)
-        answers = enclose_all(subjects, course, machine, size, questions)
-        clear = apart(flanks, answers)
+        pieces, machine = PiecewiseMotion(motion), Machine(follower, 10.0)
+        flanks = smooth_roller_flanks(pieces, machine)
+        questions, subjects = clearance_questions(pieces, flanks, 0)
+        answers = enclose_quantities(subjects, pieces, machine, size, questions)
+        clear = clear_flanks(flanks, answers)
         found = on(motion, machine, size)
         along = pitch(motion, e, s0, theta + 1e-6) - pitch(motion, e, s0, theta - 1e-6)
         here = pitch(motion, e, s0, theta)
@@ -296,9 +305,9 @@ def test_the_certificate_needs_no_pairs_where_curves_go_round_the_axis() -> None
         for flank, answer in zip(flanks, answers, strict=True):
             offset = flank.side * flank.distance
             over = float(np.min(moment - max(offset, 0.0) * speed)) / 2e-6
-            assert answer.extreme.lower <= over + 1e-3
+            assert answer.enclosure.lower <= over + 1e-3
             assert over > 0.0 or flank not in clear
-            holds = search(motion, e, s0, offset).holds_off(flank.distance)
+            holds = search(motion, e, s0, offset).excludes_interference(flank.distance)
             assert found[f"self_crossing_{flank.name}"].holds == holds
         told.append(len(clear))
     assert set(told) == {0, 1, 2}

@@ -4,8 +4,7 @@ import numpy as np
 import pytest
 from scipy.interpolate import insert
 
-from synthesis.certify import certify
-from synthesis.limits import (
+from synthesis.catalogue.limits import (
     Acceleration,
     CutterRadius,
     Jerk,
@@ -13,7 +12,8 @@ from synthesis.limits import (
     ProfileRadius,
     Velocity,
 )
-from synthesis.motion import FreeLaw
+from synthesis.catalogue.motion import FreeLaw
+from synthesis.certify import certify
 from synthesis.numerics.bspline import SplineSpace
 from synthesis.numerics.piecewise import Piecewise
 from synthesis.units import DEGREE
@@ -87,5 +87,5 @@ def test_sampling_would_not_have_found_it():
     theta = np.linspace(0.0, 2.0 * np.pi, 1_000)
     coarse = np.abs(cam.motion.derivatives(theta, 1)[1]).max() * cam.omega
     assert coarse < abs(found.value) * (1.0 - 1e-3)
-    *_, values = samples(cam, "velocity", cam.stretches(), 1_000)
+    *_, values = samples(cam, "velocity", cam.segments(), 1_000)
     assert np.abs(values).max() * cam.omega == pytest.approx(abs(found.value), rel=1e-5)

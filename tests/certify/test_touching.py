@@ -3,8 +3,7 @@
 import pytest
 from hypothesis import given
 
-from synthesis.certify import certify, claims
-from synthesis.limits import (
+from synthesis.catalogue.limits import (
     Acceleration,
     CutterRadius,
     Jerk,
@@ -13,8 +12,9 @@ from synthesis.limits import (
     ProfileRadius,
     Velocity,
 )
-from synthesis.limits.base import Claim
-from synthesis.numerics.enclosure import Answer, Enclosed
+from synthesis.catalogue.limits.base import Claim
+from synthesis.certify import certificate, certify
+from synthesis.numerics.enclosure import Enclosure, Extremum
 from tests.certify.cams import Cam, cams
 
 # the limit at a value, and +1 where a larger bound is a looser one
@@ -66,7 +66,7 @@ def test_the_whole_enclosure_must_satisfy_the_bound(side, bound, holds):
         "velocity", "velocity", (0,), bound if side < 0 else None, bound if side > 0 else None,
         "mm/s", lambda v: 3.0 * v, "velocity/max_mm_per_s",
     )  # fmt: skip
-    extreme = claims._extreme(claim, Answer(Enclosed(1.0, 0.9, 1.1, 2.0), side, 7))
+    extreme = certificate._line(claim, Extremum(Enclosure(1.0, 0.9, 1.1, 2.0), side, 7))
     assert extreme.holds == holds
     assert extreme.width == pytest.approx(0.6)
     assert extreme.margin == pytest.approx(3.0 * side * (bound - 1.0))
@@ -79,7 +79,7 @@ def test_an_extreme_without_a_value_on_the_wire_is_judged_in_the_core():
         lambda k: 5.0 - 1.0 / k if k < 0.0 else None, "cutter_radius/radius_mm",
     )  # fmt: skip
     for ends in ((0.2, 0.1, 0.3), (1e-12, -1e-12, 1e-11)):
-        extreme = claims._extreme(claim, Answer(Enclosed(*ends, 2.0), -1, 7))
+        extreme = certificate._line(claim, Extremum(Enclosure(*ends, 2.0), -1, 7))
         assert (extreme.value, extreme.margin, extreme.holds) == (None, None, True)
-    extreme = claims._extreme(claim, Answer(Enclosed(0.01, -0.1 - 1e-9, 0.02, 2.0), -1, 7))
+    extreme = certificate._line(claim, Extremum(Enclosure(0.01, -0.1 - 1e-9, 0.02, 2.0), -1, 7))
     assert not extreme.holds

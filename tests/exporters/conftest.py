@@ -12,8 +12,8 @@ import pytest
 from numpy.typing import NDArray
 from scipy.interpolate import BSpline, PPoly
 
-from synthesis.design import Certificate, Design, Extreme, Report, SegmentMotion, SplineCurve
-from synthesis.spec import DesignSpec
+from synthesis.design.design import Certificate, Design, Extreme, Report, SegmentMotion, SplineCurve
+from synthesis.spec.design_spec import DesignSpec
 
 Builder = Callable[..., Design]
 
@@ -89,15 +89,15 @@ def build() -> Builder:
         size = (offset, math.sqrt(prime**2 - offset**2))
         motion = [
             SegmentMotion(
-                kind=stretch.kind,
-                start_deg=math.degrees(stretch.start),
+                kind=placed.kind,
+                start_deg=math.degrees(placed.start),
                 angle_deg=segment.angle_deg,
-                s_start_mm=stretch.s_start,
-                s_end_mm=stretch.s_end,
+                s_start_mm=placed.s_start,
+                s_end_mm=placed.s_end,
                 law=segment.law.kind if segment.kind != "dwell" else "dwell",
-                spline=spline if stretch.law is None else None,
+                spline=spline if placed.law is None else None,
             )
-            for stretch, segment in zip(spec.stretches(), spec.program, strict=True)
+            for placed, segment in zip(spec.placed_segments(), spec.program, strict=True)
         ]
         return Design.model_validate(
             {
@@ -118,7 +118,7 @@ def build() -> Builder:
                     objective="base_radius",
                     value=prime - roller,
                     lower_bound=None,
-                    bound_over="",
+                    bound_valid_for="",
                     gap=None,
                 ),
                 "report": Report(stages=[], seconds=0.0),

@@ -6,34 +6,32 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from OCP.BRep import BRep_Tool
-from OCP.IFSelect import IFSelect_ReturnStatus
-from OCP.IGESControl import IGESControl_Reader
-from OCP.Interface import Interface_Static
-from OCP.STEPControl import STEPControl_Reader
-from OCP.TopAbs import TopAbs_EDGE
-from OCP.TopExp import TopExp_Explorer
-from OCP.TopoDS import TopoDS
 
-READERS = {".step": STEPControl_Reader, ".igs": IGESControl_Reader}
+from tests.lazy import LazyModule
+
+OCP: Any = LazyModule("OCP")
 
 
 def shape(data: bytes, ending: str, folder: Path) -> Any:
     """All that a file holds, in mm."""
     path = folder / f"read{ending}"
     path.write_bytes(data)
-    reader = READERS[ending]()
-    Interface_Static.SetCVal_s("xstep.cascade.unit", "MM")
-    assert reader.ReadFile(str(path)) == IFSelect_ReturnStatus.IFSelect_RetDone
+    step = ending == ".step"
+    reader = OCP.STEPControl.STEPControl_Reader() if step else OCP.IGESControl.IGESControl_Reader()
+    OCP.Interface.Interface_Static.SetCVal_s("xstep.cascade.unit", "MM")
+    assert reader.ReadFile(str(path)) == OCP.IFSelect.IFSelect_ReturnStatus.IFSelect_RetDone
     assert reader.TransferRoots() > 0
     return reader.OneShape()
 
 
 def curves(data: bytes, ending: str, folder: Path) -> list[Any]:
     """The curves under all edges."""
-    found, each = [], TopExp_Explorer(shape(data, ending, folder), TopAbs_EDGE)
+    found, each = (
+        [],
+        OCP.TopExp.TopExp_Explorer(shape(data, ending, folder), OCP.TopAbs.TopAbs_EDGE),
+    )
     while each.More():
-        told = BRep_Tool.Curve_s(TopoDS.Edge(each.Current()), 0.0, 0.0)
+        told = OCP.BRep.BRep_Tool.Curve_s(OCP.TopoDS.TopoDS.Edge(each.Current()), 0.0, 0.0)
         found.append(told[0] if isinstance(told, tuple) else told)
         each.Next()
     return found

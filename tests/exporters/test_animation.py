@@ -15,9 +15,9 @@ import pytest
 
 from synthesis.exporters import PICTURES, PictureOptions
 from synthesis.exporters.samples.cam import Cam
+from tests.catalogue.followers.samples import SAMPLES, spec
 from tests.exporters.test_drawings import SVG, of_class, path_points, text_boxes
 from tests.exporters.test_mechanism import CAMS, drawn_cam
-from tests.followers.samples import SAMPLES, spec
 
 FACTORS = re.compile(r"(\w+)\(([^)]*)\)")
 Matrix = np.ndarray
@@ -160,7 +160,7 @@ def test_the_follower_moves_as_the_law_says(kind: str) -> None:
         axis = at(where[outer], 0.0, 0.0)
         told = (at(where[wheel], 0.0, 0.0) - axis) / scale
         s = cam.motion.derivatives(np.array([2.0 * np.pi * part]), 3)
-        (x, y), *_ = cam.flank.trace.traced_point(s, cam.size)
+        (x, y), *_ = cam.flank.trace.position(s, cam.size)
         assert told.real == pytest.approx(float(x[0]), abs=5e-3)
         assert -told.imag == pytest.approx(float(y[0]), abs=5e-3)
 

@@ -10,8 +10,8 @@ import numpy as np
 import pytest
 
 from synthesis import DesignSpec, synthesise
+from tests.catalogue.followers.samples import spec
 from tests.exporters.test_drawings import drawn, floats, of_class, text_boxes, texts
-from tests.followers.samples import spec
 
 
 @pytest.mark.parametrize("sample", [0, 1])

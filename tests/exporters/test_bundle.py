@@ -19,7 +19,7 @@ from synthesis.errors import InputError
 from synthesis.exporters import PROFILE_FORMATS, MotionOptions, PointOptions, ProfileOptions
 from synthesis.exporters.bundle import BundleOptions, bundle, bundle_files, folders
 from synthesis.exporters.diagrams.timing import timing_diagram
-from tests.camsets.sets import INLET, PRESS, asked, body
+from tests.studies.cam_sets import INLET, PRESS, asked, body
 
 STEEP = PRESS | {
     "base_radius_mm": {"max": 20},

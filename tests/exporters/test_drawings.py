@@ -10,10 +10,8 @@ from typing import Any
 
 import numpy as np
 import pytest
-from matplotlib.font_manager import FontProperties
-from matplotlib.textpath import TextPath
 
-from synthesis.design import Design
+from synthesis.design.design import Design
 from synthesis.exporters import MOTION_FORMATS, PROFILE_FORMATS
 from synthesis.exporters.drawing.picture_options import CamDrawingOptions, DiagramOptions
 from synthesis.exporters.figures.profile import shown_at
@@ -58,6 +56,9 @@ def texts(root: ET.Element) -> list[str]:
 
 def text_boxes(root: ET.Element) -> list[tuple[str, Box]]:
     """Extent of every text when set in DejaVu Sans, the widest of the fonts asked for."""
+    from matplotlib.font_manager import FontProperties
+    from matplotlib.textpath import TextPath
+
     style = text_of(root.find(SVG + "style"))
     found = []
     for element in root.iter(SVG + "text"):

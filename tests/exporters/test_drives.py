@@ -11,7 +11,7 @@ import pytest
 from scipy.interpolate import BPoly, CubicSpline
 
 from synthesis import DesignSpec, synthesise
-from synthesis.design import Design
+from synthesis.design.design import Design
 from synthesis.errors import InputError
 from synthesis.exporters import MOTION_FORMATS
 

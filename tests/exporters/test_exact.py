@@ -9,25 +9,24 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
-import ezdxf
 import numpy as np
 import pytest
 from scipy.interpolate import BSpline
 
-from synthesis.analysis import given
-from synthesis.design import Design
+from synthesis.catalogue.followers import TranslatingRoller
+from synthesis.catalogue.motion import Motion, PlacedSegment
+from synthesis.design.design import Design
 from synthesis.errors import InputError
 from synthesis.exporters import PROFILE_FORMATS, DrawingOptions, ExactOptions
 from synthesis.exporters.curves.contour import Contour
 from synthesis.exporters.curves.step_curve import SCHEMA
 from synthesis.exporters.samples.cam import Cam
-from synthesis.followers import TranslatingRoller
-from synthesis.geometry.closed_spline import closed_spline
-from synthesis.motion import Motion, Stretch
+from synthesis.numerics.geometry.closed_spline import fit_closed_spline
 from synthesis.numerics.piecewise import Piecewise
+from synthesis.studies.analyse import given_cam
+from tests.catalogue.followers.samples import CASES, spec
 from tests.exporters.kernel import curves, points
 from tests.exporters.nearest import away
-from tests.followers.samples import CASES, spec
 
 SOME = np.sort(np.random.default_rng(11).uniform(0.0, 360.0, 701))
 
@@ -136,6 +135,13 @@ def test_iges_records_are_eighty_columns_and_counted(unspecial: Design) -> None:
     assert sections["P"][0].startswith(f"126,{count},5,1,1,1,0,")  # plane, closed, no weights
 
 
+def dxf(data: bytes) -> Any:
+    """A drawing as ezdxf reads it."""
+    import ezdxf
+
+    return ezdxf.read(io.StringIO(data.decode()))
+
+
 def entities(data: bytes, kind: str) -> list[list[tuple[int, str]]]:
     """Group codes and values of each entity of a kind, read as the format is written."""
     lines = data.decode().splitlines()
@@ -158,7 +164,7 @@ def numbers(entity: list[tuple[int, str]], code: int) -> np.ndarray:
 def test_a_drawing_holds_splines_on_layers(cam) -> None:
     options = DrawingOptions(curve="cutter", cutter_diameter_mm=9.1, bore_mm=11.0, z_mm=2.5)
     data = PROFILE_FORMATS["dxf"].write(cam, options)
-    page = ezdxf.read(io.StringIO(data.decode()))
+    page = dxf(data)
     audit = page.audit()
     assert not audit.errors
     assert not audit.fixes
@@ -186,14 +192,14 @@ def test_a_drawing_holds_splines_on_layers(cam) -> None:
 
 def test_one_curve_of_a_drawing_alone(unspecial: Design) -> None:
     options = DrawingOptions(curve="pitch", companions=False)
-    page = ezdxf.read(io.StringIO(PROFILE_FORMATS["dxf"].write(unspecial, options).decode()))
+    page = dxf(PROFILE_FORMATS["dxf"].write(unspecial, options))
     assert [each.dxf.layer for each in page.modelspace()] == ["PITCH_CURVE"]
 
 
 def test_a_drawing_of_arcs(cam, truth) -> None:
     options = DrawingOptions(form="arcs", companions=False, tolerance_um=2.0)
     made = PROFILE_FORMATS["dxf"].make(cam, options)
-    (line,) = ezdxf.read(io.StringIO(made.data.decode())).modelspace()
+    (line,) = dxf(made.data).modelspace()
     assert line.closed
     assert len(line) < 110
     rows = np.array(line.get_points("xyb"))
@@ -218,7 +224,7 @@ def test_a_drawing_of_arcs(cam, truth) -> None:
 @pytest.mark.parametrize(("kind", "sample"), CASES)
 def test_every_curve_of_every_machine(kind: str, sample: int) -> None:
     asked = spec(kind, sample)
-    known = given(asked)
+    known = given_cam(asked)
     theta = np.radians(SOME[::4])
     flanks = asked.follower.flanks
     for flank in flanks:
@@ -227,7 +233,7 @@ def test_every_curve_of_every_machine(kind: str, sample: int) -> None:
             known.motion, asked.follower.travel, 1.0, asked.follower, known.size, asked.rotation,
             flank, gap,
         )  # fmt: skip
-        spline = closed_spline(Contour.of(cam), 1e-7)
+        spline = fit_closed_spline(Contour.of(cam), 1e-7)
         at = cam.at(theta)
         found = away(
             np.column_stack([at.x, at.y]), BSpline(spline.knots, spline.points, spline.degree)
@@ -239,13 +245,13 @@ def test_every_curve_of_every_machine(kind: str, sample: int) -> None:
 def test_a_profile_that_nearly_has_a_corner(room: float) -> None:
     """As the smallest flat-face cams have: the radius of curvature all but vanishes."""
     asked = spec("translating_flat_face")
-    motion = given(asked).motion
+    motion = given_cam(asked).motion
     s, _, bend, _ = motion.derivatives(np.linspace(0.0, 2.0 * np.pi, 200_001))
     size = (float(-np.min(s + bend)) + room,)
     follower = asked.follower
     flank = follower.flanks[0]
     cam = Cam(motion, follower.travel, 1.0, follower, size, asked.rotation, flank, 0.0)
-    spline = closed_spline(Contour.of(cam), 1e-6)
+    spline = fit_closed_spline(Contour.of(cam), 1e-6)
     at = cam.at(np.radians(SOME))
     found = away(np.column_stack([at.x, at.y]), BSpline(spline.knots, spline.points, 5))
     assert np.max(found) <= spline.error <= 1e-6
@@ -262,8 +268,8 @@ def bent(steps: tuple[float, float], roller: float) -> Cam:
     follower = TranslatingRoller(roller_radius_mm=roller, offset_mm=3.1)
     motion = Motion.of(
         [
-            Stretch(0, "rise", 0.0, first, 0.0, 9.7, rise),
-            Stretch(1, "return", first, second, 9.7, 0.0, back),
+            PlacedSegment(0, "rise", 0.0, first, 0.0, 9.7, rise),
+            PlacedSegment(1, "return", first, second, 9.7, 0.0, back),
         ]
     )
     flank = follower.flanks[0]
@@ -273,7 +279,7 @@ def bent(steps: tuple[float, float], roller: float) -> Cam:
 
 def test_where_velocity_jumps_the_roller_turns_on_the_spot() -> None:
     cam = bent((1.3, 0.9), 8.3)  # from falling to rising: hollow
-    spline = closed_spline(Contour.of(cam), 1e-7)
+    spline = fit_closed_spline(Contour.of(cam), 1e-7)
     _, times = np.unique(spline.knots, return_counts=True)
     assert np.max(times[1:-1]) == 4  # no corner: an arc of the roller's radius
     at = cam.at(np.array([0.0, 0.0]), np.array([True, False]))
@@ -292,11 +298,11 @@ def test_where_velocity_jumps_down_the_roller_undercuts() -> None:
     with pytest.raises(InputError, match="undercut") as caught:
         Contour.of(cam)
     assert caught.value.value in ("0°", "360°")
-    closed_spline(Contour.of(replace(cam, gap=0.0)), 1e-6)
+    fit_closed_spline(Contour.of(replace(cam, gap=0.0)), 1e-6)
 
 
 def test_a_knife_edge_s_corner_stays_one() -> None:
-    spline = closed_spline(Contour.of(bent((1.3, 0.9), 0.0)), 1e-7)
+    spline = fit_closed_spline(Contour.of(bent((1.3, 0.9), 0.0)), 1e-7)
     knots, times = np.unique(spline.knots, return_counts=True)
     assert spline.error <= 1e-7
     ends = spline.at(np.array([knots[0], knots[-1]]), 1)

@@ -102,7 +102,12 @@ def test_chords_keep_their_tolerance_on_every_flank(designs, name, curve) -> Non
 def test_a_curve_that_the_cam_has_not_is_refused_with_those_that_it_has(
     designs, name, curve
 ) -> None:
+    grinding = PROFILE_FORMATS["grinding.nc"]
+    with pytest.raises(InputError, match="curve=pitch for a wheel"):  # whatever the cam
+        grinding.options(curve=curve)
     for exporter in PROFILE_FORMATS.values():  # the drawing too, though it shows all of them
+        if exporter is grinding:
+            continue
         with pytest.raises(InputError, match="profile, pitch") as caught:
             exporter.write(designs[name], exporter.options(curve=curve))
         assert caught.value.field == "/curve"

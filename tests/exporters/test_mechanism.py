@@ -7,12 +7,12 @@ from functools import cache
 import numpy as np
 import pytest
 
-from synthesis.analysis import given
-from synthesis.answer import design
-from synthesis.design import Design
+from synthesis.design.design import Design
 from synthesis.exporters.figures.mechanism import Contact, Mechanism
 from synthesis.exporters.samples.cam import Cam
-from tests.followers.samples import CASES, spec
+from synthesis.pipeline.assembly import design
+from synthesis.studies.analyse import given_cam
+from tests.catalogue.followers.samples import CASES, spec
 
 COUNT = 3600
 CAMS = pytest.mark.parametrize(("kind", "sample"), CASES, ids=lambda v: str(v))
@@ -27,7 +27,7 @@ Points = np.ndarray  # complex, (n,)
 def drawn_cam(kind: str, sample: int, **changes: object) -> Design:
     """A given cam as a design: nothing is solved and nothing certified."""
     asked = spec(kind, sample, **changes)
-    return design(asked, given(asked), [], [], [], 0.0, None)
+    return design(asked, given_cam(asked), [], [], [], 0.0, None)
 
 
 @cache

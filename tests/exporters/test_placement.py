@@ -9,7 +9,7 @@ import math
 import numpy as np
 import pytest
 
-from synthesis.design import Design
+from synthesis.design.design import Design
 from synthesis.errors import InputError
 from synthesis.exporters import PROFILE_FORMATS, JsonOptions, PointOptions, ProfileOptions
 

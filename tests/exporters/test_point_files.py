@@ -7,10 +7,9 @@ import zipfile
 from typing import Any
 
 import numpy as np
-import openpyxl
 import pytest
 
-from synthesis.design import Design
+from synthesis.design.design import Design
 from synthesis.errors import InputError
 from synthesis.exporters import PROFILE_FORMATS
 from tests.exporters.test_points import points
@@ -52,6 +51,8 @@ def from_sldcrv(data: bytes) -> np.ndarray:
 
 
 def from_xlsx(data: bytes) -> tuple[str, np.ndarray]:
+    import openpyxl
+
     book = openpyxl.load_workbook(io.BytesIO(data))
     sheet = book.worksheets[0]
     (unit, *_), *rows = sheet.iter_rows(values_only=True)

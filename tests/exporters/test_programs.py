@@ -2,21 +2,25 @@
 
 from __future__ import annotations
 
+import json
 import math
 import re
 from dataclasses import dataclass, field
+from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
 
 from synthesis import synthesise
-from synthesis.design import Design
+from synthesis.design.design import Design
 from synthesis.errors import InputError
 from synthesis.exporters import PROFILE_FORMATS
+from synthesis.spec.design_spec import DesignSpec
 from tests.exporters.test_flanks import CLOSURES, asked
 from tests.exporters.test_points import away, points
 
+EXAMPLES = Path(__file__).resolve().parents[2] / "openapi" / "examples"
 WORD = re.compile(r"([A-Z])(-?\d+\.?\d*)")
 
 
@@ -198,6 +202,62 @@ def test_what_makes_no_sense_is_refused(unspecial: Design) -> None:
         run("grinding.nc", unspecial, tolerance_um=1.0)
     with pytest.raises(InputError, match="at most 1e"):
         run("nc", unspecial, feed_mm_per_min=0.0)
+
+
+@pytest.fixture(scope="module")
+def flat_face() -> Design:
+    example = json.loads((EXAMPLES / "flat-face.json").read_text())
+    return synthesise(DesignSpec.model_validate(example["value"]))
+
+
+def test_a_wheel_needs_a_size(flat_face: Design, build) -> None:
+    """A follower without a roller has a pitch curve too: the profile itself."""
+    knife_edge = build(roller=0.0, limits=[])
+    for design in (flat_face, knife_edge):
+        for name in ("grinding.nc", "nc"):
+            with pytest.raises(InputError, match="radius too deep") as caught:
+                run(name, design, curve="pitch")
+            assert caught.value.field == "/curve"
+            assert "cutter_diameter_mm" in caught.value.remedy
+            run(name, design, curve="cutter", cutter_diameter_mm=10.0, points=90)
+    with pytest.raises(InputError, match="radius too deep"):
+        run("grinding.nc", flat_face)
+    with pytest.raises(InputError, match="radius too deep"):
+        run("grinding.nc", flat_face, curve="profile")
+    run("nc", flat_face, points=90)  # the profile, for a tool that the control compensates
+
+
+def test_a_tool_as_large_as_the_roller_has_to_fit(build) -> None:
+    """A given cam that is undercut may be looked at, but not made with the roller as the tool."""
+    undercut = build(prime=30.0, roller=28.0, offset=0.0, limits=[])
+    for name in ("grinding.nc", "nc"):
+        with pytest.raises(InputError, match="cuts into the profile at cam angle") as caught:
+            run(name, undercut, curve="pitch")
+        assert caught.value.field == "/curve"
+
+
+@pytest.mark.parametrize("name", [*CLOSURES, "tight groove"])
+def test_a_roller_fits_the_cams_that_it_runs_on(name: str) -> None:
+    closure = CLOSURES.get(name, {"kind": "groove", "clearance_mm": 0.0})
+    design = synthesise(asked(closure, "ccw"))
+    for curve in ("pitch", "counter_pitch") if name == "pair" else ("pitch",):
+        run("grinding.nc", design, curve=curve, points=90)
+
+
+@pytest.mark.parametrize(("safe", "cut"), [(-12.0, -4.0), (-4.0, -4.0), (0.0, None), (-1.0, None)])
+def test_rapid_moves_run_above_the_cut(unspecial: Design, safe: float, cut: float | None) -> None:
+    with pytest.raises(InputError, match="rapid moves would run through") as caught:
+        run("nc", unspecial, safe_z_mm=safe, z_mm=cut)
+    assert caught.value.field == "/safe_z_mm"
+    assert "Raise safe_z_mm" in caught.value.remedy
+    run("nc", unspecial, safe_z_mm=0.5, z_mm=cut, points=90)
+
+
+@pytest.mark.parametrize("decimals", [0, 1])
+def test_coordinates_are_not_rounded_to_steps_that_show(unspecial: Design, decimals: int) -> None:
+    for name in ("nc", "grinding.nc"):
+        with pytest.raises(InputError, match="at least 2"):
+            run(name, unspecial, decimals=decimals)
 
 
 def test_a_name_cannot_end_its_comment(build) -> None:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from synthesis.design import Design
+from synthesis.design.design import Design
 from synthesis.errors import InputError
 from synthesis.exporters import (
     MOTION_FORMATS,
@@ -67,7 +67,7 @@ def test_densities_that_make_no_sense(options, density: float) -> None:
     assert error.field == "/points_per_degree"
     assert error.value is density
     assert "above 0 and at most 100." in error.rule
-    assert error.way_out
+    assert error.remedy
 
 
 @pytest.mark.parametrize("tolerance", [0.0, -1.0, float("nan"), float("inf")])
@@ -75,7 +75,7 @@ def test_tolerances_that_make_no_sense(tolerance: float) -> None:
     with pytest.raises(InputError) as caught:
         ProfileOptions(tolerance_um=tolerance)
     assert caught.value.field == "/tolerance_um"
-    assert caught.value.way_out
+    assert caught.value.remedy
 
 
 def test_an_unknown_theme() -> None:

@@ -11,7 +11,8 @@ from html.parser import HTMLParser
 
 import pytest
 
-from synthesis.design import Conflict, Design, Relaxation
+from synthesis.design.analysis import Sensitivities, Sensitivity
+from synthesis.design.design import Conflict, Design, Relaxation
 from synthesis.exporters import (
     MOTION_FORMATS,
     PICTURES,
@@ -20,8 +21,7 @@ from synthesis.exporters import (
     report_with,
 )
 from synthesis.exporters.drawing.canvas import figure
-from synthesis.findings import Sensitivities, Sensitivity
-from synthesis.spec import DesignSpec
+from synthesis.spec.design_spec import DesignSpec
 from tests.exporters.conftest import extreme
 from tests.exporters.test_mechanism import drawn_cam
 
@@ -131,7 +131,9 @@ def test_what_was_asked_can_be_asked_again(unspecial: Design) -> None:
 def test_no_text_becomes_an_element(build, infeasible: bool) -> None:
     design = build(name=NASTY)
     if infeasible:
-        change = Relaxation(limit=NASTY, field=NASTY, unit="mm", asked=1.0, needed=None, note=NASTY)
+        change = Relaxation(
+            limit=NASTY, field=NASTY, unit="mm", requested=1.0, needed=None, note=NASTY
+        )
         conflict = Conflict(limits=[NASTY], relaxations=[change], evidence=NASTY)
         design = design.model_copy(update={"conflict": conflict})
     told = page(design)
@@ -152,7 +154,7 @@ def test_nothing_reaches_outside(p1: Design) -> None:
 
 def test_where_nothing_fits_it_says_what_would(build) -> None:
     helps = Relaxation(
-        limit="jerk", field="limits/1/max_mm_per_s3", unit="mm/s³", asked=6e5, needed=8.3596e5
+        limit="jerk", field="limits/1/max_mm_per_s3", unit="mm/s³", requested=6e5, needed=8.3596e5
     )
     idle = helps.model_copy(update={"limit": "pressure_angle_rise", "needed": None, "unit": "deg"})
     conflict = Conflict(limits=["jerk"], relaxations=[helps, idle], evidence="proven")
@@ -180,11 +182,11 @@ def test_a_given_cam_says_what_it_breaks(judged: Design) -> None:
 def test_sensitivities_are_told_if_they_are_there(p1: Design) -> None:
     one = Sensitivity(
         field="limits/0/rise_deg",
-        asked=30.0,
+        requested=30.0,
         per_unit=-0.8,
         per_unit_more=-0.8,
         per_unit_less=-0.8,
-        words="1 deg more: so",
+        sentence="1 deg more: so",
     )
     found = Sensitivities(
         objective="base_radius_mm", value=50.0, sensitivities=[one], evidence="LP", unconfirmed=[]

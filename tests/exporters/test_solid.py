@@ -8,16 +8,6 @@ from typing import Any
 
 import numpy as np
 import pytest
-from OCP.BRep import BRep_Builder
-from OCP.BRepBuilderAPI import BRepBuilderAPI_MakeVertex
-from OCP.BRepCheck import BRepCheck_Analyzer
-from OCP.BRepExtrema import BRepExtrema_DistShapeShape
-from OCP.BRepGProp import BRepGProp
-from OCP.gp import gp_Pnt
-from OCP.GProp import GProp_GProps
-from OCP.TopAbs import TopAbs_FACE, TopAbs_SOLID
-from OCP.TopExp import TopExp_Explorer
-from OCP.TopoDS import TopoDS_Compound
 
 from synthesis import Design, synthesise
 from synthesis.errors import ExtraMissing, InputError
@@ -28,7 +18,7 @@ from synthesis.exporters.solids import solid_step
 from synthesis.exporters.solids.blank import blank
 from synthesis.exporters.solids.keyway import Bore, bore_of
 from synthesis.exporters.solids.solid_options import SolidOptions
-from tests.exporters.kernel import shape
+from tests.exporters.kernel import OCP, shape
 from tests.exporters.test_flanks import CLOSURES, asked
 
 STEP = SOLID_FORMATS["step"]
@@ -41,7 +31,7 @@ def cams() -> dict[str, Design]:
 
 
 def faces_of(body: Any) -> list[Any]:
-    found, each = [], TopExp_Explorer(body, TopAbs_FACE)
+    found, each = [], OCP.TopExp.TopExp_Explorer(body, OCP.TopAbs.TopAbs_FACE)
     while each.More():
         found.append(each.Current())
         each.Next()
@@ -49,25 +39,30 @@ def faces_of(body: Any) -> list[Any]:
 
 
 def volume(body: Any) -> float:
-    told = GProp_GProps()
-    BRepGProp.VolumePropertiesGK_s(body, told, 1e-9, True, True)
+    told = OCP.GProp.GProp_GProps()
+    OCP.BRepGProp.BRepGProp.VolumePropertiesGK_s(body, told, 1e-9, True, True)
     return float(told.Mass())
 
 
 def from_skin(body: Any, points: np.ndarray) -> np.ndarray:
     """Distances of points (n, 3) from the faces of a body."""
-    skin, builder = TopoDS_Compound(), BRep_Builder()
+    skin, builder = OCP.TopoDS.TopoDS_Compound(), OCP.BRep.BRep_Builder()
     builder.MakeCompound(skin)
     for face in faces_of(body):
         builder.Add(skin, face)
-    vertices = [BRepBuilderAPI_MakeVertex(gp_Pnt(*map(float, point))).Vertex() for point in points]
-    return np.array([BRepExtrema_DistShapeShape(each, skin).Value() for each in vertices])
+    vertices = [
+        OCP.BRepBuilderAPI.BRepBuilderAPI_MakeVertex(OCP.gp.gp_Pnt(*map(float, point))).Vertex()
+        for point in points
+    ]
+    return np.array(
+        [OCP.BRepExtrema.BRepExtrema_DistShapeShape(each, skin).Value() for each in vertices]
+    )
 
 
 def made(design: Design, folder: Path, **options: Any) -> Any:
     body = shape(STEP.write(design, SolidOptions(**options)), ".step", folder)
-    assert body.ShapeType() == TopAbs_SOLID
-    assert BRepCheck_Analyzer(body).IsValid()
+    assert body.ShapeType() == OCP.TopAbs.TopAbs_SOLID
+    assert OCP.BRepCheck.BRepCheck_Analyzer(body).IsValid()
     return body
 
 
@@ -162,7 +157,7 @@ def test_bodies_that_make_no_sense(cams, closure: str, options: dict[str, Any], 
         blank(cams[closure], SolidOptions(**options))
     assert caught.value.field == field
     assert caught.value.rule
-    assert caught.value.way_out
+    assert caught.value.remedy
 
 
 def test_without_its_extra_it_says_how_to_get_it(unspecial: Design, monkeypatch) -> None:

@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from synthesis.design import Design, SplineCurve
+from synthesis.design.design import Design, SplineCurve
 from synthesis.exporters import (
     MOTION_FORMATS,
     PROFILE_FORMATS,

@@ -10,9 +10,9 @@ import pytest
 
 from synthesis import CamSet, synthesise_set
 from synthesis.exporters.diagrams.timing import LEFT, RIGHT, WIDTH, displacement, timing_diagram
-from tests.camsets.sets import INLET, asked, body
 from tests.exporters.test_bundle import STEEP
 from tests.exporters.test_drawings import SVG, floats, of_class, path_points, text_boxes, texts
+from tests.studies.cam_sets import INLET, asked, body
 
 PER_DEGREE = (WIDTH - LEFT - RIGHT) / 360.0
 BUSY = {

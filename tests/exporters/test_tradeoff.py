@@ -9,7 +9,7 @@ import pytest
 
 from synthesis.exporters.diagrams.tradeoff import Aim, TradeOff, trade_off
 from synthesis.exporters.drawing.theme import Theme
-from synthesis.sweeps.pareto import non_dominated
+from synthesis.studies.sweeps.pareto import non_dominated
 from tests.exporters.test_drawings import SVG, floats, of_class, path_points, text_boxes, texts
 
 AIMS = (Aim("base_radius_mm", False), Aim("peak_jerk_mm_per_s3", False), Aim("arm_deg", True))

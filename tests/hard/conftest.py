@@ -4,7 +4,7 @@ import time
 
 import pytest
 
-from synthesis import clock
+from synthesis.numerics import clock
 
 
 @pytest.fixture(autouse=True)

@@ -23,7 +23,7 @@ RAD = pi / 180.0
 
 
 @dataclass(frozen=True)
-class Stretch:
+class PlacedSegment:
     """A segment with an extent: angles in rad, levels in the wire's unit (mm or deg)."""
 
     index: int
@@ -94,7 +94,7 @@ def unit_of(spec: dict[str, Any]) -> str:
     return "deg" if spec["follower"]["kind"].startswith("oscillating") else "mm"
 
 
-def stretches(spec: dict[str, Any], splines: dict[int, Any]) -> list[Stretch]:
+def segments(spec: dict[str, Any], splines: dict[int, Any]) -> list[PlacedSegment]:
     """The motion of a spec.
 
     Args:
@@ -125,7 +125,7 @@ def stretches(spec: dict[str, Any], splines: dict[int, Any]) -> list[Stretch]:
             narrow = min(b - a for a, b, _ in pieces)
             noise = tuple(1e-13 * max(60.0, 8.0 / narrow) ** n for n in range(5))
         if beta > 0.0:
-            found.append(Stretch(i, kind, angle, beta, levels[i], lift, pieces, free, noise))
+            found.append(PlacedSegment(i, kind, angle, beta, levels[i], lift, pieces, free, noise))
         angle += beta
     return found
 

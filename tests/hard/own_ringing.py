@@ -8,12 +8,12 @@ from typing import Any
 
 import numpy as np
 
-from tests.hard.own_cam import Stretch
+from tests.hard.own_cam import PlacedSegment
 
 NODES, WEIGHTS = np.polynomial.legendre.leggauss(20)
 
 
-def amplitudes(moves: list[Stretch], omega: float, limit: dict[str, Any]) -> list[float]:
+def amplitudes(moves: list[PlacedSegment], omega: float, limit: dict[str, Any]) -> list[float]:
     """One for each run between two dwells, in the unit of the lifts."""
     nu = 2.0 * pi * limit["natural_frequency_hz"] / omega
     zeta = limit.get("damping_ratio", 0.0)
@@ -21,10 +21,10 @@ def amplitudes(moves: list[Stretch], omega: float, limit: dict[str, Any]) -> lis
     return [abs(_sum(run, zeta * nu, damped)) / damped for run in _runs(moves)]
 
 
-def _runs(moves: list[Stretch]) -> Iterable[list[Stretch]]:
+def _runs(moves: list[PlacedSegment]) -> Iterable[list[PlacedSegment]]:
     """The moves between dwells, from the first dwell round the turn."""
     first = next(k for k, move in enumerate(moves) if move.kind == "dwell")
-    run: list[Stretch] = []
+    run: list[PlacedSegment] = []
     for move in [*moves[first + 1 :], *moves[: first + 1]]:
         if move.kind != "dwell":
             run.append(move)
@@ -33,7 +33,7 @@ def _runs(moves: list[Stretch]) -> Iterable[list[Stretch]]:
             run = []
 
 
-def _sum(run: list[Stretch], decay: float, damped: float) -> complex:
+def _sum(run: list[PlacedSegment], decay: float, damped: float) -> complex:
     """∫ s'' e^(−(decay − i damped)(end − θ)) dθ, jumps of s' and all."""
     total, after, behind = 0j, sum(move.beta for move in run), 0.0
     for move in run:

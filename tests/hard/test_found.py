@@ -9,9 +9,9 @@ from typing import Any
 import pytest
 
 from synthesis import DesignSpec, synthesise
-from synthesis.formulations.conflict import elastic
-from synthesis.formulations.question.grid import uniform
-from synthesis.formulations.question.problem import pose
+from synthesis.optimise.infeasibility import diagnosis as elastic
+from synthesis.optimise.problem.grid import uniform_grid
+from synthesis.optimise.problem.problem import formulate_problem
 from tests.hard.cases import ANGLES, CASES, jerk, scene
 from tests.hard.run import outcome
 from tests.hard.verifier import objectives
@@ -29,15 +29,15 @@ def test_it_stays_mended(found: dict[str, Any]) -> None:
 def test_every_objective_has_a_proof_even_if_it_was_not_reached() -> None:
     spec = next(one["spec"] for one in FOUND if one["why"].startswith("ordered"))
     design = synthesise(DesignSpec.model_validate(spec))
-    assert len(design.certificate.also) == len(objectives(spec)) - 1
-    unproven = [proof for proof in design.certificate.also if proof.gap is None]
+    assert len(design.certificate.other_objectives) == len(objectives(spec)) - 1
+    unproven = [proof for proof in design.certificate.other_objectives if proof.gap is None]
     assert design.status == "feasible" or not unproven
 
 
 def test_a_diagnosis_stops_when_its_time_is_over() -> None:
     spec = DesignSpec.model_validate(scene(ANGLES, jerk(28.8)))
-    problem = pose(spec, spec.objectives()[0])
-    grids = [uniform(stretch, 16) for stretch in problem.free]
+    problem = formulate_problem(spec, spec.objectives()[0])
+    grids = [uniform_grid(segment, 16) for segment in problem.free]
     conflict = elastic.diagnose(spec, problem, grids, deadline=0.0)
     assert conflict.limits
     assert elastic.LATE in conflict.evidence

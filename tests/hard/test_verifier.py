@@ -13,7 +13,7 @@ import numpy as np
 import pytest
 
 from synthesis import DesignSpec, synthesise
-from synthesis.laws import LAWS
+from synthesis.catalogue.laws import LAWS
 from tests.hard.cases import ANGLES, CENTRAL, FACE, FREE, H, jerk, moves, radius, scene
 from tests.hard.own_laws import named
 from tests.hard.random_specs import RESTS, TURNS
@@ -38,9 +38,9 @@ def test_it_imports_nothing_of_the_product(module: str) -> None:
 @pytest.mark.parametrize("kind", [*RESTS, *TURNS])
 def test_both_write_the_same_laws(kind: str) -> None:
     """Two transcriptions of the same literature, in different forms."""
-    for stretch in ("rise", "return"):
-        theirs = LAWS[kind].curve(stretch)
-        for a, b, g in named({"kind": kind}, stretch):
+    for segment in ("rise", "return"):
+        theirs = LAWS[kind].curve(segment)
+        for a, b, g in named({"kind": kind}, segment):
             x = np.linspace(a, b, 23)[1:-1]
             for order in range(4):
                 found, wanted = theirs(x, order), g(x, order)
@@ -148,7 +148,7 @@ def test_a_bound_without_ground_is_refuted(roller: tuple[dict[str, Any], dict[st
     witness = best(spec)
     assert witness is not None
     assert witness.value > design["certificate"]["value"]
-    proof = {"lower_bound": 1.001 * witness.value, "bound_over": "all motion laws"}
+    proof = {"lower_bound": 1.001 * witness.value, "bound_valid_for": "all motion laws"}
     assert contradictions(spec, design | {"certificate": proof})
 
 

@@ -17,7 +17,17 @@ from typing import Any
 
 import numpy as np
 
-from tests.hard.own_cam import RAD, Face, Path, Stretch, base_gap, paths, sides, stretches, unit_of
+from tests.hard.own_cam import (
+    RAD,
+    Face,
+    Path,
+    PlacedSegment,
+    base_gap,
+    paths,
+    segments,
+    sides,
+    unit_of,
+)
 from tests.hard.own_ringing import amplitudes
 
 Quantity = Callable[[list[np.ndarray]], np.ndarray]
@@ -50,7 +60,11 @@ class Cam:
     """A motion and a size, to be asked for extremes."""
 
     def __init__(
-        self, spec: dict[str, Any], moves: list[Stretch], size: dict[str, float], dense: int = 24
+        self,
+        spec: dict[str, Any],
+        moves: list[PlacedSegment],
+        size: dict[str, float],
+        dense: int = 24,
     ) -> None:
         self.spec, self.moves, self.fine = spec, moves, dense > 20
         self._joints: dict[int, list[tuple[float, float, float, float]]] = {}
@@ -58,7 +72,7 @@ class Cam:
         self.omega = spec.get("speed_rpm", 60.0) * pi / 30.0
         self.unit = unit_of(spec)
         self._take(size)
-        self.grids: list[tuple[Stretch, int, np.ndarray]] = []
+        self.grids: list[tuple[PlacedSegment, int, np.ndarray]] = []
         for move in moves:
             if move.kind == "dwell":
                 self.grids.append((move, 0, np.array([0.0, 0.5, 1.0])))
@@ -96,11 +110,11 @@ class Cam:
         starts = np.cumsum([0, *(len(x) for *_, x in self.grids)])
         return [np.concatenate([row[n] for row in rows]) for n in range(4)], starts
 
-    def s(self, move: Stretch, piece: int, x: np.ndarray) -> list[np.ndarray]:
+    def s(self, move: PlacedSegment, piece: int, x: np.ndarray) -> list[np.ndarray]:
         return [move.at(piece, x, n) for n in range(4)]
 
     def largest(self, quantity: Quantity, kinds: Iterable[str] = ()) -> float:
-        """The largest value over the turn, or over stretches of these kinds."""
+        """The largest value over the turn, or over segments of these kinds."""
         s, starts = self.sampled
         values, best = np.array(quantity(s), dtype=float), -inf
         tops = np.maximum.reduceat(values, starts[:-1])
@@ -370,7 +384,7 @@ def objectives(spec: dict[str, Any]) -> list[str]:
 def rebuilt(spec: dict[str, Any], design: dict[str, Any]) -> Cam:
     """The cam of a design."""
     splines = {i: m["spline"] for i, m in enumerate(design["motion"]) if m["spline"] is not None}
-    cam = Cam(spec, stretches(spec, splines), design["dimensions"])
+    cam = Cam(spec, segments(spec, splines), design["dimensions"])
     cam.look_at([extreme["angle_deg"] for extreme in design["extremes"]])
     return cam
 
@@ -378,7 +392,7 @@ def rebuilt(spec: dict[str, Any], design: dict[str, Any]) -> Cam:
 def numbered(spec: dict[str, Any], design: dict[str, Any]) -> dict[str, Any]:
     """The spec with the numbers in place that it leaves free."""
     program, follower = [dict(segment) for segment in spec["program"]], dict(spec["follower"])
-    for field, value in (design.get("chosen") or {}).items():
+    for field, value in (design.get("free_parameters") or {}).items():
         *_, index, name = field.strip("/").split("/")
         (follower if index == "follower" else program[int(index)])[name] = value
     return spec | {"program": program, "follower": follower}
@@ -499,8 +513,8 @@ def _chosen(asked: dict[str, Any], spec: dict[str, Any]) -> Iterable[str]:
         yield f"the angles sum to {turn}°"
 
 
-def _backwards(move: Stretch) -> float:
-    """Farthest travel backwards on a stretch, over its lift."""
+def _backwards(move: PlacedSegment) -> float:
+    """Farthest travel backwards on a segment, over its lift."""
     g = np.concatenate([curve(np.linspace(a, b, 60), 0) for a, b, curve in move.pieces])
     return float(np.max(np.maximum.accumulate(g) - g))
 
@@ -544,7 +558,7 @@ def _size(cam: Cam, spec: dict[str, Any], design: dict[str, Any]) -> Iterable[st
 
 def _proofs(cam: Cam, spec: dict[str, Any], design: dict[str, Any]) -> Iterable[str]:
     """Objective values as reported; bounds below them; "optimal" only within the tolerance."""
-    proofs = [design["certificate"], *design["certificate"]["also"]]
+    proofs = [design["certificate"], *design["certificate"]["other_objectives"]]
     if len(proofs) != len(objectives(spec)):
         yield f"{len(objectives(spec))} objectives, {len(proofs)} proofs"
         return

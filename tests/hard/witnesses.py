@@ -15,7 +15,7 @@ from typing import Any
 
 import numpy as np
 
-from tests.hard.own_cam import LINE, RAD, Stretch, base_gap, lowest, stretches, unit_of
+from tests.hard.own_cam import LINE, RAD, PlacedSegment, base_gap, lowest, segments, unit_of
 from tests.hard.own_laws import Piece, backwards, hermite, named
 from tests.hard.verifier import Cam, objective, objectives, readings
 
@@ -41,7 +41,7 @@ def law(name: str, kind: str) -> list[Piece]:
     return constant_jerk() if name == "constant jerk" else named({"kind": name}, kind)
 
 
-def motions(spec: dict[str, Any]) -> Iterator[list[Stretch]]:
+def motions(spec: dict[str, Any]) -> Iterator[list[PlacedSegment]]:
     """The program with laws of our own in place of the free ones."""
     program = spec["program"]
     free = [
@@ -51,9 +51,9 @@ def motions(spec: dict[str, Any]) -> Iterator[list[Stretch]]:
         and (segment.get("law") or {"kind": "spline"})["kind"] == "spline"
     ]
     if not free:
-        yield stretches(spec, {})
+        yield segments(spec, {})
         return
-    placed = stretches(spec, dict.fromkeys(free, LINE))
+    placed = segments(spec, dict.fromkeys(free, LINE))
     position = {move.index: k for k, move in enumerate(placed)}
     choices = []
     for i in free:
@@ -84,7 +84,7 @@ def motions(spec: dict[str, Any]) -> Iterator[list[Stretch]]:
             return
     for number in range(max(len(c) for c in choices)):
         chosen = [c[min(number, len(c) - 1)] for c in choices]
-        yield stretches(spec, dict(zip(free, chosen, strict=True)))
+        yield segments(spec, dict(zip(free, chosen, strict=True)))
 
 
 def grid(asked: Any, low: float, high: float, count: int, log: bool) -> list[float]:
@@ -195,7 +195,7 @@ def contradictions(spec: dict[str, Any], design: dict[str, Any]) -> list[str]:
         return []
     refused = design["status"] == "infeasible"
     bound = design["certificate"]["lower_bound"]
-    if not refused and (bound is None or "family" in design["certificate"]["bound_over"]):
+    if not refused and (bound is None or "family" in design["certificate"]["bound_valid_for"]):
         return []
     witness = best(spec)
     if witness is None:

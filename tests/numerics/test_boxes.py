@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from synthesis.numerics.boxes import Boxes
-from synthesis.numerics.looking import Bounds, sighted
+from synthesis.numerics.extremum_search import ExcessBounds, locate_extrema
 
 RNG = np.random.default_rng(8)
 
@@ -13,7 +13,7 @@ def some() -> Boxes:
     """Boxes of two pieces that overlap, and a point."""
     pieces, asked = np.array([0, 0, 1, 1]), np.array([[1, 0, 1, 0], [0, 1, 1, 1]], dtype=bool)
     first, last = np.array([0.0, 0.3, 1.1, 1.7]), np.array([1.1, 0.9, 2.3, 1.7])
-    return Boxes.spans(pieces, first, last, np.array([3, 4]), asked)
+    return Boxes.from_spans(pieces, first, last, np.array([3, 4]), asked)
 
 
 def test_equal_parts_from_end_to_end() -> None:
@@ -27,14 +27,14 @@ def test_equal_parts_from_end_to_end() -> None:
 def test_cut_boxes_cover_the_same_for_the_same() -> None:
     boxes = some()
     cuts = np.sort(np.concatenate([RNG.uniform(-0.5, 2.5, 40), [0.3, 1.7]]))
-    cut = boxes.cut(cuts)
+    cut = boxes.cut_at(cuts)
     x = np.concatenate([RNG.uniform(0.0, 2.3, 500), cuts, boxes.lo])
     for piece in (0, 1):
         for question in (0, 1):
             before, after = (
                 np.any(
                     (b.lo <= x[:, None]) & (x[:, None] <= b.hi)
-                    & (b.piece == piece) & b.asked[question], axis=1,
+                    & (b.piece == piece) & b.active[question], axis=1,
                 )
                 for b in (boxes, cut)
             )  # fmt: skip
@@ -51,11 +51,11 @@ def test_the_highest_of_several_peaks_is_seen_where_it_is_asked_for() -> None:
         return np.stack([np.where(x < 1.1, hill, 0.2), np.where(x < 1.1, hill, other)])
 
     whole = np.ones((2, 2), dtype=bool)
-    boxes = Boxes.spans(
+    boxes = Boxes.from_spans(
         np.array([0, 1]), np.array([0.0, 1.1]), np.array([1.1, 2.3]), np.array([5, 7]), whole
     )
     with np.errstate(all="ignore"):
-        seen = sighted(boxes, heights, Bounds(np.full(2, -np.inf), np.zeros(2)))
+        seen = locate_extrema(boxes, heights, ExcessBounds(np.full(2, -np.inf), np.zeros(2)))
     np.testing.assert_array_equal(seen.question, [0, 1])
     np.testing.assert_array_equal(seen.piece, [0, 1])
     np.testing.assert_allclose(seen.at, [0.4123, 1.9271], atol=1e-6)
@@ -72,24 +72,28 @@ def test_of_equal_peaks_the_first_is_seen_whatever_their_last_digits() -> None:
             return (even + noise[piece])[None]
 
         ends = np.array([0.0, 1.0, 2.0])
-        boxes = Boxes.spans(
+        boxes = Boxes.from_spans(
             np.arange(3), ends, ends + 0.97, np.full(3, 4), np.ones((1, 3), dtype=bool)
         )
         with np.errstate(all="ignore"):
-            seen = sighted(boxes, heights, Bounds(np.array([-np.inf]), np.array([0.61])))
+            seen = locate_extrema(
+                boxes, heights, ExcessBounds(np.array([-np.inf]), np.array([0.61]))
+            )
         assert seen.at == pytest.approx([0.4123], abs=1e-5)
 
 
 def test_of_many_peaks_that_are_nothing_the_first_is_seen() -> None:
     ends = np.arange(9.0)
-    boxes = Boxes.spans(np.arange(9), ends, ends + 1.0, np.full(9, 1), np.ones((2, 9), dtype=bool))
+    boxes = Boxes.from_spans(
+        np.arange(9), ends, ends + 1.0, np.full(9, 1), np.ones((2, 9), dtype=bool)
+    )
 
     def heights(piece, x):
         hill = -((x - piece - 0.5) ** 2)
         return np.stack([hill, hill - 0.01 * (piece == 0) + 0.02 * (piece == 7)])
 
     with np.errstate(all="ignore"):
-        seen = sighted(boxes, heights, Bounds(np.full(2, -np.inf), np.zeros(2)))
+        seen = locate_extrema(boxes, heights, ExcessBounds(np.full(2, -np.inf), np.zeros(2)))
     np.testing.assert_array_equal(seen.question, [0, 1])
     np.testing.assert_allclose(seen.at, [0.5, 7.5], atol=1e-12)
 
@@ -97,7 +101,7 @@ def test_of_many_peaks_that_are_nothing_the_first_is_seen() -> None:
 @pytest.mark.parametrize("count", [7, 200])
 def test_a_peak_between_the_samples_is_found(count: int) -> None:
     """Of waves that are long and short beside the boxes: few boxes are looked at more closely."""
-    boxes = Boxes.spans(
+    boxes = Boxes.from_spans(
         np.array([0]), np.array([0.0]), np.array([1.0]), np.array([count]), np.ones((1, 1), bool)
     )
     short = 0.2 * count
@@ -106,6 +110,8 @@ def test_a_peak_between_the_samples_is_found(count: int) -> None:
         return (np.sin(3.1 * x + 0.4) + 1e-3 * np.cos(short * (x - 0.31)))[None]
 
     with np.errstate(all="ignore"):
-        (at,) = sighted(boxes, heights, Bounds(np.array([-np.inf]), np.array([2.0]))).at
+        (at,) = locate_extrema(
+            boxes, heights, ExcessBounds(np.array([-np.inf]), np.array([2.0]))
+        ).at
     slope = 3.1 * np.cos(3.1 * at + 0.4) - 1e-3 * short * np.sin(short * (at - 0.31))
     assert abs(slope) < 1e-5 * 3.1**2

@@ -99,7 +99,7 @@ def test_derivative_rows_are_those_of_the_derivative_spline(case, order: int):
 def test_control_gives_the_coefficients_of_the_derivative(case, order: int):
     space, c = case
     order = min(order, space.degree)
-    d = space.control(order) @ c
+    d = space.control_matrix(order) @ c
     assert d.shape == (space.size - order,)
     x = grid(space)
     inner = space.knots[order : len(space.knots) - order]
@@ -112,7 +112,7 @@ def test_control_gives_the_coefficients_of_the_derivative(case, order: int):
 def test_a_spline_lies_in_the_hull_of_its_coefficients(case, order: int):
     space, c = case
     order = min(order, space.degree)
-    d = space.control(order) @ c
+    d = space.control_matrix(order) @ c
     values = space.basis(grid(space), order) @ c
     tolerance = 1e-13 * steepness(space, order) * 4.0
     assert np.all(values <= d.max() + tolerance)
@@ -171,18 +171,20 @@ def test_sizes():
 @given(splines())
 def test_steps_of_coefficients_stand_for_the_slope(case):
     space, c = case
-    x, factors = space.slopes
+    x, factors = space.step_slopes
     slope = SplineSpace(space.degree - 1, space.breaks)
     np.testing.assert_allclose(x, slope.greville, rtol=0, atol=1e-15)
-    np.testing.assert_allclose(space.steps @ c, c[:-1] - c[1:], rtol=0, atol=0)
+    np.testing.assert_allclose(space.step_matrix @ c, c[:-1] - c[1:], rtol=0, atol=0)
     scale = 1e-14 * steepness(space, 1) * np.abs(c).max()
-    np.testing.assert_allclose(factors * (space.control(1) @ c), space.steps @ c, atol=scale)
+    np.testing.assert_allclose(
+        factors * (space.control_matrix(1) @ c), space.step_matrix @ c, atol=scale
+    )
 
 
 @given(splines(), st.integers(1, 3))
 def test_prices_of_an_end_pay_for_its_coefficients(case, count: int):
     space, c = case
     gradient = c[:count]
-    prices = space.end_prices(gradient)
-    paid = prices @ space.boundary(1.0, count)[:, space.size - count :]
+    prices = space.end_multipliers(gradient)
+    paid = prices @ space.end_derivatives(1.0, count)[:, space.size - count :]
     np.testing.assert_allclose(paid, -gradient, atol=1e-9 * np.abs(gradient).max())

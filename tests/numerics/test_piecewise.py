@@ -8,8 +8,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from synthesis.motion import Motion, Stretch
-from synthesis.numerics.piecewise import Piecewise, distinct, join
+from synthesis.catalogue.motion import Motion, PlacedSegment
+from synthesis.numerics.piecewise import Piecewise, concatenate, sorted_unique
 from tests.forty_digits import PI, cos, sin
 
 number = st.floats(-3.0, 3.0).map(lambda v: v + 0.0173)
@@ -105,7 +105,7 @@ def test_derivatives_are_the_single_ones_and_shape_is_kept(f: Piecewise):
 
 @given(functions(), number, width, number, number)
 def test_placed(f: Piecewise, start: float, wide: float, shift: float, scale: float):
-    g = f.placed(start, wide, shift, scale)
+    g = f.rescale(start, wide, shift, scale)
     x = middle(f)
     np.testing.assert_allclose(g.breaks, start + wide * f.breaks, rtol=1e-15)
     at = start + wide * x
@@ -119,7 +119,7 @@ def test_placed(f: Piecewise, start: float, wide: float, shift: float, scale: fl
 
 @given(functions())
 def test_reversed_runs_backwards_over_the_same_interval(f: Piecewise):
-    g = f.reversed()
+    g = f.mirror()
     both = f.breaks[0] + f.breaks[-1]
     x = middle(f)
     assert g.breaks[0] == pytest.approx(f.breaks[0])
@@ -139,8 +139,8 @@ def test_reversed_runs_backwards_over_the_same_interval(f: Piecewise):
 
 @given(functions(), functions())
 def test_join_keeps_every_part(f: Piecewise, g: Piecewise):
-    g = g.placed(float(f.breaks[-1] - g.breaks[0]), 1.0, 0.0, 1.0)
-    both = join([f, g])
+    g = g.rescale(float(f.breaks[-1] - g.breaks[0]), 1.0, 0.0, 1.0)
+    both = concatenate([f, g])
     assert both.count == f.count + g.count
     for order in range(4):
         assert np.array_equal(both(middle(f), order), f(middle(f), order))
@@ -151,7 +151,7 @@ def test_join_keeps_every_part(f: Piecewise, g: Piecewise):
 def test_the_crude_bound_is_one(f: Piecewise, fraction: float, order: int):
     piece = np.arange(f.count)
     x = middle(f, fraction)
-    bound = f.bound(piece, np.diff(f.breaks), order)
+    bound = f.bound_derivative(piece, np.diff(f.breaks), order)
     assert np.all(abs(f.at(x, piece, order)) <= bound * (1.0 + 1e-12) + 1e-300)
 
 
@@ -167,13 +167,13 @@ def test_a_stretch_of_no_angle_adds_no_piece():
     half = np.pi
     motion = Motion.of(
         [
-            Stretch(0, "rise", 0.0, half, 0.0, 2.0, ramp),
-            Stretch(1, "dwell", half, 0.0, 2.0, 2.0, still),
-            Stretch(2, "return", half, half, 2.0, 0.0, ramp),
+            PlacedSegment(0, "rise", 0.0, half, 0.0, 2.0, ramp),
+            PlacedSegment(1, "dwell", half, 0.0, 2.0, 2.0, still),
+            PlacedSegment(2, "return", half, half, 2.0, 0.0, ramp),
         ]
     )
     assert motion.curve.count == 2
-    assert len(motion.stretches) == 3
+    assert len(motion.segments) == 3
     assert motion.derivatives(half, 1, "left")[1, 0] == 2.0 / np.pi
     assert motion.derivatives(half, 1, "right")[1, 0] == -2.0 / np.pi
 
@@ -212,4 +212,4 @@ def test_all_derivatives_at_once_are_those_one_by_one() -> None:
 @given(st.lists(st.integers(-9, 9), max_size=30))
 def test_distinct_values_in_order(values: list[int]) -> None:
     table = np.array(values, dtype=float).reshape(-1, 1) / 7.0
-    np.testing.assert_array_equal(distinct(table), np.unique(table))
+    np.testing.assert_array_equal(sorted_unique(table), np.unique(table))

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from synthesis import Analysis, Design, DesignSpec, analyse, synthesise
-from synthesis.profile import cam_profile
+from synthesis.catalogue.profile import cam_profile
 from tests.pipeline.breaches import broken
 
 THETA = 2.0 * np.pi * (np.arange(20_000) + 0.5) / 20_000
@@ -111,7 +111,7 @@ def test_a_range_of_angles_that_ends_too_early_is_told_with_what_would_do() -> N
     assert refused.dimensions["counter_angle_deg"] <= most
     (told,) = [r for r in refused.conflict.relaxations if r.limit == "counter_angle"]
     assert told.field == "follower/closure/angle_deg/max"
-    assert (told.asked, told.unit) == (most, "deg")
+    assert (told.requested, told.unit) == (most, "deg")
     assert told.needed == pytest.approx(enough, rel=1e-9)
 
 
@@ -133,7 +133,7 @@ def test_arms_are_sized_together_with_their_law_and_their_closure(closure: str) 
     design = synthesise(DesignSpec.model_validate(asked))
     assert design.certificate.certified, [e for e in design.extremes if not e.holds]
     assert design.certificate.lower_bound <= design.dimensions["base_radius_mm"]
-    follower, z = design.built.follower, tuple(design.size)
+    follower, z = design.completed_spec.follower, tuple(design.size)
     for flank in follower.flanks:
         p = cam_profile(design.curve, follower, z, "ccw", THETA, "right", flank)
         assert np.min(p.radius[p.radius > 0.0], initial=np.inf) >= 2.0 * (1.0 - 1e-6)

@@ -12,7 +12,7 @@ from typing import Any
 import pytest
 
 from synthesis import Design, synthesise
-from tests.formulations.arms import ARM, OMEGA, RISE, SENSES, SWING, scene
+from tests.optimise.arms import ARM, OMEGA, RISE, SENSES, SWING, scene
 
 OUT_OF_THE_WAY = {"min": 112.7, "max": 140.1}
 

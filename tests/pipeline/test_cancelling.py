@@ -9,9 +9,10 @@ import numpy as np
 import pytest
 from scipy import sparse
 
-from synthesis import clock, synthesise
+from synthesis import synthesise
 from synthesis.errors import Cancelled
-from synthesis.solvers import highs, ipopt
+from synthesis.numerics import clock
+from synthesis.numerics.solvers import highs, ipopt
 from tests.pipeline.scenes import PRESSURE, jerk, spec
 
 RADIUS = {"kind": "profile_radius", "min_mm": 12.0}
@@ -44,12 +45,12 @@ def test_it_ends_at_the_next_look(scene: str) -> None:
     """A solver's iteration is a look, and so is the step after it: two, and nothing goes on."""
     asked = spec(**SCENES[scene])
     endless = Patience(10**9)
-    with clock.cancelled_by(endless):
+    with clock.cancellation_scope(endless):
         design = synthesise(asked)
     assert endless.looks > 20
     for looks in range(0, endless.looks, max(1, endless.looks // 6)):
         patience = Patience(looks)
-        with clock.cancelled_by(patience), pytest.raises(Cancelled):
+        with clock.cancellation_scope(patience), pytest.raises(Cancelled):
             synthesise(asked)
         assert patience.looks <= looks + 2
     alone = synthesise(asked)
@@ -69,7 +70,7 @@ def test_ipopt_stops_between_two_iterations(monkeypatch: pytest.MonkeyPatch) -> 
             return super().eval(point)
 
     monkeypatch.setattr(ipopt, "_Look", Stopping)
-    with clock.cancelled_by(event), pytest.raises(Cancelled):
+    with clock.cancellation_scope(event), pytest.raises(Cancelled):
         synthesise(spec(**SCENES["IPOPT"]))
     assert told == ["asked"]
 
@@ -80,17 +81,17 @@ def test_linear_programs_stop_between_two_objectives() -> None:
     )
     objectives = [np.array([-1.0, k]) for k in range(5)]
     patience = Patience(3)
-    with clock.cancelled_by(patience), pytest.raises(Cancelled):
-        highs.least(rows, objectives)
+    with clock.cancellation_scope(patience), pytest.raises(Cancelled):
+        highs.minimise_each(rows, objectives)
     assert patience.looks == 4
-    assert len(highs.least(rows, objectives)) == 5
+    assert len(highs.minimise_each(rows, objectives)) == 5
 
 
 def test_it_is_the_threads_own_affair() -> None:
     """What runs beside a stopped design, in another thread, goes on."""
     event, seen = Event(), list[float]()
     event.set()
-    with clock.cancelled_by(event):
+    with clock.cancellation_scope(event):
         beside = Thread(target=lambda: seen.append(clock.now()))
         beside.start()
         beside.join()

@@ -13,8 +13,8 @@ import numpy as np
 import pytest
 
 from synthesis import Analysis, Design, DesignSpec, analyse, synthesise
+from synthesis.catalogue.profile import cam_profile
 from synthesis.errors import InputError
-from synthesis.profile import cam_profile
 from tests.pipeline.breaches import broken
 
 TURN = 2.0 * np.pi
@@ -56,7 +56,7 @@ def extreme(found: Design | Analysis, limit: str):
 
 def points(design: Design, name: str):
     """The flank at dense angles, with what the certificate never saw: the reported radius."""
-    follower = design.built.follower
+    follower = design.completed_spec.follower
     flank = next(f for f in follower.flanks if f.name == name)
     return cam_profile(
         design.curve, follower, tuple(design.size), design.rotation, THETA, "right", flank
@@ -187,7 +187,7 @@ def test_a_conflict_says_how_far_the_counter_roller_would_have_to_be() -> None:
         told = [r for r in refused.conflict.relaxations if r.limit == "counter_distance"]
         assert [r.field for r in told] == [f"follower/closure/distance_mm{field}"]
         assert told[0].needed == pytest.approx(enough, rel=1e-9)
-        assert told[0].asked == pytest.approx(0.8 * enough)
+        assert told[0].requested == pytest.approx(0.8 * enough)
 
 
 def test_a_range_on_the_wrong_side_of_the_axis_fits_nothing() -> None:
@@ -225,7 +225,7 @@ def test_undercut_names_its_flank_and_angle() -> None:
     found = analyse(asked)
     assert found.undercut is not None
     assert found.undercut.flank == "outer"
-    assert {"profile_radius_inner", "profile_radius_outer"} & set(found.broken)
+    assert {"profile_radius_inner", "profile_radius_outer"} & set(found.violated)
     broken = extreme(found, "profile_radius_outer")
     assert not broken.holds
     assert found.undercut.angle_deg == pytest.approx(broken.angle_deg, abs=1e-6)

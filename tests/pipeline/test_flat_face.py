@@ -12,14 +12,15 @@ from hypothesis import strategies as st
 from pydantic import ValidationError
 from scipy.optimize import minimize_scalar
 
-from synthesis.design import Design, Extreme
+from synthesis.catalogue.laws import LAWS
+from synthesis.design.design import Design, Extreme
 from synthesis.exporters import MOTION_FORMATS, PROFILE_FORMATS, ProfileOptions
 from synthesis.exporters.drawing.picture_options import CamDrawingOptions
-from synthesis.laws import LAWS
-from synthesis.pipeline import synthesise
-from tests.formulations.cone.test_flat_face import LEAST, RADIUS, asked
-from tests.formulations.scenes import LIFT, acceleration, jerk
-from tests.geometry.cams import gentle
+from synthesis.pipeline.synthesise import synthesise
+from tests.exporters.written import written
+from tests.numerics.geometry.cams import gentle
+from tests.optimise.conic.test_flat_face import LEAST, RADIUS, asked
+from tests.optimise.scenes import LIFT, acceleration, jerk
 
 BETA = 73.0 * pi / 180.0
 NAMED = [name for name, law in LAWS.items() if gentle(law.curve("rise"))]
@@ -123,8 +124,9 @@ def test_a_jump_of_the_velocity_is_no_cam() -> None:
 def test_every_format_is_written(rotation: str) -> None:
     design = synthesise(asked(RADIUS, law="polynomial_3_4_5", rotation=rotation))
     for exporter in PROFILE_FORMATS.values():
-        assert len(exporter.write(design, exporter.options())) > 1000
-        other = exporter.adapted(ProfileOptions(points_per_degree=2.5))
+        assert len(written(exporter, design)) > 1000
+        cutter = {"curve": "cutter", "cutter_diameter_mm": 8.0}
+        other = exporter.adapted(ProfileOptions(points_per_degree=2.5, **cutter))
         assert len(exporter.write(design, other)) > 1000
     for exporter in MOTION_FORMATS.values():
         assert len(exporter.write(design, exporter.options())) > 1000
@@ -202,7 +204,7 @@ def test_random_scenes_are_certified(
 
 
 def _program(up: float, down: float, law: str | None) -> Any:
-    from tests.formulations.scenes import dwell, fall, rise
+    from tests.optimise.scenes import dwell, fall, rise
 
     rest = 360.0 - up - down
     program = [rise(up, law=law), dwell(0.3 * rest), fall(down, law=law), dwell(0.7 * rest)]

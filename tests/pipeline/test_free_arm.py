@@ -15,9 +15,9 @@ from scipy.optimize import differential_evolution
 from synthesis import Design, DesignSpec, analyse, synthesise
 from synthesis.errors import InputError
 from synthesis.exporters import PROFILE_FORMATS
-from synthesis.formulations.ladder.refine import search
-from synthesis.formulations.question.problem import pose
-from tests.formulations.arms import ARM, FALL, HOLD, RISE, SENSES, angles, body, jerk, slope
+from synthesis.optimise.driver import optimise
+from synthesis.optimise.problem.problem import formulate_problem
+from tests.optimise.arms import ARM, FALL, HOLD, RISE, SENSES, angles, body, jerk, slope
 from tests.pipeline.test_oscillating_roller import dense
 
 RANGE = {"min": 40.7, "max": 161.3}
@@ -72,11 +72,11 @@ def test_as_small_as_a_global_search_finds(sense: str) -> None:
     design = sized(angles(), law="cycloidal", sense=sense, distance=DISTANCE)
     assert prime(design) == pytest.approx(searched(sense, (DISTANCE, DISTANCE)), rel=1e-6)
     arm = design.dimensions["arm_mm"]
-    assert design.chosen == {"follower/arm_mm": arm}
+    assert design.free_parameters == {"follower/arm_mm": arm}
     assert RANGE["min"] < arm < RANGE["max"]
     # only a search was made over the length, and the bound says so
     assert design.status == "feasible"
-    assert design.certificate.bound_over.endswith("at the chosen numbers alone")
+    assert design.certificate.bound_valid_for.endswith("at the chosen numbers alone")
 
 
 def test_as_small_as_a_global_search_over_the_pivot_too() -> None:
@@ -118,9 +118,9 @@ def test_with_laws_free_no_length_beside_it_is_better() -> None:
 def test_a_length_at_which_nothing_is_found_is_given_up_soon() -> None:
     """Rows that allow what no cam keeps were written at three times the points in every round."""
     asked = spec(angles(), jerk(1.9), arm=93.183, distance=DISTANCE)
-    found = search(pose(asked, asked.objectives()[0]), 2e-2)
+    found = optimise(formulate_problem(asked, asked.objectives()[0]), 2e-2)
     rounds = [stage for stage in found.stages if stage.stage.startswith("convex")]
-    assert found.best is None
+    assert found.incumbent is None
     assert len(rounds) <= 4
     assert max(stage.rows for stage in rounds) < 4000
 
@@ -142,7 +142,11 @@ def test_angles_and_the_arm_are_free_together() -> None:
         asked["program"][k]["angle_deg"] = {"min": 0.8 * angle, "max": 1.3 * angle}
     design = synthesise(DesignSpec.model_validate(asked))
     assert design.certificate.certified
-    assert list(design.chosen) == ["program/0/angle_deg", "program/2/angle_deg", "follower/arm_mm"]
+    assert list(design.free_parameters) == [
+        "program/0/angle_deg",
+        "program/2/angle_deg",
+        "follower/arm_mm",
+    ]
     turned = [segment.angle_deg for segment in design.motion]
     assert sum(turned) == pytest.approx(360.0, abs=1e-9)
     assert turned[1] == HOLD
@@ -167,7 +171,7 @@ def test_a_counter_arm_goes_with_it(pair: Design) -> None:
 def test_the_answer_survives_the_wire_and_makes_files(pair: Design) -> None:
     back = Design.model_validate(json.loads(json.dumps(pair.model_dump(mode="json"))))
     assert back.spec == pair.spec
-    assert back.built.follower.travel == pair.built.follower.travel
+    assert back.completed_spec.follower.travel == pair.completed_spec.follower.travel
     assert np.array_equal(back.curve.derivatives([1.3]), pair.curve.derivatives([1.3]))
     for exporter in PROFILE_FORMATS.values():
         assert exporter.write(back, exporter.options()) == exporter.write(pair, exporter.options())

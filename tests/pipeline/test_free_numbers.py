@@ -11,7 +11,7 @@ import pytest
 from pydantic import ValidationError
 
 from synthesis import DesignSpec, analyse, synthesise
-from synthesis.design import Design
+from synthesis.design.design import Design
 from synthesis.errors import InputError
 from synthesis.exporters import MOTION_FORMATS, PROFILE_FORMATS
 
@@ -90,7 +90,7 @@ def test_one_angle_of_a_cam_with_given_laws() -> None:
     )
     brute = min(size(up) for up in np.linspace(60.0, 180.0, 61))
     assert design.certificate.value <= brute * (1.0 + 1e-6)
-    assert design.chosen["program/0/angle_deg"] > 121.0  # the rise has the tighter limit
+    assert design.free_parameters["program/0/angle_deg"] > 121.0  # the rise has the tighter limit
 
 
 @pytest.mark.parametrize("objective", ["base_radius", "peak_pressure_angle"])
@@ -106,7 +106,7 @@ def test_no_other_angle_is_better(objective: str) -> None:
 
     free = {"min": 90.0, "max": 150.0}
     found = design(free, free)
-    up = found.chosen["program/0/angle_deg"]
+    up = found.free_parameters["program/0/angle_deg"]
     value = found.certificate.value
     for other in (92.0, 109.0, 131.0, up - 2.0, up + 2.0):
         if 90.0 <= other <= 150.0:
@@ -122,7 +122,7 @@ def test_a_narrow_range_of_possible_angles_is_found() -> None:
             limits=[{"kind": "jerk", "max_mm_per_s3": limit}], objective={"kind": "rms_jerk"})
     )  # fmt: skip
     assert design.status == "feasible"
-    assert 118.3 <= design.chosen["program/0/angle_deg"] <= 121.7
+    assert 118.3 <= design.free_parameters["program/0/angle_deg"] <= 121.7
 
 
 def test_a_window_keeps_its_place_while_the_angle_changes() -> None:
@@ -145,8 +145,8 @@ def test_a_dwell_may_be_free_and_ranges_are_kept() -> None:
             fall(110.0, 22.1), dwell({"min": 31.0, "max": 300.0}),
             objective={"kind": "rms_acceleration"})
     )  # fmt: skip
-    assert design.chosen["program/0/angle_deg"] == pytest.approx(91.3, abs=1e-3)
-    assert 20.0 <= design.chosen["program/1/angle_deg"] <= 90.0
+    assert design.free_parameters["program/0/angle_deg"] == pytest.approx(91.3, abs=1e-3)
+    assert 20.0 <= design.free_parameters["program/1/angle_deg"] <= 90.0
 
 
 @pytest.fixture(scope="module")
@@ -160,7 +160,7 @@ def chosen() -> Design:
 
 def test_the_same_question_has_the_same_answer(chosen: Design) -> None:
     again = synthesise(chosen.spec)
-    assert again.chosen == chosen.chosen
+    assert again.free_parameters == chosen.free_parameters
     assert again.motion == chosen.motion
 
 
@@ -172,7 +172,7 @@ def test_the_answer_survives_the_wire(chosen: Design) -> None:
         back.curve.derivatives(theta, 3), chosen.curve.derivatives(theta, 3)
     )
     assert back.spec.openings.free == chosen.spec.openings.free
-    assert not back.numbered.openings.free
+    assert not back.resolved_spec.openings.free
 
 
 ALL = [*PROFILE_FORMATS.values(), *MOTION_FORMATS.values()]

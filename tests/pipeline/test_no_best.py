@@ -9,7 +9,7 @@ import pytest
 from pydantic import ValidationError
 
 from synthesis import DesignSpec, synthesise
-from synthesis.formulations.question.problem import pose
+from synthesis.optimise.problem.problem import formulate_problem
 
 RPM, LIFT = 71.3, 11.7
 ROLLER = {"kind": "translating_roller", "roller_radius_mm": 7.3}
@@ -63,8 +63,8 @@ def test_a_cam_that_nothing_keeps_from_shrinking_is_refused(
         asked(follower, *limits[limited])
     (error,) = refused.value.errors()
     assert error["type"] == "no_smallest_cam"
-    for way_out in ("pressure_angle", "profile_radius", "base_radius_mm a min"):
-        assert way_out in error["msg"]
+    for remedy in ("pressure_angle", "profile_radius", "base_radius_mm a min"):
+        assert remedy in error["msg"]
 
 
 @pytest.mark.parametrize("follower", VANISHING.values(), ids=VANISHING)
@@ -93,7 +93,7 @@ def test_what_keeps_it_large_is_enough(follower: dict[str, Any], kept: str) -> N
     ids=["offset", "conjugate", "pivot", "pivot apart", "face's pivot", "face aside", "flat face"],
 )
 def test_what_has_a_size_of_its_own_is_not_refused(follower: dict[str, Any]) -> None:
-    assert asked(follower).follower.vanishing == ""
+    assert asked(follower).follower.reason_without_minimum == ""
 
 
 def test_it_would_indeed_shrink_to_whatever_is_allowed() -> None:
@@ -105,7 +105,7 @@ def test_it_would_indeed_shrink_to_whatever_is_allowed() -> None:
 def test_a_dwell_below_is_a_part_of_the_base_circle() -> None:
     """Its radius is the base radius: a bound, where rows and cones say nothing of curvature."""
     question = asked(ROLLER, RADIUS | {"min_mm": 52.3}, jerk(), tolerance=5e-3)
-    assert pose(question, question.objectives()[0]).circle == 52.3
+    assert formulate_problem(question, question.objectives()[0]).least_base_circle == 52.3
     design = synthesise(question)
     assert design.certificate.lower_bound == pytest.approx(52.3, rel=1e-9)
     assert design.certificate.gap < 0.05
@@ -115,4 +115,4 @@ def test_a_dwell_below_is_a_part_of_the_base_circle() -> None:
 def test_elsewhere_the_base_circle_is_no_part_of_the_cam(ring: bool) -> None:
     inside = ROLLER | {"closure": {"kind": "force", "contact": "inside"}}
     question = asked(inside, RADIUS) if ring else asked(ROLLER, RADIUS, below=0.0)
-    assert pose(question, question.objectives()[0]).circle == 0.0
+    assert formulate_problem(question, question.objectives()[0]).least_base_circle == 0.0

@@ -12,12 +12,13 @@ import pytest
 from pydantic import ValidationError
 from scipy.optimize import differential_evolution, linprog
 
-from synthesis.analysis import analyse
-from synthesis.design import Design
+from synthesis.catalogue.motion import Motion
+from synthesis.design.design import Design
 from synthesis.exporters import MOTION_FORMATS, PROFILE_FORMATS
-from synthesis.motion import Motion
-from synthesis.pipeline import synthesise
-from synthesis.spec import DesignSpec
+from synthesis.pipeline.synthesise import synthesise
+from synthesis.spec.design_spec import DesignSpec
+from synthesis.studies.analyse import analyse
+from tests.exporters.written import written
 from tests.pipeline.test_flat_face import extreme
 
 SWING, OFFSET, RPM = 9.7, 3.7, 83.7
@@ -58,12 +59,12 @@ def asked(
 def dense(spec: DesignSpec, count: int) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Cam angle (n,), φ to φ'' (3, n) and the sign of the motion (n,) on all moves and dwells."""
     found = []
-    for stretch in spec.stretches():
-        curve = stretch.placed()
+    for segment in spec.placed_segments():
+        curve = segment.placed()
         step = np.linspace(1e-12, 1.0 - 1e-12, count)
         theta = (curve.breaks[:-1, None] + np.diff(curve.breaks)[:, None] * step).ravel()
-        sign = {"rise": 1.0, "return": -1.0, "dwell": 0.0}[stretch.kind]
-        motion = Motion.of(spec.stretches()).derivatives(theta, 2)
+        sign = {"rise": 1.0, "return": -1.0, "dwell": 0.0}[segment.kind]
+        motion = Motion.of(spec.placed_segments()).derivatives(theta, 2)
         largest = spec.follower.model_dump()["centre_distance_mm"]
         unit = largest["max"] if isinstance(largest, dict) else largest
         found.append((theta, motion / unit, np.full(len(theta), sign)))
@@ -175,7 +176,7 @@ def test_a_free_law_is_smaller_than_every_given_one_and_bounded_over_all_laws() 
     assert free.status == "optimal"
     proof = free.certificate
     assert proof.lower_bound is not None
-    assert proof.bound_over == "all motion laws with a bounded jerk"
+    assert proof.bound_valid_for == "all motion laws with a bounded jerk"
     assert proof.lower_bound <= free.dimensions["base_radius_mm"]
     assert free.dimensions["base_radius_mm"] < 0.97 * named.dimensions["base_radius_mm"]
     s = free.curve.derivatives(np.linspace(0.0, 2.0 * math.pi, 20001)) / 60.0
@@ -254,7 +255,7 @@ def test_a_free_law_s_optimum_is_found_from_elsewhere_too(sense: str) -> None:
 def test_contact_that_leaves_the_face_is_found_with_its_angle(sense: str) -> None:
     spec = asked(60.0, RADIUS, PRESSURE, FACE, sense=sense, base_radius_mm=37.0)
     told, design = analyse(spec), synthesise(spec)
-    assert told.broken == ["face_far"]
+    assert told.violated == ["face_far"]
     assert design.status == "infeasible"
     (broken,) = [e for e in told.extremes if e.limit == "face_far"]
     assert extreme(design, "face_far") == broken
@@ -264,8 +265,8 @@ def test_contact_that_leaves_the_face_is_found_with_its_angle(sense: str) -> Non
     assert broken.value == pytest.approx(np.max(reach), rel=1e-7)
     assert broken.angle_deg == pytest.approx(np.degrees(theta[np.argmax(reach)]), abs=0.05)
     assert told.dimensions["face_far_mm"] == pytest.approx(np.max(reach), rel=1e-7)
-    assert told.mend is not None
-    (size,) = told.mend.sizes
+    assert told.remedy is not None
+    (size,) = told.remedy.sizes
     assert size.status == "optimal"
 
 
@@ -306,7 +307,7 @@ def test_every_format_is_written(rotation: str, offset: float) -> None:
     design = synthesise(asked(83.3, RADIUS, offset=offset, rotation=rotation))
     assert design.status == "optimal"
     for exporter in PROFILE_FORMATS.values():
-        assert len(exporter.write(design, exporter.options())) > 1000
+        assert len(written(exporter, design)) > 1000
     for exporter in MOTION_FORMATS.values():
         assert len(exporter.write(design, exporter.options())) > 1000
 

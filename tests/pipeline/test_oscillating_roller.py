@@ -11,7 +11,7 @@ import pytest
 from scipy.optimize import differential_evolution
 
 from synthesis import Design, DesignSpec, synthesise
-from tests.formulations.arms import (
+from tests.optimise.arms import (
     ARM,
     FALL,
     OMEGA,
@@ -79,7 +79,7 @@ def test_given_law_as_small_as_a_global_search_finds(sense: str, distance: float
     assert certified(design)
     assert prime(design) == pytest.approx(searched(sense, distance), rel=1e-6)
     assert design.certificate.value == pytest.approx(design.dimensions["base_radius_mm"], rel=1e-9)
-    assert design.certificate.bound_over == "every size of the given laws"
+    assert design.certificate.bound_valid_for == "every size of the given laws"
 
 
 @pytest.mark.parametrize(
@@ -155,7 +155,7 @@ def test_free_law_proven_and_as_small_as_another_program_finds(sense: str, dista
     design = synthesise(scene(angles(), jerk(1.9), distance=distance, sense=sense, tolerance=2e-3))
     assert design.status == "optimal"
     assert certified(design)
-    assert design.certificate.bound_over == "all motion laws with a bounded jerk"
+    assert design.certificate.bound_valid_for == "all motion laws with a bounded jerk"
     assert design.certificate.gap is not None
     assert design.certificate.gap <= 2e-3
     assert design.certificate.lower_bound is not None
@@ -213,7 +213,7 @@ def test_everything_free_is_proven_over_all_laws_and_pivots(everything_free: Des
     design = everything_free
     assert certified(design)
     assert design.status == "optimal"
-    assert design.certificate.bound_over == "all motion laws with a bounded jerk"
+    assert design.certificate.bound_valid_for == "all motion laws with a bounded jerk"
     assert design.certificate.gap is not None
     assert 0.0 < design.certificate.gap <= 5e-3
     assert design.certificate.lower_bound is not None

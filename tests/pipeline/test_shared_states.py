@@ -24,7 +24,7 @@ def test_a_velocity_asked_on_one_side_is_that_of_both(segment: int, end: str) ->
         "follower": {"kind": "translating_roller", "roller_radius_mm": 8.3},
         "limits": [{"kind": "pressure_angle", "rise_deg": 35.0}],
     }
-    first, second, *_ = DesignSpec.model_validate(body).stretches()
-    assert first.at_end.velocity is not None, "the end of the first knows of no velocity"
-    assert first.at_end.velocity == second.at_start.velocity
-    assert second.at_end.velocity is None
+    first, second, *_ = DesignSpec.model_validate(body).placed_segments()
+    assert first.end_state.velocity is not None, "the end of the first knows of no velocity"
+    assert first.end_state.velocity == second.start_state.velocity
+    assert second.end_state.velocity is None

@@ -9,7 +9,7 @@ from typing import Any
 import pytest
 
 from synthesis import Design, DesignSpec, synthesise
-from synthesis.design import SmoothnessPrice
+from synthesis.design.design import SmoothnessCost
 
 LIFT, RISE, RETURN, OMEGA = 17.3, 71.3, 113.7, 7.9
 UNIT = LIFT * (OMEGA / radians(RISE)) ** 3
@@ -29,7 +29,7 @@ def asked(kind: str, smoothness: int, **changes: Any) -> DesignSpec:
         "base_radius_mm": 519.0,
         "objective": {"kind": kind},
         "tolerance": 1e-3,
-        "price_smoothness": True,
+        "report_smoothness_cost": True,
     } | changes)  # fmt: skip
 
 
@@ -38,8 +38,8 @@ def designed(kind: str, smoothness: int) -> Design:
     return synthesise(asked(kind, smoothness))
 
 
-def price(kind: str, smoothness: int) -> SmoothnessPrice:
-    found = designed(kind, smoothness).smoothness_price
+def price(kind: str, smoothness: int) -> SmoothnessCost:
+    found = designed(kind, smoothness).smoothness_cost
     assert found is not None
     return found
 
@@ -76,18 +76,18 @@ def test_of_c2_splines_the_price_is_nothing() -> None:
 
 
 def test_it_is_told_only_where_it_is_asked_for() -> None:
-    assert synthesise(asked("peak_jerk", 3, price_smoothness=False)).smoothness_price is None
+    assert synthesise(asked("peak_jerk", 3, report_smoothness_cost=False)).smoothness_cost is None
 
 
 def test_continuity_is_smoothness_too() -> None:
     """A C2 spline that has to be C3 because the whole turn has to."""
-    found = synthesise(asked("peak_jerk", 2, continuity=3)).smoothness_price
+    found = synthesise(asked("peak_jerk", 2, continuity=3)).smoothness_cost
     assert found is not None
     assert found.price == pytest.approx(price("peak_jerk", 3).price, rel=1e-6)
 
 
 def test_without_time_left_there_is_no_price() -> None:
-    from synthesis import pipeline
+    from synthesis.pipeline import synthesise as pipeline
 
     found = designed("peak_jerk", 3)
     late = pipeline._price(found, asked("peak_jerk", 3), stop=0.0)

@@ -5,8 +5,8 @@ from __future__ import annotations
 from functools import cached_property
 
 from synthesis import DesignSpec, synthesise
-from synthesis.ranges import Range
-from synthesis.spec import KEPT
+from synthesis.catalogue.ranges import Range
+from synthesis.spec.design_spec import KEPT
 from tests.hard.cases import ANGLES, jerk, scene
 
 
@@ -17,8 +17,8 @@ def test_all_that_a_spec_keeps_is_named() -> None:
 
 def test_a_changed_copy_is_laid_out_anew() -> None:
     spec = DesignSpec.model_validate(scene(ANGLES, jerk(48.0)))
-    levels = [stretch.s_end for stretch in spec.stretches()]
-    assert spec.stretches() is spec.stretches()
+    levels = [segment.s_end for segment in spec.placed_segments()]
+    assert spec.placed_segments() is spec.placed_segments()
     assert spec.with_numbers([]) is spec
     program = [
         segment.model_copy(update={"lift_mm": 1.7 * segment.lift_mm})
@@ -27,7 +27,9 @@ def test_a_changed_copy_is_laid_out_anew() -> None:
         for segment in spec.program
     ]
     larger = spec.model_copy(update={"program": program})
-    assert [stretch.s_end for stretch in larger.stretches()] == [1.7 * level for level in levels]
+    assert [segment.s_end for segment in larger.placed_segments()] == [
+        1.7 * level for level in levels
+    ]
     assert larger.stroke() == 1.7 * spec.stroke()
     assert larger == DesignSpec.model_validate(larger.model_dump())
     assert spec == DesignSpec.model_validate(spec.model_dump())

@@ -10,8 +10,8 @@ import pytest
 from pydantic import ValidationError
 
 from synthesis import Design, DesignSpec, analyse, synthesise
-from synthesis.laws import TASKS
-from synthesis.motion import Motion
+from synthesis.catalogue.laws import TASKS
+from synthesis.catalogue.motion import Motion
 
 OMEGA = 58.0 * pi / 30.0
 SPLINE, QUINTIC = {"kind": "spline"}, {"kind": "polynomial_5"}
@@ -79,9 +79,9 @@ def test_polynomials_pick_up_a_constant_velocity() -> None:
 
 def test_a_constant_velocity_by_its_velocity() -> None:
     by_lift, by_speed = (
-        spec([CONVEYOR[0], {"kind": "dwell", "angle_deg": 20.0}, stretch,
+        spec([CONVEYOR[0], {"kind": "dwell", "angle_deg": 20.0}, segment,
               {"kind": "return", "angle_deg": 203.9, "lift_mm": 40.3, "law": SPLINE}])
-        for stretch in (
+        for segment in (
             {"kind": "constant_velocity", "angle_deg": 34.8, "lift_mm": -21.4},
             {"kind": "constant_velocity", "angle_deg": 34.8,
              "velocity_mm_per_s": -21.4 / np.radians(34.8) * OMEGA},
@@ -135,7 +135,7 @@ def test_every_order_of_continuity_is_judged(law: str, met: int, continuity: int
         {"kind": "dwell", "angle_deg": 132.8},
     ]  # fmt: skip
     found = analyse(spec(program, base_radius_mm=90.0, continuity=continuity))
-    assert found.holds == (met >= continuity), found.broken
+    assert found.holds == (met >= continuity), found.violated
 
 
 def test_continuity_makes_splines_smooth() -> None:
@@ -177,10 +177,10 @@ def test_every_task_of_vdi_2143_is_certified(law: str, task: str) -> None:
     asked = spec(program, continuity=3 if law == "polynomial_7" else 2, limits=[],
                  base_radius_mm=900.0)  # fmt: skip
     found = analyse(asked)
-    assert found.holds, found.broken
+    assert found.holds, found.violated
     names = {extreme.limit for extreme in found.extremes}
     assert {"velocity_asked", "acceleration_asked"} <= names
-    motion = Motion.of(asked.stretches())
+    motion = Motion.of(asked.placed_segments())
     left, right = both_sides(motion, 143.7, 2)
     assert left[1:] == pytest.approx([v1 / OMEGA, a1 / OMEGA**2], abs=1e-11)
     assert right == pytest.approx(left, abs=1e-10)
@@ -305,7 +305,7 @@ def test_a_rise_cannot_begin_with_a_neighbours_fall() -> None:
     with pytest.raises(ValidationError, match=r"-104\.4 mm/s at the start of program/1 makes the"):
         spec(program)
     program[1]["law"] = SPLINE | {"overshoot": True}
-    assert spec(program).stretches()[1].free is not None
+    assert spec(program).placed_segments()[1].free is not None
 
 
 def test_two_splines_do_not_share_a_velocity_that_is_not_asked_for_with_an_acceleration() -> None:

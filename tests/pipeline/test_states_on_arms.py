@@ -10,8 +10,8 @@ import pytest
 from pydantic import ValidationError
 
 from synthesis import DesignSpec, analyse
-from synthesis.laws import LAWS
-from synthesis.motion import Motion
+from synthesis.catalogue.laws import LAWS
+from synthesis.catalogue.motion import Motion
 
 OMEGA = 83.0 * pi / 30.0
 ARM = 85.0
@@ -39,12 +39,12 @@ def program(**end: float) -> list[dict[str, Any]]:
 def test_a_straight_line_in_degrees_is_picked_up() -> None:
     asked = spec(program(), continuity=2)
     found = analyse(asked)
-    assert found.holds, found.broken
+    assert found.holds, found.violated
     velocity = 5.2 / 31.1 * OMEGA / pi * 180.0  # deg/s
     by_speed = program()
     by_speed[1] = {"kind": "constant_velocity", "angle_deg": 31.1, "velocity_deg_per_s": velocity}
     assert spec(by_speed).lifts() == pytest.approx(asked.lifts(), rel=1e-14)
-    motion = Motion.of(asked.stretches())
+    motion = Motion.of(asked.placed_segments())
     s, v = motion.derivatives(np.radians([100.0]), 1)[:, 0]
     assert v == pytest.approx(ARM * 5.2 / 31.1, rel=1e-13)  # of the roller's arc, per radian
     assert s == pytest.approx(ARM * np.radians(12.4 + 5.2 * 11.3 / 31.1), rel=1e-12)
@@ -76,7 +76,7 @@ def test_a_table_in_degrees() -> None:
              "points": np.stack([121.2 * x, swing], axis=1).tolist()}  # fmt: skip
     back = {"kind": "return", "angle_deg": 238.8, "lift_deg": 24.3, "law": {"kind": "cycloidal"}}
     found = analyse(spec([table, back], continuity=2))
-    assert found.holds, found.broken
+    assert found.holds, found.violated
     (deviation,) = [e for e in found.extremes if e.limit == "table_deviation"]
     assert (deviation.unit, deviation.field) == ("deg", "program/0/tolerance_deg")
     assert 2e-5 <= deviation.value <= 5e-5

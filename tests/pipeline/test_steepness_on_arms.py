@@ -11,7 +11,7 @@ from pydantic import ValidationError
 from scipy.optimize import differential_evolution
 
 from synthesis import Design, DesignSpec, synthesise
-from tests.formulations.arms import ARM, FALL, RISE, SENSES, SWING, jerk, scene, slope
+from tests.optimise.arms import ARM, FALL, RISE, SENSES, SWING, jerk, scene, slope
 from tests.pipeline.test_oscillating_flat_face import RADIUS, asked, dense
 
 PEAK: dict[str, Any] = {"kind": "peak_pressure_angle"}
@@ -68,7 +68,7 @@ def test_given_law_as_flat_as_a_global_search_finds(
     )
     assert design.status == "optimal"
     assert certified(design)
-    assert design.certificate.bound_over == "every size of the given laws"
+    assert design.certificate.bound_valid_for == "every size of the given laws"
     assert value(design) == pytest.approx(searched(sense, distance, largest or 1e9), rel=2e-6)
     base = design.dimensions["base_radius_mm"]
     assert (base == pytest.approx(largest, rel=1e-5)) if largest else base > 1.2 * LARGEST
@@ -95,7 +95,7 @@ def free() -> Design:
 def test_a_free_law_is_bounded_over_all_laws(free: Design) -> None:
     assert free.status == "optimal"
     assert certified(free)
-    assert free.certificate.bound_over == "all motion laws with a bounded jerk"
+    assert free.certificate.bound_valid_for == "all motion laws with a bounded jerk"
     assert free.certificate.lower_bound is not None
     assert 0.97 * value(free) <= free.certificate.lower_bound <= value(free)
     given = synthesise(

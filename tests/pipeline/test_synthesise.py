@@ -13,14 +13,14 @@ from pydantic import ValidationError
 
 from synthesis import Design, DesignSpec, synthesise
 from synthesis.errors import TimeBudgetExceeded
-from synthesis.formulations.ladder import refine
+from synthesis.optimise import root_node
 from tests.pipeline.scenes import BETA, CYCLOIDAL, LIFT, OMEGA, PRESSURE, jerk, program, spec
 
 ROOT = 1.0 + 1e-9
 
 
 def sampled(design: Design) -> tuple[np.ndarray, dict[str, np.ndarray], np.ndarray]:
-    """θ, (s … s''') and the kinds of stretch at 40,000 angles, from the coefficients alone."""
+    """θ, (s … s''') and the kinds of segment at 40,000 angles, from the coefficients alone."""
     theta = np.linspace(0.0, 2.0 * np.pi, 40_001)[:-1] + 1e-7
     s = design.curve.derivatives(theta, 3)
     ends = np.radians([m.start_deg + m.angle_deg for m in design.motion])
@@ -57,7 +57,7 @@ def test_example_13_6_sized() -> None:
     assert design.status == "optimal"
     assert design.certificate.gap is not None
     assert design.certificate.gap <= 5e-3
-    assert design.certificate.bound_over == "all motion laws with a bounded jerk"
+    assert design.certificate.bound_valid_for == "all motion laws with a bounded jerk"
     # the answer of 80 intervals without refinement lies in between (computed beforehand)
     assert design.certificate.lower_bound is not None
     assert design.certificate.lower_bound <= 45.0130 - 10.0
@@ -215,7 +215,9 @@ def test_ordered_objectives_keep_the_first() -> None:
     assert peak[1] < 0.98 * peak[0]
     assert both.certificate.gap is not None
     assert both.certificate.gap <= 1e-2
-    assert [p.objective for p in both.certificate.also] == ["peak_acceleration_mm_per_s2"]
+    assert [p.objective for p in both.certificate.other_objectives] == [
+        "peak_acceleration_mm_per_s2"
+    ]
     assert both.objectives["peak_acceleration_mm_per_s2"] == pytest.approx(
         peak[1] * OMEGA**2, rel=1e-6
     )
@@ -362,13 +364,13 @@ def test_time_that_ends_after_a_round_leaves_the_best_so_far(
 ) -> None:
     """The clock jumps past the deadline as soon as the first round has reported."""
     late: list[float] = [0.0]
-    real, report = time.monotonic, refine._report
+    real, report = time.monotonic, root_node._report
 
-    def reported(*given: Any) -> None:
-        report(*given)
+    def reported(*given: Any) -> Any:
         late[0] = 1e6
+        return report(*given)
 
-    monkeypatch.setattr(refine, "_report", reported)
+    monkeypatch.setattr(root_node, "_report", reported)
     monkeypatch.setattr(time, "monotonic", lambda: real() + late[0])
     with pytest.raises(TimeBudgetExceeded) as caught:
         synthesise(spec(tolerance=1e-5, time_budget_s=100.0))
@@ -474,7 +476,7 @@ def test_a_bound_over_a_family_lies_below_the_value(tolerance: float) -> None:
     knife = {"kind": "translating_roller", "roller_radius_mm": 0.0}
     design = synthesise(spec(limits=[PRESSURE], follower=knife, tolerance=tolerance))
     proof = design.certificate
-    assert proof.bound_over.startswith("splines of degree 3")
+    assert proof.bound_valid_for.startswith("splines of degree 3")
     assert proof.lower_bound is not None
     assert proof.value is not None
     assert proof.lower_bound <= proof.value

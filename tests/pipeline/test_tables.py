@@ -10,7 +10,7 @@ import pytest
 from pydantic import ValidationError
 
 from synthesis import Design, DesignSpec, analyse, synthesise
-from synthesis.laws import LAWS
+from synthesis.catalogue.laws import LAWS
 
 RNG = np.random.default_rng(5)
 OMEGA = 71.0 * pi / 30.0
@@ -78,11 +78,11 @@ def test_a_table_between_dwells_beside_a_spline() -> None:
 
 
 def test_a_table_joins_a_constant_velocity() -> None:
-    """v = lift/β of the straight stretch on both sides, no jump up to the acceleration."""
+    """v = lift/β of the straight segment on both sides, no jump up to the acceleration."""
     line = {"kind": "constant_velocity", "angle_deg": 41.3, "lift_mm": 19.9}
     x = np.linspace(0.0, 1.0, 131)
     v = 19.9 / 41.3 * 66.1  # per unit of x
-    curve = LAWS["polynomial_5"].between("rise", (0.0, 0.0), (v / 23.7, 0.0))
+    curve = LAWS["polynomial_5"].with_end_derivatives("rise", (0.0, 0.0), (v / 23.7, 0.0))
     points = np.stack([66.1 * x, 23.7 * curve(x) + RNG.uniform(-2e-4, 2e-4, 131)], axis=1).tolist()
     law = {"kind": "polynomial_5", "overshoot": True}  # it still rises where it begins
     fall = {"kind": "return", "angle_deg": 141.1, "lift_mm": 43.6, "law": law}
@@ -126,7 +126,7 @@ def test_seven_thousand_rows_with_a_tenth_of_a_micrometre_of_noise() -> None:
     segment = {"kind": "table", "angle_deg": 360.0, "tolerance_mm": 2e-4,
                "points": whole_turn(7200, 1e-4)}  # fmt: skip
     found = analyse(spec([segment], base_radius_mm=70.0, limits=[]))
-    assert found.holds, found.broken
+    assert found.holds, found.violated
     assert extremes(found)["table_deviation"].value <= 2e-4
 
 
@@ -136,7 +136,7 @@ def test_columns_say_the_same_as_rows() -> None:
     common = {"kind": "table", "angle_deg": 99.0, "tolerance_mm": 1e-3, "lift_mm": 20.0}
     fall = {"kind": "return", "angle_deg": 261.0, "lift_mm": 20.0, "law": {"kind": "cycloidal"}}
     one, other = (
-        spec([common | given, fall]).stretches()[0].readings
+        spec([common | given, fall]).placed_segments()[0].table
         for given in ({"points": points}, {"angles_deg": degrees, "displacements_mm": s})
     )
     assert one is not None
@@ -170,7 +170,7 @@ def test_a_table_that_moves_one_way_is_a_rise_or_a_return(lift: float, kind: str
     law = {"kind": "cycloidal"}
     back = {"kind": "return" if lift > 0.0 else "rise", "angle_deg": 256.3, "law": law}
     asked = spec([table(103.7, lift), back | {"lift_mm": abs(lift)}])
-    assert asked.stretches()[0].kind == kind
+    assert asked.placed_segments()[0].kind == kind
     assert list(asked.left_free()) == [("/base_radius_mm", None)]
 
 
@@ -191,7 +191,7 @@ def test_displacement_counts_from_the_lowest_row() -> None:
     points = np.stack([degrees, s], axis=1).tolist()
     asked = spec([{"kind": "table", "angle_deg": 360.0, "tolerance_mm": 1e-3, "points": points}])
     assert asked.stroke() == pytest.approx(10.0)
-    assert asked.stretches()[0].s_start == pytest.approx(5.0)
+    assert asked.placed_segments()[0].s_start == pytest.approx(5.0)
 
 
 def test_states_asked_for_are_met() -> None:
@@ -201,7 +201,7 @@ def test_states_asked_for_are_met() -> None:
          "start": {"velocity_mm_per_s": 0.0, "acceleration_mm_per_s2": -1500.0}},
     ]  # fmt: skip
     found = analyse(spec(program, base_radius_mm=70.0, continuity=2, limits=[]))
-    assert found.holds, found.broken
+    assert found.holds, found.violated
     assert extremes(found)["acceleration_asked"].value <= 1e-4
 
 

@@ -14,14 +14,15 @@ from pydantic import ValidationError
 from scipy.optimize import differential_evolution, linprog, minimize_scalar
 
 from service.contract.examples import examples
-from synthesis.analysis import analyse
-from synthesis.design import Design
+from synthesis.design.design import Design
 from synthesis.exporters import PROFILE_FORMATS
 from synthesis.exporters.drawing.picture_options import CamDrawingOptions
-from synthesis.pipeline import synthesise
-from synthesis.spec import DesignSpec
-from tests.formulations.cone.test_flat_face import LEAST, RADIUS, asked
-from tests.formulations.scenes import LIFT, jerk
+from synthesis.pipeline.synthesise import synthesise
+from synthesis.spec.design_spec import DesignSpec
+from synthesis.studies.analyse import analyse
+from tests.exporters.written import written
+from tests.optimise.conic.test_flat_face import LEAST, RADIUS, asked
+from tests.optimise.scenes import LIFT, jerk
 from tests.pipeline.test_flat_face import BETA, extreme
 
 TILT, OFFSET = 23.7, -8.3
@@ -96,14 +97,14 @@ def test_a_tilt_lets_a_free_law_s_cam_be_smaller_and_is_its_pressure_angle() -> 
     assert upright.status == leaning.status == "optimal"
     bases = [d.dimensions["base_radius_mm"] - LEAST for d in (upright, leaning)]
     assert bases[1] == pytest.approx(bases[0] * cos(radians(TILT)), rel=2e-2)
-    assert leaning.certificate.bound_over == "all motion laws with a bounded jerk"
+    assert leaning.certificate.bound_valid_for == "all motion laws with a bounded jerk"
 
 
 def test_contact_that_leaves_the_face_is_found_with_its_angle() -> None:
     face = {"kind": "face_width", "right_mm": 5.1}
     given_cam = tilted(RADIUS, face, law="cycloidal", base_radius_mm=83.0)
     told = analyse(given_cam)
-    assert told.broken == ["face_right"]
+    assert told.violated == ["face_right"]
     (broken,) = [e for e in told.extremes if e.limit == "face_right"]
     design = synthesise(given_cam)
     assert design.status == "infeasible"
@@ -112,8 +113,8 @@ def test_contact_that_leaves_the_face_is_found_with_its_angle() -> None:
     where = reach(design, theta)
     assert broken.value == pytest.approx(np.max(where), rel=1e-7)
     assert broken.angle_deg == pytest.approx(np.degrees(theta[np.argmax(where)]), abs=1e-2)
-    assert told.mend is not None
-    (size,) = told.mend.sizes
+    assert told.remedy is not None
+    (size,) = told.remedy.sizes
     assert size.status == "optimal"
     assert size.dimensions["base_radius_mm"] > 83.0
 
@@ -168,7 +169,7 @@ def test_the_tilt_leaves_nothing_to_choose_of_the_pressure_angle() -> None:
 def test_the_drawing_holds_the_face(rotation: str, tilt: float) -> None:
     design = synthesise(tilted(RADIUS, law="cycloidal", tilt=tilt, rotation=rotation))
     for exporter in PROFILE_FORMATS.values():
-        assert len(exporter.write(design, exporter.options())) > 1000
+        assert len(written(exporter, design)) > 1000
     drawing = PROFILE_FORMATS["svg"].write(design, CamDrawingOptions()).decode()
     assert "flat face, contact over" in drawing
 

@@ -90,5 +90,5 @@ def test_acceleration_that_leaves_no_room_for_ramps_is_said_to_be_undecided() ->
 def test_what_is_needed_is_told_closely_where_no_law_would_do() -> None:
     design = designed(jerk(32.0 * 0.97))
     assert design.conflict is not None
-    (needed,) = (r.needed / r.asked for r in design.conflict.relaxations if r.needed)
+    (needed,) = (r.needed / r.requested for r in design.conflict.relaxations if r.needed)
     assert needed == pytest.approx(1.0 / 0.97, rel=1e-3)

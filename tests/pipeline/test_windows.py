@@ -9,10 +9,11 @@ import numpy as np
 import pytest
 from pydantic import ValidationError
 
-from synthesis import DesignSpec, analyse, pipeline, synthesise
+from synthesis import DesignSpec, analyse, synthesise
+from synthesis.catalogue.motion import Motion
 from synthesis.certify import certify
-from synthesis.design import Design, Extreme
-from synthesis.motion import Motion
+from synthesis.design.design import Design, Extreme
+from synthesis.pipeline import conflict
 
 RPM = 83.7
 OMEGA = RPM * pi / 30.0
@@ -59,7 +60,7 @@ def test_a_point_is_passed_exactly(smoothness: int) -> None:
     point = {"angle_deg": 33.7, "travel_mm": 12.9, "velocity_mm_per_s": -310.0}
     design = synthesise(cam(up, {"law": law, "points": [point]}, tolerance=0.05))
     assert design.status == "optimal"
-    assert "all motion laws" in design.certificate.bound_over
+    assert "all motion laws" in design.certificate.bound_valid_for
     assert motion_at(design, 20.3, 0) == pytest.approx(9.7, abs=1e-9 * LIFT)
     down = UP + TOP + 33.7
     assert motion_at(design, down, 0) == pytest.approx(LIFT - 12.9, abs=1e-9 * LIFT)
@@ -159,13 +160,13 @@ def test_an_analysis_tells_of_windows() -> None:
     a = LIFT / np.radians(UP) ** 2 * 2.0 * pi * np.sin(2.0 * pi * x) * OMEGA**2
     assert told.value == pytest.approx(a, rel=1e-9)
     assert told.angle_deg == pytest.approx(40.0)
-    assert "program_0_window_0_acceleration_min" in found.broken
+    assert "program_0_window_0_acceleration_min" in found.violated
 
 
 def test_a_conflict_names_windows_and_points_and_what_would_do(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
-    monkeypatch.setattr(pipeline, "DIAGNOSIS_S", inf)  # whatever else the machine does
+    monkeypatch.setattr(conflict, "DIAGNOSIS_S", inf)  # whatever else the machine does
     point = {"angle_deg": 12.3, "travel_mm": 12.0}
     design = synthesise(cam({"points": [point]}))
     assert design.status == "infeasible"
@@ -209,14 +210,14 @@ def test_a_window_that_ends_at_a_jump_sees_its_own_side() -> None:
     for first, last, value in ((2.0, UP / 2.0, 4.0), (UP / 2.0, 61.3, -4.0)):
         window = {"from_deg": first, "to_deg": last, "acceleration_mm_per_s2": bounds}
         spec = cam({**parabolic, "windows": [window]}, parabolic)
-        told = judged(spec, Motion.of(spec.stretches()), (0.0, 60.0))
+        told = judged(spec, Motion.of(spec.placed_segments()), (0.0, 60.0))
         for side in bounds:
             found = told[f"program/0/windows/0/acceleration_mm_per_s2/{side}"]
             assert found.value == pytest.approx(value * unit, rel=1e-12)
             assert found.holds == (side == "max" or value > 0.0)
     window = {"from_deg": 2.0, "to_deg": 61.3, "jerk_mm_per_s3": {"max": 1e9}}
     spec = cam({**parabolic, "windows": [window]}, parabolic)
-    told = judged(spec, Motion.of(spec.stretches()), (0.0, 60.0))
+    told = judged(spec, Motion.of(spec.placed_segments()), (0.0, 60.0))
     assert told["program/0/windows/0/jerk_mm_per_s3/max"].value is None
 
 
@@ -365,7 +366,7 @@ def test_a_law_on_an_arm_keeps_its_window_and_passes_its_point() -> None:
     limits = [LIMITS[0] | {"rise_deg": 40.0}, {"kind": "jerk", "max_deg_per_s3": 6e5}]
     design = synthesise(cam(program=program, follower=ARM, limits=limits, tolerance=0.03))
     assert design.status == "optimal"
-    assert "all motion laws" in design.certificate.bound_over
+    assert "all motion laws" in design.certificate.bound_valid_for
     arc = np.degrees(1.0 / ARM["arm_mm"])  # degrees of the arm in a millimetre of the roller's way
     inside = motion_at(design, np.linspace(30.3 + 1e-9, 49.7 - 1e-9, 77), 1) * arc
     assert inside == pytest.approx(100.0, rel=1e-9)

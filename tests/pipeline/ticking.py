@@ -16,9 +16,9 @@ from typing import Any
 
 import pytest
 
-from synthesis import clock
-from synthesis.formulations.nonconvex import nonlinear
-from synthesis.solvers import clarabel
+from synthesis.numerics import clock
+from synthesis.numerics.solvers import clarabel
+from synthesis.optimise.heuristics import ipopt_search as nonlinear
 
 CALL = 3e-6  # s, of any function's call: some three times a real machine's
 ENTRY = 1e-7  # s, of an entry of a solver's matrix in one of its steps

@@ -6,10 +6,10 @@ import numpy as np
 import pytest
 from hypothesis import given
 
-from synthesis.followers import TranslatingRoller
-from synthesis.motion import Motion, Stretch
-from synthesis.profile import CamProfile
-from tests.geometry.cams import TURN, Cam, cams, unspecial
+from synthesis.catalogue.followers import TranslatingRoller
+from synthesis.catalogue.motion import Motion, PlacedSegment
+from synthesis.catalogue.profile import CamProfile
+from tests.numerics.geometry.cams import TURN, Cam, cams, unspecial
 
 INSIDE = unspecial(0.05, 0.95)
 
@@ -48,7 +48,7 @@ def test_the_motion_backwards_with_the_offset_on_the_other_side_is_the_mirror_im
     cam: Cam, fraction: float
 ):
     theta, _ = cam.inside(fraction)
-    back = replace(with_offset(cam, -cam.e), motion=Motion((), cam.motion.curve.reversed()))
+    back = replace(with_offset(cam, -cam.e), motion=Motion((), cam.motion.curve.mirror()))
     p, q = cam.profile(theta), back.profile(TURN - theta)
     mirrored = vectors(p)
     mirrored[:, 0] *= -1.0
@@ -74,7 +74,7 @@ def test_a_cam_k_times_as_large_is_the_same_cam(factor: float, cam: Cam, fractio
     theta, _ = cam.inside(fraction)
     e = factor * cam.e
     large = Cam(
-        Motion((), cam.motion.curve.placed(0.0, 1.0, 0.0, factor)),
+        Motion((), cam.motion.curve.rescale(0.0, 1.0, 0.0, factor)),
         TranslatingRoller(roller_radius_mm=factor * cam.Rr, offset_mm=e),
         e,
         factor * cam.s0,
@@ -91,12 +91,12 @@ def test_a_cam_k_times_as_large_is_the_same_cam(factor: float, cam: Cam, fractio
 def test_beginning_the_program_elsewhere_only_turns_the_cam(
     cam: Cam, fraction: float, share: float
 ):
-    stretches = cam.motion.stretches
-    first = int(share * len(stretches))
-    by = stretches[first].start
+    segments = cam.motion.segments
+    first = int(share * len(segments))
+    by = segments[first].start
     moved = [
-        Stretch(i, s.kind, (s.start - by) % TURN, s.angle, s.s_start, s.s_end, s.law)
-        for i, s in enumerate(stretches[first:] + stretches[:first])
+        PlacedSegment(i, s.kind, (s.start - by) % TURN, s.angle, s.s_start, s.s_end, s.law)
+        for i, s in enumerate(segments[first:] + segments[:first])
     ]
     other = replace(cam, motion=Motion.of(moved))
     theta, _ = cam.inside(fraction)

@@ -14,9 +14,9 @@ import pytest
 import uvicorn
 
 from service.app import create_app
-from service.listening import bound
-from service.run import web
+from service.server import server_config
 from service.settings import Settings
+from service.sockets import listening_socket
 from service.wire.observe import configure_logs
 from service.workers.engine import Engine, running_engine
 from tests.service import fake_core
@@ -31,9 +31,9 @@ class Running:
     def __init__(self, settings: Settings, real: bool) -> None:
         configure_logs("warning")
         self.app = create_app(settings, running_engine if real else _fake_engine)
-        self._socket = bound(settings)
+        self._socket = listening_socket(settings)
         self.url = f"http://127.0.0.1:{self._socket.getsockname()[1]}"
-        self.server = uvicorn.Server(web(self.app))
+        self.server = uvicorn.Server(server_config(self.app))
         self.client = httpx2.Client(base_url=self.url, timeout=180.0)
         self._thread = threading.Thread(target=self._run)
 
@@ -64,14 +64,23 @@ def settings_for(folder: Path, **given: object) -> Settings:
     return Settings.model_validate(fields)
 
 
-def wait_until_idle(client: httpx2.Client) -> None:
-    """Until nothing runs and the workers that other tests have killed are back."""
+def wait_until(client: httpx2.Client, **numbers: int) -> None:
+    """Until the metrics show these numbers: designs ``running``, ``waiting``, or ``workers``."""
+    lines = [
+        f"camwright_{name if name == 'workers' else f'designs_{name}'} {number}.0"
+        for name, number in numbers.items()
+    ]
     for _ in range(2400):
-        page = client.get("/metrics").text
-        if "camwright_designs_running 0.0" in page and "camwright_workers 2.0" in page:
+        page = client.get("/metrics").text.splitlines()
+        if all(line in page for line in lines):
             return
         time.sleep(0.1)
     raise AssertionError(page)
+
+
+def wait_until_idle(client: httpx2.Client) -> None:
+    """Until nothing runs and the workers that other tests have killed are back."""
+    wait_until(client, running=0, workers=2)
 
 
 @pytest.fixture(scope="session")

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import contextlib
+import itertools
 import os
 import signal
 import time
@@ -9,11 +11,12 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
-from service.workers.solve import Answer, answered
-from synthesis import clock
-from synthesis.design import Certificate, Design, Report, design_id, engine_version
+from service.workers.tasks import Answer, design_answer
+from synthesis.design.design import Certificate, Design, Report
+from synthesis.design.identity import design_id, engine_version
 from synthesis.errors import SolverFailed, TimeBudgetExceeded
-from synthesis.spec import DesignSpec
+from synthesis.numerics import clock
+from synthesis.spec.design_spec import DesignSpec
 
 LOG = "FAKE_CORE_LOG"
 
@@ -27,10 +30,10 @@ def task(spec: bytes, budget_s: float, also: Sequence[Any] = (), near: Any = Non
 
     def begun(asked: DesignSpec, deadline: float) -> tuple[Design, Any]:
         found = synthesise(asked, deadline=deadline)
-        found = found if near is None else found.begun_at(near)
+        found = found if near is None else found.with_warm_start(near)
         return found, found.id
 
-    return answered(begun, spec, budget_s, also)
+    return design_answer(begun, spec, budget_s, also)
 
 
 def synthesise(spec: DesignSpec, *, deadline: float | None = None) -> Design:
@@ -44,6 +47,11 @@ def synthesise(spec: DesignSpec, *, deadline: float | None = None) -> Design:
         until = clock.now() + seconds
         while clock.now() < until:
             time.sleep(0.01)
+    elif word == "wait":
+        _wait_at(Path(number.strip()))
+    elif word == "wait-and-die":
+        _wait_at(Path(number.strip()))
+        os.kill(os.getpid(), signal.SIGKILL)
     elif word == "die":
         time.sleep(seconds)
         os.kill(os.getpid(), signal.SIGKILL)
@@ -56,6 +64,38 @@ def synthesise(spec: DesignSpec, *, deadline: float | None = None) -> Design:
     elif word == "bug":
         raise RuntimeError("the secret text of an exception")
     return finished(spec)
+
+
+class Gate:
+    """Where designs named ``wait <folder>`` wait until a test lets them through."""
+
+    def __init__(self, folder: Path) -> None:
+        self._folder, self._places = folder, itertools.count()
+        folder.mkdir(exist_ok=True)
+
+    def names(self, count: int, word: str = "wait") -> list[str]:
+        """Names of that many designs that wait here; the core takes no notice of the spaces."""
+        return [f"{word} {self._folder}{' ' * i}" for i in range(count)]
+
+    def let(self, count: int) -> None:
+        """Let so many more of them through."""
+        for place in itertools.islice(self._places, count):
+            (self._folder / f"place {place}").touch()
+
+    def open(self) -> None:
+        """Let all of them through."""
+        (self._folder / "open").touch()
+
+
+def _wait_at(gate: Path) -> None:
+    """Until there is a place for one more; who waits can be stopped."""
+    while not (gate / "open").exists():
+        for place in gate.glob("place *"):
+            with contextlib.suppress(FileNotFoundError):  # another worker was quicker
+                place.unlink()
+                return
+        clock.now()
+        time.sleep(0.01)
 
 
 def _log(name: str) -> None:
@@ -85,7 +125,7 @@ def finished(spec: DesignSpec) -> Design:
         extremes=[],
         certificate=Certificate(
             certified=True, objective="base_radius", value=50.0, lower_bound=49.9,
-            bound_over="a fake", gap=0.002,
+            bound_valid_for="a fake", gap=0.002,
         ),
         report=Report(**fields),
         spec=spec,

@@ -17,19 +17,20 @@ from benchmarks import processes
 ROOT = Path(__file__).resolve().parents[2]
 SERVE = """
 if __name__ == "__main__":
-    from service.workers import forks
+    from service.workers import prefork
     from service.settings import Settings
     if Settings().scheduler is None:
-        forks.prepare()
+        prefork.start_fork_server()
     from service.app import create_app
     from service.wire.observe import configure_logs
-    from service.listening import bound
-    from service.run import web
+    from service.sockets import listening_socket
+    from service.server import server_config
     from tests.service.conftest import _fake_engine
     import uvicorn
     configure_logs("error")
     settings = Settings()
-    uvicorn.Server(web(create_app(settings, _fake_engine))).run([bound(settings)])
+    server = uvicorn.Server(server_config(create_app(settings, _fake_engine)))
+    server.run([listening_socket(settings)])
 """
 
 

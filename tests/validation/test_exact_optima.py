@@ -32,7 +32,7 @@ def test_value_above_and_bound_below(name: str, tolerance: float) -> None:
     most_above, most_below = REACHED.get((name, tolerance), (tolerance, tolerance))
     assert design.certificate.certified
     assert -1e-7 <= above <= most_above
-    assert "all motion laws" in design.certificate.bound_over
+    assert "all motion laws" in design.certificate.bound_valid_for
     assert -1e-9 <= below <= most_below
     assert (design.status == "optimal") == ((name, tolerance) not in REACHED)
 

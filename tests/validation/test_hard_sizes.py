@@ -11,9 +11,9 @@ from math import sqrt
 import numpy as np
 import pytest
 
-from synthesis.motion import Motion
-from synthesis.profile import cam_profile
-from synthesis.spec import DesignSpec
+from synthesis.catalogue.motion import Motion
+from synthesis.catalogue.profile import cam_profile
+from synthesis.spec.design_spec import DesignSpec
 from tests.validation.textbook import OffsetRoller
 
 CASES = {
@@ -64,7 +64,9 @@ def product(case: OffsetRoller, degrees: np.ndarray):
     )
     s0 = sqrt((case.prime - case.e) * (case.prime + case.e))
     size = (float(case.e), s0)
-    return cam_profile(Motion.of(spec.stretches()), spec.follower, size, "ccw", np.radians(degrees))
+    return cam_profile(
+        Motion.of(spec.placed_segments()), spec.follower, size, "ccw", np.radians(degrees)
+    )
 
 
 def angles(case: OffsetRoller) -> np.ndarray:

@@ -75,7 +75,7 @@ def test_the_least_peak_at_the_same_jerk(law: str) -> None:
     exact = CAM["least"](jerk / J) * A * INCH
     proof = design.certificate
     assert design.status == "optimal"
-    assert "all motion laws" in proof.bound_over
+    assert "all motion laws" in proof.bound_valid_for
     assert exact * (1.0 - 1e-7) <= proof.value <= exact * 1.002
     assert exact * 0.998 <= proof.lower_bound <= exact * (1.0 + 1e-9)
 

@@ -31,9 +31,9 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from synthesis.motion import Motion
-from synthesis.profile import cam_profile
-from synthesis.spec import DesignSpec
+from synthesis.catalogue.motion import Motion
+from synthesis.catalogue.profile import cam_profile
+from synthesis.spec.design_spec import DesignSpec
 from tests.validation.textbook import OffsetRoller
 
 DOCS = Path(__file__).resolve().parents[2] / "docs" / "reference"
@@ -89,7 +89,7 @@ def spec() -> DesignSpec:
 
 
 SPEC = spec()
-MOTION = Motion.of(SPEC.stretches())
+MOTION = Motion.of(SPEC.placed_segments())
 SIZE = (20.0, float(np.sqrt(60.0**2 - 20.0**2)))
 
 
@@ -180,7 +180,7 @@ def normal_at_row(k: int, stored_s: float) -> np.ndarray:
     """The product's normal at exactly k degrees, if the follower stood there at ``stored_s``."""
     s = MOTION.derivatives(np.radians([k]))[:, 0]
     e, s0 = SIZE
-    held = Motion((), MOTION.curve.placed(0.0, 1.0, stored_s - s[0], 1.0))
+    held = Motion((), MOTION.curve.rescale(0.0, 1.0, stored_s - s[0], 1.0))
     p = cam_profile(held, SPEC.follower, (e, s0), SPEC.rotation, np.radians([float(k)]))
     return np.array([p.normal_x[0], p.normal_y[0]])
 

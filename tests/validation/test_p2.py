@@ -15,8 +15,8 @@ import pytest
 
 from service.contract.examples import ANALYSES, examples
 from synthesis import Analysis, DesignSpec, analyse, synthesise
-from synthesis.motion import Motion
-from synthesis.profile import cam_profile
+from synthesis.catalogue.motion import Motion
+from synthesis.catalogue.profile import cam_profile
 
 DOCS = Path(__file__).resolve().parents[2] / "docs" / "reference"
 H, E, RP, RR = 60.0, 15.0, 40.0, 10.0
@@ -66,7 +66,7 @@ def found(given: DesignSpec) -> Analysis:
 
 
 def test_the_rise_breaks_30_degrees(found: Analysis) -> None:
-    assert found.broken == ["pressure_angle_rise"]
+    assert found.violated == ["pressure_angle_rise"]
     grid = np.arange(0.0, 100.0, 0.01)
     worst = max(grid, key=lambda at: abs(alpha(at)))
     (rise,) = (e for e in found.extremes if e.limit == "pressure_angle_rise")
@@ -134,7 +134,7 @@ def smallest(e: float) -> float:
 
 
 def test_the_smallest_prime_radius_that_mends_it(found: Analysis) -> None:
-    kept, free = found.mend.sizes
+    kept, free = found.remedy.sizes
     s0 = (2.0 * H / RISE - E) / tan(radians(30.0)) - H / 2.0
     assert kept.dimensions["prime_radius_mm"] == pytest.approx(smallest(E), abs=2e-6)
     assert kept.dimensions["prime_radius_mm"] == pytest.approx(hypot(s0, E), abs=2e-6)
@@ -149,7 +149,7 @@ def test_the_smallest_prime_radius_that_mends_it(found: Analysis) -> None:
 def test_the_sized_example_is_that_cam(found: Analysis) -> None:
     design = synthesise(DesignSpec.model_validate(examples()["p2-sized"]["value"]))
     assert design.status == "optimal"
-    free = found.mend.sizes[1].dimensions
+    free = found.remedy.sizes[1].dimensions
     assert design.dimensions["prime_radius_mm"] == pytest.approx(free["prime_radius_mm"], abs=1e-5)
     assert design.dimensions["offset_mm"] == pytest.approx(free["offset_mm"], abs=1e-4)
 
@@ -162,7 +162,7 @@ def test_the_roller_also_turns_by_the_change_of_the_pressure_angle(
     step = 1e-5
     theta = radians(at) + step * np.array([-1.0, 0.0, 1.0])
     size = (E, sqrt(RP**2 - E**2))
-    p = cam_profile(Motion.of(given.stretches()), given.follower, size, "ccw", theta)
+    p = cam_profile(Motion.of(given.placed_segments()), given.follower, size, "ccw", theta)
     s, v, _ = motion(at)
     n = (-sin(p.pressure_angle[1]), cos(p.pressure_angle[1]))
     contact = (E - RR * n[0], size[1] + s - RR * n[1])

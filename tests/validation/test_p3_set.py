@@ -18,7 +18,7 @@ from service.contract.examples import CAM_SETS, examples
 from synthesis import CamSet, CamSetSpec, synthesise_set
 from synthesis.exporters.bundle import BundleOptions, bundle
 from synthesis.exporters.options import ProfileOptions
-from tests.geometry import touch
+from tests.numerics.geometry import touch
 
 ARM, DISTANCE, ROLLER, BASE, PIVOT, SWING = 85.0, 100.0, 30.0, 80.0, 30.0, 45.0
 RISE, DWELL, RETURN = 80.0, 40.0, 150.0

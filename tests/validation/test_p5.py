@@ -17,7 +17,7 @@ import pytest
 from numpy.typing import NDArray
 
 from service.contract.examples import LINKAGES, examples
-from synthesis.linkages.shaper import ShaperSpec, SixBarShaper, shaped
+from synthesis.machines.linkages.shaper import ShaperSpec, SixBarShaper, analyse_or_size_shaper
 from tests import forty_digits
 
 Array = NDArray[np.float64]
@@ -30,7 +30,7 @@ MISSED = radians(0.033)
 
 def asked(**changes: Any) -> SixBarShaper:
     value = examples(f"{LINKAGES}/six-bar-shapers")["p5"]["value"]
-    return shaped(ShaperSpec.model_validate(value | changes))
+    return analyse_or_size_shaper(ShaperSpec.model_validate(value | changes))
 
 
 @pytest.fixture(scope="module")

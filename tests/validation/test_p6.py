@@ -17,7 +17,7 @@ import pytest
 from numpy.typing import NDArray
 
 from service.contract.examples import LINKAGES, examples
-from synthesis.linkages.arm import ArmSpec, PalletisingArm, posed
+from synthesis.machines.linkages.arm import ArmSpec, PalletisingArm, analyse_arm
 
 Array = NDArray[np.float64]
 DOCS = Path(__file__).resolve().parents[2] / "docs" / "reference"
@@ -29,7 +29,7 @@ G = 9.80665
 
 def asked(**changes: Any) -> PalletisingArm:
     value = examples(f"{LINKAGES}/palletising-arms")["irb-660"]["value"]
-    return posed(ArmSpec.model_validate(value | changes))
+    return analyse_arm(ArmSpec.model_validate(value | changes))
 
 
 @pytest.fixture(scope="module")

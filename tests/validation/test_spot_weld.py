@@ -58,21 +58,21 @@ def test_the_answer_is_certified_and_says_what_was_chosen(objective: str) -> Non
     design = CAM["designed"](objective)
     assert design.status == "feasible"
     assert design.certificate.certified
-    assert design.certificate.bound_over.startswith("all motion laws")
-    assert design.certificate.bound_over.endswith("at the chosen numbers alone")
-    assert list(design.chosen) == [
+    assert design.certificate.bound_valid_for.startswith("all motion laws")
+    assert design.certificate.bound_valid_for.endswith("at the chosen numbers alone")
+    assert list(design.free_parameters) == [
         "program/0/angle_deg", "program/2/angle_deg", "program/2/lift_mm", "program/4/angle_deg",
         "program/4/lift_mm",
     ]  # fmt: skip
     angles = [segment.angle_deg for segment in design.motion]
     assert sum(angles) == pytest.approx(360.0, abs=1e-9)
     assert [angles[0], angles[2], angles[4]] == [
-        design.chosen[f"program/{i}/angle_deg"] for i in (0, 2, 4)
+        design.free_parameters[f"program/{i}/angle_deg"] for i in (0, 2, 4)
     ]
     lifts = [segment.s_end_mm - segment.s_start_mm for segment in design.motion]
     assert lifts == pytest.approx(
-        [170.18, 0.0, -design.chosen["program/2/lift_mm"], -27.94,
-         -design.chosen["program/4/lift_mm"]], abs=1e-9,
+        [170.18, 0.0, -design.free_parameters["program/2/lift_mm"], -27.94,
+         -design.free_parameters["program/4/lift_mm"]], abs=1e-9,
     )  # fmt: skip
 
 

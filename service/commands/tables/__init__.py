@@ -1,1 +1,1 @@
-"""Answers as tables for a terminal, one kind a file."""
+"""Answers as tables on a terminal, one kind a file."""

@@ -7,7 +7,7 @@ from collections.abc import Iterator
 from rich.box import SIMPLE_HEAD
 from rich.table import Table
 
-from synthesis.findings import Analysis, Mend, Peak
+from synthesis.design.analysis import Analysis, Peak, Remedy
 
 WIDTH = 110  # what the widest table needs
 
@@ -18,14 +18,14 @@ def tables(found: Analysis) -> Iterator[Table]:
     yield _curves(found)
     if found.jumps:
         yield _jumps(found)
-    if found.mend is not None:
-        yield _mend(found.mend)
+    if found.remedy is not None:
+        yield _mend(found.remedy)
 
 
 def headline(found: Analysis) -> str:
     """The answer in one line."""
     sizes = ", ".join(f"{name} {value:.4f}" for name, value in found.dimensions.items())
-    verdict = "every limit holds" if found.holds else f"broken: {', '.join(found.broken)}"
+    verdict = "every limit holds" if found.holds else f"violated: {', '.join(found.violated)}"
     return f"{verdict}; {sizes}"
 
 
@@ -93,7 +93,7 @@ def _jumps(found: Analysis) -> Table:
     return table
 
 
-def _mend(mend: Mend) -> Table:
+def _mend(mend: Remedy) -> Table:
     table = headed("What would mend it", "change", "to", "by", "unit")
     for size in mend.sizes:
         name = f"base radius, follower's place {size.offset}"
@@ -106,11 +106,11 @@ def _mend(mend: Mend) -> Table:
         )  # fmt: skip
         for each, by in size.changes.items():
             plain, _, unit = each.rpartition("_")
-            told = number(size.dimensions[each]), number(by), unit
-            table.add_row(f"  with {plain.replace('_', ' ')}", *told)
+            value = number(size.dimensions[each])
+            table.add_row(f"  with {plain.replace('_', ' ')}", value, number(by), unit)
     for alone in mend.relaxations:
         if alone.needed is not None:
-            change = number(alone.needed - alone.asked)
+            change = number(alone.needed - alone.requested)
             table.add_row(f"{alone.field} alone", number(alone.needed), change, alone.unit)
     return table
 

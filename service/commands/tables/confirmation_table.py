@@ -7,7 +7,7 @@ from typing import Final
 from rich import box
 from rich.table import Table
 
-from synthesis.confirmation import Confirmation
+from synthesis.certify.second import Confirmation
 
 WIDTH: Final = 120
 WORDS: Final = {True: "yes", False: "NO", None: "–"}

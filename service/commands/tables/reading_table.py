@@ -7,7 +7,7 @@ from collections.abc import Iterator
 from rich.box import SIMPLE_HEAD
 from rich.table import Table
 
-from synthesis.measured import ProfileAnalysis
+from synthesis.studies.measured import ProfileAnalysis
 
 
 def tables(found: ProfileAnalysis) -> Iterator[Table]:
@@ -23,18 +23,18 @@ def tables(found: ProfileAnalysis) -> Iterator[Table]:
             "Dwells", ("from °", "over °", f"at {found.spline.unit}"),
             [(f"{d.start_deg:.1f}", f"{d.angle_deg:.1f}", f"{d.s:.4f}") for d in found.dwells],
         )  # fmt: skip
-    if found.not_touched:
+    if found.unreached_hollows:
         yield _table(
             "Not touched", ("at °", "hollow radius", "roller radius", "gap mm", "x mm", "y mm"),
             [(f"{n.angle_deg:.3f}", "–" if n.hollow_radius_mm is None else
               _number(n.hollow_radius_mm), _number(n.roller_radius_mm), _number(n.gap_mm),
-              f"{n.x_mm:.4f}", f"{n.y_mm:.4f}") for n in found.not_touched],
+              f"{n.x_mm:.4f}", f"{n.y_mm:.4f}") for n in found.unreached_hollows],
         )  # fmt: skip
-    if found.off_face:
+    if found.contact_off_face:
         yield _table(
             "Off the face", ("side", "from °", "to °", "beyond mm", "at °"),
-            [(o.side, f"{o.from_deg:.2f}", f"{o.to_deg:.2f}", _number(o.beyond_mm),
-              f"{o.worst_deg:.2f}") for o in found.off_face],
+            [(o.side, f"{o.from_deg:.2f}", f"{o.to_deg:.2f}", _number(o.excess_mm),
+              f"{o.worst_deg:.2f}") for o in found.contact_off_face],
         )  # fmt: skip
 
 

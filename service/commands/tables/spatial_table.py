@@ -7,7 +7,7 @@ from collections.abc import Iterator
 from rich.table import Table
 
 from service.commands.tables.analysis_table import headed, number
-from synthesis.spatial.design import SpatialDesign
+from synthesis.machines.spatial.design import SpatialDesign
 
 WIDTH = 100  # what the widest table needs
 
@@ -16,7 +16,7 @@ def headline(found: SpatialDesign) -> str:
     """The answer in one line."""
     broken = ", ".join(each.quantity for each in found.extremes if not each.holds)
     sizes = ", ".join(f"{name} {value:.4f}" for name, value in found.dimensions.items())
-    verdict = f"{found.status}, broken: {broken}" if broken else found.status
+    verdict = f"{found.status}, violated: {broken}" if broken else found.status
     return f"{verdict}; {sizes}"
 
 

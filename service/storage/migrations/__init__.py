@@ -1,16 +1,26 @@
-"""How the tables came to be what they are: one step a file, run whenever the service starts."""
+"""Migrations of the database's tables, run whenever the service starts: one file each."""
 
 from __future__ import annotations
 
 from alembic import command
 from alembic.config import Config
-from sqlalchemy import Engine, text
+from alembic.migration import MigrationContext
+from alembic.script import ScriptDirectory
+from sqlalchemy import Connection, Engine, inspect, text
 
-LOCK = 0x63616D77  # any number that nobody else locks in this database
+LOCK = 0x63616D77  # any number that no other program locks in this database
 
 
-def migrate(engine: Engine, to: str = "head") -> None:
-    """Bring a database, empty or from an earlier version, to what this version works with."""
+class ForeignDatabase(Exception):
+    """The database holds tables that this version cannot work with."""
+
+
+def migrate(engine: Engine) -> None:
+    """Bring a database, empty or of an earlier release, to the tables of this one.
+
+    Raises:
+        ForeignDatabase: its tables are of no release that this one knows.
+    """
     config = Config()
     config.set_main_option("script_location", "service.storage:migrations")
     with engine.begin() as connection:
@@ -18,5 +28,23 @@ def migrate(engine: Engine, to: str = "head") -> None:
             connection.execute(text("select pg_advisory_xact_lock(:lock)"), {"lock": LOCK})
         else:
             connection.exec_driver_sql("BEGIN IMMEDIATE")
+        _check(connection, config)
         config.attributes["connection"] = connection
-        command.upgrade(config, to)
+        command.upgrade(config, "head")
+
+
+def _check(connection: Connection, config: Config) -> None:
+    # A development version before the first release had a table for each kind of answer.
+    if "designs" in inspect(connection).get_table_names():
+        raise ForeignDatabase(
+            "it was written by a version of Camwright from before its first release, whose tables "
+            "cannot be carried over. Move it away, or name another one; designs are computed anew "
+            "from their specs"
+        )
+    known = {each.revision for each in ScriptDirectory.from_config(config).walk_revisions()}
+    current = MigrationContext.configure(connection).get_current_revision()
+    if current is not None and current not in known:
+        raise ForeignDatabase(
+            f"it was written by a later version of Camwright (its tables are of revision {current})"
+            ". Start that version, or name another database"
+        )

@@ -1,4 +1,4 @@
-"""What Alembic runs for every command: the steps, on the connection that it was given."""
+"""Runs the migrations on the connection that ``migrate`` passes."""
 
 from __future__ import annotations
 

@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import json
 
-from synthesis.design import Design
+from synthesis.design.design import Design
 from synthesis.exporters.animations.animation_page import tag, told_part
 from synthesis.exporters.exporter import Exporter, untold
 from synthesis.exporters.figures.machine import Stage

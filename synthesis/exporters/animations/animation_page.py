@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from synthesis.design import Design
+from synthesis.design.design import Design
 from synthesis.exporters.animations.panels import DIAGRAMS, MACHINE, Panels, cam_scene
 from synthesis.exporters.animations.scene import Scene, reading
 from synthesis.exporters.drawing import canvas as svg
@@ -95,9 +95,9 @@ def _readings(design: Design, panels: Panels) -> list[Reading]:
     s = cam.motion.derivatives(machine.theta, 2)
     curve = machine.contacts[0].curve
     named = [
-        ("s", "Displacement", cam.travel.told(0), machine.s),
-        ("v", "Velocity", cam.travel.told(1), s[1] * cam.rate(1)),
-        ("a", "Acceleration", cam.travel.told(2), s[2] * cam.rate(2)),
+        ("s", "Displacement", cam.travel.derivative_unit(0), machine.s),
+        ("v", "Velocity", cam.travel.derivative_unit(1), s[1] * cam.rate(1)),
+        ("a", "Acceleration", cam.travel.derivative_unit(2), s[2] * cam.rate(2)),
         ("alpha", "Pressure angle", "deg", curve.pressure_angle / DEGREE),
         ("radius", "Profile radius", "mm", curve.radius),
     ]

@@ -11,7 +11,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from synthesis.design import Design
+from synthesis.design.design import Design
 from synthesis.exporters.animations.panels import DIAGRAMS, EDGE, MACHINE, cam_scene
 from synthesis.exporters.animations.scene import TURN_S, Scene
 from synthesis.exporters.drawing import canvas as svg

@@ -7,7 +7,7 @@ from functools import partial
 
 import numpy as np
 
-from synthesis.design import Design
+from synthesis.design.design import Design
 from synthesis.exporters.animations.scene import Scene, grouped, lasting
 from synthesis.exporters.diagrams.contact import DRAWN, pressure_plot
 from synthesis.exporters.diagrams.diagram import Frame, diagram, ranged

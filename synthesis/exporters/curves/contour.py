@@ -21,7 +21,7 @@ from synthesis.errors import InputError
 from synthesis.exporters.samples.cam import Cam
 from synthesis.exporters.samples.sampling import SAME_ANGLE
 from synthesis.exporters.samples.turn import Mask
-from synthesis.geometry.course import ClosedCurve, Course, Indices
+from synthesis.numerics.geometry.closed_curve import ClosedCurve, CurvePoints, Indices
 from synthesis.numerics.piecewise import Array
 from synthesis.units import DEGREE, FULL_TURN
 
@@ -52,7 +52,7 @@ class Bridge:
         half = 0.5 * abs(self.sweep)
         return chord if half == 0.0 else chord * half / float(np.sin(half))
 
-    def course(self, fraction: Array) -> Course:
+    def course(self, fraction: Array) -> CurvePoints:
         """As for a ``ClosedCurve``."""
         turn = self.sweep * fraction
         cos, sin = np.cos(turn), np.sin(turn)
@@ -67,7 +67,7 @@ class Bridge:
                 + np.column_stack([sin * tx - (1.0 - cos) * ty, (1.0 - cos) * tx + sin * ty]) / bend
             )
         full = np.full(len(fraction), 1.0)
-        return Course(points, tangent, bend * full, self.length * full)
+        return CurvePoints(points, tangent, bend * full, self.length * full)
 
 
 @dataclass(frozen=True, eq=False)
@@ -109,13 +109,13 @@ class Contour(ClosedCurve):
         return plain._bridged()
 
     @property
-    def sizes(self) -> Array:
+    def span_sizes(self) -> Array:
         sizes = self.end - self.start
         for index, bridge in self.bridges.items():
             sizes[index] = abs(bridge.sweep)
         return sizes
 
-    def at(self, span: Indices, fraction: Array) -> Course:
+    def at(self, span: Indices, fraction: Array) -> CurvePoints:
         start, width = self.start[span], (self.end - self.start)[span]
         theta = np.where(fraction == 1.0, self.end[span], start + width * fraction)
         found = self._moving(theta, fraction == 1.0, width)
@@ -123,7 +123,7 @@ class Contour(ClosedCurve):
             mine = span == index
             own = bridge.course(fraction[mine])
             found.points[mine], found.tangent[mine] = own.points, own.tangent
-            found.bend[mine], found.speed[mine] = own.bend, own.speed
+            found.curvature[mine], found.speed[mine] = own.curvature, own.speed
         return found
 
     def signed_speed(self, theta: Array, left: Mask) -> Array:
@@ -131,7 +131,7 @@ class Contour(ClosedCurve):
         at = self.cam.at(theta, left)
         return np.asarray(at.speed * (1.0 - self.cam.gap * _finite(at.curvature)))
 
-    def _moving(self, theta: Array, left: Mask, width: Array) -> Course:
+    def _moving(self, theta: Array, left: Mask, width: Array) -> CurvePoints:
         cam = self.cam
         at = cam.at(theta, left)
         mirror = -1.0 if cam.rotation == "cw" else 1.0
@@ -141,7 +141,7 @@ class Contour(ClosedCurve):
             bend = -mirror * curvature / forward
         points = np.column_stack(cam.place(at))
         tangent = mirror * np.column_stack([at.normal_y, -at.normal_x])
-        return Course(points, tangent, bend, width * np.maximum(at.speed * forward, 0.0))
+        return CurvePoints(points, tangent, bend, width * np.maximum(at.speed * forward, 0.0))
 
     def _check(self) -> None:
         """Refuse a curve that runs backwards."""
@@ -177,7 +177,7 @@ class Contour(ClosedCurve):
                 end.append(self.end[k])
         return Contour(self.cam, np.array(start), np.array(end), bridges)
 
-    def _bridge(self, ends: Course, k: int, starts: Course, after: int) -> Bridge:
+    def _bridge(self, ends: CurvePoints, k: int, starts: CurvePoints, after: int) -> Bridge:
         (ax, ay), (bx, by) = ends.tangent[k], starts.tangent[after]
         sweep = float(np.arctan2(ax * by - ay * bx, ax * bx + ay * by))
         step = starts.points[after] - ends.points[k]

@@ -13,7 +13,7 @@ from typing import Any
 
 import numpy as np
 
-from synthesis.design import Design
+from synthesis.design.design import Design
 from synthesis.exporters.curves.contour import Contour
 from synthesis.exporters.curves.exact_options import DrawingOptions
 from synthesis.exporters.exporter import Exporter, Made
@@ -21,8 +21,8 @@ from synthesis.exporters.options import CurveName, is_cutter, is_pitch
 from synthesis.exporters.samples.cam import Cam
 from synthesis.exporters.samples.cutting import chosen
 from synthesis.exporters.samples.placement import turned
-from synthesis.geometry.biarcs import biarcs
-from synthesis.geometry.closed_spline import closed_spline
+from synthesis.numerics.geometry.biarcs import fit_biarcs
+from synthesis.numerics.geometry.closed_spline import fit_closed_spline
 
 # Colours by the AutoCAD index: 7 is black on white and white on black.
 LAYERS = {
@@ -88,13 +88,13 @@ def _drawn(space: Any, curve: CurveName, cam: Cam, options: DrawingOptions) -> f
     attributes: dict[str, Any] = {"layer": _layer(curve)}
     z = options.z_mm or 0.0
     if options.form == "arcs":
-        arcs = biarcs(Contour.of(cam, every=False), options.tolerance_mm)
+        arcs = fit_biarcs(Contour.of(cam, every=False), options.tolerance_mm)
         x, y = turned(options.turn_deg, *arcs.points.T)
         rows = np.column_stack([x, y, arcs.bulges]).tolist()
         attributes["elevation"] = z
         space.add_lwpolyline(rows, format="xyb", close=True, dxfattribs=attributes)
         return arcs.error
-    spline = closed_spline(Contour.of(cam), options.tolerance_mm)
+    spline = fit_closed_spline(Contour.of(cam), options.tolerance_mm)
     x, y = turned(options.turn_deg, *spline.points.T)
     drawn = space.add_spline(degree=spline.degree, dxfattribs={**attributes, "flags": PLANE})
     drawn.control_points = np.column_stack([x, y, np.full(len(x), z)])

@@ -7,13 +7,13 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from synthesis.design import Design
+from synthesis.design.design import Design
 from synthesis.exporters.curves.contour import Contour
 from synthesis.exporters.curves.exact_options import ExactOptions
 from synthesis.exporters.options import CurveName
 from synthesis.exporters.samples.cutting import chosen
 from synthesis.exporters.samples.placement import turned
-from synthesis.geometry.closed_spline import ClosedSpline, closed_spline
+from synthesis.numerics.geometry.closed_spline import ClosedSpline, fit_closed_spline
 from synthesis.numerics.piecewise import Array
 
 
@@ -48,7 +48,7 @@ def exact_curve(design: Design, options: ExactOptions) -> ExactCurve:
     Raises:
         InputError: there is no cam, no such curve, it crosses itself, or the tolerance is too fine.
     """
-    spline = closed_spline(Contour.of(chosen(design, options)), options.tolerance_mm)
+    spline = fit_closed_spline(Contour.of(chosen(design, options)), options.tolerance_mm)
     x, y = turned(options.turn_deg, *spline.points.T)
     placed = replace(spline, points=np.column_stack([x, y]))
     return ExactCurve(options.curve, placed, options.z_mm or 0.0)

@@ -6,7 +6,7 @@ Records of 80 columns: 72 (64 of parameters) of text, a section's letter, a numb
 
 from __future__ import annotations
 
-from synthesis.design import Design
+from synthesis.design.design import Design
 from synthesis.exporters.curves.exact import ExactCurve, exact_curve, facts
 from synthesis.exporters.curves.exact_options import ExactOptions
 from synthesis.exporters.curves.part21 import real

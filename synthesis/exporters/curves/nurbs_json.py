@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 
-from synthesis.design import Design
+from synthesis.design.design import Design
 from synthesis.exporters.curves.exact import exact_curve, facts
 from synthesis.exporters.curves.exact_options import ExactOptions
 from synthesis.exporters.exporter import Exporter, Made

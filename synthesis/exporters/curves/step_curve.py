@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from synthesis.design import Design
+from synthesis.design.design import Design
 from synthesis.exporters.curves.exact import ExactCurve, exact_curve, facts
 from synthesis.exporters.curves.exact_options import ExactOptions
 from synthesis.exporters.curves.part21 import Entities, Told, exchange_file, many, real, text

@@ -11,7 +11,11 @@ from dataclasses import replace
 
 import numpy as np
 
-from synthesis.design import Design
+from synthesis.catalogue.followers.flank import labelled
+from synthesis.catalogue.followers.flat_face import flat_face
+from synthesis.catalogue.limits import Claim
+from synthesis.catalogue.profile import CamProfile
+from synthesis.design.design import Design
 from synthesis.exporters.diagrams.forces import force_plots
 from synthesis.exporters.diagrams.motion import MEASURED_PER_DEGREE
 from synthesis.exporters.diagrams.plot import NOWHERE, Plot, radii
@@ -22,10 +26,7 @@ from synthesis.exporters.exporter import Exporter, untold
 from synthesis.exporters.options import MotionOptions
 from synthesis.exporters.samples.cam import Cam
 from synthesis.exporters.samples.sampling import in_degrees, table_rows
-from synthesis.followers.flank import labelled
-from synthesis.limits import Claim
 from synthesis.numerics.piecewise import Array
-from synthesis.profile import CamProfile
 from synthesis.units import DEGREE
 
 DRAWN, MEASURED = MotionOptions(DRAWN_PER_DEGREE), MotionOptions(MEASURED_PER_DEGREE)
@@ -84,7 +85,7 @@ def radius_plot(design: Design, cam: Cam) -> Plot:
         return (claim.lower, claim.upper) if side > 0 else (_less(claim.upper), _less(claim.lower))
 
     limits = claimed(design, lambda claim: claim.limit in wanted, ends)
-    if cam.follower.face_ends:
+    if flat_face(cam.follower) is not None:
         return _faced(plot, cam, limits)
     fine = _read(cam, MEASURED, bend)
     bent = [("convex", True)] if fine.values.max() > 0.0 else []

@@ -4,7 +4,9 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Sequence
 
-from synthesis.design import Design
+from synthesis.catalogue.followers.flank import labelled
+from synthesis.catalogue.limits import Claim
+from synthesis.design.design import Design
 from synthesis.exporters.diagrams.motion import MEASURED_PER_DEGREE
 from synthesis.exporters.diagrams.plot import NOWHERE, Plot
 from synthesis.exporters.diagrams.readings import Bound, Ends, Trace, claimed
@@ -12,8 +14,6 @@ from synthesis.exporters.diagrams.sheet import DRAWN_PER_DEGREE
 from synthesis.exporters.options import MotionOptions
 from synthesis.exporters.samples.cam import Cam
 from synthesis.exporters.samples.carried import Carried, carried
-from synthesis.followers.flank import labelled
-from synthesis.limits import Claim
 from synthesis.numerics.piecewise import Array
 
 Values = Callable[[Carried], Array]

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from synthesis.design import Design
+from synthesis.design.design import Design
 from synthesis.exporters.diagrams.plot import Plot
 from synthesis.exporters.diagrams.readings import (
     QUANTITIES,
@@ -42,7 +42,7 @@ def motion_plot(
     """The diagram of the displacement or of one of its derivatives."""
     return Plot(
         title=f"{quantity.title} {quantity.symbol}",
-        unit=svg.unit(turn.travel.told(quantity.order)),
+        unit=svg.unit(turn.travel.derivative_unit(quantity.order)),
         curve=trace(turn, quantity, options),
         fine=trace(turn, quantity, MotionOptions(MEASURED_PER_DEGREE)),
         infinite=impulses(turn, quantity),

@@ -9,12 +9,12 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from synthesis.design import Design
+from synthesis.catalogue.limits import Claim
+from synthesis.catalogue.motion import PlacedSegment
+from synthesis.design.design import Design
 from synthesis.exporters.options import MotionOptions
 from synthesis.exporters.samples.sampling import in_degrees, motion_rows
 from synthesis.exporters.samples.turn import Turn
-from synthesis.limits import Claim
-from synthesis.motion import Stretch
 from synthesis.numerics.piecewise import Array
 
 Ends = tuple[float | None, float | None]  # lower and upper
@@ -96,12 +96,12 @@ def claimed(
     design: Design, wanted: Callable[[Claim], bool], ends: Callable[[Claim], Ends]
 ) -> list[Bound]:
     """The bounds of those claims that are wanted, with the ends that are made of each."""
-    stretches, machine = design.numbered.stretches(), design.built.machine()
+    segments, machine = design.resolved_spec.placed_segments(), design.completed_spec.machine()
     found: list[Bound] = []
-    for limit in design.built.all_limits():
-        for claim in filter(wanted, limit.claims(stretches, machine)):
-            for index in claim.stretches:
-                _join(found, _bound(claim, stretches[index], ends(claim)))
+    for limit in design.completed_spec.all_limits():
+        for claim in filter(wanted, limit.claims(segments, machine)):
+            for index in claim.segments:
+                _join(found, _bound(claim, segments[index], ends(claim)))
     return found
 
 
@@ -111,9 +111,9 @@ def _on_wire(claim: Claim) -> Ends:
     return lower, upper
 
 
-def _bound(claim: Claim, stretch: Stretch, between: Ends) -> Bound:
+def _bound(claim: Claim, segment: PlacedSegment, between: Ends) -> Bound:
     lower, upper = between
-    ends = stretch.start + stretch.angle * np.array(claim.part or (0.0, 1.0))
+    ends = segment.start + segment.angle * np.array(claim.interval or (0.0, 1.0))
     start, end = in_degrees(ends).tolist()
     return Bound(
         start, end, -math.inf if lower is None else lower, math.inf if upper is None else upper

@@ -8,7 +8,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from synthesis.design import Design, SegmentMotion
+from synthesis.design.design import Design, SegmentMotion
 from synthesis.exporters.diagrams.diagram import Frame, diagram
 from synthesis.exporters.diagrams.plot import Plot
 from synthesis.exporters.drawing import canvas as svg

@@ -10,14 +10,14 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from synthesis.camset import CamSet, MountedCam, TimingArc
-from synthesis.camset_spec import UPWARDS_DEG, within_turn
-from synthesis.design import SegmentMotion
+from synthesis.design.cam_set import CamSet, MountedCam, TimingArc
+from synthesis.design.design import SegmentMotion
 from synthesis.exporters.drawing import canvas as svg
 from synthesis.exporters.drawing.heading import BOLD, TURNS
 from synthesis.exporters.samples.cam import Cam
 from synthesis.exporters.samples.sampling import in_degrees
 from synthesis.numerics.piecewise import Array
+from synthesis.spec.cam_set import UPWARDS_DEG, wrap_turn
 from synthesis.units import DEGREE
 
 WIDTH, LEFT, RIGHT = 190.0, 43.0, 8.0
@@ -109,7 +109,7 @@ def _lane(cam: MountedCam, top: float) -> list[str]:
     body += [svg.line("grid", _x(a), y, _x(a), y + HEIGHT) for a in range(30, 360, 30)]
     body += [
         svg.line("border", _x(at), y - 3.6, _x(at), y + HEIGHT + 1.2)
-        for at in (within_turn(s.start_deg + cam.phase_deg) for s in segments)
+        for at in (wrap_turn(s.start_deg + cam.phase_deg) for s in segments)
     ]
     body += [svg.line("axis", LEFT, y + h, _x(FULL), y + h) for h in (0.0, HEIGHT)]
     body += [svg.line("axis", _x(a), y, _x(a), y + HEIGHT) for a in (0.0, FULL)]
@@ -120,7 +120,7 @@ def _lane(cam: MountedCam, top: float) -> list[str]:
 
 def _spans(cam: MountedCam, segment: SegmentMotion) -> list[tuple[float, float]]:
     """Shaft angles that a segment extends over; two spans where it runs over the turn's end."""
-    start = within_turn(segment.start_deg + cam.phase_deg)
+    start = wrap_turn(segment.start_deg + cam.phase_deg)
     end = start + segment.angle_deg
     if end <= FULL + 1e-9:
         return [(start, min(end, FULL))]
@@ -143,7 +143,7 @@ def _names(cam: MountedCam, segments: Sequence[SegmentMotion], y: float) -> list
 def _borders(cam: MountedCam, segments: Sequence[SegmentMotion], y: float) -> list[str]:
     """Shaft angles of the borders, those left out that would overlap."""
     body, free = [], -math.inf
-    for at in sorted(within_turn(segment.start_deg + cam.phase_deg) for segment in segments):
+    for at in sorted(wrap_turn(segment.start_deg + cam.phase_deg) for segment in segments):
         text = f"{svg.figure(at, 6)}°"
         half = 0.5 * svg.width_of(text, svg.TICK)
         if _x(at) - half >= free:
@@ -172,7 +172,7 @@ def displacement(cam: MountedCam) -> tuple[Array, Array]:
 
 def _start(cam: MountedCam, y: float) -> list[str]:
     """A mark where the program starts."""
-    at = _x(within_turn(cam.phase_deg))
+    at = _x(wrap_turn(cam.phase_deg))
     foot = y + HEIGHT
     return [
         svg.line("phase", at, y - 3.6, at, foot + 1.2),

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from synthesis.design import Design
+from synthesis.design.design import Design
 from synthesis.exporters.drawing import canvas as svg
 
 BOLD = 1.15  # how much wider bold letters are

@@ -5,7 +5,7 @@ dV and dA are the derivatives of dY by dX; between two points runs a polynomial 
 
 from __future__ import annotations
 
-from synthesis.design import Design
+from synthesis.design.design import Design
 from synthesis.exporters.drives.fidelity import drive_told
 from synthesis.exporters.drives.table import DriveOptions, drive_table, each_point, headline
 from synthesis.exporters.exporter import Exporter, untold

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 from scipy.interpolate import BPoly
 
-from synthesis.design import Design
+from synthesis.design.design import Design
 from synthesis.exporters.drives.table import DriveOptions, DriveTable, drive_table
 from synthesis.exporters.fidelity.block import figure
 from synthesis.exporters.fidelity.readers import spline_through
@@ -70,7 +70,7 @@ def _told(cam: Cam, reader: str, curve: Any, theta: Array, true: Array) -> dict[
         error = np.abs(true[order]) if infinite else np.abs(curve(theta, order) - true[order])
         at, peak = int(np.argmax(error)), float(np.max(np.abs(true[order])))
         worst = np.inf if infinite else float(error[at])
-        body[named(name, cam.travel.told(order))] = figure(worst * cam.rate(order))
+        body[named(name, cam.travel.derivative_unit(order))] = figure(worst * cam.rate(order))
         body[f"{name}_at_deg"] = float(in_degrees(theta[at] % FULL_TURN))
         body[f"{name}_part"] = figure(worst / max(peak, np.finfo(float).tiny))
     return body

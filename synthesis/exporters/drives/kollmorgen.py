@@ -6,7 +6,7 @@ are set in the profile: set those to the turn and to the stroke.
 
 from __future__ import annotations
 
-from synthesis.design import Design
+from synthesis.design.design import Design
 from synthesis.exporters.drives.fidelity import drive_told
 from synthesis.exporters.drives.table import DriveOptions, drive_rows, drive_table
 from synthesis.exporters.exporter import Exporter, untold

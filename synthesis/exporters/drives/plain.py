@@ -5,7 +5,7 @@ What most drives' tools import, and what spreadsheets open.
 
 from __future__ import annotations
 
-from synthesis.design import Design
+from synthesis.design.design import Design
 from synthesis.exporters.drives.fidelity import drive_told
 from synthesis.exporters.drives.table import DriveOptions, drive_rows, drive_table
 from synthesis.exporters.exporter import Exporter, untold

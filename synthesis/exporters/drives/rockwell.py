@@ -5,7 +5,7 @@ Its REAL holds about seven digits: that is the instruction's limit, not the file
 
 from __future__ import annotations
 
-from synthesis.design import Design
+from synthesis.design.design import Design
 from synthesis.exporters.drives.fidelity import drive_told
 from synthesis.exporters.drives.table import DriveOptions, drive_rows, drive_table, headline
 from synthesis.exporters.exporter import Exporter, untold

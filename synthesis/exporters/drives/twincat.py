@@ -6,7 +6,7 @@ Between two points runs a polynomial of degree 5 with the velocity and accelerat
 
 from __future__ import annotations
 
-from synthesis.design import Design
+from synthesis.design.design import Design
 from synthesis.exporters.drives.fidelity import drive_told
 from synthesis.exporters.drives.table import DriveOptions, drive_table, each_point, headline
 from synthesis.exporters.exporter import Exporter, untold

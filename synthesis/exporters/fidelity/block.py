@@ -54,7 +54,7 @@ def _told(cam: Cam, found: Fidelity, peaks: Any) -> dict[str, Any]:
     body |= _worst("form_um", "form", found.form, 1e3)
     for order, name in ((1, "velocity"), (2, "acceleration")):
         worst: Worst = getattr(found, name)
-        body |= _worst(named(name, cam.travel.told(order)), name, worst, cam.rate(order))
+        body |= _worst(named(name, cam.travel.derivative_unit(order)), name, worst, cam.rate(order))
         body[f"{name}_part"] = figure(worst.value / max(peaks[order], np.finfo(float).tiny))
     return body | {"seam_corner_deg": figure(found.corner / DEGREE)}
 

@@ -6,6 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from synthesis.catalogue.followers.flat_face import flat_face
 from synthesis.exporters.fidelity.readers import CUBIC, ReaderName, Reading, reading
 from synthesis.exporters.fidelity.riding import Ridden, Touched, ride
 from synthesis.exporters.samples.cam import Cam
@@ -163,7 +164,7 @@ def _polyline(cam: Cam, curve: Reading, theta: Array, probes: Array, true: Touch
     )  # to the right, where the corner stands out
     straight = np.zeros(len(theta))
     lines = [(points, direction, straight, theta), (points + step, direction, straight, after)]
-    rounds = cam.gap > 0.0 and not cam.follower.face_ends and bool(np.all(sharp >= 0.0))
+    rounds = cam.gap > 0.0 and flat_face(cam.follower) is None and bool(np.all(sharp >= 0.0))
     if rounds:
         corner = np.full(len(theta), SHARP)
         lines += [(points, _turned(before, part * sharp), corner, theta) for part in CORNER]

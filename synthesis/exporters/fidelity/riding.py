@@ -13,7 +13,7 @@ gap between the curves, n the normal to the left of T, and p has the curvature Î
 and the acceleration is infinite. Under a flat face Q itself is traced, Î¸ and s follow from the
 normal together with s', and the radius of curvature gives s''.
 
-The cam's own formulas are used in one direction only, from motion to path (``traced_point``).
+The cam's own formulas are used in one direction only, from motion to path (``position``).
 """
 
 from __future__ import annotations
@@ -23,8 +23,9 @@ from typing import Any
 
 import numpy as np
 
+from synthesis.catalogue.followers.flat_face import flat_face
 from synthesis.exporters.samples.cam import Cam
-from synthesis.geometry.disc import to_cam
+from synthesis.numerics.geometry.disc import to_cam
 from synthesis.numerics.piecewise import Array
 
 ROUNDS = 12  # of Newton's method at most, from the neighbourhood of the answer
@@ -67,7 +68,11 @@ def ride(cam: Cam, curve: Touched, near: Array) -> Ridden:
     Args:
         cam: the cam whose curve it nearly is. near: (n,) cam angles nearby [rad].
     """
-    return _faced(cam, curve, near) if cam.follower.face_ends else _rolled(cam, curve, near)
+    return (
+        _faced(cam, curve, near)
+        if flat_face(cam.follower) is not None
+        else _rolled(cam, curve, near)
+    )
 
 
 def traced(cam: Cam, curve: Touched) -> Touched:
@@ -82,7 +87,7 @@ def traced(cam: Cam, curve: Touched) -> Touched:
 def _point(cam: Cam, s: Any, v: Any, a: Any) -> Any:
     """The traced point, its first and second derivative at motions s, s', s'' with s''' = 0."""
     zero = 0.0 * s
-    return cam.flank.trace.traced_point((s, v + zero, a + zero, zero), cam.size)
+    return cam.flank.trace.position((s, v + zero, a + zero, zero), cam.size)
 
 
 def _rolled(cam: Cam, curve: Touched, near: Array) -> Ridden:
@@ -140,7 +145,9 @@ def _faced(cam: Cam, curve: Touched, near: Array) -> Ridden:
             break
     theta, s, v = found
     (tx, ty), zero = to_cam(-theta, curve.tx, curve.ty), 0.0 * s
-    wx, wy = trace.face_turn((s, v, zero, zero), z)
+    face = flat_face(trace)
+    assert face is not None
+    wx, wy = face.face_normal_rate((s, v, zero, zero), z)
     along = []
     for a in (0.0, 1.0):
         (px, py), (dx, dy), *_ = _point(cam, s, v, a)

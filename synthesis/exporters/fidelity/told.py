@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import fields
 
-from synthesis.design import Design
+from synthesis.design.design import Design
 from synthesis.exporters.fidelity.block import fidelity_block, fidelity_line
 from synthesis.exporters.options import CurveOptions, PointOptions
 from synthesis.exporters.samples.cutting import chosen

@@ -7,7 +7,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from synthesis.design import Design
+from synthesis.catalogue.followers.outline import follower_outline
+from synthesis.catalogue.followers.sizing import prime_radius
+from synthesis.catalogue.profile import CamProfile
+from synthesis.design.design import Design
 from synthesis.exporters.drawing import canvas as svg
 from synthesis.exporters.figures.parts import (
     HUB,
@@ -23,7 +26,6 @@ from synthesis.exporters.figures.parts import (
 from synthesis.exporters.options import ProfileOptions
 from synthesis.exporters.samples.cam import Cam
 from synthesis.exporters.samples.sampling import ring
-from synthesis.profile import CamProfile
 
 BELOW, TICK, ARC_SPAN = 13.5, 2.0, math.radians(105.0)
 UNITS_ACROSS = 160.0
@@ -75,9 +77,9 @@ class Scene:
         """The scene of a design."""
         curve, start = ring(cam, options), cam.at(np.zeros(1))
         sign = -1.0 if cam.rotation == "cw" else 1.0
-        moving = [s for s in cam.motion.stretches if s.angle > 0.0]
-        shape = cam.follower.shape(cam.motion, cam.size)
-        roller, prime = shape.roller, cam.follower.radius(cam.size)
+        moving = [s for s in cam.motion.segments if s.angle > 0.0]
+        shape = follower_outline(cam.follower, cam.motion, cam.size)
+        roller, prime = shape.roller, prime_radius(cam.follower, cam.size)
         centre = sign * shape.centre[0], shape.centre[1]
         face = (shape.left, shape.right) if sign > 0.0 else (shape.right, shape.left)
         along = shape.along[0], sign * shape.along[1]
@@ -144,7 +146,7 @@ def _stem(
         if length == 0.0:  # a face that points at its pivot
             return 0.0, 1.0
         return (pivot[0] - centre[0]) / length, (pivot[1] - centre[1]) / length
-    (gx, gy), _ = cam.follower.direction(start.s, cam.size)
+    (gx, gy), _ = cam.follower.drive_direction(start.s, cam.size)
     return sign * float(gx[0]), float(gy[0])
 
 

@@ -6,7 +6,7 @@ import math
 
 import numpy as np
 
-from synthesis.design import Design
+from synthesis.design.design import Design
 from synthesis.exporters.drawing import canvas as svg
 from synthesis.exporters.figures.cam_figure import BELOW, TICK, Box, Scene
 from synthesis.exporters.figures.parts import STEM

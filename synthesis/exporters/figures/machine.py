@@ -14,6 +14,8 @@ from typing import Literal
 
 import numpy as np
 
+from synthesis.catalogue.followers.sizing import prime_radius
+from synthesis.catalogue.profile import CamProfile
 from synthesis.exporters.drawing import canvas as svg
 from synthesis.exporters.figures.link import GUIDE, face_ends, holders, plate, stem_length, wheel
 from synthesis.exporters.figures.mechanism import Contact, Mechanism
@@ -35,7 +37,6 @@ from synthesis.exporters.options import ProfileOptions
 from synthesis.exporters.samples.cam import Cam
 from synthesis.exporters.samples.sampling import ring
 from synthesis.numerics.piecewise import Array
-from synthesis.profile import CamProfile
 from synthesis.units import DEGREE
 
 Tag = Callable[[str], str]  # name of a part -> the attribute that its group carries
@@ -105,10 +106,10 @@ class Stage:
         )
         mechanism, reach = Mechanism.of(cam, count).magnified(by), by * reach
         u = 2.0 * reach / ACROSS
-        prime = cam.follower.radius(cam.size) if mechanism.contacts[0].roller > 0.0 else 0.0
+        prime = prime_radius(cam.follower, cam.size) if mechanism.contacts[0].roller > 0.0 else 0.0
         return cls(
             mechanism,
-            tuple((flank.magnified(by), _magnified(curve, by)) for flank, curve in flanks),
+            tuple((flank.scaled(by), _magnified(curve, by)) for flank, curve in flanks),
             mirror,
             by * base,
             by * prime,

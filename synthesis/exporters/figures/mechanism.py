@@ -15,12 +15,12 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from synthesis.catalogue.followers.flank import Flank
+from synthesis.catalogue.followers.kinematics import Vector2
+from synthesis.catalogue.followers.link import Face, Link
+from synthesis.catalogue.profile import CamProfile
 from synthesis.exporters.samples.cam import Cam
-from synthesis.followers.flank import Flank
-from synthesis.followers.link import Face, Link
-from synthesis.followers.trace import Vector2
 from synthesis.numerics.piecewise import Array
-from synthesis.profile import CamProfile
 from synthesis.units import DEGREE, FULL_TURN
 
 Point = tuple[float, float]
@@ -103,7 +103,7 @@ class Mechanism:
         contacts = tuple(
             replace(
                 each,
-                flank=each.flank.magnified(by),
+                flank=each.flank.scaled(by),
                 place=_times(each.place, by),
                 roller=by * each.roller,
                 along=by * each.along,
@@ -123,7 +123,7 @@ def _contact(cam: Cam, link: Link, theta: Array, state: tuple[Array, Array, Arra
     trace, flank, first = cam.flank.trace, cam.flank, cam.follower.flanks[0]
     p, tangent = _traced(cam, s)
     nx, ny = trace.normal(tangent, s, cam.size)
-    (gx, gy), _ = trace.direction(s, cam.size)
+    (gx, gy), _ = trace.drive_direction(s, cam.size)
     roller = cam.follower.roller_radius if flank.path == first.path else flank.distance
     along, roll, heading = np.zeros_like(theta), np.zeros_like(theta), 0.0
     if link.face is not None:
@@ -148,7 +148,7 @@ def _contact(cam: Cam, link: Link, theta: Array, state: tuple[Array, Array, Arra
 
 def _traced(cam: Cam, s: Array) -> tuple[tuple[Array, Array], tuple[Array, Array]]:
     """The traced point and D of it in the machine's frame [mm]."""
-    (px, py), (dx, dy), *_ = cam.flank.trace.traced_point(s, cam.size)
+    (px, py), (dx, dy), *_ = cam.flank.trace.position(s, cam.size)
     return (px, py), (dx + py, dy - px)
 
 

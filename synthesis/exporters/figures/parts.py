@@ -7,9 +7,9 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from synthesis.catalogue.followers.flank import Flank
+from synthesis.catalogue.profile import CamProfile
 from synthesis.exporters.drawing import canvas as svg
-from synthesis.followers.flank import Flank
-from synthesis.profile import CamProfile
 
 STEM, HUB = 15.0, 1.1  # a stem's length and the shaft's radius, in units of the sheet
 PIVOT = 0.25  # radius of a pivot's eye, of the stem's length

@@ -10,7 +10,9 @@ import math
 
 import numpy as np
 
-from synthesis.design import Design
+from synthesis.catalogue.followers.flank import Flank
+from synthesis.catalogue.profile import CamProfile
+from synthesis.design.design import Design
 from synthesis.exporters.drawing import canvas as svg
 from synthesis.exporters.drawing.heading import TURNS, heading
 from synthesis.exporters.drawing.picture_options import CamDrawingOptions
@@ -18,8 +20,6 @@ from synthesis.exporters.exporter import Exporter, untold
 from synthesis.exporters.figures.cam_figure import BELOW, Scene, shapes
 from synthesis.exporters.figures.labels import labels
 from synthesis.exporters.samples.cam import Cam
-from synthesis.followers.flank import Flank
-from synthesis.profile import CamProfile
 
 HEADER, MARGIN, ROW = 22.0, 14.0, 5.2  # in units of the sheet
 NARROW, WIDE, SHOWN = 110.0, 420.0, 300.0  # of a sheet [mm]: see ``shown_at``

@@ -14,12 +14,14 @@ from typing import Annotated
 import numpy as np
 from pydantic import Field
 
-from synthesis.design import Design
+from synthesis.design.design import Design
 from synthesis.errors import InputError
 from synthesis.exporters.exporter import Exporter, untold
 from synthesis.exporters.machining.program import (
     Feed,
     LineNumbers,
+    MachineDecimals,
+    check_tool,
     feed_word,
     heading,
     minutes,
@@ -29,7 +31,7 @@ from synthesis.exporters.machining.program import (
     whole_path,
     word,
 )
-from synthesis.exporters.options import CurveName, Decimals, PointOptions
+from synthesis.exporters.options import CurveName, PointOptions, is_cutter, is_pitch
 from synthesis.exporters.samples.cutting import chosen
 from synthesis.exporters.samples.sampling import written_points
 
@@ -54,7 +56,7 @@ class GrindingOptions(PointOptions):
             "cutter_diameter_mm, or pitch, counter_pitch: a wheel as large as the roller."
         ),
     ] = "pitch"
-    decimals: Decimals = 5
+    decimals: MachineDecimals = 5
     feed_mm_per_min: Feed = 1000.0
     x_is_diameter: Annotated[
         bool, Field(description="Write X as a diameter, twice the distance from the axis.")
@@ -70,10 +72,19 @@ class GrindingOptions(PointOptions):
                 "tolerance could be measured.",
                 "Ask for points or points_per_degree.",
             )  # fmt: skip
+        if not (is_cutter(self.curve) or is_pitch(self.curve)):
+            raise InputError(
+                "/curve", self.curve,
+                "This curve is the profile itself: a wheel whose centre ran along it would grind "
+                "its own radius too deep.",
+                "Give curve=cutter and cutter_diameter_mm, the wheel's diameter, or curve=pitch "
+                "for a wheel as large as the roller.",
+            )  # fmt: skip
 
 
 def _profile(design: Design, options: GrindingOptions) -> bytes:
     cam = chosen(design, options)
+    check_tool(cam, options)
     written = written_points(cam, replace(options, decimals=EXACT))
     path = whole_path(written, options)
     x, y = path.T

@@ -13,7 +13,8 @@ from typing import Annotated
 import numpy as np
 from pydantic import Field
 
-from synthesis.design import Design
+from synthesis.design.design import Design
+from synthesis.errors import InputError
 from synthesis.exporters.exporter import Exporter, untold
 from synthesis.exporters.fidelity.measure import straight_form
 from synthesis.exporters.machining.lead import Lead, checked, leads
@@ -21,6 +22,8 @@ from synthesis.exporters.machining.program import (
     Feed,
     FeedMode,
     LineNumbers,
+    MachineDecimals,
+    check_tool,
     feed_word,
     heading,
     minutes,
@@ -30,7 +33,7 @@ from synthesis.exporters.machining.program import (
     whole_path,
     word,
 )
-from synthesis.exporters.options import Decimals, PointOptions
+from synthesis.exporters.options import PointOptions
 from synthesis.exporters.samples.cam import Cam
 from synthesis.exporters.samples.cutting import chosen
 from synthesis.exporters.samples.placement import turned
@@ -46,11 +49,12 @@ class MillingOptions(PointOptions):
     Attributes:
         feed_mm_per_min: of the contact along the profile. feed_mode: how it is written.
         lead_mm: radius of the arcs by which the cutter comes and goes; 0: none.
-        safe_z_mm: height of rapid moves; None: no moves in Z at all. z_mm: depth of the cut.
+        safe_z_mm: height of rapid moves, above z_mm; None: no moves in Z at all.
+        z_mm: height of the cut; None: 0.
         line_numbers: whether blocks are numbered.
     """
 
-    decimals: Decimals = 4
+    decimals: MachineDecimals = 4
     feed_mm_per_min: Feed = 200.0
     feed_mode: Annotated[
         FeedMode, Field(description="Feed in mm/min (G94), or as 1/min of each block (G93).")
@@ -69,14 +73,31 @@ class MillingOptions(PointOptions):
         Field(
             ge=-1e6,
             le=1e6,
-            description="Height of rapid moves; the cut is at z_mm. Left out: nothing moves in Z.",
+            description="Height of rapid moves, above the cut at z_mm (0 where that is left out). "
+            "Left out: nothing moves in Z.",
         ),
     ] = None
     line_numbers: LineNumbers = False
 
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        if self.safe_z_mm is not None and self.safe_z_mm <= self.depth:
+            raise InputError(
+                "/safe_z_mm", self.safe_z_mm,
+                f"The rapid moves would run through the material: this height must lie above the "
+                f"cut, which is at z_mm = {self.depth:g}.",
+                "Raise safe_z_mm above the workpiece, or lower z_mm (0 where it is left out).",
+            )  # fmt: skip
+
+    @property
+    def depth(self) -> float:
+        """Height of the cut [mm]."""
+        return 0.0 if self.z_mm is None else self.z_mm
+
 
 def _profile(design: Design, options: MillingOptions) -> bytes:
     cam = chosen(design, options)
+    check_tool(cam, options)
     written = written_points(cam, options)
     path = whole_path(written, options)
     arcs = _leads(cam, written, path, options) if options.lead_mm > 0.0 else []
@@ -112,7 +133,7 @@ def _down(start: Array, options: MillingOptions) -> list[str]:
     there = f"G0 {_xy(start, options)}"
     if options.safe_z_mm is None:
         return [there]
-    plunge = f"G1 {_z(options.z_mm or 0.0, options)} {feed_word(options.feed_mm_per_min)}"
+    plunge = f"G1 {_z(options.depth, options)} {feed_word(options.feed_mm_per_min)}"
     return [f"G0 {_z(options.safe_z_mm, options)}", there, plunge]
 
 

@@ -14,17 +14,23 @@ from typing import Annotated, Literal
 import numpy as np
 from pydantic import Field
 
-from synthesis.design import Design
+from synthesis.design.design import Design
 from synthesis.errors import InputError
 from synthesis.exporters.options import CurveOptions, PointOptions, is_cutter, is_pitch
 from synthesis.exporters.samples.cam import Cam
+from synthesis.exporters.samples.cutting import largest_cutter
 from synthesis.exporters.samples.sampling import Written
 from synthesis.numerics.piecewise import Array
 from synthesis.units import FULL_TURN
 
+ROUNDING = 1e-6  # relative: a roller touches both walls of its own groove
 FASTEST = 10.0  # times the feed: most that a centre is moved at, round a corner say
 LONGEST_NAME = 40
 
+MachineDecimals = Annotated[
+    int,
+    Field(ge=2, le=15, description="Decimals of a coordinate in mm; fewer than 2 would show."),
+]
 Feed = Annotated[
     float,
     Field(
@@ -103,6 +109,37 @@ def whole_path(written: Written, options: PointOptions) -> Array:
             "/closed", False, "A tool goes round the cam to where it began.", "Leave it out."
         )
     return written.ended(options, closed=True)
+
+
+def check_tool(cam: Cam, options: CurveOptions) -> None:
+    """Check the tool that the path of a roller's centre stands for: one as large as the roller.
+
+    The curves of cutters are checked where the curve is chosen. A path that is the profile itself
+    names no tool and is not checked.
+
+    Raises:
+        InputError: the path asked for is a pitch curve, and the cam has no roller, or is undercut
+            so that a tool of the roller's size cuts off a part of the profile.
+    """
+    if not is_pitch(options.curve):
+        return
+    if reach(cam) == 0.0:
+        raise InputError(
+            "/curve", options.curve,
+            "This follower has no roller of a radius above 0. Its pitch curve is the profile "
+            "itself: a tool whose centre ran along it would cut its own radius too deep.",
+            "Give curve=cutter and cutter_diameter_mm, the tool's diameter.",
+        )  # fmt: skip
+    fit = largest_cutter(cam)
+    if reach(cam) > fit.radius * (1.0 + ROUNDING):
+        raise InputError(
+            "/curve", options.curve,
+            f"A tool as large as the roller, {2.0 * reach(cam):.6g} mm in diameter, cuts into the "
+            f"profile at cam angle {fit.angle_deg:.6g}°, x = {fit.x:.6g}, y = {fit.y:.6g} mm. No "
+            f"tool larger than {2.0 * fit.radius:.6g} mm leaves it as it is.",
+            "Give curve=cutter and cutter_diameter_mm, or give the design the "
+            "limit profile_radius and ask for it again.",
+        )  # fmt: skip
 
 
 def tool(cam: Cam, options: CurveOptions) -> str:

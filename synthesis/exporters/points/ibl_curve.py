@@ -12,7 +12,7 @@ from typing import Annotated
 
 from pydantic import Field
 
-from synthesis.design import Design
+from synthesis.design.design import Design
 from synthesis.exporters.exporter import Exporter, untold
 from synthesis.exporters.fidelity.told import fidelity_told
 from synthesis.exporters.options import PointOptions

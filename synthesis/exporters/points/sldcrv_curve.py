@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from synthesis.design import Design
+from synthesis.design.design import Design
 from synthesis.errors import InputError
 from synthesis.exporters.exporter import Exporter, untold
 from synthesis.exporters.fidelity.told import fidelity_told

@@ -9,7 +9,7 @@ No header.
 
 from __future__ import annotations
 
-from synthesis.design import Design
+from synthesis.design.design import Design
 from synthesis.exporters.exporter import Exporter, untold
 from synthesis.exporters.fidelity.told import fidelity_told
 from synthesis.exporters.options import PointOptions

@@ -10,7 +10,7 @@ import io
 
 import xlsxwriter
 
-from synthesis.design import Design
+from synthesis.design.design import Design
 from synthesis.exporters.exporter import Exporter, untold
 from synthesis.exporters.fidelity.told import fidelity_told
 from synthesis.exporters.options import PointOptions

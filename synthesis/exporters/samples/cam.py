@@ -5,15 +5,16 @@ from __future__ import annotations
 from collections.abc import Iterator
 from dataclasses import dataclass, fields, replace
 
-from synthesis.design import Design
+from synthesis.catalogue.fields import Rotation
+from synthesis.catalogue.followers import Follower
+from synthesis.catalogue.followers.counter_roller import counter_paths
+from synthesis.catalogue.followers.flank import Flank, labelled
+from synthesis.catalogue.profile import CamProfile, cam_profile
+from synthesis.design.design import Design
 from synthesis.errors import InputError
 from synthesis.exporters.options import CURVES, CurveName, PlacedCurve, is_cutter, is_pitch
 from synthesis.exporters.samples.turn import Mask, Turn
-from synthesis.fields import Rotation
-from synthesis.followers import Follower
-from synthesis.followers.flank import Flank, labelled
 from synthesis.numerics.piecewise import Array, Side
-from synthesis.profile import CamProfile, cam_profile
 from synthesis.units import rad_per_s
 
 
@@ -50,7 +51,7 @@ class Cam(Turn):
                 "A design that found no cam has no profile and no motion.",
                 "Make the least change that its field `conflict` names, and ask again.",
             )
-        follower = design.built.follower
+        follower = design.completed_spec.follower
         flank = _flank(follower, options.curve if options else "profile")
         return cls(
             design.curve, follower.travel, rad_per_s(design.speed_rpm), follower,
@@ -84,7 +85,7 @@ class Cam(Turn):
 
 def profiles(design: Design) -> dict[str, CurveName]:
     """Every flank of a design's cam as a curve, by the stem of its file: profile, profile-outer."""
-    further = {flank.name for flank in design.built.follower.flanks[1:]}
+    further = {flank.name for flank in design.completed_spec.follower.flanks[1:]}
     curves: dict[str, CurveName] = {"profile": "profile"}
     return curves | {f"profile-{each}": each for each in CURVES if each in further}
 
@@ -101,7 +102,7 @@ def _flank(follower: Follower, curve: CurveName) -> Flank:
         if flank.name and curve in names:
             return flank
     known = [flank.name for flank in flanks if flank.name]
-    known += [labelled(path, "pitch") for path in follower.companions]
+    known += [labelled(path, "pitch") for path in counter_paths(follower)]
     known += ["cutter", *(f"{flank.name}_cutter" for flank in flanks[1:])]
     raise InputError(
         "/curve",

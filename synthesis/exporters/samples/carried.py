@@ -5,13 +5,13 @@ from __future__ import annotations
 from collections.abc import Iterator
 from dataclasses import dataclass
 
-from synthesis.design import Design
+from synthesis.catalogue.followers.flank import labelled
+from synthesis.catalogue.forces.history import ForceHistory, history
+from synthesis.design.design import Design
 from synthesis.exporters.options import MotionOptions
 from synthesis.exporters.samples.cam import Cam
 from synthesis.exporters.samples.columns import Column
 from synthesis.exporters.samples.sampling import Rows, table_rows
-from synthesis.followers.flank import labelled
-from synthesis.forces.history import History, history
 from synthesis.numerics.piecewise import Array
 
 
@@ -24,8 +24,8 @@ class Carried:
     """
 
     rows: Rows
-    right: History
-    left: History
+    right: ForceHistory
+    left: ForceHistory
 
     def value(self, of: Array, before: Array) -> Array:
         """A force at every row, from the side that the row is of."""
@@ -56,7 +56,7 @@ class Carried:
 
 def carried(design: Design, cam: Cam, options: MotionOptions) -> Carried | None:
     """The forces of a design's cam at the rows of a table; None where no load is told."""
-    machine = design.built.machine()
+    machine = design.completed_spec.machine()
     if machine.load is None:
         return None
     rows = table_rows(cam, options)

@@ -103,7 +103,7 @@ def _physical(s: Array, turn: Turn) -> list[Column]:
     return [
         Column(named(letter, unit), unit, told[order], s[order] * turn.rate(order))
         for order, letter in enumerate("svaj")
-        for unit in [turn.travel.told(order)]
+        for unit in [turn.travel.derivative_unit(order)]
     ]
 
 
@@ -115,7 +115,7 @@ def _per_radian(s: Array, turn: Turn) -> list[Column]:
             s[order] / turn.travel.per_unit,
         )
         for order, letter in enumerate(("ds", "d2s", "d3s"), start=1)
-        for unit in [turn.travel.told(order).replace("/s", "/rad")]
+        for unit in [turn.travel.derivative_unit(order).replace("/s", "/rad")]
     ]  # fmt: skip
 
 

@@ -16,13 +16,13 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from synthesis.design import Design
+from synthesis.catalogue.profile import CamProfile
+from synthesis.design.design import Design
 from synthesis.errors import InputError
 from synthesis.exporters.options import PlacedCurve
 from synthesis.exporters.samples.cam import Cam
 from synthesis.exporters.samples.sampling import in_degrees
 from synthesis.numerics.piecewise import Array
-from synthesis.profile import CamProfile
 from synthesis.units import FULL_TURN
 
 LOCAL = 3600  # angles at which the radius of hollows is looked at

@@ -4,10 +4,10 @@ from __future__ import annotations
 
 import math
 
+from synthesis.catalogue.profile import CamProfile
 from synthesis.exporters.options import CurveOptions
 from synthesis.exporters.samples.cam import Cam
 from synthesis.numerics.piecewise import Array
-from synthesis.profile import CamProfile
 
 
 def placed(cam: Cam, options: CurveOptions, at: CamProfile) -> tuple[Array, Array]:

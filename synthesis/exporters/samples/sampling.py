@@ -14,6 +14,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from synthesis.catalogue.profile import CamProfile
 from synthesis.errors import InputError
 from synthesis.exporters.options import CurveOptions, PointOptions, Sampled
 from synthesis.exporters.samples.cam import Cam
@@ -21,7 +22,6 @@ from synthesis.exporters.samples.chords import COARSEST, chord_angles
 from synthesis.exporters.samples.placement import placed
 from synthesis.exporters.samples.turn import Mask, Turn
 from synthesis.numerics.piecewise import Array
-from synthesis.profile import CamProfile
 from synthesis.units import DEGREE, FULL_TURN
 
 SAME_ANGLE = 1e-9  # [rad]

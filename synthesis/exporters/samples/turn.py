@@ -8,7 +8,7 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
-from synthesis.motion import Motion
+from synthesis.catalogue.motion import Motion
 from synthesis.numerics.piecewise import Array
 from synthesis.units import FULL_TURN, Travel
 
@@ -56,7 +56,7 @@ class Turn:
 
     def rate(self, order: int) -> float:
         """Factor from s^(order) per radian to the time derivative in the unit of travel."""
-        return self.travel.rate(order, self.omega)
+        return self.travel.wire_factor(order, self.omega)
 
     def derivatives(self, theta: Array, left: Mask) -> Array:
         """s and its derivatives (4, n) at θ [mm, per radian], one-sided likewise."""
@@ -76,7 +76,7 @@ class Turn:
         # Where a derivative vanishes altogether, its rounding is measured by the displacement's.
         jumps = np.abs(right - left) > ROUNDING * np.maximum(peak, 0.1 * peak[0])
         order = np.where(jumps.any(axis=0), np.argmax(jumps, axis=0), SMOOTH)
-        starts = [s.start for s in self.motion.stretches if s.angle > 0.0]
+        starts = [s.start for s in self.motion.segments if s.angle > 0.0]
         return Joints(theta, order, np.isin(theta, starts))
 
     @cached_property
@@ -85,7 +85,7 @@ class Turn:
 
         Dwells that touch count as one, also across cam angle 0.
         """
-        moving = [s for s in self.motion.stretches if s.angle > 0.0 and s.kind != "dwell"]
+        moving = [s for s in self.motion.segments if s.angle > 0.0 and s.kind != "dwell"]
         ends = [s.end for s in moving]
         starts = [s.start for s in moving[1:]] + [moving[0].start + FULL_TURN]
         still = [(start - end, end) for end, start in zip(ends, starts, strict=True)]

@@ -12,7 +12,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from synthesis.design import Design
+from synthesis.catalogue.followers.flank import Flank
+from synthesis.design.design import Design
 from synthesis.errors import InputError
 from synthesis.exporters.curves.exact import ExactCurve, exact_curve
 from synthesis.exporters.curves.exact_options import ExactOptions
@@ -21,7 +22,6 @@ from synthesis.exporters.samples.cam import Cam
 from synthesis.exporters.solids.keyway import Bore, bore_of
 from synthesis.exporters.solids.outline import Circle, Outline, Pen
 from synthesis.exporters.solids.solid_options import SolidOptions
-from synthesis.followers.flank import Flank
 
 NO_RIM = 0.1  # of the largest radius: wall of a ring or a disc where the design says none
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from importlib.util import find_spec
 
-from synthesis.design import Design
+from synthesis.design.design import Design
 from synthesis.errors import ExtraMissing
 from synthesis.exporters.curves.part21 import exchange_file, text
 from synthesis.exporters.curves.step_curve import SCHEMA

@@ -9,7 +9,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from synthesis.design import Design
+from synthesis.design.design import Design
 from synthesis.exporters.exporter import Exporter, untold
 from synthesis.exporters.fidelity.told import table_fidelity_told
 from synthesis.exporters.options import MotionOptions, ProfileOptions

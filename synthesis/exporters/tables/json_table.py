@@ -10,7 +10,7 @@ from typing import Annotated, Any
 import numpy as np
 from pydantic import Field
 
-from synthesis.design import Design
+from synthesis.design.design import Design
 from synthesis.exporters.exporter import Exporter, untold
 from synthesis.exporters.fidelity.block import fidelity_block
 from synthesis.exporters.fidelity.told import MOST, unrounded

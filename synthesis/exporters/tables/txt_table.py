@@ -6,7 +6,7 @@ s, v, a, j at the given speed [mm or deg, s], s', s'', s''' [mm or deg, rad], si
 
 from __future__ import annotations
 
-from synthesis.design import Design
+from synthesis.design.design import Design
 from synthesis.exporters.exporter import Exporter, untold
 from synthesis.exporters.options import MotionOptions
 from synthesis.exporters.samples.cam import Cam

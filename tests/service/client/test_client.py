@@ -16,9 +16,10 @@ from fastapi import Request
 from sqlalchemy.exc import OperationalError
 
 from service.client import AsyncClient, Client, Refused, Retries, Unreachable
-from service.wire.problem import answer
+from service.wire.problem import error_response
 from tests.service.conftest import Running
 from tests.service.cutting import Cutting
+from tests.service.fake_core import Gate
 from tests.service.specs import spec
 from tests.service.sweeps.test_sweeps import sweep_of
 
@@ -169,7 +170,7 @@ def test_items_come_page_by_page_and_by_status(service: Running) -> None:
         assert sorted(item["number"] for item in client.items(sweep)) == list(range(24))
         assert [item["number"] for item in client.items(sweep, status="failed")] == [23]
         front = client.pareto(sweep, minimise=["base_radius_mm"])
-        assert (front["considered"], front["left_out"]) == (23, 1)
+        assert (front["compared"], front["excluded"]) == (23, 1)
 
     async def numbers() -> list[int]:
         async with AsyncClient(service.url) as client:
@@ -178,15 +179,17 @@ def test_items_come_page_by_page_and_by_status(service: Running) -> None:
     assert asyncio.run(numbers()) == list(range(24))
 
 
-def test_dismissing_keeps_what_is_done(service: Running) -> None:
+def test_dismissing_keeps_what_is_done(service: Running, tmp_path: Path) -> None:
+    gate = Gate(tmp_path / "gate")
+    gate.let(3)
     with Client(service.url, retries=QUICK) as client:
-        sweep = client.sweep(sweep_of([f"sleep 0.1{' ' * i}, stopped" for i in range(50)]))["id"]
+        sweep = client.sweep(sweep_of(gate.names(50)))["id"]
         for event in client.watch(sweep):
             if event.kind == "item":
                 break
         stopped = client.dismiss(sweep)
         assert stopped["state"] == "dismissed"
-        assert 1 <= stopped["counts"]["done"] < 50
+        assert 1 <= stopped["counts"]["done"] <= 3
         assert client.dismiss(sweep)["counts"] == stopped["counts"]
         client.delete(f"/v1/sweeps/{sweep}")
         with pytest.raises(Refused, match="no sweep"):
@@ -211,12 +214,12 @@ def test_watching_goes_on_when_the_connection_breaks(service: Running) -> None:
 
 
 def test_watching_by_an_event_loop(service: Running) -> None:
-    async def watched() -> list[str]:
+    async def watch_events() -> list[str]:
         async with AsyncClient(service.url) as client:
             sweep = await client.sweep(sweep_of([f"awaited {i}" for i in range(5)]))
             return [event.kind async for event in client.watch(sweep["id"])]
 
-    kinds = asyncio.run(watched())
+    kinds = asyncio.run(watch_events())
     assert (kinds.count("item"), kinds[-1]) == (5, "end")
 
 
@@ -233,7 +236,7 @@ def test_a_service_that_only_ever_breaks_off_is_given_up(service: Running) -> No
 
 
 def test_models_of_the_core_are_taken_as_they_are(service: Running) -> None:
-    from synthesis.spec import DesignSpec
+    from synthesis.spec.design_spec import DesignSpec
 
     body = spec("a model")
     model = DesignSpec.model_validate(body)
@@ -244,7 +247,7 @@ def test_models_of_the_core_are_taken_as_they_are(service: Running) -> None:
 def test_a_store_that_is_away_for_a_moment_is_waited_for(ask: Asking) -> None:
     """The service says when, so that a restart of the database stops no client."""
     scope = {"type": "http", "method": "GET", "path": "/v1/designs", "headers": []}
-    told = answer(Request(scope), OperationalError("select", None, Exception("gone")))
+    told = error_response(Request(scope), OperationalError("select", None, Exception("gone")))
     assert (told.status_code, told.headers["retry-after"]) == (503, "2")
     headers = {**PROBLEM, "retry-after": told.headers["retry-after"]}
     away = httpx2.Response(told.status_code, headers=headers, content=bytes(told.body))

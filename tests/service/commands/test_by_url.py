@@ -14,7 +14,7 @@ from typer.testing import CliRunner
 
 from service import cli
 from service.client import Client, Retries
-from service.commands import asking
+from service.commands import requests
 from service.contract.examples import SELF_CHECK, examples
 from tests.service.conftest import Running
 
@@ -89,11 +89,11 @@ def test_what_is_no_address_is_said(tmp_path: Path, command: str, url: str) -> N
     name = {"design": "fixed-laws.json", "sweep": "sweeps/rollers-and-laws.json"}[command]
     found = run(command, EXAMPLES / name, "--out", tmp_path, url=url)
     assert found.exit_code == 2
-    assert f"{url} is no address of a service" in found.stderr
+    assert f"{url} is not the address of a service" in found.stderr
 
 
 def test_nobody_there_is_said(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(asking, "Client", partial(Client, retries=Retries(tries=1)))
+    monkeypatch.setattr(requests, "Client", partial(Client, retries=Retries(tries=1)))
     found = run("design", EXAMPLES / "fixed-laws.json", url="http://127.0.0.1:9")
     assert found.exit_code == 2
     assert "No answer from http://127.0.0.1:9 (" in found.stderr
@@ -106,7 +106,7 @@ def test_an_answer_of_another_version_is_said(
     monkeypatch.setattr(Client, "design", lambda self, spec: strange)
     found = run("design", EXAMPLES / "fixed-laws.json", url=service.url)
     assert found.exit_code == 2
-    assert "Is it of another version?" in found.stderr
+    assert "not in the form that this command knows" in found.stderr
 
 
 def test_what_limits_cost_is_told(real_service: Running, tmp_path: Path) -> None:
@@ -114,7 +114,7 @@ def test_what_limits_cost_is_told(real_service: Running, tmp_path: Path) -> None
     told = run("costs", tmp_path / "design.json")
     assert told.exit_code == 0, told.output
     assert "1 deg more in /limits/0/rise_deg makes base_radius 2.253 mm smaller" in told.stdout
-    assert "/limits/0/return_deg does not decide" in told.stdout
+    assert "/limits/0/return_deg has no influence" in told.stdout
     run("design", EXAMPLES / "infeasible-on-purpose.json", "--out", tmp_path)
     told = run("costs", tmp_path / "design.json", "--json")
     assert told.exit_code == 3

@@ -16,7 +16,8 @@ from typer.testing import CliRunner
 
 from service import cli
 from service.contract.examples import SELF_CHECK, examples
-from synthesis.design import Design, engine_version
+from synthesis.design.design import Design
+from synthesis.design.identity import engine_version
 
 runner = CliRunner()
 
@@ -62,7 +63,7 @@ def test_a_port_that_is_taken_is_said_in_one_sentence(tmp_path: Path) -> None:
         )  # fmt: skip
     assert run.returncode == 1
     assert run.stderr.count("\n") == 1
-    assert f"Port {port} on 127.0.0.1 is taken" in run.stderr
+    assert f"Port {port} on 127.0.0.1 is in use" in run.stderr
     assert "--port" in run.stderr
 
 

@@ -13,7 +13,7 @@ from typer.testing import CliRunner
 
 from service import cli
 from service.contract.examples import SELF_CHECK, examples
-from synthesis.design import Design
+from synthesis.design.design import Design
 from synthesis.exporters import (
     MOTION_FORMATS,
     PICTURES,
@@ -22,8 +22,8 @@ from synthesis.exporters import (
     ProfileOptions,
 )
 from synthesis.exporters.drawing.picture_options import DiagramOptions
-from synthesis.pipeline import synthesise
-from synthesis.spec import DesignSpec
+from synthesis.pipeline.synthesise import synthesise
+from synthesis.spec.design_spec import DesignSpec
 from tests.service.conftest import Running
 from tests.service.killing import Process, children
 from tests.service.sweeps.test_kills import alive, until
@@ -172,6 +172,12 @@ def test_export_writes_what_the_core_does(tmp_path: Path, fixed: Design, kept: b
             "--decimals: csv has no such option. It has --curve",
         ),
         ("fixed-laws", ["--part", "shadow"], "shadow"),
+        ("flat-face", ["--format", "grinding.nc"], "Give curve=cutter and cutter_diameter_mm"),
+        (
+            "fixed-laws",
+            ["--format", "nc", "--safe-z-mm", "-9", "--z-mm", "-4"],
+            "Raise safe_z_mm above the workpiece",
+        ),
         ("infeasible-on-purpose", [], "no cam fits its limits"),
     ],
 )

@@ -3,18 +3,24 @@
 from __future__ import annotations
 
 import copy
+import json
 import os
 from collections import Counter
 from typing import Any
 
+import pytest
 import schemathesis
 from hypothesis import HealthCheck, settings
 from schemathesis.checks import CHECKS, load_all_checks
+from schemathesis.generation.feedback import FeedbackSources
 from schemathesis.generation.meta import coverage_scenario
+from schemathesis.pytest._test_builder import build_operation_test
+from schemathesis.schemas import APIOperation
 
 from service.app import create_app
+from service.openapi import TARGET
 from service.settings import Settings
-from synthesis.linkages.shaper.spec import LENGTHS
+from synthesis.machines.linkages.shaper.spec import LENGTHS
 from tests.service.conftest import Running
 from tests.service.specs import spec
 
@@ -24,15 +30,15 @@ NOT_ASKED = CHECKS.get_by_names(["positive_data_acceptance"])
 NO_FAULT = CHECKS.get_by_names(["not_a_server_error"])
 
 
-def asked() -> dict[str, Any]:
+def document() -> dict[str, Any]:
     """The document; what a sweep, a cam set and a train hold a whole spec in is given.
 
     Designs are gone through under their own address: once more for analyses or inside of cams of a
     set they take most of the time that it takes to think of all cases. Shapers are given in full:
     to search for one takes seconds where chance has chosen the ranges.
     """
-    document = copy.deepcopy(create_app(Settings()).openapi())
-    known = document["components"]["schemas"]
+    served = copy.deepcopy(create_app(Settings()).openapi())
+    known = served["components"]["schemas"]
     sweep, cams, cam = (copy.deepcopy(known[n]) for n in ("SweepSpec", "CamSetSpec", "CamOnShaft"))
     sweep["properties"]["base"] = {"enum": [spec("swept")]}
     shared = {name: value for name, value in spec("on a shaft").items() if name != "speed_rpm"}
@@ -52,41 +58,69 @@ def asked() -> dict[str, Any]:
     }
     for name, body in bodies.items():
         path = f"/v1/{name}"
-        content = document["paths"][path]["post"]["requestBody"]["content"]
+        content = served["paths"][path]["post"]["requestBody"]["content"]
         content["application/json"]["schema"] = body
-    return document
+    return served
 
 
-schema = schemathesis.openapi.from_dict(asked())
 FIRST, STRIDE = 3, 7
-seen = Counter[tuple[str, str]]()
 
 
-@schema.hook("filter_case")
-def a_share(context: schemathesis.HookContext, case: schemathesis.Case) -> bool:
-    """Of cases that differ in the field alone: the first of an operation, and every seventh.
+@pytest.fixture(scope="module")
+def operations() -> dict[str, APIOperation]:
+    """The operations by label. Made when tests run: to collect them takes the labels only."""
+    schema = schemathesis.openapi.from_dict(document())
+    seen = Counter[tuple[str, str]]()
 
-    Every kind of fault (a wrong type, a number beyond its end, ...) is sent to every operation.
-    There are 15 000, most of them of some field's wrong type, which one validator finds for all;
-    seven is in step with no number of wrong types. HYPOTHESIS_PROFILE=thorough sends them all.
-    """
-    kind = coverage_scenario(case)
-    if kind is None or os.environ.get("HYPOTHESIS_PROFILE") == "thorough":
-        return True
-    number = seen[case.operation.label, kind.value]
-    seen[case.operation.label, kind.value] += 1
-    return number < FIRST or number % STRIDE == 0
+    @schema.hook("filter_case")
+    def is_sent(context: schemathesis.HookContext, case: schemathesis.Case) -> bool:
+        """Of cases that differ in the field alone: the first of an operation, and every seventh.
+
+        Every kind of fault (a wrong type, a number beyond its end, ...) is sent to every operation.
+        There are 15 000, most of them of some field's wrong type, which one validator finds for
+        all; seven is in step with no number of wrong types. HYPOTHESIS_PROFILE=thorough sends them
+        all.
+        """
+        kind = coverage_scenario(case)
+        if kind is None or os.environ.get("HYPOTHESIS_PROFILE") == "thorough":
+            return True
+        number = seen[case.operation.label, kind.value]
+        seen[case.operation.label, kind.value] += 1
+        return number < FIRST or number % STRIDE == 0
+
+    each = (operation.ok() for operation in schema.get_all_operations())
+    return {operation.label: operation for operation in each}
 
 
-@schema.parametrize()
-@settings(
-    max_examples=8, deadline=None, derandomize=True, database=None,
-    suppress_health_check=list(HealthCheck),
-)  # fmt: skip
-def test_answers_are_as_documented(case: schemathesis.Case, service: Running) -> None:
-    answer = case.call(base_url=service.url)
-    late = NO_FAULT if answer.status_code == 504 and allows_itself_a_time(case) else []
-    case.validate_response(answer, excluded_checks=[*NOT_ASKED, *late])
+@pytest.mark.parametrize(
+    "label",
+    [
+        f"{method.upper()} {path}"
+        for path, methods in json.loads(TARGET.read_text(encoding="utf-8"))["paths"].items()
+        for method in methods
+    ],
+)
+def test_answers_are_as_documented(
+    label: str, operations: dict[str, APIOperation], service: Running
+) -> None:
+    @settings(
+        max_examples=8, deadline=None, derandomize=True, database=None,
+        suppress_health_check=list(HealthCheck),
+    )  # fmt: skip
+    def send(case: schemathesis.Case) -> None:
+        answer = case.call(base_url=service.url)
+        late = NO_FAULT if answer.status_code == 504 and allows_itself_a_time(case) else []
+        case.validate_response(answer, excluded_checks=[*NOT_ASKED, *late])
+
+    operation = operations[label]
+    config = operation.schema.config
+    build_operation_test(
+        config=config,
+        operation=operation,
+        test_func=send,
+        given_kwargs={},
+        feedback=FeedbackSources(),
+    )()
 
 
 def allows_itself_a_time(case: schemathesis.Case) -> bool:

@@ -13,9 +13,9 @@ from typer.testing import CliRunner
 from service import cli
 from service.contract.examples import ANALYSES, examples
 from synthesis import Analysis, DesignSpec, analyse
-from synthesis.analysis import as_design
 from synthesis.exporters import DRAWINGS
-from tests.service.contract.test_openapi import DOCUMENT
+from synthesis.studies.analyse import as_design
+from tests.service.contract.test_openapi import document
 from tests.service.specs import spec
 
 runner = CliRunner()
@@ -34,7 +34,7 @@ def test_worked_examples(client: httpx2.Client, name: str) -> None:
     answer = client.post("/v1/analyses", json=value)
     assert answer.status_code == 200, answer.text
     assert answer.headers["etag"]
-    body = DOCUMENT["paths"]["/v1/analyses"]["post"]["requestBody"]["content"]["application/json"]
+    body = document()["paths"]["/v1/analyses"]["post"]["requestBody"]["content"]["application/json"]
     assert body["examples"][name] == examples(ANALYSES)[name]
     there = Analysis.model_validate_json(answer.content)
     assert there == analyse(DesignSpec.model_validate(value))
@@ -46,8 +46,8 @@ def test_a_broken_limit_is_a_result(client: httpx2.Client) -> None:
     assert answer.status_code == 200
     found = answer.json()
     assert not found["holds"]
-    assert found["broken"][0] == "pressure_angle_rise"
-    assert {size["offset"] for size in found["mend"]["sizes"]} == {"kept", "free"}
+    assert found["violated"][0] == "pressure_angle_rise"
+    assert {size["offset"] for size in found["remedy"]["sizes"]} == {"kept", "free"}
     assert again.content == answer.content
     assert again.headers["etag"] == answer.headers["etag"]
 
@@ -100,7 +100,7 @@ def test_what_is_left_free_is_a_problem(
     (error,) = problem["errors"]
     assert (error["pointer"], error["value"]) == (pointer, value)
     assert "given in full" in error["rule"]
-    assert "/v1/designs" in error["way_out"]
+    assert "/v1/designs" in error["remedy"]
 
 
 def test_a_spline_law_is_a_problem(client: httpx2.Client) -> None:
@@ -114,7 +114,7 @@ def test_wrong_input_is_told_as_for_designs(client: httpx2.Client) -> None:
     problem = client.post("/v1/analyses", json=given(base_radius=3)).json()
     assert problem["status"] == 422
     assert problem["errors"][0]["pointer"] == "/base_radius"
-    assert "base_radius_mm" in problem["errors"][0]["way_out"]
+    assert "base_radius_mm" in problem["errors"][0]["remedy"]
     assert client.put("/v1/analyses").status_code == 405
 
 
@@ -128,7 +128,7 @@ def example_file(tmp_path: Path) -> Path:
 def test_the_command_prints_tables(example_file: Path) -> None:
     done = runner.invoke(cli.app, ["analyse", str(example_file)])
     assert done.exit_code == 3, done.output
-    for words in ("broken: pressure_angle_rise", "38.7067", "BROKEN", "250.000−", "54.8645",
+    for words in ("violated: pressure_angle_rise", "38.7067", "BROKEN", "250.000−", "54.8645",
                   "No undercut."):  # fmt: skip
         assert words in done.output, done.output
     assert "…" not in done.output
@@ -138,7 +138,7 @@ def test_the_command_prints_json(example_file: Path) -> None:
     done = runner.invoke(cli.app, ["analyse", str(example_file), "--json"])
     assert done.exit_code == 3
     found = Analysis.model_validate_json(done.stdout)
-    assert found.broken == ["pressure_angle_rise"]
+    assert found.violated == ["pressure_angle_rise"]
 
 
 def test_the_command_says_that_a_cam_holds(tmp_path: Path) -> None:

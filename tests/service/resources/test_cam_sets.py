@@ -5,7 +5,6 @@ from __future__ import annotations
 import hashlib
 import io
 import json
-import time
 import zipfile
 from pathlib import Path
 from typing import Any
@@ -16,17 +15,17 @@ from typer.testing import CliRunner
 
 from service import cli
 from service.contract.examples import CAM_SETS, examples
-from service.wire.violations import of_body
+from service.wire.violations import describe_errors
 from synthesis import CamSet, CamSetSpec, DesignSpec
-from synthesis.camset import set_id
-from synthesis.camset_spec import MAX_CAMS
+from synthesis.design.cam_set import set_id
 from synthesis.exporters.bundle import BundleOptions, bundle
-from tests.camsets.sets import INLET, PRESS, body
+from synthesis.spec.cam_set import MAX_CAMS
 from tests.exporters.test_bundle import STEEP
-from tests.service.conftest import Running, settings_for
-from tests.service.contract.test_openapi import DOCUMENT
+from tests.service.conftest import Running, settings_for, wait_until
+from tests.service.contract.test_openapi import document
 from tests.service.resources.test_designs import wait_for
 from tests.service.specs import spec as design_spec
+from tests.studies.cam_sets import INLET, PRESS, body
 
 runner = CliRunner()
 FREE = {  # a free law: tens of milliseconds
@@ -137,7 +136,7 @@ def test_asynchronously(client: httpx2.Client) -> None:
 def test_a_set_under_way_is_dismissed(client: httpx2.Client) -> None:
     asked = named("never", cams=[{"name": f"slow {i}", "spec": SLOW} for i in range(40)])
     where = post(client, asked, Prefer="respond-async").headers["location"]
-    time.sleep(0.2)
+    wait_until(client, running=1)
     assert client.delete(where).status_code == 204
     assert client.get(where).status_code == 404
     assert client.delete(where).json()["type"] == "/problems/unknown-cam-set"
@@ -167,7 +166,7 @@ def test_the_list(client: httpx2.Client) -> None:
     lines = page["items"] + rest["items"]
     assert [line["id"] for line in lines] == made[::-1]
     assert lines[0]["status"] == "optimal"
-    assert (lines[0]["cams"], lines[0]["fitting"]) == (2, 2)
+    assert (lines[0]["cams"], lines[0]["solved"]) == (2, 2)
     assert set(lines[0]["links"]) == {"self", "timing.svg", "bundle.zip"}
     assert names[0] not in [line["name"] for line in client.get("/v1/designs").json()["items"]]
 
@@ -231,7 +230,7 @@ def test_options_that_make_no_sense(
     assert answer.status_code == 422, answer.text
     (error,) = answer.json()["errors"]
     assert error["parameter"] == parameter
-    assert words in f"{error['rule']} {error['way_out']}"
+    assert words in f"{error['rule']} {error['remedy']}"
 
 
 def test_the_diagram(client: httpx2.Client) -> None:
@@ -254,7 +253,7 @@ def test_where_nothing_fits_there_are_no_files(client: httpx2.Client) -> None:
         assert answer.status_code == 409
         assert answer.json()["type"] == "/problems/nothing-fits"
     line = client.get("/v1/cam-sets", params={"status": "infeasible"}).json()["items"][0]
-    assert (line["cams"], line["fitting"], list(line["links"])) == (1, 0, ["self"])
+    assert (line["cams"], line["solved"], list(line["links"])) == (1, 0, ["self"])
 
 
 # --- what makes no sense -------------------------------------------------------------------------
@@ -302,7 +301,7 @@ def test_sets_that_make_no_sense(
     assert [error["pointer"] for error in errors] == [pointer], errors
     if value is not ...:
         assert errors[0]["value"] == value
-    assert words in f"{errors[0]['rule']} {errors[0]['way_out']}", errors
+    assert words in f"{errors[0]['rule']} {errors[0]['remedy']}", errors
 
 
 def test_rules_over_several_fields_are_placed_in_the_spec_that_broke_them() -> None:
@@ -310,7 +309,7 @@ def test_rules_over_several_fields_are_placed_in_the_spec_that_broke_them() -> N
     error = {"type": "program_angles", "input": {}, "msg": "Wrong. Mend it.", "ctx": {}}
     for inside in ((), ("program",), ("program", 0)):
         places = [
-            of_body([error | {"loc": (*spec, *inside)}], asked, model)[0]["pointer"]
+            describe_errors([error | {"loc": (*spec, *inside)}], asked, model)[0][0]["pointer"]
             for spec, asked, model in (
                 ((), INLET, DesignSpec),
                 (("cams", 1, "spec"), body(), CamSetSpec),
@@ -330,7 +329,8 @@ def test_the_server_says_how_many_cams(client: httpx2.Client) -> None:
 def test_worked_examples(client: httpx2.Client, name: str) -> None:
     example = examples(CAM_SETS)[name]
     assert set(example) == {"summary", "description", "value"}
-    shown = DOCUMENT["paths"]["/v1/cam-sets"]["post"]["requestBody"]["content"]["application/json"]
+    asked = document()["paths"]["/v1/cam-sets"]["post"]["requestBody"]
+    shown = asked["content"]["application/json"]
     assert shown["examples"][name] == example
     assert shown["schema"] == {"$ref": "#/components/schemas/CamSetSpec"}
     answer = post(client, example["value"])

@@ -30,7 +30,7 @@ GIVEN = examples(ANALYSES)["p2-as-given"]["value"]
 POINTS = examples(PROFILE_ANALYSES)["spare-roller"]["value"]
 KINDS = [
     Kind("/v1/analyses", GIVEN, {"base_radius_mm": None}, "/base_radius_mm",
-         {"status": "broken", "broken": ["pressure_angle_rise"]}),
+         {"status": "violated", "violated": ["pressure_angle_rise"]}),
     Kind("/v1/profile-analyses", POINTS, {"points_mm": POINTS["points_mm"][:90]}, "/points_mm",
          {"status": "read"}),
 ]  # fmt: skip
@@ -104,7 +104,7 @@ def test_what_cannot_be_answered_later_is_told_where_one_asks(
 def test_only_those_with_a_result(client: httpx2.Client) -> None:
     kind = KINDS[0]
     post(client, kind, kind.asked("breaks its limit"))
-    for status in ("holds", "broken"):
+    for status in ("holds", "violated"):
         lines = client.get(kind.path, params={"status": status}).json()["items"]
         assert {line["status"] for line in lines} <= {status}
     assert lines

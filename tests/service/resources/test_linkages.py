@@ -14,9 +14,9 @@ from typer.testing import CliRunner
 from service import cli
 from service.contract.examples import LINKAGES as FOLDER
 from service.contract.examples import examples
-from synthesis.exporters.linkages import LINKAGE_FILES
-from synthesis.linkages import LINKAGES
-from tests.service.contract.test_openapi import DOCUMENT
+from synthesis.machines.linkages import LINKAGES
+from synthesis.machines.linkages.files import LINKAGE_FILES
+from tests.service.contract.test_openapi import document
 
 EXAMPLES = [(kind, name) for kind in LINKAGES for name in examples(f"{FOLDER}/{kind}")]
 SHAPERS, ARMS = "/v1/linkages/six-bar-shapers", "/v1/linkages/palletising-arms"
@@ -32,16 +32,16 @@ def test_worked_examples(client: httpx2.Client, kind: str, name: str) -> None:
         LINKAGES[kind],
         f"/v1/linkages/{kind}",
     )
-    said = DOCUMENT["paths"][path]["post"]["requestBody"]["content"]["application/json"]
+    said = document()["paths"][path]["post"]["requestBody"]["content"]["application/json"]
     assert said["examples"][name] == example
     answer = client.post(path, json=example["value"])
     assert answer.status_code == 200, answer.text
-    there = linkage.found.model_validate_json(answer.content)
-    here = linkage.work(linkage.spec.model_validate(example["value"]), None)
+    there = linkage.answer.model_validate_json(answer.content)
+    here = linkage.solve(linkage.spec.model_validate(example["value"]), None)
     links = answer.json()["links"]
     assert there == here.model_copy(update={"links": links})
     files = {one for one, file in LINKAGE_FILES[kind].items() if file.suits(here)}
-    assert set(links) == {"self", *(files if linkage.told(here) else ())}
+    assert set(links) == {"self", *(files if linkage.summary(here) else ())}
     assert client.get(links["self"]).content == answer.content
     for file, where in links.items():
         found = client.get(where)
@@ -50,7 +50,7 @@ def test_worked_examples(client: httpx2.Client, kind: str, name: str) -> None:
             assert ElementTree.fromstring(found.content).tag.endswith("svg")
             assert "not certified" not in found.text
     (line,) = [x for x in client.get(path).json()["items"] if x["id"] == answer.json()["id"]]
-    assert line["quantities"] == linkage.told(here)
+    assert line["quantities"] == linkage.summary(here)
     assert client.delete(links["self"]).status_code == 204
     gone = client.get(links["self"])
     assert gone.status_code == 404
@@ -65,9 +65,9 @@ def test_worked_examples(client: httpx2.Client, kind: str, name: str) -> None:
         (SHAPERS, SHAPER, {"acceleration_rad_per_s2": -1.0}, "/acceleration_rad_per_s2", "stop"),
         (SHAPERS, SHAPER, {"guide_mm": -600.0}, "/guide_mm", "at least 1e-06"),
         (SHAPERS, SHAPER, {"ram_side": "up"}, "/ram_side", "left, right"),
-        (SHAPERS, SHAPER, {"crank_mm": {"min": 90, "max": 200}}, "/stroke_mm", "is not given"),
+        (SHAPERS, SHAPER, {"crank_mm": {"min": 90, "max": 200}}, "/stroke_mm", "is required while"),
         (ARMS, ARM, {"payload_kg": -1.0}, "/payload_kg", "at least 0"),
-        (ARMS, ARM, {"opening_deg": {"min": 110}}, "/opening_deg", "No arm angle is left"),
+        (ARMS, ARM, {"opening_deg": {"min": 110}}, "/opening_deg", "No arm angles are left"),
         (
             ARMS,
             ARM,
@@ -88,7 +88,7 @@ def test_what_makes_no_sense_is_told_with_its_place(
     error = answer.json()["errors"][0]
     assert error["pointer"] == pointer
     assert words in error["rule"]
-    assert error["way_out"]
+    assert error["remedy"]
 
 
 def test_a_place_out_of_reach_is_an_answer(client: httpx2.Client) -> None:
@@ -126,7 +126,7 @@ def test_the_command_writes_what_the_service_has(client: httpx2.Client, tmp_path
     path.write_text(json.dumps(examples(f"{FOLDER}/{kind}")["impossible-on-purpose"]))
     said = CliRunner().invoke(cli.app, ["linkage", kind, str(path), "--out", str(tmp_path)])
     assert said.exit_code == 3
-    assert "coupler_mm: 60 asked, 83.4174 mm would do" in said.stdout
+    assert "coupler_mm: 60 requested, 83.4174 mm needed" in said.stdout
     said = CliRunner().invoke(cli.app, ["linkage", "six-bars", str(path)])
     assert said.exit_code == 2
-    assert "Known: six-bar-shapers" in said.output
+    assert "There are six-bar-shapers" in said.output

@@ -16,9 +16,9 @@ from service.commands.points_file import points_in
 from service.contract.examples import PROFILE_ANALYSES, examples
 from synthesis import DesignSpec
 from synthesis.errors import InputError
-from synthesis.measured import MeasuredCam, ProfileAnalysis, read_back
-from tests.measured.cams import ROLLER, profile, spec
-from tests.service.contract.test_openapi import DOCUMENT
+from synthesis.studies.measured import MeasuredCam, ProfileAnalysis, read_back
+from tests.service.contract.test_openapi import document
+from tests.studies.measured.cams import ROLLER, profile, spec
 
 runner = CliRunner()
 WHERE = "/v1/profile-analyses"
@@ -37,12 +37,12 @@ def test_worked_examples(client: httpx2.Client, name: str) -> None:
     answer = client.post(WHERE, json=value)
     assert answer.status_code == 200, answer.text
     assert answer.headers["etag"]
-    said = DOCUMENT["paths"][WHERE]["post"]["requestBody"]["content"]["application/json"]
+    said = document()["paths"][WHERE]["post"]["requestBody"]["content"]["application/json"]
     assert said["examples"][name] == EXAMPLES[name]
     assert said["schema"] == {"$ref": "#/components/schemas/MeasuredCam"}
     there = ProfileAnalysis.model_validate_json(answer.content)
     assert there == read_back(MeasuredCam.model_validate(value))
-    assert there.not_touched
+    assert there.unreached_hollows
 
 
 def test_the_same_points_give_the_same_bytes(client: httpx2.Client) -> None:
@@ -75,7 +75,7 @@ def test_what_is_wrong_is_told_with_its_place(
     error = answer.json()["errors"][0]
     assert error["pointer"] == pointer
     assert words in error["rule"]
-    assert error["way_out"]
+    assert error["remedy"]
 
 
 @pytest.mark.parametrize(

@@ -7,11 +7,11 @@ from typing import Any
 import httpx2
 import pytest
 
-from synthesis.spatial.design import SpatialDesign
-from synthesis.spatial.files import FORMATS, formats_of
+from synthesis.machines.spatial.design import SpatialDesign
+from synthesis.machines.spatial.files import FORMATS, formats_of
 from tests.service.conftest import Running
 from tests.service.resources.test_spatial_cams import P4, WHERE
-from tests.service.running.test_trouble import is_problem
+from tests.service.workers.test_trouble import is_problem
 
 SMALL: dict[str, dict[str, Any]] = {
     "flanks.step": {"tolerance_um": 3.0, "flank": "1L"},

@@ -18,8 +18,8 @@ from typer.testing import CliRunner
 from service import cli
 from service.client import Client
 from service.contract.examples import TRAINS, examples
-from synthesis.dynamics import TrainSpec
-from synthesis.train_response import respond
+from synthesis.machines.dynamics import TrainSpec
+from synthesis.studies.train_response import respond
 from tests.service.conftest import Running
 from tests.service.resources.test_designs import wait_for
 
@@ -115,9 +115,9 @@ def test_the_command_tells_and_writes(tmp_path: Path, quick: dict[str, Any]) -> 
     [
         ({"speeds_rpm": [77.0, 60.0], "train": {"masses": [{"mass_kg": 1.0,
           "stiffness_n_per_mm": 1e-3 * (8.0 * 3.141592653589793) ** 2}]}},
-         "/speeds_rpm/1", "4 times in a turn"),
+         "/speeds_rpm/1", "harmonic 4 of the cam"),
         ({"train": {"masses": [{"mass_kg": 1.0, "stiffness_n_per_mm": 50.0,
-                                "damping_n_s_per_mm": -0.1}]}}, "/train/masses", "grows by itself"),
+                                "damping_n_s_per_mm": -0.1}]}}, "/train/masses", "is unstable"),
         ({"train": {"masses": [{"mass_kg": 0.0, "stiffness_n_per_mm": 50.0}]}},
          "/train/masses/0/mass_kg", "at least 1e-09"),
         ({"cam": {**BODY["cam"], "limits": [{"kind": "residual_vibration", "max_mm": 0.0,
@@ -132,4 +132,4 @@ def test_refused_with_the_place(
     assert answer.status_code == 422
     (violation,) = answer.json()["errors"]
     assert violation["pointer"] == pointer
-    assert words in violation["rule"] + violation["way_out"]
+    assert words in violation["rule"] + violation["remedy"]

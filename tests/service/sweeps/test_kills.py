@@ -12,15 +12,16 @@ from typing import Any
 
 import httpx2
 
-from tests.service.conftest import Running
+from tests.service.conftest import Running, wait_until, wait_until_idle
+from tests.service.fake_core import Gate
 from tests.service.killing import Process, answering, children, free_port, service
 from tests.service.specs import spec
 from tests.service.sweeps.test_sweeps import counted, items_at, over, posted, sweep_of
 
 
-def slow(items: int) -> dict[str, Any]:
-    axis = {"kind": "range", "pointer": "/speed_rpm", "start": 10, "stop": 20, "count": items}
-    return {"name": "slow", "base": spec("sleep 0.03"), "axes": [axis]}
+def slow(items: int, gate: Gate) -> dict[str, Any]:
+    """Items of 30 ms each, and a last one that waits: the sweep runs until the gate is open."""
+    return sweep_of([*(f"sleep {0.03 + 1e-6 * i:.6f}" for i in range(items - 1)), *gate.names(1)])
 
 
 def done(client: httpx2.Client, where: str) -> int:
@@ -51,12 +52,12 @@ def every_item_once(client: httpx2.Client, where: str, expected: int, folder: Pa
 
 def test_the_service_and_its_workers_killed(tmp_path: Path) -> None:
     """The service goes, with its workers; then each worker goes while the service stays."""
-    port, items = free_port(), 240
+    port, items, gate = free_port(), 240, Gate(tmp_path / "gate")
     running = service(tmp_path, port)
     with httpx2.Client(base_url=f"http://127.0.0.1:{port}", timeout=30.0) as client:
         try:
             answering(client)
-            where = posted(client, slow(items))
+            where = posted(client, slow(items, gate))
             until(lambda: done(client, where) >= 10)
             kept, workers = done(client, where), children(running.running.pid)
             running.kill()
@@ -69,6 +70,7 @@ def test_the_service_and_its_workers_killed(tmp_path: Path) -> None:
                 os.kill(worker, signal.SIGKILL)
                 until(lambda kept=kept: done(client, where) > kept)
             assert client.get(where).json()["state"] == "running"
+            gate.open()
             every_item_once(client, where, items, tmp_path)
         finally:
             running.stop()
@@ -81,6 +83,7 @@ def alive(process: int) -> bool:
 def test_a_scheduler_elsewhere_and_its_workers_killed(tmp_path: Path) -> None:
     """What a supervisor would do is done here: whatever was killed is started again."""
     at, port, items = f"tcp://127.0.0.1:{free_port()}", free_port(), 200
+    gate = Gate(tmp_path / "gate")
     dask = ("-m", "distributed.cli.dask_scheduler"), ("-m", "distributed.cli.dask_worker")
     scheduler = Process(*dask[0], "--host", at, "--no-dashboard")
     alone = ("--nthreads", "1", "--no-dashboard", "--no-nanny", "--death-timeout", "60")
@@ -92,7 +95,7 @@ def test_a_scheduler_elsewhere_and_its_workers_killed(tmp_path: Path) -> None:
     with httpx2.Client(base_url=f"http://127.0.0.1:{port}", timeout=30.0) as client:
         try:
             answering(client)
-            where = posted(client, slow(items))
+            where = posted(client, slow(items, gate))
             until(lambda: done(client, where) >= 10)
             for killed in (workers[:1], [scheduler, *workers]):
                 kept = done(client, where)
@@ -103,6 +106,7 @@ def test_a_scheduler_elsewhere_and_its_workers_killed(tmp_path: Path) -> None:
                     process.start()
                 until(lambda kept=kept: done(client, where) > kept)
             assert client.get(where).json()["state"] == "running"
+            gate.open()
             every_item_once(client, where, items, tmp_path)
         finally:
             for process in (running, *workers, scheduler):
@@ -124,18 +128,21 @@ def test_items_that_kill_their_worker_are_blamed_alone(service: Running) -> None
 
 def test_strikes_outlive_the_service(tmp_path: Path) -> None:
     """Killed after an item has taken two workers with it, the service gives it one more only."""
-    port, log = free_port(), tmp_path / "log"
+    port, log, gate = free_port(), tmp_path / "log", Gate(tmp_path / "gate")
+    (deadly,) = gate.names(1, "wait-and-die")
+    gate.let(2)
     running = service(tmp_path, port, FAKE_CORE_LOG=str(log), CAMWRIGHT_WORKERS="1")
     with httpx2.Client(base_url=f"http://127.0.0.1:{port}", timeout=30.0) as client:
         try:
             answering(client)
-            where = posted(client, sweep_of(["die 0.3", "fine", "fine too"]))
+            where = posted(client, sweep_of([deadly, "fine", "fine too"]))
             until(lambda: strikes(tmp_path) == [(0, 2)])
             running.kill()
+            gate.open()
             running.start()
             answering(client)
             counted(over(client, where), items=3, done=3, optimal=2, failed=1)
-            begun = log.read_text().splitlines().count("die 0.3")
+            begun = log.read_text().splitlines().count(deadly)
             print(f"strikes {strikes(tmp_path)}, begun {begun} times")
             assert strikes(tmp_path) == [(0, 3)]
             assert begun <= 4  # once more where the service was killed in the middle of it
@@ -160,10 +167,15 @@ def test_an_item_that_nothing_stops_is_stopped(service: Running) -> None:
     assert (failed["number"], failed["problem"]["type"]) == (0, "/problems/time-budget")
 
 
-def test_a_single_design_goes_before_the_rest_of_a_sweep(service: Running) -> None:
-    client = service.client
-    where = posted(client, slow(160))
-    until(lambda: done(client, where) >= 1)
-    assert client.post("/v1/designs", json=spec("now")).status_code == 200
-    assert done(client, where) < 120
+def test_a_single_design_goes_before_the_rest_of_a_sweep(service: Running, tmp_path: Path) -> None:
+    """Every item holds its worker until it may go on: the design gets the first place set free."""
+    client, gate = service.client, Gate(tmp_path / "gate")
+    wait_until_idle(client)
+    where = posted(client, sweep_of(gate.names(5)))
+    wait_until(client, running=2)
+    single = client.post("/v1/designs", json=spec("now"), headers={"Prefer": "respond-async"})
+    wait_until(client, waiting=1)
+    gate.let(1)
+    until(lambda: client.get(single.headers["location"]).status_code == 200)
+    until(lambda: done(client, where) == 1)
     client.delete(where)

@@ -7,6 +7,7 @@ import io
 import json
 import os
 import time
+from pathlib import Path
 from typing import Any
 
 import httpx2
@@ -15,9 +16,10 @@ import pytest
 
 from service.workers import engine
 from tests.service.conftest import Running, wait_until_idle
+from tests.service.fake_core import Gate
 from tests.service.killing import children
-from tests.service.running.test_trouble import is_problem
 from tests.service.specs import spec
+from tests.service.workers.test_trouble import is_problem
 
 
 def sweep_of(names: list[str], **more: Any) -> dict[str, Any]:
@@ -200,7 +202,7 @@ def test_a_sweep_is_stopped_in_the_middle_of_its_items(
     """
     client = service.client
     if long == "look":
-        monkeypatch.setattr(engine, "STOP_S", 50.0)  # however busy the machine is
+        monkeypatch.setattr(engine, "CANCEL_S", 50.0)  # however busy the machine is
     wait_until_idle(client)
     workers = children(os.getpid())
     endless = [f"{long} 3600{' ' * i}" for i in range(20)]
@@ -220,15 +222,17 @@ def test_a_sweep_is_stopped_in_the_middle_of_its_items(
     assert (set(workers) == set(children(os.getpid()))) == (long == "look")
 
 
-def test_a_sweep_that_was_stopped_goes_on(service: Running) -> None:
-    client = service.client
-    body = sweep_of([f"look 0.1{' ' * i}" for i in range(36)])
+def test_a_sweep_that_was_stopped_goes_on(service: Running, tmp_path: Path) -> None:
+    client, gate = service.client, Gate(tmp_path / "gate")
+    body = sweep_of(gate.names(36))
     where = posted(client, body)
-    while client.get(where).json()["counts"]["done"] < 4:
+    gate.let(8)
+    while client.get(where).json()["counts"]["done"] < 2:
         time.sleep(0.02)
     stopped = client.delete(where).json()
-    assert 4 <= stopped["counts"]["done"] < 36
+    assert 2 <= stopped["counts"]["done"] <= 8
     assert len(items_at(client, where)) == stopped["counts"]["done"]
+    gate.open()
     assert posted(client, body) == where
     counted(over(client, where), items=36, done=36, optimal=36)
     assert len({item["number"] for item in items_at(client, where)}) == 36
@@ -293,7 +297,7 @@ def test_the_front_of_a_sweep(client: httpx2.Client) -> None:
     over(client, where)
     query = {"minimise": ["base_radius_mm", "offset_mm"]}
     front = client.get(f"{where}/pareto", params=query).json()
-    assert (front["considered"], front["left_out"], front["size"]) == (6, 1, 4)
+    assert (front["compared"], front["excluded"], front["size"]) == (6, 1, 4)
     assert [item["number"] for item in front["items"]] == [0, 1, 5, 3]
     query = {"minimise": "offset_mm", "maximise": "base_radius_mm", "limit": "1"}
     front = client.get(f"{where}/pareto", params=query).json()

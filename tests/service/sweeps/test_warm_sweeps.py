@@ -5,6 +5,7 @@ from __future__ import annotations
 import time
 import zlib
 from itertools import pairwise
+from pathlib import Path
 from typing import Any
 
 import httpx2
@@ -12,13 +13,15 @@ import pytest
 
 from benchmarks.proof import SCENES
 from service.sweeps.chunks import CHAIN, Chunks
-from service.sweeps.work import ItemAnswer, solve_items
-from service.workers.solve import solve
-from synthesis.design import Design, design_id
-from synthesis.pipeline import synthesise
-from synthesis.spec import DesignSpec
-from synthesis.sweeps import SweepSpec
+from service.sweeps.tasks import ItemAnswer, solve_items
+from service.workers.tasks import solve_design
+from synthesis.design.design import Design
+from synthesis.design.identity import design_id
+from synthesis.pipeline.synthesise import synthesise
+from synthesis.spec.design_spec import DesignSpec
+from synthesis.studies.sweeps import SweepSpec
 from tests.service.conftest import Running
+from tests.service.fake_core import Gate
 from tests.service.specs import spec
 from tests.service.sweeps.test_sweeps import items_at, over, posted
 
@@ -52,12 +55,16 @@ def test_a_chain_longer_than_a_time_slice_stays_one(client: httpx2.Client) -> No
     chained(client, where, 6)
 
 
-def test_a_chain_that_was_stopped_goes_on_as_one(service: Running) -> None:
-    client, body = service.client, speeds("look 0.3", 7)
+def test_a_chain_that_was_stopped_goes_on_as_one(service: Running, tmp_path: Path) -> None:
+    client, gate = service.client, Gate(tmp_path / "gate")
+    (name,) = gate.names(1)
+    body = speeds(name, 7)
     where = posted(client, body)
-    while client.get(where).json()["counts"]["done"] == 0:
+    gate.let(3)
+    while any(tmp_path.glob("gate/place *")):
         time.sleep(0.01)
-    assert 0 < client.delete(where).json()["counts"]["done"] < 7
+    assert 2 <= client.delete(where).json()["counts"]["done"] <= 3
+    gate.open()
     assert posted(client, body) == where
     assert over(client, where)["counts"]["optimal"] == 7
     chained(client, where, 7)
@@ -71,10 +78,10 @@ def test_chains_are_the_same_ones_whatever_is_done() -> None:
     assert chunks.take() == [*range(8)]
     second = chunks.take()
     assert second == [8, 9, 11, 12, 13, 14, 15]
-    assert chunks.undone(second) == [8, 11, 13, 14, 15]
+    assert chunks.unfinished(second) == [8, 11, 13, 14, 15]
     assert chunks.finish(8)
     assert not chunks.finish(9)
-    chunks.back([14, 15])
+    chunks.put_back([14, 15])
     assert chunks.left == 5 + 2
     assert [chunks.take(), chunks.take(), chunks.take()] == [[14, 15], [*range(16, 21)], []]
     assert chunks.left == 0
@@ -89,11 +96,11 @@ def warm() -> list[Design]:
     """Three neighbours where curvature decides, by the real core."""
     base = SCENE.spec().model_dump(mode="json")
     sweep = SweepSpec.model_validate({"base": base, "axes": [AXIS], "warm_start": True})
-    wanted = [(number, sweep.picks(number)) for number in range(sweep.size)]
+    wanted = [(number, sweep.item_values(number)) for number in range(sweep.size)]
     body, found, near = sweep.model_dump_json().encode(), list[ItemAnswer](), None
     while len(found) < sweep.size:  # a busy machine's time slices end between them
-        found += solve_items(body, wanted[len(found) :], 60.0, solve, near)
-        near = found[-1].near
+        found += solve_items(body, wanted[len(found) :], 60.0, solve_design, near)
+        near = found[-1].warm_start
         assert near is not None
     return [Design.model_validate_json(zlib.decompress(answer.design or b"")) for answer in found]
 
@@ -119,7 +126,7 @@ def test_the_others_are_proven_and_as_good_as_alone(warm: list[Design]) -> None:
 
 def test_a_start_of_another_form_is_left_aside(warm: list[Design]) -> None:
     """Laws on other segments: nothing of the neighbour's serves, and the answer is the spec's."""
-    from synthesis.pipeline import synthesise_beside
+    from synthesis.pipeline.synthesise import synthesise_beside
 
     _, near = synthesise_beside(warm[0].spec, None)
     assert near is not None
@@ -133,7 +140,7 @@ def test_a_start_of_another_form_is_left_aside(warm: list[Design]) -> None:
 
 def test_given_laws_have_their_own_displacements_from_a_neighbour() -> None:
     """The return is given, and 5 % longer at the neighbour: its laws begin another motion here."""
-    from synthesis.pipeline import synthesise_beside
+    from synthesis.pipeline.synthesise import synthesise_beside
 
     body = SCENE.spec().model_dump(mode="json")
     body["program"][2]["law"] = {"kind": "cycloidal"}

@@ -12,8 +12,9 @@ import pytest
 from service.client import AsyncClient, Client, Refused, Retries, Unreachable
 from tests.service.conftest import Running
 from tests.service.cutting import Cutting
-from tests.service.running.test_trouble import is_problem
+from tests.service.fake_core import Gate
 from tests.service.sweeps.test_sweeps import over, posted, sweep_of
+from tests.service.workers.test_trouble import is_problem
 
 QUICK = Retries(tries=3, first_s=0.01)
 
@@ -79,8 +80,8 @@ def test_what_is_beyond_the_end_or_no_range_at_all(
         assert answer.content == whole.content or answer.status_code == 416
 
 
-def test_only_what_stays_the_same_is_had_in_parts(client: httpx2.Client) -> None:
-    where = posted(client, sweep_of([f"sleep 0.1{' ' * i} parts" for i in range(40)]))
+def test_only_what_stays_the_same_is_had_in_parts(client: httpx2.Client, tmp_path: Path) -> None:
+    where = posted(client, sweep_of(Gate(tmp_path / "gate").names(40)))
     running = client.get(f"{where}/items.csv", headers={"Range": "bytes=3-"})
     assert (running.status_code, "etag" in running.headers) == (200, False)
     client.delete(where)
@@ -100,19 +101,19 @@ def test_a_table_that_is_known_is_not_sent_again(
 def test_a_download_survives_broken_connections(
     service: Running, table: str, whole: httpx2.Response, tmp_path: Path
 ) -> None:
-    told: list[tuple[int, int | None]] = []
+    reports: list[tuple[int, int | None]] = []
     target, cuts = tmp_path / "items.csv", [9000, 6000, 0, 4000]
     with Cutting(service.url, cuts) as between, Client(between.url, retries=QUICK) as client:
-        client.download(table, target, told=lambda *now: told.append(now))
+        client.download(table, target, progress=lambda *now: reports.append(now))
     assert target.read_bytes() == whole.content
     assert [entry.name for entry in tmp_path.iterdir()] == ["items.csv"]
     asked = [request.lower() for request in between.requests]
     assert len(asked) == 5
     assert b"range:" not in asked[0]
     assert all(b"if-range:" in request for request in asked[1:])
-    have = [now for now, _ in told]
+    have = [now for now, _ in reports]
     assert have == sorted(have)
-    assert told[-1] == (len(whole.content), len(whole.content))
+    assert reports[-1] == (len(whole.content), len(whole.content))
 
 
 def test_a_later_program_goes_on_where_an_earlier_one_gave_up(

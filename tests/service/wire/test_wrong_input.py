@@ -333,7 +333,7 @@ def test_a_design_that_makes_no_sense(
     assert len(found) == 1, problem["errors"]
     if value is not ...:
         assert found[0]["value"] == value
-    assert words in f"{found[0]['rule']} {found[0]['way_out']}"
+    assert words in f"{found[0]['rule']} {found[0]['remedy']}"
     assert found[0]["rule"] in problem["detail"] or len(problem["errors"]) > 1
     assert len(answer.content) < 5000
 
@@ -357,8 +357,8 @@ def test_words_that_are_no_numbers(client: httpx2.Client, word: str) -> None:
         {
             "pointer": "/program/0/lift_mm",
             "value": word,
-            "rule": "must be a finite number; JSON knows no such word",
-            "way_out": "Leave it out, or give a number.",
+            "rule": "must be a finite number; JSON does not have this word",
+            "remedy": "Leave it out, or give a number.",
         }
     ]
 
@@ -419,13 +419,13 @@ def test_ten_megabytes_in_pieces(client: httpx2.Client) -> None:
 
 
 @pytest.mark.parametrize(
-    ("name", "way_out"), [("cycloid", "Did you mean 'cycloidal'?"), ("xyz", "Choose one of these.")]
+    ("name", "remedy"), [("cycloid", "Did you mean 'cycloidal'?"), ("xyz", "Choose one of these.")]
 )
 def test_the_kinds_that_there_are_are_listed_once(
-    client: httpx2.Client, name: str, way_out: str
+    client: httpx2.Client, name: str, remedy: str
 ) -> None:
     body = spec()
     segment(0, law={"kind": name})(body)
     problem = client.post("/v1/designs", json=body).json()
     assert problem["detail"].count("kloomok_muffley_8") == 1
-    assert problem["detail"].endswith(way_out)
+    assert problem["detail"].endswith(remedy)

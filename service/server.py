@@ -1,0 +1,114 @@
+"""Run the service: check the database, start the workers, synthesise a cam as a self-check."""
+
+from __future__ import annotations
+
+import asyncio
+import contextlib
+import json
+import logging
+import socket
+import sys
+import time
+from typing import Any
+
+import uvicorn
+from fastapi import FastAPI
+from sqlalchemy.exc import SQLAlchemyError
+
+from service.app import create_app
+from service.contract.examples import SELF_CHECK, examples
+from service.settings import Settings
+from service.state import State
+from service.storage.migrations import ForeignDatabase
+from service.storage.store import Store
+from service.wire.observe import configure_logs
+from synthesis.spec.design_spec import DesignSpec
+
+SHUTDOWN_S = 3  # that requests under way have to end in at shutdown
+
+
+def serve(settings: Settings, listener: socket.socket) -> None:
+    """Run until Ctrl-C or a signal; one sentence and exit 1 where the database cannot be used."""
+    configure_logs(settings.log_level)
+    check_database(settings)
+    app = create_app(settings)
+    config = server_config(app)
+    logging.getLogger("uvicorn").setLevel(logging.WARNING)
+    sys.stdout.write("Camwright is starting its workers ...\n")
+    sys.stdout.flush()
+    port = listener.getsockname()[1]
+    with contextlib.suppress(KeyboardInterrupt):  # it has shut down by then
+        _Server(config, app, f"http://{_local_address(settings.host)}:{port}").run([listener])
+
+
+def server_config(app: FastAPI) -> uvicorn.Config:
+    """Settings of uvicorn; at shutdown it does not wait for those who watch a sweep."""
+    return uvicorn.Config(
+        app,
+        log_config=None,
+        access_log=False,
+        server_header=False,
+        timeout_graceful_shutdown=SHUTDOWN_S,
+    )
+
+
+def check_database(settings: Settings) -> None:
+    """Open the database and close it again; one sentence and exit 1 where that cannot be."""
+    try:
+        Store(settings).dispose()
+    except (SQLAlchemyError, OSError, ImportError, ForeignDatabase) as error:
+        reason = str(getattr(error, "orig", error)).partition("\n")[0]
+        address = settings.database.render_as_string(hide_password=True)
+        sys.exit(f"The database {address} cannot be used: {reason}. See CAMWRIGHT_DATABASE_URL.")
+
+
+class _Server(uvicorn.Server):
+    """Prints its addresses once it listens."""
+
+    def __init__(self, config: uvicorn.Config, app: FastAPI, address: str) -> None:
+        super().__init__(config)
+        self._app, self._address = app, address
+
+    async def startup(self, sockets: list[socket.socket] | None = None) -> None:
+        await super().startup(sockets)
+        if self.started:
+            self._greeting = asyncio.create_task(self._print_addresses())
+
+    async def _print_addresses(self) -> None:
+        parts: State = self._app.state.parts
+        lines = [await self_check(parts)]
+        paths = {"start": "/", "try it": "/docs", "reference": "/redoc", "API": "/v1/designs"}
+        lines += [f"{name:>10}  {self._address}{path}" for name, path in paths.items()]
+        lines.append(f"{'designs in':>10}  {parts.settings.database.render_as_string()}")
+        sys.stdout.write("\n".join(lines) + "\nStop with Ctrl-C.\n")
+        sys.stdout.flush()
+
+
+async def self_check(parts: State) -> str:
+    """One line on the first worked example, synthesised now."""
+    example = examples().get(SELF_CHECK)
+    if example is None:
+        return "Self-check left out: no worked examples are installed."
+    spec = DesignSpec.model_validate(example["value"])
+    started = time.perf_counter()
+    try:
+        answer = await parts.engine.solve(spec.model_dump_json().encode(), 30.0)
+    except Exception as error:  # the service itself has started
+        return f"Self-check FAILED: {error}"
+    return _self_check_line(json.loads(answer.body), answer.seconds, time.perf_counter() - started)
+
+
+def _self_check_line(design: dict[str, Any], core_s: float, whole_s: float) -> str:
+    certificate, sizes = design["certificate"], design["dimensions"]
+    gap = "?" if certificate["gap"] is None else f"{100.0 * certificate['gap']:.2f} %"
+    return (
+        f"Self-check, {design['name']}: base radius {sizes['base_radius_mm']:.3f} mm, "
+        f"offset {sizes['offset_mm']:.3f} mm, gap {gap}, "
+        f"{'certified' if certificate['certified'] else 'NOT CERTIFIED'}, "
+        f"{1e3 * core_s:.0f} ms in the core, {1e3 * whole_s:.0f} ms with transfer."
+    )
+
+
+def _local_address(host: str) -> str:
+    """The host as a browser on this machine addresses it."""
+    return {"0.0.0.0": "127.0.0.1", "::": "[::1]"}.get(host, f"[{host}]" if ":" in host else host)

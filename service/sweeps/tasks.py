@@ -1,0 +1,162 @@
+"""What a worker does for a sweep: some items one after the other, an answer for each."""
+
+from __future__ import annotations
+
+import json
+import time
+import zlib
+from collections.abc import Sequence
+from dataclasses import dataclass, field, replace
+from functools import lru_cache
+from typing import Any, Literal, Protocol
+
+from pydantic import JsonValue, ValidationError
+
+from service.wire.errors import InvalidBody
+from service.workers.tasks import Answer
+from synthesis.catalogue.objectives import Objective
+from synthesis.design.design import Status
+from synthesis.errors import Cancelled, TimeBudgetExceeded
+from synthesis.spec.design_spec import DesignSpec
+from synthesis.studies.sweeps import SweepSpec
+
+Item = tuple[int, list[JsonValue]]  # its number, and the values of the axes
+SLICE_S = 1.0  # after this no further item of a chunk is begun, so that others get the worker
+
+
+class SolveDesign(Protocol):
+    """Solves one design and measures further objectives on it."""
+
+    def __call__(
+        self,
+        spec: bytes,
+        budget_s: float,
+        objectives: Sequence[Objective] = (),
+        warm_start: Any = None,
+    ) -> Answer: ...
+
+
+@dataclass(frozen=True)
+class ItemAnswer:
+    """A finished item.
+
+    Attributes:
+        status: of the design, or failed. quantities: by name with unit. gap: relative, to the
+            bound. seconds: time that it took.
+        design_id: the design's id; None where the answer is not that of the spec alone.
+        design: the design's body, compressed. problem: why it failed, or why it ended early.
+        warm_start: for the next item of its chain; only of the last one that was begun.
+    """
+
+    number: int
+    status: Status | Literal["failed"]
+    seconds: float = 0.0
+    quantities: dict[str, float] = field(default_factory=dict)
+    gap: float | None = None
+    design_id: str | None = None
+    design: bytes | None = None
+    problem: dict[str, Any] | None = None
+    warm_start: Any = None
+
+
+def solve_items(
+    sweep: bytes, items: Sequence[Item], budget_s: float, solve: SolveDesign, warm_start: Any = None
+) -> list[ItemAnswer]:
+    """Solve items of a sweep in order, as many as the time slice has room for.
+
+    Cancelled, it returns those that are done.
+
+    Args:
+        sweep: the SweepSpec; of its axes only the fields are used.
+        budget_s: for each item. solve: solves one.
+        warm_start: of the item before; each item leaves its own to the next.
+    """
+    spec, started = _sweep(sweep), time.monotonic()
+    answers: list[ItemAnswer] = []
+    for number, values in items:
+        if answers and time.monotonic() - started > SLICE_S:
+            break
+        try:
+            answer = _answer(spec, number, values, budget_s, solve, warm_start)
+        except Cancelled:
+            break
+        warm_start = answer.warm_start or warm_start
+        answers.append(replace(answer, warm_start=None))
+    if answers and spec.warm_start:
+        answers[-1] = replace(answers[-1], warm_start=warm_start)
+    return answers
+
+
+@lru_cache(maxsize=4)
+def _sweep(body: bytes) -> SweepSpec:
+    return SweepSpec.model_validate_json(body)
+
+
+def _answer(
+    sweep: SweepSpec,
+    number: int,
+    values: list[JsonValue],
+    budget_s: float,
+    solve: SolveDesign,
+    warm_start: Any,
+) -> ItemAnswer:
+    started = time.monotonic()
+    try:
+        answer = _solve(sweep, values, budget_s, solve, warm_start)
+    except Cancelled:
+        raise
+    except TimeBudgetExceeded as error:
+        return _best_so_far(number, error, time.monotonic() - started)
+    except Exception as error:
+        # Rarely needed, and it imports the web framework.
+        from service.wire.problem import problem_of
+
+        return ItemAnswer(number, "failed", time.monotonic() - started, problem=problem_of(error))
+    return ItemAnswer(
+        number, answer.status, answer.seconds, answer.quantities,  # type: ignore[arg-type]
+        answer.summary["gap"], answer.id, zlib.compress(answer.body, 1),
+        warm_start=answer.warm_start if sweep.warm_start else None,
+    )  # fmt: skip
+
+
+def _solve(
+    sweep: SweepSpec, values: list[JsonValue], budget_s: float, solve: SolveDesign, warm_start: Any
+) -> Answer:
+    body = _body(sweep, values)
+    try:
+        return solve(body, budget_s, tuple(sweep.quantities), warm_start)
+    except ValidationError:
+        item_spec(sweep, values)  # raises InvalidBody for the same reason
+        raise
+
+
+def item_spec(sweep: SweepSpec, values: list[JsonValue]) -> DesignSpec:
+    """The spec of an item. Raises InvalidBody where the values of its axes are not valid."""
+    from service.wire.body import validated
+
+    return validated(_body(sweep, values), DesignSpec)
+
+
+def _body(sweep: SweepSpec, values: list[JsonValue]) -> bytes:
+    try:
+        return json.dumps(sweep.item(values)).encode()
+    except LookupError as error:
+        raise InvalidBody(
+            f"Another axis has replaced a field that an axis names: {error.args[0]}.", []
+        ) from None
+
+
+def _best_so_far(number: int, error: TimeBudgetExceeded, seconds: float) -> ItemAnswer:
+    """When time ended, the best certified design so far is the answer, with the problem."""
+    from service.wire.problem import problem_of
+
+    problem = problem_of(error)
+    problem.pop("best", None)
+    if error.best is None:
+        return ItemAnswer(number, "failed", seconds, problem=problem)
+    best = error.best
+    body = zlib.compress(best.model_dump_json().encode(), 1)
+    quantities = {**best.dimensions, **best.objectives}
+    return ItemAnswer(
+        number, best.status, seconds, quantities, best.certificate.gap, None, body, problem
+    )

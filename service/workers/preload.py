@@ -1,0 +1,20 @@
+"""Imported by the process that workers are forked from, and by no other.
+
+The import changes how the process handles signals and collects garbage, and its forks inherit that.
+Ctrl-C in a terminal reaches them all, but the service stops them in order. Frozen objects are not
+visited by a worker's garbage collections, so that their memory remains shared.
+"""
+
+from __future__ import annotations
+
+import gc
+import signal
+
+signal.signal(signal.SIGINT, signal.SIG_IGN)
+gc.disable()
+
+import service.workers.engine  # noqa: E402, F401
+import synthesis.pipeline.synthesise  # noqa: E402, F401
+
+gc.freeze()
+gc.enable()

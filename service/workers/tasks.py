@@ -1,0 +1,244 @@
+"""What workers do: bytes of a question in, bytes of an answer out.
+
+Solvers are imported in the functions: the process that answers requests does not load them.
+"""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING, Any
+
+from pydantic import BaseModel
+
+from service.wire.errors import NothingFits
+from service.wire.links import design_links, linkage_links, set_links, spatial_links, train_links
+from synthesis.catalogue.objectives import Objective
+from synthesis.design.analysis import Analysis
+from synthesis.design.design import Design
+from synthesis.exporters import DRAWINGS, Exporter, Made, Options
+from synthesis.exporters.exporter import FileFormat
+from synthesis.machines.dynamics import TrainSpec
+from synthesis.machines.linkages import LINKAGES
+from synthesis.machines.linkages.files import LINKAGE_FILES
+from synthesis.machines.spatial.design import SpatialDesign
+from synthesis.machines.spatial.spec import SpatialCamSpec
+from synthesis.spec.cam_set import CamSetSpec
+from synthesis.spec.design_spec import DesignSpec
+
+if TYPE_CHECKING:
+    from synthesis.pipeline.synthesise import Near
+
+
+@dataclass(frozen=True)
+class Answer:
+    """The answer to a question, ready to be stored.
+
+    Attributes:
+        body: the response body.
+        status: optimal, feasible or infeasible; of an analysis, holds or violated; of points, read.
+        summary: the other fields of a list's row.
+        seconds: time that it took.
+        quantities: what a sweep measures: dimensions, objectives and others, by name with unit.
+        id: of a design, otherwise empty.
+        warm_start: what a neighbouring design may begin with; stays in the worker.
+    """
+
+    body: bytes
+    status: str
+    summary: Mapping[str, Any]
+    seconds: float
+    quantities: Mapping[str, float] = field(default_factory=dict)
+    id: str = ""
+    warm_start: Near | None = None
+
+
+Task = Callable[[bytes, float], Answer]  # question and time budget [s] to the answer
+SENSITIVITY_SHARE = 0.8  # of the time budget: what is known by then is reported
+
+
+def _answer(
+    found: BaseModel, status: str, started: float, summary: Mapping[str, Any], **more: Any
+) -> Answer:
+    body = found.model_dump_json().encode()
+    return Answer(body, status, summary, time.monotonic() - started, **more)
+
+
+def solve_design(
+    spec: bytes,
+    budget_s: float,
+    objectives: Sequence[Objective] = (),
+    warm_start: Near | None = None,
+) -> Answer:
+    """Synthesise a cam.
+
+    Args:
+        objectives: to be measured besides. warm_start: of a neighbouring design, to begin with.
+    """
+    from synthesis.pipeline.synthesise import synthesise_beside
+
+    def synthesise(question: DesignSpec, deadline: float) -> tuple[Design, Near | None]:
+        return synthesise_beside(question, warm_start, deadline=deadline)
+
+    return design_answer(synthesise, spec, budget_s, objectives)
+
+
+def design_answer(
+    synthesise: Callable[[DesignSpec, float], tuple[Design, Near | None]],
+    spec: bytes,
+    budget_s: float,
+    objectives: Sequence[Objective] = (),
+) -> Answer:
+    """The design that ``synthesise`` makes of a spec, and the values of further objectives."""
+    started = time.monotonic()
+    question = DesignSpec.model_validate_json(spec, strict=True)
+    design, warm_start = synthesise(question, started + budget_s)
+    links = design_links(design.id, has_cam=bool(design.motion))
+    design = design.model_copy(update={"links": links})
+    certificate = design.certificate
+    quantities = {**design.dimensions, **design.objectives}
+    if objectives:
+        from synthesis.pipeline.assembly import measured
+
+        quantities |= measured(design, objectives)
+    summary = {
+        "dimensions": design.dimensions,
+        "objective": certificate.objective,
+        "value": certificate.value,
+        "gap": certificate.gap,
+        "certified": certificate.certified,
+    }
+    return _answer(
+        design, design.status, started, summary,
+        quantities=quantities, id=design.id, warm_start=warm_start,
+    )  # fmt: skip
+
+
+def solve_cam_set(spec: bytes, budget_s: float) -> Answer:
+    """Synthesise the cams of a set, one after the other."""
+    from synthesis.studies.cam_set import synthesise_set
+
+    started = time.monotonic()
+    found = synthesise_set(CamSetSpec.model_validate_json(spec), deadline=started + budget_s)
+    found = found.model_copy(update={"links": set_links(found.id, has_cams=found.has_cams)})
+    summary = {"cams": len(found.cams), "solved": sum(cam.has_cam for cam in found.cams)}
+    return _answer(found, found.status, started, summary)
+
+
+def solve_spatial_cam(spec: bytes, budget_s: float) -> Answer:
+    """Synthesise a spatial cam."""
+    from synthesis.machines.spatial.pipeline import synthesise_spatial
+
+    started = time.monotonic()
+    question = SpatialCamSpec.model_validate_json(spec)
+    found = synthesise_spatial(question, deadline=started + budget_s)
+    links = spatial_links(found.id, found.machine, has_cam=bool(found.motion))
+    found = found.model_copy(update={"links": links})
+    summary = {"machine": found.machine, "dimensions": found.dimensions}
+    return _answer(found, found.status, started, summary)
+
+
+def compute_train_response(spec: bytes, budget_s: float) -> Answer:
+    """Compute a follower train's response to its cam."""
+    from synthesis.studies.train_response import respond
+
+    started = time.monotonic()
+    found = respond(TrainSpec.model_validate_json(spec), deadline=started + budget_s)
+    found = found.model_copy(update={"links": train_links(found.id)})
+    summary = {"modes_hz": [mode.natural_frequency_hz for mode in found.modes]}
+    return _answer(found, "computed", started, summary)
+
+
+def analyse_cam(spec: bytes, budget_s: float) -> Answer:
+    """Analyse a given cam."""
+    from synthesis.studies.analyse import analyse
+
+    started = time.monotonic()
+    found = analyse(DesignSpec.model_validate_json(spec), deadline=started + budget_s)
+    return _answer(
+        found, "holds" if found.holds else "violated", started, {"violated": found.violated}
+    )
+
+
+def analyse_profile(cam: bytes, budget_s: float) -> Answer:
+    """Read the motion back from a measured profile."""
+    from synthesis.studies.measured import MeasuredCam, read_back
+
+    started = time.monotonic()
+    found = read_back(MeasuredCam.model_validate_json(cam))
+    return _answer(found, "read", started, {"dimensions": found.dimensions})
+
+
+def solve_linkage(kind: str, spec: bytes, budget_s: float) -> Answer:
+    """Analyse or size a linkage of a kind."""
+    linkage = LINKAGES[kind]
+    started = time.monotonic()
+    found = linkage.solve(linkage.spec.model_validate_json(spec), started + budget_s)
+    quantities = linkage.summary(found)
+    formats = LINKAGE_FILES[kind].values() if quantities else ()
+    files = [file.name for file in formats if file.suits(found)]
+    found = found.model_copy(update={"links": linkage_links(kind, found.id, files)})
+    summary = {"quantities": quantities, "files": files}
+    return _answer(found, found.status, started, summary)
+
+
+def confirm_design(design: bytes, budget_s: float) -> Answer:
+    """Measure the certificate of a finished design again, in ball arithmetic."""
+    from synthesis.certify.second import confirm
+
+    started = time.monotonic()
+    found = confirm(Design.model_validate_json(design))
+    return _answer(found, found.verdict, started, {})
+
+
+def design_sensitivities(design: bytes, budget_s: float) -> bytes:
+    """How the objective of a finished design changes with each limit, as JSON."""
+    from synthesis.studies.sensitivity import sensitivities
+
+    deadline = time.monotonic() + SENSITIVITY_SHARE * budget_s
+    found = sensitivities(Design.model_validate_json(design), deadline)
+    return found.model_dump_json().encode()
+
+
+def design_file(exporter: Exporter[Any], design: bytes, options: Any) -> Made:
+    """A file of a finished design."""
+    finished = Design.model_validate_json(design)
+    if not (finished.motion or exporter.without_cam):
+        raise NothingFits("No cam fits these limits: see conflict in the design for what would.")
+    return exporter.whole(finished, options)
+
+
+def analysis_picture(name: str, analysis: bytes, options: Options) -> Made:
+    """A picture of an analysed cam. A table's law is smoothed for it again, by a solver."""
+    from synthesis.studies.analyse import as_design
+
+    found = Analysis.model_validate_json(analysis)
+    return Made(DRAWINGS[name].write(as_design(found), options))
+
+
+def spatial_file(exporter: FileFormat[SpatialDesign, Any], design: bytes, options: Any) -> Made:
+    """A file of a finished spatial cam."""
+    finished = SpatialDesign.model_validate_json(design)
+    if not finished.motion:
+        raise NothingFits("No cam fits these limits, so that there is none to draw.")
+    return exporter.whole(finished, options)
+
+
+def warm_up() -> None:
+    """Import the solvers and run them once, so that the first design does not wait for that."""
+    from synthesis.pipeline.synthesise import synthesise
+
+    synthesise(DesignSpec.model_validate(WARM_UP_SPEC))
+
+
+WARM_UP_SPEC = {
+    "program": [
+        {"kind": "rise", "angle_deg": 90.0, "lift_mm": 10.0},
+        {"kind": "return", "angle_deg": 90.0, "lift_mm": 10.0},
+        {"kind": "dwell", "angle_deg": 180.0},
+    ],
+    "follower": {"kind": "translating_roller", "roller_radius_mm": 5.0},
+    "limits": [{"kind": "pressure_angle", "rise_deg": 30.0, "return_deg": 45.0}],
+    "tolerance": 0.05,
+}

@@ -1,0 +1,348 @@
+"""Constraints that limits and objectives state and the optimiser reads.
+
+Symbols, used throughout this room:
+
+    s, s', s'', s'''  displacement and its derivatives per radian of cam angle
+    z                 the follower's size variables: (e, s0) of a roller on a slide, (Rb) of a face
+    P                 epigraph variable of the objective: the value that is minimised
+
+Lengths are in the unit of length of the problem at hand: mm where a spec is read, the stroke where
+the optimiser has made the problem dimensionless. No formula here depends on which of the two it is.
+"""
+
+from __future__ import annotations
+
+import math
+from abc import ABC, abstractmethod
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from operator import mul
+from typing import Any, ClassVar
+
+import numpy as np
+
+from synthesis.numerics.piecewise import Array
+
+Vector = tuple[float, ...]
+
+
+# -- linear ----------------------------------------------------------------------------------------
+
+
+@dataclass(frozen=True)
+class LinearInequality:
+    """coefficients · (s, s', s'', s''') + size · z + level · P ≤ upper at every cam angle.
+
+    It holds all along one segment, or on a part of it: one semi-infinite row of the problem.
+
+    Attributes:
+        coefficients: four numbers, for s to s'''.
+        size: one number per size variable; empty stands for zeros.
+        upper: right-hand side.
+        level: coefficient of P; only objectives use it.
+        source: the objective, or the claim of a limit, that states it.
+        interval: first and last x, in [0, 1], of the part of the segment where it holds, equal for
+            a point; None: the whole segment.
+        equality: = upper in place of ≤ upper.
+        range_width: distance from ``upper`` to the bound of the opposite inequality, if there is
+            one.
+    """
+
+    coefficients: tuple[float, float, float, float]
+    size: Vector
+    upper: float
+    level: float = 0.0
+    source: str = ""
+    interval: tuple[float, float] | None = None
+    equality: bool = False
+    range_width: float = math.inf
+
+    @cached_property
+    def orders(self) -> tuple[int, ...]:
+        """Orders of the derivatives with a nonzero coefficient, ascending."""
+        return tuple(k for k, a in enumerate(self.coefficients) if a != 0.0)
+
+    @property
+    def is_constant(self) -> bool:
+        """Whether it contains no variable: it is true or false whatever the cam."""
+        return not (any(self.coefficients) or any(self.size) or self.level)
+
+
+def derivative(order: int, factor: float) -> tuple[float, float, float, float]:
+    """Coefficients of ``factor`` times the ``order``-th derivative alone."""
+    s, v, a, j = (factor if k == order else 0.0 for k in range(4))
+    return s, v, a, j
+
+
+@dataclass(frozen=True, eq=False)
+class PointInequalities:
+    """Linear inequalities at n points: coefficients · (s, s', s'', s''') + size · z ≤ upper.
+
+    Unlike in a ``LinearInequality`` the coefficients differ from point to point.
+
+    Attributes:
+        coefficients: (4, n). size: (n_size, n). upper: (n,).
+    """
+
+    coefficients: Array
+    size: Array
+    upper: Array
+
+
+# -- of the size alone -----------------------------------------------------------------------------
+
+
+@dataclass(frozen=True)
+class AffineNorm:
+    """‖matrix · z + shift‖, Euclidean: how a radius of the cam depends on the size variables."""
+
+    matrix: tuple[Vector, ...]
+    shift: Vector
+
+    def image(self, z: Vector) -> list[float]:
+        """The vector matrix · z + shift whose length is taken."""
+        rows = zip(self.matrix, self.shift, strict=True)
+        return [sum(map(mul, row, z)) + m for row, m in rows]
+
+    def value(self, z: Vector) -> float:
+        """The norm at given size variables."""
+        return math.hypot(*self.image(z))
+
+    def lower_bound(self, bounds: Sequence[tuple[float, float]]) -> float:
+        """A lower bound of the norm over a box of size variables, by interval arithmetic."""
+        least = []
+        for row, m in zip(self.matrix, self.shift, strict=True):
+            ends = [sorted((a * low, a * high)) for a, (low, high) in zip(row, bounds, strict=True)]
+            low, high = (m + sum(end[k] for end in ends) for k in (0, 1))
+            least.append(max(low, -high, 0.0))
+        return math.hypot(*least)
+
+
+@dataclass(frozen=True)
+class NormBounds:
+    """lower ≤ norm ≤ upper.
+
+    The upper bound is a second-order cone. The lower bound is reverse convex: a cone program omits
+    it, and branch and bound adds cuts for it.
+    """
+
+    norm: AffineNorm
+    upper: float
+    source: str
+    lower: float = 0.0
+
+    def growth_to_upper(self, z: Vector) -> float:
+        """How far the last size variable can grow from z; 0 where the norm is too large at z."""
+        return self._growth(z, self.upper)
+
+    def growth_to_lower(self, z: Vector) -> float:
+        """How far the last size variable has to grow from z until the norm is ``lower``."""
+        return self._growth(z, self.lower) if self.norm.value(z) < self.lower else 0.0
+
+    def _growth(self, z: Vector, radius: float) -> float:
+        """The t with ‖image(z) + t a‖ = radius, a the last column of the matrix; 0 where none is.
+
+        The larger root of |a|² t² + 2 (image · a) t + |image|² − radius² = 0.
+        """
+        here, step = self.norm.image(z), [row[-1] for row in self.norm.matrix]
+        square = sum(a * a for a in step)
+        half = sum(a * b for a, b in zip(here, step, strict=True))
+        left = half * half + square * (radius**2 - sum(a * a for a in here))
+        return (math.sqrt(left) - half) / square if left >= 0.0 else 0.0
+
+
+# -- of the motion over several segments -----------------------------------------------------------
+
+
+@dataclass(frozen=True)
+class VibrationBound:
+    """Residual amplitude of an oscillator on the follower after a run of segments ≤ max_amplitude.
+
+    x is the lag of the oscillator behind the follower: with θ for the time,
+    x'' + 2ζν x' + ν² x = −s'', at rest before the run. Where the run ends the follower dwells and x
+    decays within an envelope A e^(−ζνθ); A at the end of the run is the amplitude.
+
+    Attributes:
+        run: indices of the segments, in order; s' is 0 before the first and after the last.
+        frequency: ν = ω_n/ω, undamped, per radian of the cam. damping: ζ in [0, 1).
+        max_amplitude: bound on A. source: the claim of the limit that states it.
+    """
+
+    run: tuple[int, ...]
+    frequency: float
+    damping: float
+    max_amplitude: float
+    source: str
+
+
+# -- not convex ------------------------------------------------------------------------------------
+
+
+@dataclass(frozen=True, eq=False)
+class MotionSizeBox:
+    """Bounds of s and s' at n points, (n,) each, and of the size: the domain of a relaxation.
+
+    Attributes:
+        s_min, s_max: of s. v_min, v_max: of s'. sizes: (lower, upper) of every size variable.
+    """
+
+    s_min: Array
+    s_max: Array
+    v_min: Array
+    v_max: Array
+    sizes: tuple[tuple[float, float], ...]
+
+
+@dataclass(frozen=True)
+class NonconvexConstraint(ABC):
+    """A constraint on motion and size together that is not linear in both.
+
+    For a fixed motion it is linear in the size, exactly (``half_planes``). Over a box of motion and
+    size it has a linear relaxation, if ``has_relaxation`` (``relax``).
+
+    Attributes:
+        source: as of a ``LinearInequality``.
+        order: highest derivative of s in it.
+        linearises: whether the cone program approximates it from outside, round by round; where
+            not, only local solvers and branch and bound see it.
+    """
+
+    source: str
+    order: ClassVar[int] = 3
+    linearises: ClassVar[bool] = True
+
+    @property
+    def has_relaxation(self) -> bool:
+        """Whether ``relax`` returns inequalities over small boxes."""
+        return True
+
+    @abstractmethod
+    def excess(self, s: Any, z: Any) -> tuple[Any, ...]:
+        """Left less right sides, divided by a length of the cam: ≤ 0 where the constraint holds.
+
+        Args:
+            s: s to s''' as arrays or CasADi columns of one length.
+            z: the size variables, scalars.
+        """
+
+    @abstractmethod
+    def half_planes(self, s: Array) -> tuple[PointInequalities, ...]:
+        """The sizes that a fixed motion allows: the intersection of all of these.
+
+        Args:
+            s: (4, n) s to s''' at n cam angles.
+
+        Returns:
+            inequalities without motion; where no size is allowed, inequalities that contradict each
+            other; () where nothing is known before the size is fixed.
+        """
+
+    @abstractmethod
+    def relax(
+        self, box: MotionSizeBox, about: tuple[Array, Vector] | None
+    ) -> tuple[PointInequalities, ...]:
+        """Linear inequalities that the constraint implies everywhere in a box.
+
+        Args:
+            box: bounds of s, s' and z at n points.
+            about: s to s'' (3, n) and z where the inequalities shall be tight; None: several
+                inequalities, spread over the box.
+
+        Returns:
+            () where none are known.
+        """
+
+
+# -- of the curve that a trace point draws ---------------------------------------------------------
+
+
+@dataclass(frozen=True)
+class SlideCoordinates:
+    """Coordinates of a trace point on a slide, affine in motion and size.
+
+    X = σ s + … is its height above the cam's axis along the slide, u = σ s' + …, and e = … its
+    offset; the dots are affine in z. tan α = u/X.
+
+    Attributes:
+        sign: σ, +1 where the point rises with the follower, −1 where it falls.
+        constants: of X, u and e.
+        size_factors: (3) rows of one factor per size variable, of X, u and e.
+    """
+
+    sign: int
+    constants: Vector
+    size_factors: tuple[Vector, Vector, Vector]
+
+    def evaluate(self, s: Any, z: Sequence[Any]) -> tuple[Any, Any, Any]:
+        """X, u and e at s, s', … and z."""
+        shares = (sum(a * v for a, v in zip(row, z, strict=True)) for row in self.size_factors)
+        motion = (self.sign * s[0], self.sign * s[1], 0.0 * s[0])
+        x, u, e = (m + c + a for m, c, a in zip(motion, self.constants, shares, strict=True))
+        return x, u, e
+
+    def offset_range(self, sizes: Sequence[tuple[float, float]]) -> tuple[float, float]:
+        """Smallest and largest e over a box of sizes."""
+        return self._static_range(2, sizes)
+
+    def _static_range(
+        self, which: int, sizes: Sequence[tuple[float, float]]
+    ) -> tuple[float, float]:
+        """Range of the part of X, u or e without motion, over a box of sizes."""
+        ends = [
+            sorted((a * low, a * high))
+            for a, (low, high) in zip(self.size_factors[which], sizes, strict=True)
+        ]
+        least, most = (self.constants[which] + sum(end[k] for end in ends) for k in (0, 1))
+        return least, most
+
+    def motion_bounds(
+        self, low: Array, high: Array, sizes: Sequence[tuple[float, float]]
+    ) -> tuple[Array, Array]:
+        """Bounds of s and s', (2, n) each, implied by a box (3, n) of X, u, e and one of sizes."""
+        static = [self._static_range(which, sizes) for which in (0, 1)]
+        ends = np.stack(
+            [
+                np.stack([low[k] - most, high[k] - least]) * self.sign
+                for k, (least, most) in enumerate(static)
+            ],
+            axis=1,
+        )
+        return ends.min(axis=0), ends.max(axis=0)
+
+
+@dataclass(frozen=True, eq=False)
+class MotionBox:
+    """Bounds of s, s' and s'' at n cam angles: the domain of a relaxation with a force in it.
+
+    Attributes:
+        theta: (n,) cam angles [rad].
+        low, high: (3, n) bounds of s, s' and s''.
+        about: (3, n) where inequalities shall be tight; None: the middle of the box.
+    """
+
+    theta: Array
+    low: Array
+    high: Array
+    about: Array | None = None
+
+
+class PressureTerm(ABC):
+    """A lower bound Λ of (k − σκ) φ cos α, from a limit on the contact pressure of a roller.
+
+    κ is the curvature of the pitch curve, k the largest σκ of a cam without undercut, α the
+    pressure angle, and φ cos α what friction leaves of its cosine. Λ and k are 1/length.
+    """
+
+    @abstractmethod
+    def linear_form(self, theta: Array) -> tuple[Array, Array]:
+        """Λ at (n,) cam angles, linear in s, s', s'': coefficients (3,) and constants (n,)."""
+
+    @abstractmethod
+    def friction_bound(self, low: Array, high: Array, motion: MotionBox) -> tuple[Array, Array]:
+        """a and b, (n,) each, with φ ≤ a + b tan α and a + b tan α > 0 everywhere in a box.
+
+        Args:
+            low, high: (3, n) bounds of the trace point's X, u and e; tan α = u/X.
+            motion: bounds of the motion.
+        """

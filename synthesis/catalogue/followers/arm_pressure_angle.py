@@ -1,0 +1,235 @@
+"""Pressure angle of a roller on an arm, as limits on motion and size together.
+
+Symbols: l arm; d centre distance; φ swing from the lowest position, s = l φ; ψ = ψ0 + φ angle at
+the pivot between arm and line of centres; σ = +1 where the lifting arm turns against the cam,
+−1 where with it; t = tan α_max. From the roller centre's velocity as seen from the cam,
+
+    tan α = [l (1 + σ φ') − d cos ψ] / (d sin ψ),
+
+so that |α| ≤ α_max reads  l + σ s' ≤ d cos ψ + t d sin ψ  and  d cos ψ − t d sin ψ ≤ l + σ s'.
+
+Two charts of the size. Pivot free: z = (p, q) = d (cos ψ0, sin ψ0); both rows are then linear in z
+at every cam angle, and with φ in a range and z in a box planes say what they imply. Pivot fixed:
+z = (w,), w = l ψ0; with d √(1+t²) = D both rows are
+
+    l + σ s' ≤ D cos(ψ − α_max)  and  −(l + σ s') ≤ D cos(π − α_max − ψ),
+
+of one cosine that is concave up to 90° and convex beyond.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from itertools import product
+from math import atan, hypot, pi
+from typing import Any, ClassVar
+
+import numpy as np
+
+from synthesis.catalogue.constraints import (
+    MotionSizeBox,
+    NonconvexConstraint,
+    PointInequalities,
+    Vector,
+)
+from synthesis.catalogue.followers.cosine_planes import majorant_plane
+from synthesis.numerics.piecewise import Array
+
+SPREAD = 7  # tangents to a cosine over its range: the largest gap between hull and rows is 3 %
+SHARES = tuple(k / (SPREAD - 1.0) for k in range(SPREAD))
+HALVINGS = 50  # bisection steps: to the last bit of an angle
+ENDS = (0.0, 0.5, 1.0)  # shares of a range of swings at which its planes touch the cosine
+WIDE = 20.0  # arm lengths: over a larger box of pivots no plane cuts anything off
+
+
+@dataclass(frozen=True)
+class FreePivotPressureAngle(NonconvexConstraint):
+    """|tan α| ≤ slope in the chart z = (p, q).
+
+    Attributes:
+        arm: l [mm]. sense: σ. slope: t.
+    """
+
+    order: ClassVar[int] = 1
+    arm: float
+    sense: float
+    slope: float
+
+    def excess(self, s: Any, z: Any) -> tuple[Any, ...]:
+        p, q = z
+        phi = s[0] / self.arm
+        cosine, sine = np.cos(phi), np.sin(phi)
+        across, beside = p * cosine - q * sine, self.slope * (p * sine + q * cosine)
+        lever = self.arm + self.sense * s[1]
+        return (lever - across - beside) / self.arm, (across - beside - lever) / self.arm
+
+    def half_planes(self, s: Array) -> tuple[PointInequalities, ...]:
+        phi, lever, still = s[0] / self.arm, self.arm + self.sense * s[1], np.zeros_like(s)
+        cosine, sine, t = np.cos(phi), np.sin(phi), self.slope
+        above = np.stack([-cosine - t * sine, sine - t * cosine])
+        below = np.stack([cosine - t * sine, -sine - t * cosine])
+        return PointInequalities(still, above, -lever), PointInequalities(still, below, lever)
+
+    def relax(
+        self, box: MotionSizeBox, about: tuple[Array, Vector] | None
+    ) -> tuple[PointInequalities, ...]:
+        return tuple(self._inequalities(box, about))
+
+    def _inequalities(
+        self, box: MotionSizeBox, about: tuple[Array, Vector] | None
+    ) -> Iterator[PointInequalities]:
+        low, high = box.s_min / self.arm, box.s_max / self.arm
+        if not np.all(np.isfinite(high - low)) or max(map(_width, box.sizes)) > WIDE * self.arm:
+            return
+        if about is None:
+            size = tuple(0.5 * (a + b) for a, b in box.sizes)
+            swings = [low + share * (high - low) for share in ENDS]
+        else:
+            size = tuple(min(max(v, a), b) for v, (a, b) in zip(about[1], box.sizes, strict=True))
+            swings = [np.clip(about[0][0] / self.arm, low, high)]
+        # Each side of |tan α| ≤ t bounds l + σ s' by d √(1 + t²) cos(ψ + turn). Replacing the
+        # cosine by a plane above it over the whole box leaves a linear, implied inequality.
+        corners = tuple(product(*box.sizes))
+        reach, alpha = hypot(1.0, self.slope), atan(self.slope)
+        none, one = np.zeros_like(low), np.ones_like(low)
+        for sign, turn in ((1.0, -alpha), (-1.0, alpha - pi)):
+            for phi in swings:
+                above = majorant_plane(turn, corners, (low, high), (phi, size))
+                # sign (l + σ s') ≤ D' d cos(ψ + turn)
+                steep = -reach * above.along / self.arm
+                rows = np.stack([steep, sign * self.sense * one, none, none])
+                yield PointInequalities(
+                    rows, -reach * above.size, reach * above.height - sign * self.arm
+                )
+
+
+@dataclass(frozen=True)
+class FixedPivotPressureAngle(NonconvexConstraint):
+    """|tan α| ≤ slope in the chart z = (w,), the centre distance being given.
+
+    Attributes:
+        arm: l, distance: d [mm]. sense: σ. slope: t.
+    """
+
+    order: ClassVar[int] = 1
+    arm: float
+    distance: float
+    sense: float
+    slope: float
+
+    @property
+    def _angle(self) -> float:
+        """α_max [rad]."""
+        return atan(self.slope)
+
+    @property
+    def _reach(self) -> float:
+        """D = d √(1 + t²) [mm]."""
+        return self.distance * hypot(1.0, self.slope)
+
+    def excess(self, s: Any, z: Any) -> tuple[Any, ...]:
+        (w,) = z
+        psi = (s[0] + w) / self.arm
+        lever, unit = self.arm + self.sense * s[1], max(self.arm, self._reach)
+        above = lever - self._reach * np.cos(psi - self._angle)
+        below = self._reach * np.cos(psi + self._angle) - lever
+        return above / unit, below / unit
+
+    def half_planes(self, s: Array) -> tuple[PointInequalities, ...]:
+        # with cos A = (l + σ s')/D:  |A − α| ≤ ψ ≤ min(A + α, 2π − A − α)
+        share, alpha, still = (self.arm + self.sense * s[1]) / self._reach, self._angle, 0.0 * s
+        a = np.arccos(np.clip(share, -1.0, 1.0))
+        # no angle at all where |share| > 1 leaves none: ends that exclude each other
+        a = np.where(share > 1.0, -2.0 * pi, a)
+        least = (alpha - a, np.where(share < -1.0, a, a - alpha))
+        most = (alpha + a, 2.0 * pi - a - alpha)
+        if np.any(share < -1.0):
+            most = (most[0], np.where(share < -1.0, -pi, most[1]))
+        one = np.ones((1, s.shape[1]))
+        return (
+            *(PointInequalities(still, -one, s[0] - self.arm * low) for low in least),
+            *(PointInequalities(still, one, self.arm * high - s[0]) for high in most),
+        )
+
+    def relax(
+        self, box: MotionSizeBox, about: tuple[Array, Vector] | None
+    ) -> tuple[PointInequalities, ...]:
+        return tuple(self._inequalities(box, about))
+
+    def _inequalities(
+        self, box: MotionSizeBox, about: tuple[Array, Vector] | None
+    ) -> Iterator[PointInequalities]:
+        ((w_low, w_high),) = box.sizes
+        low = np.clip((box.s_min + w_low) / self.arm, 0.0, pi)
+        high = np.clip((box.s_max + w_high) / self.arm, 0.0, pi)
+        for sign, turn in ((1.0, -self._angle), (-1.0, pi - self._angle)):
+            # v = sign ψ + turn, and −π/2 < v ≤ π
+            ends = np.sort(np.stack([sign * low + turn, sign * high + turn]), axis=0)
+            # Only angles at which the constraint can be active matter; over them the cosine is
+            # replaced by its concave hull, and the hull by tangents.
+            ends = self._needed(sign, box, ends)
+            hull = ConcaveHull.over(ends[0], ends[1])
+            if about is None:
+                where = [ends[0] + share * (hull.touch - ends[0]) for share in SHARES]
+                where.append(ends[1])
+            else:
+                where = [sign * np.clip((about[0][0] + about[1][0]) / self.arm, low, high) + turn]
+            for v in where:
+                value, slope = hull.line(v)
+                # sign (l + σ s') ≤ D [value + slope (sign (w + s)/l + turn)]
+                steep = -self._reach * slope * sign / self.arm
+                one, none = np.ones_like(v), np.zeros_like(v)
+                coefficients = np.stack([steep, sign * self.sense * one, none, none])
+                upper = self._reach * (value + slope * turn) - sign * self.arm
+                yield PointInequalities(coefficients, steep[None, :], upper)
+
+    def _needed(self, sign: float, box: MotionSizeBox, ends: Array) -> Array:
+        """The part of a range of v over which a row has to hold, s' being bounded.
+
+        cos v ≥ sign (l + σ s')/D: below the v of the smallest right side the row always holds,
+        beyond that of the largest it never does.
+        """
+        reach = np.stack([box.v_min, box.v_max])
+        with np.errstate(invalid="ignore"):
+            share = np.sort(sign * (self.arm + self.sense * reach) / self._reach, axis=0)
+        v = np.arccos(np.clip(share[::-1], -1.0, 1.0))
+        nearer = np.stack([np.maximum(ends[0], v[0]), np.minimum(ends[1], v[1])])
+        return np.asarray(np.where(nearer[0] < nearer[1], nearer, ends))
+
+
+@dataclass(frozen=True, eq=False)
+class ConcaveHull:
+    """The least concave function above the cosine on [low, high] within (−π/2, π], (n,) each.
+
+    It is the cosine up to ``touch``, and from there the line to the end at ``high``.
+    """
+
+    low: Array
+    high: Array
+    touch: Array
+
+    @classmethod
+    def over(cls, low: Array, high: Array) -> ConcaveHull:
+        """The tangent from the end touches where cos c − sin c (high − c) = cos high."""
+        left, right = low.copy(), np.maximum(np.minimum(high, 0.5 * pi), low)
+        # up to ``left`` tangents pass above the end, from ``right`` on below
+        for _ in range(HALVINGS):
+            middle = 0.5 * (left + right)
+            above = np.cos(middle) - np.sin(middle) * (high - middle) >= np.cos(high)
+            left, right = np.where(above, middle, left), np.where(above, right, middle)
+        return cls(low, high, np.where(high <= 0.5 * pi, high, left))
+
+    def line(self, v: Array) -> tuple[Array, Array]:
+        """Value at 0 and slope of the line that touches the hull at v."""
+        v = np.maximum(v, self.low)
+        at = np.minimum(v, self.touch)
+        width = np.maximum(self.high - self.touch, 1e-300)
+        chord = (np.cos(self.high) - np.cos(self.touch)) / width
+        convex = (v >= self.touch) & (self.high - self.touch > 1e-9)
+        slope = np.where(convex, chord, -np.sin(at))
+        return np.cos(at) - slope * at, slope
+
+
+def _width(ends: tuple[float, float]) -> float:
+    return ends[1] - ends[0]

@@ -1,0 +1,182 @@
+"""Workspace of an arm on a pivot: which prime radii and swings are possible; refusals.
+
+Symbols: l arm; d distance of the pivot from the cam's axis; ψ angle between the line to the axis
+and the arm, ψ0 at the lowest position; Rp prime radius. A triangle needs |l − d| < Rp < l + d, and
+the arm drives its roller outwards only while 0 < ψ < 180°.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from pydantic_core import PydanticCustomError
+from scipy.optimize import brentq
+
+from synthesis.catalogue.motion import PlacedSegment
+from synthesis.numerics.geometry.triangle import enclosed_angle, third_side
+from synthesis.units import DEGREE
+
+AGREE = 1e-9  # relative: two dimensions that give the same prime radius, but for rounding
+BARELY = 1e-8  # relative: excess of the prime radius over its infimum, where no force drives
+SAMPLES = 721  # per segment: a crossing is bracketed to a 720th of it
+
+
+@dataclass(frozen=True)
+class ArmGeometry:
+    """Arm and pivot as far as they are given.
+
+    Attributes:
+        length: l [mm]. distance: ends of d [mm], open ones infinite.
+        angle: ends of ψ0 [rad], open ones infinite. gap: prime radius less base radius [mm].
+    """
+
+    length: float
+    distance: tuple[float, float]
+    angle: tuple[float, float]
+    gap: float
+
+    @property
+    def pivot(self) -> float | None:
+        """d where it is a number."""
+        low, high = self.distance
+        return low if low == high else None
+
+    def angles(self, prime: tuple[float, float]) -> tuple[float, float]:
+        """Ends of ψ0 for prime radii between two ends, d being a number [rad]."""
+        low, high = (max(self.angle[0], 0.0), min(self.angle[1], math.pi))
+        if low == high:
+            return low, high
+        assert self.pivot is not None
+        least, most = (enclosed_angle(self.length, self.pivot, radius) for radius in prime)
+        high = min(high, most)
+        return min(max(low, least, self._started), high), high
+
+    @property
+    def _started(self) -> float:
+        """ψ0 at which Rp is larger than at 0 by no more than rounding of a design shows [rad].
+
+        On the line of centres itself the cam drives the arm nowhere: the least of all prime
+        radii, |l − d|, is approached and not reached.
+        """
+        l, d = self.length, self.pivot or math.inf
+        return math.sqrt(2.0 * BARELY * (l - d) ** 2 / (l * d)) if d < math.inf else 0.0
+
+    def swingable(self, prime: tuple[float, float], stroke: float) -> tuple[float, float]:
+        """The part of a range of prime radii at which the arm can swing by s = stroke [mm]."""
+        if self.pivot is None:
+            return prime
+        low, high = self.angles(prime)
+        high = min(high, math.pi - stroke / self.length)
+        radii = (third_side(self.length, self.pivot, angle) for angle in (low, high))
+        return tuple(  # to the last bit where it is the range that counts
+            given if math.isclose(found, given, rel_tol=AGREE) else found
+            for found, given in zip(radii, prime, strict=True)
+        )  # type: ignore[return-value]
+
+    # -- refusals ----------------------------------------------------------------------------
+
+    def check(self, prime: tuple[float, float], segments: Sequence[PlacedSegment]) -> None:
+        """Refuse what no prime radius between two ends [mm] can serve."""
+        low, high = self.distance
+        if high <= 0.0 or low == high <= 0.0:
+            raise PydanticCustomError(
+                "centre_distance_positive",
+                "centre_distance_mm = {value} leaves no positive distance. Give a positive one.",
+                {"value": high},
+            )
+        self._check_triangle(prime, segments)
+        self._check_angle(prime)
+        self._check_swing(prime, segments)
+
+    def _check_triangle(
+        self, prime: tuple[float, float], segments: Sequence[PlacedSegment]
+    ) -> None:
+        l, (d0, d1) = self.length, (max(self.distance[0], 0.0), self.distance[1])
+        shortest = 0.0 if d0 <= l <= d1 else min(abs(l - d0), abs(l - d1))
+        if prime[1] <= shortest or prime[0] >= l + d1:
+            wrong = prime[1] if prime[1] <= shortest else prime[0]
+            lowest = min(segments, key=lambda s: min(s.s_start, s.s_end))
+            at = lowest.start if lowest.s_start <= lowest.s_end else lowest.end
+            raise PydanticCustomError(
+                "arm_does_not_reach",
+                "at cam angle {at}° (program/{index}), at its lowest, arm_mm = {arm} cannot hold "
+                "its roller on the prime radius {prime} mm (base radius plus roller radius): with "
+                "the pivot at the distance given it reaches radii from {least} to {most} mm. "
+                "Change arm_mm, centre_distance_mm or base_radius_mm.",
+                {"arm": l, "prime": f"{wrong:.6g}", "least": f"{shortest:.6g}",
+                 "most": f"{l + d1:.6g}" if math.isfinite(d1) else "∞",
+                 "at": round(at / DEGREE % 360.0, 4), "index": lowest.index},
+            )  # fmt: skip
+
+    def _check_angle(self, prime: tuple[float, float]) -> None:
+        low, high = self.angle
+        if high <= 0.0 or low >= math.pi:
+            raise PydanticCustomError(
+                "initial_angle_range",
+                "initial_angle_deg = {value} leaves no angle between 0° and 180°. Give one in "
+                "between, or leave it out: it follows from the base radius.",
+                {"value": (high if high <= 0.0 else low) / DEGREE},
+            )
+        if self.pivot is None:
+            return
+        least, most = (
+            third_side(self.length, self.pivot, min(max(angle, 0.0), math.pi))
+            for angle in (low, high)
+        )
+        if least > prime[1] * (1.0 + AGREE) or most < prime[0] * (1.0 - AGREE):
+            raise PydanticCustomError(
+                "initial_angle_contradicts",
+                "initial_angle_deg = {angle} puts the roller on the prime radius {found} mm, "
+                "not on that of base_radius_mm plus roller radius, {prime} mm. Leave out one "
+                "of the two: either follows from the other.",
+                {"angle": round((low if least > prime[1] else high) / DEGREE, 9),
+                 "found": f"{least if least > prime[1] else most:.6g}",
+                 "prime": f"{prime[1] if least > prime[1] else prime[0]:.6g}"},
+            )  # fmt: skip
+
+    def _check_swing(self, prime: tuple[float, float], segments: Sequence[PlacedSegment]) -> None:
+        start = max(self.angle[0], 0.0) if self.pivot is None else self.angles(prime)[0]
+        room = self.length * (math.pi - start)
+        if max(max(s.s_start, s.s_end) for s in segments) < room:
+            return
+        segment = next(s for s in segments if max(s.s_start, s.s_end) >= room)
+        base = None if self.pivot is None else third_side(self.length, self.pivot, start)
+        raise PydanticCustomError(
+            "swing_too_large",
+            "at cam angle {at}° (program/{index}) the arm has swung by {swing}° from {start}°"
+            "{where}: at 180° it is stretched along the line of centres and can be driven no "
+            "further. Make the lift smaller{way}.",
+            {"swing": round(180.0 - start / DEGREE, 6), "index": segment.index,
+             "at": round(_crossing(segment, room) / DEGREE, 4), "start": round(start / DEGREE, 6),
+             "where": "" if base is None else f" (base radius {base - self.gap:.6g} mm)",
+             "way": "" if base is None else ", the base radius smaller, or the pivot farther"},
+        )  # fmt: skip
+
+
+def feasible_arm_lengths(
+    requested: tuple[float, float], distance: tuple[float, float], prime: tuple[float, float]
+) -> tuple[float, float]:
+    """The part of a range of lengths at which a triangle with one of these sides is possible [mm].
+
+    ``prime``: ends of the prime radius, open ones infinite. The range itself where none is.
+    """
+    nearest, farthest = max(distance[0], 0.0), distance[1]
+    low = max(requested[0], nearest - prime[1], prime[0] - farthest)
+    high = min(requested[1], farthest + prime[1])
+    return (low, high) if low < high else requested
+
+
+def _crossing(segment: PlacedSegment, level: float) -> float:
+    """Cam angle at which a segment first gets to a displacement; of a free law, its end [rad]."""
+    if segment.law is None or segment.s_start >= level:
+        return segment.start if segment.s_start >= level else segment.end
+    curve = segment.placed()
+    theta = np.linspace(segment.start, segment.end, SAMPLES)
+    over = curve(theta) >= level
+    if not over.any():
+        return segment.end
+    first = int(np.argmax(over))
+    return float(brentq(lambda at: float(curve(at)) - level, theta[first - 1], theta[first]))

@@ -1,0 +1,139 @@
+"""The base of every follower family: given dimensions, size variables, and the cam's curves.
+
+What particular consumers ask is not here: ``outline`` (drawings), ``measures`` (the certificate),
+``counter_roller`` (conjugate cams), ``flat_face`` (contact on a face), ``read_back`` (measured
+profiles).
+"""
+
+from __future__ import annotations
+
+from abc import ABC, abstractmethod
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from typing import Any, ClassVar, Self
+
+from pydantic import BaseModel, ConfigDict
+
+from synthesis.catalogue.followers.closures.base import SINGLE_FLANK, Closure
+from synthesis.catalogue.followers.flank import Flank
+from synthesis.catalogue.followers.kinematics import TracePoint
+from synthesis.catalogue.followers.link import Link
+from synthesis.catalogue.followers.measures import MeasuredBound
+from synthesis.catalogue.followers.sizing import SizedFollower
+from synthesis.catalogue.motion import Motion
+from synthesis.units import MILLIMETRES, Travel
+
+
+@dataclass(frozen=True)
+class FixableDimension:
+    """A free dimension, as the followers for which it is fixed; an outer search varies it.
+
+    Attributes:
+        name: as in a message to a user.
+        low, high: its range [mm], ends may be infinite. unit: its order of magnitude [mm].
+        value_in: its value at size variables of the follower for which it is free.
+        fixed_at: the follower with it fixed at a value.
+        full_size: maps a value, and the size variables of the follower fixed there, to size
+            variables of the follower for which it is free.
+    """
+
+    name: str
+    low: float
+    high: float
+    unit: float
+    value_in: Callable[[tuple[float, ...]], float]
+    fixed_at: Callable[[float], Follower]
+    full_size: Callable[[float, tuple[float, ...]], tuple[float, ...]]
+
+
+class Follower(BaseModel, TracePoint, SizedFollower, ABC):
+    """A follower family: a bare mechanism that traces a curve on the cam, and its size.
+
+    ``TracePoint`` is its kinematics, ``SizedFollower`` its sizing. Symbols and frames as in
+    ``kinematics``.
+
+    Attributes:
+        kind: name on the wire. title: name for people.
+        size_charts: names of the size variables z, one tuple for each choice of given dimensions.
+        always_convex: a profile without undercut has no hollows.
+    """
+
+    model_config = ConfigDict(frozen=True, extra="forbid", allow_inf_nan=False)
+
+    kind: str
+    title: ClassVar[str]
+    size_charts: ClassVar[tuple[tuple[str, ...], ...]]
+    always_convex: ClassVar[bool] = False
+
+    @property
+    def size_names(self) -> tuple[str, ...]:
+        """Names of the size variables for the dimensions that are given here."""
+        return self.size_charts[0]
+
+    @property
+    def travel(self) -> Travel:
+        """Units of its displacement on the wire."""
+        return MILLIMETRES
+
+    @property
+    @abstractmethod
+    def roller_radius(self) -> float:
+        """Rr: distance of the profile from the traced curve [mm]; 0 of a knife edge or a face."""
+
+    # -- the cam's curves ------------------------------------------------------------------------
+
+    @property
+    def flanks(self) -> tuple[Flank, ...]:
+        """The curves that the cam is made of; the base radius is that of the first."""
+        return self.active_closure.flanks(self, self.roller_radius)
+
+    @property
+    def active_closure(self) -> Closure:
+        """What keeps the follower on the cam."""
+        return SINGLE_FLANK
+
+    def with_closure(self, closure: Closure) -> Self:
+        """The same held by another closure; itself where the family has no choice."""
+        return self
+
+    @abstractmethod
+    def link(self, z: Any, degree: Any) -> Link:
+        """The output link at displacement 0, in the arithmetic of z.
+
+        Args:
+            degree: π/180 in that arithmetic.
+        """
+
+    # -- dimensions ------------------------------------------------------------------------------
+
+    @abstractmethod
+    def dimensions(self, z: tuple[float, ...]) -> Mapping[str, float]:
+        """The cam's dimensions as named on the wire [mm, deg]."""
+
+    def motion_dimensions(self, motion: Motion, z: tuple[float, ...]) -> Mapping[str, float]:
+        """Dimensions that depend on the finished motion too [mm]."""
+        return {}
+
+    def displacement_measure(self, z: tuple[float, ...]) -> MeasuredBound | None:
+        """Bounds of the displacement that the mechanism can reach; None where all are reached."""
+        return None
+
+    def fixable_dimension(self) -> FixableDimension | None:
+        """A free dimension which, fixed, leaves half-planes of the size; None where none is."""
+        return None
+
+    def without_size_dimension(self) -> Self:
+        """The same without a dimension that would fix the base radius by another name."""
+        return self
+
+
+def paths(follower: Follower) -> Mapping[str, TracePoint]:
+    """The trace points behind the flanks by name; the follower's own is the first."""
+    return {flank.path: flank.trace for flank in follower.flanks}
+
+
+def base_gap(follower: Follower) -> float:
+    """Prime radius less base radius [mm]: negative where the cam is touched from inside."""
+    closure = follower.active_closure.without_free_counter()
+    first = follower.with_closure(closure).flanks[0]
+    return first.side * first.distance

@@ -1,0 +1,222 @@
+"""Linear relaxation of a bound on the pitch curve's curvature, for a trace point on a slide.
+
+With the point's height X, its offset e and u = X' − e (of a roller X = s0 + s) the bound σκ ≤ k,
+κ = [X² + u(2u + e) − X X''] / (X² + u²)^{3/2}, reads for X > 0
+
+    σ X'' ≥ σ [X + 2(u + e/4)²/X] − σ e²/(8X) − k (X² + u²)^{3/2}/X
+
+Each of the four terms is convex or concave in (X, u, e) as a whole: squares over X, and
+(X² + u²)^{3/2}/X, are convex. So the right side is a difference A − B of convex functions, and over
+a box it is nowhere below the tangent of A anywhere, less the lowest plane of a given slope that is
+above B at every corner: linear in X, X', X'' and e. The narrower the box, the less is lost.
+
+What presses the roller leaves less: (k − σκ) φ cos α ≥ Λ with Λ linear in the motion, cos α =
+X/√(X² + u²) and φ ≤ a + b u/X adds Λ Q to the right side, Q = (X + u²/X)²/(a + b u/X). That is
+convex: X² times the square of h(q) = (1 + q²)/√(a + bq) at q = u/X, and X h(u/X) is convex and
+positive as h is (of h'' the sign is that of 2A² − 2bqA + ¾b²(1 + q²), A = a + bq > 0, which has no
+real root). Where Λ and Q lie between Λ1 and Λ2, Q1 and Q2,
+
+    Λ Q ≥ Λ1 Q + Q1 (Λ − Λ1),    Λ Q ≥ Λ2 Q + Q2 (Λ − Λ2)        (McCormick)
+
+which is linear in the motion and a multiple of Q: a part of A, or of B if it is negative.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from itertools import product
+
+import numpy as np
+
+from synthesis.catalogue.constraints import (
+    MotionBox,
+    PointInequalities,
+    PressureTerm,
+    SlideCoordinates,
+)
+from synthesis.numerics.piecewise import Array
+
+ROUNDING = 1e-13  # relative: a row is loosened by it, far above the rounding of its terms
+CORNERS = np.array(list(product((False, True), repeat=3))).T  # (3, 8): upper end or lower
+Convex = tuple[Array, Array]  # a function's values (n,) and its slopes by X, u and e (3, n)
+
+
+@dataclass(frozen=True, eq=False)
+class _PressureMinorant:
+    """A minorant of the product Λ Q over a box: Λ Q ≥ weight Q + square (Λ − weight).
+
+    Attributes, with Λ = factors · (s, s', s'') + constant:
+        weight, square, constant: (n,) each. factors: (3, 1). grip: a and b of Q, (2, n).
+    """
+
+    weight: Array
+    square: Array
+    factors: Array
+    constant: Array
+    grip: Array
+
+    @classmethod
+    def of_no_pressure(cls, count: int) -> _PressureMinorant:
+        """Λ = 0."""
+        zero = np.zeros(count)
+        return cls(zero, zero, np.zeros((3, 1)), zero, np.stack([zero + 1.0, zero]))
+
+
+@dataclass(frozen=True)
+class CurvatureBound:
+    """side · κ ≤ most, most > 0, on the pitch curve; with a pressure term, less than that.
+
+    Attributes:
+        source: as of a ``LinearInequality``.
+        coordinates: the trace point's, in motion and size.
+        side: +1 or −1, which sign of the curvature is bounded.
+        most: largest side · κ [1/length].
+        pressure_term: Λ of (most − side · κ) φ cos α ≥ Λ; None stands for Λ = 0.
+    """
+
+    source: str
+    coordinates: SlideCoordinates
+    side: int
+    most: float
+    pressure_term: PressureTerm | None = None
+
+    @property
+    def needs_motion_bounds(self) -> bool:
+        """Whether ``relax`` needs bounds of s, s' and s'' besides those of X, u and e."""
+        return self.pressure_term is not None
+
+    def relax(
+        self, low: Array, high: Array, about: Array | None, moving: MotionBox | None = None
+    ) -> PointInequalities | None:
+        """Linear inequalities implied wherever (X, u, e) lies in a box, at n points.
+
+        Args:
+            low, high: (3, n) the boxes.
+            about: (3, n) where the inequalities shall be tight; None: in the middle of each box.
+            moving: bounds of the motion at these points; None: none are known.
+
+        Returns:
+            None where no such inequality is known.
+        """
+        if not (np.all(low[0] > 0.0) and np.all(np.isfinite(low)) and np.all(np.isfinite(high))):
+            return None
+        # The bound reads σ X'' ≥ A − B with A and B convex. Where the box reaches X ≤ 0 neither is.
+        middle = 0.5 * (low + high)
+        at = middle if about is None else np.clip(about, low, high)
+        pressed = self._pressed(low, high, at, moving)
+        if pressed is None:
+            return None
+        # A is nowhere below its tangent at a point.
+        value, slopes = self._convex(at, pressed)
+        # B is nowhere above the plane with B's slope in the middle that is raised until it is above
+        # B at every corner: B less a linear function is convex, hence largest at a corner.
+        _, other = self._subtracted(middle, pressed)
+        corners = _corners(low, high)
+        above = self._subtracted(corners, pressed)[0] - np.sum(other[:, None] * corners, axis=0)
+        most = np.max(above, axis=0)
+        # side X'' ≥ least + by · (X, u, e) + square (Λ − weight) all over the box
+        by = slopes - other
+        least = value - np.sum(slopes * at, axis=0) - most
+        least -= ROUNDING * (np.abs(value) + np.abs(most) + np.sum(np.abs(slopes * at), axis=0))
+        shift = pressed.square * (pressed.constant - pressed.weight)
+        lost = pressed.square * (np.abs(pressed.constant) + np.abs(pressed.weight))
+        least += shift - ROUNDING * lost
+        # Back from (X, u, e) to motion and size, which they are affine in.
+        one, sign = np.ones_like(least), self.coordinates.sign
+        coefficients = np.stack([sign * by[0], sign * by[1], -self.side * sign * one, 0.0 * one])
+        coefficients[:3] += pressed.square * pressed.factors
+        known = np.array(self.coordinates.constants) @ by
+        return PointInequalities(
+            coefficients, np.array(self.coordinates.size_factors).T @ by, -least - known
+        )
+
+    def _pressed(
+        self, low: Array, high: Array, at: Array, moving: MotionBox | None
+    ) -> _PressureMinorant | None:
+        """The product with the squares from below; None where too little is known."""
+        if self.pressure_term is None:
+            return _PressureMinorant.of_no_pressure(low.shape[1])
+        if moving is None or not (np.all(np.isfinite(moving.low + moving.high))):
+            return None
+        # Ranges of Λ, by interval arithmetic, and of Q over the box.
+        factors, constant = self.pressure_term.linear_form(moving.theta)
+        factors, grip = (
+            factors[:, None],
+            np.stack(self.pressure_term.friction_bound(low, high, moving)),
+        )
+        ends = np.sort(np.stack([factors * moving.low, factors * moving.high]), axis=0)
+        weak, strong = np.sum(ends, axis=1) + constant
+        small, large = _squares(low, high, grip)
+        # Of McCormick's two minorants of the product the larger one where rows shall be tight.
+        here = _square(at, grip)[0]
+        middle = 0.5 * (moving.low + moving.high) if moving.about is None else moving.about
+        force = np.clip(np.sum(factors * middle, axis=0) + constant, weak, strong)
+        lower = (force - weak) * (here - small) <= (strong - force) * (large - here)
+        weight, square = np.where(lower, weak, strong), np.where(lower, small, large)
+        return _PressureMinorant(weight, square, factors, constant, grip)
+
+    def _convex(self, at: Array, pressed: _PressureMinorant) -> Convex:
+        """A."""
+        value, slopes = _spread(at) if self.side > 0 else _leaning(at)
+        return _with(value, slopes, at, np.maximum(pressed.weight, 0.0), pressed.grip)
+
+    def _subtracted(self, at: Array, pressed: _PressureMinorant) -> Convex:
+        """B."""
+        bend, bends = _bend(at)
+        rest, rests = _leaning(at) if self.side > 0 else _spread(at)
+        value, slopes = rest + self.most * bend, rests + self.most * bends
+        return _with(value, slopes, at, np.maximum(-pressed.weight, 0.0), pressed.grip)
+
+
+def _corners(low: Array, high: Array) -> Array:
+    """The corners of boxes: (3, 8, n)."""
+    return np.where(CORNERS[:, :, None], high[:, None], low[:, None])
+
+
+def _with(value: Array, slopes: Array, at: Array, weight: Array, grip: Array) -> Convex:
+    """A function and so many Q."""
+    if not np.any(weight):
+        return value, slopes
+    square, steps = _square(at, grip)
+    return value + weight * square, slopes + weight * steps
+
+
+def _square(at: Array, grip: Array) -> Convex:
+    """Q = (X + u²/X)²/(a + b u/X)."""
+    x, u, e = at
+    q = u / x
+    root, left = x + q * u, grip[0] + grip[1] * q
+    value, lost = root**2 / left, grip[1] * root**2 / (x * left**2)
+    by_x, by_u = 2.0 * root * (1.0 - q * q) / left + lost * q, 4.0 * root * q / left - lost
+    return value, np.stack([by_x, by_u, 0.0 * e])
+
+
+def _squares(low: Array, high: Array, grip: Array) -> tuple[Array, Array]:
+    """What Q is at least and at most in boxes."""
+    corners = _corners(low, high)
+    # X + u²/X grows with |u|, and with X from |u| on
+    slow = np.maximum(np.maximum(low[1], -high[1]), 0.0)
+    x = np.clip(slow, low[0], high[0])
+    most = np.max(grip[0] + grip[1] * corners[1] / corners[0], axis=0)
+    return (x + slow**2 / x) ** 2 / most, np.max(_square(corners, grip)[0], axis=0)
+
+
+def _spread(at: Array) -> Convex:
+    """X + 2 (u + e/4)²/X."""
+    x, u, e = at
+    q = (u + 0.25 * e) / x
+    return x + 2.0 * q * q * x, np.stack([1.0 - 2.0 * q * q, 4.0 * q, q])
+
+
+def _leaning(at: Array) -> Convex:
+    """e²/(8X)."""
+    x, u, e = at
+    q = e / x
+    return 0.125 * q * e, np.stack([-0.125 * q * q, 0.0 * u, 0.25 * q])
+
+
+def _bend(at: Array) -> Convex:
+    """(X² + u²)^{3/2}/X."""
+    x, u, e = at
+    w = np.hypot(x, u)
+    return w**3 / x, np.stack([3.0 * w - w**3 / x**2, 3.0 * w * u / x, 0.0 * e])

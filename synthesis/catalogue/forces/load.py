@@ -1,0 +1,316 @@
+"""The load as the wire gives it: on a slide in kg and N, on an arm in kg m² and N m."""
+
+from __future__ import annotations
+
+import math
+from abc import ABC, abstractmethod
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Annotated, ClassVar, Literal, Self
+
+from pydantic import BaseModel, ConfigDict, Field, field_validator, model_validator
+from pydantic_core import PydanticCustomError
+
+from synthesis.catalogue.followers import Follower
+from synthesis.catalogue.followers.counter_roller import counter_paths, without_free_counter
+from synthesis.catalogue.forces.contact import Contact, RollerBearing
+from synthesis.catalogue.forces.friction import AnyFriction, FrictionModel
+from synthesis.catalogue.forces.process import ForcePoint, MomentPoint, check_order, force_course
+from synthesis.catalogue.forces.reduced import MILLI, ReducedLoad
+from synthesis.catalogue.forces.spring import ArmSpring, SlideSpring, Spring
+from synthesis.catalogue.motion import PlacedSegment
+from synthesis.units import DEGREE, rad_per_s
+
+GRAVITY = 9.80665  # m/s²
+MOST_POINTS = 2000
+PROCESS = (
+    "Force of the task over the cam angle: points joined by straight lines, round the turn; two at "
+    "the same angle make a jump, a single one is constant."
+)
+
+
+class SpeedRange(BaseModel):
+    """Cam speeds between two ends."""
+
+    model_config = ConfigDict(frozen=True, extra="forbid", allow_inf_nan=False)
+
+    min_rpm: Annotated[float, Field(ge=0.0, le=1e9, description="Lowest cam speed.")]
+    max_rpm: Annotated[float, Field(gt=0.0, le=1e9, description="Highest cam speed.")]
+
+    @model_validator(mode="after")
+    def _ordered(self) -> SpeedRange:
+        if self.min_rpm > self.max_rpm:
+            raise PydanticCustomError(
+                "speeds_crossed",
+                "min_rpm = {low} is above max_rpm = {high}. Exchange the two.",
+                {"low": self.min_rpm, "high": self.max_rpm},
+            )
+        return self
+
+
+@dataclass(frozen=True)
+class WireLoad:
+    """A load in the units of the wire: of a slide N and m, of an arm N m and rad.
+
+    Attributes:
+        mass, damping, rate, preload, weight: kg or kg m², with the displacement in mm or rad.
+        points: cam angle [deg] and process force or moment.
+        metre: metres or radians in a unit of the displacement.
+        lever: what a force in N times a lever in the unit of displacement comes to: 1, or 1e-3.
+    """
+
+    mass: float
+    damping: float
+    rate: float
+    preload: float
+    weight: float
+    points: tuple[tuple[float, float], ...]
+    metre: float
+    lever: float
+
+
+class Load(BaseModel, ABC):
+    """What loads a follower, and what its contact is made of; only what is given is modelled."""
+
+    model_config = ConfigDict(frozen=True, extra="forbid", allow_inf_nan=False)
+
+    kind: str
+    title: ClassVar[str]
+    unit: ClassVar[str]  # of the displacement of followers that it suits
+
+    speeds: Annotated[
+        SpeedRange | None,
+        Field(description="Speeds at which the follower must not float; left out, the cam's."),
+    ] = None
+    contact: Annotated[
+        Contact | None, Field(description="Line contact; needed for the Hertz pressure.")
+    ] = None
+    bearing: Annotated[
+        RollerBearing | None, Field(description="The roller's bearing, for its life.")
+    ] = None
+
+    @property
+    @abstractmethod
+    def given_spring(self) -> Spring | None:
+        """The spring of the spec; None where it has none."""
+
+    @property
+    def least_spring(self) -> tuple[float, float]:
+        """Rate and preload on the wire, of what is free the least."""
+        spring = self.given_spring
+        if spring is None:
+            return 0.0, 0.0
+        (rate, _), (preload, _) = spring.ranges
+        return rate, preload
+
+    @property
+    @abstractmethod
+    def wire_values(self) -> WireLoad:
+        """Its numbers as they are on the wire; what is free of the spring, at its least."""
+
+    @property
+    def guide_friction(self) -> FrictionModel | None:
+        """Friction of the guide, where there is one."""
+        return None
+
+    @property
+    def free_spring(self) -> dict[str, tuple[float, float]]:
+        """What of the spring is to be chosen: field, and the ends between which it lies."""
+        spring = self.given_spring
+        if spring is None:
+            return {}
+        both = zip(spring.requested, spring.ranges, strict=True)
+        return {name: (low, high) for name, (low, high) in both if low != high}
+
+    def with_spring(self, numbers: dict[str, float]) -> Self:
+        """The same with numbers for what of the spring was left free, by field."""
+        spring = self.given_spring
+        if spring is None or not numbers:
+            return self
+        return self.model_copy(update={"spring": spring.model_copy(update=numbers)})
+
+    def reduced(self, follower: Follower, omega: float) -> ReducedLoad:
+        """The load along the follower's displacement; what is free of the spring, at its least.
+
+        Args:
+            follower: which it loads. omega: cam speed [rad/s].
+        """
+        given, flanks = self.wire_values, without_free_counter(follower).flanks
+        # s is in mm, or the arc lφ in mm of an arm: a moment in N m is 1000/l N along it
+        length = follower.travel.per_unit / (1.0 if given.lever == 1.0 else DEGREE)
+        force = 1.0 / (given.lever * length)
+        speeds = (omega, omega)
+        if self.speeds is not None:
+            speeds = rad_per_s(self.speeds.min_rpm), rad_per_s(self.speeds.max_rpm)
+        return ReducedLoad(
+            mass=given.mass * force * given.metre / (MILLI * length),
+            damping=given.damping * force * given.metre / (MILLI * length),
+            rate=given.rate * force / length,
+            preload=given.preload * force,
+            weight=given.weight * force,
+            process=force_course(given.points, force),
+            side=1 if self.pushed_both_ways(follower) else flanks[0].side,
+            friction=self.guide_friction,
+            contact=self.contact,
+            bearing=self.bearing,
+            speeds=speeds,
+            pushed_both_ways=self.pushed_both_ways(follower),
+        )
+
+    @staticmethod
+    def pushed_both_ways(follower: Follower) -> bool:
+        """Whether the cam pushes the follower inwards as well as outwards."""
+        return bool(counter_paths(follower)) or len(without_free_counter(follower).flanks) > 1
+
+    def check_against(self, follower: Follower, segments: Sequence[PlacedSegment]) -> None:
+        """Refuse a load that no cam can serve.
+
+        Raises:
+            PydanticCustomError: nothing presses the follower on its cam, or the load is of another
+                kind of follower.
+        """
+        if follower.travel.unit != self.unit:
+            raise PydanticCustomError(
+                "load_does_not_suit",
+                "load is {title}, but the {kind} follower {move}. Give a load of kind {other}.",
+                {"title": self.title.lower(), "kind": follower.kind,
+                 "move": {"mm": "slides", "deg": "swings"}[follower.travel.unit],
+                 "other": {"mm": "slide", "deg": "arm"}[follower.travel.unit]},
+            )  # fmt: skip
+        found = self.reduced(follower, 1.0)
+        course, breaks = found.process, found.process.breaks
+        most = max(found.side * end for end in (*course(breaks), *course(breaks, 0, "left")))
+        pressing = most + found.side * found.weight > 0.0
+        if not (
+            pressing or self.free_spring or found.pushed_both_ways or found.preload or found.rate
+        ):
+            raise PydanticCustomError(
+                "nothing_presses_follower",
+                "Nothing presses the {kind} follower on its cam: neither a spring, nor its weight, "
+                "nor a process force; it would float. Give load/spring, or choose a closure that "
+                "pushes both ways, such as a groove.",
+                {"kind": follower.kind},
+            )
+
+
+class SlideLoad(Load):
+    """The load of a follower on a slide."""
+
+    kind: Literal["slide"] = "slide"
+    title: ClassVar[str] = "Load of a follower on a slide"
+    unit: ClassVar[str] = "mm"
+
+    moving_mass_kg: Annotated[
+        float, Field(ge=0.0, le=1e9, description="Mass that moves with the follower.")
+    ] = 0.0
+    damping_n_s_per_m: Annotated[float, Field(ge=0.0, le=1e12, description="Viscous damping.")] = (
+        0.0
+    )
+    spring: Annotated[
+        SlideSpring | None, Field(description="Spring that presses it on the cam.")
+    ] = None
+    rise_from_vertical_deg: Annotated[
+        float | None,
+        Field(
+            ge=0.0,
+            le=180.0,
+            description="Angle between the follower's rise and upwards: 0 where it is lifted "
+            "against its weight, 180 where it hangs. Left out, no weight counts.",
+        ),
+    ] = None
+    process: Annotated[
+        list[ForcePoint], Field(max_length=MOST_POINTS, fail_fast=True, description=PROCESS)
+    ] = []
+    friction: Annotated[
+        AnyFriction | None, Field(description="Friction in the guide; of a roller, force-closed.")
+    ] = None
+
+    @field_validator("process")
+    @classmethod
+    def _in_order(cls, points: list[ForcePoint]) -> list[ForcePoint]:
+        check_order([(point.angle_deg, point.force_n) for point in points])
+        return points
+
+    @property
+    def given_spring(self) -> Spring | None:
+        return self.spring
+
+    @property
+    def guide_friction(self) -> FrictionModel | None:
+        return self.friction
+
+    @property
+    def wire_values(self) -> WireLoad:
+        tilt = self.rise_from_vertical_deg
+        upright = 0.0 if tilt is None else math.cos(tilt * DEGREE)
+        return WireLoad(
+            self.moving_mass_kg, self.damping_n_s_per_m, *self.least_spring,
+            self.moving_mass_kg * GRAVITY * upright,
+            tuple((point.angle_deg, point.force_n) for point in self.process),
+            1e-3, 1.0,
+        )  # fmt: skip
+
+    def check_against(self, follower: Follower, segments: Sequence[PlacedSegment]) -> None:
+        super().check_against(follower, segments)
+        if self.friction is None:
+            return
+        guided = not follower.always_convex and follower.travel.unit == "mm"
+        if not guided or self.pushed_both_ways(follower):
+            raise PydanticCustomError(
+                "friction_does_not_suit",
+                "load/friction is of the guide of a force-closed roller on a slide, which this "
+                "{kind} follower is not. Leave it out.",
+                {"kind": follower.kind},
+            )
+        for segment in segments:
+            turns = segment.free is not None and segment.free.overshoot
+            if segment.kind == "table" or turns:
+                raise PydanticCustomError(
+                    "friction_needs_sense",
+                    "load/friction acts against the motion, and program/{segment} may move both "
+                    "ways. Leave friction out, or make it a rise or a return without overshoot.",
+                    {"segment": segment.index},
+                )
+        self.friction.check(max(segment.max_displacement for segment in segments))
+
+
+class ArmLoad(Load):
+    """The load of a follower on an arm, about its pivot."""
+
+    kind: Literal["arm"] = "arm"
+    title: ClassVar[str] = "Load of a follower on an arm"
+    unit: ClassVar[str] = "deg"
+
+    moment_of_inertia_kg_m2: Annotated[
+        float, Field(ge=0.0, le=1e12, description="Of all that swings, about the pivot.")
+    ] = 0.0
+    damping_n_m_s_per_rad: Annotated[
+        float, Field(ge=0.0, le=1e12, description="Viscous damping about the pivot.")
+    ] = 0.0
+    spring: Annotated[
+        ArmSpring | None, Field(description="Spring that turns it against the cam.")
+    ] = None
+    process: Annotated[
+        list[MomentPoint],
+        Field(
+            max_length=MOST_POINTS, fail_fast=True, description=PROCESS.replace("Force", "Moment")
+        ),
+    ] = []
+
+    @field_validator("process")
+    @classmethod
+    def _in_order(cls, points: list[MomentPoint]) -> list[MomentPoint]:
+        check_order([(point.angle_deg, point.moment_n_m) for point in points])
+        return points
+
+    @property
+    def given_spring(self) -> Spring | None:
+        return self.spring
+
+    @property
+    def wire_values(self) -> WireLoad:
+        return WireLoad(
+            self.moment_of_inertia_kg_m2, self.damping_n_m_s_per_rad, *self.least_spring, 0.0,
+            tuple((point.angle_deg, point.moment_n_m) for point in self.process),
+            1.0, 1e-3,
+        )  # fmt: skip

@@ -1,0 +1,118 @@
+"""The load reduced to the follower's displacement s: what the drive G is made of.
+
+    G(θ) = m s'' ω² + c s' ω + k s + σ F0 + W + P(θ)
+
+σ is +1 where the spring presses the follower towards the cam's axis and −1 in a ring, where it
+presses it outwards; there its force falls as s grows, F0 − k s, and k keeps its sign in G. On a cam
+with two flanks or a counter cam it presses inwards.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+from typing import Any, Final
+
+import numpy as np
+
+from synthesis.catalogue.forces.contact import Contact, RollerBearing
+from synthesis.catalogue.forces.friction import FrictionModel
+from synthesis.catalogue.motion import PlacedSegment
+from synthesis.numerics.piecewise import Array, Piecewise
+from synthesis.units import FULL_TURN
+
+MILLI: Final = 1e-3  # metres in a millimetre
+NEAR_END: Final = 1e-12  # rad
+BESIDE: Final = 1e-9  # rad, of a jump
+SENSES: Final = {"rise": 1.0, "dwell": 0.0, "return": -1.0, "table": 0.0}
+
+
+@dataclass(frozen=True, eq=False)
+class ReducedLoad:
+    """The load on the follower, reduced to its displacement; N, mm, kg, s.
+
+    Attributes:
+        mass: m [kg]. damping: c [N s/m]. rate: k [N/mm]. preload: F0 [N].
+        side: σ. weight: W [N]. process: P over the turn [N over rad].
+        friction: of a slide's guide.
+        contact, bearing: of the line contact and the roller; None where not given.
+        speeds: least and largest speed of the cam at which it must not float [rad/s].
+        both_ways: whether the cam pushes it inwards as well as outwards.
+    """
+
+    mass: float
+    damping: float
+    rate: float
+    preload: float
+    side: int
+    weight: float
+    process: Piecewise
+    friction: FrictionModel | None
+    contact: Contact | None
+    bearing: RollerBearing | None
+    speeds: tuple[float, float]
+    pushed_both_ways: bool
+
+    def with_spring(self, rate: float, preload: float) -> ReducedLoad:
+        """The same with another spring [N/mm, N]."""
+        return replace(self, rate=rate, preload=preload)
+
+    @property
+    def constant_force(self) -> float:
+        """The part of G that depends on neither the motion nor the cam angle [N]."""
+        return self.side * self.preload + self.weight
+
+    def coefficients(self, omega: float) -> tuple[float, float, float, float]:
+        """Factors of s to s''' in G at a cam speed [rad/s]: N over mm per rad^k."""
+        return (
+            self.rate, self.damping * omega * MILLI, self.mass * omega * omega * MILLI, 0.0
+        )  # fmt: skip
+
+    def drive(self, s: Any, process: Any, omega: float) -> Any:
+        """G [N] from s to s'' and the process force, of any arithmetic type."""
+        a, b, c, _ = self.coefficients(omega)
+        return s[0] * a + s[1] * b + s[2] * c + (process + self.constant_force)
+
+    def process_on(self, segment: PlacedSegment, theta: Array) -> Array:
+        """P at cam angles of a segment [N]; of a jump at its end, the value before it."""
+        inside = np.clip(theta, segment.start, min(segment.end, FULL_TURN))
+        ends = inside >= segment.end - NEAR_END
+        return np.where(ends, self.process(inside, 0, "left"), self.process(inside))
+
+    def split_at_jumps(self, segment: PlacedSegment) -> PlacedSegment:
+        """The segment with pieces of its law that end just before and just after a jump of P.
+
+        So both sides of the jump are among the ends of pieces, wherever these are looked at.
+        """
+        inner = self.process.breaks
+        inner = inner[(inner > segment.start) & (inner < segment.end)]
+        jumps = inner[self.process(inner) != self.process(inner, 0, "left")]
+        if segment.law is None or not len(jumps):
+            return segment
+        beside = np.concatenate([jumps - BESIDE, jumps + BESIDE])
+        law, _ = segment.law.split_at((beside - segment.start) / segment.angle)
+        return segment.with_law(law)
+
+    def process_range(self, segment: PlacedSegment) -> tuple[float, float]:
+        """Least and largest process force on a segment [N]: straight pieces have them at ends."""
+        inner = self.process.breaks
+        inner = inner[(inner > segment.start) & (inner < segment.end)]
+        right = np.concatenate([[segment.start], inner])
+        left = np.concatenate([inner, [segment.end]])
+        each = np.concatenate([self.process(right), self.process(left, 0, "left")])
+        return float(each.min()), float(each.max())
+
+    def sliding_sense(self, segment: PlacedSegment) -> float:
+        """Sense of the motion on a segment, against which friction acts: 1, −1, or 0 at rest."""
+        return SENSES[segment.kind]
+
+    def friction_loss(self, sense: Any, sine: Any, s: Any, absolute: Callable[[Any], Any]) -> Any:
+        """Friction along the guide over the contact force: N (cos α − this) drives the slide.
+
+        Args:
+            sense: of the motion, 1, 0 or −1. sine: sin α. s: displacement [mm].
+            absolute: |·| in the arithmetic of these.
+        """
+        if self.friction is None:
+            return 0.0
+        return absolute(sine) * self.friction.effective(s) * (sense * self.side)

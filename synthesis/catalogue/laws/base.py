@@ -1,0 +1,193 @@
+"""The base of every named motion law, and how a law is made from its entry in a table."""
+
+from __future__ import annotations
+
+from abc import ABC, abstractmethod
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+from functools import lru_cache
+from typing import Annotated, ClassVar, Literal, Self
+
+import numpy as np
+from pydantic import BaseModel, ConfigDict, Field
+
+from synthesis.catalogue.motion import FreeLaw, SegmentKind
+from synthesis.numerics.piecewise import Piecewise, concatenate
+
+# VDI 2143: R rests (v = a = 0), G has a constant velocity (a = 0), U turns back (v = 0, the
+# acceleration is the neighbour's too), B moves.
+EndKinds = Literal["R-R", "R-U", "U-R"]
+EndDerivatives = tuple[
+    float | None, float | None
+]  # g' and g'' at an end, None where the law is free
+REST: EndDerivatives = (0.0, 0.0)
+ANY: EndDerivatives = (None, None)
+TASKS = tuple(f"{start}-{end}" for start in "RGUB" for end in "RGUB")
+
+AT_REST = 1e-12  # |g'| + |g''| below which a law begins at rest, but for rounding
+
+Inflection = Annotated[
+    float,
+    Field(
+        ge=0.05,
+        le=0.95,
+        description="Where the acceleration ends and the deceleration begins, as a fraction of "
+        "the segment from its start, on a rise as on a return; 0.5 is the law as published.",
+    ),
+]
+Turn = Annotated[
+    Literal["top", "bottom"],
+    Field(
+        description="Which end of the stroke the follower turns back at; it dwells at the other."
+    ),
+]
+
+
+@dataclass(frozen=True, eq=False)
+class LawEntry:
+    """One law of a family, as published.
+
+    Attributes:
+        title: what engineers call it.
+        source: where it was published.
+        shape: its normalised displacement; for a law between rests, which is symmetric, only
+            the first half, on [0, 1/2].
+    """
+
+    title: str
+    source: str
+    shape: Piecewise
+
+
+class MotionLaw(BaseModel, ABC):
+    """A named law: its name on the wire, its title, and its normalised curve."""
+
+    model_config = ConfigDict(frozen=True, extra="forbid", allow_inf_nan=False)
+
+    kind: str
+    entries: ClassVar[Mapping[str, LawEntry]]
+    inherited_derivatives: ClassVar[int] = 0
+    """How many derivatives it takes over from its neighbours at each end; 0: it has its own."""
+
+    @property
+    def title(self) -> str:
+        """What engineers call the law."""
+        return self.entries[self.kind].title
+
+    @property
+    def source(self) -> str:
+        """Where the law was published."""
+        return self.entries[self.kind].source
+
+    @property
+    @abstractmethod
+    def ends(self) -> EndKinds:
+        """How a rise by this law begins and ends."""
+
+    @abstractmethod
+    def curve(self, segment: SegmentKind) -> Piecewise:
+        """g(x) on [0, 1] with g(0) = 0 and g(1) = 1, as run from start to end of the segment.
+
+        Args:
+            segment: "rise" or "return"; a law with a turn at its end puts it at the top.
+        """
+
+    @abstractmethod
+    def with_end_derivatives(
+        self, segment: SegmentKind, start: EndDerivatives, end: EndDerivatives
+    ) -> Piecewise:
+        """The law with these g' and g'' at its ends, as nearly as it can: the caller checks.
+
+        Args:
+            segment: as for ``curve``.
+            start, end: required g' and g'' at x = 0 and x = 1.
+        """
+
+    @property
+    @abstractmethod
+    def tasks(self) -> tuple[str, ...]:
+        """The tasks of VDI 2143 that the law can serve on a rise, as "R-G"."""
+
+    @property
+    def overshoots(self) -> bool:
+        """Whether it may move backwards for the sake of its end states."""
+        return False
+
+    def with_smoothness_2(self) -> Self:
+        """Itself: only a spline has a choice."""
+        return self
+
+    def free_law(self, knots: tuple[float, ...] = ()) -> FreeLaw | None:
+        """None: a named law leaves nothing free."""
+        return None
+
+
+class RestToRest(MotionLaw):
+    """A law between two rests, point-symmetric before its inflection is moved."""
+
+    inflection: Inflection = 0.5
+
+    @property
+    def ends(self) -> EndKinds:
+        return "R-R"
+
+    @property
+    def tasks(self) -> tuple[str, ...]:
+        return tasks_between_rests(self.entries[self.kind].shape)
+
+    def curve(self, segment: SegmentKind) -> Piecewise:
+        return with_inflection(self.entries[self.kind].shape, self.inflection)
+
+    def with_end_derivatives(
+        self, segment: SegmentKind, start: EndDerivatives, end: EndDerivatives
+    ) -> Piecewise:
+        """Between equal velocities it is the law between rests and a straight line on top."""
+        return with_line(
+            self.entries[self.kind].shape, self.inflection, common_velocity(start, end)
+        )
+
+
+def common_velocity(start: EndDerivatives, end: EndDerivatives) -> float:
+    """The velocity required at both ends, or at one of them; 0 where at neither."""
+    return (end[0] if start[0] is None else start[0]) or 0.0
+
+
+def tasks_between_rests(half: Piecewise) -> tuple[str, ...]:
+    """R-R and, with a straight line on top, G-G; none where the law does not begin at rest."""
+    soft = abs(float(half(0.0, 1))) + abs(float(half(0.0, 2))) <= AT_REST
+    return ("R-R", "G-G") if soft else ()
+
+
+@lru_cache(maxsize=1024)
+def with_inflection(half: Piecewise, inflection: float) -> Piecewise:
+    """The whole law, from its first half f on [0, 1/2], with its inflection moved to x = λ.
+
+    g(x) = 2λ f(x/2λ) up to λ, then 1 − 2(1−λ) f((1−x)/2(1−λ)): the velocity is continuous at λ,
+    and so is the acceleration where it is zero. The second half is written about x = 1, so
+    nothing cancels there.
+    """
+    before, after = 2.0 * inflection, 2.0 * (1.0 - inflection)
+    first = half.rescale(0.0, before, 0.0, before)
+    last = half.rescale(0.0, after, 0.0, after).mirror().rescale(inflection, 1.0, 1.0, -1.0)
+    return concatenate([first, last])
+
+
+@lru_cache(maxsize=256)
+def with_line(half: Piecewise, inflection: float, velocity: float) -> Piecewise:
+    """g = (1 − c) f + c x, f the law between rests and c = g'(0) = g'(1) (VDI 2143, task G-G).
+
+    Every piece stays written about its own origin, so nothing cancels that did not before.
+    """
+    if velocity == 0.0:
+        return with_inflection(half, inflection)
+    scaled = with_inflection(half, inflection).rescale(0.0, 1.0, 0.0, 1.0 - velocity)
+    poly = np.pad(scaled.poly, ((0, 0), (0, max(0, 2 - scaled.poly.shape[1]))))
+    poly[:, 0] += velocity * scaled.origins
+    poly[:, 1] += velocity
+    return replace(scaled, poly=poly)
+
+
+@lru_cache(maxsize=64)
+def mirrored(shape: Piecewise) -> Piecewise:
+    """x ↦ 1 − f(1 − x): the same law run backwards."""
+    return shape.mirror().rescale(0.0, 1.0, 1.0, -1.0)

@@ -1,0 +1,62 @@
+"""The free law: a spline that the optimiser chooses together with the size of the cam."""
+
+from __future__ import annotations
+
+from typing import Annotated, ClassVar, Literal
+
+from pydantic import BaseModel, ConfigDict, Field
+
+from synthesis.catalogue.laws.base import EndDerivatives
+from synthesis.catalogue.motion import FreeLaw, SegmentKind
+
+
+class SplineLaw(BaseModel):
+    """Let the service find the motion: a spline, chosen together with the cam's size.
+
+    It joins its neighbours with continuous displacement and velocity, and with as many further
+    derivatives as ``smoothness`` asks for: the acceleration, where nothing is said.
+    """
+
+    model_config = ConfigDict(frozen=True, extra="forbid")
+
+    kind: Literal["spline"] = "spline"
+    smoothness: Annotated[
+        Literal[1, 2, 3, 4],
+        Field(
+            description="Number of continuous derivatives. 1: the acceleration may jump, inside "
+            "and at both ends, so that nothing may speak of jerk (quadratic spline); 2: the jerk "
+            "is bounded and may jump (cubic spline, the smallest cam); 3: the jerk is continuous "
+            "(quartic); 4: its slope too (quintic)."
+        ),
+    ] = 2
+    overshoot: Annotated[
+        bool,
+        Field(description="Allow the follower to move backwards within the segment."),
+    ] = False
+
+    inherited_derivatives: ClassVar[int] = (
+        0  # states of neighbours are equality rows, not parameters of the law
+    )
+
+    @property
+    def overshoots(self) -> bool:
+        """Whether it may move backwards."""
+        return self.overshoot
+
+    def curve(self, segment: SegmentKind) -> None:
+        """None: the optimiser chooses the curve."""
+        return None
+
+    def with_end_derivatives(
+        self, segment: SegmentKind, start: EndDerivatives, end: EndDerivatives
+    ) -> None:
+        """None: required end states are equality rows of the optimisation problem."""
+        return None
+
+    def with_smoothness_2(self) -> SplineLaw:
+        """The same of class C2."""
+        return self.model_copy(update={"smoothness": 2}) if self.smoothness > 2 else self
+
+    def free_law(self, knots: tuple[float, ...] = ()) -> FreeLaw:
+        """The spline's class; ``knots``: x where its highest derivative may jump."""
+        return FreeLaw(self.smoothness, self.overshoot, knots=knots)

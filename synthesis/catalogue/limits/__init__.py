@@ -1,0 +1,49 @@
+"""Limits: what may not be exceeded, one a file. A new one is a file and its name in ``AnyLimit``.
+
+A limit states the bounds that the certificate has to show, and the constraints that the optimiser
+can use for them. Open ``base`` first: its head says how the forms of a limit agree. The conformance
+tests ask for a scene in which the limit is reached.
+"""
+
+from __future__ import annotations
+
+from typing import Annotated, get_args
+
+from pydantic import Field
+
+from synthesis.catalogue.limits.acceleration import Acceleration
+from synthesis.catalogue.limits.base import Claim, Limit, Machine
+from synthesis.catalogue.limits.camshaft_torque import CamshaftTorque
+from synthesis.catalogue.limits.contact_force import ContactForce
+from synthesis.catalogue.limits.counter_base_radius import CounterBaseRadius
+from synthesis.catalogue.limits.cutter_radius import CutterRadius
+from synthesis.catalogue.limits.face_width import FaceWidth
+from synthesis.catalogue.limits.hertz_pressure import HertzPressure
+from synthesis.catalogue.limits.jerk import Jerk
+from synthesis.catalogue.limits.outer_radius import OuterRadius
+from synthesis.catalogue.limits.pressure_angle import PressureAngle
+from synthesis.catalogue.limits.profile_radius import ProfileRadius
+from synthesis.catalogue.limits.residual_vibration import ResidualVibration
+from synthesis.catalogue.limits.velocity import Velocity
+
+AnyLimit = Annotated[
+    PressureAngle
+    | ProfileRadius
+    | CutterRadius
+    | Velocity
+    | Acceleration
+    | Jerk
+    | OuterRadius
+    | FaceWidth
+    | CounterBaseRadius
+    | ContactForce
+    | HertzPressure
+    | CamshaftTorque
+    | ResidualVibration,
+    Field(discriminator="kind"),
+]
+
+LIMITS: tuple[type[Limit], ...] = get_args(get_args(AnyLimit)[0])
+"""The same as a tuple, in that order."""
+
+__all__ = ["LIMITS", "AnyLimit", "Claim", "Limit", "Machine"]

@@ -1,0 +1,232 @@
+"""The base of every limit: one expression with its bounds, in the forms its readers need.
+
+A limit states what the certificate has to show (``claims``), and whatever of this the optimiser can
+use: linear inequalities (``rows``), second-order cones on the size (``norm_bounds``), bounds on a
+residual vibration, nonconvex constraints with linear relaxations, and smooth constraint functions.
+What a limit does not state in one form is an empty tuple there. Two rules make the forms agree:
+
+* Everything in ``rows``, ``norm_bounds`` and ``vibration_bounds`` is implied by the claims, so that
+  a relaxation built from them bounds every cam that keeps the limit.
+* ``smooth_constraints`` completes them: a cam that keeps rows, cones and smooth constraints keeps
+  the claims. By default it evaluates ``nonconvex``.
+"""
+
+from __future__ import annotations
+
+from abc import ABC, abstractmethod
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from typing import Any, ClassVar
+
+from pydantic import BaseModel, ConfigDict
+
+from synthesis.catalogue.constraints import (
+    LinearInequality,
+    NonconvexConstraint,
+    NormBounds,
+    VibrationBound,
+)
+from synthesis.catalogue.followers.base import Follower
+from synthesis.catalogue.followers.curvature_bound import CurvatureBound
+from synthesis.catalogue.forces import Load, ReducedLoad
+from synthesis.catalogue.motion import PlacedSegment
+from synthesis.numerics.piecewise import Array
+
+
+@dataclass(frozen=True)
+class Machine:
+    """The machine around the cam: what the motion means in newtons and in the wire's units.
+
+    Attributes:
+        follower: the follower's family and given dimensions.
+        omega: cam speed ω [rad/s].
+        load: the load on the follower; None where no force is limited or reported.
+    """
+
+    follower: Follower
+    omega: float
+    load: ReducedLoad | None = None
+
+    def wire_factor(self, order: int) -> float:
+        """Factor from s^(order) per radian to the time derivative in the wire's unit."""
+        return self.follower.travel.wire_factor(order, self.omega)
+
+    def derivative_unit(self, order: int) -> str:
+        """That unit, as in ``mm/s²``."""
+        return self.follower.travel.derivative_unit(order)
+
+
+@dataclass(frozen=True)
+class Claim:
+    """What the finished cam must satisfy: lower ≤ quantity ≤ upper on the named segments.
+
+    Attributes:
+        limit: the limit as named in the certificate.
+        quantity: a name that ``certify`` knows, measured in core units (rad, mm, per radian).
+        segments: indices of the segments where it must hold.
+        lower, upper: bounds in core units; None where there is none.
+        unit: unit on the wire.
+        to_wire: monotone map from the core's unit to the wire's; None where the wire has no value.
+        field: the field of the spec that sets it, as in ``limits/pressure_angle/rise_deg``.
+        path: name of the traced curve that is measured, among the follower's ``paths``.
+        part: first and last x, in [0, 1], of these segments where it must hold; None: all along.
+        exact: the quantity has one value there; the bounds leave no more than rounding.
+        flank: name of the flank that is measured, where it is not the first.
+        rings: what is left where runs of these segments end; the largest of it is measured.
+    """
+
+    limit: str
+    quantity: str
+    segments: tuple[int, ...]
+    lower: float | None
+    upper: float | None
+    unit: str
+    to_wire: Callable[[float], float | None]
+    field: str
+    path: str = ""
+    interval: tuple[float, float] | None = None
+    equality: bool = False
+    flank: str = ""
+    vibration: tuple[VibrationBound, ...] = ()
+
+
+class Limit(BaseModel, ABC):
+    """One quantity of the cam that has a bound.
+
+    Attributes:
+        kind: name on the wire. title: name for people.
+        needs_load: it is about a force, so that the spec has to give the load on the follower.
+        same_on_every_segment: its smooth constraints do not depend on the segment, so that one
+            evaluation serves several segments.
+    """
+
+    model_config = ConfigDict(frozen=True, extra="forbid", allow_inf_nan=False)
+
+    kind: str
+    title: ClassVar[str]
+    needs_load: ClassVar[bool] = False
+    same_on_every_segment: ClassVar[bool] = False
+
+    # -- facts about the limit -------------------------------------------------------------------
+
+    def applies_to(self, follower: Follower) -> bool:
+        """Whether it bounds anything on a cam of such a follower."""
+        return True
+
+    @property
+    def travel_unit(self) -> str | None:
+        """Unit of displacement in which it is given; None where it is not about displacement."""
+        return None
+
+    @property
+    def bounds_size_below(self) -> bool:
+        """Whether it excludes arbitrarily small cams."""
+        return False
+
+    @property
+    def min_circle_radius(self) -> float:
+        """Least radius [mm] of a circle about the cam's axis that is a part of the profile."""
+        return 0.0
+
+    @property
+    def rows_incomplete(self) -> bool:
+        """Whether motions that keep its rows can break its smooth constraints."""
+        return False
+
+    # -- refusals --------------------------------------------------------------------------------
+
+    def check(self, follower: Follower) -> None:
+        """Refuse a bound that no cam of such a follower can keep."""
+        return None
+
+    def check_load(
+        self,
+        load: Load | None,
+        follower: Follower,
+        segments: Sequence[PlacedSegment],
+        position: int,
+    ) -> None:
+        """Refuse a bound on a force for which the load is missing or incomplete.
+
+        Args:
+            position: index of the limit in the spec, for the message.
+        """
+        return None
+
+    def check_motion(self, segments: Sequence[PlacedSegment], machine: Machine) -> None:
+        """Refuse a bound that has no meaning for such a program at such a speed."""
+        return None
+
+    # -- the forms -------------------------------------------------------------------------------
+
+    def rows(self, segment: PlacedSegment, machine: Machine) -> tuple[LinearInequality, ...]:
+        """Linear inequalities on one segment; where the limit is not linear, those it implies."""
+        return ()
+
+    def norm_bounds(
+        self, segments: Sequence[PlacedSegment], machine: Machine
+    ) -> tuple[NormBounds, ...]:
+        """Bounds of norms of the size variables."""
+        return ()
+
+    def vibration_bounds(
+        self, segments: Sequence[PlacedSegment], machine: Machine
+    ) -> tuple[VibrationBound, ...]:
+        """Bounds of residual amplitudes after runs of segments."""
+        return ()
+
+    def nonconvex(
+        self, segment: PlacedSegment, machine: Machine
+    ) -> tuple[NonconvexConstraint, ...]:
+        """Constraints on motion and size together that are not linear in both."""
+        return ()
+
+    def curvature_bounds(
+        self, segment: PlacedSegment, machine: Machine
+    ) -> tuple[CurvatureBound, ...]:
+        """Bounds of the traced curves' curvature, relaxed where the trace point lies in a box."""
+        return ()
+
+    def smooth_constraints(
+        self, segment: PlacedSegment, machine: Machine, theta: Array, s: Any, z: Any
+    ) -> tuple[Any, ...]:
+        """Dimensionless functions that must be ≤ 0, for local solvers and for checks.
+
+        Args:
+            theta: (n,) cam angles, numbers [rad].
+            s: s, s', s'', s''' as NumPy arrays or CasADi columns of one length.
+            z: the size variables, scalars.
+        """
+        constraints = self.nonconvex(segment, machine)
+        return tuple(value for constraint in constraints for value in constraint.excess(s, z))
+
+    def relaxed_by(self, amount: float) -> Limit:
+        """The limit with its bounds wider by an amount [wire unit].
+
+        Only a bound on a part of a segment needs it: others are relaxed through their rows.
+        """
+        return self
+
+    @abstractmethod
+    def claims(self, segments: Sequence[PlacedSegment], machine: Machine) -> tuple[Claim, ...]:
+        """The bounds that the certificate has to show on the finished cam."""
+
+
+def scaling(factor: float) -> Callable[[float], float]:
+    """The map that multiplies by ``factor``."""
+    return lambda value: value * factor
+
+
+def shifting(amount: float) -> Callable[[float], float]:
+    """The map that subtracts ``amount``."""
+    return lambda value: value - amount
+
+
+def segment_indices(segments: Sequence[PlacedSegment], *kinds: str) -> tuple[int, ...]:
+    """Indices of the segments that move so and have an extent (of all if nothing is named)."""
+    wanted = set(kinds)
+    return tuple(
+        s.index
+        for s in segments
+        if s.angle > 0.0 and (not wanted or not wanted.isdisjoint(s.senses))
+    )

@@ -1,0 +1,76 @@
+"""What the limits on forces have in common: the load, and forces as smooth functions of motion."""
+
+from __future__ import annotations
+
+from abc import ABC
+from collections.abc import Sequence
+from typing import Any, ClassVar
+
+import numpy as np
+from pydantic_core import PydanticCustomError
+
+from synthesis.catalogue.followers.base import Follower
+from synthesis.catalogue.followers.counter_roller import counter_paths
+from synthesis.catalogue.followers.flank import Flank
+from synthesis.catalogue.followers.kinematics import TracePoint, pressure_angle_sine_cosine
+from synthesis.catalogue.forces import Load, ReducedLoad
+from synthesis.catalogue.limits.base import Limit, Machine
+from synthesis.catalogue.motion import PlacedSegment
+from synthesis.numerics.piecewise import Array
+
+SMALL = 1e-300  # keeps a quotient finite where its denominator may be 0
+
+
+class ForceLimit(Limit, ABC):
+    """A limit on a force: a spec with such a limit must give the load on the follower."""
+
+    needs_load: ClassVar[bool] = True
+
+    def check_load(
+        self,
+        load: Load | None,
+        follower: Follower,
+        segments: Sequence[PlacedSegment],
+        position: int,
+    ) -> None:
+        if load is None:
+            raise PydanticCustomError(
+                "limit_needs_load",
+                "limits/{position} is {limit}, but the spec gives no load on the follower. "
+                "Give load, or remove the limit.",
+                {"position": position, "limit": self.kind},
+            )
+
+
+def load_of(machine: Machine) -> ReducedLoad:
+    """The load on the follower, which ``check_load`` has found to be given."""
+    assert machine.load is not None
+    return machine.load
+
+
+def drive(segment: PlacedSegment, machine: Machine, theta: Array, s: Any) -> Any:
+    """Drive force G [N] on a segment, from columns of s to s''' that may be symbols."""
+    load = load_of(machine)
+    a, b, c, _ = load.coefficients(machine.omega)
+    angles = np.asarray(theta, dtype=float)
+    process = load.process_on(segment, angles.ravel()).reshape(angles.shape)
+    # 0·θ gives the sum the shape of θ: CasADi would take a NumPy vector for a row.
+    return a * s[0] + b * s[1] + c * s[2] + (0.0 * theta + (process + load.constant_force))
+
+
+def push_sign(flank: Flank, machine: Machine) -> int:
+    """+1 on the main roller's flanks, −1 on a counter roller's: it pushes against growing s."""
+    return -1 if flank.path in counter_paths(machine.follower) else 1
+
+
+def transmission(path: TracePoint, segment: PlacedSegment, machine: Machine, s: Any, z: Any) -> Any:
+    """G/N: λ cos α less the share of the contact force that friction in the guide takes."""
+    load = load_of(machine)
+    sine, cosine = pressure_angle_sine_cosine(path, s, z)
+    resisted = load.friction_loss(load.sliding_sense(segment), sine, s[0], _absolute)
+    return cosine * path.lever(s, z) - resisted
+
+
+def _absolute(value: Any) -> Any:
+    """|·| smoothed to a finite slope at 0, for numbers and for symbols."""
+    return (value * value + 1e-18) ** 0.5

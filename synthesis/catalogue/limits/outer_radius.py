@@ -1,0 +1,115 @@
+"""Largest radius of the finished profile."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import replace
+from typing import Annotated, Any, ClassVar, Literal
+
+from pydantic import Field
+from pydantic_core import PydanticCustomError
+
+from synthesis.catalogue.constraints import LinearInequality, NonconvexConstraint, NormBounds
+from synthesis.catalogue.followers.base import Follower, paths
+from synthesis.catalogue.followers.counter_roller import without_free_counter
+from synthesis.catalogue.followers.flank import edge_offset, labelled
+from synthesis.catalogue.followers.kinematics import TracePoint
+from synthesis.catalogue.limits.base import Claim, Limit, Machine, segment_indices, shifting
+from synthesis.catalogue.motion import PlacedSegment
+from synthesis.numerics.piecewise import Array
+
+
+class OuterRadius(Limit):
+    """No point of the profile lies farther from the cam's axis than ``max_mm``.
+
+    Where the profile is outermost its normal is radial, so the pitch curve is outermost there
+    too: the profile's largest radius is the pitch curve's less Rr, or plus Rr where the cam lies
+    around the roller; there the rim that the spec asks for is added.
+    """
+
+    kind: Literal["outer_radius"] = "outer_radius"
+    title: ClassVar[str] = "Largest radius of the profile"
+    max_mm: Annotated[float, Field(gt=0.0, le=1e9, description="Largest radius of the profile.")]
+
+    def check(self, follower: Follower) -> None:
+        alone = without_free_counter(follower)
+        for path in paths(alone):
+            gap = edge_offset(alone.flanks, path)
+            if self.max_mm + gap <= 0.0:
+                raise PydanticCustomError(
+                    "outer_radius_too_small",
+                    "max_mm = {value} of outer_radius is not above {gap} mm: roller, clearance "
+                    "and rim take that much around the pitch curve. Allow a larger radius, or "
+                    "make them smaller.",
+                    {"value": self.max_mm, "gap": -gap},
+                )
+
+    def norm_bounds(
+        self, segments: Sequence[PlacedSegment], machine: Machine
+    ) -> tuple[NormBounds, ...]:
+        highest = max(segment.max_displacement for segment in segments)
+        return tuple(
+            NormBounds(
+                norm, trace.norm_from_radius(self.max_mm + gap), labelled("outer_radius", path)
+            )
+            for path, trace, gap in _edges(machine)
+            if (norm := trace.outer_radius_norm(highest)) is not None
+        )
+
+    def rows(self, segment: PlacedSegment, machine: Machine) -> tuple[LinearInequality, ...]:
+        """Of a law that may overshoot the ends: what the norm's last component says."""
+        return tuple(self._rows(machine)) if _overshoots(segment) else ()
+
+    def _rows(self, machine: Machine) -> Iterator[LinearInequality]:
+        for path, trace, gap in _edges(machine):
+            low, high = trace.outer_radius_norm(0.0), trace.outer_radius_norm(1.0)
+            if low is None or high is None or low.matrix != high.matrix:
+                continue
+            rise = high.shift[-1] - low.shift[-1]
+            if rise > 0.0:
+                most = trace.norm_from_radius(self.max_mm + gap) - low.shift[-1]
+                source = labelled("outer_radius", path)
+                yield LinearInequality((rise, 0.0, 0.0, 0.0), low.matrix[-1], most, source=source)
+
+    def nonconvex(
+        self, segment: PlacedSegment, machine: Machine
+    ) -> tuple[NonconvexConstraint, ...]:
+        curves = machine.follower.outer_radius_constraints(self.max_mm)
+        return tuple(replace(curve, source="outer_radius") for curve in curves)
+
+    def smooth_constraints(
+        self, segment: PlacedSegment, machine: Machine, theta: Array, s: Any, z: Any
+    ) -> tuple[Any, ...]:
+        found = list(super().smooth_constraints(segment, machine, theta, s, z))
+        if _overshoots(segment) and not found:
+            for _, trace, gap in _edges(machine):
+                (x, y), *_ = trace.position(s, z)
+                found.append((x * x + y * y) / (self.max_mm + gap) ** 2 - 1.0)
+        return tuple(found)
+
+    def claims(self, segments: Sequence[PlacedSegment], machine: Machine) -> tuple[Claim, ...]:
+        return tuple(
+            Claim(
+                labelled("outer_radius", path),
+                "pitch_radius",
+                segment_indices(segments),
+                None,
+                self.max_mm + gap,
+                "mm",
+                shifting(gap),
+                "outer_radius/max_mm",
+                path,
+            )
+            for path, trace, gap in _edges(machine)
+        )
+
+
+def _overshoots(segment: PlacedSegment) -> bool:
+    """Whether the law is one of the answer's that may go beyond its ends."""
+    return segment.free is not None and segment.free.overshoot
+
+
+def _edges(machine: Machine) -> Iterator[tuple[str, TracePoint, float]]:
+    """Every path by name, and what the edge of its cam lacks to it [mm]."""
+    for path, trace in paths(machine.follower).items():
+        yield path, trace, edge_offset(machine.follower.flanks, path)

@@ -1,0 +1,103 @@
+"""Smallest radius of curvature where the profile is convex; at 0 it says: no undercut."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+from typing import Annotated, Any, ClassVar, Literal
+
+from pydantic import Field
+
+from synthesis.catalogue.constraints import LinearInequality, NonconvexConstraint
+from synthesis.catalogue.followers.curvature_bound import CurvatureBound
+from synthesis.catalogue.followers.flank import labelled
+from synthesis.catalogue.followers.measures import profile_radius_measure
+from synthesis.catalogue.limits.base import Claim, Limit, Machine, segment_indices
+from synthesis.catalogue.motion import PlacedSegment
+from synthesis.numerics.piecewise import Array
+
+
+class ProfileRadius(Limit):
+    """Radius of the convex profile ≥ ``min_mm``: ρ_pitch ≥ Rr + min wherever ρ_pitch is positive.
+
+    The follower says it in linear rows where it can (a flat face: ρ = Rb + s + s''). For a roller
+    it is written as κ_pitch ≤ 1/(Rr + min), which is free of division by what may vanish; of a
+    flank touched from inside with −κ_pitch, because there a hollow pitch curve is convex. Signed:
+    a hollow flank (negative curvature) is the business of the limit ``cutter_radius``.
+    """
+
+    kind: Literal["profile_radius"] = "profile_radius"
+    title: ClassVar[str] = "Smallest convex radius of the profile"
+    same_on_every_segment: ClassVar[bool] = True
+    min_mm: Annotated[
+        float,
+        Field(ge=0.0, le=1e6, description="Smallest radius of the convex profile; 0: no undercut."),
+    ] = 0.0
+
+    @property
+    def bounds_size_below(self) -> bool:
+        return self.min_mm > 0.0  # at 0 it says what every cam keeps
+
+    @property
+    def min_circle_radius(self) -> float:
+        return self.min_mm
+
+    def rows(self, segment: PlacedSegment, machine: Machine) -> tuple[LinearInequality, ...]:
+        rows = machine.follower.profile_radius_rows(self.min_mm)
+        return tuple(replace(row, source="profile_radius") for row in rows)
+
+    def nonconvex(
+        self, segment: PlacedSegment, machine: Machine
+    ) -> tuple[NonconvexConstraint, ...]:
+        curves = machine.follower.profile_radius_constraints(self.min_mm)
+        return tuple(replace(curve, source="profile_radius") for curve in curves)
+
+    def curvature_bounds(
+        self, segment: PlacedSegment, machine: Machine
+    ) -> tuple[CurvatureBound, ...]:
+        return tuple(
+            replace(rows, source=labelled("profile_radius", flank.name))
+            for flank in machine.follower.flanks
+            if flank.distance + self.min_mm > 0.0
+            for rows in flank.trace.curvature_bounds(
+                flank.side, 1.0 / (flank.distance + self.min_mm)
+            )
+        )
+
+    def smooth_constraints(
+        self, segment: PlacedSegment, machine: Machine, theta: Array, s: Any, z: Any
+    ) -> tuple[Any, ...]:
+        curves = self.nonconvex(segment, machine)
+        if curves:
+            return tuple(value for curve in curves for value in curve.excess(s, z))
+        if self.rows(segment, machine):
+            return ()
+        found = []
+        for flank in machine.follower.flanks:
+            smallest = flank.distance + self.min_mm
+            if smallest > 0.0:
+                numerator, speed_squared = flank.trace.curvature_terms(s, z)
+                # σκ ≤ 1/ρ_min with κ = N/W³, divided by W² to keep the size of the numbers even
+                found.append(flank.side * smallest * numerator / speed_squared**1.5 - 1.0)
+        return tuple(found)
+
+    def claims(self, segments: Sequence[PlacedSegment], machine: Machine) -> tuple[Claim, ...]:
+        measures = (
+            (flank, profile_radius_measure(flank, self.min_mm, machine.follower.always_convex))
+            for flank in machine.follower.flanks
+        )
+        return tuple(
+            Claim(
+                labelled("profile_radius", flank.name),
+                found.quantity,
+                segment_indices(segments),
+                found.lower,
+                found.upper,
+                "mm",
+                found.to_wire,
+                "profile_radius/min_mm",
+                flank.path,
+            )
+            for flank, found in measures
+            if found is not None
+        )

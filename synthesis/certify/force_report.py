@@ -1,0 +1,299 @@
+"""The forces of a finished cam: proven extremes, integrals over the turn, lift-off, roller life."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Final
+
+import numpy as np
+from scipy.optimize import brentq
+
+from synthesis.catalogue.followers.flank import Flank
+from synthesis.catalogue.forces.history import ForceHistory, history
+from synthesis.catalogue.forces.reduced import MILLI, ReducedLoad
+from synthesis.catalogue.forces.report import (
+    FlankForces,
+    FloatArc,
+    ForcePeak,
+    Forces,
+    RollerLife,
+    Torque,
+)
+from synthesis.catalogue.limits.base import Machine, segment_indices
+from synthesis.catalogue.motion import Motion
+from synthesis.certify.force_quantities import ForceQuantity, load_cuts
+from synthesis.certify.piecewise_motion import PiecewiseMotion
+from synthesis.certify.quantities import Size, enclose_quantities, infinite_by_jump
+from synthesis.numerics.enclosure import ExtremumQuery
+from synthesis.numerics.piecewise import Array
+from synthesis.units import DEGREE, FULL_TURN
+
+NODES: Final = 24  # of the Gauss rule on a piece without sinusoids: exact up to degree 47
+WAVE_NODES: Final = 64
+SAMPLES: Final = 33  # on a piece, between which the drive is searched for changes of sign
+INSIDE: Final = 1e-9  # of a piece: samples at its ends lie this far inside it
+ROOT_TOLERANCE: Final = 1e-14  # of the cam angle of such a change [rad]
+ZOOMS: Final = 12  # refinements of the angle at which the follower lifts off first
+ZOOM_FACTOR: Final = 3.0
+FAN: Final = np.linspace(-1.0, 1.0, 9)  # samples of a refinement
+HIGHEST_SPEED: Final = 1e6  # times the cam's speed: a lift-off beyond is not reported
+PER_MINUTE: Final = 60.0 / FULL_TURN  # rpm per rad/s
+
+
+def report_forces(motion: Motion, machine: Machine, size: tuple[float, ...]) -> Forces | None:
+    """What the cam's forces come to; None if the spec gives no load."""
+    if machine.load is None:
+        return None
+    pieces = PiecewiseMotion(motion, load_cuts(machine))
+    return _LoadedCam(pieces, machine, machine.load, tuple(size)).report()
+
+
+@dataclass(frozen=True, eq=False)
+class _LoadedCam:
+    """A finished cam with its load."""
+
+    motion: PiecewiseMotion
+    machine: Machine
+    load: ReducedLoad
+    size: Size
+
+    def report(self) -> Forces:
+        flanks = self.machine.follower.flanks
+        both = self.load.pushed_both_ways
+        return Forces(
+            flanks=[self._flank(flank) for flank in flanks],
+            torque=self._torque(flanks[0]),
+            floats=[] if both else list(self._lift_off_arcs()),
+            float_onset_rpm=None if both else self._lift_off_speed(),
+            changes_flank_deg=self._flank_changes() if both else [],
+            rollers=[
+                self._roller(path)
+                for path in dict.fromkeys(flank.path for flank in flanks if flank.roller > 0.0)
+            ],
+        )
+
+    # -- extremes, proven --------------------------------------------------------------------
+
+    def _flank(self, flank: Flank) -> FlankForces:
+        pressure = self._peaks.get(("pressure_square", flank.name, 1))
+        largest, smallest = (
+            self._peaks.get(("contact_force", flank.name, side * flank.side)) for side in (1, -1)
+        )
+        return FlankForces(
+            flank=flank.name,
+            largest_n=None if largest is None else _times(largest, flank.side),
+            smallest_n=None if smallest is None else _times(smallest, flank.side),
+            largest_pressure_mpa=None if pressure is None else _square_root(pressure),
+        )
+
+    def _wanted(self) -> Iterator[tuple[str, Flank, int]]:
+        """What is enclosed: quantity, flank, 1 for its largest value or −1 for its smallest."""
+        flanks = self.machine.follower.flanks
+        for flank in flanks:
+            yield "contact_force", flank, 1
+            yield "contact_force", flank, -1
+            line_contact = flank.roller > 0.0 or self.machine.follower.always_convex
+            if self.load.contact is not None and line_contact:
+                yield "pressure_square", flank, 1
+        yield "camshaft_torque", flanks[0], 1
+        yield "camshaft_torque", flanks[0], -1
+
+    @cached_property
+    def _peaks(self) -> dict[tuple[str, str, int], ForcePeak]:
+        """Finite extremes by quantity, flank and sense, all enclosed together."""
+        everywhere = segment_indices(self.motion.segments)
+        pieces = self.motion.pieces_of(everywhere)
+        wanted = list(self._wanted())
+        each = {(name, flank.name): flank for name, flank, _ in wanted}
+        subjects = [
+            (
+                ForceQuantity(name, self.machine, self.load, self.motion, flank, self.size),
+                flank.path,
+            )
+            for (name, _), flank in each.items()
+        ]
+        if infinite_by_jump(subjects[0][0], self.motion, everywhere):
+            return {}
+        bounds = {1: (-math.inf, 0.0), -1: (0.0, math.inf)}
+        which = {key: k for k, key in enumerate(each)}
+        questions = [
+            ExtremumQuery(pieces, *bounds[side], function=which[name, flank.name])
+            for name, flank, side in wanted
+        ]
+        answers = enclose_quantities(subjects, self.motion, self.machine, self.size, questions)
+        found = {}
+        for (name, flank, side), answer in zip(wanted, answers, strict=True):
+            peak = answer.enclosure
+            if math.isfinite(peak.width):
+                found[name, flank.name, side] = ForcePeak(
+                    value=peak.value, angle_deg=peak.angle / DEGREE, width=peak.width
+                )
+        return found
+
+    # -- integrals over the turn, by Gauss quadrature ----------------------------------------
+
+    @cached_property
+    def _nodes(self) -> tuple[Array, Array]:
+        """Nodes inside the pieces [rad] and weights: (n,) each."""
+        curve = self.motion.curve
+        count = WAVE_NODES if curve.waves.shape[1] else NODES
+        nodes, weights = np.polynomial.legendre.leggauss(count)
+        half = 0.5 * np.diff(curve.breaks)[:, None]
+        middle = 0.5 * (curve.breaks[1:] + curve.breaks[:-1])[:, None]
+        return (middle + half * nodes).ravel(), (half * weights).ravel()
+
+    @cached_property
+    def _turn(self) -> ForceHistory:
+        return self._history(self._nodes[0])
+
+    def _history(self, theta: Array) -> ForceHistory:
+        machine, motion = self.machine, self.motion.original
+        return history(machine.follower, self.load, machine.omega, motion, self.size, theta)
+
+    def _torque(self, flank: Flank) -> Torque:
+        """Torque over the turn; its work less the process's and the losses is the imbalance."""
+        turn, (_, weights) = self._turn, self._nodes
+        speed = turn.s[1] * MILLI  # m per rad
+        work = float(weights @ turn.torque)
+        process = float(weights @ (self.load.process(turn.theta) * speed))
+        loss = float(weights @ ((turn.damping + turn.friction) * speed))
+        return Torque(
+            largest_n_m=self._peaks.get(("camshaft_torque", flank.name, 1)),
+            smallest_n_m=self._peaks.get(("camshaft_torque", flank.name, -1)),
+            mean_n_m=work / FULL_TURN,
+            rms_n_m=math.sqrt(float(weights @ turn.torque**2) / FULL_TURN),
+            power_w=work / FULL_TURN * self.machine.omega,
+            work_j=work,
+            process_work_j=process,
+            loss_j=loss,
+            balance_error_j=work - process - loss,
+        )
+
+    def _roller(self, path: str) -> RollerLife:
+        """Speed of a roller and its bearing's basic rating life at varying load and speed."""
+        turn, (_, weights), bearing = self._turn, self._nodes, self.load.bearing
+        mine = [flank.name for flank in self.machine.follower.flanks if flank.path == path]
+        # of a roller between two flanks, force and speed are those of the flank that it presses
+        forces = np.array([turn.contact[name] for name in mine])
+        pressed = np.argmax(forces, axis=0), np.arange(forces.shape[1])
+        speed = np.array([turn.rolling[name] for name in mine])[pressed]
+        mean = float(weights @ speed) / FULL_TURN
+        speeds = RollerLife(
+            path=path, mean_speed_rpm=mean * PER_MINUTE,
+            largest_speed_rpm=float(speed.max()) * PER_MINUTE,
+            equivalent_load_n=None, life_million_turns=None, life_hours=None,
+        )  # fmt: skip
+        if bearing is None or mean <= 0.0:
+            return speeds
+        force = np.maximum(forces[pressed], 0.0)
+        p = bearing.life_exponent
+        largest = float(force.max())
+        if largest <= 0.0:
+            return speeds
+        # equivalent load: the mean of F^p over the roller's revolutions, to the power 1/p
+        share = float(weights @ ((force / largest) ** p * speed)) / (mean * FULL_TURN)
+        equivalent = largest * share ** (1.0 / p)
+        life = (bearing.dynamic_rating_n / equivalent) ** p
+        hours = life * 1e6 / (60.0 * mean * PER_MINUTE)
+        return speeds.model_copy(
+            update={
+                "equivalent_load_n": equivalent, "life_million_turns": life, "life_hours": hours
+            }
+        )  # fmt: skip
+
+    # -- lift-off and change of flank, by sampling -------------------------------------------
+
+    @cached_property
+    def _grid(self) -> Array:
+        """Cam angles (pieces, samples), just inside the pieces at their ends [rad]."""
+        breaks = self.motion.curve.breaks
+        step = np.linspace(INSIDE, 1.0 - INSIDE, SAMPLES)
+        return np.asarray(breaks[:-1, None] + np.diff(breaks)[:, None] * step)
+
+    def _pressing(self, theta: Array) -> Array:
+        """The drive, positive where it presses the follower on its cam [N]."""
+        return self.load.side * self._history(theta).drive
+
+    def _lift_off_arcs(self) -> Iterator[FloatArc]:
+        """Arcs of cam angle on which the follower would lift off, from the signs of samples."""
+        theta = self._grid.ravel()
+        force = self._pressing(theta)
+        off = force <= 0.0
+        if not off.any():
+            return
+        # begin where the follower is in contact, so that no arc lies across the end of the turn
+        shift = 0 if off.all() else int(np.argmin(off))
+        theta = np.concatenate([theta[shift:], theta[:shift] + FULL_TURN])
+        force, off = np.roll(force, -shift), np.roll(off, -shift)
+        ends = np.flatnonzero(np.diff(np.concatenate([[False], off, [False]])))
+        contact = self.machine.follower.flanks[0].name
+        for first, stop in zip(ends[::2], ends[1::2], strict=True):
+            at = theta[first:stop]
+            contact_force = self._history(at % FULL_TURN).contact[contact]
+            worst = int(np.argmin(contact_force))
+            yield FloatArc(
+                start_deg=self._zero(theta, force, first) / DEGREE % 360.0,
+                end_deg=self._zero(theta, force, stop) / DEGREE % 360.0,
+                lowest_n=float(contact_force[worst]), angle_deg=float(at[worst] / DEGREE) % 360.0,
+            )  # fmt: skip
+
+    def _flank_changes(self) -> list[float]:
+        """Cam angles at which the drive changes its sign, and the follower its flank [deg]."""
+        theta = self._grid.ravel()
+        force = self._pressing(theta)
+        sign = np.flatnonzero(np.sign(force[1:]) * np.sign(force[:-1]) < 0.0)
+        return [self._zero(theta, force, k + 1) / DEGREE % 360.0 for k in sign.tolist()]
+
+    def _zero(self, theta: Array, force: Array, k: int) -> float:
+        """Where the drive vanishes between samples k − 1 and k; at a jump, where it is [rad]."""
+        if k in (0, len(theta)):
+            return float(theta[min(k, len(theta) - 1)])
+        low, high = float(theta[k - 1]), float(theta[k])
+
+        def at(x: float) -> float:
+            return float(self._pressing(np.array([x % FULL_TURN]))[0])
+
+        if at(low) * at(high) >= 0.0:
+            return high
+        return float(brentq(at, low, high, xtol=ROOT_TOLERANCE))
+
+    def _lift_off_speed(self) -> float | None:
+        """The lowest speed at which the drive vanishes somewhere [rpm]."""
+        theta = self._grid
+        reach = np.diff(self.motion.curve.breaks)[:, None] / (SAMPLES - 1)
+        low, high = theta[:, :1], theta[:, -1:]
+        # zoom in on the least critical speed of every piece
+        for _ in range(ZOOMS):
+            value = self._critical_speed(theta.ravel()).reshape(theta.shape)
+            best = np.argmin(value, axis=1)[:, None]
+            theta = np.clip(np.take_along_axis(theta, best, 1) + reach * FAN, low, high)
+            reach = reach / ZOOM_FACTOR
+        least = float(np.min(value))
+        return least * PER_MINUTE if least <= HIGHEST_SPEED * self.machine.omega else None
+
+    def _critical_speed(self, theta: Array) -> Array:
+        """The least ω ≥ 0 at which the drive vanishes at a cam angle; ∞ if at none [rad/s]."""
+        load, s = self.load, self.motion.original.derivatives(theta, 2)
+        rest = load.side * (load.rate * s[0] + load.constant_force + load.process(theta))
+        a, b = (
+            load.side * MILLI * m * each for m, each in ((load.mass, s[2]), (load.damping, s[1]))
+        )
+        with np.errstate(all="ignore"):
+            # a ω² + b ω + rest = 0, without cancellation: 2 rest/(−b ± √(b² − 4 a rest))
+            root = np.sqrt(b * b - 4.0 * a * rest)
+            found = [2.0 * rest / (-b + root), 2.0 * rest / (-b - root)]
+        each = [np.where(np.isfinite(w) & (w > 0.0), w, np.inf) for w in found]
+        return np.where(rest <= 0.0, 0.0, np.minimum(*each))
+
+
+def _times(peak: ForcePeak, factor: int) -> ForcePeak:
+    return peak.model_copy(update={"value": factor * peak.value})
+
+
+def _square_root(square: ForcePeak) -> ForcePeak:
+    value = math.sqrt(max(square.value, 0.0))
+    width = 0.5 * square.width / value if value > 0.0 else math.sqrt(max(square.width, 0.0))
+    return ForcePeak(value=value, angle_deg=square.angle_deg, width=width)

@@ -1,0 +1,162 @@
+"""Claims of the limits on the finished cam, measured again."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Any, Final
+
+from flint import arb
+
+from synthesis.catalogue.limits.base import Claim
+from synthesis.certify.second.ball_arithmetic import degree
+from synthesis.certify.second.exact_design import (
+    NOT_MEASURED,
+    ExactDesign,
+    Measurement,
+    compare,
+    satisfies,
+)
+from synthesis.certify.second.exact_motion import jump
+from synthesis.certify.second.force_quantities import FORCES
+from synthesis.certify.second.invariants import DERIVATIVES, JUMP_ROUNDING, junctions_at
+from synthesis.certify.second.maximum import Maximum
+from synthesis.design.design import Extreme
+
+ORDERS: Final = {"travel": 0, "displacement": 0, "velocity": 1, "acceleration": 2, "jerk": 3}
+IN_WIRE_UNITS: Final = ("face_radius", "camshaft_torque")  # measured in the wire's unit
+NEARBY: Final = 1e-6  # step over which the wire value's slope is taken [rad]
+
+
+@dataclass(frozen=True, eq=False)
+class _Side:
+    """The extreme next to one of the bounds of a claim, in wire units."""
+
+    low: arb
+    high: arb
+    bound: float
+    holds: bool | None
+    found: Maximum
+    slope: float
+
+
+def measure_claim(design: ExactDesign, claim: Claim, extreme: Extreme) -> Measurement:
+    """The extreme of a claim's quantity next to the bound that the certificate names."""
+    if claim.quantity in FORCES and design.load.has_friction:
+        return NOT_MEASURED  # |sin α| is no power series
+    if extreme.value is None and not extreme.holds:
+        return _find_infinity(design, claim, extreme)
+    each = [
+        _side(design, claim, sign, bound)
+        for sign, bound in ((1, claim.upper), (-1, claim.lower))
+        if bound is not None
+    ]
+    sides = [side for side in each if side is not None]
+    boxes = sum(side.found.boxes for side in sides)
+    how = f"branch and bound in ball arithmetic, {boxes} intervals"
+    if not sides:  # as of a concave radius on a convex cam: there is no value
+        same = extreme.value is None and extreme.holds
+        return Measurement(None, None, True, same, "no such value anywhere on the cam")
+    named = next((side for side in sides if side.bound == extreme.bound), sides[0])
+    verdicts = [side.holds for side in sides]
+    holds = False if False in verdicts else None if None in verdicts else True
+    angle = float(named.found.piece.angle_at(named.found.x) / degree())
+    return compare(extreme, named.low, named.high, holds, how, angle, named.slope)
+
+
+def _find_infinity(design: ExactDesign, claim: Claim, extreme: Extreme) -> Measurement:
+    """Whether a derivative below those of the quantity jumps where the certificate says so."""
+    orders = range(ORDERS.get(claim.quantity, 2))
+    for before, after in junctions_at(design, extreme.angle_deg):
+        scale = abs(before.unit) + abs(after.unit)
+        for order in orders:
+            step = abs(jump(before, after, order))
+            if step > JUMP_ROUNDING * scale / before.angle.min(after.angle) ** order:
+                size = float(step * design.rate(order))
+                how = f"infinite: {DERIVATIVES[order]} jumps there by {size:.6g}"
+                return Measurement(None, None, False, True, how, extreme.angle_deg)
+    how = "infinite by the certificate, but no discontinuity was found there"
+    return Measurement(None, None, None, None, how)
+
+
+def _side(design: ExactDesign, claim: Claim, sign: int, bound: float) -> _Side | None:
+    """The extreme next to one bound; None where the wire has no value for it."""
+    spans = design.spans(claim)
+    found = design.extreme(claim, spans, sign)
+    to_wire = _to_wire(design, claim)
+    reached, beyond = to_wire(found.lower * sign), to_wire(found.upper * sign)
+    wanted = claim.to_wire(bound)
+    if wanted is None or reached is None or beyond is None:
+        return None
+    wanted = float(f"{wanted:.15g}")  # as the spec states it, without rounding of a conversion
+    low, high = reached.min(beyond).lower(), reached.max(beyond).upper()
+    direction = -sign if _is_decreasing(design, claim) else sign
+    # slope of the wire value where it was found, which may be at the end of a piece
+    near = [span for span in spans if span[0].segment == found.piece.segment]
+    slope = design.slope(claim, near, found.x)
+    further = to_wire(found.lower * sign + slope * NEARBY)
+    steep = 0.0 if further is None else float(abs(further - reached)) / NEARBY
+    return _Side(low, high, wanted, satisfies(low, high, wanted, direction), found, steep)
+
+
+# -- wire units ------------------------------------------------------------------------------
+
+
+def _to_wire(design: ExactDesign, claim: Claim) -> Callable[[arb], arb | None]:
+    """The map from a claim's quantity to the wire's unit, in exact numbers."""
+    order = ORDERS.get(claim.quantity)
+    if claim.limit == "reach":
+        return lambda moved: (_angle_at_rest(design) + moved) / degree()
+    if claim.quantity == "travel":
+        piece, sense = design.motion.pieces_of(claim.segments)[0], _sense(design, claim)
+        return lambda moved: (moved - piece.level) * design.to_wire * sense
+    if order is not None:
+        return lambda rate: rate * design.rate(order)
+    if claim.unit == "deg":
+        return lambda angle: angle / degree()
+    if claim.quantity in IN_WIRE_UNITS:
+        return lambda value: value
+    if claim.quantity == "contact_force":
+        return lambda force: force * _flank_side(design, claim)
+    if claim.quantity == "pressure_square":
+        compliance = design.contact_compliance
+        return lambda value: (value.max(arb(0)) / compliance).sqrt()
+    of_length: Any = claim.to_wire  # sums and quotients, which balls have as well
+    return lambda value: of_length(value)
+
+
+def _is_decreasing(design: ExactDesign, claim: Claim) -> bool:
+    """Whether the value on the wire decreases as the quantity increases."""
+    if claim.quantity == "travel":
+        return _sense(design, claim) < 0
+    if claim.quantity == "contact_force":
+        return _flank_side(design, claim) < 0
+    if claim.quantity != "pitch_curvature":
+        return False
+    # a radius has values on one side of zero curvature only
+    samples = [claim.to_wire(k) for k in (-2.0, -1.0, 1.0, 2.0)]
+    values = [value for value in samples if value is not None]
+    return values[1] < values[0]
+
+
+def _sense(design: ExactDesign, claim: Claim) -> int:
+    """+1 where travel is displacement gained, −1 where it is lost."""
+    return -1 if design.design.curve.segments[claim.segments[0]].lift < 0.0 else 1
+
+
+def _flank_side(design: ExactDesign, claim: Claim) -> int:
+    """The sign of the contact force that presses the flank of a claim."""
+    flanks = design.machine.follower.flanks
+    return next(flank.side for flank in flanks if flank.name == claim.flank)
+
+
+def _angle_at_rest(design: ExactDesign) -> arb:
+    """Angle at the pivot from the line of centres to the arm or face at displacement 0 [rad]."""
+    link = design.link
+    assert link.pivot is not None
+    px, py = link.pivot
+    if link.face is not None:
+        x, y = link.face.along
+    else:
+        x, y = link.tips[0].at[0] - px, link.tips[0].at[1] - py
+    return arb.atan2((py * x - px * y) * link.turn, -px * x - py * y)

@@ -1,0 +1,236 @@
+"""What every cam must satisfy besides its limits, measured again: size and motion."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Iterator
+from typing import Final
+
+from flint import arb
+
+from synthesis.catalogue.followers.base import base_gap, paths
+from synthesis.certify.second.ball_arithmetic import coefficient, degree, hull
+from synthesis.certify.second.exact_design import (
+    NOT_MEASURED,
+    ExactDesign,
+    Measurement,
+    satisfies,
+)
+from synthesis.certify.second.exact_motion import MotionPiece, jump
+from synthesis.design.design import Extreme
+from synthesis.units import DEGREE
+
+DERIVATIVES: Final = ("displacement", "velocity", "acceleration", "jerk", "snap")
+AT_JUNCTION: Final = 1e-9  # of a junction that is named by its angle in degrees [rad]
+SIZE_ROUNDING: Final = 1e-12  # relative, of a dimension computed from the size
+JUMP_ROUNDING: Final = 1e-9  # relative, of both sides of a junction, and of a table's rows
+FINEST_PART: Final = 2.0**-14  # of a segment: the search for backward travel bisects no further
+
+
+def measure_invariant(design: ExactDesign, extreme: Extreme) -> Measurement:
+    """The second measurement of a line that is no claim of a limit."""
+    name = extreme.limit
+    if name.startswith("prime_circle_angle"):
+        return _prime_circle_angle(design, extreme)
+    if name.endswith(("_join", "_jump")):
+        return _junction(design, extreme)
+    if name.endswith("_asked"):
+        return _end_state(design, extreme)
+    measure = {
+        "base_radius_positive": _base_radius_positive,
+        "table_deviation": _table_deviation,
+        "overshoot": _overshoot,
+    }.get(name, _dimension)
+    return measure(design, extreme)
+
+
+# -- size ------------------------------------------------------------------------------------
+
+
+def _base_radius_positive(design: ExactDesign, extreme: Extreme) -> Measurement:
+    base = _base_radius(design)
+    holds = True if base > 0 else False if base < 0 else None
+    near = bool(abs(base - arb(extreme.value or 0.0)) <= SIZE_ROUNDING * _cam_size(design))
+    agrees = near and holds == extreme.holds
+    return Measurement(base.lower(), base.upper(), holds, agrees, "from the output link at rest")
+
+
+def _base_radius(design: ExactDesign) -> arb:
+    """Base radius of the first flank, or under a face [mm]."""
+    link = design.link
+    if link.face is not None:
+        (x, y), (nx, ny) = link.face.at, link.face.normal
+        return arb(x * nx + y * ny)
+    x, y = link.tips[0].at
+    first = design.machine.follower.flanks[0]
+    return arb(x * x + y * y).sqrt() - first.side * first.distance
+
+
+def _cam_size(design: ExactDesign) -> arb:
+    """A length of the order of the cam's size, to which rounding of dimensions is relative [mm]."""
+    gap = abs(base_gap(design.machine.follower))
+    return abs(_base_radius(design)) + 2 * arb(gap)
+
+
+def _prime_circle_angle(design: ExactDesign, extreme: Extreme) -> Measurement:
+    """The pressure angle at rest where the traced curve is nearest to the axis."""
+    path = extreme.limit.removeprefix("prime_circle_angle").removeprefix("_")
+    trace = paths(design.machine.follower)[path]
+    stroke = design.design.resolved_spec.stroke()
+    there = design.motion.highest if trace.nearest_displacement(stroke) > 0.0 else arb(0)
+    angle = abs(design.value_at_rest("pressure_angle", path, there)) / degree()
+    low, high = angle.lower(), angle.upper()
+    holds = satisfies(low, high, 90.0, 1)
+    near = bool(abs(angle - arb(extreme.value or 0.0)) <= SIZE_ROUNDING * 90.0)
+    how = "at rest on the prime circle"
+    return Measurement(low, high, holds, near and holds == extreme.holds, how)
+
+
+def _dimension(design: ExactDesign, extreme: Extreme) -> Measurement:
+    """A dimension against its range: from the output link if that has it."""
+    if extreme.limit not in _DIMENSIONS:
+        stated = design.design.dimensions.get(f"{extreme.limit}_{extreme.unit}")
+        if stated is None:
+            return NOT_MEASURED
+        how, same = "stated by the design itself", stated == extreme.value
+        return Measurement(arb(stated), arb(stated), extreme.holds, same, how)
+    value = _DIMENSIONS[extreme.limit](design)
+    if value is None:
+        return NOT_MEASURED
+    allowed = SIZE_ROUNDING * (arb(180) if extreme.unit == "deg" else _cam_size(design))
+    low, high = value.lower(), value.upper()
+    near = extreme.value is not None and abs(value - arb(extreme.value)) <= allowed
+    return Measurement(low, high, extreme.holds, bool(near), "from the output link at rest")
+
+
+def _centre_distance(design: ExactDesign) -> arb | None:
+    pivot = design.link.pivot
+    return None if pivot is None else (pivot[0] ** 2 + pivot[1] ** 2) ** 0.5
+
+
+_DIMENSIONS: dict[str, Callable[[ExactDesign], arb | None]] = {
+    "base_radius": _base_radius,
+    "centre_distance": _centre_distance,
+}
+
+
+# -- motion ----------------------------------------------------------------------------------
+
+
+def _junction(design: ExactDesign, extreme: Extreme) -> Measurement:
+    """The jump at the junction that the certificate names as the worst."""
+    order = DERIVATIVES.index(extreme.limit.rpartition("_")[0])
+    here = [abs(jump(*pair, order)) for pair in junctions_at(design, extreme.angle_deg)]
+    if not here:
+        return NOT_MEASURED
+    size = here[0] * design.rate(order)
+    low, high = size.lower(), size.upper()
+    how = "one-sided values at the junction"
+    if extreme.bound is None:
+        stated = extreme.value or 0.0
+        near = bool(abs(size - arb(stated)) <= JUMP_ROUNDING * abs(stated))
+        return Measurement(low, high, extreme.holds, near, how, extreme.angle_deg)
+    holds = satisfies(low, high, extreme.bound, 1)
+    return Measurement(low, high, holds, holds == extreme.holds, how, extreme.angle_deg)
+
+
+def junctions_at(
+    design: ExactDesign, angle_deg: float
+) -> Iterator[tuple[MotionPiece, MotionPiece]]:
+    """The pieces that meet at a cam angle."""
+    for before, after in design.motion.junctions():
+        angle = before.angle_at(before.law.high)
+        if abs(float(angle) - angle_deg * DEGREE) <= AT_JUNCTION:
+            yield before, after
+
+
+def _end_state(design: ExactDesign, extreme: Extreme) -> Measurement:
+    """Deviation from the required velocity or acceleration that the certificate names."""
+    order = DERIVATIVES.index(extreme.limit.removesuffix("_asked"))
+    _, index, end = extreme.field.split("/")
+    segment = design.design.curve.segments[int(index)]
+    pieces = design.motion.pieces_of([int(index)])
+    at_start = end == "start"
+    wanted = (segment.start_state if at_start else segment.end_state).known[order - 1]
+    if wanted is None or extreme.bound is None:
+        return NOT_MEASURED
+    piece = pieces[0] if at_start else pieces[-1]
+    x = piece.law.low if at_start else piece.law.high
+    value = coefficient(piece.displacement(x), order) * math.factorial(order)
+    miss = abs(value - arb(wanted) * design.from_core) * design.rate(order)
+    low, high = miss.lower(), miss.upper()
+    holds = satisfies(low, high, extreme.bound, 1)
+    agrees = None if holds is None else holds == extreme.holds
+    return Measurement(low, high, holds, agrees, f"at the {end} of the segment", extreme.angle_deg)
+
+
+def _table_deviation(design: ExactDesign, extreme: Extreme) -> Measurement:
+    """The largest deviation of the motion from a table's rows."""
+    index = int(extreme.field.split("/")[1])
+    readings = design.design.curve.segments[index].table
+    if readings is None or extreme.bound is None:
+        return NOT_MEASURED
+    worst = arb(0)
+    for x, s in zip(readings.x.tolist(), readings.s.tolist(), strict=True):
+        pieces = design.motion.pieces_of([index])
+        piece = next(p for p in pieces if p.law.low <= x <= p.law.high)
+        value = coefficient(piece.displacement(arb(x)), 0)
+        worst = worst.max(abs(value - arb(s) * design.from_core))
+    worst = worst * design.to_wire
+    low, high = worst.lower(), worst.upper()
+    holds = satisfies(low, high, extreme.bound, 1)
+    near = extreme.value is not None and bool(
+        abs(worst - arb(extreme.value)) <= JUMP_ROUNDING * arb(extreme.bound)
+    )
+    how = "all rows of the table"
+    return Measurement(low, high, holds, near and holds == extreme.holds, how)
+
+
+def _overshoot(design: ExactDesign, extreme: Extreme) -> Measurement:
+    """Backward travel along the segment that the certificate names."""
+    index = int(extreme.field.split("/")[1])
+    forward = 1 if design.design.curve.segments[index].lift > 0.0 else -1
+    least = most = arb(0)
+    for piece in design.motion.pieces_of([index]):
+        low, high = _backward_travel(piece, forward)
+        least, most = least + low, most + high
+    least, most = least * design.to_wire, most * design.to_wire
+    holds = satisfies(least.lower(), most.upper(), extreme.bound or 0.0, 1)
+    agrees = None if holds is None else holds == extreme.holds
+    how = "velocity enclosed in ball arithmetic"
+    return Measurement(least.lower(), most.upper(), holds, agrees, how)
+
+
+def _backward_travel(piece: MotionPiece, forward: int) -> tuple[arb, arb]:
+    """∫ max(−v, 0) over one piece, v in the sense of the segment: lower and upper end.
+
+    Parts on which v has one sign contribute their net displacement. The others are bisected; the
+    finest contribute at least their net loss, at most the largest backward velocity times width.
+    """
+    least, most = arb(0), arb(0)
+    open_parts = [(piece.law.low, piece.law.high)]
+    finest = (piece.law.high - piece.law.low) * FINEST_PART
+    while open_parts:
+        low, high = open_parts.pop()
+        velocity = _velocity(piece, low, high) * forward
+        if velocity.lower() >= 0:
+            continue
+        width = (high - low) * piece.angle
+        if high - low <= finest or velocity.upper() <= 0:
+            net = coefficient(piece.displacement(high), 0) - coefficient(piece.displacement(low), 0)
+            loss = (-net * forward).max(arb(0))
+            least += loss.lower()
+            most += loss.upper() if velocity.upper() <= 0 else (-velocity.lower() * width).upper()
+            continue
+        middle = ((low + high) / 2).mid()
+        open_parts += [(low, middle), (middle, high)]
+    return least, most
+
+
+def _velocity(piece: MotionPiece, low: arb, high: arb) -> arb:
+    """Velocity per radian over a part of a piece, from its Taylor series about the middle."""
+    middle = ((low + high) / 2).mid()
+    here, over = piece.displacement(middle), piece.displacement(hull(low, high))
+    reach = arb(0, ((high - low) * piece.angle / 2).upper())
+    bend = 2 * coefficient(here, 2) + 3 * reach * coefficient(over, 3)
+    return coefficient(here, 1) + reach * bend

@@ -1,0 +1,214 @@
+"""Measured quantities from the positions of the output link alone: all derivatives are of series.
+
+Vectors have components in the machine frame. The cam turns by 1 rad per rad, so that seen from it
+the vector (x, y) changes at the rate (x' + y, y' − x). P is the curve traced on the cam: it runs
+clockwise, and its outward normal is its rate turned by 90° to the left. A flat face is the line
+N·X = h; where it touches its envelope, (rate of N)·X = h' as well.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Any
+
+from flint import arb, arb_series
+
+from synthesis.catalogue.followers.flank import Flank
+from synthesis.catalogue.followers.kinematics import Vector2
+from synthesis.catalogue.followers.link import Face, Link, Tip
+from synthesis.certify.second.ball_arithmetic import SeriesVector, coefficient
+
+
+@dataclass(frozen=True, eq=False)
+class LinkState:
+    """The output link at some cam angle, as series in that angle.
+
+    Attributes:
+        link: the link at displacement 0. displacement: mm or rad.
+        drive: force or moment that the cam exerts along it, N or N m; None: not measured.
+        flank: the flank for which forces are measured.
+    """
+
+    link: Link
+    displacement: arb_series
+    drive: arb_series | None = None
+    flank: Flank | None = None
+
+    @cached_property
+    def _rotation(self) -> SeriesVector:
+        """Sine and cosine of the angle by which the link has turned about its pivot."""
+        angle = self.displacement * self.link.turn
+        return angle.sin(), angle.cos()
+
+    def direction_of(self, vector: Vector2) -> SeriesVector:
+        """A direction fixed to the link, in the machine frame."""
+        x, y = (arb_series([value]) for value in vector)
+        if self.link.pivot is None:
+            return x, y
+        sin, cos = self._rotation
+        return x * cos - y * sin, y * cos + x * sin
+
+    def position_of(self, point: Vector2) -> SeriesVector:
+        """A point fixed to the link, in the machine frame."""
+        if self.link.pivot is None:
+            assert self.link.slide is not None
+            gx, gy = self.link.slide
+            return point[0] + self.displacement * gx, point[1] + self.displacement * gy
+        px, py = self.link.pivot
+        x, y = self.direction_of((point[0] - px, point[1] - py))
+        return x + px, y + py
+
+    def motion_at(self, at: SeriesVector) -> SeriesVector:
+        """Velocity, per unit of displacement, of the link's material at a point of the machine."""
+        if self.link.pivot is None:
+            assert self.link.slide is not None
+            gx, gy = self.link.slide
+            return arb_series([gx]), arb_series([gy])
+        px, py = self.link.pivot
+        return (py - at[1]) * self.link.turn, (at[0] - px) * self.link.turn
+
+
+@dataclass(frozen=True, eq=False)
+class TipContact:
+    """A roller's centre or a knife edge, and the curve that it traces."""
+
+    state: LinkState
+    tip: Tip
+
+    @cached_property
+    def _position(self) -> SeriesVector:
+        return self.state.position_of(self.tip.at)
+
+    def curve(self) -> SeriesVector:
+        return self._position
+
+    def normal(self) -> SeriesVector:
+        x, y = cam_rate(self._position)
+        return -y, x
+
+    def drive(self) -> SeriesVector:
+        x, y = self.state.motion_at(self._position)
+        return x * self.tip.outward, y * self.tip.outward
+
+
+@dataclass(frozen=True, eq=False)
+class FaceContact:
+    """A flat face, and the envelope that it leaves on the cam."""
+
+    state: LinkState
+    face: Face
+
+    @cached_property
+    def _line(self) -> tuple[SeriesVector, arb_series, arb_series]:
+        """N, h, and the rate dχ/dθ at which N turns on the cam, counter-clockwise."""
+        normal = self.state.direction_of(self.face.normal)
+        place = self.state.position_of(self.face.at)
+        return normal, dot(place, normal), cross(normal, cam_rate(normal))
+
+    @cached_property
+    def _offset(self) -> arb_series:
+        """dh/dχ: from the foot of the perpendicular on the axis to the contact, along the face."""
+        _, h, turning = self._line
+        return h.derivative() / turning
+
+    def curve(self) -> SeriesVector:
+        (nx, ny), h, _ = self._line
+        return nx * h - ny * self._offset, ny * h + nx * self._offset
+
+    def normal(self) -> SeriesVector:
+        return self._line[0]
+
+    def drive(self) -> SeriesVector:
+        return self.state.motion_at(self.curve())
+
+    def radius(self) -> arb_series:
+        """ρ = h + d²h/dχ², the radius of curvature of an envelope with support function h."""
+        _, h, turning = self._line
+        return h + self._offset.derivative() / turning
+
+    def reach(self) -> arb_series:
+        """Position of the contact along the face, from the face's reference point."""
+        x, y = self.curve()
+        fx, fy = self.state.position_of(self.face.at)
+        return dot((x - fx, y - fy), self.state.direction_of(self.face.along))
+
+
+def contact(state: LinkState, path: str) -> Any:
+    """What traces the path of this name; the first one if the name is empty."""
+    if state.link.face is not None:
+        return FaceContact(state, state.link.face)
+    tips = [tip for tip in state.link.tips if tip.path == path] or list(state.link.tips)
+    return TipContact(state, tips[0])
+
+
+def cam_rate(vector: SeriesVector) -> SeriesVector:
+    """Derivative of a vector with respect to the cam angle, as seen from the cam."""
+    x, y = vector
+    return x.derivative() + y, y.derivative() - x
+
+
+def dot(a: SeriesVector, b: SeriesVector) -> arb_series:
+    """a · b."""
+    return a[0] * b[0] + a[1] * b[1]
+
+
+def cross(a: SeriesVector, b: SeriesVector) -> arb_series:
+    """a × b."""
+    return a[0] * b[1] - a[1] * b[0]
+
+
+def _pressure_angle(state: LinkState, path: str) -> arb_series:
+    """α from the outward normal to the drive.
+
+    The arc tangent is taken of the constant term only; the rest is the integral of dα/dθ, which is
+    a rational function.
+    """
+    touching = contact(state, path)
+    n, g = touching.normal(), touching.drive()
+    along, across = dot(g, n), cross(g, n)
+    turning = (along * across.derivative() - across * along.derivative()) / (
+        along * along + across * across
+    )
+    return turning.integral() + arb.atan2(coefficient(across, 0), coefficient(along, 0))
+
+
+def curvature(state: LinkState, path: str) -> arb_series:
+    """κ of the traced curve, which runs clockwise: convex positive."""
+    tangent = cam_rate(contact(state, path).curve())
+    square = dot(tangent, tangent)
+    return cross(cam_rate(tangent), tangent) / (square * square.sqrt())
+
+
+def _radius(state: LinkState, path: str) -> arb_series:
+    """Distance of the traced curve from the axis."""
+    curve = contact(state, path).curve()
+    return dot(curve, curve).sqrt()
+
+
+def _derivative(order: int) -> Callable[[LinkState, str], arb_series]:
+    def derivative(state: LinkState, path: str) -> arb_series:
+        found = state.displacement
+        for _ in range(order):
+            found = found.derivative()
+        return found
+
+    return derivative
+
+
+QUANTITIES: dict[str, Callable[[LinkState, str], arb_series]] = {
+    "travel": _derivative(0),
+    "displacement": _derivative(0),
+    "velocity": _derivative(1),
+    "acceleration": _derivative(2),
+    "jerk": _derivative(3),
+    "pressure_angle": _pressure_angle,
+    "pitch_curvature": curvature,
+    "pitch_radius": _radius,
+    "face_radius": lambda state, path: contact(state, path).radius(),
+    "contact": lambda state, path: contact(state, path).reach(),
+    "contact_left": lambda state, path: -contact(state, path).reach(),
+    "contact_right": lambda state, path: contact(state, path).reach(),
+}
+"""By the names that claims use."""

@@ -1,0 +1,105 @@
+"""The certificate of a design measured again, line by line."""
+
+from __future__ import annotations
+
+from collections import defaultdict
+
+from flint import arb
+
+from synthesis.catalogue.limits.base import Claim, segment_indices
+from synthesis.certify.second.ball_arithmetic import BITS, ball_precision, degree
+from synthesis.certify.second.claims import measure_claim
+from synthesis.certify.second.exact_design import DIGITS, ExactDesign, Measurement
+from synthesis.certify.second.exact_motion import ExactMotion
+from synthesis.certify.second.invariants import measure_invariant
+from synthesis.certify.second.report import Confirmation, Remeasured, Verdict
+from synthesis.certify.second.residual_vibration import measure_residual_vibration
+from synthesis.certify.second.self_intersection import measure_self_intersection
+from synthesis.design.design import Design, Extreme
+from synthesis.errors import InputError
+
+Claims = dict[tuple[str, str], list[Claim]]  # by limit and field, in the certificate's order
+
+
+def recertify(design: Design) -> Confirmation:
+    """Measure every line of a design's certificate again."""
+    with ball_precision():
+        exact = _exact(design)
+        claims = _claims(design)
+        lines = [_line(extreme, _measure(exact, extreme, claims)) for extreme in design.extremes]
+    return Confirmation(
+        id=design.id,
+        name=design.name,
+        verdict=_verdict(lines),
+        bits=BITS,
+        lines=lines,
+    )
+
+
+def _exact(design: Design) -> ExactDesign:
+    if not design.motion:
+        raise InputError(
+            "/motion", [], "This design has no cam: there is nothing to measure.",
+            "Confirm a design whose status is optimal or feasible.",
+        )  # fmt: skip
+    size = tuple(arb(z) for z in design.size)
+    link = design.completed_spec.follower.link(size, degree())
+    if link is None:
+        raise InputError(
+            "/follower", design.follower,
+            "The second judge has no description of this follower's output link.",
+            "The certificate cannot be confirmed; it remains valid by itself.",
+        )  # fmt: skip
+    return ExactDesign(design, link, ExactMotion(design))
+
+
+def _claims(design: Design) -> Claims:
+    """The claims of the limits, and that the follower can take every displacement."""
+    spec, found = design.completed_spec, defaultdict[tuple[str, str], list[Claim]](list)
+    machine, segments = spec.machine(), design.curve.segments
+    for limit in spec.all_limits():
+        for claim in limit.claims(segments, machine):
+            found[claim.limit, claim.field].append(claim)
+    reach = machine.follower.displacement_measure(tuple(design.size))
+    if reach is not None:
+        everywhere = segment_indices(segments)
+        found["reach", "follower"].append(
+            Claim(
+                "reach", reach.quantity, everywhere, reach.lower, reach.upper, reach.unit,
+                reach.to_wire, "follower",
+            )
+        )  # fmt: skip
+    return found
+
+
+def _measure(design: ExactDesign, extreme: Extreme, claims: Claims) -> Measurement:
+    """The second measurement of one line; claims are used up in the certificate's order."""
+    if extreme.limit.startswith("self_crossing"):
+        return measure_self_intersection(design, extreme)
+    remaining = claims.get((extreme.limit, extreme.field))
+    if not remaining:
+        return measure_invariant(design, extreme)
+    claim = remaining.pop(0)
+    if claim.vibration:
+        return measure_residual_vibration(design, claim, extreme)
+    return measure_claim(design, claim, extreme)
+
+
+def _line(extreme: Extreme, found: Measurement) -> Remeasured:
+    value = width = difference = None
+    if found.low is not None and found.high is not None:
+        middle = (found.low + found.high) / 2
+        value, width = middle.str(DIGITS, radius=False), float(found.high - found.low)
+        difference = None if extreme.value is None else float(middle - arb(extreme.value))
+    return Remeasured(
+        limit=extreme.limit, field=extreme.field, unit=extreme.unit, value=value, width=width,
+        angle_deg=found.angle, certificate=extreme.value, difference=difference,
+        holds=found.holds, agrees=found.agrees, how=found.how,
+    )  # fmt: skip
+
+
+def _verdict(lines: list[Remeasured]) -> Verdict:
+    verdicts = [line.agrees for line in lines]
+    if False in verdicts:
+        return "contradicted"
+    return "incomplete" if None in verdicts else "confirmed"

@@ -1,0 +1,180 @@
+"""Whether a flank of the cam intersects itself, a line of the certificate for each flank.
+
+A profile without undercut is shown to be simple in one of three ways, by what touches it:
+
+* **Roller**: no position of the roller reaches into another part of the profile; proven by the
+  search in ``roller_interference``, or without it where the curve runs round the axis clearly.
+* **Knife edge**: the profile is the traced curve itself. The traced point moves along one line or
+  arc of the machine, given by s. If its distance from the cam's axis is strictly monotone in s,
+  equal distances mean equal s, so the same point of the machine and the same cam angle: the curve
+  is simple. Checked by the sign of p · dp/ds.
+* **Flat face**: the profile is the envelope of a line that, seen from the cam, turns steadily and
+  once round. Where its radius is positive everywhere it is a closed convex curve with total
+  curvature 2π, which is simple; its support function is the face's distance. If the turning
+  stopped anywhere, the radius, which divides by it, could not be enclosed. So the limit
+  ``profile_radius`` is sufficient, and no line is added here.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable, Sequence
+from typing import Final
+
+import numpy as np
+
+from synthesis.catalogue.followers.flank import Flank, labelled
+from synthesis.catalogue.limits.base import Machine
+from synthesis.certify.piecewise_motion import PiecewiseMotion
+from synthesis.certify.profile_models import OffsetProfile
+from synthesis.certify.quantities import Quantity, Size, enclose_quantities, tangent_clearance
+from synthesis.certify.roller_interference import NearestPair, nearest_far_pair
+from synthesis.design.design import Extreme
+from synthesis.numerics.enclosure import Extremum, ExtremumQuery
+from synthesis.units import DEGREE
+
+SELF_CROSSING: Final = "self_crossing"
+WIDEST: Final = 0.05  # interval on which a knife edge's path is examined [rad]
+MARGIN: Final = 1.0 + 1e-12  # factor on the required clearance: rounding of the comparison
+
+
+def check_self_intersection(
+    motion: PiecewiseMotion, machine: Machine, size: Size, clear: Sequence[Flank] = ()
+) -> list[Extreme]:
+    """A line per flank: how deep the roller cuts into another part of it, 0 where it does not.
+
+    ``clear``: flanks already known to run round the axis clearly, from ``clear_flanks``.
+    """
+    if machine.follower.always_convex:
+        return []
+    return [
+        _check_edge(motion, flank, size)
+        if flank.distance == 0.0
+        else _no_interference(flank, 0)
+        if flank in clear
+        else _check_roller(flank, _nearest_pair(motion, flank, size))
+        for flank in machine.follower.flanks
+    ]
+
+
+def deepest_interference(
+    motion: PiecewiseMotion, machine: Machine, size: Size
+) -> tuple[Flank, NearestPair] | None:
+    """The flank into which its own roller cuts deepest, and where; None if there is none."""
+    if machine.follower.always_convex:
+        return None
+    smooth = smooth_roller_flanks(motion, machine)
+    questions, subjects = clearance_questions(motion, smooth, 0)
+    answers = enclose_quantities(subjects, motion, machine, size, questions)
+    clear = clear_flanks(smooth, answers)
+    flanks = [each for each in machine.follower.flanks if each.distance > 0.0 and each not in clear]
+    pairs = [(flank, _nearest_pair(motion, flank, size)) for flank in flanks]
+    cut = [
+        (flank, pair)
+        for flank, pair in pairs
+        if pair.distance < flank.distance and not pair.excludes_interference(flank.distance)
+    ]
+    return max(cut, key=lambda each: each[0].distance - each[1].distance, default=None)
+
+
+# -- curves that run round the axis: excluded with the other enclosures, before any search -------
+
+
+def smooth_roller_flanks(motion: PiecewiseMotion, machine: Machine) -> list[Flank]:
+    """Flanks under a roller whose traced curve has a continuous tangent: the argument needs one."""
+    if machine.follower.always_convex or not motion.is_continuous_below(2):
+        return []
+    return [flank for flank in machine.follower.flanks if flank.distance > 0.0]
+
+
+def clearance_questions(
+    motion: PiecewiseMotion, flanks: Sequence[Flank], first: int
+) -> tuple[list[ExtremumQuery], list[tuple[Quantity, str]]]:
+    """Questions for the least clearance of the tangents of traced curves from the axis.
+
+    Only the sign of the proven lower end matters, so any width suffices.
+
+    Returns:
+        questions, and their subjects, which are numbered from ``first`` on.
+    """
+    everywhere = np.arange(motion.curve.count)
+    questions = [
+        ExtremumQuery(everywhere, 0.0, math.inf, None, first + k, absolute=math.inf)
+        for k in range(len(flanks))
+    ]
+    # the tangent must pass the axis at more than R where the profile lies inside the traced curve
+    depths = [MARGIN * max(flank.side * flank.distance, 0.0) for flank in flanks]
+    subjects: list[tuple[Quantity, str]] = [
+        (tangent_clearance(depth), flank.path) for flank, depth in zip(flanks, depths, strict=True)
+    ]
+    return questions, subjects
+
+
+def clear_flanks(flanks: Sequence[Flank], answers: Iterable[Extremum]) -> list[Flank]:
+    """Flanks that run round the axis clearly: without self-intersection unless undercut."""
+    pairs = zip(flanks, answers, strict=True)
+    return [flank for flank, answer in pairs if answer.enclosure.lower > 0.0]
+
+
+# -- roller ----------------------------------------------------------------------------------
+
+
+def _nearest_pair(motion: PiecewiseMotion, flank: Flank, size: Size) -> NearestPair:
+    offset = flank.side * flank.distance
+    return nearest_far_pair(OffsetProfile(motion, lambda s: flank.trace.position(s, size), offset))
+
+
+def _no_interference(flank: Flank, pairs: int) -> Extreme:
+    evidence = f"curvature, and {pairs} pairs of intervals: the roller reaches into no other part"
+    return _line(flank, 0.0, 0.0, 0.0, True, evidence)
+
+
+def _check_roller(flank: Flank, pair: NearestPair) -> Extreme:
+    """The result of the search, as a depth."""
+    if pair.excludes_interference(flank.distance):
+        return _no_interference(flank, pair.pairs)
+    if not math.isfinite(pair.distance):
+        why = "the roller centre's path has no enclosed tangent here"
+        return _line(flank, None, pair.profile_angle, 0.0, False, why)
+    depth = flank.distance - pair.distance
+    if depth <= 0.0:
+        why = f"neither found nor excluded in {pair.pairs} pairs of intervals"
+        return _line(flank, None, pair.profile_angle, 0.0, False, why)
+    where = (
+        f"at {pair.roller_angle / DEGREE:.6g}° the roller reaches into the profile of "
+        f"{pair.profile_angle / DEGREE:.6g}°; {pair.pairs} pairs of intervals"
+    )
+    width = pair.distance - pair.lower_bound
+    return _line(flank, depth, pair.profile_angle, width, False, where)
+
+
+# -- knife edge ------------------------------------------------------------------------------
+
+
+def _check_edge(motion: PiecewiseMotion, flank: Flank, size: Size) -> Extreme:
+    """Whether the edge's distance from the axis is strictly monotone in s."""
+    intervals = motion.intervals(WIDEST)
+    with np.errstate(all="ignore"):
+        (s,) = motion.jets.models(intervals.piece, intervals.lo, intervals.hi, 0)
+        # with s' = 1 and s'' = s''' = 0 the derivative of p with respect to θ is dp/ds
+        (px, py), (dx, dy), *_ = flank.trace.position((s, 0.0 * s + 1.0, 0.0, 0.0), size)
+        product = px * dx + py * dy
+        high, low, *_ = product.extremes()
+        outward, inward = low - product.rem, -high - product.rem
+    grows, falls = (np.nan_to_num(each, nan=-np.inf) for each in (outward, inward))
+    if grows.min() > 0.0 or falls.min() > 0.0:
+        proof = f"the edge's distance from the axis is monotone in s, on {len(intervals)} intervals"
+        return _line(flank, 0.0, 0.0, 0.0, True, proof)
+    angle = float(intervals.lo[int(np.argmin(np.maximum(grows, falls)))])
+    why = "the edge's distance from the axis is not monotone in s"
+    return _line(flank, None, angle, 0.0, False, why)
+
+
+def _line(
+    flank: Flank, depth: float | None, angle: float, width: float, holds: bool, evidence: str
+) -> Extreme:
+    return Extreme(
+        limit=labelled(SELF_CROSSING, flank.name), value=depth, unit="mm",
+        angle_deg=angle / DEGREE, bound=0.0, margin=None if depth is None else 0.0 - depth,
+        width=width, holds=holds, evidence=evidence, field="base_radius_mm",
+    )  # fmt: skip

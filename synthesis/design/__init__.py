@@ -1,0 +1,1 @@
+"""Design: what is delivered, as it goes over the wire."""

@@ -1,0 +1,245 @@
+"""Design: what is delivered. It is the response body; files are made from it alone."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from functools import cached_property
+from typing import Annotated, Any, Literal
+
+import numpy as np
+from pydantic import Field, ValidatorFunctionWrapHandler, WrapValidator
+
+from synthesis.catalogue.fields import AnswerModel, Rotation, doc
+from synthesis.catalogue.forces.report import Forces
+from synthesis.catalogue.motion import Motion, PlacedSegment, SegmentKind
+from synthesis.design.identity import design_id, question_id
+from synthesis.numerics.bspline import SplineSpace
+from synthesis.spec.design_spec import DesignSpec
+
+Status = Literal["optimal", "feasible", "infeasible"]
+
+
+class SplineCurve(AnswerModel):
+    """A B-spline in normalised form: x = (θ − start)/angle in [0, 1], g(x) from 0 to 1.
+
+    s = s_start + unit · g(x), where the unit is s_end − s_start unless it is told: a table has its
+    own, and g ends at (s_end − s_start)/unit. Knots are without repetition; both ends are clamped.
+    """
+
+    degree: int = doc("Polynomial degree p; p + 1 equal knots stand at either end.")
+    knots: list[float] = doc("Knots in x from 0 to 1, each once.")
+    coefficients: list[float] = doc("B-spline coefficients of g: knots − 1 + degree of them.")
+    unit_mm: float | None = Field(None, description="Length of g = 1 in a table; null: the lift.")
+    unit_deg: float | None = Field(None, description="The same of a follower on an arm.")
+
+
+class SegmentMotion(AnswerModel):
+    """One segment of the motion as it came out."""
+
+    kind: SegmentKind = doc("What the follower does; `table` where it moves both ways.")
+    start_deg: float = doc("Cam angle where the segment starts.")
+    angle_deg: float = doc("Cam angle of the segment.")
+    s_start_mm: float | None = Field(
+        None, description="Displacement at its start, measured from the lowest position."
+    )
+    s_end_mm: float | None = Field(None, description="Displacement at its end.")
+    s_start_deg: float | None = Field(
+        None, description="The same of a follower on an arm: the angle that it has swung."
+    )
+    s_end_deg: float | None = Field(None, description="Angle that it has swung at its end.")
+    law: str = doc("Name of the law; `spline` where it was chosen here, `table` if smoothed.")
+    spline: SplineCurve | None = Field(None, description="The law where it was chosen here.")
+
+    @property
+    def levels(self) -> tuple[float, float]:
+        """Displacement at its start and end, in the unit of the follower's travel."""
+        start = self.s_start_deg if self.s_start_mm is None else self.s_start_mm
+        end = self.s_end_deg if self.s_end_mm is None else self.s_end_mm
+        return start or 0.0, end or 0.0
+
+
+class Extreme(AnswerModel):
+    """One limit on the finished cam: how far it is used, where, and how that is known."""
+
+    limit: str = doc("The limit; one of the spec's, or one that every cam must keep.")
+    value: float | None = doc("Extreme over all cam angles; null: none, or infinite.")
+    unit: str = doc("Unit of value, bound, margin and width.")
+    angle_deg: float = doc("Cam angle where the extreme occurs.")
+    bound: float | None = doc("What the spec allows.")
+    margin: float | None = doc("Distance to the bound, negative where it is broken.")
+    width: float = doc("Width of the proven enclosure of the extreme.")
+    holds: bool = doc("Margin not below the enclosure's width: proven at every cam angle.")
+    evidence: str = doc("How the extreme was enclosed.")
+    field: str = doc("Field of the spec that sets the bound.")
+
+
+class Proof(AnswerModel):
+    """How far one objective is from the best possible."""
+
+    objective: str = doc("Name of the objective's value, with its unit.")
+    value: float | None = doc("Value of the finished cam.")
+    lower_bound: float | None = doc("No cam of the family in bound_valid_for is better than this.")
+    bound_valid_for: str = doc("The family of cams that the bound covers.")
+    gap: float | None = doc("(value − lower_bound) / value.")
+
+
+class Certificate(Proof):
+    """What was proven of the answer, for the first objective and in `also` for the others."""
+
+    certified: bool = doc("Every limit holds at every cam angle.")
+    other_objectives: list[Proof] = Field(
+        [],
+        description="Later objectives of an ordered list; their bounds hold for cams that keep "
+        "the earlier ones.",
+    )
+
+
+class SmoothnessCost(AnswerModel):
+    """What splines smoother than C2 cost, by the first objective."""
+
+    objective: str = doc("Name of the objective's value, with its unit.")
+    value: float | None = doc("Value of this cam.")
+    c2_value: float | None = doc(
+        "Value of the certified cam that the same question has with splines of class C2."
+    )
+    price: float | None = doc("value − c2_value: what smoothness costs as far as cams were found.")
+    relative: float | None = doc("The same, of c2_value.")
+    at_most: float | None = doc(
+        "Value − the lower bound of the C2 question: no C2 cam of that family saves more."
+    )
+    note: str = Field("", description="Why there is no price, or what it is worth.")
+
+
+class StageReport(AnswerModel):
+    """One stage of the ladder: what was modelled and what it cost."""
+
+    stage: str = doc("closed form, convex (with the round's number) or nonlinear.")
+    model: str = doc("Class of the model: half-planes, LP, QP, SOCP or NLP.")
+    solver: str = doc("Which solver, if any.")
+    unknowns: int = doc("Number of unknowns.")
+    rows: int = doc("Number of rows, those of cones included.")
+    iterations: int = doc("Iterations of the solver, all calls of the stage.")
+    seconds: float = doc("Wall time of the stage.")
+    status: str = doc("Why the solver stopped; the certificate alone says what that is worth.")
+    note: str = Field("", description="Anything else worth knowing.")
+
+
+class Report(AnswerModel):
+    """Stage by stage, and the whole."""
+
+    stages: list[StageReport] = doc("In the order they ran.")
+    seconds: float = doc("Wall time of the whole design in the core.")
+
+
+class Relaxation(AnswerModel):
+    """The least change of one limit, the others kept, that would make the scene possible."""
+
+    limit: str = doc("Name of the limit.")
+    field: str = doc("Where its value stands in the spec.")
+    unit: str = doc("Unit of asked and needed.")
+    requested: float = doc("What the spec says.")
+    needed: float | None = doc("Least sufficient value; null where it alone cannot help.")
+    note: str = Field("", description="Why there is no value, or what it is worth.")
+
+
+class Conflict(AnswerModel):
+    """Why nothing fits, and what would."""
+
+    limits: list[str] = doc("The limits that cannot hold together.")
+    relaxations: list[Relaxation] = doc("For each limit, what it would have to be.")
+    evidence: str = doc("How the conflict is known, and whether it is proven.")
+
+
+def _checked_once(value: Any, check: ValidatorFunctionWrapHandler) -> Any:
+    """A spec that has been made is in order: placing its program once more would prove nothing."""
+    return value if type(value) is DesignSpec else check(value)
+
+
+class Design(AnswerModel):
+    """The answer to a DesignSpec."""
+
+    id: str = doc("Hash of the spec and the engine's version.")
+    name: str = doc("Name from the spec.")
+    engine_version: str = doc("Version of Camwright that made it.")
+    status: Status = doc(
+        "optimal: certified, every gap within the tolerance; feasible: certified; "
+        "infeasible: no certified cam."
+    )
+    rotation: Rotation = doc("Sense in which the cam turns.")
+    speed_rpm: float = doc("Cam speed.")
+    follower: str = doc("Kind of the follower.")
+    dimensions: dict[str, float] = doc("Base radius, prime radius, offset, … by name and unit.")
+    size: list[float] = doc("The follower's size variables; their names: /v1/followers.")
+    objectives: dict[str, float] = doc("Value of every objective asked.")
+    motion: list[SegmentMotion] = doc("The motion, segment by segment.")
+    extremes: list[Extreme] = doc("Every limit, measured on the finished cam.")
+    forces: Forces | None = Field(
+        None, description="Forces of the finished cam, where the spec tells its load."
+    )
+    certificate: Certificate = doc("What was proven.")
+    smoothness_cost: SmoothnessCost | None = Field(
+        None, description="What smoothness costs, where the spec asks for it."
+    )
+    conflict: Conflict | None = Field(None, description="Why nothing fits, where nothing does.")
+    report: Report = doc("What was modelled and what it cost.")
+    spec: Annotated[DesignSpec, WrapValidator(_checked_once)] = doc("The question.")
+    free_parameters: dict[str, float] = Field(
+        {}, description="Angles, lifts and lengths that the spec leaves free: path and number."
+    )
+    started_from: str | None = Field(
+        None,
+        description="In a sweep with warm starts: id of the design at which the local search "
+        "began. Values may then differ from those of the spec alone, within the gap; the id is "
+        "that of the spec begun so.",
+    )
+    links: dict[str, str] = Field({}, description="Where to find its files.")
+
+    def with_warm_start(self, other: str) -> Design:
+        """The same design with the id of the design that its search started from."""
+        name = question_id(self.spec, "begun at", other)
+        return self.model_copy(update={"id": name, "started_from": other})
+
+    def for_spec(self, spec: DesignSpec) -> Design:
+        """The same design as the answer to a spec with more free values."""
+        if spec is self.spec or spec == self.spec:
+            return self
+        return self.model_copy(update={"spec": spec, "id": design_id(spec)})
+
+    @cached_property
+    def completed_spec(self) -> DesignSpec:
+        """The resolved spec with what is chosen after the size, as a counter roller's place."""
+        return self.resolved_spec.with_deferred(self.dimensions)
+
+    @cached_property
+    def resolved_spec(self) -> DesignSpec:
+        """The spec with the chosen values of its free parameters."""
+        openings = self.spec.openings.free if self.free_parameters else ()
+        numbers = [self.free_parameters[opening.field] for opening in openings]
+        spec = self.spec.with_numbers(numbers) if numbers else self.spec
+        if spec.load is None or not self.free_parameters:
+            return spec
+        named = {name: f"load/spring/{name}" for name in spec.load.free_spring}
+        spring = {
+            name: self.free_parameters[key]
+            for name, key in named.items()
+            if key in self.free_parameters
+        }
+        return spec.model_copy(update={"load": spec.load.with_spring(spring)})
+
+    @cached_property
+    def curve(self) -> Motion:
+        """The motion, rebuilt to the last bit from the spec and the spline coefficients."""
+        return rebuild_motion(self.resolved_spec.placed_segments(), self.motion)
+
+
+def rebuild_motion(segments: Sequence[PlacedSegment], delivered: Sequence[SegmentMotion]) -> Motion:
+    """The motion of placed segments with the splines of an answer, to the last bit."""
+    settled: list[PlacedSegment] = []
+    for placed, segment in zip(segments, delivered, strict=True):
+        if segment.spline is None:
+            settled.append(placed)
+            continue
+        space = SplineSpace(segment.spline.degree, np.array(segment.spline.knots))
+        curve = space.curve(np.array(segment.spline.coefficients))
+        settled.append(placed.with_law(curve))
+    return Motion.of(settled)

@@ -1,0 +1,94 @@
+"""Polydyne cams: the cam motion for which an elastic train's output moves exactly as prescribed.
+
+Without dampers in the links, the force on a mass, m x'' + c_g x' + k_g x, gives the elongation of
+its link and so the displacement of the mass before it. Recursively, the cam's motion is a
+polynomial in d/dt applied to the output's; n masses take 2n derivatives (Dudley, 1948; Stoddart,
+Machine Design 25, 1953).
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from synthesis.catalogue.motion import Motion
+from synthesis.errors import InputError
+from synthesis.machines.dynamics.chain import Chain
+from synthesis.numerics.piecewise import Array
+from synthesis.units import DEGREE
+
+JUMP = 1e-7  # of the largest value of a derivative: smaller jumps are rounding
+NAMES = ("displacement", "velocity", "acceleration", "jerk", "snap")
+
+
+@dataclass(frozen=True, eq=False)
+class Polydyne:
+    """The cam's motion for an output's.
+
+    Attributes:
+        output: prescribed motion of the last mass. factors: (2n+1,) of its derivatives per radian.
+    """
+
+    output: Motion
+    factors: Array
+
+    def derivatives(self, theta: Array, highest: int = 2) -> Array:
+        """s to s^(highest) of the cam, per radian: (highest + 1, k)."""
+        orders = len(self.factors)
+        known = self.output.derivatives(theta, orders - 1 + highest)
+        return np.stack([self.factors @ known[k : k + orders] for k in range(highest + 1)])
+
+
+def factors(chain: Chain) -> Array:
+    """Coefficients of the output's time derivatives in the cam's motion: (2n+1,)."""
+    n = chain.count
+    after, here = np.zeros(2 * n + 1), np.eye(1, 2 * n + 1)[0]
+    for i in reversed(range(n)):
+        force = chain.ground_springs[i] * here + chain.ground_dampers[i] * np.roll(here, 1)
+        force = force + chain.masses[i] * np.roll(here, 2)
+        if i + 1 < n:
+            force = force + chain.springs[i + 1] * (here - after)
+        after, here = here, here + force / chain.springs[i]
+    return np.asarray(here)
+
+
+def polydyne(chain: Chain, output: Motion, omega: float) -> Polydyne:
+    """The cam motion under which the last mass moves as ``output`` says, at one speed.
+
+    Raises:
+        InputError: a link has a damper, or the output is not smooth enough: the cam's velocity
+            would jump.
+    """
+    if chain.dampers.any():
+        position = int(np.flatnonzero(chain.dampers)[0])
+        raise InputError(
+            f"/train/masses/{position}/damping_n_s_per_mm", float(chain.dampers[position]),
+            "Only without dampers in the links has the cam motion for an output a closed form.",
+            "Leave the damper out, or give it as ground_damping_n_s_per_mm.",
+        )  # fmt: skip
+    needed = 2 * chain.count + 1
+    _check(output, needed)
+    scale = omega ** np.arange(needed)
+    return Polydyne(output, factors(chain) * scale)
+
+
+def _check(output: Motion, needed: int) -> None:
+    """Refuse an output one of whose derivatives up to ``needed`` jumps."""
+    curve = output.curve
+    after = np.roll(np.arange(curve.count), -1)
+    for order in range(1, needed + 1):
+        left = curve.at(curve.breaks[1:], np.arange(curve.count), order)
+        right = curve.at(curve.breaks[after], after, order)
+        size = float(np.max(np.abs(np.append(left, right))))
+        jump = np.abs(right - left)
+        if np.any(jump > JUMP * size):
+            at = float(curve.breaks[1 + int(np.argmax(jump))]) / DEGREE
+            name = NAMES[order] if order < len(NAMES) else f"derivative {order}"
+            raise InputError(
+                "/cam/program", round(at, 6),
+                f"The {name} of the output jumps at {at:.6g}°, so the cam's motion would not be "
+                f"smooth: {needed} derivatives of the output must be continuous.",
+                "Choose smoother laws (polynomial_4_5_6_7 has 3 continuous derivatives, "
+                "polynomial_6_7_8_9_10_11 has 5) or fewer masses.",
+            )  # fmt: skip

@@ -1,0 +1,285 @@
+"""TrainResponse: the response body of a follower train on its cam, and how it is put together."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from math import pi
+
+import numpy as np
+from pydantic import ConfigDict, Field
+
+from synthesis.catalogue.fields import AnswerModel, doc
+from synthesis.catalogue.limits.residual_vibration import runs_between_dwells
+from synthesis.catalogue.motion import Motion
+from synthesis.design.design import Design
+from synthesis.design.identity import engine_version, question_id
+from synthesis.machines.dynamics.chain import Chain
+from synthesis.machines.dynamics.floating import simulate_flights
+from synthesis.machines.dynamics.response import Response, Steps, from_rest, steady
+from synthesis.machines.dynamics.spectrum import residual_spectrum
+from synthesis.machines.dynamics.train import TrainSpec
+from synthesis.numerics.piecewise import Array
+from synthesis.units import DEGREE, FULL_TURN, rad_per_s
+
+
+class FinitePart(AnswerModel):
+    """A part of the answer whose numbers are finite."""
+
+    model_config = ConfigDict(frozen=True, extra="forbid", allow_inf_nan=False)
+
+
+class Mode(FinitePart):
+    """A mode of the train with the cam at rest."""
+
+    natural_frequency_hz: float = doc(
+        "Undamped natural frequency; of an overdamped mode, its rate."
+    )
+    damping_ratio: float = doc("Damping ratio; 1 for an overdamped mode.")
+
+
+class ResponsePeak(FinitePart):
+    """An extreme over the turn."""
+
+    value: float = doc("Its value.")
+    angle_deg: float = doc("Cam angle where it is.")
+
+
+class DwellResponse(FinitePart):
+    """Residual vibration where a dwell begins, in the periodic response."""
+
+    segment: int = doc("Index of the dwell in the program.")
+    start_deg: float = doc("Cam angle where the dwell begins.")
+    modes: list[float] = doc("Amplitude of the output in each mode, in the order of `modes`.")
+    amplitude: float = doc("Sum of the amplitudes: largest possible deviation of the output.")
+    alone: list[float] = doc(
+        "Residual amplitude of a single oscillator with each mode's frequency and damping, at rest "
+        "before the run of moves: the quantity of the limit `residual_vibration`."
+    )
+
+
+class Flight(FinitePart):
+    """Motion of a train that loses contact, integrated in time from rest."""
+
+    first_separation_turn: int | None = doc(
+        "Turn of the first loss of contact, from 0; null: never."
+    )
+    first_separation_deg: float | None = doc("Cam angle of the first loss of contact.")
+    losses: int = doc("Losses of contact in all turns.")
+    separated_share: float = doc("Share of the last turn without contact.")
+    largest_gap: float = doc("Largest gap between cam and train.")
+    contact_force_max_n: float = doc("Largest contact force, landings included.")
+    output_error_end: float = doc("Output minus cam at the end of the last turn.")
+    uncertainty: float = doc(
+        "Difference of output_error_end from an integration with a hundred times the tolerance. "
+        "Flights magnify differences: where it is large, late landings are not reliable."
+    )
+    chatters: bool = doc("Whether the integration stopped after 400 losses of contact.")
+
+
+class AtSpeed(FinitePart):
+    """The periodic response at one speed, and the transient from rest."""
+
+    speed_rpm: float = doc("Speed of the cam.")
+    output_error_max: ResponsePeak = doc("Largest output minus cam motion.")
+    output_error_min: ResponsePeak = doc("Smallest value of the same.")
+    output_acceleration_max: ResponsePeak = doc("Largest acceleration of the output, per s².")
+    output_acceleration_min: ResponsePeak = doc("Smallest value of the same.")
+    contact_force_max_n: ResponsePeak = doc("Largest force between cam and train.")
+    contact_force_min_n: ResponsePeak = doc(
+        "Smallest force; below 0 the linear train would pull on the cam."
+    )
+    floats: bool = doc("Whether contact is lost, as the preload is too small.")
+    dwells: list[DwellResponse] = doc("Residual vibration where each dwell begins.")
+    remaining_share_per_turn: float = doc(
+        "Share of a disturbance that remains after one turn; 1 without damping: then transients "
+        "do not decay to the periodic response."
+    )
+    turns: list[float] = doc(
+        "From rest: largest deviation of the output from the periodic response in each turn."
+    )
+    flight: Flight | None = doc(
+        "Where contact is lost: motion of the train from rest over the `turns` requested. Null "
+        "where contact is kept, no turns are requested, or the train vibrates too fast for it."
+    )
+    steps: int = doc("Steps of the turn at whose ends extremes are evaluated.")
+    rounding: float = doc(
+        "Estimate of the rounding error of a deflection; there is no other error."
+    )
+
+
+class TrainResponse(FinitePart):
+    """The answer to a TrainSpec. Lengths are in `unit`: along the arc of an arm's end, mm too."""
+
+    id: str = doc("Hash of the spec and the engine's version.")
+    name: str = doc("Name from the spec.")
+    engine_version: str = doc("Version of Camwright that made it.")
+    unit: str = doc("Unit of displacements: mm.")
+    modes: list[Mode] = doc("Modes of the train, slowest first.")
+    speeds: list[AtSpeed] = doc("Responses in the order of the requested speeds.")
+    float_onset_rpm: float | None = doc(
+        "Lowest speed of contact loss between two of the requested speeds; null where contact is "
+        "kept, is lost at the slowest already, or the cam is form-closed."
+    )
+    cam: Design = doc("The cam.")
+    spec: TrainSpec = doc("The request.")
+    links: dict[str, str] = Field({}, description="Where to find its files.")
+
+
+STEPS_PER_PERIOD = 40  # of the fastest mode, within the next two numbers
+MIN_STEPS, MAX_STEPS = 720, 8192  # of a turn
+HALVINGS = 24  # of the speed interval that holds the float onset
+ROUNDING = 8.0 * 2.0**-52  # of the sum of the modes' magnitudes, some of which cancel
+
+
+@dataclass(frozen=True, eq=False)
+class TrainOnCam:
+    """A train on the motion of a cam."""
+
+    chain: Chain
+    motion: Motion
+
+    def at(self, speed_rpm: float) -> Response:
+        """The periodic response."""
+        return steady(self.chain, self._steps(speed_rpm), rad_per_s(speed_rpm))
+
+    def from_rest_responses(self, speed_rpm: float, turns: int) -> list[Response]:
+        """The transient response, turn by turn from rest."""
+        steps = self._steps(speed_rpm)
+        return from_rest(self.chain, steps, rad_per_s(speed_rpm), turns)
+
+    def _steps(self, speed_rpm: float) -> Steps:
+        fastest = float(np.max(np.abs(self.chain.modes.rates.imag)))
+        wanted = STEPS_PER_PERIOD * fastest / rad_per_s(speed_rpm)
+        per_turn = int(np.clip(2.0 ** np.ceil(np.log2(max(wanted, 1.0))), MIN_STEPS, MAX_STEPS))
+        if per_turn not in self._cache:
+            self._cache[per_turn] = Steps.of(self.motion, per_turn)
+        return self._cache[per_turn]
+
+    @cached_property
+    def _cache(self) -> dict[int, Steps]:
+        return {}
+
+    def float_onset(self, speeds: Sequence[float]) -> float | None:
+        """Lowest speed of contact loss between two of these speeds, by bisection [rpm]."""
+        ordered = sorted(set(speeds))
+        lost = [self.loses_contact(speed) for speed in ordered]
+        if True not in lost or lost[0]:
+            return None
+        first = lost.index(True)
+        low, high = ordered[first - 1], ordered[first]
+        for _ in range(HALVINGS):
+            middle = 0.5 * (low + high)
+            low, high = (low, middle) if self.loses_contact(middle) else (middle, high)
+        return high
+
+    def loses_contact(self, speed_rpm: float) -> bool:
+        """Whether the train loses contact in the periodic response."""
+        return bool(np.min(self.at(speed_rpm).contact_force) <= 0.0)
+
+
+def report_response(spec: TrainSpec, design: Design) -> TrainResponse:
+    """The response of a spec's train on a finished cam."""
+    chain = spec.train.chain()
+    machine = TrainOnCam(chain, design.curve)
+    held = spec.train.preload_n is None
+    return TrainResponse(
+        id=question_id(spec, "train response"),
+        name=spec.name,
+        engine_version=engine_version(),
+        unit="mm",
+        modes=_modes(chain),
+        speeds=[_at_speed(machine, speed, spec.turns, held=held) for speed in spec.speeds],
+        float_onset_rpm=None if held else machine.float_onset(spec.speeds),
+        cam=design,
+        spec=spec,
+    )
+
+
+def _modes(chain: Chain) -> list[Mode]:
+    rates = chain.modes.rates[chain.modes.independent]
+    return [
+        Mode(
+            natural_frequency_hz=abs(rate) / (2.0 * pi),
+            damping_ratio=max(-rate.real / abs(rate), 0.0),
+        )
+        for rate in rates.tolist()
+    ]
+
+
+def _at_speed(machine: TrainOnCam, speed_rpm: float, turns: int, *, held: bool) -> AtSpeed:
+    found = machine.at(speed_rpm)
+    error, force = found.deflection[-1], found.contact_force
+    pulls = output_acceleration(found)
+    starts = machine.from_rest_responses(speed_rpm, turns)
+    floats = not held and bool(np.min(force) <= 0.0)
+    modes = machine.chain.modes
+    return AtSpeed(
+        speed_rpm=speed_rpm,
+        output_error_max=_peak(found, error),
+        output_error_min=_peak(found, -error, -1.0),
+        output_acceleration_max=_peak(found, pulls),
+        output_acceleration_min=_peak(found, -pulls, -1.0),
+        contact_force_max_n=_peak(found, force),
+        contact_force_min_n=_peak(found, -force, -1.0),
+        floats=floats,
+        dwells=_dwells(machine, found),
+        remaining_share_per_turn=float(np.exp(np.max(modes.rates.real) * FULL_TURN / found.omega)),
+        turns=[float(np.max(np.abs(each.deflection[-1] - error))) for each in starts],
+        flight=_flight(machine, found.omega, turns) if floats and turns else None,
+        steps=len(found.theta) - 1,
+        rounding=ROUNDING * float(np.max(np.abs(modes.shapes) @ np.abs(found.state))),
+    )
+
+
+def _flight(machine: TrainOnCam, omega: float, turns: int) -> Flight | None:
+    known = simulate_flights(machine.chain, machine.motion, omega, turns)
+    if known is None:
+        return None
+    found, apart = known
+    turn, angle = (None, None) if found.lost is None else found.lost
+    return Flight(
+        first_separation_turn=turn, first_separation_deg=None if angle is None else angle / DEGREE,
+        losses=found.count, separated_share=found.separated_share, largest_gap=found.gap,
+        contact_force_max_n=found.force, output_error_end=found.output, uncertainty=apart,
+        chatters=found.chatters,
+    )  # fmt: skip
+
+
+def output_acceleration(found: Response) -> Array:
+    """Acceleration of the last mass, from the forces on it: (k+1,) [mm/s²]."""
+    chain, s = found.chain, found.steps.s
+    held = chain.ground_springs[:, None] * s[0] + chain.ground_dampers[:, None] * s[1] * found.omega
+    forces = -(chain.stiffness @ found.deflection + chain.damping @ found.speed) - held
+    return np.asarray(forces[-1] / chain.masses[-1])
+
+
+def _peak(found: Response, values: Array, sign: float = 1.0) -> ResponsePeak:
+    at = int(np.argmax(values))
+    return ResponsePeak(value=sign * float(values[at]), angle_deg=float(found.theta[at]) / DEGREE)
+
+
+def _dwells(machine: TrainOnCam, found: Response) -> list[DwellResponse]:
+    motion, rates = machine.motion, machine.chain.modes.rates[machine.chain.modes.independent]
+    by_end = {run[-1]: run for run in runs_between_dwells(motion.segments)}
+    segments = [s for s in motion.segments if s.angle > 0.0]
+    dwells = []
+    for before, dwell in zip((segments[-1], *segments[:-1]), segments, strict=True):
+        if dwell.kind != "dwell" or before.index not in by_end:
+            continue
+        left = found.free_amplitudes(dwell.start)[-1]
+        alone = [
+            float(residual_spectrum(motion, by_end[before.index],
+                                    np.array([abs(rate) / found.omega]),
+                            -rate.real / abs(rate))[0])
+            if abs(rate.imag) > 0.0 else 0.0
+            for rate in rates.tolist()
+        ]  # fmt: skip
+        dwells.append(
+            DwellResponse(
+                segment=dwell.index, start_deg=dwell.start / DEGREE, modes=left.tolist(),
+                amplitude=float(np.sum(left)), alone=alone,
+            )
+        )  # fmt: skip
+    return dwells

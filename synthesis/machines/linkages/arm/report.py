@@ -1,0 +1,312 @@
+"""PalletisingArm: the response body, and how it is put together."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Sequence
+from typing import Literal
+
+from pydantic import Field
+
+from synthesis.catalogue.fields import AnswerModel, doc
+from synthesis.design.identity import engine_version, question_id
+from synthesis.errors import InputError
+from synthesis.machines.linkages.arm import statics, workspace
+from synthesis.machines.linkages.arm.geometry import Arm, Base, Elbow, Place, Posture
+from synthesis.machines.linkages.arm.limits import Corner, Span
+from synthesis.machines.linkages.arm.spec import ArmSpec, ArmTask
+from synthesis.units import DEGREE, FULL_TURN
+
+
+class BorderArc(AnswerModel):
+    """A piece of a region's border: an arc of a circle in the plane (r, z)."""
+
+    keeps: Literal["upper_arm", "forearm", "opening"] = doc(
+        "The angle that is constant along it: at one of its limits."
+    )
+    centre_mm: tuple[float, float] = doc("Its centre [r, z].")
+    radius_mm: float = doc("Its radius.")
+    start_deg: float = doc("Angle of its start at the centre, from r towards z.")
+    sweep_deg: float = doc("Angle that it covers, negative clockwise.")
+    from_mm: tuple[float, float] = doc("Its start [r, z].")
+    to_mm: tuple[float, float] = doc("Its end [r, z], where the next one starts.")
+
+
+class ArmFarthest(AnswerModel):
+    """A largest or smallest coordinate of the tool and the arm angles there."""
+
+    value_mm: float = doc("The coordinate.")
+    upper_arm_deg: float = doc("Angle of the upper arm there.")
+    forearm_deg: float = doc("Angle of the forearm there.")
+
+
+class WorkRegion(AnswerModel):
+    """What the tool reaches with the elbow on one side, in the plane (r, z) through axis 1."""
+
+    elbow: Elbow = doc("up: upper arm less forearm between −90° and 90°; down: beyond.")
+    border: list[BorderArc] = doc("Arcs in order, each starting where the one before ends.")
+    area_mm2: float = doc("Area, exact by Green's theorem over the arcs.")
+    volume_mm3: float | None = doc(
+        "Volume swept as the base turns, by Pappus's theorem; null where the region crosses axis 1 "
+        "or the base turns by more than 360°."
+    )
+    r_max: ArmFarthest = doc("Largest distance from axis 1.")
+    r_min: ArmFarthest = doc("Smallest distance from axis 1, negative behind it.")
+    z_max: ArmFarthest = doc("Highest place.")
+    z_min: ArmFarthest = doc("Lowest place.")
+
+
+class ArmsInLine(AnswerModel):
+    """Arm angles inside the limits at which the arms are in line: singular."""
+
+    opening_deg: float = doc("Upper arm less forearm there.")
+    from_deg: tuple[float, float] = doc("Angles of upper arm and forearm at its start.")
+    to_deg: tuple[float, float] = doc("The same at its end.")
+
+
+class ArmTorque(AnswerModel):
+    """The largest torque with which an axis holds the weights, within the limits."""
+
+    axis: Literal["upper_arm", "forearm"] = doc("Which axis.")
+    torque_nm: float = doc("Torque against the weights, positive in the direction of the angle.")
+    angle_deg: float = doc("Angle of this axis there; that of the other has no influence.")
+
+
+class BeyondLimit(AnswerModel):
+    """A limit that a posture exceeds."""
+
+    joint: Literal["base", "upper_arm", "forearm", "opening", "tool"] = doc("Which joint.")
+    excess_deg: float = doc("By how much.")
+
+
+class ArmSolution(AnswerModel):
+    """One posture that reaches a place."""
+
+    base: Base = doc("front: turned towards the place; over: turned away, reaching back.")
+    elbow: Elbow = doc("up: upper arm less forearm between −90° and 90°; down: beyond.")
+    base_deg: float = doc("Axis 1.")
+    upper_arm_deg: float = doc("Axis 2.")
+    forearm_deg: float = doc("Axis 3.")
+    tool_deg: float = doc("Axis 6.")
+    beyond: list[BeyondLimit] = doc("Limits that it exceeds; empty: the posture is allowed.")
+    in_line: float = doc(
+        "Sine of the angle between the arms, ±1 at best: at 0 they are in line (singular), and the "
+        "tool can move along one line only."
+    )
+    torque_upper_nm: float = doc("Holding torque of axis 2, positive along its angle.")
+    torque_forearm_nm: float = doc("Holding torque of axis 3, positive along its angle.")
+
+
+class ArmPose(AnswerModel):
+    """One pose and the postures that reach it."""
+
+    name: str = doc("Name from the spec.")
+    x_mm: float = doc("Coordinate of the tool.")
+    y_mm: float = doc("Coordinate of the tool.")
+    z_mm: float = doc("Coordinate of the tool.")
+    yaw_deg: float = doc("Angle of the tool about the vertical.")
+    reachable: bool = doc("Whether one of the solutions keeps all limits.")
+    solutions: list[ArmSolution] = doc(
+        "Every posture that reaches it, those within the limits first."
+    )
+    note: str = doc("Why it is not reached, or what is special; empty: nothing.")
+
+
+class PalletisingArm(AnswerModel):
+    """A palletising arm: its workspace, postures and torques."""
+
+    id: str = doc("Hash of the spec and the engine's version.")
+    name: str = doc("Name from the spec.")
+    engine_version: str = doc("Version of Camwright that made it.")
+    status: Literal["feasible", "infeasible"] = doc(
+        "feasible: every pose is reachable; infeasible: one is not."
+    )
+    spec: ArmSpec = doc("The request.")
+    reach_mm: float = doc("Largest distance of the tool from axis 1.")
+    regions: list[WorkRegion] = doc(
+        "The workspace; regions of the two elbow positions may overlap."
+    )
+    singular: list[ArmsInLine] = doc("Arm angles within the limits at which the arms are in line.")
+    over_axis: bool = doc("Whether the tool reaches axis 1, where any base angle will do.")
+    torques: list[ArmTorque] = doc("The largest torques within the limits.")
+    poses: list[ArmPose] = doc("The poses, in the spec's order.")
+    links: dict[str, str] = Field({}, description="Links to it and its files.")
+
+
+KIND = "palletising arm"
+ON_AXIS = 1e-9  # of the reach: nearer to axis 1 the tool counts as on it
+RIGHT_ANGLE = 0.5 * math.pi
+
+
+def analyse_arm(spec: ArmSpec, deadline: float | None = None) -> PalletisingArm:
+    """Workspace, postures, torques and singularities of an arm; takes milliseconds.
+
+    Args:
+        spec: the arm. deadline: not needed; part of the interface of a linkage.
+
+    Raises:
+        InputError: the joint limits leave no arm angles.
+    """
+    arm, limits = spec.arm, spec.limits
+    regions = workspace.regions(arm, limits)
+    if not regions:
+        openings = [upper - fore for upper in limits.upper for fore in limits.fore]
+        raise InputError(
+            "/opening_deg", [angle / DEGREE for angle in limits.opening],
+            "No arm angles are left: within upper_arm_deg and forearm_deg the difference runs from "
+            f"{min(openings) / DEGREE:g}° to {max(openings) / DEGREE:g}°.",
+            "Widen opening_deg, upper_arm_deg or forearm_deg.",
+        )  # fmt: skip
+    corners = [corner for region in regions for corner in region.corners]
+    poses = [_pose(spec, task) for task in spec.poses]
+    nearest = min(-region.farthest(-1.0, 0.0)[0] for region in regions)
+    reach = max(region.farthest(1.0, 0.0)[0] for region in regions)
+    return PalletisingArm(
+        id=question_id(spec, KIND),
+        name=spec.name,
+        engine_version=engine_version(),
+        status="feasible" if all(pose.reachable for pose in poses) else "infeasible",
+        spec=spec,
+        reach_mm=max(reach, -nearest),
+        regions=[_region(region, limits.base) for region in regions],
+        singular=[_in_line(*ends) for ends in workspace.singular_segments(limits)],
+        over_axis=nearest <= 0.0 <= reach,
+        torques=_torques(spec, corners),
+        poses=poses,
+    )
+
+
+def _region(region: workspace.Region, base: Span) -> WorkRegion:
+    ends = {
+        name: _farthest(region, across, up)
+        for name, across, up in (
+            ("r_max", 1.0, 0.0), ("r_min", -1.0, 0.0), ("z_max", 0.0, 1.0), ("z_min", 0.0, -1.0),
+        )
+    }  # fmt: skip
+    turns = base[1] - base[0]
+    once = turns <= FULL_TURN * (1.0 + 1e-12) and ends["r_min"].value_mm >= 0.0
+    return WorkRegion(
+        elbow=region.elbow,
+        border=[_arc(arc) for arc in region.border],
+        area_mm2=region.area,
+        volume_mm3=turns * region.moment if once else None,
+        **ends,
+    )
+
+
+def _farthest(region: workspace.Region, across: float, up: float) -> ArmFarthest:
+    value, (upper, fore) = region.farthest(across, up)
+    return ArmFarthest(
+        value_mm=value * (across + up), upper_arm_deg=upper / DEGREE, forearm_deg=fore / DEGREE
+    )
+
+
+def _arc(arc: workspace.Arc) -> BorderArc:
+    return BorderArc.model_validate(
+        {
+            "keeps": arc.keeps,
+            "centre_mm": (arc.x, arc.y),
+            "radius_mm": arc.radius,
+            "start_deg": arc.start / DEGREE,
+            "sweep_deg": arc.sweep / DEGREE,
+            "from_mm": arc.point(0.0),
+            "to_mm": arc.point(1.0),
+        }
+    )
+
+
+def _in_line(first: Corner, last: Corner) -> ArmsInLine:
+    def degrees(corner: Corner) -> tuple[float, float]:
+        return corner[0] / DEGREE, corner[1] / DEGREE
+
+    return ArmsInLine(
+        opening_deg=round((first[0] - first[1]) / DEGREE, 9),
+        from_deg=degrees(first),
+        to_deg=degrees(last),
+    )
+
+
+def _torques(spec: ArmSpec, corners: Sequence[Corner]) -> list[ArmTorque]:
+    """The largest |τ| of either axis: a sine or cosine of its own angle alone."""
+    first, second = statics.moments(spec.weights)
+    uppers, fores = zip(*corners, strict=True)
+    axes = (
+        ("upper_arm", first, math.sin, uppers, RIGHT_ANGLE),
+        ("forearm", second, math.cos, fores, 0.0),
+    )
+    found = []
+    for axis, moment, wave, angles, crest in axes:
+        at = _crest(min(angles), max(angles), crest, wave)
+        torque = {"axis": axis, "torque_nm": 0.0 - moment * wave(at), "angle_deg": at / DEGREE}
+        found.append(ArmTorque.model_validate(torque))
+    return found
+
+
+def _crest(low: float, high: float, crest: float, wave: Callable[[float], float]) -> float:
+    """The angle in an interval where |wave| is largest: a crest inside it, or an end."""
+    inside = (crest + k * math.pi for k in range(-3, 4))
+    return max(
+        (low, high, *(at for at in inside if low <= at <= high)), key=lambda at: abs(wave(at))
+    )
+
+
+def _pose(spec: ArmSpec, task: ArmTask) -> ArmPose:
+    arm, limits = spec.arm, spec.limits
+    place = task.place(arm)
+    solutions = [_solution(spec, one) for one in task.postures(arm, limits)]
+    solutions.sort(key=lambda one: sum(each.excess_deg for each in one.beyond))
+    reachable = any(not one.beyond for one in solutions)
+    return ArmPose(
+        name=task.name,
+        x_mm=place.x,
+        y_mm=place.y,
+        z_mm=place.z,
+        yaw_deg=place.yaw / DEGREE,
+        reachable=reachable,
+        solutions=solutions,
+        note=_note(arm, place, solutions),
+    )
+
+
+def _solution(spec: ArmSpec, one: Posture) -> ArmSolution:
+    joints = one.joints
+    holds = statics.holding_torques(spec.weights, joints.upper, joints.fore)
+    beyond = [
+        BeyondLimit.model_validate({"joint": name, "excess_deg": by / DEGREE})
+        for name, by in spec.limits.exceeded(joints)
+    ]
+    return ArmSolution(
+        base=one.base,
+        elbow=one.elbow,
+        base_deg=joints.base / DEGREE,
+        upper_arm_deg=joints.upper / DEGREE,
+        forearm_deg=joints.fore / DEGREE,
+        tool_deg=joints.tool / DEGREE,
+        beyond=beyond,
+        in_line=math.cos(joints.opening),
+        torque_upper_nm=holds.upper,
+        torque_forearm_nm=holds.fore,
+    )
+
+
+def _note(arm: Arm, place: Place, solutions: Sequence[ArmSolution]) -> str:
+    """Why a place cannot be reached and what would help, or that any base angle will do."""
+    away = math.hypot(place.x, place.y)
+    if not solutions:
+        far = math.hypot(away - arm.shoulder - arm.wrist, place.z - arm.height + arm.tool)
+        least, most = abs(arm.upper - arm.fore), arm.upper + arm.fore
+        way = f"{far - most:.6g} mm nearer" if far > most else f"{least - far:.6g} mm farther away"
+        return (
+            f"The wrist would be {far:.6g} mm from the shoulder, but the arms reach from "
+            f"{least:.6g} to {most:.6g} mm. Choose a place {way}, or longer arms."
+        )
+    if all(one.beyond for one in solutions):
+        best = solutions[0]
+        broken = ", ".join(f"{each.joint} by {each.excess_deg:.6g}°" for each in best.beyond)
+        return (
+            f"Every posture there exceeds a limit; the nearest is {best.base} with the elbow "
+            f"{best.elbow}, which exceeds {broken}. Widen these limits, or choose another place."
+        )
+    if away <= ON_AXIS * (arm.upper + arm.fore):
+        return "The tool is on axis 1: any base angle will do."
+    return ""

@@ -1,0 +1,49 @@
+"""The six-bar shaper: crank, rocking or rotating slotted guide, coupler and ram (quick return).
+
+In: a ShaperSpec with all lengths, or with some left free and a stroke and ratio wanted. Out: a
+SixBarShaper. ``mechanism`` holds the loop equations, ``drive`` the crank's motion,
+``turn_analysis`` dead centres and proven extremes over a turn, ``report`` the answer. Free lengths:
+``sizing`` first, then ``design_space`` (all shapers that keep the limits, as a unit box),
+``objectives`` and ``global_search`` (branch and bound).
+"""
+
+from __future__ import annotations
+
+from synthesis.machines.linkages.linkage import Linkage
+from synthesis.machines.linkages.shaper.report import SixBarShaper, report_shaper
+from synthesis.machines.linkages.shaper.sizing import size_shaper
+from synthesis.machines.linkages.shaper.spec import ShaperSpec
+
+__all__ = ["LINKAGE", "ShaperSpec", "SixBarShaper", "analyse_or_size_shaper"]
+
+
+def analyse_or_size_shaper(spec: ShaperSpec, deadline: float | None = None) -> SixBarShaper:
+    """Analyse a shaper with all lengths given, or choose the lengths that are left free.
+
+    Raises:
+        InputError: it cannot make a full turn, or its crank stops.
+        TimeBudgetExceeded: before lengths were found or excluded.
+    """
+    if spec.free:
+        return size_shaper(spec, deadline)
+    return report_shaper(spec, {name: low for name, (low, _) in spec.length_ranges().items()})
+
+
+def _summary(shaper: SixBarShaper) -> dict[str, float]:
+    if shaper.stroke_mm is None or shaper.quick_return is None:
+        return {}
+    return {"stroke_mm": shaper.stroke_mm, "quick_return_ratio": shaper.quick_return.ratio}
+
+
+LINKAGE = Linkage(
+    name="six-bar-shapers",
+    noun="six-bar shaper",
+    title="Analyse or size a six-bar shaper",
+    purpose="Dead centres in closed form, stroke, quick-return ratio, transmission angle and the "
+    "extremes of velocities and accelerations with proven enclosures. Lengths left free as "
+    "`{min, max}` are chosen for a stroke and a quick-return ratio that are wanted.",
+    spec=ShaperSpec,
+    answer=SixBarShaper,
+    solve=analyse_or_size_shaper,
+    summary=_summary,
+)

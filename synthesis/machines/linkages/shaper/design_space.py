@@ -1,0 +1,170 @@
+"""All shapers with a rocking guide that meet the requirements, as the image of a unit box.
+
+Where only the guide turns the ram back, the strokes are closed forms of s = sin β = r/a:
+
+    quick-return ratio  Q = (π + 2β)/(π − 2β)          stroke  S = 2 L s
+
+The coupler's angle γ obeys c sin γ = H − L sin ψ, linear in sin ψ, which runs from cos β to 1. So
+|sin γ| ≤ k everywhere is |H − L| ≤ c k and |H − L cos β| ≤ c k; and guide and coupler are in line
+nowhere if besides |H − L cos β| < c cos β. Taken in the order s, L, a, c, H, the range of each
+depends on the ones before alone: the unit box maps onto the set of feasible shapers, and every
+point of the box is a feasible shaper. The formulas serve numbers and affine models alike.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, replace
+from typing import Any, Final
+
+import numpy as np
+
+from synthesis.catalogue.ranges import ends
+from synthesis.machines.linkages.shaper.mechanism import Narrowing, Shaper, identity
+from synthesis.machines.linkages.shaper.spec import ShaperSpec
+from synthesis.numerics.affine import Affine
+from synthesis.numerics.piecewise import Array
+from synthesis.units import DEGREE
+
+Value = Any  # arrays, or models of the same
+Span = tuple[float, float]
+CLEAR: Final = 1e-9  # kept from singular positions: links in line, coupler upright
+LEAST: Final = 1e-9  # sine of a swing: below it there is no stroke
+EXACT: Final = 1e-12  # relative: rounding of a number that is given by two fields
+
+
+def swing_sine(ratio: float) -> float:
+    """s = sin β for a quick-return ratio."""
+    return math.sin(0.5 * math.pi * (ratio - 1.0) / (ratio + 1.0))
+
+
+def quick_return_ratio_of(sine: float) -> float:
+    """The quick-return ratio for s = sin β."""
+    beta = math.asin(sine)
+    return (math.pi + 2.0 * beta) / (math.pi - 2.0 * beta)
+
+
+@dataclass(frozen=True)
+class ShaperBatch:
+    """Shapers as arrays (n,) or affine models.
+
+    Attributes:
+        s, cosine: sin β and cos β. guide, pivot_distance, coupler [mm].
+        level: sin γ at the middle of the swing, (H − L)/c.
+        short: length that the coupler lacks to reach everywhere [mm]; positive: infeasible.
+        known: narrows sin γ to its range, where it is a model.
+    """
+
+    s: Value
+    cosine: Value
+    guide: Value
+    pivot_distance: Value
+    coupler: Value
+    level: Value
+    short: Value
+    known: Narrowing = identity
+
+    @property
+    def ram_line(self) -> Value:
+        """H [mm]."""
+        return self.guide + self.coupler * self.level
+
+    @property
+    def level_at_ends(self) -> Value:
+        """sin γ at the ends of the swing."""
+        return self.level + self.guide * (1.0 - self.cosine) / self.coupler
+
+
+@dataclass(frozen=True)
+class DesignSpace:
+    """The feasible shapers of a spec.
+
+    Attributes:
+        sines: range of s = sin β that each field allows, by field.
+        lengths: both ends of every length [mm]. stroke: both ends [mm].
+        steep: k, the largest |sin γ|.
+    """
+
+    sines: dict[str, Span]
+    lengths: dict[str, Span]
+    stroke: Span
+    steep: float
+
+    @classmethod
+    def of(cls, spec: ShaperSpec, steep: float | None = None) -> DesignSpace:
+        """Of a spec; ``steep``: in place of its least transmission angle."""
+        lengths, stroke = spec.length_ranges(), ends(spec.stroke_mm)
+        (r, R), (a, A), (guide, GUIDE) = (
+            lengths[name] for name in ("crank_mm", "pivot_distance_mm", "guide_mm")
+        )
+        ratio = ends(spec.quick_return_ratio)
+        sines = {
+            "quick_return_ratio": (swing_sine(ratio[0]), swing_sine(ratio[1])),
+            "crank_mm": (r / A, R / a),
+            "stroke_mm": (stroke[0] / (2.0 * GUIDE), stroke[1] / (2.0 * guide)),
+        }
+        asked = spec.least_transmission_angle_deg
+        most = 1.0 - CLEAR if asked is None else math.cos(asked * DEGREE)
+        return cls(sines, lengths, stroke, most if steep is None else steep)
+
+    def span(self, *without: str) -> Span:
+        """Range of s with some fields left aside; empty where the lower end is above the upper."""
+        spans = [span for name, span in self.sines.items() if name not in without]
+        low = max(LEAST, *(span[0] for span in spans))
+        high = min(1.0 - CLEAR, *(span[1] for span in spans))
+        if high < low <= high * (1.0 + EXACT):
+            low = high
+        return low, high
+
+    def bounded(self, u: list[Affine]) -> ShaperBatch:
+        """Affine models of the shapers on sub-boxes of the unit box."""
+        return replace(self.at(list(u)), known=lambda sine: sine.restrict(-self.steep, self.steep))
+
+    def at(self, u: list[Value]) -> ShaperBatch:
+        """The shapers at points of the unit box: five coordinates, (n,) or models."""
+        k = self.steep
+        (r, R), (guide, GUIDE), (c, C), (a, A), (H0, H1) = (
+            self.lengths[name] for name in
+            ("crank_mm", "guide_mm", "coupler_mm", "pivot_distance_mm", "ram_line_mm")
+        )  # fmt: skip
+        s = _between(u[0], *self.span())
+        cosine = np.sqrt(1.0 - s * s)
+        near = np.minimum(k + 0.0 * cosine, cosine * (1.0 - CLEAR))  # k at the ends of the swing
+        half = 0.5 / s
+        L = _between(u[1], np.maximum(guide + 0.0 * s, self.stroke[0] * half),
+                     np.minimum(GUIDE + 0.0 * s, self.stroke[1] * half))  # fmt: skip
+        distance = _between(u[2], np.maximum(a + 0.0 * s, r / s), np.minimum(A + 0.0 * s, R / s))
+        low = L * cosine
+        least = np.maximum((L - low) / (k + near), np.maximum((L - H1) / k, (H0 - L) / k))
+        least = np.maximum(least, np.maximum((low - H1) / near, (H0 - low) / near))
+        coupler = _between(u[3], np.maximum(c + 0.0 * s, least), C + 0.0 * s)
+        drop = (L - low) / coupler  # sin γ at the ends of the swing less that at its middle
+        level = _between(
+            u[4],
+            np.maximum((H0 - L) / coupler, np.maximum(-k + 0.0 * s, -near - drop)),
+            np.minimum((H1 - L) / coupler, np.minimum(k + 0.0 * s, near - drop)),
+        )
+        return ShaperBatch(s, cosine, L, distance, coupler, level, least - C)
+
+    def lengths_at(self, u: Array) -> dict[str, float] | None:
+        """The lengths [mm] at one point (5,) of the unit box; None: the coupler is too short."""
+        one = self.at([np.array([each]) for each in u])
+        if float(one.short[0]) > EXACT * float(one.coupler[0]):
+            return None
+        found = {
+            "crank_mm": one.s * one.pivot_distance, "guide_mm": one.guide,
+            "coupler_mm": one.coupler, "pivot_distance_mm": one.pivot_distance,
+            "ram_line_mm": one.ram_line,
+        }  # fmt: skip
+        spans = self.lengths
+        return {name: float(np.clip(each[0], *spans[name])) for name, each in found.items()}
+
+
+def similar(one: ShaperBatch) -> Shaper:
+    """A shaper with the same ram motion in units of its coupler, and pivot distance 1."""
+    guide = one.guide / one.coupler
+    return Shaper(one.s, guide, 1.0, 1.0, guide + one.level)
+
+
+def _between(u: Value, low: Value, high: Value) -> Value:
+    return low + u * (high - low)

@@ -1,0 +1,188 @@
+"""Global minimum over a design space: descent for the point, branch and bound for the bound.
+
+The bound is the least lower bound of all boxes that are pruned or left open. The boxes are taken
+best first, 1500 at a time, until time or boxes run out: ``numerics.box_search`` goes level by
+level, which here would need many times the boxes, as bounds of affine models improve slowly in five
+dimensions.
+"""
+
+from __future__ import annotations
+
+import time
+from dataclasses import dataclass, replace
+from typing import Final
+
+import numpy as np
+
+from synthesis.machines.linkages.shaper.design_space import EXACT, DesignSpace
+from synthesis.machines.linkages.shaper.objectives import DENSE, SAMPLES, ShaperObjective
+from synthesis.numerics.affine import Affine
+from synthesis.numerics.bundle_method import BundlePoint, minimise
+from synthesis.numerics.piecewise import Array
+from synthesis.numerics.polytope import Polytope
+from synthesis.units import FULL_TURN
+
+SIZE: Final = 5  # dimensions of the unit box
+# Preferred coordinates where the objective does not decide: guide, pivots and coupler short, the
+# ram's line in the middle.
+PREFERRED: Final = ((1, 0.0), (2, 0.0), (3, 0.0), (4, 0.5))
+SAMPLES_OF_BOX: Final = 1024  # random points before the descent
+STARTS: Final = 4  # of these points, starts of a descent
+ROUNDS: Final = 60  # of a descent
+RADIUS: Final = 0.2  # of its first trust region, in the unit box
+BATCH: Final = 1500  # boxes of a round
+MAX_BOXES: Final = 60_000  # in all
+NARROW: Final = 1e-6  # weight of a box's width where slopes are unknown: only breaks ties
+MIDDLES: Final = 32  # boxes of a round whose middles are evaluated
+WIDE: Final = 0.05  # weight of a box's width beside its slopes in the choice of the split
+
+
+@dataclass(frozen=True, eq=False)
+class SearchResult:
+    """The best point and the bound.
+
+    Attributes:
+        u: the point, (5,); None: none was found. value: of the objective there.
+        bound: no feasible shaper has a smaller value; inf: there is no feasible shaper.
+        boxes: number of boxes bounded.
+    """
+
+    u: Array | None
+    value: float
+    bound: float
+    boxes: int
+
+
+def global_minimum(
+    family: DesignSpace, goal: ShaperObjective, tolerance: float, deadline: float | None
+) -> SearchResult:
+    """The best shaper, to a relative gap where time allows."""
+    low, high = family.span()
+    if low > high:
+        return SearchResult(None, np.inf, np.inf, 0)
+    with np.errstate(all="ignore"):
+        found = _branch_and_bound(family, goal, _descend(family, goal), tolerance, deadline)
+        return found if found.u is None else replace(found, u=_simplify(family, goal, found.u))
+
+
+def _simplify(family: DesignSpace, goal: ShaperObjective, u: Array) -> Array:
+    """The point with preferred coordinates wherever they do not cost anything."""
+    value = _values(family, goal, u[None])[0]
+    for k, preferred in PREFERRED:
+        other = u.copy()
+        other[k] = preferred
+        if _values(family, goal, other[None])[0] <= value * (1.0 + EXACT):
+            u = other
+    return u
+
+
+def _values(family: DesignSpace, goal: ShaperObjective, u: Array) -> Array:
+    """The objective at points (n, 5); inf where the coupler is too short."""
+    one = family.at(list(u.T))
+    values = goal.values(one)
+    possible = (one.short <= EXACT * np.abs(one.coupler)) & np.isfinite(values)
+    return np.asarray(np.where(possible, values, np.inf))
+
+
+def _descend(family: DesignSpace, goal: ShaperObjective) -> BundlePoint | None:
+    """The best of some random points, improved by a bundle method (``numerics.bundle_method``)."""
+    rng = np.random.default_rng(3)
+    u = np.vstack(
+        [rng.random((SAMPLES_OF_BOX, SIZE)), rng.integers(0, 2, (SAMPLES_OF_BOX // 8, SIZE))]
+    )
+    values = np.concatenate([_values(family, goal, part) for part in np.array_split(u, 32)])
+    order = np.argsort(values)[:STARTS]
+    starts = [BundlePoint(u[k], float(values[k])) for k in order if np.isfinite(values[k])]
+    if not starts:
+        return None
+
+    def function(at: Array) -> float | None:
+        value = float(_values(family, goal, np.clip(at, 0.0, 1.0)[None])[0])
+        return value if np.isfinite(value) else None
+
+    box = Polytope(np.zeros((0, SIZE)), np.zeros(0))
+    ends = [minimise(function, box, start, RADIUS, ROUNDS) for start in starts]
+    reached = min(ends, key=lambda one: one.value)
+    return BundlePoint(np.clip(reached.u, 0.0, 1.0), reached.value)
+
+
+def _branch_and_bound(
+    family: DesignSpace,
+    goal: ShaperObjective,
+    found: BundlePoint | None,
+    tolerance: float,
+    deadline: float | None,
+) -> SearchResult:
+    """The bound, and better points at the middles of boxes."""
+    u, value = (None, np.inf) if found is None else (found.u, found.value)
+    phi = _angles(goal, family, u)
+    waiting = (np.zeros((1, SIZE)), np.ones((1, SIZE)), np.array([-np.inf]))
+    left_out, seen = np.inf, 0
+    # waiting: lower and upper corners of open boxes, and their bounds so far.
+    while (
+        len(waiting[0]) and seen < MAX_BOXES and (deadline is None or time.monotonic() < deadline)
+    ):
+        # Best first: the boxes with the least bounds.
+        order = np.argsort(waiting[2])[:BATCH]
+        rest = np.setdiff1d(np.arange(len(waiting[2])), order)
+        lo, hi = waiting[0][order], waiting[1][order]
+        seen += len(lo)
+        lower, split = _bounds(family, goal, lo, hi, phi)
+        lower = np.maximum(lower, waiting[2][order])
+        # Incumbent: the middles of the most promising boxes.
+        middle = 0.5 * (lo + hi)[np.argsort(lower)[:MIDDLES]]
+        values = _values(family, goal, middle)
+        if values.min() < value:
+            u, value = middle[values.argmin()], float(values.min())
+        # Prune boxes that cannot improve the incumbent by more than the tolerance; their bound
+        # counts.
+        enough = value - tolerance * abs(value) if np.isfinite(value) else np.inf
+        done = lower >= enough
+        left_out = min(left_out, float(np.min(lower, where=done, initial=np.inf)))
+        halves = _bisect(lo[~done], hi[~done], split[~done], lower[~done])
+        waiting = tuple(np.concatenate([a[rest], b]) for a, b in zip(waiting, halves, strict=True))  # type: ignore[assignment]
+    bound = min(left_out, float(np.min(waiting[2], initial=np.inf)))
+    return SearchResult(u, value, bound, seen)
+
+
+def _angles(goal: ShaperObjective, family: DesignSpace, u: Array | None) -> list[float]:
+    """Crank angles for the bound: evenly over the turn, more where the best point has peaks."""
+    if not goal.angles:
+        return []
+    phi = FULL_TURN * np.arange(SAMPLES) / SAMPLES
+    if u is not None:
+        over = goal.over_turn(family.at([np.array([x]) for x in u]))[:, 0]
+        for part in over:
+            phi = np.append(phi, DENSE[np.argmax(part)] + 0.05 * np.arange(-3, 4))
+    return [float(each) for each in phi]
+
+
+def _bounds(
+    family: DesignSpace, goal: ShaperObjective, lo: Array, hi: Array, phi: list[float]
+) -> tuple[Array, Array]:
+    """A lower bound on every box, inf where nothing is feasible, and the coordinate to split."""
+    one = family.bounded(Affine.variables(lo, hi))
+    parts = goal.least(one, phi or [0.0], family.lengths["ram_line_mm"])
+    lows = np.stack([part.lower for part in parts])
+    lows = np.where(np.isfinite(lows), lows, -np.inf)
+    which = np.argmax(lows, axis=0)
+    lower, rows = np.max(lows, axis=0), np.arange(len(lo))
+    slopes = np.abs(np.stack([part.g for part in parts]))[which, :, rows]
+    rem = np.stack([part.rem for part in parts])[which, rows]
+    # Where nothing is known yet, split what makes the coupler's angle uncertain.
+    steep = np.abs(one.level.g.T) + np.abs(one.level_at_ends.g.T) + NARROW * (hi - lo)
+    known = np.isfinite(lower)[:, None]
+    slopes, rem = np.where(known, slopes, steep), np.where(known[:, 0], rem, 0.0)
+    spread = (rem + np.sum(slopes, axis=1))[:, None]
+    split = np.argmax(slopes + WIDE * spread * (hi - lo), axis=1)
+    # Objectives are not negative.
+    return np.where(one.short.lower > 0.0, np.inf, np.maximum(lower, 0.0)), split
+
+
+def _bisect(lo: Array, hi: Array, split: Array, lower: Array) -> tuple[Array, Array, Array]:
+    """Every box cut in half at its coordinate."""
+    rows = np.arange(len(lo))
+    middle = 0.5 * (lo + hi)[rows, split]
+    left, right = hi.copy(), lo.copy()
+    left[rows, split], right[rows, split] = middle, middle
+    return np.concatenate([lo, right]), np.concatenate([left, hi]), np.concatenate([lower, lower])

@@ -1,0 +1,134 @@
+"""The six-bar shaper: positions in closed form, velocities and accelerations of every link.
+
+The guide turns about the origin, the crank about (0, a) above it; the ram slides along y = H.
+The crank's pin B runs in the guide; the coupler joins the guide's end C to the ram's pin D.
+
+    ρ u(ψ) = (r cos φ, a + r sin φ)          u(ψ) = (cos ψ, sin ψ), n(ψ) = (−sin ψ, cos ψ)
+    (x, H) = L u(ψ) + c u(γ)
+
+Derivatives with respect to φ, from the loops differentiated (Norton, Design of Machinery, 6.7 and
+7.3): along u and n the first loop reads
+
+    ρ' = B'·u,  ρ ψ' = B'·n;    ρ'' − ρ ψ'² = B''·u,  ρ ψ'' + 2 ρ' ψ' = B''·n
+
+and the second, whose matrix is the same for both orders, gives γ' and γ'' from its height and x'
+and x'' along the ram's line.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Any, Literal
+
+import numpy as np
+
+from synthesis.numerics.piecewise import Array
+
+Value = Any  # an array, or Taylor models of the same
+Narrowing = Callable[[Value], Value]
+Rates = tuple[Value, Value, Value]  # a quantity and its two derivatives with respect to φ
+Side = Literal["left", "right"]
+SIGN: dict[Side, float] = {"left": -1.0, "right": 1.0}
+
+
+def identity(value: Value) -> Value:
+    """No narrowing."""
+    return value
+
+
+@dataclass(frozen=True, eq=False)
+class Motion:
+    """Positions of the links and their derivatives by the crank angle [mm, rad].
+
+    Attributes:
+        guide, coupler: cosine and sine of ψ and of γ.
+        slide: ρ, from the guide's pivot to the pin. ram: x.
+        guide_turn, coupler_turn: ψ', ψ'' and γ', γ''.
+    """
+
+    guide: tuple[Value, Value]
+    coupler: tuple[Value, Value]
+    slide: Rates
+    guide_turn: tuple[Value, Value]
+    coupler_turn: tuple[Value, Value]
+    ram: Rates
+
+
+@dataclass(frozen=True)
+class Shaper:
+    """A shaper with all its dimensions [mm].
+
+    Attributes:
+        crank: r. guide: L, pivot to its end. coupler: c.
+        pivot_distance: a, of the crank's pivot above the guide's. ram_line: H, above it too.
+        side: assembly branch: side of the guide's end on which the ram's pin is.
+    """
+
+    crank: float
+    guide: float
+    coupler: float
+    pivot_distance: float
+    ram_line: float
+    side: Side = "right"
+
+    @property
+    def guide_rotates(self) -> bool:
+        """Whether the guide makes full turns: the crank is longer than the pivot distance."""
+        return self.crank > self.pivot_distance
+
+    @property
+    def swing(self) -> float:
+        """Half the swing of a rocking guide: β with sin β = r/a [rad]."""
+        return math.asin(self.crank / self.pivot_distance)
+
+    def guide_sine_range(self) -> tuple[float, float]:
+        """Smallest and largest sine of the guide's angle over a turn."""
+        return (-1.0 if self.guide_rotates else math.cos(self.swing)), 1.0
+
+    def coupler_sine(self, sine: Value) -> Value:
+        """sin γ of the coupler for sin ψ of the guide; beyond ±1 the coupler does not reach."""
+        return (self.ram_line - self.guide * sine) / self.coupler
+
+    def motion(self, phi: Value, known: Narrowing = identity) -> Motion:
+        """The motion at crank angles φ [rad], counted from the x axis, counter-clockwise.
+
+        ``known`` narrows sin γ by what is known of it, where lengths are models.
+        """
+        r, L, c = self.crank, self.guide, self.coupler
+        cos, sin = np.cos(phi), np.sin(phi)
+        bx, by = r * cos, self.pivot_distance + r * sin
+        rho = np.sqrt(bx * bx + by * by)
+        uc, us = bx / rho, by / rho
+        # B' = r n(φ) and B'' = −r u(φ), resolved along u(ψ) and n(ψ).
+        ahead, across = r * (us * cos - uc * sin), r * (uc * cos + us * sin)
+        psi1 = across / rho
+        rho2 = rho * psi1 * psi1 - across
+        psi2 = (ahead - 2.0 * ahead * psi1) / rho
+        gs = known(self.coupler_sine(us))
+        gc = SIGN[self.side] * np.sqrt(1.0 - gs * gs)
+        gamma1 = -L * uc * psi1 / (c * gc)
+        gamma2 = (L * (us * psi1 * psi1 - uc * psi2) + c * gs * gamma1 * gamma1) / (c * gc)
+        x = L * uc + c * gc
+        x1 = -L * us * psi1 - c * gs * gamma1
+        turns = L * (us * psi2 + uc * psi1 * psi1), c * (gs * gamma2 + gc * gamma1 * gamma1)
+        return Motion(
+            (uc, us), (gc, gs), (rho, ahead, rho2), (psi1, psi2), (gamma1, gamma2),
+            (x, x1, -turns[0] - turns[1]),
+        )  # fmt: skip
+
+    def crank_at(self, psi: float, outer: bool) -> float:
+        """Crank angle φ [rad] with the guide at ψ, the pin at the farther or the nearer place.
+
+        A rotating guide has the farther one only; a rocking guide both while ψ is within its swing.
+        """
+        height = self.pivot_distance * math.sin(psi)
+        rest = max(self.crank**2 - (self.pivot_distance * math.cos(psi)) ** 2, 0.0)
+        rho = height + (1.0 if outer else -1.0) * math.sqrt(rest)
+        return math.atan2(rho * math.sin(psi) - self.pivot_distance, rho * math.cos(psi))
+
+
+def angle(pair: tuple[Value, Value]) -> Array:
+    """The angle of a cosine and a sine [rad], continuous along the rows."""
+    return np.unwrap(np.arctan2(pair[1], pair[0]))

@@ -1,0 +1,212 @@
+"""The cam as a body: a blank with all grooves cut, as a grid over the turn.
+
+A half-plane through the axis cuts the body in one closed outline: out along the lower face, over
+ribs and through grooves, back along the upper face and down the bore. All outlines have the same
+columns of points. Where a groove lies outside of the blank its walls lie on the blank's end, so
+that ribs begin and end there; what such walls enclose has no volume.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+
+from synthesis.machines.spatial.blank import Blank
+from synthesis.machines.spatial.grooves import Grooves, GrooveSections
+from synthesis.numerics.geometry.swept_roller import cross, dot, norm
+from synthesis.numerics.piecewise import Array
+from synthesis.units import FULL_TURN
+
+MIN_RIB = 1e-5  # of the blank's width: least width of a rib that would end in a point
+SAMPLED_ROWS = 90  # at which the body is compared with the true surface
+
+
+@dataclass(frozen=True)
+class Strip:
+    """Neighbouring columns that make one smooth part of the surface.
+
+    Attributes:
+        kind: wall, top, floor, face or bore.
+        first, last: columns, both included. rising: whether they go from the floor to a top.
+    """
+
+    kind: str
+    first: int
+    last: int
+    rising: bool = False
+
+
+@dataclass(frozen=True, eq=False)
+class Body:
+    """A body as outlines over its turn.
+
+    Attributes:
+        blank: from which it is cut.
+        turn: (n + 1,) rows, cam angles at which they face the follower; the last is the first.
+        kept: the grooves that it has.
+        ribs: (2, k + 1, n + 1, m) places across of the two walls of each rib, by depth.
+        radius, height: (n + 1, c) points of the outlines [mm].
+        strips: kinds of the columns. hand: sense of the rows around the axis.
+    """
+
+    blank: Blank
+    turn: Array
+    kept: slice
+    ribs: Array
+    radius: Array
+    height: Array
+    strips: tuple[Strip, ...]
+    hand: int
+
+    @property
+    def points(self) -> Array:
+        """(3, n + 1, c) of the cam's frame [mm]."""
+        way = -self.hand * (self.turn[:, None] % FULL_TURN)
+        return np.stack([self.radius * np.cos(way), self.radius * np.sin(way), self.height])
+
+
+def build_body(cuts: GrooveSections, blank: Blank, rows: int, parts: int | None = None) -> Body:
+    """The body with so many rows; lines across in so many flat parts, None: as its chart needs.
+
+    Raises:
+        InputError: as ``GrooveSections.grooves``.
+    """
+    turn = np.linspace(0.0, FULL_TURN, rows + 1)
+    grooves = cuts.grooves(turn[:-1], blank.depth)
+    kept = _meeting_blank(blank, grooves)
+    ribs = rib_bounds(blank, *_closed_walls(grooves, kept))
+    outline = _OutlineBuilder(blank, ribs, blank.chart.parts if parts is None else parts)
+    radius, height = outline.build()
+    hand = cuts.cam.swept.hand
+    return Body(blank, turn, kept, ribs, radius, height, tuple(outline.strips), hand)
+
+
+def _meeting_blank(blank: Blank, grooves: Grooves) -> slice:
+    """The grooves without the first and the last that never meet the blank."""
+    met = np.any((grooves.high > blank.low) & (grooves.low < blank.high), axis=(1, 2))
+    return slice(int(np.argmax(met)), len(met) - int(np.argmax(met[::-1])))
+
+
+def _closed_walls(grooves: Grooves, kept: slice) -> tuple[Array, Array]:
+    """Both walls of the grooves (k, n + 1, m), with the first row repeated as the last."""
+    shift = grooves.shift
+    low, high = (_append_first_row(walls[kept], shift) for walls in (grooves.low, grooves.high))
+    return low, high
+
+
+def _append_first_row(walls: Array, shift: int) -> Array:
+    count = len(walls)
+    last = np.full((count, 1, walls.shape[2]), np.inf if shift > 0 else -np.inf)
+    for i in range(max(0, -shift), min(count, count - shift)):
+        last[i, 0] = walls[i + shift, 0]
+    return np.concatenate([walls, last], axis=1)
+
+
+def rib_bounds(blank: Blank, low: Array, high: Array) -> Array:
+    """Both walls of the ribs (2, k + 1, n, m): between grooves, and within the blank."""
+    first = np.broadcast_to(blank.low, low[:1].shape)
+    last = np.broadcast_to(blank.high, low[:1].shape)
+    starts = np.clip(np.concatenate([first, high]), blank.low, blank.high)
+    ends = np.clip(np.concatenate([low, last]), blank.low, blank.high)
+    gone = starts > ends
+    middle = 0.5 * (starts + ends)
+    starts, ends = np.where(gone, middle, starts), np.where(gone, middle, ends)
+    if len(blank.depth) < 2:
+        return np.stack([starts, ends])
+    # What is left of a rib beside a flat end may overhang the floor: keep a least width at its
+    # foot, as a solid must not touch itself in a line.
+    hung = (starts[..., -1] == ends[..., -1]) & (starts[..., -2] < ends[..., -2])
+    below = hung & (starts[..., -1] > blank.low[-1])
+    width = MIN_RIB * (blank.high[-1] - blank.low[-1])
+    starts[..., -1] -= np.where(below, width, 0.0)
+    ends[..., -1] += np.where(hung & ~below, width, 0.0)
+    return np.stack([starts, ends])
+
+
+def flank_error(cuts: GrooveSections, body: Body) -> float:
+    """Largest distance of the true surface from the body's flat cells, at their middles [mm].
+
+    Of walls, and of circles from their chords.
+    """
+    blank, rows = body.blank, len(body.turn) - 1
+    step = FULL_TURN / rows
+    seen = np.arange(0, rows, max(1, rows // SAMPLED_ROWS))
+    depth = 0.5 * (blank.depth[1:] + blank.depth[:-1])
+    grooves = cuts.grooves(body.turn[seen] + 0.5 * step, depth)
+    low, high = (0.5 * (each[1:] + each[:-1]) for each in (blank.low, blank.high))
+    between = Blank(blank.chart, depth, low, high, blank.bore)
+    true = rib_bounds(between, grooves.low[body.kept], grooves.high[body.kept])
+    steps = [(i, slice(j, len(depth) + j)) for i in (0, 1) for j in (0, 1)]
+    corners = np.stack([body.ribs[:, :, seen + i][..., each] for i, each in steps])
+    inside = (corners > np.max(blank.low)) & (corners < np.min(blank.high))
+    whole = np.all(inside & (corners[:, :1] < corners[:, 1:]), axis=0)
+    cell = [
+        blank.chart.points(np.array(i * step), blank.depth[each], corner)
+        for (i, each), corner in zip(steps, corners, strict=True)
+    ]
+    normal = cross(cell[3] - cell[0], cell[2] - cell[1])
+    middle = blank.chart.points(np.array(0.5 * step), depth, true)
+    with np.errstate(invalid="ignore"):
+        away = np.abs(dot(np.mean(cell, axis=0) - middle, normal)) / norm(normal)
+    chord = float(np.max(body.radius)) * (1.0 - math.cos(0.5 * step))
+    wide = blank.chart.sag(blank.depth, (body.ribs[1] - body.ribs[0]).max(axis=(0, 1)))
+    return max(chord, float(np.max(wide)), float(np.max(away, where=whole, initial=0.0)))
+
+
+class _OutlineBuilder:
+    """Collects the columns of all outlines, from the lower face to the upper."""
+
+    def __init__(self, blank: Blank, ribs: Array, parts: int) -> None:
+        self.blank, self.ribs, self.count = blank, ribs, parts
+        self.strips: list[Strip] = []
+        self.depths: list[Array] = []
+        self.places: list[Array] = []
+
+    def build(self) -> tuple[Array, Array]:
+        """Radius and height of all columns."""
+        starts, ends = self.ribs
+        up, down = self.blank.depth[::-1], self.blank.depth
+        for k, (start, end) in enumerate(zip(starts, ends, strict=True)):
+            if k:
+                self._add_between_walls("floor", ends[k - 1, :, -1], start[:, -1], float(down[-1]))
+            self._add_wall("wall", up, start[:, ::-1], rising=True)
+            self._add_between_walls("top", start[:, 0], end[:, 0], float(down[0]))
+            self._add_wall("wall", down, end)
+        place = np.concatenate(self.places, axis=1)
+        depth = np.broadcast_to(np.concatenate(self.depths), place.shape)
+        radius, height = self.blank.chart.meridian(depth, place)
+        return self._add_hub(radius, height)
+
+    def _add_hub(self, radius: Array, height: Array) -> tuple[Array, Array]:
+        """With a column of the bore at either end; the outline closes through the bore."""
+        count = radius.shape[1]
+        self.strips = [
+            Strip("face", 0, 1),
+            *(Strip(s.kind, s.first + 1, s.last + 1, s.rising) for s in self.strips),
+            Strip("face", count, count + 1),
+            Strip("bore", count + 1, 0),
+        ]
+        bore = np.full((len(radius), 1), self.blank.bore)
+        low, high = (np.full_like(bore, face) for face in self.blank.heights)
+        return np.hstack([bore, radius, bore]), np.hstack([low, height, high])
+
+    def _add_wall(self, kind: str, depth: Array, place: Array, *, rising: bool = False) -> None:
+        """Columns down or up a wall."""
+        first = self._columns
+        self.depths.append(depth)
+        self.places.append(place)
+        self.strips.append(Strip(kind, first, self._columns - 1, rising))
+
+    def _add_between_walls(self, kind: str, start: Array, end: Array, depth: float) -> None:
+        """Columns between two walls; the first and the last are the walls' own."""
+        first = self._columns - 1
+        parts = np.arange(1, self.count) / self.count
+        self.depths.append(np.full(len(parts), depth))
+        self.places.append(start[:, None] + (end - start)[:, None] * parts)
+        self.strips.append(Strip(kind, first, self._columns))
+
+    @property
+    def _columns(self) -> int:
+        return sum(len(depth) for depth in self.depths)

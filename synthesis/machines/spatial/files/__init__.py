@@ -1,0 +1,54 @@
+"""Files of a spatial cam, one format a module; a new one is a module and its name here.
+
+In: a SpatialDesign and the options of a format. Out: bytes with metadata. ``flanks*`` are points
+and surfaces of the flanks, ``body*`` the whole cam as mesh or solid, ``developed*`` the development
+of cylindrical cams, ``cutter_path`` cutter poses, ``motion`` the follower's motion,
+``surfaces_json`` the 3D view of the studio.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from types import MappingProxyType
+from typing import Any
+
+from synthesis.exporters.exporter import FileFormat
+from synthesis.machines.spatial.design import SpatialDesign
+from synthesis.machines.spatial.files import (
+    body_step,
+    body_stl,
+    cutter_path,
+    developed,
+    developed_svg,
+    flanks_ibl,
+    flanks_step,
+    flanks_table,
+    motion,
+    surfaces_json,
+)
+from synthesis.machines.spatial.machines import MACHINES
+
+Format = FileFormat[SpatialDesign, Any]
+DEVELOPED: tuple[Format, ...] = (developed.JSON, developed.CSV, developed_svg.SVG)
+MOTION: tuple[Format, ...] = (motion.JSON, motion.CSV, motion.SVG)
+WHOLE: tuple[Format, ...] = (
+    flanks_ibl.FLANKS,
+    flanks_table.CSV,
+    flanks_table.JSON,
+    flanks_step.STEP,
+    body_stl.STL,
+    body_step.STEP,
+    surfaces_json.SURFACES,
+)
+FORMATS: Mapping[str, Format] = MappingProxyType(
+    {each.name: each for each in (*MOTION, *DEVELOPED, *WHOLE, cutter_path.CSV)}
+)
+"""Every format by the name of its file."""
+
+_DEVELOPABLE = {each.model_fields["kind"].default for each in MACHINES if each.developable}
+
+
+def formats_of(machine: str) -> list[str]:
+    """Names of the files available for a kind of machine."""
+    drawn = {each.name for each in DEVELOPED}
+    return [name for name in FORMATS if name not in drawn or machine in _DEVELOPABLE]

@@ -1,0 +1,84 @@
+"""The whole cam as a closed triangle mesh, from which files of the body are written."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Annotated
+
+from pydantic import Field
+
+from synthesis.errors import InputError
+from synthesis.machines.spatial.blank import Blank, BlankOptions
+from synthesis.machines.spatial.body import build_body, flank_error
+from synthesis.machines.spatial.design import SpatialDesign
+from synthesis.machines.spatial.grooves import GrooveSections
+from synthesis.machines.spatial.triangulation import Mesh, triangulate
+
+Rows = Annotated[
+    float, Field(ge=0.1, le=20.0, description="Rows of points per degree of cam angle.")
+]
+Levels = Annotated[
+    int, Field(ge=2, le=100, description="Rows of points from a rib's top to the floor.")
+]
+
+
+@dataclass(frozen=True, kw_only=True)
+class MeshOptions(BlankOptions):
+    """As ``BlankOptions``, and how fine the mesh is.
+
+    Attributes:
+        points_per_degree: rows of points round the cam. depths: rows from a rib's top to the floor.
+    """
+
+    points_per_degree: Rows = 1.0
+    depths: Levels = 7
+
+
+@dataclass(frozen=True, eq=False)
+class BodyMesh:
+    """A mesh and its distance from the true surface.
+
+    Attributes:
+        error: largest measured distance [mm].
+    """
+
+    mesh: Mesh
+    error: float
+
+    @property
+    def told(self) -> Mapping[str, str]:
+        """Metadata of every file of a body."""
+        return {
+            "Surface-Error-Mm": f"{self.error:.3g}",
+            "Volume-Mm3": f"{self.mesh.volume:.10g}",
+            "Triangles": str(len(self.mesh.triangles)),
+        }
+
+
+def mesh_body(design: SpatialDesign, options: MeshOptions, most: int) -> BodyMesh:
+    """The cam's surface with at most so many triangles.
+
+    Raises:
+        InputError: there may be more (checked before anything is computed), or there is no body.
+    """
+    _check(design, options, most)
+    cuts = GrooveSections.of(design.cam, design.spec.machine)
+    blank = Blank.of(cuts, options, options.depths)
+    body = build_body(cuts, blank, round(360.0 * options.points_per_degree))
+    return BodyMesh(triangulate(body), flank_error(cuts, body))
+
+
+def _check(design: SpatialDesign, options: MeshOptions, most: int) -> None:
+    parts = design.spec.machine.chart(design.cam.sizes).parts
+    grooves = len(design.walls) // 2 + 2
+    columns = (grooves + 1) * 2 * (options.depths - 1 + parts)
+    count = 2 * columns * 360.0 * options.points_per_degree
+    if count > most:
+        fewer = options.points_per_degree * most / count
+        raise InputError(
+            "/points_per_degree",
+            options.points_per_degree,
+            f"This may make {count:.2g} triangles; a file has at most {most}.",
+            f"Request at most {fewer:.3g}, or fewer depths.",
+        )

@@ -1,0 +1,33 @@
+"""Which cam a file belongs to: for JSON files, and as the heading of drawings."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from synthesis.exporters.drawing import canvas as svg
+from synthesis.exporters.drawing.heading import TURNS, two_lines
+from synthesis.machines.spatial.design import SpatialDesign
+
+
+def origin(design: SpatialDesign) -> dict[str, Any]:
+    """Identification of the cam for JSON files."""
+    return {
+        "id": design.id,
+        "name": design.name,
+        "engine_version": design.engine_version,
+        "status": design.status,
+        "machine": design.machine,
+        "dimensions": design.dimensions,
+        "rotation": design.rotation,
+        "speed_rpm": design.speed_rpm,
+    }
+
+
+def above(design: SpatialDesign, left: float, right: float, u: float) -> list[str]:
+    """Heading of a drawing between two abscissae: name, machine, speed, status, id."""
+    kind = design.spec.machine.title
+    line = (
+        f"{kind} · cam turns {TURNS[design.rotation]} at {svg.figure(design.speed_rpm, 6)} rpm · "
+        f"{design.status} · {design.id[:8]}"
+    )
+    return two_lines(design.name.strip() or kind.capitalize(), line, left, right, u)

@@ -1,0 +1,71 @@
+"""The follower's motion as tables and diagrams: displacement, velocity, acceleration, jerk."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import asdict
+
+from synthesis.exporters.diagrams.motion import motion_plot
+from synthesis.exporters.diagrams.readings import QUANTITIES
+from synthesis.exporters.diagrams.sheet import DRAWN_PER_DEGREE, LEFT, RIGHT, WIDTH, Moved, stacked
+from synthesis.exporters.drawing.picture_options import DiagramOptions
+from synthesis.exporters.exporter import FileFormat, untold
+from synthesis.exporters.options import MotionOptions
+from synthesis.exporters.samples.columns import Column, motion_columns
+from synthesis.exporters.samples.turn import Turn
+from synthesis.exporters.tables.csv_table import table
+from synthesis.exporters.tables.json_table import columned
+from synthesis.machines.spatial.design import SpatialDesign
+from synthesis.machines.spatial.files.identification import above, origin
+
+
+def _turn(design: SpatialDesign) -> Turn:
+    return Turn(design.curve, design.spec.machine.travel, design.spec.omega)
+
+
+def _columns(design: SpatialDesign, options: MotionOptions) -> Sequence[Column]:
+    return motion_columns(_turn(design), options)
+
+
+def _csv(design: SpatialDesign, options: MotionOptions) -> bytes:
+    return table(_columns(design, options))
+
+
+def _json(design: SpatialDesign, options: MotionOptions) -> bytes:
+    columns = _columns(design, options)
+    body = {
+        "kind": "motion",
+        "segments": [each.model_dump(mode="json", exclude_none=True) for each in design.motion],
+        "design": origin(design),
+        "sampling": asdict(options),
+        "rows": len(columns[0].values),
+    }
+    return columned(body, columns)
+
+
+def _svg(design: SpatialDesign, options: DiagramOptions) -> bytes:
+    turn = _turn(design)
+    drawn = MotionOptions(max(options.count / 360.0, DRAWN_PER_DEGREE))
+    plots = [motion_plot(turn, quantity, drawn, ()) for quantity in QUANTITIES]
+    title_and_text = (
+        f"Motion of {design.name or design.id}",
+        "Displacement, velocity, acceleration and jerk of the follower over the cam angle.",
+    )
+    moved = Moved(design.motion, turn.travel.unit)
+    heading = above(design, LEFT, WIDTH - RIGHT, 1.0)
+    return stacked(moved, heading, plots, title_and_text, options.theme)
+
+
+PURPOSE = "The follower's displacement, velocity, acceleration and jerk over the cam angle."
+JSON = FileFormat(
+    "motion.json", "Motion, columns with units and metadata", "application/json", ".json",
+    untold(_json), MotionOptions, PURPOSE,
+)  # fmt: skip
+CSV = FileFormat(
+    "motion.csv", "Motion, comma separated", "text/csv; charset=utf-8; header=present", ".csv",
+    untold(_csv), MotionOptions, PURPOSE,
+)  # fmt: skip
+SVG = FileFormat(
+    "motion.svg", "Diagrams of the motion", "image/svg+xml", ".svg", untold(_svg), DiagramOptions,
+    PURPOSE,
+)  # fmt: skip

@@ -1,0 +1,189 @@
+"""Globoidal (roller gear) indexing cams: a turret with radial rollers across the cam's axis."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from typing import Annotated, ClassVar, Literal
+
+import numpy as np
+from pydantic import Field, model_validator
+from pydantic_core import PydanticCustomError
+
+from synthesis.catalogue.ranges import Dimension, Range, ends
+from synthesis.machines.spatial import roller, turret
+from synthesis.machines.spatial.curvature_constraints import TurretWallRadius
+from synthesis.machines.spatial.machine import Seat, SpatialMachine
+from synthesis.machines.spatial.pressure_angle_constraints import (
+    SizeConstraint,
+    TurretPressureAngle,
+    turret_places,
+)
+from synthesis.numerics.geometry.charts import Chart, Torus
+from synthesis.numerics.geometry.swept_roller import Pivot, Roller, SweptRoller
+from synthesis.units import DEGREE, FULL_TURN, Travel
+
+X, Y, Z = np.eye(3)
+
+
+class GloboidalIndexer(SpatialMachine):
+    """A turret with radial rollers, its axis perpendicular to the cam's at the centre distance.
+
+    Frame: origin on the turret's axis; x along the common perpendicular towards the cam's axis; z
+    along the turret's axis, about which the turret turns as its travel grows. The cam turns about
+    y where its thread is left-handed, about −y where it is right-handed. Turned end for end, the
+    same cam is seen to turn the other way, and so is its turret: ``rotation`` changes no wall.
+    """
+
+    kind: Literal["globoidal_indexer"] = "globoidal_indexer"
+    title: ClassVar[str] = "globoidal indexer"
+    travel: ClassVar[Travel] = Travel("deg", DEGREE)
+    period: ClassVar[float] = FULL_TURN
+    size_field: ClassVar[str] = "centre_distance_mm"
+    inner_end_field: ClassVar[str] = "roller_inner_mm"
+
+    rollers: turret.Rollers
+    hand: turret.Hand = "right"
+    dwell_on: turret.DwellOn = "rib"
+    centre_distance_mm: Dimension = None
+    roller_radius_mm: Dimension = None
+    roller_inner_mm: Dimension = None
+    roller_width_mm: roller.RollerWidth
+    crown_radius_mm: roller.CrownRadius = None
+    mesh_angle_deg: turret.MeshAngle = None
+    cam_width_mm: Annotated[
+        float | None,
+        Field(
+            gt=0.0,
+            le=1e6,
+            description="Length of the cam along its axis, between end faces at equal distances "
+            "from the common perpendicular; left out: as far as the rollers mesh.",
+        ),
+    ] = None
+    bottom_clearance_mm: Annotated[
+        float,
+        Field(
+            ge=0.0,
+            le=1e5,
+            description="Gap between the rollers' ends and the bottoms of the grooves.",
+        ),
+    ] = 0.0
+
+    @model_validator(mode="after")
+    def _check_dimensions(self) -> GloboidalIndexer:
+        roller.check_crown(self.roller_width_mm, self.crown_radius_mm, self.roller_radius_mm)
+        turret.check_overlap(self.rollers, self.roller_inner_mm, self.roller_radius_mm)
+        self._check_core()
+        return self
+
+    def _check_core(self) -> None:
+        largest = ends(self.centre_distance_mm)[1]
+        inner = max(0.0, ends(self.roller_inner_mm)[0])
+        bottom = inner + self.roller_width_mm + self.bottom_clearance_mm
+        if largest <= bottom:
+            raise PydanticCustomError(
+                "grooves_reach_axis",
+                "The grooves reach the cam's axis: roller_inner_mm + roller_width_mm + "
+                "bottom_clearance_mm is {bottom} mm, and centre_distance_mm is {distance} mm. "
+                "Increase centre_distance_mm, or make the rollers shorter.",
+                {"distance": largest, "bottom": float(f"{bottom:.9g}")},
+            )
+
+    def sizes(self) -> Mapping[str, float | Range | None]:
+        names = ("centre_distance_mm", "roller_radius_mm", "roller_inner_mm")
+        return {name: getattr(self, name) for name in names}
+
+    def swept_roller(self, sizes: Mapping[str, float], rotation: int) -> SweptRoller:
+        return SweptRoller(
+            centre=np.array([sizes["centre_distance_mm"], 0.0, 0.0]),
+            axis=Y,
+            joint=Pivot(0.0 * X, Z),
+            origin=0.0 * X,
+            along=X,
+            roller=self._roller(sizes),
+            hand=turret.thread_sign(self.hand),
+        )
+
+    def _roller(self, sizes: Mapping[str, float]) -> Roller:
+        radius, inner = sizes["roller_radius_mm"], sizes["roller_inner_mm"]
+        return roller.roller_of(radius, inner, self.roller_width_mm, self.crown_radius_mm)
+
+    def dimensions(self, sizes: Mapping[str, float]) -> Mapping[str, float]:
+        distance, inner = sizes["centre_distance_mm"], sizes["roller_inner_mm"]
+        outer = inner + self.roller_width_mm
+        derived = {
+            "roller_outer_mm": outer,
+            "groove_bottom_mm": outer + self.bottom_clearance_mm,
+            "throat_radius_mm": distance - inner,
+            "core_radius_mm": self.core(sizes),
+        }
+        half = 0.5 * (self.cam_width_mm or 0.0)
+        if 0.0 < half < inner:
+            derived["end_radius_mm"] = distance - math.sqrt(inner**2 - half**2)
+        return {**sizes, **derived}
+
+    def clearances(self, sizes: Mapping[str, float]) -> Mapping[str, float]:
+        inner, radius = sizes["roller_inner_mm"], sizes["roller_radius_mm"]
+        gap = turret.gap(self.rollers, inner, radius)
+        return {"core_radius": self.core(sizes), "roller_gap": gap}
+
+    def core(self, sizes: Mapping[str, float]) -> float:
+        """Least radius of what the grooves leave of the cam around its axis [mm].
+
+        The rim of a roller's end is nearest to the cam's axis where the roller's angle from the
+        common perpendicular is tan ψ = Rr/ρ, or at the end of its mesh where that comes first.
+        """
+        radius = sizes["roller_radius_mm"]
+        bottom = sizes["roller_inner_mm"] + self.roller_width_mm + self.bottom_clearance_mm
+        psi = min(math.atan2(radius, bottom), self.mesh_range(sizes)[1])
+        return sizes["centre_distance_mm"] - bottom * math.cos(psi) - radius * math.sin(psi)
+
+    def end_faces(self) -> tuple[float, float]:
+        half = math.inf if self.cam_width_mm is None else 0.5 * self.cam_width_mm
+        return -half, half
+
+    def seats(self) -> tuple[Seat, ...]:
+        return turret.seats(self.rollers, self.dwell_on)
+
+    def mesh_range(self, sizes: Mapping[str, float]) -> tuple[float, float]:
+        return turret.mesh_range(self.rollers, self.mesh_angle_deg)
+
+    def chart(self, sizes: Mapping[str, float]) -> Chart:
+        return Torus(sizes["centre_distance_mm"])
+
+    def check_gain(self, gain: float) -> None:
+        turret.check_index(gain, self.rollers)
+
+    def dwell_rib(self, sizes: Mapping[str, float]) -> float:
+        # The distance is measured from a contact to the next roller, not to its contact.
+        gap = turret.gap(self.rollers, sizes["roller_inner_mm"], sizes["roller_radius_mm"])
+        return gap * math.cos(0.5 * turret.spacing(self.rollers))
+
+    def length_scale(self, sizes: Mapping[str, float]) -> float:
+        return sizes["roller_inner_mm"] + self.roller_width_mm
+
+    def pressure_angle_curves(
+        self, sizes: Mapping[str, float], slope: float, rotation: int
+    ) -> tuple[SizeConstraint, ...]:
+        length, first = self.length_scale(sizes), self.seats()[0].start
+        spacing = turret.spacing(self.rollers)
+        at = turret_places(self._roller(sizes), length, slope)
+        return (TurretPressureAngle("pressure_angle", first, spacing, length, at),)
+
+    def wall_radius_curves(
+        self, sizes: Mapping[str, float], least: float
+    ) -> tuple[SizeConstraint, ...]:
+        rolled = self._roller(sizes)
+        if rolled.crown:
+            return ()
+        return (
+            TurretWallRadius(
+                "wall_radius",
+                first=self.seats()[0].start,
+                spacing=turret.spacing(self.rollers),
+                length=self.length_scale(sizes),
+                radius=rolled.radius + least,
+                places=(rolled.inner, rolled.outer),
+                mesh=self.mesh_range(sizes)[1],
+            ),
+        )

@@ -1,0 +1,181 @@
+"""SpatialMachine: what specs, measurement and sizing ask of every machine around a spatial cam.
+
+Symbols: q the follower's position [rad or mm], θ the cam angle, ρ the place on a roller's axis, α
+the pressure angle. ``sizes`` maps names of dimension fields to numbers in mm throughout.
+"""
+
+from __future__ import annotations
+
+import math
+from abc import ABC, abstractmethod
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import ClassVar, Self
+
+from pydantic import BaseModel, ConfigDict, model_validator
+from pydantic_core import PydanticCustomError
+
+from synthesis.catalogue.constraints import LinearInequality
+from synthesis.catalogue.ranges import Range, ends
+from synthesis.machines.spatial.pressure_angle_constraints import SizeConstraint
+from synthesis.numerics.geometry.charts import Chart
+from synthesis.numerics.geometry.swept_roller import SweptRoller
+from synthesis.units import Travel
+
+LEFT, RIGHT = -1, 1
+LARGEST = 1e6  # mm: no machine has a larger dimension
+
+
+@dataclass(frozen=True)
+class Seat:
+    """One roller of the follower.
+
+    Attributes:
+        number: the roller's number, from 1. start: its position at q = 0 [rad or mm].
+        sides: of the roller that touch the cam; +1 is the side in the direction of growing q.
+    """
+
+    number: int
+    start: float
+    sides: tuple[int, ...] = (LEFT, RIGHT)
+
+
+class SpatialMachine(BaseModel, ABC):
+    """A follower with one or several rollers, and its position relative to the cam.
+
+    Attributes:
+        period: of q, after which a roller is back at its place [rad or mm]; infinite for none.
+        size_field: field of the dimension that sizing minimises; empty: the machine is not sized.
+        radius_field: field of the rollers' radius.
+        inner_end_field: field of the place of the rollers' inner ends; empty: no such dimension.
+        developable: whether the cam's walls are cut by cylinders about the cam's axis.
+    """
+
+    model_config = ConfigDict(frozen=True, extra="forbid", allow_inf_nan=False)
+
+    kind: str
+    title: ClassVar[str]
+    travel: ClassVar[Travel]
+    period: ClassVar[float] = math.inf
+    size_field: ClassVar[str] = ""
+    radius_field: ClassVar[str] = "roller_radius_mm"
+    inner_end_field: ClassVar[str] = ""
+    developable: ClassVar[bool] = False
+
+    @model_validator(mode="after")
+    def _check_sizes(self) -> Self:
+        for name, given in self.sizes().items():
+            low, high = ends(given)
+            if high <= 0.0 or (low == high and low > LARGEST):
+                raise PydanticCustomError(
+                    "no_such_size",
+                    "{name} is {given} mm, but dimensions are above 0 and at most {largest} mm. "
+                    "Give such a length.",
+                    {"name": name, "given": high, "largest": LARGEST},
+                )
+        return self
+
+    @abstractmethod
+    def sizes(self) -> Mapping[str, float | Range | None]:
+        """Dimensions that may be left free, by field name [mm]."""
+
+    @abstractmethod
+    def swept_roller(self, sizes: Mapping[str, float], rotation: int) -> SweptRoller:
+        """Kinematics of the roller against the cam, for given dimensions.
+
+        Args:
+            sizes: a number for each name in ``sizes()`` [mm].
+            rotation: +1 where the cam turns ccw, −1 where it turns cw.
+        """
+
+    def dimensions(self, sizes: Mapping[str, float]) -> Mapping[str, float]:
+        """Dimensions that the answer reports: ``sizes`` and those derived from them [mm]."""
+        return sizes
+
+    def clearances(self, sizes: Mapping[str, float]) -> Mapping[str, float]:
+        """Lengths other than those of walls that must be positive, by name [mm]."""
+        return {}
+
+    @abstractmethod
+    def seats(self) -> tuple[Seat, ...]:
+        """The rollers that can meet the cam during one turn of it."""
+
+    @abstractmethod
+    def mesh_range(self, sizes: Mapping[str, float]) -> tuple[float, float]:
+        """Least and largest position q of a roller where the blank still has a wall [rad or mm]."""
+
+    def end_faces(self) -> tuple[float, float]:
+        """Positions of the cam's end faces along its axis, from its centre [mm]; infinite: none."""
+        return -math.inf, math.inf
+
+    def wall_radii(self, sizes: Mapping[str, float]) -> tuple[float, float] | None:
+        """Radii of cylinders about the axis that cut the walls [mm]; None: not developable."""
+        return None
+
+    @abstractmethod
+    def chart(self, sizes: Mapping[str, float]) -> Chart:
+        """Coordinates (angle, depth, place across) that suit the blank."""
+
+    @abstractmethod
+    def check_gain(self, gain: float) -> None:
+        """Refuse a program that moves the follower by ``gain`` in one turn [rad or mm].
+
+        Raises:
+            PydanticCustomError: the next turn would not find a roller where this turn ended.
+        """
+
+    def check_positions(self, lowest: float, highest: float) -> None:
+        """Refuse a program that moves the follower where it cannot be [rad or mm]."""
+        return None
+
+    # -- sizing: what is asked where the dimension ``size_field`` is minimised ---------------------
+
+    @property
+    def can_be_sized(self) -> bool:
+        """Whether a dimension or a law may be left free."""
+        return bool(self.size_field)
+
+    def dwell_rib(self, sizes: Mapping[str, float]) -> float:
+        """Thickness of the thinnest rib while the follower dwells; infinite where it has none [mm].
+
+        ``sizes``: the rollers' radius, and the place of their inner ends where it is a dimension.
+        """
+        return math.inf
+
+    def length_scale(self, sizes: Mapping[str, float]) -> float:
+        """Length that stands for one unit of q in the optimiser, near the rollers' path [mm]."""
+        return 1.0
+
+    def pressure_angle_rows(
+        self, sizes: Mapping[str, float], slope: float
+    ) -> tuple[LinearInequality, ...]:
+        """|tan α| ≤ slope, where it is linear in the motion and the minimised dimension.
+
+        Args:
+            sizes: the other dimensions [mm]. slope: tan α_max.
+        """
+        return ()
+
+    def pressure_angle_curves(
+        self, sizes: Mapping[str, float], slope: float, rotation: int
+    ) -> tuple[SizeConstraint, ...]:
+        """The same where it is not linear; the motion is ``length_scale`` times q.
+
+        Args:
+            rotation: +1 where the cam turns ccw, −1 where it turns cw.
+        """
+        return ()
+
+    def wall_radius_curves(
+        self, sizes: Mapping[str, float], least: float
+    ) -> tuple[SizeConstraint, ...]:
+        """Radius of convex wall parts ≥ ``least`` [mm]; 0 excludes undercut.
+
+        () where no closed form is known: then the cam is enlarged until sampled walls keep it.
+        """
+        return ()
+
+
+def six_digits(value: float) -> float:
+    """A number with the digits that messages show."""
+    return float(f"{value:.6g}")

@@ -1,0 +1,65 @@
+"""Measuring: every quantity of a finished spatial cam, its extreme, where and how it is known.
+
+In: a SpatialCam and the bounds of its spec. Out: a ``SpatialExtreme`` for each quantity; the cam is
+accepted where all of them hold. Open ``walls`` first: pressure angle, undercut and wall radii over
+all contacts, found on grids. ``enclosure`` proves what was found for cylindrical rollers, by branch
+and bound with Taylor models; ``ribs`` measures the ribs between rollers; ``motion`` the follower's
+derivatives and the windows and points of the program; ``patches`` cuts walls where quantities are
+smooth; ``extremum`` holds quantities, extrema and bounds.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+
+from synthesis.machines.spatial.cam import SpatialCam
+from synthesis.machines.spatial.design import SpatialExtreme
+from synthesis.machines.spatial.measuring import motion, ribs, walls
+from synthesis.machines.spatial.measuring.extremum import (
+    Bound,
+    Bounds,
+    Extremum,
+    Quantity,
+    to_wire,
+)
+from synthesis.machines.spatial.measuring.patches import patches
+from synthesis.machines.spatial.spec import SpatialCamSpec
+from synthesis.numerics import clock
+
+__all__ = ["NO_BOUNDS", "Bound", "Bounds", "measure"]
+NO_BOUNDS: Mapping[str, Bound] = {}
+
+
+def measure(
+    spec: SpatialCamSpec, cam: SpatialCam, bounds: Bounds = NO_BOUNDS
+) -> list[SpatialExtreme]:
+    """Measure every quantity of a cam against what the spec allows.
+
+    Args:
+        spec, cam: the question and its cam.
+        bounds: by quantity, in its unit on the wire; bounds that every cam must keep apply anyway.
+
+    Raises:
+        Cancelled: the caller has gone.
+    """
+    extremes = []
+    for quantity, extremum in _all(spec, cam, bounds):
+        extremes.append(to_wire(quantity, extremum, bounds))
+        clock.now()  # raises Cancelled between two quantities
+    return extremes
+
+
+def _all(
+    spec: SpatialCamSpec, cam: SpatialCam, bounds: Bounds
+) -> Iterator[tuple[Quantity, Extremum]]:
+    parts = list(patches(cam))
+    yield from walls.extrema(cam, parts, spec.omega, bounds)
+    thinnest = ribs.thinnest(cam, parts, spec.machine.seats())
+    if thinnest is not None:
+        yield ribs.RIB, thinnest
+    for name, clearance in spec.machine.clearances(cam.sizes).items():
+        positive = Quantity(name, "mm", largest=False, required=Bound(0.0))
+        yield positive, Extremum(clearance, clearance, "closed form")
+    yield from motion.contact_counts(cam)
+    yield from motion.follower_peaks(cam, spec.machine.travel, spec.omega)
+    yield from motion.demand_extremes(spec, cam)

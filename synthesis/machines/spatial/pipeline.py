@@ -1,0 +1,184 @@
+"""synthesise_spatial(spec) -> SpatialDesign: from a spec to a measured and certified spatial cam.
+
+    SpatialCamSpec -> laws and sizes (``sizing``) -> SpatialCam -> extremes (``measuring``) ->
+    answer
+
+A cam that the measurement refuses is sized again with limits tightened more, as in
+``pipeline.synthesise``. The two do not share a loop: the planar one orders several objectives,
+certifies segment by segment and grows base circles; here there is one objective, and the judge
+takes extremes over whole walls.
+"""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Mapping, Sequence
+from dataclasses import asdict
+from math import inf, isfinite
+from typing import TYPE_CHECKING, Any
+
+from synthesis.catalogue.motion import Motion, PlacedSegment
+from synthesis.design.design import Certificate, Report, StageReport
+from synthesis.design.identity import engine_version
+from synthesis.errors import InputError
+from synthesis.machines.spatial.cam import SpatialCam, build_cam
+from synthesis.machines.spatial.design import Arc, SpatialDesign, SpatialWall, spatial_design_id
+from synthesis.machines.spatial.measuring import Bound, measure
+from synthesis.machines.spatial.spec import SpatialCamSpec
+from synthesis.numerics import clock
+from synthesis.optimise.parameters.table_smoothing import Tables, smooth_tables
+from synthesis.optimise.recovery.junction_repair import Splines
+from synthesis.pipeline.assembly import segment_motions
+from synthesis.units import DEGREE
+
+if TYPE_CHECKING:
+    from synthesis.machines.spatial.sizing.size_cam import SizingResult
+
+TIGHTENINGS = (1e-7, 1e-6, 1e-5)  # relative amounts by which limits are tightened, in turn
+GIVEN = Certificate(
+    certified=False, objective="none", value=None, lower_bound=None,
+    bound_valid_for="nothing was chosen: the cam is given in full", gap=None,
+)  # fmt: skip
+
+
+def synthesise_spatial(spec: SpatialCamSpec, *, deadline: float | None = None) -> SpatialDesign:
+    """Measure a spatial cam that is given in full, or choose what is left free and measure it.
+
+    Args:
+        spec: the question.
+        deadline: ``time.monotonic()`` at which to stop.
+
+    Raises:
+        InputError: numbers of the program are left free.
+    """
+    started, stop = time.perf_counter(), inf if deadline is None else deadline
+    for field, value in spec.left_free():
+        raise InputError(
+            field,
+            value,
+            "A spatial cam's program cannot leave angles or lifts free yet.",
+            "Give the number.",
+        )
+    tables = smooth_tables(spec.placed_segments(), stop)
+    sizes = spec.given_sizes()
+    if not spec.given:
+        return _size_and_measure(spec, tables, stop, started)
+    assert sizes is not None
+    cam = build_cam(spec, sizes, Motion.of(tables.segments))
+    return answer(spec, cam, tables.segments, tables.splines, [], started)
+
+
+def _size_and_measure(
+    spec: SpatialCamSpec, tables: Tables, stop: float, started: float
+) -> SpatialDesign:
+    """Size the cam, with limits tightened more and more until the measured cam keeps them."""
+    # Imported on demand: cams that are given in full need no optimiser.
+    from synthesis.machines.spatial.sizing.size_cam import size_cam
+
+    stages: list[StageReport] = []
+    for number, tighten in enumerate(TIGHTENINGS):
+        # Most cams have room for their ribs; measuring these waits until a cam is refused.
+        result = size_cam(spec, tables, stop, tighten, ribs=number > 0)
+        stages += [StageReport(**asdict(stage)) for stage in result.stages]
+        if result.sizes is None:
+            return _infeasible(spec, tables, result, stages, stop, started)
+        cam = build_cam(spec, result.sizes, result.motion)
+        proof = _certificate(spec, result.sizes, result)
+        design = answer(spec, cam, result.segments, result.splines, stages, started, proof)
+        if design.status != "infeasible" or clock.now() >= stop:
+            break
+    return design
+
+
+def _certificate(
+    spec: SpatialCamSpec, sizes: Mapping[str, float], result: SizingResult
+) -> Certificate:
+    name, lower = spec.machine.size_field, result.lower
+    value = sizes[name]
+    return Certificate(
+        certified=False, objective=name, value=value, lower_bound=lower,
+        bound_valid_for=result.valid_for, gap=max(value - lower, 0.0) / value,
+    )  # fmt: skip
+
+
+def _infeasible(
+    spec: SpatialCamSpec,
+    tables: Tables,
+    result: SizingResult,
+    stages: Sequence[StageReport],
+    stop: float,
+    started: float,
+) -> SpatialDesign:
+    """The answer where no cam was found."""
+    from synthesis.machines.spatial.sizing.infeasibility import diagnose
+
+    conflict = diagnose(spec, tables, result, stop)
+    lower = result.lower if isfinite(result.lower) else None
+    no_cam = Certificate(
+        certified=False, objective=spec.machine.size_field, value=None, lower_bound=lower,
+        bound_valid_for=result.valid_for, gap=None,
+    )  # fmt: skip
+    return SpatialDesign(
+        **_head(spec), status="infeasible", dimensions={}, motion=[], walls=[], extremes=[],
+        certificate=no_cam, conflict=conflict, report=_report(stages, started),
+    )  # fmt: skip
+
+
+def answer(
+    spec: SpatialCamSpec,
+    cam: SpatialCam,
+    segments: Sequence[PlacedSegment],
+    splines: Splines,
+    stages: Sequence[StageReport],
+    started: float,
+    certificate: Certificate = GIVEN,
+) -> SpatialDesign:
+    """The answer with a cam, measured; ``started`` is a ``time.perf_counter()``."""
+    extremes = measure(spec, cam, bounds(spec))
+    holds = all(extreme.holds for extreme in extremes)
+    within = certificate.gap is not None and certificate.gap <= spec.tolerance
+    return SpatialDesign(
+        **_head(spec),
+        status="infeasible" if not holds else "optimal" if within else "feasible",
+        dimensions=dict(spec.machine.dimensions(cam.sizes)),
+        motion=segment_motions(spec.program, spec.machine.travel, segments, splines),
+        walls=_walls(cam),
+        extremes=extremes,
+        certificate=certificate.model_copy(update={"certified": holds}),
+        report=_report(stages, started),
+    )
+
+
+def bounds(spec: SpatialCamSpec) -> dict[str, Bound]:
+    """The tightest bound of every limited quantity."""
+    tightest: dict[str, Bound] = {}
+    for position, limit in enumerate(spec.limits):
+        known = tightest.get(limit.quantity)
+        if known is None or (limit.bound < known.value) is limit.upper:
+            tightest[limit.quantity] = Bound(limit.bound, f"limits/{position}/{limit.field}")
+    return tightest
+
+
+def _head(spec: SpatialCamSpec) -> dict[str, Any]:
+    """The fields that every answer begins with."""
+    return {
+        "id": spatial_design_id(spec), "name": spec.name, "engine_version": engine_version(),
+        "rotation": spec.rotation, "speed_rpm": spec.speed_rpm, "machine": spec.machine.kind,
+        "spec": spec,
+    }  # fmt: skip
+
+
+def _report(stages: Sequence[StageReport], started: float) -> Report:
+    return Report(stages=list(stages), seconds=time.perf_counter() - started)
+
+
+def _walls(cam: SpatialCam) -> list[SpatialWall]:
+    return [
+        SpatialWall(
+            name=wall.name,
+            roller=wall.seat.number,
+            side=wall.letter,
+            arcs=[Arc(start_deg=a / DEGREE, end_deg=b / DEGREE) for a, b in wall.spans],
+        )
+        for wall in cam.walls
+    ]

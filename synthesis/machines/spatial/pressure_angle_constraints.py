@@ -1,0 +1,262 @@
+"""Pressure angle of rollers as constraints on the motion and the machine's size together.
+
+Every constraint here has the form z ≥ least size(s, s'), with z the minimised dimension, and is not
+linear in the motion. Each gives two kinds of rows:
+
+* outer rows hold for every motion that keeps the constraint (a relaxation, for dual bounds);
+* inner rows, about a given motion, exclude every motion that breaks it (a restriction, for cams).
+
+Turret: C centre distance; ρ place on a roller, from the turret's axis; ψ a roller's angle from the
+common perpendicular, ψ' its derivative by the cam angle; t = tan α_max. The normal of a cylindrical
+roller and its direction of motion make the angle tan α = ρ|ψ'|/(C − ρ cos ψ), see
+``numerics.geometry.swept_roller``. So α ≤ α_max reads
+
+    C ≥ ρ (cos ψ + |ψ'|/t)
+
+for every roller in mesh and every ρ. The right side grows with ρ, so that the roller's outer end
+decides, and with cos ψ, so that the roller nearest to the common perpendicular does. On a crowned
+roller the contact at ρ has its foot at ρ + r r' and its normal leans by r' more: 1 + tan² α = (1 +
+r'²)(1 + tan² α_foot), which leaves a smaller t at every ρ; no single end decides. The displacement
+is the arc s = Lψ of the outer end. cos ψ is concave in ψ, so that its tangents give inner rows, and
+its chords over the range of ψ give outer rows.
+
+Arm across a cylindrical cam: R radius of the cylinder; ρ distance from its axis along a roller; ψ
+angle of a roller's arm from the perpendicular to the cam's axis; s = lψ arc of the roller at the
+arm's length l; χ = +1 where the cam turns about its axis z, −1 about −z, the arm swinging about −x.
+The cam's surface passes the roller with the velocity χρ across z, and the roller moves at ψ from z.
+So tan α = |s' − χρ sin ψ|/(ρ cos ψ), and α ≤ α_max reads
+
+    s' ≤ ρ (t cos ψ + χ sin ψ)   and   −s' ≤ ρ (t cos ψ − χ sin ψ)
+
+at every ρ; a cylindrical roller's inner end decides. Rows are tangents about a motion; no outer
+rows are known.
+"""
+
+from __future__ import annotations
+
+from abc import abstractmethod
+from dataclasses import dataclass, field, replace
+from math import pi
+from typing import Any, ClassVar, Self
+
+import numpy as np
+
+from synthesis.catalogue.constraints import (
+    MotionSizeBox,
+    NonconvexConstraint,
+    PointInequalities,
+    Vector,
+)
+from synthesis.machines.spatial.roller import critical_places
+from synthesis.numerics.geometry.swept_roller import Roller
+from synthesis.numerics.piecewise import Array
+
+RIGHT_ANGLE = 0.5 * pi
+UNREACHABLE = 1e9  # arm lengths: least radius where no cylinder keeps the limit even at rest
+LEAST_LEVER = 1e-9  # of t cos ψ ± χ sin ψ: below it the limit cannot be kept at any radius
+STEP = 1e-6  # of the arm's length: forward differences, error and cancellation both near 1e-6
+
+
+@dataclass(frozen=True)
+class SizeConstraint(NonconvexConstraint):
+    """z ≥ least size(s, s', …), with z the machine's minimised dimension [mm].
+
+    Attributes:
+        inner: rows about a motion are inner rows; otherwise all rows are outer rows.
+    """
+
+    order: ClassVar[int] = 1
+    inner: bool = field(default=False, kw_only=True)
+
+    @property
+    @abstractmethod
+    def scale(self) -> float:
+        """A natural length, of the order of the size [mm]."""
+
+    @abstractmethod
+    def least_size(self, s: Array) -> Array:
+        """The least size at s, s', … (orders, n) [mm]: (n,)."""
+
+    @abstractmethod
+    def max_speed(self, s: Array, size: float, sense: float) -> Array:
+        """The largest |s'| allowed at displacements s (n,) and a size [mm]: (n,) [mm/rad].
+
+        Args:
+            sense: +1 for motion towards growing s, −1 for the other direction.
+        """
+
+    def inner_approximation(self) -> Self:
+        """The same constraint with inner rows."""
+        return replace(self, inner=True)
+
+    def excess(self, s: Any, z: Any) -> tuple[Any, ...]:
+        return ((self.least_size(s) - z[0]) / self.scale,)
+
+    def half_planes(self, s: Array) -> tuple[PointInequalities, ...]:
+        # −z ≤ −least size: with the motion given, the constraint is a bound on the size alone.
+        return (
+            PointInequalities(np.zeros_like(s), -np.ones((1, s.shape[1])), -self.least_size(s)),
+        )
+
+
+@dataclass(frozen=True)
+class TurretPressureAngle(SizeConstraint):
+    """C ≥ ρ cos ψ + |s'| b for all (ρ, b); z = (C,).
+
+    Attributes:
+        first: ψ of any roller at s = 0 [rad]. spacing: angle from roller to roller [rad].
+        length: L, of the arc s [mm]. places: (ρ, b) with b = ρ/(L t) [mm, 1].
+    """
+
+    first: float
+    spacing: float
+    length: float
+    places: tuple[tuple[float, float], ...]
+
+    @property
+    def scale(self) -> float:
+        return self.length
+
+    def _nearest(self, s: Array) -> Array:
+        """ψ of the roller nearest to the common perpendicular at displacements s [mm]."""
+        psi = self.first + s / self.length
+        return np.asarray(psi - self.spacing * np.round(psi / self.spacing))
+
+    def max_speed(self, s: Array, size: float, sense: float) -> Array:
+        cosine = np.cos(self._nearest(s))
+        return np.asarray(np.min([(size - rho * cosine) / b for rho, b in self.places], axis=0))
+
+    def least_size(self, s: Array) -> Array:
+        cosine, speed = np.cos(self._nearest(s[0])), np.abs(s[1])
+        return np.asarray(np.max([rho * cosine + b * speed for rho, b in self.places], axis=0))
+
+    def relax(
+        self, box: MotionSizeBox, about: tuple[Array, Vector] | None
+    ) -> tuple[PointInequalities, ...]:
+        if self.inner and about is not None:
+            # A row with the largest ρ and the largest b implies the rows of all places.
+            lines = self._tangents(about[0][0])
+            place = max(rho for rho, _ in self.places), max(b for _, b in self.places)
+        else:
+            lines, place = [self._chord(box)], max(self.places, key=lambda each: each[1])
+        # |s'| ≤ … is one row for either sign of s' that the motion can have.
+        return tuple(
+            self._rows(value, slope, place, sign)
+            for value, slope in lines
+            for sign, possible in ((1.0, box.v_max > 0.0), (-1.0, box.v_min < 0.0))
+            if np.any(possible)
+        )
+
+    def _rows(
+        self, value: Array, slope: Array, place: tuple[float, float], sign: float
+    ) -> PointInequalities:
+        """ρ (value + slope s/L) + sign b s' ≤ C."""
+        (rho, b), none = place, np.zeros_like(value)
+        coefficients = np.stack([rho / self.length * slope, none + sign * b, none, none])
+        return PointInequalities(coefficients, none[None, :] - 1.0, -rho * value)
+
+    def _tangents(self, s: Array) -> list[tuple[Array, Array]]:
+        """Tangents above the cosines of the two nearest rollers at s (n,): value at s = 0, slope.
+
+        Two, as another roller becomes the nearest one where the motion may move to.
+        """
+        near = self._nearest(s)
+        next_one = near - self.spacing * np.where(near > 0.0, 1.0, -1.0)
+        lines = []
+        for psi in (near, next_one):
+            slope = -np.sin(psi)
+            lines.append((np.cos(psi) - slope * s / self.length, slope))
+        return lines
+
+    def _chord(self, box: MotionSizeBox) -> tuple[Array, Array]:
+        """The best line below the nearest roller's cosine over a box."""
+        finite = np.isfinite(box.s_max) & np.isfinite(box.s_min)
+        low, high = np.where(finite, box.s_min, 0.0), np.where(finite, box.s_max, 0.0)
+        middle = 0.5 * (low + high)
+        psi, half = self._nearest(middle), 0.5 * (high - low) / self.length
+        # The cosine is concave, and its chord a lower bound, between −90° and 90° alone.
+        known = finite & (np.abs(psi) + half <= RIGHT_ANGLE)
+        # Chord through ψ ± δ, by cos(ψ ± δ) = cos ψ cos δ ∓ sin ψ sin δ.
+        half = np.where(known, half, 0.0)
+        slope, height = -np.sin(psi) * np.sinc(half / pi), np.cos(psi) * np.cos(half)
+        # The nearest roller is never farther than half a spacing: a constant lower bound.
+        lowest = np.full_like(height, np.cos(0.5 * self.spacing))
+        higher = known & (height > lowest)
+        at_zero = height - slope * middle / self.length
+        return np.where(higher, at_zero, lowest), np.where(higher, slope, 0.0)
+
+
+def turret_places(roller: Roller, length: float, slope: float) -> tuple[tuple[float, float], ...]:
+    """(ρ, b) of a roller on a turret: of a cylindrical one its outer end alone.
+
+    Args:
+        roller: on the turret. length: L [mm]. slope: tan α_max; every r' is below it.
+    """
+    if roller.crown == 0.0:
+        return ((roller.outer, roller.outer / (length * slope)),)
+    places = critical_places(roller, slope)
+    return tuple((foot, foot / (length * left)) for foot, left in places)
+
+
+@dataclass(frozen=True)
+class ArmPressureAngle(SizeConstraint):
+    """R ≥ depth + |s'|/(t cos ψ ± χ sin ψ); z = (R,).
+
+    Attributes:
+        starts: ψ of the rollers at s = 0 [rad]. arm: l [mm]. hand: χ.
+        places: (depth below the cylinder [mm], t left there).
+    """
+
+    starts: tuple[float, ...]
+    arm: float
+    hand: int
+    places: tuple[tuple[float, float], ...]
+
+    @property
+    def scale(self) -> float:
+        return self.arm
+
+    def max_speed(self, s: Array, size: float, sense: float) -> Array:
+        psi = self._angles(s)
+        least = np.full(len(s), np.inf)
+        for depth, left in self.places:
+            speed = (size - depth) * (left * np.cos(psi) + sense * self.hand * np.sin(psi))
+            least = np.minimum(least, np.min(speed, axis=0))
+        return least
+
+    def least_size(self, s: Array) -> Array:
+        return np.asarray(np.max([self._least_at(s, *place) for place in self.places], axis=0))
+
+    def relax(
+        self, box: MotionSizeBox, about: tuple[Array, Vector] | None
+    ) -> tuple[PointInequalities, ...]:
+        if about is None:
+            return ()
+        # The linear approximation of the least size about the motion, by forward differences.
+        s, step = about[0], STEP * self.arm
+        value, slopes = self.least_size(s), []
+        for order in (0, 1):
+            moved = np.array(s)
+            moved[order] += step
+            slopes.append((self.least_size(moved) - value) / step)
+        none = np.zeros_like(value)
+        upper = slopes[0] * s[0] + slopes[1] * s[1] - value
+        return (PointInequalities(np.stack([*slopes, none, none]), none[None, :] - 1.0, upper),)
+
+    def _angles(self, s: Array) -> Array:
+        """ψ of every roller at displacements s (n,): (rollers, n)."""
+        return np.asarray(np.array(self.starts)[:, None] + s / self.arm)
+
+    def _least_at(self, s: Array, depth: float, left: float) -> Array:
+        """The least R that one place asks for, over all rollers and both walls."""
+        psi = self._angles(s[0])
+        least = np.zeros(s.shape[1])
+        for sign in (1.0, -1.0):
+            lever = left * np.cos(psi) + sign * self.hand * np.sin(psi)
+            needed = np.where(
+                lever > LEAST_LEVER,
+                sign * s[1] / np.maximum(lever, LEAST_LEVER),
+                UNREACHABLE * self.arm,
+            )
+            least = np.maximum(least, np.max(needed, axis=0))
+        return np.asarray(depth + least)

@@ -1,0 +1,289 @@
+"""Bounds over all motion laws from the phase plane (position, speed) of a free segment.
+
+A limit on the pressure angle leaves a maximum speed V(p, size) to every position p, the smaller the
+smaller the cam. Caps on jerk J and acceleration A bound the speed near the ends of the law, where
+its state is known: a law with acceleration a at speed v still gains a²/(2J) of speed while its
+acceleration falls to zero, so that a ≤ √(2J (P(p) − v)), with P the largest V from p on. The
+maximum-speed profile is the lower envelope of V and of the profiles integrated from both ends.
+Every law is slower than it at every position, which yields
+
+* the least cam angle in which a segment can be passed: a size for which that is more than the
+  segment has is infeasible for every law (``least_size``);
+* a tube that holds every law of a cam no larger than a given size: none is ahead of the fastest run
+  from the start, nor behind the one that arrives in time at the end (``trajectory_tubes``).
+
+How a law's acceleration follows the slope of V is left out, so that the bound is exact where only
+accelerations or velocities are capped. Every step overestimates speeds, so that angles are lower
+bounds up to ``QUADRATURE``. The method is that of time-optimal motion along a path (Bobrow,
+Dubowsky and Gibson, 1985).
+"""
+
+from __future__ import annotations
+
+from bisect import bisect_right
+from collections.abc import Sequence
+from dataclasses import dataclass
+from math import inf, isfinite, sqrt
+
+import numpy as np
+from scipy.optimize import brentq
+
+from synthesis.catalogue.motion import PlacedSegment
+from synthesis.machines.spatial.sizing.problem import size_constraints
+from synthesis.numerics.piecewise import Array
+from synthesis.optimise.conic.law_bounds import LawBounds
+from synthesis.optimise.conic.program import ConicModel
+from synthesis.optimise.problem.problem import Problem
+
+POSITIONS = 801  # nodes in position between the ends of a segment
+STEPS = 160  # integration steps in which a law from rest reaches its largest speed
+MAX_STEPS = 40 * STEPS  # a profile that has not met V by then stays as it is
+QUADRATURE = 1e-6  # relative, of a size: far above the error of the quadrature between nodes
+DOUBLINGS = 60  # of a size, in search of an interval that holds the least one
+TUBE_NODES = 128  # cam angles of a tube
+TUBE_MARGIN = 1e-4  # of the lift: far above the error of linear interpolation in a profile
+
+
+@dataclass(frozen=True)
+class DerivativeCaps:
+    """Upper bounds of |s'|, |s''| and |s'''| on a whole segment [mm/rad^k]; infinite: none."""
+
+    velocity: float
+    acceleration: float
+    jerk: float
+
+    @classmethod
+    def of(cls, problem: Problem, segment: PlacedSegment) -> DerivativeCaps:
+        """From the limits on single derivatives; of their two signs the looser one."""
+        sides = {(k, sign): inf for k in (1, 2, 3) for sign in (1, -1)}
+        for row in problem.limit_rows(segment):
+            orders = [k for k, factor in enumerate(row.coefficients) if factor]
+            if len(orders) == 1 and orders[0] > 0 and row.interval is None and not any(row.size):
+                factor = row.coefficients[orders[0]]
+                side = orders[0], 1 if factor > 0.0 else -1
+                sides[side] = min(sides[side], row.upper / abs(factor))
+        velocity, acceleration, jerk = (max(sides[k, 1], sides[k, -1]) for k in (1, 2, 3))
+        return cls(velocity, acceleration, jerk)
+
+
+@dataclass(frozen=True, eq=False)
+class SpeedProfile:
+    """Speeds that no law exceeds, by position, and the least cam angles that follow.
+
+    Attributes:
+        p: (n,) distance from the start, in the direction of the segment [mm].
+        speed: (n,) maximum speed [mm/rad].
+        from_start: (n,) least cam angle from the start to p [rad]. to_end: (n,) from p to the end.
+    """
+
+    p: Array
+    speed: Array
+    from_start: Array
+    to_end: Array
+
+    @property
+    def angle(self) -> float:
+        """The least cam angle from end to end [rad]."""
+        return float(np.max(self.from_start + self.to_end))
+
+
+@dataclass(frozen=True, eq=False)
+class PhasePlane:
+    """A free segment and what bounds the speed of its laws.
+
+    Attributes:
+        problem, segment: which. caps: of its derivatives.
+        states: s' and s'' at its start and at its end as far as known, in its direction.
+    """
+
+    problem: Problem
+    segment: PlacedSegment
+    caps: DerivativeCaps
+    states: tuple[Sequence[float], Sequence[float]]
+
+    @classmethod
+    def of(cls, problem: Problem, segment: PlacedSegment, known: Sequence[Array]) -> PhasePlane:
+        """``known``: the normalised law's g, g', … at its start and at its end, as far as known."""
+        units = abs(segment.lift) / segment.angle ** np.arange(3)
+        start, end = (
+            [float(v * u) for v, u in zip(g[1:3], units[1:], strict=False)] for g in known
+        )
+        return cls(problem, segment, DerivativeCaps.of(problem, segment), (start, end))
+
+    def speed_limit(self, p: Array, size: float) -> Array:
+        """V at positions p (n,) [mm/rad]; not above 0 where the cam is too small."""
+        sense = 1.0 if self.segment.lift > 0.0 else -1.0
+        s = self.segment.s_start + sense * p
+        limit = np.full(len(p), self.caps.velocity)
+        for constraint in size_constraints(self.problem, self.segment):
+            limit = np.minimum(limit, constraint.max_speed(s, size, sense))
+        return limit
+
+    def profile(self, size: float) -> SpeedProfile | None:
+        """The maximum-speed profile on a cam of this size [mm].
+
+        None where some position allows no speed at all: no law is feasible then.
+        """
+        p = np.linspace(0.0, abs(self.segment.lift), POSITIONS)
+        limit = self.speed_limit(p, size)
+        if np.min(limit) <= 0.0:
+            return None
+        ramps = [np.full(POSITIONS, inf), np.full(POSITIONS, inf)]
+        # The second pass integrates from each end under the profile of the other end.
+        for _ in range(2):
+            limits = (np.minimum(limit, ramps[1]), np.minimum(limit, ramps[0])[::-1])
+            (first, first_angles), (last, last_angles) = (
+                self._ramp(end, p, each) for end, each in enumerate(limits)
+            )
+            ramps = [first, last[::-1]]
+        speed = np.minimum(limit, np.minimum(*ramps))
+        # Cam angles: along a ramp those of its integration, beyond it ∫ dp/speed.
+        slowness = np.divide(1.0, speed, out=np.zeros(len(p)), where=speed > 0.0)
+        cells = 0.5 * (p[1] - p[0]) * (slowness[1:] + slowness[:-1])
+        from_start = _angles(first_angles, cells)
+        return SpeedProfile(p, speed, from_start, _angles(last_angles, cells[::-1])[::-1])
+
+    def _ramp(self, end: int, p: Array, limit: Array) -> tuple[Array, Array]:
+        """The profile integrated from one end, at p = 0, until it meets the speed limit.
+
+        Args:
+            end: 0 the start, 1 the end. p: (n,) distances from it. limit: (n,) of the speed there.
+
+        Returns:
+            (n,) maximum speed at every p, infinite beyond the ramp, and (n,) the cam angle needed
+            to get there, NaN beyond the ramp.
+        """
+        peak = np.maximum.accumulate(limit[::-1])[::-1]
+        # Seen from the end, time runs backwards: even derivatives keep their sign.
+        state = [v if k == 0 or end == 0 else -v for k, v in enumerate(self.states[end])]
+        speed, angle = np.full(len(p), inf), np.full(len(p), np.nan)
+        if not state or not isfinite(float(peak[0])):
+            return speed, angle
+        at, fast, x = _integrate(state, self.caps, p.tolist(), limit.tolist(), peak.tolist())
+        inside = p <= at[-1]
+        # Speeds rise along the ramp: that at the end of a step bounds all positions within it.
+        ahead = np.minimum(np.searchsorted(at, p[inside], "left"), len(at) - 1)
+        speed[inside] = fast[ahead]
+        angle[inside] = np.interp(p[inside], at, x)
+        return speed, angle
+
+
+def _integrate(
+    state: Sequence[float],
+    caps: DerivativeCaps,
+    p: list[float],
+    limit: list[float],
+    peak: list[float],
+) -> tuple[Array, Array, Array]:
+    """The fastest start from a known state until it meets the limit, by steps in the cam angle.
+
+    Args:
+        state: s' and, if known, s'' at p = 0. caps: of the derivatives.
+        p: positions. limit: V there. peak: the largest V from there on.
+
+    Returns:
+        positions, speeds and cam angles after each step; positions and speeds are overestimated.
+    """
+    v0, a0 = state[0], state[1] if len(state) > 1 else inf
+    J, A, lift, jerk_capped = caps.jerk, caps.acceleration, p[-1], caps.jerk < inf
+    # The step is a share of the angle in which a law from rest reaches its largest speed.
+    h = (2.0 * sqrt(peak[0] / J) + peak[0] / A) / STEPS
+    if h == 0.0:
+        return np.zeros(1), np.full(1, inf), np.zeros(1)
+    q, v, x = 0.0, max(v0, 0.0), 0.0
+    at, fast, angles = [q], [v], [x]
+    while q < lift and len(at) < MAX_STEPS:
+        node = min(bisect_right(p, q) - 1, len(p) - 2)
+        most = peak[node]
+        gain = A * h
+        if jerk_capped:
+            # At most the initial acceleration plus J x, and at most what lets the acceleration fall
+            # to zero by the time the speed reaches the peak.
+            left = sqrt(2.0 * max(most - v, 0.0) / J)
+            eased = most - 0.5 * J * max(left - h, 0.0) ** 2 - v
+            gain = min(gain, a0 * h + J * (x + 0.5 * h) * h, eased)
+        gain = max(gain, 0.0)
+        # Trapezoidal rule; as |s'''| ≤ J its error is at most J h³/12.
+        q += h * (v + 0.5 * gain) + (J * h**3 / 12.0 if jerk_capped else 0.0)
+        v, x = v + gain, x + h
+        at.append(q)
+        fast.append(v)
+        angles.append(x)
+        if v >= max(limit[node], limit[node + 1]):
+            break
+    return np.array(at), np.array(fast), np.array(angles)
+
+
+def _angles(ramp: Array, cells: Array) -> Array:
+    """Angles to all nodes, from those along a ramp (NaN beyond it) and those of the cells."""
+    known = np.isfinite(ramp)
+    last = int(np.count_nonzero(known)) - 1
+    total = np.concatenate([[0.0], np.cumsum(cells)])
+    if last < 0:
+        return total
+    return np.where(known, ramp, ramp[last] + total - total[last])
+
+
+def least_size(plane: PhasePlane, start: float, largest: float) -> float:
+    """The size below which no law passes the segment in its cam angle [mm]; 0: none is too small.
+
+    Args:
+        plane: of the segment.
+        start: a size to try first [mm]. largest: the largest size of interest [mm].
+    """
+
+    def excess(size: float) -> float:
+        profile = plane.profile(size)
+        return inf if profile is None else profile.angle - plane.segment.angle
+
+    # The excess of the least angle falls as the size grows: bracket its root, then find it.
+    low, high = 0.0, start
+    while excess(high) > 0.0:
+        low, high = high, 2.0 * high
+        if high > largest:
+            return largest
+    if low == 0.0:
+        low = 0.5 * high
+        for _ in range(DOUBLINGS):
+            if excess(low) > 0.0:
+                break
+            low, high = 0.5 * low, low
+        else:
+            return 0.0
+    root = brentq(lambda size: min(excess(size), 1e3), low, high, xtol=1e-9 * high, rtol=1e-9)
+    return float(root) * (1.0 - QUADRATURE)
+
+
+def trajectory_tubes(plan: ConicModel, size: float) -> tuple[LawBounds, ...]:
+    """Tubes that hold every free law of a cam no larger than ``size`` [mm]; a derivative is capped.
+
+    Returns:
+        () where no law is feasible on a cam of that size.
+    """
+    tubes = []
+    for segment, ends in zip(plan.problem.free, plan.boundary_states, strict=True):
+        tube = _tube(PhasePlane.of(plan.problem, segment, (ends.start, ends.end)), size)
+        if tube is None:
+            return ()
+        tubes.append(tube)
+    return tuple(tubes)
+
+
+def _tube(plane: PhasePlane, size: float) -> LawBounds | None:
+    profile, segment = plane.profile(size), plane.segment
+    if profile is None:
+        return None
+    lift, angle = abs(segment.lift), segment.angle
+    nodes, margin = np.linspace(0.0, 1.0, TUBE_NODES + 1), TUBE_MARGIN * lift
+    high = np.interp(nodes * angle, profile.from_start, profile.p) + margin
+    low = np.interp(nodes * angle, angle - profile.to_end, profile.p) - margin
+    assert segment.free is not None
+    if not segment.free.overshoot:
+        low, high = np.clip(low, 0.0, lift), np.clip(high, 0.0, lift)
+    low[0] = high[0] = 0.0
+    low[-1] = high[-1] = lift
+    fast = np.full(TUBE_NODES + 1, min(float(np.max(profile.speed)) * angle / lift, 1e6))
+    slow = -fast if segment.free.overshoot else 0.0 * fast
+    jerk = plane.caps.jerk < inf
+    cap = plane.caps.jerk * angle**3 if jerk else plane.caps.acceleration * angle**2
+    return LawBounds(nodes, low / lift, high / lift, slow, fast, 3 if jerk else 2, cap / lift)

@@ -1,0 +1,248 @@
+"""Minimise the size under pressure-angle limits that are concave in the motion, with a lower bound.
+
+Primal: sequential convex programming with inner approximations. Tangents of the concave limit about
+the last laws are inner rows (``SizeConstraint``): every point of the convex program keeps the
+limit, and the last laws are such a point, so that each cam is as good as the last one or better.
+Knots are added where the program's multipliers ask for them.
+
+Dual: the phase plane bounds the size over all laws. Where it leaves a gap above the tolerance and
+finer knots gain little, outer rows are written as chords over the tubes of laws that could be
+better than the best cam; the multipliers of that convex program give another bound by weak duality.
+
+This is not the loop of ``optimise.driver``, which takes convex programs as relaxations of
+limits that are nearly convex and reads bounds and cams off the same program. A turret's limit is
+concave in the motion: its valid rows (chords) are so weak without tubes that such a program yields
+neither a cam nor a useful bound. Grids, programs, dual bounds and recovery are those of
+``optimise``.
+"""
+
+from __future__ import annotations
+
+import time
+from dataclasses import replace
+from math import inf
+
+from synthesis.machines.spatial.sizing.phase_plane import PhasePlane, least_size, trajectory_tubes
+from synthesis.machines.spatial.sizing.problem import inner_approximation
+from synthesis.numerics.piecewise import Array
+from synthesis.numerics.solvers.clarabel import ConeSolution, solve
+from synthesis.numerics.solvers.statuses import USABLE
+from synthesis.optimise.conic.control import law_controls
+from synthesis.optimise.conic.linear_rows import Tightening
+from synthesis.optimise.conic.program import ConicModel, formulate
+from synthesis.optimise.conic.tangent_cuts import Region, TangentPoint
+from synthesis.optimise.dual_bound.bound import Bound, dual_bound
+from synthesis.optimise.heuristics.local_search import smooth_start
+from synthesis.optimise.problem.boundary import boundary_states
+from synthesis.optimise.problem.grid import SplineLaw, uniform_grid
+from synthesis.optimise.problem.problem import Problem
+from synthesis.optimise.recovery.candidate import Candidate, recover_cam
+from synthesis.optimise.recovery.closed_form import closed_form_size
+from synthesis.optimise.refinement.mesh import refine_mesh
+from synthesis.optimise.refinement.row_violations import ALLOWED, row_violations
+from synthesis.optimise.state.solve_state import SolveState, Stage
+from synthesis.optimise.strategy.phase_one import minimise_excess
+
+FIRST_INTERVALS = 24  # spline intervals of the first grid
+MAX_ROUNDS = 7  # of knot refinement
+MAX_ROUNDS_CURVATURE = 3  # where accelerations are limited: no bound says what finer knots gain
+MAX_LINEARISATIONS = 12  # in a round
+STEP_SHARES = (0.5, 0.25, 0.1)  # of a step, where the whole of it leads to no smaller cam
+NO_GAIN = 0.05  # of the tolerance: a linearisation that gains less ends the round
+LITTLE_GAIN = 0.1  # of the tolerance: a round that gains less asks for the bound by chords
+ALL_LAWS = "all motion laws"
+
+
+def minimise_size(
+    problem: Problem, tolerance: float, deadline: float, tighten: float
+) -> SolveState:
+    """The smallest cam to a relative gap, or as near as the rounds come.
+
+    Args:
+        problem: with free laws. tolerance: relative gap asked for.
+        deadline: ``clock.now()`` at which to stop.
+        tighten: relative amount by which rows are tightened against the solver's tolerance.
+    """
+    grids = tuple(uniform_grid(segment, FIRST_INTERVALS) for segment in problem.free)
+    state = SolveState(problem, tolerance, deadline, tighten, grids=grids)
+    restricted = inner_approximation(problem)
+    # Bound over all laws, before any cam is known.
+    state, last = _bound_in_phase_plane(state), None
+    # Where accelerations are limited the fastest laws are a bad start, and a smooth one is good.
+    curvature = _limits_curvature(problem)
+    if curvature:
+        state, last = smooth_start(state)
+    before, little = inf, False
+    for number in range(1, (MAX_ROUNDS_CURVATURE if curvature else MAX_ROUNDS) + 1):
+        # Primal: relinearise about the last laws until they no longer improve.
+        state, last, lower, missed = _relinearise(state, restricted, last, number)
+        if lower is None:
+            # No point of the program: try knots on which the limits on the motion can be kept.
+            if number > 1:
+                break
+            state, found = _find_feasible_knots(state)
+            if not found:
+                break
+            continue
+        if state.solved or state.time_left <= 0.0:
+            break
+        # Dual: chords over tubes, once finer knots gain little.
+        best = state.incumbent
+        value = inf if best is None else best.value
+        little |= before - value <= LITTLE_GAIN * tolerance * value
+        before = value
+        if little and best is not None:
+            state, better = bound_by_chords(state, best.size[0], number)
+            lower = better or lower
+            if state.solved or not lower.switching:
+                break
+        # Refine the knots where the multipliers say that laws would gain.
+        state = replace(state, grids=refine_mesh(problem, state.grids, last, lower, missed))
+    return state
+
+
+def _limits_curvature(problem: Problem) -> bool:
+    """Whether some constraint on the size limits accelerations too."""
+    return any(
+        curve.order > 1 for segment in problem.free for curve in problem.curved_limits_on(segment)
+    )
+
+
+def _bound_in_phase_plane(state: SolveState) -> SolveState:
+    """Bound the size by what the fastest law and the given laws need."""
+    began, problem = time.perf_counter(), state.problem
+    ends, _ = boundary_states(problem.segments, state.grids)
+    largest = problem.sizing.bounds[0][1]
+    least = [
+        least_size(PhasePlane.of(problem, segment, (own.start, own.end)), problem.length, largest)
+        for segment, own in zip(problem.free, ends, strict=True)
+    ]
+    given = tuple(segment for segment in problem.segments if segment.law is not None)
+    size = closed_form_size(replace(problem, segments=given)) if given else None
+    return state.raise_bound(max([*least, *(size or ())]), ALL_LAWS).with_stage(
+        Stage("fastest run", "phase plane", "none", len(least), 0, 0, time.perf_counter() - began,
+              "solved")
+    )  # fmt: skip
+
+
+def _relinearise(
+    state: SolveState, restricted: Problem, last: Candidate | None, number: int
+) -> tuple[SolveState, Candidate | None, Bound | None, list[Array]]:
+    """Convex programs with inner rows about one law after the other, until they gain no more.
+
+    Args:
+        restricted: the problem with inner rows. last: the cam to start about, if there is one.
+
+    Returns:
+        the state; the last cam; the bound from the last program's multipliers, which holds for
+        its own rows alone and serves to place knots, or None where the program has no point; and
+        where rows were violated between their points.
+    """
+    began, iterations = time.perf_counter(), 0
+    missed, lower, base = list[Array](), None, last
+    for _ in range(MAX_LINEARISATIONS):
+        plan, solution = _solve_restriction(state, restricted, last)
+        iterations += solution.iterations
+        if solution.stopped not in USABLE:
+            break
+        lower = dual_bound(plan, solution)
+        last = _line_search(state, recover_cam(state.problem, *plan.recover(solution.x)), base)
+        missed, excess = row_violations(state, last)
+        if excess > ALLOWED:
+            # Rows hold at sample points: tighten them by more than what they miss in between.
+            state = replace(state, margin=1.1 * (state.margin + excess))
+        elif state.incumbent is None or last.value < state.incumbent.value:
+            state = replace(state, incumbent=last)
+        before, base = inf if base is None else base.value, last
+        no_gain = before - last.value <= NO_GAIN * state.tolerance * last.value
+        if (no_gain and excess <= ALLOWED) or state.time_left <= 0.0:
+            break
+    state = _with_stage(state, f"tangents {number}", plan, solution, iterations, began)
+    return state, last, lower, missed
+
+
+def _line_search(state: SolveState, cam: Candidate, base: Candidate | None) -> Candidate:
+    """The cam, or a smaller one on the segment from the last laws to its laws.
+
+    Where the least size is not convex in the motion (accelerations), a full step may overshoot.
+    """
+    if base is None:
+        return cam
+    best = cam
+    old = [law.on(grid.space) for law, grid in zip(base.laws, state.grids, strict=True)]
+    enough = base.value * (1.0 + NO_GAIN * state.tolerance)
+    for share in STEP_SHARES:
+        if best.value <= enough:
+            break
+        laws = [
+            SplineLaw(law.space, share * law.coefficients + (1.0 - share) * before)
+            for law, before in zip(cam.laws, old, strict=True)
+        ]
+        best = min(best, recover_cam(state.problem, laws, cam.size), key=lambda each: each.value)
+    return best
+
+
+def _solve_restriction(
+    state: SolveState, restricted: Problem, last: Candidate | None
+) -> tuple[ConicModel, ConeSolution]:
+    """The convex program with tangents about the last laws; with chords while there are none."""
+    region = Region.full(state.problem)
+    if last is not None:
+        about = TangentPoint(tuple(law.curve() for law in last.laws), last.size)
+        region = replace(region, tangent_points=(about,))
+    plan = formulate(restricted, state.grids, 0.0, state.tightening, region)
+    return plan, solve(plan.program, state.time_left)
+
+
+def _find_feasible_knots(state: SolveState) -> tuple[SolveState, bool]:
+    """The state with knots on which limits on the motion can hold, and whether there are any."""
+    found = minimise_excess(state.problem, state.grids, state.tighten, state.deadline)
+    if found is None:
+        return state, False
+    state = replace(
+        state, grids=found.grids, infeasibility_proof=found.impossible,
+        undecided=found.undecided, infeasible=bool(found.impossible),
+    )  # fmt: skip
+    return state, found.fits
+
+
+def bound_by_chords(state: SolveState, size: float, number: int) -> tuple[SolveState, Bound | None]:
+    """A bound over all laws whose cam is no larger than ``size`` [mm]; the search keeps it.
+
+    The chord of a concave function over an interval is below it, so that chord rows over tubes
+    hold for every such law; larger cams are above the bound anyway. Weak duality then uses the
+    multipliers as numbers: any nonnegative ones give a valid bound.
+
+    Returns:
+        the state, and the bound; None where no derivative of the laws is bounded, so that no
+        multipliers bound all of them.
+    """
+    began, problem = time.perf_counter(), state.problem
+    bare = formulate(problem, state.grids, 0.0, Tightening(), Region())
+    if not law_controls(bare):
+        return state, None
+    region = Region(problem.sizing.bounds, (), trajectory_tubes(bare, size))
+    plan = formulate(problem, state.grids, 0.0, Tightening(state.tighten), region)
+    solution = solve(plan.program, state.time_left)
+    lower = dual_bound(plan, solution) if solution.stopped in USABLE else None
+    if lower is not None:
+        state = state.raise_bound(lower.value, lower.valid_for)
+    chords = f"chords {number}"
+    return _with_stage(state, chords, plan, solution, solution.iterations, began), lower
+
+
+def _with_stage(
+    state: SolveState,
+    name: str,
+    plan: ConicModel,
+    solution: ConeSolution,
+    iterations: int,
+    began: float,
+) -> SolveState:
+    """The state with a stage that began at a ``time.perf_counter()``, for the report."""
+    rows, unknowns = plan.program.matrix.shape
+    intervals = sum(len(grid.space.breaks) - 1 for grid in plan.grids)
+    return state.with_stage(
+        Stage(name, f"LP, {intervals} spline intervals", "Clarabel", unknowns, rows, iterations,
+              time.perf_counter() - began, solution.stopped.value)
+    )  # fmt: skip

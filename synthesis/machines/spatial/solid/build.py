@@ -1,0 +1,350 @@
+"""The faces of a body: walls, tops and floors, sections at the blank's ends, and the hub."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator
+from dataclasses import dataclass, field
+from itertools import groupby
+
+import numpy as np
+
+from synthesis.machines.spatial.solid import geometry
+from synthesis.machines.spatial.solid.patches import fit_patch
+from synthesis.machines.spatial.solid.sheets import (
+    HIGH,
+    IN,
+    LOW,
+    NotSmooth,
+    Piece,
+    Stop,
+    WallSheets,
+)
+from synthesis.machines.spatial.solid.shell import Key, Shell
+from synthesis.numerics.geometry.charts import Chart
+from synthesis.numerics.piecewise import Array
+
+BLANK_ENDS = (LOW, HIGH)
+
+
+@dataclass(frozen=True, eq=False)
+class Builder:
+    """Builds the shell of a body.
+
+    Attributes:
+        sheets: its walls. tolerance: of its walls [mm]. stride: as in ``fit_patch``.
+    """
+
+    sheets: WallSheets
+    tolerance: float
+    stride: int
+    shell: Shell = field(default_factory=Shell)
+    errors: list[float] = field(default_factory=list)
+
+    def build(self) -> Shell:
+        """The closed shell.
+
+        Raises:
+            NotSmooth: the body has no boundary of this kind.
+        """
+        for j in range(self.sheets.sectors):
+            for pieces in self.sheets.pieces[j]:
+                for piece in pieces:
+                    if piece.state == IN:
+                        self._wall(piece)
+            self._level(j, TOP)
+            self._level(j, ROOT)
+            self._sections(j)
+        self._hub()
+        self.shell.check()
+        return self.shell
+
+    # -- names --------------------------------------------------------------------------------
+
+    def _stop(self, stop: Stop, wall: int | None) -> Key:
+        """Key of a wall's end or a sector line; after a turn of the first line and shifted wall."""
+        if stop.key[0] == "out":
+            return stop.key
+        j = int(str(stop.key[1]))
+        if j < self.sheets.sectors:
+            return ("line", j, wall)
+        return ("line", 0, None if wall is None else wall + self.sheets.shift)
+
+    def _corner(self, stop: Stop, piece: Piece | None, state: int, level: int) -> Key:
+        """Key of the vertex of a region's bound at a stop: on a wall, or at the blank's end."""
+        if stop.key[0] == "out":
+            return (*stop.key, level)
+        if state == IN:
+            assert piece is not None
+            return (*self._stop(stop, piece.wall), level)
+        return (*self._stop(stop, None), "end", state, level)
+
+    # -- edges --------------------------------------------------------------------------------
+
+    def _wall(self, piece: Piece) -> None:
+        patch = fit_patch(self.sheets, piece, self.tolerance, self.stride)
+        self.errors.append(patch.error)
+        ends = [self._stop(stop, piece.wall) for stop in (piece.first, piece.last)]
+        edges = [self.shell.join((piece, level), (*ends[0], level), (*ends[1], level),
+                                 geometry.SplineCurve(patch.along(level)))
+                 for level in (TOP, ROOT)]  # fmt: skip
+        edges += [self.shell.join(("down", *end), (*end, TOP), (*end, ROOT),
+                                  geometry.SplineCurve(patch.down(k)))
+                  for end, k in zip(ends, (0, -1), strict=True)]  # fmt: skip
+        middle = np.array([0.5, 0.5])
+        place = patch.surface(middle)
+        across = self._across_direction(place)
+        out = across if piece.wall % 2 == 0 else -across
+        self.shell.add(geometry.SplineSurface(patch.surface), edges, place, out)
+
+    def _across_direction(self, place: Array) -> Array:
+        """Unit vector (3,) across the blank at a point (3,)."""
+        x, y, z = place
+        chart, turn = self.sheets.blank.chart, np.arctan2(y, x)
+        depth, across = chart.from_meridian(np.hypot(x, y), z)
+        step = 1e-4
+        ends = [chart.points(turn, depth, across + sign * step) for sign in (-1.0, 1.0)]
+        way = ends[1] - ends[0]
+        return np.asarray(way / np.linalg.norm(way))
+
+    def _arc(self, first: Key, last: Key, turn: tuple[float, float], end: int, level: int) -> Key:
+        """The edge along an end of the blank: an arc about the axis."""
+        radius, height = self._end(end, level)
+        hand = self.sheets.hand
+        x, y = np.array([1.0, 0.0, 0.0]), np.array([0.0, -float(hand), 0.0])
+        curve = geometry.Circle(height * geometry.UP, x, y, radius, *turn)
+        return self.shell.join(("arc", end, level, first, last), first, last, curve)
+
+    def _end(self, end: int, level: int) -> tuple[float, float]:
+        """Radius and height of an end of the blank at a level [mm]."""
+        blank = self.sheets.blank
+        across = (blank.low if end == LOW else blank.high)[level]
+        radius, height = blank.chart.meridian(blank.depth[level], across)
+        return float(radius), float(height)
+
+    def _lift(self, stop: Stop, span: Span, level: int) -> list[Key]:
+        """The edge across the body at a sector line; none where the span ends in a point."""
+        if stop.key[0] == "out":
+            return []
+        low, high = span.states
+        first = self._corner(stop, span.low, low, level)
+        last = self._corner(stop, span.high, high, level)
+        curve = self._meridian(stop, (first, last), (low, high), level)
+        return [self.shell.join(("lift", first, last), first, last, curve)]
+
+    def _meridian(self, stop: Stop, corners: tuple[Key, Key], states: tuple[int, int],
+                  level: int) -> geometry.Curve:  # fmt: skip
+        """The curve between two corners at a sector line; corners on walls exist already."""
+        blank = self.sheets.blank
+        ends = [
+            self._place(key) if state == IN
+            else float((blank.low if state == LOW else blank.high)[level])
+            for key, state in zip(corners, states, strict=True)
+        ]  # fmt: skip
+        angle, depth = -self.sheets.hand * float(stop.turn[level]), float(blank.depth[level])
+        return _across(blank.chart, angle, depth, *ends)
+
+    def _place(self, corner: Key) -> float:
+        """Place across of a vertex."""
+        x, y, z = self.shell.vertices[corner]
+        return float(self.sheets.blank.chart.from_meridian(np.hypot(x, y), z)[1])
+
+    # -- regions ------------------------------------------------------------------------------
+
+    def _level(self, j: int, level: int) -> None:
+        for low, high in pairs(self.sheets, level):
+            for run in runs(spans(self.sheets, j, low, high, level)):
+                self._region(run, level)
+
+    def _region(self, run: list[Span], level: int) -> None:
+        edges = self._lift(run[0].first, run[0], level) + self._lift(run[-1].last, run[-1], level)
+        for k in (0, 1):
+            for piece, state, first, last in bounds(run, k):
+                if state == IN:
+                    edges.append((piece, level))
+                else:
+                    edges.append(self._border(first, last, state, level))
+        turn = np.array(0.5 * (run[0].first.turn[level] + run[-1].last.turn[level]))
+        corners = {key for edge in edges for key in self.shell.ends(edge)}
+        across = np.array(np.mean([self._place(key) for key in corners]))
+        depth = float(self.sheets.blank.depth[level])
+        place, deeper = (self.sheets.points(turn, np.array(d), across)
+                         for d in (depth, depth + 1e-4))  # fmt: skip
+        surface = _oriented(self.sheets.blank.chart, depth)
+        self.shell.add(surface, edges, place, (place - deeper) / 1e-4)
+
+    def _border(self, first: Stop, last: Stop, end: int, level: int) -> Key:
+        """The edge of a region at an end of the blank."""
+        start, stop = (self._corner(each, None, end, level) for each in (first, last))
+        turn = float(first.turn[level]), float(last.turn[level])
+        return self._arc(start, stop, turn, end, level)
+
+    # -- ends ---------------------------------------------------------------------------------
+
+    def _sections(self, j: int) -> None:
+        """Sections of ribs by the blank's ends."""
+        for low, high in pairs(self.sheets, TOP):
+            tops, roots = (list(spans(self.sheets, j, low, high, level)) for level in (TOP, ROOT))
+            if [(s.low, s.high) for s in tops] != [(s.low, s.high) for s in roots]:
+                raise NotSmooth("a rib's end changes its order from top to floor")
+            for run in runs(tops):
+                for k, end in enumerate(BLANK_ENDS):
+                    for _, state, first, last in bounds(run, k):
+                        if state == end:
+                            self._section(first, last, end)
+
+    def _section(self, first: Stop, last: Stop, end: int) -> None:
+        edges = [self._border(first, last, end, level) for level in (TOP, ROOT)]
+        for stop in (first, last):
+            if stop.key[0] == "out":
+                edges.append(("down", *stop.key))
+                continue
+            top, root = (self._corner(stop, None, end, level) for level in (TOP, ROOT))
+            ends = (self._on_end(float(stop.turn[0]), end, level) for level in (TOP, ROOT))
+            edges.append(self.shell.join(("edge", top, root), top, root, geometry.Line(*ends)))
+        middle = len(first.turn) // 2
+        turn = 0.5 * float(first.turn[middle] + last.turn[middle])
+        blank = self.sheets.blank
+        across = (blank.low if end == LOW else blank.high)[middle]
+        place = self.sheets.points(np.array(turn), blank.depth[middle], across)
+        out = end * self._across_direction(place)
+        self.shell.add(self._end_surface(end, out), edges, place, out)
+
+    def _on_end(self, turn: float, end: int, level: int) -> Array:
+        radius, height = self._end(end, level)
+        angle = -self.sheets.hand * turn
+        return np.array([radius * np.cos(angle), radius * np.sin(angle), height])
+
+    def _end_surface(self, end: int, out: Array) -> geometry.Surface:
+        (r0, z0), (r1, z1) = self._end(end, TOP), self._end(end, ROOT)
+        if abs(z1 - z0) < 1e-9 * abs(r1 - r0):
+            return geometry.Plane(z0, int(np.sign(out[2])))
+        if abs(r1 - r0) < 1e-9 * abs(z1 - z0):
+            return geometry.Cylinder(r0)
+        return geometry.Cone(z0, r0, (r1 - r0) / (z1 - z0))
+
+    def _hub(self) -> None:
+        bore = self.sheets.blank.bore
+        for end in BLANK_ENDS:
+            radius, height = self._end(end, ROOT)
+            edges = [key for key in self.shell.edges if key[:3] == ("arc", end, ROOT)]
+            holes = [self._bore(end)] if bore else []
+            out = end * geometry.UP
+            place = np.array([radius, 0.0, height])
+            self.shell.add(geometry.Plane(height, end), edges, place, out, holes)
+        if not bore:
+            return
+        heights = [self._end(end, ROOT)[1] for end in BLANK_ENDS]
+        for half in (0, 1):
+            sides = []
+            for k in (0, 1):
+                at = np.array([bore * (1.0 - 2.0 * k), 0.0, 0.0])
+                ends = [at + z * geometry.UP for z in heights]
+                sides.append(self.shell.join(("bore", k), ("bore", LOW, k), ("bore", HIGH, k),
+                                             geometry.Line(*ends)))  # fmt: skip
+            rims = [("bore", end, "half", half) for end in BLANK_ENDS]
+            place = np.array([0.0, bore * (1.0 - 2.0 * half), 0.5 * sum(heights)])
+            out = -np.array([0.0, place[1], 0.0])
+            self.shell.add(geometry.Cylinder(bore), [*sides, *rims], place, out)
+
+    def _bore(self, end: int) -> list[Key]:
+        centre = self._end(end, ROOT)[1] * geometry.UP
+        x, y = np.array([1.0, 0.0, 0.0]), np.array([0.0, 1.0, 0.0])
+        return [self.shell.join(("bore", end, "half", half), ("bore", end, half),
+                                ("bore", end, 1 - half),
+                                geometry.Circle(centre, x, y, self.sheets.blank.bore,
+                                                half * np.pi, (half + 1) * np.pi))
+                for half in (0, 1)]  # fmt: skip
+
+
+def _oriented(chart: Chart, depth: float) -> geometry.Surface:
+    """The turned surface of one depth: a torus or a cylinder."""
+    ring = chart.torus_radii(depth)
+    if ring is None:
+        return geometry.Cylinder(float(chart.meridian(np.array(depth), np.array(0.0))[0]))
+    return geometry.Ring(*ring)
+
+
+def _across(chart: Chart, angle: float, depth: float, first: float, last: float) -> geometry.Curve:
+    """The curve across the body at one depth, at an angle about the cam's axis [rad]."""
+    ring = chart.torus_radii(depth)
+    if ring is None:
+        ends = (chart.points(np.array(angle), np.array(depth), np.array(at))
+                for at in (first, last))  # fmt: skip
+        return geometry.Line(*ends)
+    away = np.array([np.cos(angle), np.sin(angle), 0.0])
+    return geometry.Circle(ring[0] * away, -away, geometry.UP, ring[1], first, last)
+
+
+TOP, ROOT = 0, -1  # depths of the blank
+
+
+@dataclass(frozen=True, eq=False)
+class Span:
+    """A part of a region in which neither bound enters or leaves the blank.
+
+    Attributes:
+        low, high: the pieces that bound it; None: it extends to the blank's end.
+        first, last: its ends along the turn.
+    """
+
+    low: Piece | None
+    high: Piece | None
+    first: Stop
+    last: Stop
+
+    @property
+    def states(self) -> tuple[int, int]:
+        low = LOW if self.low is None else self.low.state
+        return low, HIGH if self.high is None else self.high.state
+
+    @property
+    def open(self) -> bool:
+        """Whether the region has an area here."""
+        low, high = self.states
+        return low != HIGH and high != LOW
+
+
+def pairs(sheets: WallSheets, level: int) -> Iterator[tuple[int, int]]:
+    """Pairs of walls that bound regions: rib tops at TOP, groove floors at ROOT."""
+    count = len(sheets.states)
+    if level == TOP:
+        return ((k - 1, k) for k in range(0, count + 1, 2))
+    return ((k, k + 1) for k in range(0, count, 2))
+
+
+def spans(sheets: WallSheets, j: int, low: int, high: int, level: int) -> Iterator[Span]:
+    """The spans between two walls in a sector, cut where either enters or leaves the blank."""
+    lows, highs = _of(sheets, j, low), _of(sheets, j, high)
+    first, end = sheets.line(j), sheets.line(j + 1)
+    a = b = 0
+    while True:
+        here = [piece.last for piece in (lows[a], highs[b]) if piece is not None]
+        stops = [stop for stop in here if stop.key[0] == "out"]
+        last = min(stops, key=lambda stop: float(stop.turn[level]), default=end)
+        yield Span(lows[a], highs[b], first, last)
+        if last is end:
+            return
+        a, b = a + _ends(lows[a], last), b + _ends(highs[b], last)
+        first = last
+
+
+def _of(sheets: WallSheets, j: int, wall: int) -> list[Piece | None]:
+    """A wall's pieces; none below the first wall and above the last."""
+    return [*sheets.pieces[j][wall]] if 0 <= wall < len(sheets.states) else [None]
+
+
+def _ends(piece: Piece | None, stop: Stop) -> bool:
+    return piece is not None and piece.last is stop
+
+
+def runs(spans: Iterable[Span]) -> Iterator[list[Span]]:
+    """Runs of neighbouring open spans."""
+    return (list(run) for there, run in groupby(spans, lambda span: span.open) if there)
+
+
+def bounds(run: Iterable[Span], k: int) -> Iterator[tuple[Piece | None, int, Stop, Stop]]:
+    """The pieces that bound a run below (0) or above (1), with their states and ends."""
+    for _, spans in groupby(run, lambda span: id((span.low, span.high)[k])):
+        all_ = list(spans)
+        piece = (all_[0].low, all_[0].high)[k]
+        yield piece, all_[0].states[k], all_[0].first, all_[-1].last

@@ -1,0 +1,48 @@
+"""The clock that deadlines are told by; whoever looks at it hears as well that nobody waits.
+
+A deadline says when to stop with the best so far, a cancellation to stop with nothing. Both are
+looked for in the same places: stages look between their steps, solvers between their iterations.
+"""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from contextvars import ContextVar
+from threading import Event
+
+from synthesis.errors import Cancelled
+
+_cancelling: ContextVar[Event | None] = ContextVar("cancelling", default=None)
+
+
+@contextmanager
+def cancellation_scope(event: Event) -> Iterator[None]:
+    """What runs inside, in this thread, ends with Cancelled soon after the event is set."""
+    token = _cancelling.set(event)
+    try:
+        yield
+    finally:
+        _cancelling.reset(token)
+
+
+def now() -> float:
+    """``time.monotonic()`` [s], which deadlines are given in.
+
+    Raises:
+        Cancelled: nobody waits for what is being done.
+    """
+    event = _cancelling.get()
+    if event is not None and event.is_set():
+        raise Cancelled
+    return time.monotonic()
+
+
+def stop_callback() -> Callable[[], bool] | None:
+    """What a solver, which cannot raise, asks between its iterations; None where nobody can stop.
+
+    After a solver that was stopped in this way look at the clock: it raises.
+    """
+    event = _cancelling.get()
+    return None if event is None else event.is_set

@@ -1,0 +1,224 @@
+"""A closed curve as one B-spline of degree 5, within a stated distance of the true curve.
+
+The parameter is the arc length. Nodes lie on the curve, and every place where the curve's law
+changes is one: there the spline has the curve's own point, tangent and curvature, and is as smooth
+as the curve, no smoother. In between it has four continuous derivatives and one control point a
+node. How far it departs from the curve, along the curve's normal, is measured on every piece; where
+that is too far nodes are added, in proportion to the sixth root of the departure, where it is less
+than needed they are taken away.
+
+The departure of a piece is smooth and is known at eleven of its places; a polynomial through these
+tells its largest value in between.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.interpolate import BSpline
+
+from synthesis.errors import InputError
+from synthesis.numerics.geometry.closed_curve import ClosedCurve, CurvePoints
+from synthesis.numerics.geometry.merged_spans import merge_smooth_spans
+from synthesis.numerics.geometry.mesh import AIM, Mesh
+from synthesis.numerics.piecewise import Array
+from synthesis.numerics.quintic_spline import EndDerivatives, solve_inner_nodes, to_polynomials
+from synthesis.numerics.to_bspline import clamped_knots, control_points
+
+DEGREE = 5
+MOST_NODES = 20_000
+ROUNDS, PATIENCE = 40, 20  # tries, with every span by itself and with some of them joined
+WIDEST = 1.0 / 24.0  # of the curve: spacing of nodes
+FREELY = 4  # rounds in which spans may lose pieces too
+SAME = 1e-8  # a step of the tangent [rad], or of the curvature against its size: rounding
+ROUNDING = 2.0**-46  # of the curve's size: no tolerance is below it
+
+GAUSS, WEIGHTS = np.polynomial.legendre.leggauss(8)
+GAUSS = 0.5 * (GAUSS + 1.0)
+PROBES = 0.5 - 0.5 * np.cos(np.pi * (np.arange(11) + 0.5) / 11.0)
+FINE = np.linspace(0.0, 1.0, 67)
+BEYOND = 1.002  # what may lie between those
+
+
+def _integrals(ends: Array) -> Array:
+    """Weights of the values at GAUSS for the integrals from 0 to each of ``ends``."""
+    powers = np.arange(len(GAUSS))
+    return np.asarray(
+        np.linalg.solve(
+            np.vander(2.0 * GAUSS - 1.0, increasing=True).T,
+            ((2.0 * ends - 1.0)[None, :] ** (powers[:, None] + 1) - (-1.0) ** (powers[:, None] + 1))
+            / (2.0 * (powers[:, None] + 1)),
+        ).T
+    )
+
+
+TO_PROBES = _integrals(PROBES)
+TO_END = _integrals(np.ones(1))[0]
+# values at the probes to values in between
+BETWEEN = np.polynomial.chebyshev.chebvander(2.0 * FINE - 1.0, 10) @ np.linalg.inv(
+    np.polynomial.chebyshev.chebvander(2.0 * PROBES - 1.0, 10)
+)
+
+
+@dataclass(frozen=True, eq=False)
+class ClosedSpline:
+    """A clamped B-spline whose last control point is its first.
+
+    Attributes:
+        knots: (n + 6,) arc length [mm]. points: (n, 2) control points [mm].
+        error: largest distance from the true curve, along its normal [mm].
+        nodes: number of places where it lies on the true curve.
+    """
+
+    knots: Array
+    points: Array
+    error: float
+    nodes: int
+    degree: int = DEGREE
+
+    @property
+    def length(self) -> float:
+        """Of the whole curve [mm]."""
+        return float(self.knots[-1] - self.knots[0])
+
+    @property
+    def area(self) -> float:
+        """Enclosed [mm²], whichever way round it runs."""
+        breaks = np.unique(self.knots)
+        where = breaks[:-1, None] + np.diff(breaks)[:, None] * GAUSS
+        (x, y), (dx, dy) = self.at(where.ravel()).T, self.at(where.ravel(), 1).T
+        swept = (x * dy - y * dx).reshape(where.shape) @ (0.5 * WEIGHTS)
+        return abs(float(np.sum(swept * np.diff(breaks)))) / 2.0
+
+    def at(self, parameter: Array, order: int = 0) -> Array:
+        """Points (n, 2) [mm], or derivatives by the parameter."""
+        return np.asarray(BSpline(self.knots, self.points, self.degree)(parameter, order))
+
+
+def fit_closed_spline(curve: ClosedCurve, tolerance: float) -> ClosedSpline:
+    """The B-spline of a closed curve.
+
+    Args:
+        curve: the true curve. tolerance: largest distance from it [mm].
+
+    Raises:
+        InputError: the tolerance is below what numbers of 16 digits can tell at this size.
+    """
+    gentle = _joined(curve, tolerance)
+    if gentle is not curve:
+        found = _fitted(gentle, tolerance, PATIENCE)
+        if found.error <= tolerance:
+            return found
+    found = _fitted(curve, tolerance, ROUNDS)
+    if found.error <= tolerance:
+        return found
+    size = float(np.max(np.abs(found.points)))
+    raise InputError(
+        "/tolerance_um",
+        float(f"{tolerance * 1e3:.12g}"),
+        f"The curve came as near as {found.error * 1e3:.3g} µm with {found.nodes} pieces; "
+        f"rounding alone is {size * ROUNDING * 1e3:.1g} µm at this size.",
+        "Allow a larger tolerance.",
+    )
+
+
+def _fitted(curve: ClosedCurve, tolerance: float, rounds: int) -> ClosedSpline:
+    """The first spline within the tolerance, or the last that was tried."""
+    mesh = Mesh.initial(curve.span_sizes)
+    for turn in range(rounds):
+        found, departures = _through(curve, mesh, tolerance)
+        if (turn and found.error <= tolerance) or len(mesh.span) > MOST_NODES:
+            break
+        mesh = mesh.equidistribute(departures / tolerance, DEGREE + 1, growing=turn >= FREELY)
+    return found
+
+
+def _joined(curve: ClosedCurve, tolerance: float) -> ClosedCurve:
+    """The curve with the spans joined whose joint is too gentle to matter."""
+    mesh = Mesh.initial(curve.span_sizes)
+    lengths, _ = _lengths(curve, mesh)
+    _, departures = _through(curve, mesh, tolerance)
+    pieces = np.clip(departures / (AIM * tolerance), 1e-9, None) ** (1.0 / (DEGREE + 1))
+    spacing = np.full(len(curve.span_sizes), np.inf)
+    np.minimum.at(spacing, mesh.span, lengths / pieces)
+    return merge_smooth_spans(
+        curve, np.minimum(spacing, WIDEST * float(np.sum(lengths))), tolerance
+    )
+
+
+def _through(curve: ClosedCurve, mesh: Mesh, tolerance: float) -> tuple[ClosedSpline, Array]:
+    """The spline through a mesh's nodes, and the largest departure on every piece [mm]."""
+    lengths, speeds = _lengths(curve, mesh)
+    keep = lengths > 1e-3 * tolerance
+    mesh = mesh.select(keep)
+    lengths, speeds = lengths[keep], speeds[keep]
+    ends = _ends(curve, mesh, tolerance)
+    same = mesh.span[:-1] == mesh.span[1:]
+    inner = same & (mesh.high[:-1] == mesh.low[1:])
+    smooth = np.where(inner, DEGREE - 1, _continuity(ends))
+    table = to_polynomials(lengths, solve_inner_nodes(lengths, ends, inner))
+    breaks = np.concatenate([[0.0], np.cumsum(lengths)])
+    knots = clamped_knots(breaks, DEGREE, smooth)
+    points = control_points(breaks, table, knots)
+    points[-1] = points[0]
+    made = ClosedSpline(knots, points, math.inf, len(lengths))
+    departures = np.zeros(len(keep))
+    departures[keep] = _departures(curve, mesh, made, breaks, speeds)
+    rounding = ROUNDING * float(np.max(np.abs(points)))
+    error = BEYOND * float(np.max(departures)) + rounding
+    return ClosedSpline(knots, points, error, len(lengths)), departures
+
+
+def _lengths(curve: ClosedCurve, mesh: Mesh) -> tuple[Array, Array]:
+    """Arc length of each piece (n,), and per unit of the piece at GAUSS (n, 8) [mm]."""
+    speeds = curve.at(*mesh.points_at(GAUSS)).speed.reshape(-1, len(GAUSS))
+    speeds = speeds * (mesh.high - mesh.low)[:, None]
+    return speeds @ TO_END, speeds
+
+
+def _ends(curve: ClosedCurve, mesh: Mesh, tolerance: float) -> EndDerivatives:
+    """Points, tangents and curvature vectors at both ends of every piece, neighbours agreeing."""
+    course = curve.at(*mesh.points_at(np.array([0.0, 1.0])))
+    bend = np.where(
+        np.abs(course.curvature) * tolerance < 1.0, course.curvature, 0.0
+    )  # of a cusp: nothing
+    tx, ty = course.tangent.T
+    value, slope, second = (
+        each.reshape(-1, 2, 2).swapaxes(0, 1).copy()
+        for each in (course.points, course.tangent, bend[:, None] * np.column_stack([-ty, tx]))
+    )
+    for each, near in ((value, math.inf), (slope, SAME), (second, SAME)):
+        before, behind = each[1], np.roll(each[0], -1, axis=0)
+        size = np.maximum(np.hypot(*before.T), np.hypot(*behind.T))
+        agree = np.hypot(*(before - behind).T) <= near * size
+        mean = np.where(agree[:, None], 0.5 * (before + behind), np.nan)
+        each[1] = np.where(agree[:, None], mean, before)
+        each[0] = np.where(np.roll(agree, 1)[:, None], np.roll(mean, 1, axis=0), each[0])
+    return EndDerivatives(value, slope, second)
+
+
+def _continuity(ends: EndDerivatives) -> NDArray[np.intp]:
+    """Continuous derivatives at the nodes between neighbouring pieces: 0, 1 or 2."""
+    first = np.all(ends.slope[1, :-1] == ends.slope[0, 1:], axis=1)
+    second = np.all(ends.second[1, :-1] == ends.second[0, 1:], axis=1)
+    return np.where(first, np.where(second, 2, 1), 0)
+
+
+def _departures(
+    curve: ClosedCurve, mesh: Mesh, made: ClosedSpline, breaks: Array, speeds: Array
+) -> Array:
+    """Largest distance of each piece from the true curve, along its normal (n,) [mm]."""
+    true: CurvePoints = curve.at(*mesh.points_at(PROBES))
+    where = np.clip(breaks[:-1, None] + speeds @ TO_PROBES.T, breaks[:-1, None], breaks[1:, None])
+    off = made.at(where.ravel()) - true.points
+    tx, ty = true.tangent.T
+    along = off[:, 0] * tx + off[:, 1] * ty
+    across = off[:, 1] * tx - off[:, 0] * ty
+    # a point ahead by `along` is nearest to another place of the curve, which has bent away
+    finite = np.where(np.isfinite(true.curvature), true.curvature, 0.0)
+    across = (across - 0.5 * finite * along**2).reshape(-1, len(PROBES))
+    between = across @ BETWEEN.T
+    return np.asarray(np.maximum(np.max(np.abs(between), axis=1), np.max(np.abs(across), axis=1)))

@@ -1,0 +1,139 @@
+"""Cone programs, solved by Clarabel called directly."""
+
+from __future__ import annotations
+
+import math
+import time
+from dataclasses import dataclass
+
+import clarabel
+import numpy as np
+from scipy import sparse
+from scipy.sparse.linalg import splu
+
+from synthesis.numerics import clock
+from synthesis.numerics.piecewise import Array
+from synthesis.numerics.solvers.statuses import StopReason
+
+STATUSES = {
+    "Solved": StopReason.SOLVED,
+    "AlmostSolved": StopReason.INACCURATE,
+    "PrimalInfeasible": StopReason.INFEASIBLE,
+    "AlmostPrimalInfeasible": StopReason.INFEASIBLE,
+    "DualInfeasible": StopReason.UNBOUNDED,
+    "AlmostDualInfeasible": StopReason.UNBOUNDED,
+    "MaxTime": StopReason.OUT_OF_TIME,
+    "MaxIterations": StopReason.OUT_OF_ITERATIONS,
+    "InsufficientProgress": StopReason.INACCURATE,
+}
+MOST_DENSE = 60  # equalities that are closed by dense algebra
+DAMPED, REPEATED = 1e-10, 4  # share of the largest diagonal; steps
+
+
+@dataclass(frozen=True, eq=False)
+class ConeProgram:
+    """Minimise ½ xᵀPx + qᵀx with b − A x in a product of cones, in this order of rows.
+
+    Attributes:
+        quadratic: P, upper triangle, (n, n). linear: q, (n,).
+        matrix: A, (m, n). rhs: b, (m,).
+        equalities: number of rows with b − Ax = 0.
+        inequalities: number of rows with b − Ax ≥ 0.
+        cones: sizes of the second-order cones that follow.
+    """
+
+    quadratic: sparse.csc_matrix
+    linear: Array
+    matrix: sparse.csc_matrix
+    rhs: Array
+    equalities: int
+    inequalities: int
+    cones: tuple[int, ...]
+
+    def value(self, x: Array) -> float:
+        """The objective at a point."""
+        half = self.quadratic @ x - 0.5 * self.quadratic.diagonal() * x  # of both triangles
+        return float(x @ half + self.linear @ x)
+
+
+@dataclass(frozen=True, eq=False)
+class ConeSolution:
+    """A point, its multipliers (one per row of A), and why the solver stopped there."""
+
+    x: Array
+    multipliers: Array
+    stopped: StopReason
+    word: str
+    iterations: int
+    seconds: float
+
+
+def project_on_equalities(program: ConeProgram, x: Array) -> Array:
+    """The nearest point that keeps the equalities to rounding instead of to the tolerance.
+
+    Joints of motion laws are among them, and a joint must not show in the finished cam.
+    """
+    if program.equalities == 0 or not np.all(np.isfinite(x)):
+        return x
+    rows, rhs = program.matrix[: program.equalities], program.rhs[: program.equalities]
+    if program.equalities > MOST_DENSE:
+        return _closed_sparsely(rows, rhs, x)
+    weights, *_ = np.linalg.lstsq((rows @ rows.T).toarray(), rhs - rows @ x, rcond=1e-13)
+    return np.asarray(x + rows.T @ weights)
+
+
+def _closed_sparsely(rows: sparse.csc_matrix, rhs: Array, x: Array) -> Array:
+    """The same for many equalities, in time that grows with their number, not with its cube.
+
+    Equalities may depend on each other, so that the normal equations are singular; a little added
+    to their diagonal, and the step done again on what is left, comes to the same point.
+    """
+    normal = (rows @ rows.T).tocsc()
+    spare = DAMPED * float(normal.diagonal().max())
+    solver = splu(normal + spare * sparse.eye_array(len(rhs), format="csc"))
+    for _ in range(REPEATED):
+        x = np.asarray(x + rows.T @ solver.solve(rhs - rows @ x))
+    return x
+
+
+def solve(program: ConeProgram, time_limit: float = math.inf) -> ConeSolution:
+    """Solve to 1e-10 relative where rounding allows.
+
+    Args:
+        program: the matrices.
+        time_limit: seconds after which the solver gives up.
+
+    Raises:
+        Cancelled: nobody waits for it any more.
+    """
+    settings = clarabel.DefaultSettings()
+    settings.verbose = False
+    settings.presolve_enable = False
+    settings.max_threads = 1
+    settings.tol_gap_abs = settings.tol_gap_rel = settings.tol_feas = 1e-10
+    settings.max_iter = 100
+    if math.isfinite(time_limit):
+        settings.time_limit = max(time_limit, 1e-3)
+    kinds = [
+        clarabel.ZeroConeT(program.equalities),
+        clarabel.NonnegativeConeT(program.inequalities),
+        *(clarabel.SecondOrderConeT(size) for size in program.cones),
+    ]
+    started = time.perf_counter()
+    solver = clarabel.DefaultSolver(
+        program.quadratic, program.linear, program.matrix, program.rhs, kinds, settings
+    )
+    asked = clock.stop_callback()
+    if asked is not None:
+        solver.set_termination_callback(lambda _: asked())
+    found = solver.solve()
+    clock.now()
+    word = str(found.status)
+    return ConeSolution(
+        project_on_equalities(program, np.asarray(found.x)),
+        np.asarray(found.z),
+        STATUSES.get(word, StopReason.FAILED),
+        word,
+        found.iterations,
+        time.perf_counter() - started,
+    )

@@ -1,0 +1,307 @@
+"""Nodes of the branch and bound where motion and size together make limits nonconvex.
+
+With the pivot of an arm free, the pressure angle holds products of the size and of sine and cosine
+of the swing; so do all limits of a flat face that swings. A cam that is better than the incumbent
+satisfies the relaxation's rows and the incumbent's value, so its size lies in a box and its laws
+within bounds, which the relaxation itself gives over all laws. There the limits imply linear rows
+(McCormick's under-estimators), and with them the dual bound stays valid: a cam that is no better
+than the incumbent need not satisfy them. Rows and bounds tighten each other, in turn.
+"""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, field, replace
+from math import isfinite
+from typing import Self
+
+import numpy as np
+
+from synthesis.catalogue.constraints import NonconvexConstraint
+from synthesis.catalogue.limits import Limit, Machine
+from synthesis.catalogue.motion import PlacedSegment
+from synthesis.numerics.solvers.clarabel import solve
+from synthesis.numerics.solvers.statuses import USABLE, StopReason
+from synthesis.optimise.branching.node import Node, Tree
+from synthesis.optimise.conic.control import law_controls
+from synthesis.optimise.conic.law_bounds import LawBounds
+from synthesis.optimise.conic.linear_rows import LinearBlock
+from synthesis.optimise.conic.program import NO_TIGHTENING, ConicModel, formulate, with_rows
+from synthesis.optimise.conic.tangent_cuts import TangentPoint, bounds_within, cut_block
+from synthesis.optimise.dual_bound.bound import Bound, dual_bound, in_core_units
+from synthesis.optimise.heuristics.local_search import improve_from
+from synthesis.optimise.problem.grid import Grid, uniform_grid
+from synthesis.optimise.problem.problem import NoObjective, ObjectiveCap, Problem
+from synthesis.optimise.propagation.law_tightening import size_bounds, tighten_law
+from synthesis.optimise.recovery.candidate import Candidate, recover_cam
+from synthesis.optimise.refinement.mesh import refine_mesh
+from synthesis.optimise.relaxation.reverse_convex import reverse_convex_rows
+from synthesis.optimise.state.solve_state import SolveState, Stage
+
+COARSE = 20
+"""Intervals of the mesh on which laws and sizes are bounded."""
+NODES = 7
+"""Points of a law at which it is bounded."""
+NEAR = -0.15
+"""Relative value of a smooth limit from which on it is nearly binding."""
+SAMPLES = 200
+"""Points of a segment at which limits are looked at."""
+ROUNDS = 5
+"""Meshes of one relaxation, each finer than the one before."""
+FEWEST_ROWS = 40
+"""Points along the bounded part of a law at which implied rows are written."""
+SPARE = 1e-9
+"""Relative slack of a value that is held, and least excess of a proof, against rounding."""
+REACHED = 1e-5
+"""Relative amount beyond what laws on coarse knots reach, so that there is a choice left."""
+TURNS, QUICK_TURNS = 4, 2
+"""Turns of bounds and rows; few where the incumbent is a local optimum already."""
+LEAST_GAIN = 0.15
+"""Of the gap: what a turn must gain for another one."""
+KNOT_GAIN = 0.3
+"""Of the gap: what knots must have to gain for a finer mesh."""
+MAX_NODES = 15
+
+Parts = Mapping[int, tuple[float, float]]
+
+
+@dataclass(frozen=True, eq=False)
+class PivotNode(Node):
+    """A box of sizes.
+
+    Attributes:
+        problem: the problem, its sizes in the box.
+        parts: of every free law, the part on which implied rows are written.
+        grids: the present mesh.
+        sizes, tubes: bounds of the size and of the laws of every better cam.
+        about: the last solution, where rows are tangent.
+        is_root: whether it is the whole domain. started: ``time.perf_counter()`` of its root.
+    """
+
+    problem: Problem
+    parts: Parts
+    lower: float
+    valid_for: str
+    grids: tuple[Grid, ...]
+    sizes: tuple[tuple[float, float], ...] = ()
+    tubes: Mapping[int, LawBounds] = field(default_factory=dict)
+    about: TangentPoint | None = None
+    processed: bool = False
+    deferred: bool = False
+    is_root: bool = False
+    started: float = 0.0
+
+    @classmethod
+    def root(cls, state: SolveState) -> Self | None:
+        """The whole domain; None where no nonconvex limit binds, or no incumbent bounds it."""
+        started, best, free = time.perf_counter(), state.incumbent, state.problem.free
+        if best is None or not free:
+            return None
+        parts = {k: part for k, s in enumerate(free) if (part := nearly_binding_part(best, s))}
+        if not parts and isfinite(state.lower):
+            return None
+        return cls(
+            state.problem, parts, state.lower, state.valid_for, state.grids, is_root=True,
+            started=started,
+        )  # fmt: skip
+
+    def node_limit(self, state: SolveState) -> float:
+        return MAX_NODES if state.thorough and self.sizes else 1
+
+    def is_pruned(self, state: SolveState) -> bool:
+        return state.solved if self.is_root else state.is_close(state.incumbent, self.lower)
+
+    def process(self, state: SolveState) -> tuple[SolveState, Node]:
+        node, quick = self, self.is_root and state.problem.omits_curved_rows and not state.thorough
+        for _ in range(QUICK_TURNS if quick else TURNS):
+            best, before = _incumbent(state), node.lower
+            tighter = tighten_node(state, best, node)
+            if tighter is None or (self.is_root and state.time_left <= 0.0):
+                break
+            node = _solve_relaxation(state, best, tighter)
+            if self.is_root:
+                # the knots that the bound asks for are those on which a better cam is looked for
+                state = state.raise_bound(node.lower, node.valid_for)
+                if node.grids != state.grids:
+                    state = improve_from(replace(state, grids=node.grids), best)
+            best = _incumbent(state)
+            least = LEAST_GAIN * (best.value - (node.lower if self.is_root else before))
+            if node.is_pruned(state) or node.lower - before < least:
+                break
+        return state, replace(node, processed=True)
+
+    def branch(self, state: SolveState) -> tuple[SolveState, Sequence[Node]]:
+        """Halve the widest range of the sizes."""
+        axis = max(range(len(self.sizes)), key=lambda k: self.sizes[k][1] - self.sizes[k][0])
+        low, high = self.sizes[axis]
+        children = []
+        for half in ((low, 0.5 * (low + high)), (0.5 * (low + high), high)):
+            bounds, sizes = list(self.problem.sizing.bounds), list(self.sizes)
+            bounds[axis] = sizes[axis] = half
+            inside = replace(self.problem.sizing, bounds=tuple(bounds))
+            problem = replace(self.problem, sizing=inside)
+            child = replace(self, problem=problem, sizes=tuple(sizes))
+            children.append(replace(child, processed=False, is_root=False))
+        return state, children
+
+    def conclude(self, state: SolveState, tree: Tree) -> SolveState:
+        lowest = min(tree.leaves, key=lambda leaf: leaf.lower)
+        return state.raise_bound(lowest.lower, lowest.valid_for).with_stage(
+            Stage(
+                "implied rows", f"cone programs in {len(tree.leaves)} boxes", "Clarabel", 0, 0, 0,
+                time.perf_counter() - self.started, "solved",
+                "what a better cam keeps to, and the rows that its limits imply there",
+            )
+        )  # fmt: skip
+
+
+def _incumbent(state: SolveState) -> Candidate:
+    assert state.incumbent is not None
+    return state.incumbent
+
+
+def nearly_binding_part(best: Candidate, free: PlacedSegment) -> tuple[float, float] | None:
+    """The part of a free law on which a limit with implied rows is nearly binding."""
+    problem = best.problem
+    (segment,) = (s for s in problem.segments if s.index == free.index)
+    x = np.linspace(0.0, 1.0, SAMPLES + 1)
+    theta = segment.start + segment.angle * x
+    s = segment.placed().derivatives(theta)
+    worst = np.full(len(x), -np.inf)
+    for limit in problem.limits:
+        if any(_relaxable(limit, segment, problem.machine)):
+            for value in limit.smooth_constraints(segment, problem.machine, theta, s, best.size):
+                worst = np.maximum(worst, value)
+    binding = x[worst > NEAR]
+    if not len(binding) or np.max(worst) < 0.1 * NEAR:
+        return None
+    step = 2.0 / SAMPLES
+    return max(float(binding[0]) - step, 0.0), min(float(binding[-1]) + step, 1.0)
+
+
+def tighten_node(state: SolveState, best: Candidate, node: PivotNode) -> PivotNode | None:
+    """The node with bounds of the sizes and laws of all cams better than ``best``.
+
+    None where nothing caps the laws, or time is over.
+    """
+    problem = node.problem
+    coarse = (uniform_grid(segment, COARSE) for segment in problem.free)
+    grids = tuple(Grid(g.space, g.space.breaks) for g in coarse)
+    value = _value_to_hold(state, best, grids, node) * (1.0 + SPARE)
+    cap = ObjectiveCap(problem.objective, value)
+    better = replace(
+        problem, objective=NoObjective(), objective_caps=(*problem.objective_caps, cap)
+    )
+    model = formulate(better, grids)
+    capped = law_controls(model)
+    if capped is None or not all(np.isfinite(control.cap) for control in capped):
+        return None
+    if node.sizes:
+        model = with_rows(model, list(_implied_rows(model, node)))
+    ranges = node.sizes or problem.sizing.bounds
+    sizes = tuple(size_bounds(model, axis, ends) for axis, ends in enumerate(ranges))
+    tubes = {}
+    for position, (low, high) in node.parts.items():
+        if state.time_left <= 0.0:
+            return None
+        nodes = np.linspace(low, high, NODES)
+        former = node.tubes.get(position)
+        tubes[position] = tighten_law(
+            model, position, capped[position], nodes, former, state.deadline
+        )
+    return replace(node, sizes=sizes, tubes=tubes)
+
+
+def _value_to_hold(
+    state: SolveState, best: Candidate, grids: tuple[Grid, ...], node: PivotNode
+) -> float:
+    """The value that better cams do not exceed, or what laws on coarse knots can reach.
+
+    Rows that no spline of the coarse mesh satisfies bound nothing; with the value raised, the laws
+    of a few cams that are worse are bounded too, which is valid.
+    """
+    if not node.sizes or node.problem.objective.norm(node.problem.machine) is None:
+        return best.value
+    relaxed = formulate(node.problem, grids)
+    model = with_rows(relaxed, list(_implied_rows(relaxed, node)))
+    solution = solve(model.program, state.time_left)
+    if solution.stopped not in USABLE:
+        return best.value
+    family = in_core_units(model, model.program.value(solution.x))
+    return max(best.value, family * (1.0 + REACHED))
+
+
+def _solve_relaxation(state: SolveState, best: Candidate, node: PivotNode) -> PivotNode:
+    """Solve the node's relaxation on finer and finer meshes, and keep the best dual bound."""
+    problem = node.problem
+    for _ in range(ROUNDS):
+        relaxed = formulate(problem, node.grids)
+        model = with_rows(relaxed, list(_implied_rows(relaxed, node)))
+        solution = solve(model.program, state.time_left)
+        if solution.stopped is StopReason.INFEASIBLE and prove_empty(node, state.time_left):
+            return replace(node, lower=best.value)
+        if solution.stopped not in USABLE:
+            break
+        bound = dual_bound(model, solution)
+        if not bound.switching:
+            break
+        laws, size = model.recover(solution.x)
+        node = replace(node, about=TangentPoint(tuple(law.curve() for law in laws), size))
+        # Above the incumbent there is nothing left to bound: no cam of this box is better.
+        value = min(bound.value, best.value)
+        if value > node.lower:
+            node = replace(node, lower=value, valid_for=bound.valid_for)
+        cam = recover_cam(problem, laws, size, keep_hint=True)
+        if state.is_close(best, bound.value) or state.time_left <= 0.0:
+            break
+        # Knots can gain what lies between the best of this family of splines and the bound.
+        if cam.value - bound.value < KNOT_GAIN * (best.value - bound.value):
+            break
+        nowhere = [np.zeros(0)] * len(node.grids)
+        node = replace(node, grids=refine_mesh(problem, node.grids, cam, bound, nowhere))
+    return node
+
+
+def prove_empty(node: PivotNode, time_limit: float) -> Bound | None:
+    """Prove that no law at all satisfies the implied rows; None where that does not succeed.
+
+    The proof is a positive lower bound of the largest excess of these rows.
+
+    Args:
+        node: the node. time_limit: seconds.
+    """
+    bare = formulate(replace(node.problem, objective=NoObjective()), node.grids)
+    model = with_rows(bare, [replace(row, level=-1.0) for row in _implied_rows(bare, node)])
+    solution = solve(model.program, time_limit)
+    if solution.stopped not in USABLE:
+        return None
+    least = dual_bound(model, solution)
+    return least if least.switching and least.value > SPARE else None
+
+
+def _implied_rows(model: ConicModel, node: PivotNode) -> Iterator[LinearBlock]:
+    """Rows that limits imply in the box: tangent at its middle, and at the last solution."""
+    yield from reverse_convex_rows(node.problem, node.sizes, model.scales)
+    for position, tube in node.tubes.items():
+        segment, grid = node.problem.free[position], model.grids[position]
+        low, high = tube.nodes[0], tube.nodes[-1]
+        points = grid.points[(grid.points >= low) & (grid.points <= high)]
+        x = np.union1d(points, np.linspace(low, high, FEWEST_ROWS))
+        within = bounds_within(tube, segment, x, node.sizes)
+        places = [None] if node.about is None else [None, node.about.at(position, segment, x)]
+        for limit in node.problem.limits:
+            for implied in _relaxable(limit, segment, node.problem.machine):
+                for place in places:
+                    for cut in implied.relax(within, place):
+                        yield cut_block(
+                            cut, implied.source, position, segment, Grid(grid.space, x),
+                            model.scales, NO_TIGHTENING,
+                        )  # fmt: skip
+
+
+def _relaxable(
+    limit: Limit, segment: PlacedSegment, machine: Machine
+) -> Iterator[NonconvexConstraint]:
+    """The nonconvex constraints of a limit that have linear relaxations over small boxes."""
+    return (one for one in limit.nonconvex(segment, machine) if one.has_relaxation)

@@ -1,0 +1,400 @@
+"""Nodes of the branch and bound where limits speak of a traced point: curvature, Hertz pressure.
+
+The relaxation leaves these limits out. But a cam that is better than the incumbent by the tolerance
+satisfies the rows of the relaxation and a cap on its value; so its size lies in a box and its
+traced point within bounds, which duality gives over all laws. Over these bounds the limits imply
+linear rows (McCormick's under-estimators). Rows and bounds are tightened in turn, until the node is
+empty or the bounds no longer change. Then it is divided, in a size or in the value.
+"""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Collection, Sequence
+from dataclasses import dataclass, replace
+from math import inf, isfinite
+from typing import Self
+
+import numpy as np
+
+from synthesis.numerics import clock
+from synthesis.numerics.solvers.clarabel import solve
+from synthesis.numerics.solvers.statuses import USABLE, StopReason
+from synthesis.optimise.branching.bound_task import (
+    BoundTask,
+    binding_parts,
+    is_of_traced_forces,
+    is_traced,
+    with_value_cap,
+)
+from synthesis.optimise.branching.node import Node, Tree
+from synthesis.optimise.conic.linear_rows import LinearBlock, Scales
+from synthesis.optimise.conic.program import formulate, with_rows
+from synthesis.optimise.dual_bound.bound import Bound, dual_bound, infeasibility_bound
+from synthesis.optimise.dual_bound.multiplier_density import MultiplierDensity
+from synthesis.optimise.dual_bound.multipliers import boundary_multipliers, nonnegative_multipliers
+from synthesis.optimise.heuristics.local_search import improve_from
+from synthesis.optimise.problem.grid import Grid, grid_through, merge_knots, uniform_grid
+from synthesis.optimise.propagation.bound_tightening import tighten_bounds
+from synthesis.optimise.propagation.improving_region import (
+    ImprovingRegion,
+    TangentCam,
+    initial_region,
+)
+from synthesis.optimise.recovery.candidate import Candidate, recover_cam
+from synthesis.optimise.refinement.mesh import halve_intervals, refine_mesh
+from synthesis.optimise.refinement.row_violations import row_violations
+from synthesis.optimise.relaxation import fixed_motion
+from synthesis.optimise.relaxation.reverse_convex import outside_ball_rows
+from synthesis.optimise.state.solve_state import SolveState, Stage
+
+INTERVALS = 20
+"""Of the first mesh of every node."""
+SAMPLES = 200
+"""Points of a segment at which limits are looked at."""
+SPARE = 1e-9
+"""Relative slack of a value that is held, against rounding."""
+TIME_SHARE = 0.5
+"""Of the time left, if the proof was not asked for."""
+FIRST_TURNS, TURNS, FEW_TURNS = 3, 8, 2
+"""Of bounds and rows in a node: before a better cam is looked for, at most, if not thorough."""
+WIDTH_KEPT = 0.85
+"""Of the bounds' width: a turn that leaves more is idle."""
+ROUNDS = 5
+"""Meshes of one relaxation, each finer than the one before."""
+EARLY_ROUNDS = 2
+"""Of these, up to the first whose knots are kept for the node, and refined for small losses."""
+MESH_LOSS = 0.25
+"""Of what rows must still gain: a loss to coarse knots that does not matter yet."""
+SPREAD = 14
+"""Points between two rows over which their multipliers are distributed."""
+GAIN = 0.1
+"""Of what is missing: a finer mesh must gain as much for another one."""
+MAX_NODES, FEW_NODES = 21, 3
+"""Nodes at most: of a thorough proof, and of another one where the gap is wide."""
+WIDE = 0.05
+"""Relative gap that is wide."""
+VALUE_SPLIT = 0.4
+"""Of the widest size: values of a node farther apart than that are divided first."""
+
+
+@dataclass(frozen=True, eq=False)
+class NodeRelaxation:
+    """The solution of a node's relaxation, its mesh, and the bound that it gave."""
+
+    cam: Candidate
+    grids: tuple[Grid, ...]
+    bound: Bound
+
+
+@dataclass(frozen=True, eq=False)
+class TracedNode(Node):
+    """A box of sizes and a range of values.
+
+    Attributes:
+        region: what every better cam of the node satisfies.
+        grids: few knots, where the bound asks for them. relaxation: the last one solved.
+        least, most: range of the values of its cams, as far as they belong to no other node.
+        is_root: whether it is the whole domain. started: ``time.perf_counter()`` of its root.
+    """
+
+    task: BoundTask
+    region: ImprovingRegion
+    lower: float
+    valid_for: str
+    processed: bool = False
+    deferred: bool = False
+    grids: tuple[Grid, ...] = ()
+    relaxation: NodeRelaxation | None = None
+    least: float = -inf
+    most: float = inf
+    is_root: bool = False
+    started: float = 0.0
+
+    @classmethod
+    def root(cls, state: SolveState) -> Self | None:
+        """The whole domain; None where there is nothing to prove, or no way to.
+
+        Without ``thorough`` the proof is begun for limits on forces alone, and takes part of the
+        time that is left.
+        """
+        started, best, problem = time.perf_counter(), state.incumbent, state.problem
+        if best is None or problem.objective.quasiconvex or not problem.free:
+            return None
+        if not state.thorough and not any(is_of_traced_forces(state, x) for x in problem.limits):
+            return None
+        parts = {k: part for k, s in enumerate(problem.free) if (part := binding_parts(state, s))}
+        if not parts and not fixed_motion.binds_on_fixed_motion(best.problem, best.size):
+            return None
+        share = 1.0 if state.thorough else TIME_SHARE
+        deadline = state.deadline if share == 1.0 else state.deadline - share * state.time_left
+        task = BoundTask.of(state, best, deadline)
+        if task is None:
+            return None
+        region = initial_region(task.problem, task.controls, parts)
+        return cls(task, region, state.lower, state.valid_for, is_root=True, started=started)
+
+    def node_limit(self, state: SolveState) -> float:
+        if self.task.thorough:
+            return MAX_NODES
+        return FEW_NODES if self.lower < (1.0 - WIDE) * self.task.target else 1
+
+    def is_pruned(self, state: SolveState) -> bool:
+        return self.lower >= self.task.target
+
+    @property
+    def largest_value(self) -> float:
+        """The largest value of cams in the node that would be better than the incumbent."""
+        return min(self.most, self.task.target)
+
+    @property
+    def is_empty(self) -> bool:
+        """Whether it holds no such cam."""
+        return self.lower >= self.largest_value
+
+    def process(self, state: SolveState) -> tuple[SolveState, Node]:
+        inside = replace(state, deadline=self.task.deadline)
+        if not self.is_root:
+            return state, tighten(inside, replace(self, deferred=False), TURNS)._processed()
+        node = solve_relaxation(inside, self)
+        if not self.task.thorough:
+            return state, tighten(inside, node, FEW_TURNS)._processed()
+        for turns in (FIRST_TURNS, TURNS):
+            node = tighten(inside, node, turns)
+            if node.is_pruned(state) or inside.time_left <= 0.0:
+                break
+            inside, node = _improve_incumbent(inside, node)
+        return replace(inside, deadline=state.deadline), node._processed()
+
+    def _processed(self) -> TracedNode:
+        """The node as it counts: one without a better cam has none below the target."""
+        node = replace(self, processed=True)
+        return replace(node, lower=self.task.target) if self.is_empty else node
+
+    def branch(self, state: SolveState) -> tuple[SolveState, Sequence[Node]]:
+        """Divide across the widest size, or across the value where its range is wider.
+
+        Not across the last size while there is another: a cam grows in it, so that it bounds
+        nothing. Of two halves of the value the better one is processed first: it may be all that
+        there is time for.
+        """
+        if not self.region.is_divisible or clock.now() >= self.task.deadline:
+            return state, ()
+        child = replace(self, processed=False, is_root=False)
+        sizes = self.region.sizes
+        widths = [high - low for low, high in sizes]
+        among = widths[:-1] if any(widths[:-1]) else widths
+        low, high = max(self.least, self.lower), self.largest_value
+        norm = self.task.problem.objective.norm(self.task.problem.machine)
+        if norm is not None and high - low > VALUE_SPLIT * max(widths[:-1], default=0.0):
+            middle = 0.5 * (low + high)
+            worse = replace(child, least=middle, lower=max(self.lower, middle), deferred=True)
+            return state, (replace(child, least=low, most=middle), worse)
+        axis = int(np.argmax(among))
+        (low, high), middle = sizes[axis], 0.5 * sum(sizes[axis])
+        halves = ((low, middle), (middle, high))
+        boxes = [(*sizes[:axis], half, *sizes[axis + 1 :]) for half in halves]
+        return state, [replace(child, region=self.region.restrict(box)) for box in boxes]
+
+    def conclude(self, state: SolveState, tree: Tree) -> SolveState:
+        """Raise the bound to that of the lowest leaf, after finer meshes for it.
+
+        Where rows gain nothing more, finer knots still may.
+        """
+        leaves = [leaf for leaf in tree.leaves if isinstance(leaf, TracedNode)]
+        lowest = min(leaves, key=lambda leaf: leaf.lower)
+        while self.task.thorough and not lowest.is_pruned(state) and state.time_left > 0.0:
+            finer = solve_relaxation(state, lowest, every_mesh=True)._processed()
+            if finer.lower <= lowest.lower + GAIN * (lowest.task.target - lowest.lower):
+                break
+            leaves = [finer if leaf is lowest else leaf for leaf in leaves]
+            lowest = min(leaves, key=lambda leaf: leaf.lower)
+        traced = {x.kind for x in state.problem.limits if is_traced(state, x)}
+        lower = min(lowest.lower, lowest.task.target)
+        state = replace(state, modelled_kinds=traced).raise_bound(lower, lowest.valid_for)
+        return state.with_stage(
+            Stage(
+                "implied rows", f"linear and cone programs in {tree.count} boxes",
+                "HiGHS, Clarabel", 0, 0, 0, time.perf_counter() - self.started, "solved",
+                "what a better cam keeps to, and the rows that its curvature implies there",
+            )
+        )  # fmt: skip
+
+
+def _improve_incumbent(state: SolveState, node: TracedNode) -> tuple[SolveState, TracedNode]:
+    """A local search on the node's mesh; where it finds a better cam, the task is about that.
+
+    The mesh is where the ideal law has its switches inside the node: fewer knots do more there
+    than those with which the relaxation without curvature ended.
+    """
+    relaxed = node.relaxation
+    if relaxed is None:
+        return state, node
+    nowhere = [np.zeros(0)] * len(relaxed.grids)
+    grids = refine_mesh(state.problem, relaxed.grids, relaxed.cam, relaxed.bound, nowhere)
+    points, _ = row_violations(replace(state, grids=grids), relaxed.cam)
+    both = zip(grids, points, strict=True)
+    state = replace(state, grids=tuple(grid.with_points(x) for grid, x in both))
+    state = improve_from(state, relaxed.cam)
+    best = state.incumbent
+    assert best is not None
+    if best.value >= node.task.incumbent.value:
+        return state, node
+    return state, replace(node, task=BoundTask.of(state, best, node.task.deadline) or node.task)
+
+
+def tighten(state: SolveState, node: TracedNode, turns: int) -> TracedNode:
+    """Tighten bounds and rows in turns, each from what the other has shown.
+
+    All laws are tightened at first, and once more before it is given up; in between only those on
+    which the relaxation's solution violates a limit: other bounds would not cut it off.
+    """
+    among = every = tuple(range(len(node.task.problem.free)))
+    for _ in range(turns):
+        if node.is_empty or not node.grids or state.time_left <= 0.0:
+            break
+        before, region = node.region.for_laws(among).mean_width, _tighten_region(state, node, among)
+        if region is None:
+            return solve_relaxation(state, node) if state.time_left > 0.0 else node
+        if region.is_empty:
+            return replace(node, lower=node.largest_value)
+        node = solve_relaxation(state, replace(node, region=region))
+        idle = region.for_laws(among).mean_width > WIDTH_KEPT * before
+        if idle and among == every:
+            break
+        among = every if idle else _violating_laws(node) or every
+    return node
+
+
+def _violating_laws(node: TracedNode) -> tuple[int, ...]:
+    """The laws of the relaxation's solution that violate limits."""
+    guess, problem = node.region.reference, node.task.problem
+    if guess is None:
+        return ()
+    x = np.linspace(0.0, 1.0, SAMPLES + 1)
+    violating = []
+    for k in sorted({position for position, _ in node.region.point_bounds}):
+        law = problem.free[k].with_law(guess.laws[k].curve())
+        theta = law.start + law.angle * x
+        if np.max(fixed_motion.relative_excess(problem, law, theta, guess.size)) > 0.0:
+            violating.append(k)
+    return tuple(violating)
+
+
+def _tighten_region(
+    state: SolveState, node: TracedNode, among: Collection[int]
+) -> ImprovingRegion | None:
+    """The region with tighter bounds of the laws ``among``; None where no law could be bounded.
+
+    A law for which the coarse mesh has no spline under the capped value says nothing. For those the
+    cap is raised by what the incumbent is above the target, then their intervals are halved.
+    """
+    task, grids = node.task, node.grids
+    region = node.region.restrict(fixed_motion.tighten_sizes(task.problem, node.region.sizes))
+    if region.is_empty:
+        return region
+    wanted = left = frozenset(among)
+    raised = node.largest_value + (1.0 + SPARE) * task.incumbent.value - task.target
+    capped = with_value_cap(task.problem, node.largest_value)
+    eased = with_value_cap(task.problem, raised)
+    for problem in (capped, eased, eased):
+        at_knots = tuple(Grid(grid.space, grid.space.breaks) for grid in grids)
+        seconds = state.time_left
+        if seconds <= 0.0 or not left or region.is_empty:
+            break
+        model = formulate(problem, at_knots)
+        model = with_rows(model, _size_rows(replace(node, region=region), model.scales))
+        region, left = tighten_bounds(model, task.controls, region, left, seconds)
+        if problem is eased:
+            halved = halve_intervals(problem, grids, [np.zeros(0)] * len(grids))
+            both = zip(grids, halved, strict=True)
+            grids = tuple(h if k in left else g for k, (g, h) in enumerate(both))
+    return None if left == wanted else region
+
+
+def _size_rows(node: TracedNode, scales: Scales) -> list[LinearBlock]:
+    """Rows on the size alone that all better cams of a node satisfy."""
+    problem, sizes = node.task.problem, node.region.sizes
+    rows = list(fixed_motion.fixed_motion_rows(problem, sizes, scales))
+    norm = problem.objective.norm(problem.machine)
+    if norm is not None and isfinite(node.least):
+        rows += outside_ball_rows(norm, node.least, sizes, scales)
+    return rows
+
+
+def solve_relaxation(
+    state: SolveState, node: TracedNode, *, every_mesh: bool = False
+) -> TracedNode:
+    """Solve the node's relaxation on finer and finer meshes, and keep the best dual bound.
+
+    Args:
+        state: the solve. node: the node.
+        every_mesh: refine even where rows leave more to gain than knots.
+    """
+    task, sizes = node.task, node.region.sizes
+    # A cam grows in its last size variable: with that left open above there is a cam to every row.
+    grown = (sizes[-1][0], task.problem.sizing.bounds[-1][1])
+    inside = replace(task.problem.sizing, bounds=(*sizes[:-1], grown))
+    problem = replace(task.problem, sizing=inside)
+    grids = _coarse_mesh(node)
+    for number in range(ROUNDS):
+        # 1. The relaxation: the problem's own rows and those that limits imply at the knots.
+        grids = tuple(Grid(grid.space, grid.space.breaks) for grid in grids)
+        bare = formulate(problem, grids)
+        given = list(fixed_motion.fixed_motion_rows(problem, sizes, bare.scales))
+        model = with_rows(bare, [*given, *node.region.rows(bare, sparing=True)])
+        solution = solve(model.program, state.time_left)
+        # 2. Its multipliers, distributed over points between the knots: the implied rows hold
+        #    there too, and a smoother multiplier gives a better bound over all laws.
+        between = node.region.rows_between(model, SPREAD, sparing=True)
+        density = MultiplierDensity.of(model, between, SPREAD)
+        z = nonnegative_multipliers(model, solution)
+        ends = boundary_multipliers(model, solution, z, 3)
+        distributed = replace(
+            solution, multipliers=density.distribute_single(solution.multipliers, ends)
+        )
+        if solution.stopped is StopReason.INFEASIBLE:
+            node = _raised(node, infeasibility_bound(density.model, distributed, ends))
+            if node.is_empty or state.time_left <= 0.0:
+                break
+            grids = halve_intervals(problem, grids, [np.zeros(0)] * len(grids))
+            continue
+        if solution.stopped not in USABLE:
+            return node
+        bound = dual_bound(density.model, distributed, ends)
+        if not bound.switching:
+            return node
+        # 3. The solution is where the next rows are tangent.
+        laws, size = model.recover(solution.x)
+        region = replace(node.region, reference=TangentCam(tuple(laws), size))
+        node = replace(_raised(node, bound), region=region)
+        if number <= EARLY_ROUNDS:
+            node = replace(node, grids=grids)
+        cam = recover_cam(problem, laws, size, keep_hint=True)
+        node = replace(node, relaxation=NodeRelaxation(cam, grids, bound))
+        # 4. A finer mesh, while this family of splines still has a better cam or costs too much.
+        if node.is_empty or state.time_left <= 0.0:
+            break
+        missing = node.largest_value - cam.value
+        fine = number >= EARLY_ROUNDS or cam.value - bound.value < MESH_LOSS * missing
+        if missing > 0.0 and fine and not every_mesh:
+            break
+        grids = refine_mesh(problem, grids, cam, bound, [np.zeros(0)] * len(grids))
+    return node
+
+
+def _coarse_mesh(node: TracedNode) -> tuple[Grid, ...]:
+    """Few knots, some of them where rows begin and end."""
+    chosen = []
+    for position, segment in enumerate(node.task.problem.free):
+        hulls = (hull for (law, _), hull in node.region.point_bounds.items() if law == position)
+        ends = np.unique([end for hull in hulls for part in hull.parts for end in part])
+        breaks = uniform_grid(segment, INTERVALS).space.breaks
+        needed = segment.free.knots if segment.free else ()
+        chosen.append(grid_through(segment, merge_knots(breaks, ends, needed)))
+    return tuple(chosen)
+
+
+def _raised(node: TracedNode, bound: Bound) -> TracedNode:
+    better = bound.value > node.lower
+    return replace(node, lower=bound.value, valid_for=bound.valid_for) if better else node

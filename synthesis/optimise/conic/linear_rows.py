@@ -1,0 +1,337 @@
+"""Linear limits and objectives as rows: on the grid of a free law, or on a given law.
+
+A limit Σ a_k s^(k)(θ) + b · z + c P ≤ d (the pressure angle of a roller on a slide, caps of
+velocity, acceleration and jerk) becomes rows in the coefficients of the law's spline: s = s_0 + h
+g(x), so that s^(k) = h/β^k g^(k). On a given law the largest value of the motion's part is known,
+and the row is one half-plane of the size.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from functools import cached_property
+from typing import Literal
+
+import numpy as np
+from numpy.typing import NDArray
+
+from synthesis.catalogue.constraints import LinearInequality
+from synthesis.catalogue.motion import PlacedSegment
+from synthesis.numerics.bspline import SplineSpace
+from synthesis.numerics.maxima import maximise
+from synthesis.numerics.piecewise import Array
+from synthesis.numerics.round_mantissa import round_mantissa
+from synthesis.optimise.problem.boundary import BoundaryState
+from synthesis.optimise.problem.grid import TYPICAL, Grid
+
+ROOM = 0.25  # share of what lies between two bounds that they may be drawn in
+CLOSE = 1e-12  # a knot is where a window ends
+MONOTONE = 0.02  # share of the tightening that coefficients in order get: there are many of them
+
+
+@dataclass(frozen=True)
+class Scales:
+    """Units of the dimensionless unknowns: size variables [length], level [core units]."""
+
+    size: float
+    level: float
+
+
+@dataclass(frozen=True, eq=False)
+class LinearBlock:
+    """Rows laws · c + size · ζ + level · π ≤ rhs of one kind on one segment, row-scaled.
+
+    Factors and right-hand sides without their last digits.
+
+    Attributes:
+        kind: point: Σ alpha_k g^(k)(x) is what the laws' part stands for, at the points x;
+            control: a bound on the coefficients of the derivative that ``alpha`` names;
+            monotone: coefficients in order; size: no motion in it.
+        segment: position among the free segments, None for kind size.
+        law_matrix: (r, n) over all coefficients of that segment, None for kind size.
+        alpha: (4,), or (4, r) where the rows differ. size: (n_size,), or (r, n_size).
+        x: (r,) never descending. Only where it strictly ascends (``ascending``) are two rows that
+            follow each other neighbours on the law, with a density between them.
+        level, rhs: (r,) the limit itself.
+        tightening: by how much rhs is reduced for the solver's tolerance.
+        source: the limit or objective behind it.
+        spans: (r, 2) where on the law each row's multiplier may be spread, as its limit holds all
+            along there; None for rows of the whole law.
+        exact: = rhs in place of ≤ rhs.
+    """
+
+    kind: Literal["point", "control", "monotone", "size"]
+    segment: int | None
+    law_matrix: Array | None
+    x: Array
+    alpha: Array
+    size: Array
+    level: float
+    rhs: Array
+    source: str
+    tightening: float = 0.0
+    spans: Array | None = None
+    exact: bool = False
+
+    @classmethod
+    def of_size(
+        cls, size: Array, rhs: Array, source: str, *, level: float = 0.0, tighten: float = 0.0
+    ) -> LinearBlock:
+        """Rows without motion: size (n_size,) or (r, n_size), rhs (r,)."""
+        nowhere = np.zeros(len(rhs))
+        return cls("size", None, None, nowhere, np.zeros(4), size, level, rhs, source, tighten)
+
+    @cached_property
+    def orders(self) -> tuple[int, ...]:
+        """The derivatives that ``alpha`` names, in any of its rows."""
+        named = self.alpha if self.alpha.ndim == 1 else np.any(self.alpha, axis=1)
+        return tuple(named.nonzero()[0].tolist())
+
+    @property
+    def highest_order(self) -> int:
+        """The highest derivative that ``alpha`` names; −1: none."""
+        return self.orders[-1] if self.orders else -1
+
+    @property
+    def ascending(self) -> bool:
+        """Whether there are several points, each beyond the one before."""
+        return len(self.x) > 1 and bool(np.all(self.x[1:] > self.x[:-1]))
+
+    def negated(self) -> LinearBlock:
+        """The rows ≥ rhs of an equality, written as ≤."""
+        assert self.law_matrix is not None
+        return replace(
+            self, law_matrix=-self.law_matrix, alpha=-self.alpha, rhs=-self.rhs, exact=False
+        )
+
+    def priced(self, z: Array) -> Array:
+        """What multipliers (r,) make of the size's share: (n_size,)."""
+        return self.size * float(np.sum(z)) if self.size.ndim == 1 else z @ self.size
+
+
+@dataclass(frozen=True)
+class Tightening:
+    """Relative amounts by which rows are drawn in for the solver's sake.
+
+    Attributes:
+        every_row: all rows, against the solver's own tolerance.
+        sampled_rows: rows written at points, against what they miss in between.
+    """
+
+    every_row: float = 0.0
+    sampled_rows: float = 0.0
+
+
+def in_normalised_law(row: LinearInequality, segment: PlacedSegment) -> tuple[Array, float]:
+    """The row's factors of g and its derivatives, and what is left of its right-hand side."""
+    alpha = np.array(row.coefficients) * segment.lift / segment.angle ** np.arange(4)
+    return alpha, row.upper - row.coefficients[0] * segment.s_start
+
+
+def row_scale(row: LinearInequality, segment: PlacedSegment, scales: Scales) -> float:
+    """Natural size of the row's terms: rows are divided by it."""
+    return _scale(row, *in_normalised_law(row, segment), scales)
+
+
+def _scale(row: LinearInequality, alpha: Array, rhs: float, scales: Scales) -> float:
+    parts = [*(np.abs(alpha) * TYPICAL).tolist(), abs(row.level * scales.level)]
+    parts += [abs(share * scales.size) for share in row.size]
+    return float(max(parts) if row.size or row.level else max(*parts, abs(rhs)))
+
+
+def is_sampled(row: LinearInequality, space: SplineSpace) -> bool:
+    """Whether the row is written at points, and may be missed between them."""
+    if row.equality or (row.interval is not None and row.interval[0] == row.interval[1]):
+        return False
+    order = row.orders[0] if len(row.orders) == 1 else 0
+    if row.interval is not None:
+        return space.degree - order > 1
+    return order == 0 or (space.degree - order > 1 and order != 3)
+
+
+def rows_on_law(
+    row: LinearInequality,
+    position: int,
+    segment: PlacedSegment,
+    grid: Grid,
+    boundary: BoundaryState,
+    scales: Scales,
+    tightening: Tightening,
+) -> LinearBlock:
+    """The row on a free segment: at its points, or on control points where these are exact.
+
+    ``boundary``: the known ends of the law. A row that a law which never moves backwards
+    keeps all along once it keeps it at an end is written there alone.
+    """
+    alpha, rhs = in_normalised_law(row, segment)
+    scale, space = _scale(row, alpha, rhs, scales), grid.space
+    if row.interval is not None:
+        return _row_on_window(row, row.interval, position, segment, grid, scale, tightening)
+    size, level = (share * scales.size for share in row.size), row.level * scales.level
+    digits = round_mantissa(np.array([*alpha, level, rhs, *size]) / scale)
+    factors, tighten = digits[:4], tightening.every_row
+    if not is_sampled(row, space):
+        order = row.orders[0]
+        laws = space.control_matrix(order) * factors[order]
+        x = space.breaks if space.degree - order == 1 else np.zeros(len(laws))
+        kind: Literal["point", "control"] = "point" if space.degree - order == 1 else "control"
+    else:
+        x, kind, tighten = grid.points, "point", tighten + tightening.sampled_rows
+        first, *others = (factors[k] * grid.basis_table(k) for k in row.orders)
+        laws = sum(others, start=first)
+        end = _worst_end(alpha, segment, boundary)
+        if end is not None:
+            x, laws = x[end], laws[end]
+    bound = np.full(len(laws), digits[5])
+    return LinearBlock(
+        kind, position, laws, x, factors, digits[6:], float(digits[4]), bound, row.source, tighten
+    )
+
+
+def _worst_end(alpha: Array, segment: PlacedSegment, boundary: BoundaryState) -> slice | None:
+    """The end of a law at which α0 g + α1 g' is largest, whatever the law; None: any x may be.
+
+    With 0 ≤ g ≤ 1 and α1 g' ≤ 0 the end where α0 g is largest is the place, if g' = 0 there.
+    """
+    assert segment.free is not None
+    if segment.free.overshoot or alpha[2] != 0.0 or alpha[3] != 0.0 or alpha[1] > 0.0:
+        return None
+    state, end = (
+        (boundary.start, slice(0, 1)) if alpha[0] <= 0.0 else (boundary.end, slice(-1, None))
+    )
+    return end if len(state) > 1 and state[1] == 0.0 else None
+
+
+def _row_on_window(
+    row: LinearInequality,
+    part: tuple[float, float],
+    position: int,
+    segment: PlacedSegment,
+    grid: Grid,
+    scale: float,
+    tightening: Tightening,
+) -> LinearBlock:
+    """A row of one derivative that holds on a part of the law alone, or at a point of it."""
+    alpha, rhs = in_normalised_law(row, segment)
+    order, space = row.orders[0], grid.space
+    table, x, spans = rows_on_window(space, order, part, grid.points, exact=row.equality)
+    factors, bound = round_mantissa(alpha / scale), np.full(len(table), round_mantissa(rhs / scale))
+    tighten = min(
+        tightening.every_row + tightening.sampled_rows * is_sampled(row, space),
+        ROOM * row.range_width / scale,
+    )
+    laws = table * factors[order]
+    return LinearBlock(
+        "point", position, laws, np.clip(x, *part), factors, np.zeros(0), 0.0, bound, row.source,
+        tighten, spans, row.equality,
+    )  # fmt: skip
+
+
+def rows_on_window(
+    space: SplineSpace, order: int, part: tuple[float, float], points: Array, *, exact: bool
+) -> tuple[Array, Array, Array]:
+    """Rows that hold one derivative of a spline on a part of it, or at a point.
+
+    Of an inequality at the points given, but where the derivative is at most linear between
+    knots; of an equality as many as determine the derivative on the knot intervals it touches.
+
+    Returns:
+        (r, n) rows over all coefficients, (r,) where they stand, (r, 2) what part of the law
+        each speaks for.
+    """
+    low, high = part
+    if low == high:
+        x = np.array([low])
+        return space.basis(x, order), x, np.array([part])
+    breaks, degree = space.breaks, space.degree - order
+    first = int(np.searchsorted(breaks, low + CLOSE, side="right")) - 1
+    last = int(np.searchsorted(breaks, high - CLOSE, side="left"))
+    inner = breaks[first + 1 : last]
+    ends = np.concatenate([[low], inner, [high]])
+    if degree == 0:
+        x = 0.5 * (ends[:-1] + ends[1:])
+        return space.basis(x, order), x, np.stack([ends[:-1], ends[1:]], axis=1)
+    if exact:
+        touched = np.concatenate([breaks[first : first + 1], inner, breaks[last : last + 1]])
+        x = (
+            touched[0]
+            + (touched[-1] - touched[0])
+            * SplineSpace(degree, (touched - touched[0]) / (touched[-1] - touched[0])).greville
+        )
+    elif degree == 1:
+        x = ends
+    else:
+        x = np.union1d(points[(points > low) & (points < high)], ends)
+    middle = np.clip(0.5 * (x[1:] + x[:-1]), low, high)
+    spans = np.stack([np.append(low, middle), np.append(middle, high)], axis=1)
+    return space.basis(x, order), x, spans
+
+
+def applies_at(row: LinearInequality, x: Array) -> NDArray[np.bool_]:
+    """Which x of its segment a row, written at points, speaks of: (n,)."""
+    low, high = (0.0, 1.0) if row.interval is None else row.interval
+    return np.asarray((x >= low) & (x <= high))
+
+
+def row_on_given_law(
+    row: LinearInequality, segment: PlacedSegment, scales: Scales, tighten: float
+) -> LinearBlock | None:
+    """The row on a given law: its worst angle alone; None where it leaves nothing to choose."""
+    if not row.size and not row.level:
+        return None
+    worst, _ = maximise(segment.placed(), row.coefficients)
+    size = np.array(row.size) * scales.size if row.size else np.zeros(0)
+    level = row.level * scales.level
+    scale = max(np.abs(size).max(initial=0.0), abs(level))
+    room = round_mantissa(np.array([(row.upper - worst) / scale]))
+    return LinearBlock.of_size(
+        round_mantissa(size / scale), room, row.source, level=float(round_mantissa(level / scale)),
+        tighten=tighten,
+    )  # fmt: skip
+
+
+def half_planes(bounding: Sequence[tuple[LinearInequality, float]]) -> tuple[Array, Array]:
+    """normals · z ≤ offsets of rows with their worst values on given laws: (k, n), (k,).
+
+    Of size 1, and without their last digits, as in ``row_on_given_law``.
+    """
+    sizes = np.array([row.size for row, _ in bounding])
+    room = np.array([row.upper - worst for row, worst in bounding])
+    scale = np.max(np.abs(sizes), axis=1)
+    return round_mantissa(sizes / scale[:, None]), round_mantissa(room / scale)
+
+
+def monotonicity_rows(
+    position: int, grid: Grid, boundary: BoundaryState, tightening: Tightening
+) -> LinearBlock:
+    """Coefficients that never fall: the law never moves backwards."""
+    first, stop = len(boundary.first) - 1, grid.space.size - len(boundary.last)
+    laws = grid.space.step_matrix[first:stop]
+    nothing = np.zeros(len(laws))
+    return LinearBlock(
+        "monotone", position, laws, nothing, np.zeros(4), np.zeros(0), 0.0, nothing, "overshoot",
+        MONOTONE * tightening.every_row,
+    )  # fmt: skip
+
+
+def row_excess(row: LinearInequality, segment: PlacedSegment, size: Sequence[float]) -> float:
+    """How far a row is exceeded at its worst cam angle on a given segment (≤ 0: nowhere)."""
+    worst = _worst(row, segment)
+    return worst + sum(a * v for a, v in zip(row.size, size, strict=False)) - row.upper
+
+
+def _worst(row: LinearInequality, segment: PlacedSegment) -> float:
+    """The largest value of a row's motion, of an exact one how far it is from its right side."""
+    curve = segment.placed()
+    if row.interval is not None:
+        first, last = (segment.start + segment.angle * x for x in row.interval)
+        if first == last:
+            value = float(np.array(row.coefficients) @ curve.derivatives([first])[:, 0])
+            return row.upper + abs(value - row.upper) if row.equality else value
+        curve = curve.restrict(first, last)
+    worst, _ = maximise(curve, row.coefficients)
+    if row.equality:
+        least, _ = maximise(curve, [-a for a in row.coefficients])
+        worst = max(worst, 2.0 * row.upper + least)
+    return worst

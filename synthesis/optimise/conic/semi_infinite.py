@@ -1,0 +1,118 @@
+"""Half-planes of nonconvex limits on given laws: a semi-infinite system, one for every cam angle.
+
+Only a few of them bind. Those that a size breaks most are found by sampling every piece and
+zooming in on each local maximum; the closed form adds them in turn (an exchange method).
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from synthesis.catalogue.constraints import NonconvexConstraint, Vector
+from synthesis.numerics.piecewise import Array, Piecewise
+from synthesis.optimise.problem.problem import Problem
+
+Indices = NDArray[np.intp]
+DENSITY = 24  # samples of a piece; a law of many pieces needs fewer on each
+LEAST_DENSITY = 8
+ZOOMS, NARROWER, FAN = 7, 8.0, np.linspace(-1.0, 1.0, 17)
+NEAR = 1e-6  # of the size: half-planes satisfied by more than this are left out
+TOPS = 4  # local maxima of a family that are looked at closely
+
+
+@dataclass(frozen=True, eq=False)
+class HalfPlanes:
+    """Half-planes normals · z ≤ offsets, (k, n_size) and (k,), and by how much z breaks each."""
+
+    normals: Array
+    offsets: Array
+    excess: Array
+
+
+def most_violated(problem: Problem, z: Vector) -> HalfPlanes:
+    """Of every curved limit the half-planes that stand out at a size, on given segments.
+
+    Those that are clearly kept are left out. ``excess`` is left less right side over the normal's
+    length [length].
+    """
+    near = -NEAR * max(problem.length, *map(abs, z))
+    placed = {s.index: s.placed() for s in problem.segments if s.law is not None}
+    result = [
+        local_maxima(curve, placed[segment.index], np.array(z), near)
+        for segment in problem.segments
+        if segment.law is not None
+        for curve in problem.curved_limits_on(segment)
+    ]
+    result.append(HalfPlanes(np.zeros((0, len(z))), np.zeros(0), np.zeros(0)))
+    return HalfPlanes(
+        np.concatenate([part.normals for part in result]),
+        np.concatenate([part.offsets for part in result]),
+        np.concatenate([part.excess for part in result]),
+    )
+
+
+def local_maxima(
+    curve: NonconvexConstraint, placed: Piecewise, z: Array, above: float = -np.inf
+) -> HalfPlanes:
+    """Half-planes at the few highest local maxima of every family of them.
+
+    ``above``: excess [length] that a maximum has to come to, or may, to be looked at: between two
+    samples there is none that tops them by more than they differ from the next.
+    """
+    density = max(LEAST_DENSITY, min(DENSITY, 192 // placed.count))
+    step = np.linspace(0.0, 1.0, density)
+    theta = placed.breaks[:-1, None] + np.diff(placed.breaks)[:, None] * step
+    piece = np.repeat(np.arange(placed.count), density)
+    planes = _planes(curve, placed, theta.ravel(), piece, z)
+    if not len(planes.excess):
+        return planes  # a limit that is checked on finished sizes alone
+    value = planes.excess.reshape(-1, *theta.shape)
+    padded = np.pad(value, ((0, 0), (0, 0), (1, 1)), constant_values=-np.inf)
+    top = (value >= padded[..., :-2]) & (value >= padded[..., 2:])
+    steps = np.maximum(value - padded[..., :-2], value - padded[..., 2:])
+    steps = np.where(np.isfinite(steps), steps, np.abs(value - _neighbours_of_ends(value)))
+    family, on, column = np.nonzero(top & _highest(value, top) & (value + steps > above))
+    if not len(family):
+        return HalfPlanes(planes.normals[:0], planes.offsets[:0], planes.excess[:0])
+    at, reach = theta[on, column], (np.diff(placed.breaks) / (density - 1))[on]
+    low, high = placed.breaks[on], placed.breaks[on + 1]
+    for _ in range(ZOOMS):
+        tried = np.clip(at[:, None] + reach[:, None] * FAN, low[:, None], high[:, None])
+        wide = np.repeat(on, len(FAN))
+        value = _planes(curve, placed, tried.ravel(), wide, z).excess.reshape(-1, *tried.shape)
+        each = np.arange(len(at))
+        at = tried[each, np.argmax(value[family, each], axis=1)]
+        reach = reach / NARROWER
+    result = _planes(curve, placed, at, on, z)
+    mine = family * len(at) + np.arange(len(at))
+    return HalfPlanes(result.normals[mine], result.offsets[mine], result.excess[mine])
+
+
+def _neighbours_of_ends(value: Array) -> Array:
+    """At the ends of pieces the sample next to them."""
+    return np.concatenate([value[..., 1:2], value[..., 1:-1], value[..., -2:-1]], axis=-1)
+
+
+def _highest(value: Array, top: NDArray[np.bool_]) -> NDArray[np.bool_]:
+    """Of every family the few highest of its local maxima."""
+    local_maxima = np.where(top, value, -np.inf).reshape(len(value), -1)
+    threshold = np.sort(local_maxima, axis=1)[:, -min(TOPS, local_maxima.shape[1])]
+    return np.asarray(value >= threshold[:, None, None])
+
+
+def _planes(
+    curve: NonconvexConstraint, placed: Piecewise, theta: Array, piece: Indices, z: Array
+) -> HalfPlanes:
+    """All families at given angles, one family after the other."""
+    s = np.zeros((4, len(theta)))
+    for order in range(curve.order + 1):
+        s[order] = placed.at(theta, piece, order)
+    families = curve.half_planes(s)
+    normals = np.concatenate([np.zeros((0, len(z))), *(cuts.size.T for cuts in families)])
+    offsets = np.concatenate([np.zeros(0), *(cuts.upper for cuts in families)])
+    length = np.linalg.norm(normals, axis=1)
+    normals, offsets = normals / length[:, None], offsets / length
+    return HalfPlanes(normals, offsets, normals @ z - offsets)

@@ -1,0 +1,181 @@
+"""Nonconvex limits as linear rows: at points of free laws, exact half-planes on given ones.
+
+A limit f(s, s', s'', z) ≤ 0 that is not linear (the pressure angle of an arm, the curvature on a
+flat face) is a ``NonconvexConstraint``, made by the limit's ``nonconvex``. Its ``relax`` gives rows
+that every motion and size of a region satisfy, tangent at a point where one is given. They hold for
+every law with s and s' in the region's bounds, so that dual bounds made of them hold for all laws.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+import numpy as np
+
+from synthesis.catalogue.constraints import (
+    MotionSizeBox,
+    NonconvexConstraint,
+    PointInequalities,
+    Vector,
+)
+from synthesis.catalogue.motion import PlacedSegment
+from synthesis.numerics.piecewise import Array, Piecewise
+from synthesis.numerics.round_mantissa import round_mantissa
+from synthesis.optimise.conic.law_bounds import LawBounds
+from synthesis.optimise.conic.linear_rows import LinearBlock, Scales, Tightening
+from synthesis.optimise.conic.semi_infinite import local_maxima
+from synthesis.optimise.problem.grid import TYPICAL, Grid
+from synthesis.optimise.problem.problem import Problem
+
+SAMPLES = 64  # on a given segment, about
+
+
+@dataclass(frozen=True, eq=False)
+class TangentPoint:
+    """Normalised laws, one per free segment, and a size [length]: where rows shall be tight."""
+
+    laws: tuple[Piecewise, ...]
+    size: Vector
+
+    def at(self, position: int, segment: PlacedSegment, x: Array) -> tuple[Array, Vector]:
+        """s to s'' at points of a free law, (3, n), and the size."""
+        law = self.laws[position]
+        g = [segment.lift / segment.angle**order * law(x, order) for order in range(3)]
+        return np.stack([segment.s_start + g[0], *g[1:]]), self.size
+
+
+@dataclass(frozen=True, eq=False)
+class Region:
+    """Where curved limits are written as rows.
+
+    Attributes:
+        sizes: bounds of every size variable that any better cam keeps [length]; none: no rows.
+        tangent_points: where the rows are tight; none: all over the region.
+        law_bounds: what every free law of a better cam keeps to; none: its ends alone are known.
+    """
+
+    sizes: tuple[tuple[float, float], ...] = ()
+    tangent_points: tuple[TangentPoint, ...] = ()
+    law_bounds: tuple[LawBounds, ...] = ()
+
+    @classmethod
+    def full(cls, problem: Problem) -> Region:
+        """All that the problem allows."""
+        return cls(problem.sizing.bounds)
+
+
+def cuts_on_law(
+    curve: NonconvexConstraint,
+    position: int,
+    segment: PlacedSegment,
+    grid: Grid,
+    scales: Scales,
+    tightening: Tightening,
+    region: Region,
+) -> Iterator[LinearBlock]:
+    """Rows at the points of a free law, valid for every law and every size of the region."""
+    if not region.sizes:
+        return
+    within = _within(position, segment, grid.points, region)
+    if not region.tangent_points:
+        for cuts in curve.relax(within, None):
+            yield cut_block(cuts, curve.source, position, segment, grid, scales, tightening)
+    for about in region.tangent_points:
+        for cuts in curve.relax(within, about.at(position, segment, grid.points)):
+            yield cut_block(cuts, curve.source, position, segment, grid, scales, tightening)
+
+
+def _within(position: int, segment: PlacedSegment, x: Array, region: Region) -> MotionSizeBox:
+    """What is known of s and s' at points of a free law."""
+    assert segment.free is not None
+    if region.law_bounds:
+        return bounds_within(region.law_bounds[position], segment, x, region.sizes)
+    low, high = np.zeros_like(x), np.ones_like(x)
+    slow, fast = np.zeros_like(x), np.full_like(x, np.inf)
+    if segment.free.overshoot:
+        low, high, slow = -fast, fast, -fast
+    return _in_mm(segment, (low, high), (slow, fast), region.sizes)
+
+
+def bounds_within(
+    law_bounds: LawBounds, segment: PlacedSegment, x: Array, sizes: tuple[tuple[float, float], ...]
+) -> MotionSizeBox:
+    """What a tube says of s and s' at points of a free law, all of them between its nodes."""
+    return _in_mm(segment, law_bounds.position_bounds(x), law_bounds.speed_bounds(x), sizes)
+
+
+def _in_mm(
+    segment: PlacedSegment,
+    position: tuple[Array, Array],
+    speed: tuple[Array, Array],
+    sizes: tuple[tuple[float, float], ...],
+) -> MotionSizeBox:
+    """From bounds of g and g' to those of s and s'."""
+    (low, high), (slow, fast) = position, speed
+    places = np.sort(segment.s_start + segment.lift * np.stack([low, high]), axis=0)
+    speeds = np.sort(segment.lift / segment.angle * np.stack([slow, fast]), axis=0)
+    return MotionSizeBox(places[0], places[1], speeds[0], speeds[1], sizes)
+
+
+def cut_block(
+    cuts: PointInequalities,
+    source: str,
+    position: int,
+    segment: PlacedSegment,
+    grid: Grid,
+    scales: Scales,
+    tightening: Tightening,
+    *,
+    bare: bool = False,
+) -> LinearBlock:
+    """Rows at the grid's points, each divided by its natural size.
+
+    ``bare``: without the splines' matrix, which bounds over all laws do not read.
+    """
+    alpha = cuts.coefficients * (segment.lift / segment.angle ** np.arange(4))[:, None]
+    size = cuts.size * scales.size
+    scale = np.maximum(
+        np.max(np.abs(alpha) * TYPICAL[:, None], axis=0), np.max(np.abs(size), axis=0)
+    )
+    rhs = round_mantissa((cuts.upper - cuts.coefficients[0] * segment.s_start) / scale)
+    alpha, size = round_mantissa(alpha / scale), round_mantissa(size / scale)
+    laws = np.zeros((len(grid.points), 0 if bare else grid.space.size))
+    for k in () if bare else np.flatnonzero(np.any(alpha != 0.0, axis=1)):
+        laws += alpha[k][:, None] * grid.space.basis(grid.points, int(k))
+    return LinearBlock(
+        "point", position, None if bare else laws, grid.points, alpha, size.T, 0.0, rhs,
+        source, tightening.every_row + tightening.sampled_rows,
+    )  # fmt: skip
+
+
+def cuts_on_given_law(
+    curve: NonconvexConstraint, segment: PlacedSegment, scales: Scales, tighten: float
+) -> Iterator[LinearBlock]:
+    """Half-planes of the size from a given law.
+
+    With one size variable the tightest to either side say all; with more, those at sampled angles
+    do nearly.
+    """
+    placed = segment.placed()
+    each = max(2, SAMPLES // placed.count) + 1
+    step = np.linspace(0.0, 1.0, each)
+    theta = (placed.breaks[:-1, None] + np.diff(placed.breaks)[:, None] * step).ravel()
+    piece = np.repeat(np.arange(placed.count), each)
+    s = placed.jet(theta, piece, 3)
+    families = curve.half_planes(s)
+    if not families:
+        return
+    normals = np.concatenate([cuts.size.T for cuts in families])
+    offsets = np.concatenate([cuts.upper for cuts in families])
+    if normals.shape[1] == 1:
+        result = local_maxima(curve, placed, np.zeros(1))
+        sides = [result.normals[:, 0] > 0.0, result.normals[:, 0] < 0.0]
+        worst = [
+            np.flatnonzero(side)[np.argmin(result.offsets[side])] for side in sides if any(side)
+        ]
+        normals, offsets = result.normals[worst], result.offsets[worst]
+    rows = normals * scales.size
+    scale = np.max(np.abs(rows), axis=1)
+    rows, room = round_mantissa(rows / scale[:, None]), round_mantissa(offsets / scale)
+    yield LinearBlock.of_size(rows, room, curve.source, tighten=tighten)

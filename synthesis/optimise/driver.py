@@ -1,0 +1,200 @@
+"""The driver: a spatial branch and bound over sizes; laws are relaxed, never branched on.
+
+The relaxation of a node is a cone program over splines, and its dual bound holds over all motion
+laws, not only over these splines. A convex problem is one whose root is solved to the tolerance;
+nothing else distinguishes it.
+
+    presolve    closed forms for given laws; a base circle that cannot be large enough
+    select      the leaf with the least lower bound
+    process     a node's own rounds of propagate, relax, separate, solve and bound; heuristics that
+                belong to it (``root_node``, ``branching``)
+    branch      a local search at the root; then parts of the domain
+
+Who asks: ``pipeline`` for a design, ``infeasibility`` for conflicts, ``parameters`` for free angles
+and lengths, and ``strategy`` for problems with one dimension or one limit fixed.
+"""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable, Sequence
+from dataclasses import replace
+from math import inf
+
+from synthesis.numerics.solvers.clarabel import solve
+from synthesis.numerics.solvers.statuses import USABLE
+from synthesis.optimise.branching.node import Node, Tree
+from synthesis.optimise.conic.linear_rows import Tightening
+from synthesis.optimise.conic.program import formulate
+from synthesis.optimise.dual_bound.bound import Bound, in_core_units
+from synthesis.optimise.problem.grid import Grid
+from synthesis.optimise.problem.problem import Problem
+from synthesis.optimise.recovery.candidate import (
+    cam_at_size,
+    enlarge_until_feasible,
+    recover_cam,
+    smallest_size,
+    weighs_size,
+)
+from synthesis.optimise.recovery.closed_form import closed_form_size
+from synthesis.optimise.root_node import RootNode
+from synthesis.optimise.state.solve_state import DEFAULT_TIGHTENING, SolveState, Stage
+from synthesis.optimise.state.warm_start import WarmStart
+from synthesis.optimise.strategy.pressure_angle_bisection import bisect_pressure_angle
+from synthesis.optimise.strategy.unmodelled_limits import unmodelled_limits
+
+ROUNDING = 1e-12
+"""Relative allowance for rounding in the value of a closed form."""
+LEVELS = 20
+"""Trial levels of a fractional objective on one mesh."""
+LEVEL_STAYS = 1e-7
+"""Relative change of the level at which an estimate stops: searches over parameters take slopes
+of it over steps a thousand times larger."""
+ESTIMATE_TOLERANCE = 1e-2
+
+Test = Callable[[SolveState, Tree, Node], bool]
+
+EXITS: tuple[tuple[str, Test], ...] = (
+    (
+        "infeasible: the relaxation has no point",
+        lambda state, tree, node: (
+            state.infeasible and (node.processed or bool(state.infeasibility_proof))
+        ),
+    ),
+    ("no open node holds a better cam", lambda state, tree, node: node.is_pruned(state)),
+    ("time", lambda state, tree, node: node.processed and state.time_left <= 0.0),
+    (
+        "node limit",
+        lambda state, tree, node: (node.processed or node.deferred) and tree.count >= tree.limit,
+    ),
+)
+"""The only places where the loop ends, besides a lowest node that cannot be divided."""
+
+
+def optimise(
+    problem: Problem,
+    tolerance: float,
+    deadline: float = inf,
+    tighten: float = DEFAULT_TIGHTENING,
+    *,
+    thorough: bool = False,
+    warm_start: WarmStart | None = None,
+) -> SolveState:
+    """Minimise one objective under all limits, to a relative gap.
+
+    Args:
+        problem: the problem.
+        tolerance: relative gap at which to stop.
+        deadline: ``time.monotonic()`` at which to stop with the best so far.
+        tighten: relative tightening of the rows against the solver's tolerance.
+        thorough: branch on sizes where nonconvex limits leave a gap.
+        warm_start: where the local search of a neighbouring problem ended.
+
+    Returns:
+        the final state; without an incumbent where no cam was found.
+    """
+    state = SolveState(
+        problem, tolerance, deadline, tighten, warm_start=warm_start, thorough=thorough
+    )
+    if problem.objective.equivalent_limits(1.0, problem.machine):
+        # The objective is itself a nonconvex limit: its least value is bisected, each trial a
+        # problem for this driver.
+        return _with_coverage(bisect_pressure_angle(state, optimise))
+    state, presolved = _presolve(state)
+    tree = Tree((RootNode(optimise, presolved),))
+    while _exit(state, tree) is None:
+        node = tree.next_node
+        if not node.processed:
+            state, processed = node.process(state)
+            tree = tree.with_processed(node, processed, state)
+            continue
+        state, children = node.branch(state)
+        if not children:
+            break
+        tree = tree.with_children(node, children)
+    return _with_coverage(tree.next_node.conclude(state, tree))
+
+
+def _exit(state: SolveState, tree: Tree) -> str | None:
+    """Why the loop ends; None while it goes on."""
+    node = tree.next_node
+    return next((reason for reason, holds in EXITS if holds(state, tree, node)), None)
+
+
+def _presolve(state: SolveState) -> tuple[SolveState, bool]:
+    """Answer without a solver where that is possible.
+
+    Returns:
+        the state, and whether the closed form has given the answer.
+    """
+    problem = state.problem
+    if problem.base_circle_conflict:
+        proof = problem.base_circle_conflict
+        return replace(state, infeasible=True, infeasibility_proof=proof), True
+    return _closed_form(state)
+
+
+def _closed_form(state: SolveState) -> tuple[SolveState, bool]:
+    """The least size of given laws: a vertex of half-planes (mathematics, section 4)."""
+    started, problem = time.perf_counter(), state.problem
+    if problem.free or weighs_size(problem):
+        return state, False
+    size = smallest_size(problem)
+    if size is None:
+        impossible = problem.has_curved_limits and closed_form_size(problem) is None
+        return replace(state, infeasible=impossible), impossible
+    cam = cam_at_size(problem, (), size)
+    norm = problem.objective.norm(problem.machine)
+    if problem.has_curved_limits:
+        size = closed_form_size(problem) or size  # the cam's own size was tightened
+    exact = cam.value if norm is None else norm.value(size)
+    bound = Bound(exact * (1.0 - ROUNDING), "every size of the given laws")
+    state = state.with_bound(bound).with_relaxed(cam)
+    seconds, sizes = time.perf_counter() - started, len(problem.sizing.bounds)
+    stage = Stage("closed form", "half-planes", "none", sizes, 0, 0, seconds, "solved")
+    return state.with_stage(stage), True
+
+
+def _with_coverage(state: SolveState) -> SolveState:
+    """The state with what its bound covers: no less than a circle that is a part of the cam."""
+    problem = state.problem
+    if problem.least_base_circle and problem.objective.norm(problem.machine) is not None:
+        circle = problem.objective.from_wire(problem.least_base_circle, problem.machine)
+        valid_for = "every motion law: a dwell below is a part of the base circle"
+        state = state.raise_bound(circle, valid_for)
+    return replace(state, valid_for=state.valid_for + unmodelled_limits(state))
+
+
+def estimate(
+    problem: Problem, grids: Sequence[Grid], guess: float = 1.0, deadline: float = inf
+) -> float | None:
+    """Estimate a problem's optimum on given grids [core units]; None where nothing fits.
+
+    A smooth function of the problem's numbers, but for kinks: one cone program and the enlargement
+    that nonconvex limits need. For derivative-free searches over such numbers.
+
+    Args:
+        problem: the problem. grids: one per free law.
+        guess: first trial level of a fractional objective [core units].
+        deadline: ``time.monotonic()`` at which the solver stops.
+    """
+    state = SolveState(problem, ESTIMATE_TOLERANCE, deadline, DEFAULT_TIGHTENING)
+    if problem.vibration_excess:
+        return None
+    state, presolved = _closed_form(state)
+    if presolved:
+        return None if state.incumbent is None else state.incumbent.value
+    for _ in range(LEVELS):
+        model = formulate(problem, grids, guess, Tightening(state.tighten))
+        solution = solve(model.program, state.time_left)
+        if solution.stopped not in USABLE:
+            return None
+        fractional = problem.objective.quasiconvex
+        if problem.objective.norm(problem.machine) is None and not fractional:
+            return in_core_units(model, model.program.value(solution.x))
+        cam = recover_cam(model.problem, *model.recover(solution.x))
+        if not fractional or abs(cam.value - guess) <= LEVEL_STAYS * cam.value:
+            break
+        guess = cam.value
+    enlarged = enlarge_until_feasible(cam)
+    return None if enlarged is None else enlarged.value

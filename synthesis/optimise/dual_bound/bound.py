@@ -1,0 +1,317 @@
+"""A lower bound over all motion laws, from the multipliers of a cone program over splines.
+
+Symbols: g is a law on [0, 1], w = g^(m) its control (the derivative that is capped or weighed,
+m = 2 or 3), ζ the size over its unit, π the objective's level over its unit, λ the multipliers,
+ν the costates at the end of a law, ψ the switching function.
+
+Why the bound is valid over all laws (weak duality):
+
+1. Every row Σ_k alpha_k g^(k)(x_i) + a_i · ζ + b_i π ≤ c_i is a limit written at a point, so that
+   every admissible law satisfies it, not only a spline. With any λ ≥ 0 the Lagrangian
+
+       L = objective + Σ λ_i (Σ_k alpha_k g^(k)(x_i) + a_i · ζ + b_i π − c_i)
+
+   is therefore at most the objective, at every admissible law, size and level. Multipliers of
+   equalities, the costates ν among them, may have either sign.
+2. By Taylor's formula with integral remainder g^(k)(x) = Σ_j g^(k+j)(0) x^j/j! + ∫ (x − τ)^(m−1−k)
+   / (m−1−k)! w(τ) dτ over τ < x. So L = constant + initial costates · (g, g', …)(0) + ∫ ψ w dτ
+   + r · ζ + …, linear in all unknowns (``lagrangian``).
+3. The minimum over all laws with |w| ≤ cap is taken pointwise: −cap ∫ |ψ|; with a weighed control
+   ∫ min (weight w² + ψ w). Over the size it lies at the ends of its ranges, or is taken up by the
+   dual norm of the objective. Known initial values are constants; unknown ones have their
+   costates made to vanish, and what is left of them is paid for.
+
+The solver's multipliers are used as numbers and not trusted: its errors cost tightness, never
+validity. Rounding of the sums is paid for too: ``ROUNDING`` times the sum of the absolute values of
+all terms.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from functools import lru_cache
+from math import inf, sqrt
+
+import numpy as np
+
+from synthesis.numerics.piecewise import Array
+from synthesis.numerics.solvers.clarabel import ConeSolution
+from synthesis.optimise.conic.control import Control, law_controls
+from synthesis.optimise.conic.program import ConicModel
+from synthesis.optimise.dual_bound.costates import boundary_costates
+from synthesis.optimise.dual_bound.lagrangian import Lagrangian
+from synthesis.optimise.dual_bound.multipliers import (
+    boundary_multipliers,
+    nonnegative_multipliers,
+    window_multipliers,
+)
+from synthesis.optimise.dual_bound.nonlinear_terms import (
+    add_vibration_terms,
+    energy_tangents,
+    nonlinear_row_functionals,
+)
+from synthesis.optimise.dual_bound.row_functionals import row_functionals
+from synthesis.optimise.dual_bound.switching import Switching, absolute_integrals
+from synthesis.optimise.recovery.closed_form import inverse_matrix
+
+ROUNDING = 1e-12
+"""Relative to the sum of absolute values: sums of 1e3 terms are in error by 1e3 · 1.1e-16."""
+INITIAL_VALUE_BOUND = 12.0
+"""|g'(0)| and |g''(0)| of a law from 0 to 1 are at most this times 1 + R: see where it is used."""
+FAMILY_BOX = 10.0
+"""Coefficients of a spline lie within this times max(1, their value at the solution)."""
+WORSE = 2.0
+"""Factor on the solution's objective: no cam whose energy or norm is larger has to be covered."""
+RAYS = (1e2, 1e4, 1e6)
+"""Factors on an infeasibility certificate: any multiple of it is dual feasible."""
+NAMES = {2: "acceleration", 3: "jerk"}
+
+
+@dataclass(frozen=True, eq=False)
+class Bound:
+    """A lower bound of the objective [core units], and what it covers.
+
+    Attributes:
+        switching: ψ of every free law; empty where the bound covers a spline family only.
+        order: m, the highest derivative that is capped or weighed: the control of every law.
+        controls: the caps and weights of every free law, caps at the level found.
+    """
+
+    value: float
+    valid_for: str
+    switching: tuple[Switching, ...] = ()
+    controls: tuple[Control, ...] = ()
+
+    @property
+    def order(self) -> int:
+        """m, the derivative that is the control."""
+        return self.controls[0].order if self.controls else 3
+
+
+def dual_bound(
+    model: ConicModel, solution: ConeSolution, costates: Sequence[Array] | None = None
+) -> Bound:
+    """The lower bound that the multipliers of a solution give.
+
+    Args:
+        model: the cone program. solution: its multipliers; any give a valid bound.
+        costates: (m,) multipliers of g to g^(m−1) at the end of every law, where the rows at hand
+            are not those that were solved; None: those of ``boundary_multipliers``.
+
+    Returns:
+        a bound over all laws; over the splines of the model's mesh alone where nothing caps or
+        weighs a derivative of every law.
+    """
+    controls = law_controls(model)
+    if controls is None:
+        return Bound(
+            in_core_units(model, spline_family_bound(model, solution)), _family_name(model)
+        )
+    order = controls[0].order if controls else 3
+    # Dual feasibility: λ ≥ 0 of inequalities. Noise is left out, which is valid and saves time.
+    z = nonnegative_multipliers(model, solution)
+    if costates is None:
+        costates = boundary_multipliers(model, solution, z, order)
+    # The Lagrangian: every term that is multiplied, as a functional of arbitrary laws.
+    lagrangian = Lagrangian(model, order)
+    for rows, mass in energy_tangents(model, solution, order):
+        lagrangian.add_rows(rows, mass)
+    add_vibration_terms(lagrangian, z)
+    _add_rows(model, lagrangian, z)
+    # End conditions are equalities, so that costates are free: those that make the bound largest.
+    psi = lagrangian.psi() if all(control.weight for control in controls) else ()
+    lagrangian.add_boundary_costates(
+        boundary_costates(model, controls, psi, lagrangian.initial_costates, costates)
+    )
+    _redistribute_window_multipliers(model, lagrangian)
+    return bound_from_lagrangian(model, solution, lagrangian, controls)
+
+
+def infeasibility_bound(model: ConicModel, solution: ConeSolution, ends: Sequence[Array]) -> Bound:
+    """The best bound from an infeasibility certificate: it grows with any multiple of it."""
+    bounds = []
+    for scale in RAYS:
+        ray = replace(solution, multipliers=scale * solution.multipliers)
+        bounds.append(dual_bound(model, ray, [scale * each for each in ends]))
+    return max(bounds, key=lambda bound: bound.value)
+
+
+def bound_from_lagrangian(
+    model: ConicModel, solution: ConeSolution, lagrangian: Lagrangian, controls: Sequence[Control]
+) -> Bound:
+    """The bound that a Lagrangian gives, minimised over all laws, sizes and levels."""
+    psi = lagrangian.psi()
+    total = _minimum(model, solution, lagrangian, controls, psi)
+    over = (
+        f"all motion laws with a bounded {NAMES[lagrangian.order]}"
+        if controls
+        else _family_name(model)
+    )
+    level = 0.0 if model.epigraph is None else abs(float(solution.x[model.epigraph]))
+    result = tuple(replace(c, cap=c.rate * level) if c.rate else c for c in controls)
+    return Bound(in_core_units(model, total), over, psi, result)
+
+
+def _family_name(model: ConicModel) -> str:
+    parts = {f"degree {g.space.degree} on {len(g.space.breaks) - 1} intervals" for g in model.grids}
+    return "splines of " + " and ".join(sorted(parts)) if parts else "the given laws"
+
+
+def in_core_units(model: ConicModel, value: float) -> float:
+    """The program's objective as a value of the quantity that is minimised."""
+    if model.energy is not None:
+        return sqrt(max(value * model.energy.unit + model.energy.constant, 0.0))
+    if model.problem.objective.norm(model.problem.machine) is not None:
+        return value * model.scales.size
+    return value * model.scales.level
+
+
+def _add_rows(model: ConicModel, lagrangian: Lagrangian, z: Array) -> None:
+    """Add all rows times their multipliers, as points or as densities between points."""
+    for one in row_functionals(model, lagrangian.order, z):
+        points, hats = one.distribute(z[one.first_row : one.first_row + one.count])
+        nonzero = points != 0.0
+        lagrangian.add_rows(one.point_rows(nonzero), points[nonzero])
+        if hats is not None:
+            nonzero = hats != 0.0
+            lagrangian.add_rows(one.hat_rows(nonzero), hats[nonzero])
+    for rows, mass in nonlinear_row_functionals(model, lagrangian.order, z):
+        lagrangian.add_rows(rows, mass)
+
+
+def _redistribute_window_multipliers(model: ConicModel, lagrangian: Lagrangian) -> None:
+    """Add multipliers to equalities along windows that make ψ small there: they are free."""
+    order = lagrangian.order
+    for block in model.equality_blocks:
+        k = int(np.flatnonzero(block.alpha)[0])
+        if block.spans is None or block.segment is None or len(block.x) == 1 or k >= order:
+            continue
+        part = (float(block.spans[0, 0]), float(block.spans[-1, 1]))
+        psi = lagrangian.psi()[block.segment]
+        x, mass = window_multipliers(psi, block.x, part, float(block.alpha[k]), order - 1 - k)
+        lagrangian.add_constant(-float(np.sum(mass) * block.rhs[0]))
+        lagrangian.add_functionals(block.segment, x, mass[:, None] * block.alpha[:order])
+
+
+def _minimum(
+    model: ConicModel,
+    solution: ConeSolution,
+    lagrangian: Lagrangian,
+    controls: Sequence[Control],
+    psi: Sequence[Switching],
+) -> float:
+    """The minimum of the Lagrangian, after scaling the multipliers to be dual feasible."""
+    # 1. Over the laws: −cap ∫ |ψ|, or the integral of min (weight w² + ψ w).
+    if all(control.weight for control in controls):
+        area: list[float] = []
+        capped = sum(p.least_integral(c.cap, c.weight) for p, c in zip(psi, controls, strict=True))
+    else:
+        area = absolute_integrals(psi)
+        capped = -sum(c.cap * a for a, c in zip(area, controls, strict=True))
+    total: float = lagrangian.constant + capped - ROUNDING * (lagrangian.magnitude + abs(capped))
+    # 2. Unknown initial values, and what rounding and vibration may add to ψ.
+    total -= _unknown_initial_values(model, solution, lagrangian, controls)
+    blur = ROUNDING * lagrangian.psi_magnitude + lagrangian.psi_error
+    total -= sum(
+        each * (c.cap if c.cap < inf else (p.magnitude_bound + each) / (2.0 * c.weight))
+        for each, p, c in zip(blur, psi, controls, strict=True)
+    )
+    # 3. Over the size and the level.
+    norm = model.problem.objective.norm(model.problem.machine)
+    bounds = np.array(model.problem.sizing.bounds) / model.scales.size
+    reach = np.max(np.abs(bounds), axis=1)
+    if norm is not None:
+        # ‖Mζ + m‖ ≥ y·(Mζ + m) for ‖y‖ ≤ 1: y takes up what the rows leave of ζ
+        matrix, shift = np.array(norm.matrix), np.array(norm.shift) / model.scales.size
+        if len(matrix) == matrix.shape[1]:
+            y = -lagrangian.size @ inverse_matrix(norm.matrix)
+            # of sizes with a norm larger than this nothing is to be shown
+            largest = abs(float(solution.x[model.epigraph])) + float(np.linalg.norm(shift))
+            far = WORSE * _inverse_norm(norm.matrix) * largest
+            reach = np.minimum(reach, far)
+        else:  # all but what the norm does not speak of: that is least at one end of its range
+            y = np.linalg.lstsq(matrix.T, -lagrangian.size, rcond=None)[0]
+            rest = lagrangian.size + matrix.T @ y
+            total += float(np.sum(np.min(rest[:, None] * bounds, axis=1)))
+        shrink = 1.0 / max(1.0, float(np.linalg.norm(y)))
+        return float(shrink * (total + y @ shift - ROUNDING * (lagrangian.size_magnitude @ reach)))
+    total += float(np.sum(np.min(lagrangian.size[:, None] * bounds, axis=1)))
+    total -= ROUNDING * float(lagrangian.size_magnitude @ reach)
+    if model.energy is not None:
+        return total
+    price = abs(lagrangian.level) * ROUNDING - lagrangian.level
+    for a, c, each in zip(area, controls, blur, strict=True):
+        price += c.rate * (each + a)
+    return total / price if price > 0.0 else 0.0
+
+
+@lru_cache(maxsize=64)
+def _inverse_norm(matrix: tuple[tuple[float, ...], ...]) -> float:
+    """The spectral norm of the inverse: how much longer than its image a vector may be."""
+    return float(np.linalg.norm(inverse_matrix(matrix), 2))
+
+
+def _unknown_initial_values(
+    model: ConicModel, solution: ConeSolution, lagrangian: Lagrangian, controls: Sequence[Control]
+) -> float:
+    """What unknown initial values could gain from a residual that is not exactly zero.
+
+    For g in [0, 1] with |∫ (x−τ)²/2 w dτ| ≤ R: |g'(0)| ≤ 7 + 7R and |g''(0)| ≤ 12 + 12R (from
+    Taylor's formula at 1/2 and 1). The level and the energy are at most twice what was found.
+    """
+    lost, energy = 0.0, 0.0
+    if model.energy is not None:
+        laws, _ = model.recover(solution.x)
+        for factor, law in zip(model.energy.factors, laws, strict=True):
+            energy += float(np.sum((factor @ law.coefficients) ** 2))
+    for position, (state, control) in enumerate(
+        zip(lagrangian.initial_costates, controls, strict=True)
+    ):
+        if not np.count_nonzero(state):
+            continue
+        free = model.problem.free[position].free
+        if free is None or free.overshoot:
+            return inf
+        reach = control.cap / 2.0 if control.cap < inf else 0.0
+        if control.rate and model.epigraph is not None:
+            reach += control.rate * abs(float(solution.x[model.epigraph]))
+        if control.weight and model.energy is not None:
+            reach += sqrt(WORSE * energy / model.energy.weights[position])
+        lost += float(np.abs(state[1:]).sum()) * INITIAL_VALUE_BOUND * (1.0 + reach)
+    return lost
+
+
+def spline_family_bound(model: ConicModel, solution: ConeSolution) -> float:
+    """A bound over the splines of the model's mesh, where no control is known.
+
+    The dual objective, less what its residual r could gain: |r| · box for unknowns in a box about
+    the solution. Dual cones: the head of a cone's multiplier is raised to the norm of its tail.
+    """
+    program, z = model.program, solution.multipliers.copy()
+    first, count = program.equalities, program.inequalities
+    z[first : first + count] = np.maximum(z[first : first + count], 0.0)
+    at = first + count
+    for size in program.cones:
+        z[at] = max(z[at], float(np.linalg.norm(z[at + 1 : at + size])))
+        at += size
+    x = solution.x
+    full = program.quadratic + program.quadratic.T
+    full.setdiag(program.quadratic.diagonal())
+    curved = full @ x
+    residual = curved + program.linear + program.matrix.T @ z
+    box = FAMILY_BOX * np.maximum(1.0, np.abs(x))
+    value = -0.5 * x @ curved - _untightened_rhs(model) @ z - np.abs(residual) @ box
+    return float(value)
+
+
+def _untightened_rhs(model: ConicModel) -> Array:
+    """The right-hand sides of the limits themselves, without the tightening for the solver."""
+    rhs, at = model.program.rhs.copy(), model.program.equalities
+    for block in model.blocks:
+        rhs[at : at + len(block.rhs)] += block.tightening
+        at += len(block.rhs)
+    for cone in model.cone_blocks:
+        rhs[at] += cone.radius * cone.tightening
+        at += 1 + len(cone.shift)
+    return rhs

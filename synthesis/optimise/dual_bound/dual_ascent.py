@@ -1,0 +1,295 @@
+"""The best multipliers for the bound over all laws, where those of the splines' program fall short.
+
+A spline's multipliers make ψ right on average over each knot interval; the bound pays for its size
+everywhere. So the bound itself is made large: over all multipliers of rows that bind, points and
+densities, with |ψ| taken at points that lie close where ψ changes sign. It is concave, so this is
+one cone program; its answer is one more set of multipliers, and as little trusted.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy import sparse
+
+from synthesis.numerics import clock
+from synthesis.numerics.piecewise import Array
+from synthesis.numerics.solvers.clarabel import ConeProgram, ConeSolution, solve
+from synthesis.numerics.solvers.statuses import USABLE
+from synthesis.optimise.conic.control import Control, law_controls
+from synthesis.optimise.conic.program import ConicModel
+from synthesis.optimise.dual_bound.bound import Bound, bound_from_lagrangian
+from synthesis.optimise.dual_bound.costates import boundary_costates
+from synthesis.optimise.dual_bound.lagrangian import Lagrangian, initial_terms, propagate_state
+from synthesis.optimise.dual_bound.nonlinear_terms import (
+    add_vibration_terms,
+    energy_tangents,
+    nonlinear_row_functionals,
+    vibration_response,
+)
+from synthesis.optimise.dual_bound.row_functionals import (
+    WeightedRows,
+    row_functionals,
+)
+from synthesis.optimise.problem.grid import SplineLaw
+
+BINDING = 1e-3  # of a row's natural size: what is farther off has no multiplier
+BESIDE = np.array([1e-2, 1e-3, 1e-4])  # of a law: ends of cells about a change of sign
+NOISE = 1e-6  # of the largest |ψ|
+STEP = 0.1  # of the control's range: less is no step
+ROUNDS = 4
+GAIN = 1e-9  # relative: less is not worth another round
+
+
+def improve_multipliers(
+    model: ConicModel,
+    solution: ConeSolution,
+    known: Bound,
+    is_sufficient: Callable[[Bound], bool],
+    time_limit: float,
+) -> Bound:
+    """The bound of the best multipliers, at least the one that is known.
+
+    Args:
+        model: the rows. solution: its optimum, which tells what rows bind.
+        known: the bound of the solution's own multipliers.
+        is_sufficient: whether a bound is sufficient. time_limit: what is left.
+    """
+    controls = law_controls(model)
+    if not controls or any(control.weight for control in controls):
+        return known  # of a weighed derivative the end costates alone make the bound exact
+    task = _DualProgram.of(model, solution, controls)
+    best, result, until = known, known, clock.now() + time_limit
+    sign_changes = [_control_steps(law, task.order) for law in model.recover(solution.x)[0]]
+    for _ in range(ROUNDS):
+        sign_changes = [
+            np.union1d(before, psi.significant_sign_changes(NOISE))
+            for before, psi in zip(sign_changes, result.switching, strict=True)
+        ]
+        latest, value = task.solve(sign_changes, until - clock.now()), result.value
+        if latest is None:
+            break
+        result = latest
+        best = max(best, result, key=lambda each: each.value)
+        if is_sufficient(best) or abs(result.value - value) <= GAIN * abs(value):
+            break
+    return best
+
+
+@dataclass(frozen=True, eq=False)
+class _DualProgram:
+    """Multipliers of rows that bind, and what is fixed of them.
+
+    Attributes:
+        groups: the rows, the last ones g to g^(m−1) at the ends of the laws, times their costates.
+        fixed: what has its multipliers already.
+    """
+
+    model: ConicModel
+    solution: ConeSolution
+    controls: Sequence[Control]
+    groups: tuple[WeightedRows, ...]
+    fixed: Sequence[tuple[WeightedRows, Array]]
+
+    @classmethod
+    def of(
+        cls, model: ConicModel, solution: ConeSolution, controls: Sequence[Control]
+    ) -> _DualProgram:
+        order = controls[0].order
+        slack = model.program.rhs - model.program.matrix @ solution.x
+        groups = []
+        for one in row_functionals(model, order):
+            close = slack[one.first_row : one.first_row + one.count] <= BINDING
+            close |= one.block.exact
+            groups.append(one.point_rows(close))
+            if one.uniform:
+                groups.append(one.hat_rows(np.tile(close[:-1] & close[1:], 2)))
+        groups += [
+            rows for rows, _ in nonlinear_row_functionals(model, order, solution.multipliers)
+        ]
+        groups += [_end_rows(model, position, order) for position in range(len(model.grids))]
+        fixed = energy_tangents(model, solution, order)
+        fixed += [
+            (rows, mass) for rows, mass, _ in vibration_response(model, order, solution.multipliers)
+        ]
+        return cls(model, solution, controls, tuple(groups), fixed)
+
+    @property
+    def order(self) -> int:
+        return self.controls[0].order
+
+    @cached_property
+    def first(self) -> list[int]:
+        """Where every group's masses begin, and the number of all."""
+        return [0, *np.cumsum([len(rows.rhs) for rows in self.groups]).tolist()]
+
+    @cached_property
+    def end_costates(self) -> NDArray[np.intp]:
+        """Which unknowns the costates of g to g^(m−1) at the ends are: (laws, m)."""
+        shape = len(self.model.grids), self.order
+        return self.first[-1] - shape[0] * shape[1] + np.arange(shape[0] * shape[1]).reshape(shape)
+
+    def solve(self, sign_changes: Sequence[Array], time_limit: float) -> Bound | None:
+        """One program, its cells close about these turns of ψ; the bound that it gives."""
+        result = solve(self._program(sign_changes), time_limit)
+        if result.stopped not in USABLE:
+            return None
+        lagrangian, laws = Lagrangian(self.model, self.order), len(self.model.grids)
+        for rows, mass in self.fixed:
+            lagrangian.add_rows(rows, mass)
+        add_vibration_terms(lagrangian, self.solution.multipliers, error_only=True)
+        for at, rows in zip(self.first[:-1], self.groups[:-laws], strict=False):
+            mass = result.x[at : at + len(rows.rhs)]
+            lagrangian.add_rows(rows, mass if rows.signed else np.maximum(mass, 0.0))
+        close = list(result.x[self.end_costates])
+        lagrangian.add_boundary_costates(
+            boundary_costates(self.model, self.controls, (), lagrangian.initial_costates, close)
+        )
+        return bound_from_lagrangian(self.model, self.solution, lagrangian, self.controls)
+
+    def _program(self, sign_changes: Sequence[Array]) -> ConeProgram:
+        """Unknowns: masses and costates, |ψ| at all nodes, y of the norm."""
+        nodes = [
+            _quadrature(
+                [g for g in self.groups if g.position == k], sign_changes[k], grid.space.breaks
+            )
+            for k, grid in enumerate(self.model.grids)
+        ]
+        caps, rates = (
+            np.concatenate([c * share for c, (_, share) in zip(each, nodes, strict=True)])
+            for each in ([c.cap for c in self.controls], [c.rate for c in self.controls])
+        )
+        psi, offset = self._psi([tau for tau, _ in nodes])
+        objective, (stationarity, stationarity_rest) = self._objective(), self._stationarity()
+        level = np.concatenate([np.full(len(rows.rhs), rows.level) for rows in self.groups])
+        size = np.concatenate([rows.size for rows in self.groups]).T
+        norm = self.model.problem.objective.norm(self.model.problem.machine)
+        image = np.zeros((0, len(size))) if norm is None else np.array(norm.matrix)
+        shift = np.zeros(0) if norm is None else np.array(norm.shift) / self.model.scales.size
+        one, own = sparse.eye_array(len(offset)), sparse.eye_array(self.first[-1], format="csr")
+        signed = np.concatenate([np.full(len(rows.rhs), rows.signed) for rows in self.groups])
+        ball = np.eye(1 + len(image))[:, 1:]
+        table: list[tuple[Any, Any, Any, Array]] = [
+            (stationarity, None, None, -stationarity_rest),
+            (size, None, image.T, np.zeros(len(size))),
+            (psi, -one, None, -offset),
+            (-psi, -one, None, offset),
+            (-own[np.flatnonzero(~signed)], None, None, np.zeros(np.sum(~signed))),
+            (-level[None], rates[None], None, np.ones(1)),  # the level's own share is all used up
+            (None, None, ball, np.eye(1 + len(image))[0]),
+        ]
+        rhs = [row[-1] for row in table]
+        counts = [len(part) for part in rhs]
+        width = self.first[-1] + len(offset) + len(image)
+        return ConeProgram(
+            sparse.csc_matrix((width, width)),
+            np.concatenate([-objective, caps, -shift]),
+            sparse.csc_matrix(sparse.block_array([row[:-1] for row in table])),
+            np.concatenate(rhs), sum(counts[:2]), sum(counts[2:-1]), (counts[-1],),
+        )  # fmt: skip
+
+    def _psi(self, nodes: Sequence[Array]) -> tuple[Array, Array]:
+        """ψ at all nodes: (q, n) what a unit of each adds, (q,) what the fixed ones make it."""
+        result = [np.zeros((len(tau), self.first[-1])) for tau in nodes]
+        for at, rows in zip(self.first, self.groups, strict=False):
+            if rows.position is not None:
+                result[rows.position][:, at : at + len(rows.rhs)] = rows.psi(nodes[rows.position])
+        given = [np.zeros(len(tau)) for tau in nodes]
+        for rows, mass in self.fixed:
+            if rows.position is not None:
+                given[rows.position] += rows.psi(nodes[rows.position]) @ mass
+        return np.vstack(result), np.concatenate(given)
+
+    @cached_property
+    def _initial_values(self) -> tuple[Array, Array]:
+        """Initial values: (laws, m, n) what a unit of each comes to in them, (laws, m) given."""
+        shape = len(self.model.grids), self.order
+        result, given = np.zeros((*shape, self.first[-1])), np.zeros(shape)
+        for at, rows in zip(self.first, self.groups, strict=False):
+            if rows.position is not None:
+                here = slice(at, at + len(rows.rhs))
+                result[rows.position][:, here] = initial_terms(rows.x, rows.weights).T
+        for rows, mass in self.fixed:
+            if rows.position is not None:
+                given[rows.position] += mass @ initial_terms(rows.x, rows.weights)
+        for junction in self.model.junctions:
+            for k, ratio in propagate_state(self.model, junction, self.order):
+                result[junction.after, k, self.end_costates[junction.before, k]] += ratio
+        return result, given
+
+    def _objective(self) -> Array:
+        """What a unit of each is worth by itself: (n,)."""
+        objective = -np.concatenate([rows.rhs for rows in self.groups])
+        for ends, state in zip(self.model.boundary_states, self._initial_values[0], strict=True):
+            known = ends.start[: self.order]
+            objective += known @ state[: len(known)]
+        return objective
+
+    def _stationarity(self) -> tuple[Array, Array]:
+        """What must come to nothing: unknown initial values, costates of unknown final ones.
+
+        Returns:
+            (r, n) and (r,): what unknowns and given masses come to.
+        """
+        result, given = self._initial_values
+        junctions = self.model.junctions
+        shared = {
+            (j.before, k) for j in junctions for k, _ in propagate_state(self.model, j, self.order)
+        }
+        rows, rest = [np.zeros((0, self.first[-1]))], [np.zeros(0)]
+        for position, ends in enumerate(self.model.boundary_states):
+            beyond = range(len(ends.end), self.order)
+            worthless = [
+                self.end_costates[position, k] for k in beyond if (position, k) not in shared
+            ]
+            rows += [result[position, len(ends.start) :], np.eye(self.first[-1])[worthless]]
+            rest += [given[position, len(ends.start) :], np.zeros(len(worthless))]
+        return np.vstack(rows), np.concatenate(rest)
+
+
+def _quadrature(
+    groups: Sequence[WeightedRows], sign_changes: Array, breaks: Array
+) -> tuple[Array, Array]:
+    """Points of cells between all that acts on a law, and their shares of it: Gauss points.
+
+    Two where ψ is a parabola, three where a density adds to it.
+    """
+    close = sign_changes[:, None] + np.concatenate([-BESIDE, BESIDE])
+    cuts, spans = [breaks, close.ravel()], [np.zeros((0, 2))]
+    for rows in groups:
+        cuts.append(rows.x)
+        if rows.spans is not None:
+            cuts.append(rows.spans.ravel())
+            spans.append(rows.spans)
+    result = np.unique(np.clip(np.concatenate(cuts), 0.0, 1.0))
+    middle, (low, high) = 0.5 * (result[:-1] + result[1:]), np.concatenate(spans).T
+    cubic = np.any((low < middle[:, None]) & (middle[:, None] < high), axis=1)
+    tau, shares = list[Array](), list[Array]()
+    for count, chosen in ((2, ~cubic), (3, cubic)):
+        node, share = np.polynomial.legendre.leggauss(count)
+        width = np.diff(result)[chosen, None] / 2.0
+        tau.append((middle[chosen, None] + width * node).ravel())
+        shares.append((width * share).ravel())
+    return np.concatenate(tau), np.concatenate(shares)
+
+
+def _control_steps(law: SplineLaw, order: int) -> Array:
+    """The ends of a law, and knots at which its control steps."""
+    breaks = law.space.breaks
+    level = law.curve().derivatives(0.5 * (breaks[1:] + breaks[:-1]), order)[order]
+    stepped = np.abs(np.diff(level)) > STEP * np.ptp(level)
+    return np.concatenate([[0.0, 1.0], breaks[1:-1][stepped]])
+
+
+def _end_rows(model: ConicModel, position: int, order: int) -> WeightedRows:
+    """g to g^(m−1) at the end of a law, with costates of either sign."""
+    rhs = np.zeros(order)
+    known = model.boundary_states[position].end[:order]
+    rhs[: len(known)] = known
+    sizes = np.zeros((order, len(model.problem.sizing.bounds)))
+    return WeightedRows(position, np.ones(order), np.eye(order), rhs, sizes, signed=True)

@@ -1,0 +1,250 @@
+"""The switching function ψ of a free law: what its highest bounded derivative is worth.
+
+By weak duality every law pays ∫ ψ w dx with w = g^(m); a row with multiplier λ at x_i that reads
+alpha · (g, g', …) contributes λ alpha_k (x_i − τ)^(m−1−k) / (m−1−k)! for τ < x_i. So ψ is a
+polynomial of degree m − 1 between the points, of a higher one where multipliers are densities; and
+where it changes sign the ideal law switches.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from functools import cache
+from itertools import accumulate
+from math import comb
+
+import numpy as np
+
+from synthesis.numerics.maxima import quadratic_roots
+from synthesis.numerics.piecewise import Array, sorted_unique
+
+NODES, SHARES = np.polynomial.legendre.leggauss(5)  # exact to degree 9 between the cuts
+TINY = 1e-14  # of the largest coefficient: a leading one below it has no root near by
+
+
+@dataclass(frozen=True, eq=False)
+class Switching:
+    """ψ(τ) = Σ_j poly[i, j] s^j with s = (τ − breaks[i]) / (breaks[i+1] − breaks[i]) in [0, 1]."""
+
+    breaks: Array
+    poly: Array
+
+    def __call__(self, tau: Array) -> Array:
+        """ψ at τ, of the piece on the right."""
+        piece = np.clip(np.searchsorted(self.breaks, tau, "right") - 1, 0, len(self.poly) - 1)
+        s = (tau - self.breaks[piece]) / (self.breaks[piece + 1] - self.breaks[piece])
+        return np.asarray(sum(self.poly[piece, j] * s**j for j in range(self.poly.shape[1])))
+
+    @property
+    def magnitude_bound(self) -> float:
+        """What |ψ| is nowhere above."""
+        return float(np.max(np.abs(self.poly @ _bernstein(self.poly.shape[1]))))
+
+    def sign_changes(self, value: float = 0.0) -> Array:
+        """Points inside (0, 1) where ψ − value changes sign, at jumps as well."""
+        cuts = self._breaks_and_roots((value,))
+        middle = self(0.5 * (cuts[:-1] + cuts[1:])) - value
+        changes = np.sign(middle[:-1]) != np.sign(middle[1:])
+        return np.asarray(cuts[1:-1][changes], dtype=float)
+
+    def significant_sign_changes(self, noise: float) -> Array:
+        """Where ψ changes sign, or goes from next to nothing to more or back.
+
+        Args:
+            noise: share of the largest |ψ| that is next to nothing.
+        """
+        cuts = self._breaks_and_roots((0.0,))
+        width = np.diff(cuts)[:, None]
+        tau = cuts[:-1, None] + width * (NODES + 1.0) / 2.0
+        middle = self(tau)
+        size = np.max(np.abs(middle), axis=1)
+        sense = np.where(size > noise * np.max(size), np.sign(middle[:, len(NODES) // 2]), 0.0)
+        return np.asarray(cuts[1:-1][sense[1:] != sense[:-1]], dtype=float)
+
+    def with_densities(self, spans: Array, poly: Array) -> Switching:
+        """ψ and on each span (r, 2) a polynomial more: (r, d) in s, from 0 to 1 along the span."""
+        if not len(spans):
+            return self
+        breaks = np.unique(np.concatenate([self.breaks, spans.ravel()]))
+        table = np.zeros((len(breaks) - 1, max(poly.shape[1], self.poly.shape[1])))
+        table[:, : self.poly.shape[1]] = self._pieces(breaks)
+        first, last = np.searchsorted(breaks, spans).T
+        own = np.repeat(np.arange(len(spans)), last - first)
+        piece = np.arange(len(own)) - np.repeat(np.cumsum(last - first) - last, last - first)
+        low, high = spans[own].T
+        shares = [(breaks[piece + side] - low) / (high - low) for side in (0, 1)]
+        np.add.at(table[:, : poly.shape[1]], piece, restrict_polynomials(poly[own], *shares))
+        return Switching(breaks, table)
+
+    def least_integral(self, cap: float, weight: float) -> float:
+        """∫ min over |w| ≤ cap of (weight w² + ψ w): never positive.
+
+        Exact but for rounding; without a weight never above the true value.
+
+        Args:
+            cap: bound of |w|, may be infinite if weight is positive.
+            weight: ≥ 0.
+        """
+        if weight == 0.0:
+            return -cap * absolute_integrals([self])[0]
+        edge = 2.0 * weight * cap
+        cuts = self._breaks_and_roots((0.0, edge, -edge) if np.isfinite(edge) else (0.0,))
+        width = cuts[1:] - cuts[:-1]
+        tau = cuts[:-1, None] + width[:, None] * (NODES + 1.0) / 2.0
+        psi = np.abs(self(tau))
+        inner = -(psi**2) / (4.0 * weight)
+        outer = -cap * psi + weight * cap**2 if np.isfinite(cap) else inner
+        value = np.where(psi <= edge, inner, outer)
+        return float(np.sum(value * SHARES * width[:, None]) / 2.0)
+
+    def losses(
+        self, knots: Array, law: Callable[[Array], Array], cap: float, weight: float
+    ) -> Array:
+        """What a law pays more than the ideal one, knot interval by knot interval: (n,) ≥ 0.
+
+        Args:
+            knots: (n+1,) from 0 to 1.
+            law: its control at given x, right-hand values.
+            cap, weight: as in ``least``.
+        """
+        cuts = np.union1d(self._breaks_and_roots((0.0,)), knots)
+        width = np.diff(cuts)
+        tau = cuts[:-1, None] + width[:, None] * (NODES + 1.0) / 2.0
+        psi, w = self(tau), law(tau)
+        paid = weight * w**2 + psi * w
+        ideal = -cap * np.abs(psi) if weight == 0.0 else -(psi**2) / (4.0 * weight)
+        loss = np.sum((paid - ideal) * SHARES, axis=1) * width / 2.0
+        interval = np.searchsorted(knots, 0.5 * (cuts[:-1] + cuts[1:]), "right") - 1
+        sums = np.bincount(interval, np.maximum(loss, 0.0), minlength=len(knots) - 1)
+        return np.asarray(sums, dtype=float)
+
+    def _breaks_and_roots(self, values: tuple[float, ...]) -> Array:
+        """The breaks and the roots of ψ − value, sorted."""
+        result, width = [self.breaks], self.breaks[1:] - self.breaks[:-1]
+        for value in values:
+            shifted = self.poly
+            if value:
+                shifted = shifted.copy()
+                shifted[:, 0] -= value
+            for root in _roots(shifted):
+                inside = (root > 0.0) & (root < 1.0)
+                result.append((self.breaks[:-1] + width * root)[inside])
+        return sorted_unique(np.concatenate(result))
+
+    def _pieces(self, breaks: Array) -> Array:
+        """The polynomials between finer breaks: (n, d)."""
+        left, right = breaks[:-1], breaks[1:]
+        piece = np.searchsorted(self.breaks[1:-1], 0.5 * (left + right), "right")
+        low = self.breaks[piece]
+        width = self.breaks[piece + 1] - low
+        return restrict_polynomials(self.poly[piece], (left - low) / width, (right - low) / width)
+
+
+def absolute_integrals(each: Sequence[Switching]) -> list[float]:
+    """∫ |ψ| of every law, never below the true value; all of them are worked out together.
+
+    Every piece is cut at its roots. On a part |ψ| is at most the mean of its Bernstein
+    coefficients' sizes, and is that where they have one sign.
+    """
+    if not each:
+        return []
+    degree = max(psi.poly.shape[1] for psi in each)
+    poly = np.concatenate([_padded(psi.poly, degree) for psi in each])
+    roots = np.array(_roots(poly)).reshape(-1, len(poly))
+    cuts = np.zeros((len(roots) + 2, len(poly)))
+    cuts[1:-1] = np.sort(np.fmin(np.fmax(roots, 0.0), 1.0), axis=0)  # of none, an end
+    cuts[-1] = 1.0
+    low, high = cuts[:-1], cuts[1:]
+    sizes = np.abs(restrict_polynomials(poly, low, high) @ _bernstein(degree)).sum(axis=2) / degree
+    width = np.concatenate([psi.breaks[1:] - psi.breaks[:-1] for psi in each])
+    shares = ((high - low) * sizes).sum(axis=0) * width
+    ends = list(accumulate((len(psi.poly) for psi in each), initial=0))
+    result: list[float] = np.add.reduceat(shares, ends[:-1]).tolist()
+    return result
+
+
+def _padded(poly: Array, degree: int) -> Array:
+    """The same with zeros for the powers that others have: (n, degree)."""
+    if poly.shape[1] == degree:
+        return poly
+    return np.pad(poly, ((0, 0), (0, degree - poly.shape[1])))
+
+
+def restrict_polynomials(poly: Array, low: Array, high: Array) -> Array:
+    """Polynomials (n, d) in s on parts low to high (…, n) of [0, 1], from 0 to 1 along the part."""
+    degree, width = poly.shape[1], high - low
+    columns = [poly[:, j] for j in range(degree)]
+    result = np.empty((*low.shape, degree))
+    if degree <= 3:
+        c, b, a = columns + [np.zeros(1)] * (3 - degree)
+        rising = low * a
+        parts = c + low * (b + rising), width * (b + 2.0 * rising), width * width * a
+        for j in range(degree):
+            result[..., j] = parts[j]
+        return result
+    powers = [low**i for i in range(degree)]
+    for j in range(degree):
+        shares = (comb(i, j) * columns[i] * powers[i - j] for i in range(j, degree))
+        result[..., j] = width**j * sum(shares)
+    return result
+
+
+@cache
+def _bernstein(count: int) -> Array:
+    """(count, count): coefficients of s^j to those of Bernstein."""
+    degree = count - 1
+    return np.array(
+        [[comb(i, j) / comb(degree, j) for i in range(count)] for j in range(count)], dtype=float
+    )
+
+
+def _roots(poly: Array) -> Sequence[Array]:
+    """Roots of polynomials (n, d), as many arrays as there may be; NaN or far off where none."""
+    if poly.shape[1] <= 3:
+        columns = [poly[:, j] for j in range(poly.shape[1])]
+        c, b, a = columns + [np.zeros(1)] * (3 - len(columns))
+        return quadratic_roots(a, b, c)
+    signs = np.sign(poly @ _bernstein(poly.shape[1]))
+    mixed = np.any(signs != signs[:, :1], axis=1)  # others have none
+    result = np.full((poly.shape[1] - 1, len(poly)), np.nan)
+    chosen = poly[mixed]
+    largest = np.max(np.abs(chosen), axis=1)
+    lead = chosen[:, -1]
+    lead = np.where(np.abs(lead) > TINY * largest, lead, TINY * largest)
+    companion = np.zeros((len(chosen), *2 * (poly.shape[1] - 1,)))
+    companion[:, 1:, :-1] = np.eye(poly.shape[1] - 2)
+    companion[:, :, -1] = -chosen[:, :-1] / lead[:, None]
+    roots = np.linalg.eigvals(companion)
+    result[:, mixed] = np.where(np.abs(roots.imag) <= 1e-7, roots.real, np.nan).T
+    return list(result)
+
+
+def switching(points: Array, weights: Array, order: int) -> Switching:
+    """ψ from point rows.
+
+    Args:
+        points: (r,) x_i in [0, 1].
+        weights: (r, order) λ_i alpha_k for k < order.
+        order: m.
+    """
+    sorting = points.argsort(kind="stable")
+    x, w = points[sorting], weights[sorting]
+    breaks = np.zeros(len(x) + 2)
+    breaks[1:-1], breaks[-1] = x, 1.0
+    new = np.ones(len(breaks), dtype=bool)
+    np.not_equal(breaks[1:], breaks[:-1], out=new[1:])  # they are in order
+    breaks = breaks[new]
+    # Σ w (x − τ)^n/n! of all rows with x ≥ breaks[i+1], in powers of τ and then about breaks[i]
+    w2, w1, w0 = w[:, -1], w[:, -2], w[:, -3] if order > 2 else np.zeros(len(x))
+    table = np.zeros((3, len(x) + 1))
+    table[0, :-1], table[1, :-1] = w2 + x * (w1 + 0.5 * x * w0), -w1 - x * w0
+    table[2, :-1] = 0.5 * w0
+    suffix = table[:, ::-1].cumsum(axis=1)[:, ::-1]
+    c, b, a = suffix[:, x.searchsorted(breaks[1:], side="left")]
+    first, width = breaks[:-1], breaks[1:] - breaks[:-1]
+    parts = c + first * (b + first * a), width * (b + 2.0 * a * first), width**2 * a
+    poly = np.empty((len(first), order))
+    for j in range(order):
+        poly[:, j] = parts[j]
+    return Switching(breaks, poly)

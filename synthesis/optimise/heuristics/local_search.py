@@ -1,0 +1,134 @@
+"""Local search: incumbents under nonconvex limits, from the relaxation or from a neighbour.
+
+Sequential convex programming comes first, with its two or three cone programs; IPOPT where that
+does not converge. A cam found here is an incumbent and proves nothing.
+"""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Sequence
+from dataclasses import replace
+
+from synthesis.catalogue.objectives.rms_acceleration import RmsAcceleration
+from synthesis.catalogue.objectives.rms_jerk import RmsJerk
+from synthesis.numerics.solvers.clarabel import solve
+from synthesis.numerics.solvers.statuses import USABLE
+from synthesis.optimise.conic.program import formulate
+from synthesis.optimise.conic.tangent_cuts import Region
+from synthesis.optimise.heuristics.scp_search import (
+    Violations,
+    add_violated_points,
+    offer_local_optimum,
+    scp_search,
+)
+from synthesis.optimise.problem.grid import Grid
+from synthesis.optimise.recovery.candidate import Candidate, recover_cam
+from synthesis.optimise.refinement.row_violations import ALLOWED, row_violations
+from synthesis.optimise.state.solve_state import SolveState, Stage
+from synthesis.optimise.state.warm_start import WarmStart
+
+FAR = 1.5
+"""Value over the bound from which an incumbent is not the only start that is tried."""
+EXCHANGES = 3
+"""Runs of IPOPT at most, each with points where the run before violated rows."""
+GROWTH = 0.1
+"""Share of the tolerance that IPOPT may leave to the final enlargement; it saves a run."""
+
+
+def local_search(state: SolveState) -> SolveState:
+    """Look for a local optimum: from a neighbour's, else from the best start at hand."""
+    state = _from_warm_start(state)
+    if state.warm_started:
+        return state
+    if state.incumbent is None or state.incumbent.value > FAR * state.lower:
+        state, _ = smooth_start(state)
+    start = state.incumbent or state.relaxed or state.last
+    return state if start is None else improve_from(state, start)
+
+
+def improve_from(state: SolveState, start: Candidate) -> SolveState:
+    """Look for a local optimum on the present mesh from a start."""
+    state, converged = scp_search(state, start.laws, start.size)
+    if converged or state.time_left <= 0.0:
+        return state
+    start = state.incumbent or start
+    for _ in range(EXCHANGES):
+        state, violations = _solve_nonlinear(state, start)
+        refined = add_violated_points(state, violations)
+        if refined is state:
+            break
+        state = refined
+    return state
+
+
+def _solve_nonlinear(state: SolveState, start: Candidate) -> tuple[SolveState, Violations]:
+    """One run of IPOPT, and the violations of rows between their points."""
+    from synthesis.optimise.heuristics.ipopt_search import (  # CasADi where it is needed
+        solve_ipopt,
+        solver_tolerances,
+    )
+
+    started = time.perf_counter()
+    model = formulate(state.problem, state.grids, 0.0, state.tightening, Region())
+    point, growth = model.point(start.laws, start.size), GROWTH * state.tolerance
+    accuracies = solver_tolerances(state.tolerance)
+    solution = solve_ipopt(model, point, state.deadline, *accuracies, growth=growth)
+    laws, size = model.recover(solution.x)
+    state, violations = offer_local_optimum(state, laws, size)
+    if violations[1] <= ALLOWED:
+        state = replace(state, local_optimum=WarmStart(state.grids, tuple(laws), size))
+    report = Stage(
+        "nonlinear", "NLP", "IPOPT", len(solution.x), solution.rows, solution.iterations,
+        time.perf_counter() - started, solution.stopped.value,
+    )  # fmt: skip
+    return state.with_stage(report), violations
+
+
+def smooth_start(state: SolveState) -> tuple[SolveState, Candidate | None]:
+    """Another start: the law of least mean square jerk, enlarged until all limits hold.
+
+    The relaxation's own law uses its freedom to the full and may be bent so sharply that only a
+    very large cam can carry it. Where laws need not be of class C2, the mean square acceleration
+    is minimised instead.
+
+    Returns:
+        the state, and the cam as it was before it was enlarged; None where there is no such law.
+    """
+    if not state.problem.free:
+        return state, None
+    roughest = min(segment.free.smoothness for segment in state.problem.free if segment.free)
+    smooth = state.problem.with_objective(RmsJerk() if roughest > 1 else RmsAcceleration())
+    model = formulate(smooth, state.grids, 0.0, state.tightening)
+    solution = solve(model.program, state.time_left)
+    if solution.stopped not in USABLE:
+        return state, None
+    cam = recover_cam(state.problem, *model.recover(solution.x))
+    if row_violations(state, cam)[1] <= ALLOWED:
+        state = state.with_local_optimum(cam)
+    return state, cam
+
+
+def _from_warm_start(state: SolveState) -> SolveState:
+    """The search from a neighbour's local optimum, on its mesh.
+
+    A neighbour's mesh is used if it is at least as fine as the one that the bound asks for here.
+    The cam found depends on the neighbour, in its last digits or, where there are several local
+    optima, in more; all limits are certified on it as on any other.
+    """
+    near, before = state.warm_start, state
+    if near is None or not _is_as_fine(near.grids, state.grids):
+        return state
+    state = replace(state, grids=near.grids)
+    state, converged = scp_search(state, near.laws, near.size, "tangents, from a neighbour")
+    if converged and state.incumbent is not before.incumbent:
+        return replace(state, warm_started=True)
+    return replace(state, grids=before.grids)
+
+
+def _is_as_fine(grids: Sequence[Grid], wanted: Sequence[Grid]) -> bool:
+    """Whether every law has the degree of the wanted mesh and at least as many knots."""
+    return len(grids) == len(wanted) and all(
+        grid.space.degree == other.space.degree and grid.space.size >= other.space.size
+        for grid, other in zip(grids, wanted, strict=True)
+    )

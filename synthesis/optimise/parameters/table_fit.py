@@ -1,0 +1,223 @@
+"""A table smoothed to a spline: least mean square jerk within a tolerance at every row.
+
+The ideal answer is a quintic spline with its knots at the rows that bind, so uniform knots are
+halved until that gains no more. Unknowns are the coefficients, in tolerances from a least-squares
+spline: so the rows are of size one whatever the tolerance is, and the solver's own accuracy is a
+small part of it.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from math import inf, sqrt
+from typing import Any
+
+import numpy as np
+from scipy import sparse
+from scipy.interpolate import BSpline
+from scipy.sparse.linalg import splu
+
+from synthesis.numerics.bspline import SplineSpace
+from synthesis.numerics.piecewise import Array
+from synthesis.numerics.solvers.clarabel import ConeProgram, ConeSolution, solve
+from synthesis.numerics.solvers.statuses import USABLE, StopReason
+
+FIRST, MOST = 16, 2048  # intervals
+ENOUGH = 1e-2  # relative gain of halving the knots that is not worth it
+DRAWN = 1e-4  # of the tolerance: what the solver's accuracy may use up
+JERK = 3
+SPARE = 1.01  # of the least deviation there is, so that the jerk has something to gain
+
+
+@dataclass(frozen=True, eq=False)
+class Rows:
+    """What a fit has to meet, normalised: x in [0, 1], displacement g in units of the table.
+
+    Attributes:
+        x, g: (m,) the rows. tolerance: how far the spline may pass them.
+        start, end: known g, g', … at x = 0 and x = 1.
+        closed: how many derivatives have to be equal at both ends (a table of a whole turn).
+    """
+
+    x: Array
+    g: Array
+    tolerance: float
+    start: Array
+    end: Array
+    closed: int = 0
+
+
+@dataclass(frozen=True, eq=False)
+class Fit:
+    """The spline found, how far it passes the rows at most, ∫ (g''')² dx, and what it cost."""
+
+    space: SplineSpace
+    coefficients: Array
+    deviation: float
+    energy: float
+    unknowns: int
+    rows: int
+    iterations: int
+    stopped: StopReason
+
+
+def smooth_table(rows: Rows, degree: int, time_limit: float = inf) -> Fit:
+    """The smoothest spline of a degree through all rows; through them as near as can be if none is.
+
+    Args:
+        rows: what to meet. degree: of the spline. time_limit: for each solve [s].
+    """
+    best: Fit | None = None
+    iterations, most = 0, min(MOST, max(FIRST, 2 * len(rows.x)))
+    intervals = FIRST
+    while intervals <= most:
+        found = _fit(rows, SplineSpace(degree, np.linspace(0.0, 1.0, intervals + 1)), time_limit)
+        if found is not None:
+            iterations += found.iterations
+            if best is not None and found.energy > (1.0 - ENOUGH) * best.energy:
+                return replace(min(found, best, key=lambda fit: fit.energy), iterations=iterations)
+            best = found
+        intervals *= 2
+    if best is not None:
+        return replace(best, iterations=iterations)
+    finest = SplineSpace(degree, np.linspace(0.0, 1.0, intervals // 2 + 1))
+    return _nearest(rows, finest, time_limit)
+
+
+def _fit(rows: Rows, space: SplineSpace, time_limit: float) -> Fit | None:
+    """The smoothest spline of one space that meets all rows, None where there is none."""
+    frame = _Frame.of(rows, space)
+    n, q = frame.basis.shape[1], frame.jerk.shape[0]
+    unit = max(1.0, sqrt(float(np.mean(frame.jerk_before**2)) * q))
+    slack = 1.0 - DRAWN
+    roots = sparse.hstack([rows.tolerance / unit * frame.jerk, -sparse.eye(q)])
+    matrix = _stacked(roots, _wide(frame.closed, q), _wide(frame.basis, q), _wide(-frame.basis, q))
+    rhs = np.concatenate(
+        [-frame.jerk_before / unit, frame.closed_rhs, frame.miss + slack, slack - frame.miss]
+    )
+    quadratic = sparse.csc_matrix(sparse.diags(np.repeat([0.0, 2.0], [n, q])))
+    quadratic.eliminate_zeros()
+    equalities = q + frame.closed.shape[0]
+    program = ConeProgram(quadratic, np.zeros(n + q), matrix, rhs, equalities, 2 * len(rows.x), ())
+    solution = solve(program, time_limit)
+    if solution.stopped not in USABLE:
+        return None
+    return frame.fit(solution, solution.x[:n], program)
+
+
+def _nearest(rows: Rows, space: SplineSpace, time_limit: float) -> Fit:
+    """The smoothest of the splines that come (almost) as near to the rows as any of the space."""
+    frame = _Frame.of(rows, space)
+    n, m = frame.basis.shape[1], len(rows.x)
+    one = sparse.csc_matrix(-np.ones((m, 1)))
+    matrix = _stacked(
+        _wide(frame.closed, 1),
+        sparse.hstack([frame.basis, one]),
+        sparse.hstack([-frame.basis, one]),
+    )
+    rhs = np.concatenate([frame.closed_rhs, frame.miss, -frame.miss])
+    least = np.zeros(n + 1)
+    least[n] = 1.0
+    nothing = sparse.csc_matrix((n + 1, n + 1))
+    program = ConeProgram(nothing, least, matrix, rhs, frame.closed.shape[0], 2 * m, ())
+    solution = solve(program, time_limit)
+    found = frame.fit(solution, solution.x[:n], program)
+    eased = replace(rows, tolerance=SPARE * max(found.deviation, rows.tolerance))
+    return _fit(eased, space, time_limit) or found
+
+
+def _stacked(*blocks: Any) -> sparse.csc_matrix:
+    """Blocks of rows on top of each other."""
+    return sparse.csc_matrix(sparse.vstack(blocks))
+
+
+def _wide(matrix: sparse.csr_matrix, more: int) -> Any:
+    """The matrix with so many empty columns added."""
+    return sparse.hstack([matrix, sparse.csr_matrix((matrix.shape[0], more))])
+
+
+@dataclass(frozen=True, eq=False)
+class _Frame:
+    """The rows on one space, about a least-squares spline that has the known ends.
+
+    Attributes:
+        around: all coefficients of that spline. inner: which of them are unknown.
+        basis: (m, n) values at the rows, jerk: (q, n) g''' at Gauss points times the roots of
+            their weights, both of the unknown ones. jerk_before: (q,) that of ``around``.
+        miss: (m,) the table less ``around``, in tolerances.
+        closed, closed_rhs: rows of equal derivatives at both ends.
+    """
+
+    rows: Rows
+    space: SplineSpace
+    around: Array
+    inner: slice
+    basis: sparse.csr_matrix
+    jerk: sparse.csr_matrix
+    jerk_before: Array
+    miss: Array
+    closed: sparse.csr_matrix
+    closed_rhs: Array
+
+    @classmethod
+    def of(cls, rows: Rows, space: SplineSpace) -> _Frame:
+        basis, jerk = sparse_basis(space, rows.x), _jerk_roots(space)
+        around = _least_squares(basis, jerk, rows.g)
+        first, last = len(rows.start), len(rows.end)
+        inner = slice(first, space.size - last)
+        starts, ends = (
+            space.end_derivatives(x, max(first, last, rows.closed + 1)) for x in (0.0, 1.0)
+        )
+        around[:first] = np.linalg.solve(starts[:first, :first], rows.start)
+        around[inner.stop :] = np.linalg.solve(ends[:last, inner.stop :], rows.end)
+        closed = (ends - starts)[1 : rows.closed + 1]
+        closed /= np.abs(closed).max(axis=1, keepdims=True)
+        return cls(
+            rows, space, around, inner, basis[:, inner], jerk[:, inner], jerk @ around,
+            (rows.g - basis @ around) / rows.tolerance,
+            sparse.csr_matrix(closed[:, inner]), -closed @ around / rows.tolerance,
+        )  # fmt: skip
+
+    def fit(self, solution: ConeSolution, step: Array, program: ConeProgram) -> Fit:
+        """The spline at a point of a program."""
+        found = self.around.copy()
+        found[self.inner] += self.rows.tolerance * step
+        miss = self.miss - self.basis @ step
+        jerk = self.jerk_before + self.rows.tolerance * (self.jerk @ step)
+        deviation = float(np.max(np.abs(miss))) * self.rows.tolerance
+        height, width = program.matrix.shape
+        return Fit(
+            self.space, found, deviation, float(jerk @ jerk), width, height, solution.iterations,
+            solution.stopped,
+        )  # fmt: skip
+
+
+def sparse_basis(space: SplineSpace, x: Array, order: int = 0) -> sparse.csr_matrix:
+    """The ``order``-th derivative of every basis function at x in [0, 1]: (len(x), size)."""
+    knots, matrix = space.knots, sparse.csr_matrix(sparse.eye(space.size))
+    for k in range(order):
+        p, n = space.degree - k, space.size - k - 1
+        rise = knots[k + p + 1 : len(knots) - k - 1] - knots[k + 1 : len(knots) - k - p - 1]
+        row = np.repeat(np.arange(n), 2)
+        column = row + np.tile([0, 1], n)
+        steps = np.repeat(p / rise, 2) * np.tile([-1.0, 1.0], n)
+        matrix = sparse.csr_matrix((steps, (row, column)), shape=(n, n + 1)) @ matrix
+    inner = knots[order : len(knots) - order]
+    values = BSpline.design_matrix(x, inner, space.degree - order)
+    return sparse.csr_matrix(values) @ matrix
+
+
+def _jerk_roots(space: SplineSpace) -> sparse.csr_matrix:
+    """R with ‖R c‖² = ∫ (g''')² dx: Gauss points on every interval."""
+    nodes, shares = np.polynomial.legendre.leggauss(space.degree - JERK + 1)
+    left, width = space.breaks[:-1], np.diff(space.breaks)
+    x = (left[:, None] + width[:, None] * (nodes + 1.0) / 2.0).ravel()
+    root = np.sqrt((width[:, None] * shares / 2.0).ravel())
+    return sparse.csr_matrix(sparse.diags(root) @ sparse_basis(space, x, JERK))
+
+
+def _least_squares(basis: sparse.csr_matrix, jerk: sparse.csr_matrix, g: Array) -> Array:
+    """The spline nearest to the rows; a trace of the jerk fills what they leave open."""
+    near, bend = basis.T @ basis, jerk.T @ jerk
+    trace = 1e-10 * near.diagonal().mean() / bend.diagonal().mean()
+    return np.asarray(splu((near + trace * bend).tocsc()).solve(basis.T @ g), dtype=float)

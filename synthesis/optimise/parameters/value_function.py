@@ -1,0 +1,151 @@
+"""What numbers left free are worth: problems with them in place, solved roughly or in full."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, replace
+from functools import cache
+
+import numpy as np
+from pydantic_core import PydanticCustomError
+
+from synthesis.numerics import clock
+from synthesis.numerics.bundle_method import Function
+from synthesis.numerics.piecewise import Array
+from synthesis.optimise.driver import estimate, optimise
+from synthesis.optimise.infeasibility.relaxable_problem import (
+    OutOfTime,
+    RelaxableProblem,
+    solve_elastic,
+)
+from synthesis.optimise.parameters.table_smoothing import smooth_tables
+from synthesis.optimise.problem.grid import Grid, grid_through, uniform_grid
+from synthesis.optimise.problem.problem import Problem, formulate_problem
+from synthesis.optimise.recovery.candidate import Candidate
+from synthesis.spec.design_spec import DesignSpec
+from synthesis.spec.free_parameters import FreeParameters
+
+INSIDE = 0.01  # relative amount by which limits are drawn in while anything possible is sought
+
+
+@dataclass(frozen=True, eq=False)
+class Mesh:
+    """Knots of every free law, that follow the windows while angles change.
+
+    Attributes:
+        breaks: per free law. needed: per free law, those among them that windows and points ask
+            for.
+    """
+
+    breaks: tuple[Array, ...]
+    needed: tuple[Array, ...]
+
+    @classmethod
+    def of(cls, problem: Problem, grids: Sequence[Grid]) -> Mesh:
+        """The mesh of these grids."""
+        return cls(tuple(grid.space.breaks for grid in grids), tuple(_needed(problem)))
+
+    def grids(self, problem: Problem) -> list[Grid]:
+        """On another problem: between the knots needed, all others keep their shares."""
+        return [
+            grid_through(segment, np.interp(breaks, before, after))
+            for segment, breaks, before, after in zip(
+                problem.free, self.breaks, self.needed, _needed(problem), strict=True
+            )
+        ]
+
+
+def _needed(problem: Problem) -> Iterator[Array]:
+    for segment in problem.free:
+        assert segment.free is not None
+        yield np.array([0.0, *segment.free.knots, 1.0])
+
+
+@dataclass(eq=False)
+class ValueFunction:
+    """What numbers are worth: the relaxation's optimum with the first objective [wire]."""
+
+    spec: DesignSpec
+    openings: FreeParameters
+    deadline: float
+    calls: int = 0
+    level: float = 1.0
+
+    def problem(self, u: Array) -> Problem | None:
+        """The question at a point of the unit box; None where a given law cannot be run there."""
+        spec = self.spec.with_numbers(self.openings.numbers(u))
+        try:
+            segments = smooth_tables(spec.placed_segments(), self.deadline).segments
+            spec.check_reach()
+        except PydanticCustomError:
+            return None
+        return formulate_problem(spec, spec.objectives()[0], (), segments)
+
+    def uniform(self, u: Array, intervals: int) -> Mesh:
+        """Equal intervals, by the windows as they are at u."""
+        problem = self.problem(u)
+        if problem is None:
+            return Mesh((), ())
+        return Mesh.of(problem, [uniform_grid(s, intervals) for s in problem.free])
+
+    def refined(self, u: Array) -> Mesh:
+        """The knots that the full search comes to at u."""
+        problem = self.problem(u)
+        assert problem is not None
+        grids = optimise(problem, self.spec.tolerance, self.deadline).grids
+        return Mesh.of(problem, grids)
+
+    def on(self, mesh: Mesh) -> Function:
+        """The value on a mesh; None where nothing fits, or time is up."""
+
+        @cache
+        def value(key: bytes) -> float | None:
+            problem = self.problem(np.frombuffer(key))
+            self.calls += 1
+            if problem is None:
+                return None
+            found = estimate(problem, mesh.grids(problem), self.level, self.deadline)
+            self.level = found or self.level
+            return None if found is None else describe_parameters(problem, found)
+
+        return lambda u: None if clock.now() >= self.deadline else value(u.tobytes())
+
+    def solved(self, u: Array, tolerance: float, pin: float | None = None) -> Candidate | None:
+        """The best cam that a whole search finds; None where it finds none.
+
+        Args:
+            u: where. tolerance: of a search that has one; half-planes are met exactly.
+            pin: a value for what can be pinned; None: free, as asked.
+        """
+        problem = self.problem(u) if clock.now() < self.deadline else None
+        if problem is None:
+            return None
+        self.calls += 1
+        pinning = problem.machine.follower.fixable_dimension()
+        if pin is not None and pinning is not None:
+            problem = problem.with_follower(pinning.fixed_at(pin))
+        return optimise(problem, max(self.spec.tolerance, tolerance), self.deadline).incumbent
+
+    def excess(self, mesh: Mesh) -> Function:
+        """By how much limits must be exceeded at least, in all; 0 where everything fits."""
+
+        def value(u: Array) -> float | None:
+            problem = self.problem(u)
+            if problem is None or clock.now() >= self.deadline:
+                return None
+            self.calls += 1
+            spec = self.spec.with_numbers(self.openings.numbers(u))
+            scene = RelaxableProblem.of(spec, problem, mesh.grids(problem))
+            scene = replace(scene, drawn=INSIDE, deadline=self.deadline)
+            try:
+                found = solve_elastic(scene, scene.model(), range(len(scene.parts)), exact=False)
+            except OutOfTime:
+                return None
+            return None if found is None else max(found.total, 0.0) + problem.vibration_excess
+
+        return value
+
+
+def describe_parameters(problem: Problem, value: float) -> float:
+    """A value of the objective on the wire: the core's unit may depend on the numbers."""
+    return problem.objective.to_wire(value, problem.machine)

@@ -1,0 +1,247 @@
+"""Optimality-based bound tightening of an improving region, law by law.
+
+1. For every law: bounds of the size in directions all round, each the dual bound of a linear
+   program over that law, the laws coupled to it, and the size (a relaxation of the whole problem).
+2. The half-spaces so found hold for the size of every better cam: they are intersected and shared.
+3. For every law: bounds of the traced point and of s'' at nodes, from below and from above, by the
+   same dual bounds with the shared half-spaces.
+
+A dual bound holds over all laws, so that no better cam is removed. Time and memory grow with the
+number of laws, not with its square.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Sequence
+from dataclasses import dataclass, replace
+from math import inf
+
+import numpy as np
+
+from synthesis.numerics import clock
+from synthesis.numerics.piecewise import Array
+from synthesis.numerics.solvers.highs import LinearRows, minimise_each
+from synthesis.numerics.solvers.statuses import StopReason
+from synthesis.optimise.conic.control import Control
+from synthesis.optimise.conic.linear_rows import LinearBlock
+from synthesis.optimise.conic.program import ConicModel, with_rows
+from synthesis.optimise.conic.subprogram import ModelByLaw
+from synthesis.optimise.dual_bound.batch import Quantities, dual_bounds, solve_boundary_costates
+from synthesis.optimise.dual_bound.multiplier_density import MultiplierDensity, PointRuns
+from synthesis.optimise.propagation.half_spaces import HalfSpaces, directions_around
+from synthesis.optimise.propagation.improving_region import ImprovingRegion, Sizes, cone_tangents
+from synthesis.optimise.propagation.tolerances import LOOSENING
+
+SPREAD = 12  # points between two rows over which multipliers are spread
+
+
+def tighten_bounds(
+    model: ConicModel,
+    controls: Sequence[Control],
+    region: ImprovingRegion,
+    positions: Collection[int],
+    time_limit: float = inf,
+) -> tuple[ImprovingRegion, frozenset[int]]:
+    """The region, tightened under the model's rows and those that the region implies.
+
+    Args:
+        model: rows that every better cam satisfies, without an objective.
+        controls: caps of the free laws' third derivatives.
+        positions: positions of the laws to be bounded.
+        time_limit: seconds after which nothing more is bounded.
+
+    Returns:
+        the region, and the laws for which the mesh has no spline under the rows, so that nothing
+        was bounded; where time ended, all laws that were left.
+    """
+    until = clock.now() + time_limit
+    region = replace(region, sizes=_box_within_cones(model, region.sizes))
+    fans = [
+        block for cone in model.cone_blocks for block in cone_tangents(model, cone, region.sizes)
+    ]
+    whole, infeasible, found_half_spaces = ModelByLaw(model), set[int](), list[HalfSpaces]()
+    pieces = {k: _LawSubproblem.of(whole, k, controls, fans, region) for k in positions}
+    directions = directions_around(region.sizes)
+    for k, piece in pieces.items() if len(directions) else ():
+        values = piece.lower_bounds(_size_quantities(directions, model.scales.size), region, until)
+        if values is None:
+            infeasible.add(k)
+        else:
+            found_half_spaces.append(HalfSpaces(directions, values))
+    region = (
+        _intersect_half_spaces(region, directions, found_half_spaces)
+        if found_half_spaces
+        else region
+    )
+    for k in sorted(
+        {position for position, _ in region.point_bounds} & set(positions) - infeasible
+    ):
+        if region.is_empty:
+            break
+        piece = pieces[k]
+        scaled, constants = _point_quantities(region, k, piece.law, piece.model)
+        values = piece.lower_bounds(scaled, region, until)
+        if values is None:
+            infeasible.add(k)
+        else:
+            region = _tighten_point_bounds(region, k, values + constants)
+    return region, frozenset(infeasible)
+
+
+@dataclass(frozen=True, eq=False)
+class _ScaledQuantities:
+    """Quantities, each over its unit, and these units."""
+
+    wanted: Quantities
+    units: Array
+
+    @classmethod
+    def of(cls, law: int, x: Array, alpha: Array, size: Array) -> _ScaledQuantities:
+        """alpha · (g, g', g'') (x) + size · ζ of one law: (q,), (q, 3) and (q, n_size)."""
+        units = np.maximum(np.abs(alpha).max(axis=1), np.abs(size).max(axis=1))
+        laws = np.full(len(x), law)
+        return cls(Quantities(laws, x, alpha / units[:, None], size / units[:, None]), units)
+
+
+@dataclass(frozen=True, eq=False)
+class _LawSubproblem:
+    """A law and what it meets at joints.
+
+    Attributes:
+        model: their rows, and those of the size alone. positions: in the whole model.
+        law: number of the law to be bounded. controls: of all of them.
+        implied, denser: rows of curvature at their points, and between these.
+    """
+
+    model: ConicModel
+    positions: tuple[int, ...]
+    law: int
+    controls: tuple[Control, ...]
+    implied: list[LinearBlock]
+    denser: list[tuple[LinearBlock, PointRuns]]
+
+    @classmethod
+    def of(
+        cls,
+        whole: ModelByLaw,
+        position: int,
+        controls: Sequence[Control],
+        more: Sequence[LinearBlock],
+        region: ImprovingRegion,
+    ) -> _LawSubproblem:
+        """Of a model, with more rows of the size, and those that a region implies."""
+        positions = whole.coupled_laws(position)
+        part, own = with_rows(whole.submodel(positions), more), region.for_laws(positions)
+        caps = tuple(controls[k] for k in positions)
+        law = positions.index(position)
+        return cls(part, positions, law, caps, own.rows(part), own.rows_between(part, SPREAD))
+
+    def lower_bounds(
+        self, scaled: _ScaledQuantities, region: ImprovingRegion, until: float
+    ) -> Array | None:
+        """Lower bounds of quantities (q,) where better cams lie; None where there is no spline."""
+        unit = self.model.scales.size
+        full = with_rows(self.model, [*region.half_spaces.blocks(unit), *self.implied])
+        count = full.program.equalities + full.program.inequalities
+        low, high = np.full((2, full.program.matrix.shape[1]), inf)
+        low = -low
+        low[full.size], high[full.size] = (np.array(region.sizes) / unit).T
+        program = full.program
+        rows = LinearRows(
+            program.matrix[:count], program.rhs[:count], program.equalities, low, high
+        )
+        result = minimise_each(rows, scaled.wanted.objectives(full), until - clock.now())
+        if result[-1].stopped is not StopReason.SOLVED:
+            return None
+        z = np.stack([each.multipliers for each in result])
+        between = MultiplierDensity.of(full, self.denser, SPREAD)
+        ends = solve_boundary_costates(full, scaled.wanted, z)
+        masses = between.distribute(scaled.wanted, z, ends)
+        values = dual_bounds(
+            between.model, self.controls, region.sizes, scaled.wanted, masses, ends
+        )
+        return np.asarray((values - LOOSENING * np.maximum(np.abs(values), 1.0)) * scaled.units)
+
+
+def _box_within_cones(model: ConicModel, sizes: Sizes) -> Sizes:
+    """The box within the cones on the size."""
+    result = np.array(sizes, dtype=float)
+    for cone in model.cone_blocks:
+        if cone.bound_column is not None or cone.norm is None or len(cone.shift) != len(sizes):
+            continue
+        matrix = cone.matrix[:, model.size]
+        if abs(np.linalg.det(matrix)) < LOOSENING:
+            continue
+        inverse = np.linalg.inv(matrix)
+        centre = -inverse @ cone.shift
+        reach = (1.0 + LOOSENING) * cone.radius * np.linalg.norm(inverse, axis=1)
+        ends = model.scales.size * np.stack([centre - reach, centre + reach], axis=1)
+        result = np.stack(
+            [np.maximum(result[:, 0], ends[:, 0]), np.minimum(result[:, 1], ends[:, 1])], axis=1
+        )
+    return tuple((float(low), float(high)) for low, high in result)
+
+
+def _size_quantities(directions: Array, unit: float) -> _ScaledQuantities:
+    """How far the size lies in directions."""
+    count = len(directions)
+    return _ScaledQuantities.of(0, np.zeros(count), np.zeros((count, 3)), unit * directions)
+
+
+def _intersect_half_spaces(
+    region: ImprovingRegion, directions: Array, found_half_spaces: Sequence[HalfSpaces]
+) -> ImprovingRegion:
+    """The region with the half-spaces of all its laws intersected."""
+    every, axes = region.half_spaces.intersect(found_half_spaces), np.eye(len(region.sizes))
+    low, high = every.minimise(np.concatenate([axes, -axes]), region.sizes).reshape(2, -1)
+    sizes = tuple(
+        (max(ends[0], float(a)), min(ends[1], -float(b)))
+        for ends, a, b in zip(region.sizes, low, high, strict=True)
+    )
+    planes = HalfSpaces(directions, every.minimise(directions, region.sizes))
+    return replace(region.restrict(sizes), half_spaces=planes)
+
+
+def _point_quantities(
+    region: ImprovingRegion, position: int, law: int, model: ConicModel
+) -> tuple[_ScaledQuantities, Array]:
+    """X, u and perhaps s'' of a law's hulls from below, then from above, and their constants.
+
+    ``law``: its number in the model.
+    """
+    segment, scale = model.problem.free[law], model.scales.size
+    x, alpha, size, constants = list[Array](), list[Array](), list[Array](), list[Array]()
+    for sign in (1.0, -1.0):
+        for coordinates, bounds in region.bounds_of_law(position):
+            one = np.ones((len(bounds.nodes), 1))
+            for order in (0, 1):
+                factor = sign * coordinates.sign * segment.lift / segment.angle**order
+                known = coordinates.constants[order] + (
+                    coordinates.sign * segment.s_start if order == 0 else 0.0
+                )
+                x.append(bounds.nodes)
+                alpha.append(one * (factor * np.eye(3)[order]))
+                size.append(one * (sign * scale * np.array(coordinates.size_factors[order])))
+                constants.append(one[:, 0] * sign * known)
+            for order in range(2, len(bounds.low)):
+                x.append(bounds.nodes)
+                alpha.append(one * (sign * segment.lift / segment.angle**order * np.eye(3)[order]))
+                size.append(np.zeros((len(one), len(region.sizes))))
+                constants.append(np.zeros(len(one)))
+    scaled = _ScaledQuantities.of(
+        law, np.concatenate(x), np.concatenate(alpha), np.concatenate(size)
+    )
+    return scaled, np.concatenate(constants)
+
+
+def _tighten_point_bounds(region: ImprovingRegion, position: int, values: Array) -> ImprovingRegion:
+    """The region with bounds in the order of ``_point_quantities``, where they are tighter."""
+    below, above = values.reshape(2, -1)
+    point_bounds, at = dict(region.point_bounds), 0
+    for coordinates, bounds in region.bounds_of_law(position):
+        shape, stop = bounds.low.shape, at + bounds.low.size
+        low = np.maximum(bounds.low, below[at:stop].reshape(shape))
+        high = np.minimum(bounds.high, -above[at:stop].reshape(shape))
+        point_bounds[position, coordinates] = replace(bounds, low=low, high=high)
+        at = stop
+    return replace(region, point_bounds=point_bounds)

@@ -1,0 +1,147 @@
+"""The smallest cam for given laws, in closed form: the point of a polygon nearest to the axis.
+
+With the laws given, every row is a half-plane of the size variables, one or two; its worst cam
+angle is known. For pressure angle alone this is the apex of mathematics' two half-planes, with the
+cases where another side binds included. A curved limit has a half-plane at every cam angle: those
+that the answer breaks are added until there is none.
+"""
+
+from __future__ import annotations
+
+from functools import lru_cache
+
+import numpy as np
+from numpy.typing import NDArray
+
+from synthesis.catalogue.constraints import LinearInequality
+from synthesis.catalogue.motion import PlacedSegment
+from synthesis.numerics.maxima import maximise_all
+from synthesis.numerics.piecewise import Array
+from synthesis.optimise.conic import linear_rows as rows
+from synthesis.optimise.conic.semi_infinite import most_violated
+from synthesis.optimise.problem.problem import Problem
+
+Vector = tuple[float, ...]
+EXCHANGES = 40
+SETTLED = 1e-12  # of the norm: what a size may stick out of a half-plane
+
+
+def half_planes(problem: Problem) -> tuple[Array, Array]:
+    """normals · z ≤ offsets for every row and bound, on given segments: (k, n), (k,)."""
+    rows_by_segment: list[tuple[PlacedSegment, list[LinearInequality]]] = []
+    for segment in problem.segments:
+        own = [row for row in problem.rows_on(segment, 0.0) if row.size and not row.level]
+        if own:
+            rows_by_segment.append((segment, own))
+    tops = maximise_all(
+        [(s.placed(), [row.coefficients for row in own]) for s, own in rows_by_segment]
+    )
+    bounding = [
+        pair
+        for (_, own), worst in zip(rows_by_segment, tops, strict=True)
+        for pair in zip(own, worst.tolist(), strict=True)
+    ]
+    low, high = np.array(problem.sizing.bounds).T
+    unit = np.eye(len(low))
+    if not bounding:
+        return np.vstack([unit, -unit]), np.concatenate([high, -low])
+    normals, offsets = rows.half_planes(bounding)
+    return np.vstack([normals, unit, -unit]), np.concatenate([offsets, high, -low])
+
+
+def closed_form_size(problem: Problem, clear: float = 0.0) -> Vector | None:
+    """The size of least prime radius on all half-planes; None where they have no common point.
+
+    Cones and limits that are not convex are not looked at.
+
+    Args:
+        problem: the problem, laws fixed.
+        clear: share of the norm by which the half-planes of curved limits are drawn in.
+    """
+    normals, offsets = half_planes(problem)
+    size = _nearest_size(problem, normals, offsets)
+    for _ in range(EXCHANGES if problem.has_curved_limits else 0):
+        if size is None:
+            return None
+        broken = most_violated(problem, size)
+        prime = problem.machine.follower.radius_norm().value(size)
+        scale = max(prime, *(abs(value) for value in size), 1e-6 * problem.length)
+        more = broken.excess > (SETTLED - clear) * scale
+        if not np.any(more):
+            break
+        normals = np.vstack([normals, broken.normals[more]])
+        offsets = np.concatenate([offsets, broken.offsets[more] - clear * scale])
+        size = _nearest_size(problem, normals, offsets)
+    return size
+
+
+def _nearest_size(problem: Problem, normals: Array, offsets: Array) -> Vector | None:
+    """The same for given half-planes."""
+    norm = problem.machine.follower.radius_norm()
+    matrix, shift = np.array(norm.matrix), np.array(norm.shift)
+    if len(matrix) < matrix.shape[1]:
+        return _lowest_corner(normals, offsets, matrix[0], problem.length)
+    # in y = M z + m the wanted point is the one nearest to the origin
+    inverse = inverse_matrix(norm.matrix)
+    a = normals @ inverse
+    b = offsets + a @ shift
+    length = np.sqrt((a * a).sum(axis=1))
+    result = _nearest_to_origin(a / length[:, None], b / length, 1e-12 * problem.length)
+    if result is None:
+        return None
+    return tuple((inverse @ (result - shift)).tolist())
+
+
+@lru_cache(maxsize=64)
+def inverse_matrix(matrix: tuple[tuple[float, ...], ...]) -> Array:
+    """The inverse of a norm's matrix; there are a few of them, of two rows, far from singular."""
+    return np.asarray(np.linalg.inv(np.array(matrix)), dtype=float)
+
+
+def _lowest_corner(normals: Array, offsets: Array, level: Array, length: float) -> Vector | None:
+    """The corner where a linear level of the size is least; of several, that of least p.
+
+    Of a size that has a variable of which the prime radius does not speak.
+    """
+    size = np.linalg.norm(normals, axis=1)
+    a, b = normals / size[:, None], offsets / size
+    corners = _corners(a, b)
+    reach = 1e-12 * (length + np.max(np.abs(corners), axis=1))
+    allowed = corners[np.all(corners @ a.T <= b + reach[:, None], axis=1)]
+    if not len(allowed):
+        return None
+    height = allowed @ level
+    lowest = allowed[height <= np.min(height) + 1e-12 * length]
+    return tuple(float(v) for v in lowest[np.argmin(lowest[:, 0])])
+
+
+def _nearest_to_origin(a: Array, b: Array, tolerance: float) -> Array | None:
+    """Origin, foot on one line, or corner of two: the feasible candidate of least norm."""
+    feet = a * b[:, None]
+    candidates = np.concatenate([np.zeros((1, a.shape[1])), feet, _corners(a, b)])
+    reach = tolerance + 1e-13 * np.abs(candidates).max(axis=1)
+    allowed = candidates[(candidates @ a.T <= b + reach[:, None]).all(axis=1)]
+    if not len(allowed):
+        return None
+    return np.asarray(allowed[(allowed * allowed).sum(axis=1).argmin()])
+
+
+@lru_cache(maxsize=64)
+def _line_pairs(count: int) -> tuple[NDArray[np.intp], NDArray[np.intp]]:
+    """All pairs of so many lines."""
+    first, second = np.triu_indices(count, 1)
+    return first, second
+
+
+def _corners(a: Array, b: Array) -> Array:
+    """Where two lines of the plane meet; one size variable has none."""
+    if a.shape[1] == 1:
+        return np.zeros((0, 1))
+    first, second = _line_pairs(len(b))
+    cross = a[first, 0] * a[second, 1] - a[first, 1] * a[second, 0]
+    meeting = np.abs(cross) > 1e-12
+    i, j, d = first[meeting], second[meeting], cross[meeting]
+    result = np.empty((len(d), 2))
+    result[:, 0] = (b[i] * a[j, 1] - b[j] * a[i, 1]) / d
+    result[:, 1] = (a[i, 0] * b[j] - a[j, 0] * b[i]) / d
+    return result

@@ -1,0 +1,184 @@
+"""The place of a counter roller that is left free: the nearest at which its cam keeps every limit.
+
+The counter cam follows from the laws, the size and the place: the distance between two rollers on
+a slide, the angle between two arms. It does not weigh on the main cam: the cam sought without the
+counter cam stays the best one as long as some place in the range will do, and its lower bound
+holds for every place.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass, replace
+from math import inf, isnan
+
+import numpy as np
+from scipy.optimize import brentq
+
+from synthesis.catalogue.constraints import NormBounds
+from synthesis.catalogue.followers.counter_roller import (
+    counter_dimensions,
+    counter_only,
+    counter_range,
+)
+from synthesis.catalogue.ranges import ends
+from synthesis.numerics import clock
+from synthesis.optimise.conic.linear_rows import row_excess
+from synthesis.optimise.problem.problem import Problem
+from synthesis.optimise.recovery.candidate import CLEARANCE, Candidate
+from synthesis.optimise.recovery.smooth_limits import Samples, peaks, sample, violation
+from synthesis.spec.design_spec import DesignSpec
+
+DENSE, EVEN = 24, 36  # places tried, towards the nearest one and all over the range
+ROUNDS = 4
+
+
+@dataclass(frozen=True)
+class CounterRollerPlacement:
+    """The spec with the counter roller's place.
+
+    Attributes:
+        spec: the specification, the place being a number.
+        holds: whether the counter cam keeps its limits beside this main cam.
+        farthest: where it does not, whether no other place would leave the main cam more room.
+    """
+
+    spec: DesignSpec
+    holds: bool
+    farthest: bool = False
+
+
+def place_counter_roller(
+    spec: DesignSpec, cam: Candidate, deadline: float = inf
+) -> CounterRollerPlacement:
+    """Settle what the size leaves open, for a finished main cam.
+
+    Args:
+        spec: the specification.
+        cam: the main cam: laws fixed, size known.
+        deadline: ``clock.now()`` after which the nearest place is not sought any closer.
+
+    Returns:
+        the nearest place that works; where none does, the one at which least is exceeded, but not
+        farther than an outer radius allows; the spec itself where nothing is open.
+    """
+    free = [
+        (name, ends(value))
+        for name, value in counter_dimensions(spec.follower).values()
+        if ends(value)[0] != ends(value)[1]
+    ]
+    if not free:
+        return CounterRollerPlacement(spec, True)
+    ((name, (low, high)),) = free
+    counter_cam = _CounterCam(spec, cam, name, deadline)
+    segments = cam.problem.segments
+    highest = max(max(s.s_start, s.s_end) for s in segments)
+    places = counter_range(spec.follower, cam.size, highest)
+    nearest, most = max(low, places.nearest), min(high, places.farthest)
+    if most <= nearest:
+        return CounterRollerPlacement(
+            spec.with_deferred({name: most}), False, farthest=places.eased_by_distance
+        )
+    least = counter_cam.nearest_feasible(nearest, most)
+    value = counter_cam.least_violated(nearest, most) if least is None else least
+    if counter_cam.size_excess(value) > 0.0 >= counter_cam.size_excess(nearest):
+        value = float(brentq(counter_cam.size_excess, nearest, value, xtol=1e-300, rtol=1e-13))
+        return CounterRollerPlacement(
+            spec.with_deferred({name: value}), False
+        )  # too small or too large, with these laws
+    alone = not any(True for _ in counter_cam.cones(value))
+    farthest = places.eased_by_distance and alone
+    return CounterRollerPlacement(spec.with_deferred({name: value}), least is not None, farthest)
+
+
+@dataclass(frozen=True, eq=False)
+class _CounterCam:
+    """The counter cam beside a finished main cam.
+
+    Attributes:
+        spec: the specification. cam: the main cam. name: of the distance among the dimensions.
+        deadline: after which places are no longer closed in on.
+    """
+
+    spec: DesignSpec
+    cam: Candidate
+    name: str
+    deadline: float
+
+    def at(self, distance: float) -> Problem:
+        """The problem put to the counter cam alone."""
+        machine = self.cam.problem.machine
+        follower = counter_only(self.spec.follower, {self.name: distance})
+        return replace(
+            self.cam.problem,
+            machine=replace(machine, follower=follower),
+            limits=self.spec.all_limits(),
+        )
+
+    def nearest_feasible(self, low: float, high: float) -> float | None:
+        """The least distance between two ends that keeps every limit, None where none does."""
+        samples = sample(self.cam.problem)
+        for _ in range(ROUNDS):
+            result = self._nearest_feasible(samples, low, high)
+            if result is None:
+                return None
+            peak_samples = peaks(self.at(result), samples, self.cam.size)
+            if violation(self.at(result), peak_samples, self.cam.size) <= 0.0:
+                return result
+            samples = [*samples, *peak_samples]
+        return result
+
+    def _nearest_feasible(self, samples: list[Samples], low: float, high: float) -> float | None:
+        before = low
+        for place in _trial_places(low, high):
+            if self.excess(place, samples) > 0.0:
+                before = place
+            elif place == low or clock.now() >= self.deadline:
+                return place
+            else:
+                root = brentq(self.excess, before, place, args=(samples,), xtol=1e-300, rtol=1e-13)
+                return min(float(root) * (1.0 + CLEARANCE), high)
+        return None
+
+    def least_violated(self, low: float, high: float) -> float:
+        """The place at which the worst limit is exceeded least; the nearest of several."""
+        samples = sample(self.cam.problem)
+        return min(_trial_places(low, high), key=lambda place: self.excess(place, samples))
+
+    def excess(self, distance: float, samples: list[Samples]) -> float:
+        """By how much the worst limit is exceeded, relative."""
+        problem = self.at(distance)
+        worst = max(self._rows(problem), default=-1.0)
+        with np.errstate(divide="ignore", invalid="ignore"):  # with the roller on the axis
+            shape = violation(problem, samples, self.cam.size)
+        value = max(worst, shape + CLEARANCE)
+        return 1.0 if isnan(value) or value == inf else value
+
+    def size_excess(self, distance: float) -> float:
+        """By how much the counter cam is too large, relative; rises with the distance."""
+        return max(
+            (cone.norm.value(self.cam.size) / cone.upper - 1.0 for cone in self.cones(distance)),
+            default=-1.0,
+        )
+
+    def cones(self, distance: float) -> Iterator[NormBounds]:
+        """What an outer radius says of the size, the counter roller being there."""
+        problem = self.at(distance)
+        for limit in problem.limits:
+            yield from limit.norm_bounds(problem.segments, problem.machine)
+
+    def _rows(self, problem: Problem) -> Iterator[float]:
+        """Excess of every row that speaks of the size, over the stroke."""
+        for segment in problem.segments:
+            for row in problem.rows_on(segment, self.cam.value):
+                if row.size:
+                    scale = max(map(abs, row.size)) * problem.length
+                    yield row_excess(row, segment, self.cam.size) / scale
+
+
+def _trial_places(low: float, high: float) -> list[float]:
+    """Places to try: dense beside the nearest, and all over the range."""
+    span = high - low
+    dense, even = low + span * np.geomspace(1e-5, 1.0, DENSE), np.linspace(low, high, EVEN)
+    result = np.unique(np.clip(np.concatenate([dense, even]), low, high))
+    return [float(place) for place in result]

@@ -1,0 +1,87 @@
+"""Where a recovered cam violates rows between the points at which they were written.
+
+This is the separation step of a semi-infinite program: a row that holds for every cam angle is
+written at collocation points, and the points of largest violation join the mesh.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from math import inf
+
+import numpy as np
+
+from synthesis.catalogue.constraints import LinearInequality
+from synthesis.catalogue.motion import PlacedSegment
+from synthesis.numerics.piecewise import Array, sorted_unique
+from synthesis.optimise.conic.linear_rows import applies_at, is_sampled, row_scale
+from synthesis.optimise.conic.program import natural_scales
+from synthesis.optimise.problem.grid import Grid
+from synthesis.optimise.problem.problem import Problem
+from synthesis.optimise.recovery.candidate import Candidate
+from synthesis.optimise.state.solve_state import SolveState
+
+ALLOWED = 1e-9
+"""Relative excess of a row that is the solver's noise; the certificate decides."""
+
+
+def row_violations(state: SolveState, cam: Candidate) -> tuple[list[Array], float]:
+    """Find where a cam violates rows between their points, and how far.
+
+    Returns:
+        points x in [0, 1] of every free law, and the largest excess relative to its row.
+    """
+    worst, points = -inf, []
+    laws = {segment.index: segment for segment in cam.problem.segments}
+    for free, grid in zip(state.problem.free, state.grids, strict=True):
+        violated = [np.zeros(0)]
+        for x, excess, refinable in _excesses(state.problem, free, laws[free.index], grid, cam):
+            worst = max(worst, float(np.max(excess)))
+            if refinable:
+                violated.append(x[excess > ALLOWED])
+        points.append(sorted_unique(np.concatenate(violated)))
+    return points, max(worst, _excess_of_earlier_objectives(state, cam))
+
+
+def _excesses(
+    problem: Problem, free: PlacedSegment, law: PlacedSegment, grid: Grid, cam: Candidate
+) -> Iterator[tuple[Array, Array, bool]]:
+    """Per row of one law: points between its own, the relative excess there, and whether the row
+    could be written at them.
+    """
+    rows = [row for row in problem.limit_rows(free) if _can_be_violated(row, grid, cam)]
+    curves = list(problem.curved_limits_on(free))
+    if not rows and not curves:
+        return
+    # three points inside every interval of the mesh
+    gaps = np.diff(grid.points)[:, None] * np.array([0.25, 0.5, 0.75])
+    x = np.asarray((grid.points[:-1, None] + gaps).ravel())
+    scales, curve, theta = natural_scales(problem), law.placed(), free.start + free.angle * x
+    s = curve.jet(theta, curve.piece_of(theta), 3)
+    for row in rows:
+        size = sum(a * v for a, v in zip(row.size, cam.size, strict=False))
+        excess = np.array(row.coefficients) @ s + (size - row.upper)
+        yield x, np.where(applies_at(row, x), excess / row_scale(row, free, scales), -inf), True
+    for limit in curves:
+        for value in limit.excess(s, cam.size):
+            yield x, value, limit.linearises
+
+
+def _can_be_violated(row: LinearInequality, grid: Grid, cam: Candidate) -> bool:
+    """Whether a row holds at points only; a size fitted to the whole law satisfies it everywhere.
+
+    A cam that has grown in its last size variable since then still satisfies rows that this eases.
+    """
+    fitted = cam.fitted and bool(row.size) and row.size[-1] <= 0.0
+    return not fitted and is_sampled(row, grid.space)
+
+
+def _excess_of_earlier_objectives(state: SolveState, cam: Candidate) -> float:
+    """How far the cam exceeds the radius that an earlier objective holds it to, relative."""
+    worst = -inf
+    for earlier in state.problem.objective_caps:
+        norm = earlier.objective.norm(state.problem.machine)
+        if norm is not None:
+            ratio = norm.value(cam.size) / earlier.value
+            worst = max(worst, ratio - 1.0 - 0.01 * state.tolerance)
+    return worst

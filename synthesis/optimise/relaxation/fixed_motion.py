@@ -1,0 +1,147 @@
+"""Rows on the size from limits on a traced curve where the motion is given: dwells, given laws.
+
+There only the size is open, so that a box of sizes is all that has to be known.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+
+import numpy as np
+from numpy.typing import NDArray
+
+from synthesis.catalogue.constraints import MotionBox, SlideCoordinates
+from synthesis.catalogue.motion import PlacedSegment
+from synthesis.numerics.piecewise import Array
+from synthesis.optimise.conic.linear_rows import LinearBlock, Scales
+from synthesis.optimise.problem.problem import Problem
+
+SAMPLES = 48  # of a segment
+PIECES, SLICES = 16, 24  # of a box of sizes
+REPEATED, SHRUNK = 4, 0.8  # times that it is cut anew, where less than that share is left of it
+NEAR = -0.15  # a smooth limit above this, relative, is near to binding
+
+Sizes = Sequence[tuple[float, float]]
+Ends = tuple[tuple[float, float], ...]
+
+
+def relative_excess(
+    problem: Problem, segment: PlacedSegment, theta: Array, size: tuple[float, ...]
+) -> Array:
+    """By how much traced limits are broken on a given segment at cam angles (n,), relative."""
+    s, worst = segment.placed().derivatives(theta), np.full(len(theta), -np.inf)
+    for limit in problem.limits:
+        if limit.curvature_bounds(segment, problem.machine):
+            for value in limit.smooth_constraints(segment, problem.machine, theta, s, size):
+                worst = np.maximum(worst, value)
+    return worst
+
+
+def binds_on_fixed_motion(problem: Problem, size: tuple[float, ...]) -> bool:
+    """Whether a traced limit is near to binding on a given segment at a size, or broken."""
+    given = (segment for segment in problem.segments if segment.law is not None)
+    return any(np.max(relative_excess(problem, s, _angles(problem, s), size)) > NEAR for s in given)
+
+
+def fixed_motion_rows(problem: Problem, sizes: Sizes, scales: Scales) -> Iterator[LinearBlock]:
+    """What traced limits imply on given segments within a box of sizes [length].
+
+    Rows that all of the box keeps are left out.
+    """
+    ends = np.array(sizes)
+    for rows, upper, source in _rows(problem, ends[:, :, None]):
+        broken = np.sum(np.max(rows[:, None] * ends[:, :, None], axis=1), axis=0) > upper
+        size = rows[:, broken].T * scales.size
+        unit = np.maximum(np.max(np.abs(size), axis=1), 1e-300)
+        if len(size):
+            yield LinearBlock.of_size(size / unit[:, None], upper[broken] / unit, source)
+
+
+def tighten_sizes(problem: Problem, sizes: Ends) -> Ends:
+    """The box of sizes without what given segments exclude of it, as far as that goes."""
+    if all(segment.law is None for segment in problem.segments):
+        return sizes
+    for _ in range(REPEATED):
+        before, sizes = sizes, _remove_excluded_slices(problem, sizes)
+        (low, high), (first, last) = sizes[0], before[0]
+        if high - low > SHRUNK * (last - first):
+            break
+    return sizes
+
+
+def _remove_excluded_slices(problem: Problem, sizes: Ends) -> Ends:
+    """Cut into pieces across its first size, a box loses slice after slice from below in the last.
+
+    It may end up empty: then its last size is from what is above all of it to below.
+    """
+    ends = np.array(sizes, dtype=float)
+    first, last = ends[0].tolist()
+    pieces = PIECES if last > first and len(ends) > 1 else 1
+    cuts = np.linspace(first, last, pieces + 1)
+    boxes = np.repeat(ends[:, :, None], pieces, axis=2)
+    boxes[0] = np.stack([cuts[:-1], cuts[1:]])
+    step, gone = np.ptp(boxes[-1], axis=0), np.zeros(pieces, dtype=bool)
+    for _ in range(SLICES):
+        slices = boxes.copy()
+        slices[-1, 1] = np.minimum(boxes[-1, 0] + step, boxes[-1, 1])
+        empty = _is_excluded(problem, slices)
+        boxes[-1, 0] = np.where(empty, slices[-1, 1], boxes[-1, 0])
+        gone |= empty & (slices[-1, 1] >= boxes[-1, 1])
+        step = np.where(empty, 1.5 * step, 0.5 * step)
+    left = ~gone
+    if not np.any(left):
+        above = float(ends[-1, 1])
+        return (*sizes[:-1], (above + 1.0, above))
+    return tuple((float(np.min(low[left])), float(np.max(high[left]))) for low, high in boxes)
+
+
+def _is_excluded(problem: Problem, boxes: Array) -> NDArray[np.bool_]:
+    """Whether some row is broken all over boxes of sizes: (d, 2, b) to (b,)."""
+    result = np.zeros(boxes.shape[2], dtype=bool)
+    for rows, upper, _ in _rows(problem, boxes):
+        least = np.sum(
+            np.min(rows.reshape(len(rows), 1, -1, len(result)) * boxes[:, :, None], axis=1), axis=0
+        )
+        result |= np.any(least > upper.reshape(-1, len(result)), axis=0)
+    return result
+
+
+def _rows(problem: Problem, boxes: Array) -> Iterator[tuple[Array, Array, str]]:
+    """Rows · z ≤ upper of every limit on every given segment: (d, n b) and (n b,), its source.
+
+    Args:
+        boxes: (d, 2, b) of sizes; each has n rows of its own, which run slower.
+    """
+    for segment in problem.segments:
+        if segment.law is None:
+            continue
+        theta = _angles(problem, segment)
+        s = np.asarray(segment.placed().derivatives(theta)[:3])
+        each = np.repeat(s, boxes.shape[2], axis=1)
+        angles = np.repeat(theta, boxes.shape[2])
+        for limit in problem.limits:
+            for implied in limit.curvature_bounds(segment, problem.machine):
+                low, high = _box(implied.coordinates, s, boxes)
+                cuts = implied.relax(low, high, None, MotionBox(angles, each, each))
+                if cuts is not None:
+                    upper = cuts.upper - np.sum(cuts.coefficients[:3] * each, axis=0)
+                    yield cuts.size, upper, implied.source
+
+
+def _angles(problem: Problem, segment: PlacedSegment) -> Array:
+    """Cam angles of a segment at which its rows are written."""
+    load = problem.machine.load
+    bends = np.zeros(0) if load is None else load.process.breaks
+    inner = bends[(bends > segment.start) & (bends < segment.end)]
+    # nothing but the load changes along a dwell, and that is straight between these
+    count = SAMPLES if segment.lift else 1
+    return np.union1d(np.linspace(segment.start, segment.end, count + 1), inner)
+
+
+def _box(seen: SlideCoordinates, s: Array, boxes: Array) -> tuple[Array, Array]:
+    """Bounds of X, u and e, (3, n b), from those of the size: they are linear in it."""
+    middle, half = boxes.mean(axis=1), 0.5 * np.ptp(boxes, axis=1)
+    by = np.array(seen.size_factors)
+    reach = (np.abs(by) @ half)[:, None]
+    at = np.stack(seen.evaluate(s, [0.0] * len(middle)))[:, :, None] + (by @ middle)[:, None]
+    return (at - reach).reshape(3, -1), (at + reach).reshape(3, -1)

@@ -1,0 +1,347 @@
+"""The root of the branch and bound: the whole domain, relaxed on finer and finer meshes.
+
+A convex problem ends here. Otherwise its relaxation gives the mesh and the start of a local search,
+and what the incumbent then costs above the bound is left to nodes over parts of the domain.
+"""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
+from math import inf, sqrt
+
+import numpy as np
+
+from synthesis.numerics.piecewise import Array
+from synthesis.numerics.round_mantissa import round_mantissa
+from synthesis.numerics.solvers.clarabel import ConeSolution, solve
+from synthesis.numerics.solvers.statuses import USABLE, StopReason
+from synthesis.optimise.branching.node import Node, Tree
+from synthesis.optimise.branching.pivot_node import PivotNode
+from synthesis.optimise.branching.traced_node import TracedNode
+from synthesis.optimise.conic.program import ConicModel, formulate
+from synthesis.optimise.dual_bound.bound import Bound, dual_bound, in_core_units
+from synthesis.optimise.heuristics.local_search import local_search
+from synthesis.optimise.problem.grid import Grid, uniform_grid
+from synthesis.optimise.problem.problem import Problem
+from synthesis.optimise.recovery.candidate import Candidate, recover_cam
+from synthesis.optimise.refinement.knot_polish import polish_knots
+from synthesis.optimise.refinement.mesh import add_midpoints, halve_intervals, refine_mesh
+from synthesis.optimise.refinement.row_violations import ALLOWED, row_violations
+from synthesis.optimise.separation.outer_approximation import approximate_outer
+from synthesis.optimise.state.solve_state import SolveState, Stage
+from synthesis.optimise.strategy.dimension_search import search_dimension
+from synthesis.optimise.strategy.phase_one import minimise_excess
+
+ROUNDS = 8
+"""Meshes at most."""
+COARSEST, FINEST = 12, 96
+"""Intervals of the first mesh; between, by tolerance: the bound's error falls as their square."""
+INTERVALS_AT_UNIT_TOLERANCE = 3.7
+"""So that the first mesh of example 13-6's class is a little too coarse: two rounds as a rule."""
+FINEST_CURVED = 16
+"""Intervals of the first mesh at most where curved limits are to be linearised on it."""
+FINEST_WITHOUT_ROWS = 150
+"""Intervals of all laws at most where curved limits have no rows: a local search follows."""
+CURVATURE_GAP = 0.05
+"""A gap below which further rounds do not pay where curvature decides."""
+FINE_ENOUGH = 2.0
+"""Gap in tolerances at which the mesh is good enough for the local search that curvature needs."""
+GROWTH = 1.1
+"""Factor on the number of intervals: a round that adds fewer says nothing about finer knots."""
+IDLE = 0.9
+"""A round that leaves more of the gap is idle."""
+MARGIN_BITS = 16
+"""Of the margin for rows written at points: it is known no better."""
+LEVEL_ROUNDS = 12
+"""Trial levels of a fractional objective on one mesh."""
+
+Optimise = Callable[[Problem, float, float, float], SolveState]
+
+
+@dataclass(frozen=True, eq=False)
+class RootNode(Node):
+    """The whole domain.
+
+    Attributes:
+        optimise: solves a problem of the same kind, with a dimension fixed.
+        presolved: whether the closed form has given the answer.
+        dimension_searched: whether a dimension was searched, each value a problem of its own.
+    """
+
+    optimise: Optimise
+    presolved: bool
+    dimension_searched: bool = False
+    lower: float = -inf
+    valid_for: str = ""
+    processed: bool = False
+    deferred: bool = False
+    is_root: bool = True
+
+    def process(self, state: SolveState) -> tuple[SolveState, Node]:
+        problem = state.problem
+        pinning = problem.machine.follower.fixable_dimension()
+        node = replace(self, processed=True)
+        if not self.presolved and problem.has_curved_limits and pinning is not None:
+            return search_dimension(state, self.optimise), replace(node, dimension_searched=True)
+        if not self.presolved:
+            state = _solve_on_meshes(_first_mesh(state))
+            state = polish_knots(state, _solve_once)
+            state = _bound_without_vibration(state)
+        # A least value of a dimension is not convex: where the relaxation's cam is below it, the
+        # dimension is fixed at one value after the other.
+        has_least = any(cone.lower > 0.0 for cone in problem.sizing.norm_bounds)
+        if pinning is not None and has_least and not state.solved:
+            return search_dimension(state, self.optimise), replace(node, dimension_searched=True)
+        return state, node
+
+    def branch(self, state: SolveState) -> tuple[SolveState, Sequence[Node]]:
+        """A local search, then the whole domain again, with the incumbent's value to bound it."""
+        problem, pinning = state.problem, state.problem.machine.follower.fixable_dimension()
+        child: Node | None = None
+        if self.dimension_searched:
+            child = PivotNode.root(state) if problem.has_curved_limits else None
+            return state, [child] if child is not None else []
+        if not state.needs_local_search:
+            return state, ()
+        state = local_search(state)
+        if not state.solved and state.time_left > 0.0:
+            by_pivots = problem.omits_curved_rows and pinning is None
+            child = PivotNode.root(state) if by_pivots else TracedNode.root(state)
+        return state, [child] if child is not None else []
+
+    def is_pruned(self, state: SolveState) -> bool:
+        return self.processed and state.solved
+
+    def node_limit(self, state: SolveState) -> float:
+        return inf
+
+    def conclude(self, state: SolveState, tree: Tree) -> SolveState:
+        return state
+
+
+def _first_mesh(state: SolveState) -> SolveState:
+    """The state with equal intervals, their number by the tolerance."""
+    finest = FINEST_CURVED if state.problem.has_curved_limits else FINEST
+    wanted = INTERVALS_AT_UNIT_TOLERANCE / sqrt(state.tolerance)
+    count = int(min(max(wanted, COARSEST), finest))
+    grids = tuple(uniform_grid(segment, count) for segment in state.problem.free)
+    return replace(state, grids=grids)
+
+
+def _solve_on_meshes(state: SolveState) -> SolveState:
+    """Solve relaxations on finer and finer meshes until the bound is near the incumbent."""
+    solve_round = _solve_fractional if state.problem.objective.quasiconvex else _solve_relaxation
+    solvable: tuple[Grid, ...] = ()  # the last mesh with a law: other knots need not be finer
+    intervals = 0
+    for number in range(1, ROUNDS + 1):
+        # 1. Relax and solve; the dual bound holds over all laws where their jerk is capped.
+        started = time.perf_counter()
+        gap_before, bound_before = state.relaxation_gap, state.lower
+        state, model, solution, bound = solve_round(state, 0.0)
+        # 2. Recover a cam, and the points at which it violates rows.
+        state, cam, violations = _recover(state, model, solution, bound)
+        state = state.with_stage(_report(number, model, solution, time.perf_counter() - started))
+        # 3. No spline of this mesh satisfies the rows: other knots may have one.
+        infeasible = solution.stopped is StopReason.INFEASIBLE
+        if infeasible and solvable:
+            state = replace(state, grids=solvable, margin=0.0)
+            grids = halve_intervals(state.problem, state.grids, violations)
+            state, solvable = replace(state, grids=grids), ()
+            continue
+        if infeasible and (number > 1 or not state.grids):
+            return replace(state, infeasible=state.relaxed is None)
+        if infeasible and not state.problem.has_curved_limits:
+            found = minimise_excess(state.problem, state.grids, state.tighten, state.deadline)
+            if found is not None:
+                state = replace(
+                    state, grids=found.grids, infeasibility_proof=found.impossible,
+                    undecided=found.undecided, infeasible=not found.fits,
+                )  # fmt: skip
+                if found.fits:
+                    continue
+                return state
+        if state.problem.omits_curved_rows and state.incumbent is None and number == 1:
+            state = local_search(state)  # these rounds give the bound alone: a cam at once
+        # 4. Stop, or refine the mesh where the law costs more than the ideal one.
+        failed = bound is None and number > 1
+        if failed or _needs_no_finer_mesh(state, model, solution, bound):
+            return replace(state, grids=_mesh_for_local_search(state, cam, bound, violations))
+        idle = IDLE * gap_before < state.relaxation_gap < inf
+        few_added = _count(state.grids) < GROWTH * intervals and not state.nonconvex_limits_cost
+        intervals = _count(state.grids)
+        gained = state.lower - bound_before
+        if _rows_cannot_separate(state) and gained <= state.tolerance * abs(state.lower):
+            return state
+        if (idle and not few_added) or (number > 1 and _is_fine_enough(state)):
+            return state
+        solvable = state.grids if bound is not None else ()
+        state = replace(state, grids=_refined(state, cam, bound, violations, every=idle))
+        if state.nonconvex_limits_cost and state.relaxation_gap < CURVATURE_GAP:
+            return state  # the local search finds its cam on this mesh, and far above this bound
+    return state
+
+
+def _refined(
+    state: SolveState,
+    cam: Candidate | None,
+    bound: Bound | None,
+    violations: list[Array],
+    *,
+    every: bool,
+) -> tuple[Grid, ...]:
+    """The mesh of the next round; ``every``: all intervals halved, as single knots were idle."""
+    if every:
+        return halve_intervals(state.problem, state.grids, violations)
+    if state.relaxed is not None and bound is not None and not bound.switching:
+        return add_midpoints(state.grids)
+    return refine_mesh(state.problem, state.grids, cam, bound, violations)
+
+
+def _rows_cannot_separate(state: SolveState) -> bool:
+    """Whether rows of curved limits are exceeded at their own points, and no cam narrows them.
+
+    More points are of no use then.
+    """
+    no_cam = state.incumbent is None and state.relaxed is None
+    return state.problem.has_curved_limits and not state.tangent and no_cam
+
+
+def _count(grids: Sequence[Grid]) -> int:
+    """Intervals of all laws."""
+    return sum(len(grid.space.breaks) - 1 for grid in grids)
+
+
+def _is_fine_enough(state: SolveState) -> bool:
+    """Whether the mesh is good enough for the local search that curvature needs."""
+    return state.nonconvex_limits_cost and state.relaxation_gap <= FINE_ENOUGH * state.tolerance
+
+
+def _mesh_for_local_search(
+    state: SolveState, cam: Candidate | None, bound: Bound | None, violations: Sequence[Array]
+) -> tuple[Grid, ...]:
+    """The present mesh, or a finer one where a least size rather than knots closed the gap."""
+    if state.relaxed is None or bound is None or not bound.switching:
+        return state.grids
+    if not state.nonconvex_limits_cost or state.is_close(state.relaxed, bound.value):
+        return state.grids
+    return refine_mesh(state.problem, state.grids, cam, bound, violations)
+
+
+def _needs_no_finer_mesh(
+    state: SolveState, model: ConicModel, solution: ConeSolution, bound: Bound | None
+) -> bool:
+    """Whether the relaxation is solved to the tolerance, or there is no time for more.
+
+    Where curved limits have no rows, no cam of these rounds tells: the relaxation's own optimum is
+    compared with its bound. Too many knots would make the local search slow there.
+    """
+    if state.is_close(state.relaxed) or state.time_left <= 0.0 or not state.grids:
+        return True
+    if not state.problem.omits_curved_rows or bound is None:
+        return False
+    value = in_core_units(model, model.program.value(solution.x))
+    close = value - bound.value <= 0.5 * state.tolerance * abs(value)
+    return close or _count(state.grids) > FINEST_WITHOUT_ROWS
+
+
+def _solve_once(state: SolveState, number: int) -> tuple[SolveState, Candidate | None]:
+    """One relaxation on the present mesh, reported; its cam, if it has one."""
+    started = time.perf_counter()
+    state, model, solution, bound = _solve_relaxation(state, 0.0)
+    state, cam, _ = _recover(state, model, solution, bound)
+    return state.with_stage(_report(number, model, solution, time.perf_counter() - started)), cam
+
+
+def _recover(
+    state: SolveState, model: ConicModel, solution: ConeSolution, bound: Bound | None
+) -> tuple[SolveState, Candidate | None, list[Array]]:
+    """Offer the cam and the bound of one relaxation.
+
+    Returns:
+        the state, the cam, and the points of every law at which it violates rows.
+    """
+    if bound is None:
+        return state, None, [np.zeros(0)] * len(state.grids)
+    # the outer approximation has recovered the cam already
+    last = state.last if state.problem.has_curved_limits else None
+    cam = last or recover_cam(model.problem, *model.recover(solution.x))
+    violations, excess = row_violations(state, cam)
+    if excess <= ALLOWED:
+        state = state.with_relaxed(cam)
+    elif _rows_cannot_separate(state):
+        violations = [np.zeros(0)] * len(violations)
+    elif state.tangent:
+        margin = float(round_mantissa(1.1 * (state.margin + excess), MARGIN_BITS))
+        state = replace(state, margin=margin)
+    return replace(state.with_bound(bound), relaxation=(model, solution, bound)), cam, violations
+
+
+Relaxed = tuple[SolveState, ConicModel, ConeSolution, Bound | None]
+
+
+def _solve_relaxation(state: SolveState, level: float) -> Relaxed:
+    """One relaxation on the present mesh, its curved limits linearised where it touches them."""
+    if state.problem.has_curved_limits:
+        return approximate_outer(state, level, _solve_cone_program)
+    return _solve_cone_program(state, level)
+
+
+def _solve_cone_program(state: SolveState, level: float) -> Relaxed:
+    """One cone program and its dual bound."""
+    model = formulate(state.problem, state.grids, level, state.tightening, state.region)
+    solution = solve(model.program, state.time_left)
+    bound = dual_bound(model, solution) if solution.stopped in USABLE else None
+    return state, model, solution, bound
+
+
+def _solve_fractional(state: SolveState, _: float) -> Relaxed:
+    """A fractional objective on the present mesh, by Dinkelbach's method.
+
+    The level is lowered to the value of the last solution until it stays; a program at a level just
+    below that has a positive optimum, which proves that no cam reaches that level.
+    """
+    level = 1.0 if state.relaxed is None else state.relaxed.value
+    for _round in range(LEVEL_ROUNDS):
+        state, model, solution, bound = _solve_relaxation(state, level)
+        if solution.stopped not in USABLE:
+            return state, model, solution, None
+        reached = recover_cam(model.problem, *model.recover(solution.x)).value
+        stays = abs(reached - level) <= 1e-2 * state.tolerance * level
+        level = reached
+        if stays:
+            break
+    below = level * (1.0 - 0.5 * state.tolerance)
+    state, _plan, _solution, excess = _solve_relaxation(state, below)
+    if excess is None:
+        return state, model, solution, bound
+    proven = below if excess.value > 0.0 else 0.0
+    return state, model, solution, replace(excess, value=proven)
+
+
+def _bound_without_vibration(state: SolveState) -> SolveState:
+    """A bound without limits on residual vibration, where that with them is not near.
+
+    Splines that cannot follow a mode too fast for their knots pay far more for rest than other
+    laws would; a bound of the problem without these limits is a bound with them.
+    """
+    problem = state.problem
+    unfit = problem.has_curved_limits or problem.objective.quasiconvex or not state.grids
+    if not problem.vibration_limits or unfit or state.solved or state.time_left <= 0.0:
+        return state
+    model = formulate(problem.without_vibration, state.grids, 0.0, state.tightening)
+    solution = solve(model.program, state.time_left)
+    return state.with_bound(dual_bound(model, solution)) if solution.stopped in USABLE else state
+
+
+def _report(number: int, model: ConicModel, solution: ConeSolution, seconds: float) -> Stage:
+    rows, unknowns = model.program.matrix.shape
+    conic = any(
+        len(ball.shift) > 1 for ball in model.cone_blocks
+    )  # a ball of one row is two half-spaces
+    kind = "QP" if model.energy is not None else "SOCP" if conic else "LP"
+    return Stage(
+        f"convex {number}", f"{kind}, {_count(model.grids)} spline intervals", "Clarabel",
+        unknowns, rows, solution.iterations, seconds, solution.stopped.value,
+    )  # fmt: skip

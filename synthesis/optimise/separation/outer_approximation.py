@@ -1,0 +1,209 @@
+"""Outer approximation: rows of curved limits, linearised again and again at the last solution.
+
+A curved limit enters a cone program by rows that hold for every motion and size of a region; each
+such program is a relaxation, and its dual bound is valid. Where the limit is convex, rows tangent
+to it at the last solution make the next program exact to second order, as in Newton's method. Rows
+of a few solutions before are kept, without which the iteration may alternate between two points.
+Where the limit is not convex, the rows are as tight as the region is narrow: bound tightening
+(``propagation``) narrows it to what a cam better than the incumbent can be.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import replace
+from math import inf, isfinite, sqrt
+
+import numpy as np
+
+from synthesis.numerics.solvers.clarabel import ConeSolution
+from synthesis.optimise.conic.control import law_controls
+from synthesis.optimise.conic.program import NO_TIGHTENING, ConicModel, formulate
+from synthesis.optimise.conic.tangent_cuts import Region, TangentPoint
+from synthesis.optimise.dual_bound.bound import Bound
+from synthesis.optimise.heuristics.local_search import improve_from, smooth_start
+from synthesis.optimise.problem.grid import Grid
+from synthesis.optimise.problem.problem import NoObjective, ObjectiveCap, Problem
+from synthesis.optimise.propagation.law_tightening import tighten_laws
+from synthesis.optimise.recovery.candidate import recover_cam
+from synthesis.optimise.refinement.row_violations import ALLOWED, row_violations
+from synthesis.optimise.state.solve_state import SolveState
+
+MAX_ROUNDS = 24
+STALLED = 0.05
+"""Of the tolerance, or of the open gap: a round that gains less has stalled."""
+TIGHTENING_GAIN = 0.1
+"""Of the open gap: what bound tightening has to gain before it is done again."""
+ROW_SHARE = 0.3
+"""Of the gap: the part left by the rows from which on the region is narrowed."""
+KEPT_POINTS = 4
+"""Solutions at which rows are kept tangent."""
+TANGENT = 1e-9
+"""Excess of a curved limit up to which rows at the solution cannot cut it off."""
+SIZE_GAIN = 0.1
+"""Of the tolerance: what rows may leave to gain once a cam of that value is known."""
+SPARE = 1e-9
+"""Relative slack of values that a better cam satisfies, against rounding."""
+
+Relaxed = tuple[SolveState, ConicModel, ConeSolution, Bound | None]
+SolveRelaxation = Callable[[SolveState, float], Relaxed]
+
+
+def approximate_outer(
+    state: SolveState, level: float, solve_relaxation: SolveRelaxation
+) -> Relaxed:
+    """Solve cone programs on the present mesh until their rows touch curved limits.
+
+    Args:
+        state: the solve. level: trial level of a fractional objective [core units].
+        solve_relaxation: states and solves one cone program.
+
+    Returns:
+        the state, with every bound and cam found on the way, and the last program with its
+        solution and bound.
+    """
+    value, value_when_tightened = -inf, -inf
+    if state.relaxed is None and state.region is None:
+        state, _ = smooth_start(state)  # any cam at all bounds the sizes of better ones
+    for _ in range(MAX_ROUNDS):
+        # 1. Solve the relaxation with the rows at hand; its bound is valid whatever these are.
+        state, model, solution, lower = solve_relaxation(state, level)
+        if lower is None:
+            break
+        # 2. Linearise at its solution; laws on which the limit is still exceeded are "loose".
+        state, loose = _linearise(state.with_bound(lower), model, solution)
+        state = replace(state, tangent=not loose)
+        if state.tangent or state.is_close(state.relaxed) or state.time_left <= 0.0:
+            break
+        if state.problem.omits_curved_rows:
+            break
+        # 3. Go on while new tangents raise the optimum.
+        before, value = value, _optimum(model, solution)
+        if value - before > _least_gain(state, value):
+            continue
+        # 4. The rows have turned as far as they do: what is left is due to the region's width.
+        if not _rows_leave_most(state, value):
+            break
+        state = _look_for_cam(state)
+        if value - value_when_tightened <= TIGHTENING_GAIN * (state.smallest_value - value) < inf:
+            break
+        narrowed = _tighten_region(state, model, lower, loose)
+        if narrowed is None:
+            break
+        state, value_when_tightened = narrowed, value
+    return state, model, solution, lower
+
+
+def _optimum(model: ConicModel, solution: ConeSolution) -> float:
+    """The program's objective in core units."""
+    if model.energy is not None:
+        squares = float(np.sum(solution.x[model.energy_columns] ** 2))
+        return sqrt(squares * model.energy.unit + model.energy.constant)
+    norm = model.problem.objective.norm(model.problem.machine)
+    assert model.epigraph is not None
+    unit = model.scales.level if norm is None else model.scales.size
+    return float(solution.x[model.epigraph]) * unit
+
+
+def _look_for_cam(state: SolveState) -> SolveState:
+    """A local search, once, where no size fits the laws of the cone programs."""
+    if state.last is None or state.local_search_done:
+        return state
+    if row_violations(state, state.last)[1] <= ALLOWED:
+        return state
+    start = state.incumbent or state.relaxed or state.last
+    return improve_from(replace(state, local_search_done=True), start)
+
+
+def _least_gain(state: SolveState, value: float) -> float:
+    """The least gain of a round after which there is another one."""
+    least, missing = STALLED * state.tolerance * abs(value), state.smallest_value - value
+    return max(least, STALLED * missing) if isfinite(missing) else least
+
+
+def _rows_leave_most(state: SolveState, value: float) -> bool:
+    """Whether rows leave more to gain than knots do."""
+    best = state.smallest_value
+    if not isfinite(best - state.lower):
+        return True
+    return best - value > ROW_SHARE * (best - state.lower)
+
+
+def _tighten_region(
+    state: SolveState, model: ConicModel, lower: Bound, loose: set[int]
+) -> SolveState | None:
+    """The state with the region of every better cam; None where nothing bounds the laws."""
+    region, problem, best = state.region, state.problem, state.smallest_value
+    if region is None or not lower.switching or not isfinite(best):
+        return None
+    # Every better cam satisfies the rows, and the objective's cap where sizes do not imply it.
+    inside = replace(problem.sizing, bounds=region.sizes, min_norm=0.0)
+    better = replace(problem, objective=NoObjective(), sizing=inside)
+    if problem.objective.norm(problem.machine) is None:
+        cap = ObjectiveCap(problem.objective, best * (1.0 + SPARE))
+        better = replace(better, objective_caps=(*problem.objective_caps, cap))
+    grids = tuple(Grid(grid.space, grid.space.breaks) for grid in model.grids)
+    first = replace(region, tangent_points=region.tangent_points[:1])
+    relaxed = formulate(better, grids, 0.0, NO_TIGHTENING, first)
+    capped = law_controls(relaxed)
+    if capped is None or any(not isfinite(control.cap) for control in capped):
+        return None
+    tubes = tighten_laws(relaxed, capped, region.law_bounds, loose, state.deadline)
+    return replace(state, region=replace(region, law_bounds=tubes))
+
+
+def _linearise(
+    state: SolveState, model: ConicModel, solution: ConeSolution
+) -> tuple[SolveState, set[int]]:
+    """Take the solution as the next point of tangency, and make a cam of it.
+
+    The cam's smallest size follows from its law alone, and no better cam is larger than the best.
+
+    Returns:
+        the state, and the positions of the laws on which a curved limit is still exceeded.
+    """
+    problem = state.problem
+    laws, size = model.recover(solution.x)
+    cam = recover_cam(problem, laws, size)
+    state = replace(state, last=cam)
+    curves = tuple(law.curve() for law in laws)
+    if row_violations(state, cam)[1] <= ALLOWED:
+        state = state.with_relaxed(cam)
+    region = state.region or Region()
+    points = (TangentPoint(curves, cam.size), TangentPoint(curves, size), *region.tangent_points)
+    region = replace(region, sizes=_sizes(state), tangent_points=points[:KEPT_POINTS])
+    state = replace(state, region=region)
+    value = _optimum(model, solution)
+    if state.smallest_value - value <= SIZE_GAIN * state.tolerance * abs(value):
+        return state, set()
+    both = zip(problem.free, curves, strict=True)
+    at_solution = problem.with_laws([segment.with_law(curve) for segment, curve in both])
+    excesses = _excesses(state, at_solution, size)
+    return state, {position for position, excess in enumerate(excesses) if excess > TANGENT}
+
+
+def _excesses(state: SolveState, cam: Problem, size: tuple[float, ...]) -> list[float]:
+    """By how much curved limits are exceeded on every free law, at the points of its rows."""
+    excesses = []
+    by_index = {segment.index: segment for segment in cam.segments}
+    for free, grid in zip(state.problem.free, state.grids, strict=True):
+        segment = by_index[free.index]
+        s = segment.placed().derivatives(segment.start + segment.angle * grid.points)
+        curves = state.problem.curved_limits_on(segment)
+        values = [value for curve in curves for value in curve.excess(s, size)]
+        excesses.append(max((float(np.max(value)) for value in values), default=-inf))
+    return excesses
+
+
+def _sizes(state: SolveState) -> tuple[tuple[float, float], ...]:
+    """Bounds of the size that every better cam satisfies, where one size alone is minimised."""
+    bounds = state.problem.sizing.bounds
+    norm = state.problem.objective.norm(state.problem.machine)
+    if norm is None or len(bounds) > 1:
+        return bounds
+    ((factor,),), (shift,) = norm.matrix, norm.shift
+    ((low, high),) = bounds
+    high = min(high, (state.smallest_value * (1.0 + SPARE) - shift) / factor)
+    if isfinite(state.lower):
+        low = max(low, (state.lower * (1.0 - SPARE) - shift) / factor)
+    return ((min(low, high), high),)

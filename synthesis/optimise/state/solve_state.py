@@ -1,0 +1,226 @@
+"""State of one solve: incumbent, lower bound, mesh, and what each stage cost.
+
+The state is immutable. Every role of the driver takes one and returns its successor, so that a
+role that fails, or is tried and given up, leaves nothing behind.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Collection
+from dataclasses import dataclass, replace
+from math import inf, isfinite
+
+from synthesis.numerics import clock
+from synthesis.numerics.solvers.clarabel import ConeSolution
+from synthesis.optimise.conic.linear_rows import Tightening
+from synthesis.optimise.conic.program import ConicModel
+from synthesis.optimise.conic.tangent_cuts import Region
+from synthesis.optimise.dual_bound.bound import Bound
+from synthesis.optimise.problem.grid import Grid
+from synthesis.optimise.problem.problem import Problem
+from synthesis.optimise.recovery.candidate import Candidate, enlarge_until_feasible
+from synthesis.optimise.state.warm_start import WarmStart
+
+DEFAULT_TIGHTENING = 1e-7
+"""Relative tightening of the rows as long as the certificate has refused no cam."""
+
+
+@dataclass(frozen=True)
+class Stage:
+    """What one stage modelled and what it cost."""
+
+    stage: str
+    model: str
+    solver: str
+    unknowns: int
+    rows: int
+    iterations: int
+    seconds: float
+    status: str
+    note: str = ""
+
+
+@dataclass(frozen=True, eq=False)
+class SolveState:
+    """How far the solve of one problem has come.
+
+    Attributes:
+        tolerance: relative gap at which to stop, of the objective in the wire's unit.
+        deadline: ``time.monotonic()`` at which to stop.
+        tighten: relative tightening of all rows against the solver's tolerance.
+        thorough: whether to branch on sizes where nonconvex limits leave a gap.
+        margin: relative tightening of rows written at points, against their excess in between.
+        incumbent: best cam that satisfies all limits.
+        relaxed: best cam of the relaxation, which may violate nonconvex limits.
+        lower, valid_for: best lower bound [core units] and the cams that it holds for.
+        infeasible: the relaxation has no point.
+        infeasibility_proof: why no motion law at all satisfies the limits; empty if unproven.
+        undecided: what is known where neither a law nor a proof that there is none was found.
+        stages: what has been solved, in order.
+        grids: knots and collocation points of every free law.
+        region: where curved limits are linearised.
+        tangent: whether the linearised rows hold with equality at the relaxation's solution.
+        local_search_done: whether the outer approximation has run a local search.
+        covers_all_laws: whether ``lower`` holds for all laws, not only for splines on ``grids``.
+        last: the last cam recovered from a cone program, feasible or not.
+        warm_start: where the local search of a neighbouring problem ended.
+        local_optimum: where the local search of this problem ended.
+        warm_started: whether ``warm_start`` gave the incumbent.
+        modelled_kinds: kinds of nonconvex limits that the lower bound takes into account.
+        relaxation: the last cone program with a point, that point and its bound.
+    """
+
+    problem: Problem
+    tolerance: float
+    deadline: float
+    tighten: float
+    thorough: bool = False
+    margin: float = 0.0
+    incumbent: Candidate | None = None
+    relaxed: Candidate | None = None
+    lower: float = -inf
+    valid_for: str = ""
+    infeasible: bool = False
+    infeasibility_proof: str = ""
+    undecided: str = ""
+    stages: tuple[Stage, ...] = ()
+    grids: tuple[Grid, ...] = ()
+    region: Region | None = None
+    tangent: bool = True
+    local_search_done: bool = False
+    covers_all_laws: bool = True
+    last: Candidate | None = None
+    warm_start: WarmStart | None = None
+    local_optimum: WarmStart | None = None
+    warm_started: bool = False
+    modelled_kinds: Collection[str] = ()
+    relaxation: tuple[ConicModel, ConeSolution, Bound] | None = None
+
+    @property
+    def time_left(self) -> float:
+        """Seconds until the deadline; negative after it."""
+        return self.deadline - clock.now()
+
+    @property
+    def tightening(self) -> Tightening:
+        """By how much the rows of the next cone program are tightened."""
+        return Tightening(self.tighten, self.margin)
+
+    def with_stage(self, stage: Stage) -> SolveState:
+        """The state with one more stage in its report."""
+        return replace(self, stages=(*self.stages, stage))
+
+    # --- incumbents -----------------------------------------------------------------------------
+
+    def with_relaxed(self, cam: Candidate) -> SolveState:
+        """Take a cam of the relaxation, and the cam that it becomes under the other limits."""
+        better = self.relaxed is None or cam.value < self.relaxed.value
+        return (replace(self, relaxed=cam) if better else self).with_incumbent(cam)
+
+    def with_local_optimum(self, cam: Candidate) -> SolveState:
+        """Take a cam that satisfies all limits.
+
+        Where limits are curved, the relaxation's best cam may be no better than this one.
+        """
+        return (
+            self.with_relaxed(cam) if self.problem.has_curved_limits else self.with_incumbent(cam)
+        )
+
+    def with_incumbent(self, cam: Candidate) -> SolveState:
+        """Enlarge a cam until every limit holds, and keep it if it is the best so far."""
+        enlarged = enlarge_until_feasible(cam, densely=self.tighten > DEFAULT_TIGHTENING)
+        if enlarged is None or (
+            self.incumbent is not None and enlarged.value >= self.incumbent.value
+        ):
+            return self
+        return replace(self, incumbent=enlarged)
+
+    @property
+    def smallest_value(self) -> float:
+        """The value of the best cam known, of the relaxation or not; infinite without one."""
+        cams = (self.relaxed, self.incumbent)
+        return min((cam.value for cam in cams if cam is not None), default=inf)
+
+    # --- bounds ---------------------------------------------------------------------------------
+
+    def with_bound(self, bound: Bound) -> SolveState:
+        """Keep the bound of a relaxation.
+
+        One over all laws is kept if it is the best so far. One over splines on the present knots
+        replaces what there is: bounds of different families do not compare.
+        """
+        value = self._with_least_radius(bound.value)
+        if value <= self.lower and bound.switching:
+            return self
+        valid_for = bound.valid_for
+        if self.problem.omits_curved_rows:
+            valid_for += "; limits of the face on free laws left out: the cam a local optimum"
+        all_laws = bool(bound.switching) or not self.grids
+        return replace(self, lower=value, valid_for=valid_for, covers_all_laws=all_laws)
+
+    def raise_bound(self, lower: float, valid_for: str) -> SolveState:
+        """Take a lower bound that was proven elsewhere, if it is better."""
+        value = self._with_least_radius(lower)
+        if value <= self.lower:
+            return self
+        return replace(self, lower=value, valid_for=valid_for)
+
+    def _with_least_radius(self, lower: float) -> float:
+        """The bound, or the least prime radius where that is larger and bounds the same norm."""
+        norm = self.problem.objective.norm(self.problem.machine)
+        return lower if norm is None else max(lower, self.problem.sizing.min_norm)
+
+    # --- gaps -----------------------------------------------------------------------------------
+
+    def gap_between(self, cam: Candidate | None, lower: float) -> float:
+        """Relative gap of a cam to a lower bound, in the wire's unit; infinite while unknown."""
+        if cam is None or not isfinite(lower):
+            return inf
+        to_wire, machine = self.problem.objective.to_wire, self.problem.machine
+        value = to_wire(cam.value, machine)
+        return (value - to_wire(lower, machine)) / max(abs(value), 1e-300)
+
+    @property
+    def relaxation_gap(self) -> float:
+        """Gap of the relaxation's best cam."""
+        return self.gap_between(self.relaxed, self.lower)
+
+    def is_close(self, cam: Candidate | None, lower: float | None = None) -> bool:
+        """Whether a cam is within the tolerance of a lower bound; by default of the best one."""
+        gap = self.gap_between(cam, self.lower if lower is None else lower)
+        return gap <= 0.99 * self.tolerance
+
+    @property
+    def solved(self) -> bool:
+        """Whether the incumbent is within the tolerance of the lower bound."""
+        return self.is_close(self.incumbent)
+
+    def would_close(self, lower: float) -> bool:
+        """Whether a lower bound would bring the relaxation's best cam within the tolerance."""
+        return self.is_close(self.relaxed, self._with_least_radius(lower))
+
+    @property
+    def nonconvex_limits_cost(self) -> bool:
+        """Whether limits outside the relaxation cost more than the tolerance."""
+        if self.relaxed is None:
+            return False
+        if self.incumbent is None:
+            return True
+        return self.incumbent.value > self.relaxed.value and not self.solved
+
+    @property
+    def needs_local_search(self) -> bool:
+        """Whether nonconvex limits, in the relaxation or not, leave more than the tolerance."""
+        return self.nonconvex_limits_cost or (self.problem.has_curved_limits and not self.solved)
+
+    def allowance(self, tolerance: float) -> float:
+        """The largest value [core units] that is still within a tolerance of the best.
+
+        A later objective of an ordered list may use it up.
+        """
+        assert self.incumbent is not None
+        objective, machine = self.problem.objective, self.problem.machine
+        value = objective.to_wire(self.incumbent.value, machine)
+        lower = objective.to_wire(self.lower, machine) if isfinite(self.lower) else 0.0
+        allowed = lower / (1.0 - 0.98 * min(tolerance, 0.9))
+        return objective.from_wire(max(value * (1.0 + 0.1 * tolerance), allowed), machine)

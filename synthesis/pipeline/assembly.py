@@ -1,0 +1,322 @@
+"""The Design out of a cam, its certificate and its bounds: units and names of the wire."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass, replace
+from functools import cached_property
+from itertools import accumulate
+from math import inf, isfinite
+
+from synthesis.catalogue.motion import Motion, PlacedSegment
+from synthesis.catalogue.objectives import Objective
+from synthesis.certify import certify, certify_size, measure_objective, report_forces
+from synthesis.design.design import (
+    Certificate,
+    Conflict,
+    Design,
+    Extreme,
+    Proof,
+    Report,
+    SegmentMotion,
+    SmoothnessCost,
+    SplineCurve,
+    StageReport,
+    Status,
+)
+from synthesis.design.identity import design_id, engine_version
+from synthesis.optimise.problem.nondimensional import NondimensionalSpec
+from synthesis.optimise.problem.problem import ObjectiveCap, Problem, formulate_problem
+from synthesis.optimise.recovery.candidate import project_size
+from synthesis.optimise.recovery.junction_repair import Splines, repair_junctions
+from synthesis.spec.design_spec import DesignSpec
+from synthesis.spec.program import Segment
+from synthesis.units import Travel
+
+Vector = tuple[float, ...]
+
+
+@dataclass(frozen=True, eq=False)
+class Cam:
+    """A finished cam: every segment settled, the splines of the free ones by index, the size."""
+
+    segments: tuple[PlacedSegment, ...]
+    splines: Splines
+    size: Vector
+
+    @cached_property
+    def motion(self) -> Motion:
+        """The joined motion: bit for bit what ``Design.curve`` makes of the splines."""
+        return Motion.of(self.segments)
+
+
+@dataclass(frozen=True)
+class Bounded:
+    """An objective with the lower bound that was found [core units; ``in_wire_units``: wire]."""
+
+    objective: Objective
+    lower: float
+    over: str
+
+
+def delivered(question: NondimensionalSpec, posed: DesignSpec, found: Cam) -> Cam:
+    """A cam that was found in its question's own units, in the wire's.
+
+    Laws are kept, but for what joins them to the last digits; program and dimensions that are given
+    are as they were asked.
+
+    Args:
+        question: what was asked. posed: what was solved, in its own units. found: its cam.
+    """
+    spec = question.to_physical(posed)
+    settled = tuple(
+        replace(segment, law=own.law, free=own.free) if own.index in found.splines else segment
+        for segment, own in zip(spec.placed_segments(), found.segments, strict=True)
+    )
+    joined = repair_junctions(settled, found.splines)
+    laws = {index: space.curve(coefficients) for index, (space, coefficients) in joined.items()}
+    segments = tuple(s.with_law(laws[s.index]) if s.index in laws else s for s in settled)
+    problem = formulate_problem(spec, spec.objectives()[0], (), segments)
+    return Cam(
+        segments,
+        {**found.splines, **joined},
+        project_size(problem, question.size_to_physical(found.size)),
+    )
+
+
+def in_wire_units(
+    question: NondimensionalSpec, built: DesignSpec, bounds: Iterable[Bounded]
+) -> list[Bounded]:
+    """Bounds [core, in the question's own units] of a cam that was built so, on the wire."""
+    machine, found = built.machine(), list[Bounded]()
+    for each in bounds:
+        objective, known = each.objective, isfinite(each.lower)
+        unit = question.units.of_field(objective.name_on_wire(machine))
+        lower = unit * objective.to_wire(each.lower, machine) if known else -inf
+        found.append(replace(each, lower=lower))
+    return found
+
+
+def restated(question: NondimensionalSpec, posed: DesignSpec, solved: Problem) -> Problem:
+    """A problem that was solved in its question's own units, in the core's of what was asked.
+
+    Args:
+        question: what was asked. posed: what was solved, on the wire. solved: the problem.
+    """
+    held, machine = list[ObjectiveCap](), posed.machine()
+    for each in solved.objective_caps:
+        unit = question.units.of_field(each.objective.name_on_wire(machine))
+        value = unit * each.objective.to_wire(each.value, solved.machine)
+        held.append(ObjectiveCap(each.objective, each.objective.from_wire(value, machine)))
+    own = {segment.index: segment for segment in solved.segments}
+    segments = [
+        replace(s, law=own[s.index].law, free=own[s.index].free)
+        if s.law is None and s.index in own
+        else s
+        for s in posed.placed_segments()
+    ]
+    return formulate_problem(posed, solved.objective, tuple(held), segments)
+
+
+def judged(spec: DesignSpec, cam: Cam, built: DesignSpec | None = None) -> list[Extreme]:
+    """Every limit, every dimension and every promise of the motion, measured on the cam.
+
+    ``built`` is the spec with what was settled after the size; None: nothing was.
+    """
+    motion, built = cam.motion, built or spec
+    return [
+        *certify(motion, built.machine(), cam.size, built.all_limits(), built.continuity),
+        *certify_size(spec, cam.size, built.follower),
+    ]
+
+
+def proofs(spec: DesignSpec, cam: Cam, bounds: Iterable[Bounded]) -> list[Proof]:
+    """Value, bound and gap of every objective, in the wire's units."""
+    machine, motion, found = spec.machine(), cam.motion, []
+    for bounded in bounds:
+        objective = bounded.objective
+        value = objective.to_wire(
+            measure_objective(objective.quantity, motion, machine, cam.size).upper, machine
+        )
+        known = isfinite(bounded.lower)
+        lower = _sound(bounded.lower, value) if known else None
+        gap = None if lower is None else relative_gap(value, lower)
+        found.append(
+            Proof(
+                objective=objective.name_on_wire(machine),
+                value=value if isfinite(value) else None,
+                lower_bound=lower,
+                bound_valid_for=bounded.over,
+                gap=gap,
+            )
+        )
+    return found
+
+
+def measured(found: Design, objectives: Iterable[Objective]) -> dict[str, float]:
+    """Values of further objectives on a finished design, by their names on the wire.
+
+    What is infinite, as the peak jerk of a law that jumps, is left out.
+    """
+    if not found.motion:
+        return {}
+    machine, values = found.completed_spec.machine(), dict[str, float]()
+    for objective in objectives:
+        value = measure_objective(objective.quantity, found.curve, machine, tuple(found.size)).value
+        if isfinite(value):
+            values[objective.name_on_wire(machine)] = objective.to_wire(value, machine)
+    return values
+
+
+def priced(smooth: Proof, rough: Proof | None, note: str) -> SmoothnessCost:
+    """What smoothness costs, from the first objective's proofs with it and without.
+
+    A rougher cam that came out worse, within the tolerance, says that the price is not above 0.
+    """
+    value, other = smooth.value, None if rough is None else rough.value
+    price = relative = at_most = None
+    if value is not None and other is not None:
+        price = max(value - other, 0.0)
+        relative = 0.0 if price == 0.0 else price / max(abs(other), 1e-300)
+    if rough is not None and value is not None and rough.lower_bound is not None:
+        at_most = max(value - rough.lower_bound, 0.0)
+    return SmoothnessCost(
+        objective=smooth.objective, value=value, c2_value=other, price=price, relative=relative,
+        at_most=at_most, note=note,
+    )  # fmt: skip
+
+
+def _sound(lower: float, value: float) -> float | None:
+    """The bound, if it is one: above the value it may lie by rounding only."""
+    if not (isfinite(lower) and isfinite(value)) or lower > value + 1e-7 * abs(value):
+        return None
+    return min(lower, value)
+
+
+def relative_gap(value: float, lower: float) -> float:
+    """(value − lower)/|value|, 0 where both are 0."""
+    return 0.0 if value == lower else max(value - lower, 0.0) / max(abs(value), 1e-300)
+
+
+def segment_motions(
+    program: Sequence[Segment],
+    travel: Travel,
+    placed_segments: Sequence[PlacedSegment],
+    splines: Splines,
+) -> list[SegmentMotion]:
+    """The motion as it is told: by segment of the program, the splines of those that have one."""
+    starts = accumulate((segment.degrees for segment in program), initial=0.0)
+    s_start, s_end, unit = (f"{name}_{travel.unit}" for name in ("s_start", "s_end", "unit"))
+    found = []
+    for placed, segment, start_deg in zip(placed_segments, program, starts, strict=False):
+        spline = None
+        if placed.index in splines:
+            space, coefficients = splines[placed.index]
+            spline = SplineCurve(
+                degree=space.degree,
+                knots=space.breaks.tolist(),
+                coefficients=coefficients.tolist(),
+                **{} if placed.table is None else {unit: placed.scale / travel.per_unit},
+            )
+        found.append(
+            SegmentMotion(
+                kind=placed.kind,
+                start_deg=start_deg,
+                angle_deg=segment.degrees,
+                law=segment.law_name,
+                spline=spline,
+                **{
+                    s_start: placed.s_start / travel.per_unit,
+                    s_end: placed.s_end / travel.per_unit,
+                },
+            )
+        )
+    return found
+
+
+def design(
+    spec: DesignSpec,
+    cam: Cam | None,
+    extremes: Sequence[Extreme],
+    proven: Sequence[Proof],
+    stages: Sequence[StageReport],
+    seconds: float,
+    conflict: Conflict | None,
+) -> Design:
+    """The Design; its status follows from the certificate and the gaps alone."""
+    certified = cam is not None and all(extreme.holds for extreme in extremes)
+    close = bool(proven) and all(p.gap is not None and p.gap <= spec.tolerance for p in proven)
+    status: Status = "infeasible" if not certified else "optimal" if close else "feasible"
+    first = proven[0] if proven else _unproven(spec)
+    return Design(
+        id=design_id(spec),
+        name=spec.name,
+        engine_version=engine_version(),
+        status=status,
+        rotation=spec.rotation,
+        speed_rpm=spec.speed_rpm,
+        follower=spec.follower.kind,
+        dimensions={} if cam is None else dimensions(spec, cam),
+        size=[] if cam is None else list(cam.size),
+        objectives={p.objective: p.value for p in proven if p.value is not None},
+        motion=[]
+        if cam is None
+        else segment_motions(spec.program, spec.follower.travel, cam.segments, cam.splines),
+        extremes=list(extremes),
+        forces=None if cam is None else report_forces(cam.motion, spec.machine(), cam.size),
+        certificate=Certificate(
+            certified=certified, other_objectives=list(proven[1:]), **first.model_dump()
+        ),
+        conflict=conflict,
+        report=Report(stages=list(stages), seconds=seconds),
+        spec=spec,
+    )
+
+
+def with_chosen(found: Design, question: DesignSpec, numbers: Sequence[float]) -> Design:
+    """The answer to a question that leaves numbers free, from that with them in place.
+
+    Its bounds say nothing of other numbers, so that it is feasible and no more.
+    """
+    if not numbers:
+        return found
+    openings = question.openings.free
+    chosen = {opening.field: value for opening, value in zip(openings, numbers, strict=True)}
+    proof, conflict = found.certificate, found.conflict
+    if conflict is not None:
+        words = ", ".join(f"{field} = {value:.6g}" for field, value in chosen.items())
+        evidence = f"{conflict.evidence}; all this at {words}, where nothing better was found"
+        conflict = conflict.model_copy(update={"evidence": evidence})
+    others = [
+        each.model_copy(update={"bound_valid_for": _at_chosen(each)})
+        for each in proof.other_objectives
+    ]
+    certificate = proof.model_copy(
+        update={"bound_valid_for": _at_chosen(proof), "other_objectives": others}
+    )
+    return found.model_copy(
+        update={
+            "id": design_id(question),
+            "spec": question,
+            "free_parameters": chosen,
+            "status": "feasible" if found.status == "optimal" else found.status,
+            "certificate": certificate,
+            "conflict": conflict,
+        }
+    )
+
+
+def _at_chosen(proof: Proof) -> str:
+    """What a bound covers that was found with numbers chosen."""
+    return f"{proof.bound_valid_for}, at the chosen numbers alone" if proof.bound_valid_for else ""
+
+
+def dimensions(spec: DesignSpec, cam: Cam) -> dict[str, float]:
+    """Those of the size, and those that the motion asks for."""
+    more = spec.follower.motion_dimensions(cam.motion, cam.size)
+    return {**spec.follower.dimensions(cam.size), **more}
+
+
+def _unproven(spec: DesignSpec) -> Proof:
+    name = spec.objectives()[0].name_on_wire(spec.machine())
+    return Proof(objective=name, value=None, lower_bound=None, bound_valid_for="", gap=None)

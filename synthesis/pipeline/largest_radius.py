@@ -1,0 +1,310 @@
+"""A maximum of the base radius: compared with the smallest cam instead of constraining the search.
+
+An upper bound on the objective cuts off no optimum: minimising the base radius with a maximum has
+the same optimal cams as without it, or none. So the question is solved without the maximum, and
+value and lower bound of the answer are compared with it.
+
+    value ≤ maximum        the answer stands
+    lower bound > maximum  infeasible, proven over what the bound covers
+    otherwise              the optimiser is asked again, the maximum a constraint
+
+Where something else is made small, or the base radius is fixed, the constraint stays in the search,
+and the smallest cam is sought where that finds none (a phase 1): one that is small enough is a cam
+for the question, and the start of another search.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from math import inf
+
+from synthesis.catalogue.followers import AnyFollower
+from synthesis.catalogue.followers.sizing import enlarged
+from synthesis.catalogue.objectives.base_radius import BaseRadius
+from synthesis.catalogue.ranges import Range, ends
+from synthesis.certify import certify_size
+from synthesis.design.design import Conflict, Relaxation, StageReport
+from synthesis.numerics import clock
+from synthesis.optimise.parameters.table_smoothing import Tables, smooth_tables
+from synthesis.optimise.problem.nondimensional import NondimensionalSpec
+from synthesis.optimise.problem.problem import formulate_problem
+from synthesis.optimise.state.solve_state import SolveState
+from synthesis.optimise.state.warm_start import WarmStart
+from synthesis.pipeline.assembly import Bounded, Cam, in_wire_units, judged
+from synthesis.pipeline.attempt import (
+    TIGHTENINGS,
+    Attempt,
+    enlarge_until_simple,
+    solve_and_certify,
+)
+from synthesis.pipeline.conflict import explain, with_refusal
+from synthesis.spec.design_spec import DesignSpec
+
+ROUNDING = 1e-9  # relative: what a bound must lie above the maximum by to exclude every cam
+ROUNDING_DOWN = 1e-12  # relative: a bound that is a number of the question itself
+SECANT_STEPS = 8  # for the size with a given base radius: it is almost linear in the size
+ENOUGH = "a cam with this value was found"
+
+
+@dataclass(frozen=True, eq=False)
+class Run:
+    """A question solved.
+
+    Attributes:
+        question: with numbers in place of what was left free. numbers: these [wire].
+        tables: its measured laws, smoothed. attempt: what came out.
+    """
+
+    question: NondimensionalSpec
+    numbers: list[float]
+    tables: Tables
+    attempt: Attempt
+
+
+@dataclass(frozen=True, eq=False)
+class Smallest:
+    """The smallest cam found without the maximum, as an answer to the question with it.
+
+    Attributes:
+        run: its certificate is that of the question with the maximum.
+        radius: its base radius. most: the maximum [mm].
+        lower: no cam has a smaller base radius [mm], −inf where that is not known. over: the
+            family of cams that this covers.
+    """
+
+    run: Run
+    radius: float
+    most: float
+    lower: float
+    over: str
+
+    @property
+    def excludes(self) -> bool:
+        """Whether the lower bound proves that no cam is as small as the maximum asks.
+
+        A bound at numbers that were chosen says nothing of other numbers, and one above a cam is
+        none.
+        """
+        sound = self.lower <= self.radius * (1.0 + ROUNDING)
+        return sound and not self.run.numbers and self.lower > self.most * (1.0 + ROUNDING)
+
+
+def solve(
+    spec: DesignSpec, stop: float, stages: list[StageReport], near: WarmStart | None = None
+) -> tuple[Run, Smallest | None]:
+    """Solve a question, its maximum of the base radius treated as told above.
+
+    Args:
+        spec: what is asked. stop: ``clock.now()`` at which to stop. stages: appended to.
+        near: where a neighbouring question's local search ended.
+
+    Returns:
+        what came out, and the smallest cam without the maximum where that was sought.
+    """
+    wider = _without(spec, "max")
+    if wider is None:
+        return _run(spec, stop, stages, near), None
+    least, most = ends(spec.base_radius_mm)
+    minimised = spec.objectives()[0].kind == "base_radius" and least < most
+    smallest = None
+    if minimised:
+        found = _run(wider, stop, stages, near)
+        smallest = _smallest(spec, found)
+        if smallest is not None and (smallest.run.attempt.certified or smallest.excludes):
+            return smallest.run, smallest
+        if clock.now() >= stop:
+            return smallest.run if smallest is not None else found, smallest
+        near = None  # its cam, if there is one, is too large
+    run = _run(spec, stop, stages, near)
+    if run.attempt.certified or minimised or _proven_infeasible(run) or clock.now() >= stop:
+        return run, smallest
+    # phase 1: any cam that is small enough will do
+    for open_spec in _opened(spec):
+        smallest = _smallest(spec, _run(open_spec, stop, stages))
+        if smallest is not None and smallest.run.attempt.certified:
+            return _restarted(spec, smallest, stop, stages), smallest
+        if clock.now() >= stop:
+            break
+    tells = smallest is not None and smallest.radius > most  # of what the maximum costs
+    return run, smallest if tells else None
+
+
+def _opened(spec: DesignSpec) -> list[DesignSpec]:
+    """Questions for the smallest cam: without either end of the base radius, and with its least."""
+    wider = (_without(spec, "min", "max"), _without(spec, "max"))
+    found = [each for each in wider if each is not None]
+    if len(found) == 2 and found[0].base_radius_mm == found[1].base_radius_mm:
+        del found[1]
+    return [each.model_copy(update={"objective": BaseRadius()}) for each in found]
+
+
+def _restarted(spec: DesignSpec, smallest: Smallest, stop: float, stages: list[StageReport]) -> Run:
+    """The question solved from the smallest cam on; that cam itself where this finds none."""
+    behind = smallest.run.attempt.searches[0].local_optimum
+    alone = all(objective.kind == "base_radius" for objective in spec.objectives())
+    if alone or behind is None or smallest.run.numbers or clock.now() >= stop:
+        return smallest.run
+    again = _run(spec, stop, stages, behind)
+    return again if again.attempt.certified else smallest.run
+
+
+def _without(spec: DesignSpec, *open_ends: str) -> DesignSpec | None:
+    """The spec without ends of its base radius; None where these leave no larger range to search.
+
+    An open range is searched between ends of its own: one that is asked for stays where leaving it
+    out would narrow these.
+    """
+    low, high = ends(spec.base_radius_mm)
+    if high == inf:
+        return None
+    kept = {} if low == -inf or "min" in open_ends else {"min": low}
+    found = spec.model_copy(update={"base_radius_mm": Range(**kept) if kept else None})
+    (least, most), (wider_least, wider_most) = spec.searched_radii(), found.searched_radii()
+    return found if wider_least <= least and wider_most >= most else None
+
+
+def explain_run(run: Run, smallest: Smallest | None) -> Conflict:
+    """Why a question has no cam, and what the smallest cam without its maximum says of that."""
+    question, attempt = run.question, run.attempt
+    if smallest is None:
+        found = explain(question, attempt.posed, attempt.searches[-1])
+        return with_refusal(found, attempt.extremes)
+    if run is not smallest.run:
+        last, posed, extremes = attempt.searches[-1], attempt.posed, attempt.extremes
+    else:  # the maximum has not been in any search
+        question = NondimensionalSpec.of(question.physical)
+        posed, extremes = question.scaled.alone(), []
+        known = attempt.searches[0]
+        objective = question.scaled.objectives()[0]
+        problem = formulate_problem(posed, objective, (), run.tables.segments)
+        last = SolveState(
+            problem, known.tolerance, known.deadline, TIGHTENINGS[0], grids=known.grids
+        )
+    found = _with_maximum(explain(question, posed, last), smallest, last)
+    return with_refusal(found, extremes)
+
+
+def _run(
+    spec: DesignSpec, stop: float, stages: list[StageReport], near: WarmStart | None = None
+) -> Run:
+    """Solve a question with everything in it a constraint."""
+    question, numbers = _choose_numbers(NondimensionalSpec.of(spec), stop, stages)
+    tables = smooth_tables(question.scaled.placed_segments(), stop)
+    stages += [StageReport(**vars(stage)) for stage in tables.stages]
+    attempt = solve_and_certify(question, tables, stop, stages, near)
+    if attempt.crosses:
+        attempt = enlarge_until_simple(question, tables, attempt, stop, stages)
+    return Run(question, numbers, tables, attempt)
+
+
+def _choose_numbers(
+    question: NondimensionalSpec, stop: float, stages: list[StageReport]
+) -> tuple[NondimensionalSpec, list[float]]:
+    """The question with numbers in place of what it leaves free, and these numbers [wire]."""
+    openings = question.physical.openings
+    if not openings.free:
+        return question, []
+    from synthesis.optimise.parameters.search import choose_parameters
+
+    numbered, _, stage = choose_parameters(question.scaled, stop)
+    stages.append(StageReport(**vars(stage)))
+    found = question.with_scaled(numbered)
+    return found, openings.read(found.physical.program, found.physical.follower)
+
+
+def _smallest(spec: DesignSpec, wider: Run) -> Smallest | None:
+    """The cam that was found without the maximum, judged with it; None where none was found."""
+    found = wider.attempt
+    if not found.certified or found.cam is None:
+        return None
+    asked = {"base_radius_mm": spec.base_radius_mm, "objective": spec.objective}
+    question = replace(wider.question, physical=wider.question.physical.model_copy(update=asked))
+    built = question.to_physical(found.built)
+    radius = built.follower.dimensions(found.cam.size)["base_radius_mm"]
+    (bounded,) = in_wire_units(wider.question, found.built, found.bounds[:1])
+    least, most = ends(spec.base_radius_mm)
+    cam, bounds = found.cam, found.bounds
+    if not least <= radius <= most:  # above it by a clearance only, or below the least asked for
+        nearest = min(max(radius, least), most)
+        cam = Cam(cam.segments, cam.splines, _resized(built.follower, cam.size, nearest))
+    if spec.objectives() != found.posed.objectives() or radius < least:
+        bounds = _bounds(spec, found, least / question.units.length)
+    if cam is found.cam:  # what is traced all round is as it was: only dimensions are judged anew
+        before = certify_size(wider.question.physical, cam.size, built.follower)
+        traced = found.extremes[: len(found.extremes) - len(before)]
+        extremes = [*traced, *certify_size(question.physical, cam.size, built.follower)]
+    else:
+        extremes = judged(question.physical, cam, built)
+    attempt = replace(found, cam=cam, bounds=bounds, extremes=extremes)
+    if not attempt.certified:
+        attempt = replace(attempt, cam=None, bounds=[], extremes=[])
+    run = replace(wider, question=question, attempt=attempt)
+    return Smallest(run, radius, most, bounded.lower, bounded.over)
+
+
+def _bounds(spec: DesignSpec, found: Attempt, least: float) -> list[Bounded]:
+    """Lower bounds of a question's objectives, known from its smallest cam alone.
+
+    ``least``: the least base radius allowed, in the unit of the question solved.
+    """
+    unknown = [Bounded(objective, -inf, "") for objective in spec.objectives()]
+    if unknown[0].objective.kind != "base_radius":
+        return unknown
+    first, *_ = found.bounds
+    if least > 0.0:
+        asked = first.objective.from_wire(least, found.built.machine()) * (1.0 - ROUNDING_DOWN)
+        if asked > first.lower:
+            first = replace(first, lower=asked, over="the least base radius asked for")
+    return [first, *unknown[1:]]
+
+
+def _resized(follower: AnyFollower, size: tuple[float, ...], radius: float) -> tuple[float, ...]:
+    """The size raised or lowered to a base radius [mm], by the secant method."""
+
+    def excess(step: float) -> float:
+        return follower.dimensions(enlarged(size, step))["base_radius_mm"] - radius
+
+    before, at = 0.0, -excess(0.0)
+    for _ in range(SECANT_STEPS):
+        slope = excess(at) - excess(before)
+        if slope == 0.0:
+            break
+        before, at = at, at - excess(at) * (at - before) / slope
+    return enlarged(size, at)
+
+
+def _proven_infeasible(run: Run) -> bool:
+    """Whether no motion law fits, at numbers that are all given."""
+    return bool(run.attempt.searches[-1].infeasibility_proof) and not run.numbers
+
+
+def _with_maximum(conflict: Conflict, smallest: Smallest, last: SolveState) -> Conflict:
+    """A conflict in which the maximum has its part: without it there is a cam."""
+    least, most = ends(smallest.run.question.physical.base_radius_mm)
+    sign, field = ("=", "base_radius_mm") if least == most else ("≤", "base_radius_mm/max")
+    others = [one for one in conflict.relaxations if one.field != field]
+    own = Relaxation(
+        limit="base_radius", field=field, unit="mm", requested=most, needed=smallest.radius,
+        note=ENOUGH,
+    )  # fmt: skip
+    stated = any(words.startswith(f"base radius {sign}") for words in conflict.limits)
+    limits = [*conflict.limits, *([] if stated else [f"base radius {sign} {most:.6g} mm"])]
+    without = f"without {field} a cam of {smallest.radius:.6g} mm was found"
+    if smallest.excludes:
+        evidence = (
+            f"proven: no cam has a base radius below {smallest.lower:.6g} mm "
+            f"({smallest.over}); {without}"
+        )
+        if stated and not last.problem.has_curved_limits:
+            evidence = f"{evidence}; {conflict.evidence}"
+    elif last.problem.base_circle_conflict or last.infeasibility_proof:
+        # it begins with the proof, in the units of the wire
+        evidence = f"{conflict.evidence}; {without}"
+    else:
+        bound = "" if smallest.lower == -inf else (
+            f", and none below {smallest.lower:.6g} mm is possible ({smallest.over})"
+        )  # fmt: skip
+        evidence = f"{without}{bound}; that none of {most:.6g} mm is possible is not proven"
+    return conflict.model_copy(
+        update={"limits": limits, "relaxations": [*others, own], "evidence": evidence}
+    )

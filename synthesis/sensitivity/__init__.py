@@ -1,5 +1,0 @@
-"""What each limit costs."""
-
-from synthesis.sensitivity.costs import sensitivities
-
-__all__ = ["sensitivities"]

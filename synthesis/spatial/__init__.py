@@ -1,1 +1,0 @@
-"""Spatial cams: rollers on axes that do not lie along the cam's."""

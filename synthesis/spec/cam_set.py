@@ -1,0 +1,147 @@
+"""CamSetSpec: what is asked of several cams on one shaft.
+
+Frames, all right-handed with z along the shaft, seen with z towards the viewer; ς = +1 where the
+shaft turns counter-clockwise, −1 clockwise; R(a) a turn by a, counter-clockwise positive.
+
+* Shaft angle Θ: how far the shaft has turned from its zero position, in its own sense.
+* The shaft's frame turns with the shaft and is the machine's at Θ = 0.
+* A cam's own frame is the one that its design is given in: y along an upward follower at cam
+  angle 0. Its follower may stand elsewhere round the shaft: then that frame's y axis points in
+  the follower's direction δ at cam angle 0 (δ = 90°: upwards, nothing is turned).
+
+Cam i's program starts when the shaft has turned by its phase φ: the follower's displacement is
+s(Θ − φ). So at Θ = φ the cam's own frame must lie at R(δ − 90°) in the machine, and there the
+shaft's frame lies at R(ς φ). On the shaft the cam is therefore turned by
+
+    turn = δ − 90° − ς φ :    the phase turns a cam *against* the sense of rotation.
+"""
+
+from __future__ import annotations
+
+from typing import Annotated, Any
+
+from pydantic import BaseModel, ConfigDict, Field, ValidationInfo, field_validator, model_validator
+from pydantic_core import PydanticCustomError
+
+from synthesis.catalogue.fields import Name, Rotation, Speed
+from synthesis.spec.design_spec import DesignSpec
+
+MAX_CAMS = 50
+UPWARDS_DEG = 90.0
+SHAFT_GIVES = ("speed_rpm", "rotation")
+
+
+class CamOnShaft(BaseModel):
+    """One cam of a set: what it must do, and how it sits on the shaft."""
+
+    model_config = ConfigDict(frozen=True, extra="forbid", allow_inf_nan=False)
+
+    name: Annotated[
+        Name,
+        Field(
+            description="Shown in the diagram and in file names. Where several cams share a name, "
+            "the answer puts each one's number behind it."
+        ),
+    ] = ""
+    phase_deg: Annotated[
+        float,
+        Field(
+            ge=-360.0,
+            le=360.0,
+            description="Shaft angle at which the cam's program starts: at shaft angle Θ its "
+            "follower stands where the design alone has it at cam angle Θ − phase [deg].",
+        ),
+    ] = 0.0
+    axial_mm: Annotated[
+        float,
+        Field(ge=-1e6, le=1e6, description="Position along the shaft: z of the points [mm]."),
+    ] = 0.0
+    follower_direction_deg: Annotated[
+        float,
+        Field(
+            ge=-360.0,
+            le=360.0,
+            description="Where about the shaft the follower is mounted: direction of the y axis "
+            "of its design's frame, counter-clockwise from x; 90 is upwards, as in a design on "
+            "its own [deg].",
+        ),
+    ] = UPWARDS_DEG
+    spec: Annotated[
+        DesignSpec,
+        Field(
+            description="The cam. `speed_rpm` and `rotation` are the shaft's: leave them out here, "
+            "or give the same. `name` is the cam's where it is left out."
+        ),
+    ]
+
+    def turn_deg(self, rotation: Rotation) -> float:
+        """Angle by which the cam is turned on the shaft, in (−180, 180] [deg]; see above."""
+        sense = -1.0 if rotation == "cw" else 1.0
+        return within_half_turn(self.follower_direction_deg - UPWARDS_DEG - sense * self.phase_deg)
+
+
+class CamSetSpec(BaseModel):
+    """Several cams on one shaft: how it turns, and the cams with their phases."""
+
+    model_config = ConfigDict(frozen=True, extra="forbid", allow_inf_nan=False)
+
+    name: Annotated[Name, Field(description="Shown in reports and files.")] = ""
+    speed_rpm: Annotated[Speed, Field(description="Speed of the shaft, constant [rpm].")] = 60.0
+    rotation: Annotated[Rotation, Field(description="Sense in which the shaft turns.")] = "ccw"
+    cams: Annotated[
+        list[CamOnShaft],
+        Field(min_length=1, max_length=MAX_CAMS, description="The cams, in any order."),
+    ]
+    time_budget_s: Annotated[
+        float | None,
+        Field(
+            gt=0.0,
+            le=3600.0,
+            description="Stop after this long with the best so far; the cams share it: each gets "
+            "an equal part of what the ones before it have left.",
+        ),
+    ] = None
+
+    @field_validator("cams", mode="before")
+    @classmethod
+    def _turn_with_the_shaft(cls, cams: Any, info: ValidationInfo) -> Any:
+        """Hand speed and sense of rotation on to the cams that leave them out.
+
+        Before the cams are checked, for what they ask may depend on the speed.
+        """
+        if not isinstance(cams, list):
+            return cams
+        shaft = {field: info.data[field] for field in SHAFT_GIVES if field in info.data}
+        return [_filled(cam, shaft) for cam in cams]
+
+    @model_validator(mode="after")
+    def _is_one_shaft(self) -> CamSetSpec:
+        for position, cam in enumerate(self.cams):
+            for field in SHAFT_GIVES:
+                own, shaft = getattr(cam.spec, field), getattr(self, field)
+                if own != shaft:
+                    raise PydanticCustomError(
+                        "cam_off_the_shaft",
+                        "{field} is {value} here and {shaft} of the shaft: all cams turn with it. "
+                        "Leave it out, or give the same.",
+                        {"position": position, "field": field, "value": own, "shaft": shaft},
+                    )
+        return self
+
+
+def _filled(cam: Any, shaft: dict[str, Any]) -> Any:
+    """A cam as it came, with what its spec leaves out."""
+    if not isinstance(cam, dict) or not isinstance(cam.get("spec"), dict):
+        return cam
+    left_out = {**shaft, "name": cam["name"]} if isinstance(cam.get("name"), str) else shaft
+    return {**cam, "spec": {**left_out, **cam["spec"]}}
+
+
+def within_half_turn(degrees: float) -> float:
+    """The same direction in (−180, 180], without the last digits' noise [deg]."""
+    return round(180.0 - round(180.0 - degrees, 9) % 360.0, 9)
+
+
+def wrap_turn(degrees: float) -> float:
+    """The same direction in [0, 360), without the last digits' noise [deg]."""
+    return round(degrees, 9) % 360.0

@@ -1,0 +1,398 @@
+"""DesignSpec: what is asked. It is the request body, and nothing maps it to something else."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Mapping, Sequence
+from functools import cached_property
+from itertools import accumulate
+from typing import Annotated, Any, Literal, Self
+
+from pydantic import BaseModel, ConfigDict, Field, model_validator
+from pydantic_core import PydanticCustomError
+
+from synthesis.catalogue.fields import CamRotation, CamSpeed, Name
+from synthesis.catalogue.followers import AnyFollower, counter_roller
+from synthesis.catalogue.forces import AnyLoad
+from synthesis.catalogue.limits import AnyLimit, Limit, Machine
+from synthesis.catalogue.limits.counter_base_radius import CounterBaseRadius
+from synthesis.catalogue.limits.profile_radius import ProfileRadius
+from synthesis.catalogue.motion import PlacedSegment
+from synthesis.catalogue.objectives import AnyObjective
+from synthesis.catalogue.objectives.base_radius import BaseRadius
+from synthesis.catalogue.ranges import Dimension, Range, ends
+from synthesis.spec.free_parameters import FreeParameters, ProgramAndFollower
+from synthesis.spec.program import Segment
+from synthesis.spec.schedule import angles_of, check_turn, check_units, placed
+from synthesis.spec.smoothness import check_jerk_finite
+from synthesis.spec.well_posedness import SizeProblem, check_has_optimum
+from synthesis.units import MotionUnits, rad_per_s
+
+MAX_SEGMENTS = 100
+ROUGHEST = 2  # class of the splines that smoother ones are compared with
+ALWAYS = (ProfileRadius(), CounterBaseRadius())  # what every cam must keep
+KEPT = ("openings", "_numbered", "_reach", "_placed", "_machine", "_limits")  # laid out once
+
+
+class DesignSpec(BaseModel):
+    """What the follower must do, which follower it is, and what may not be exceeded."""
+
+    model_config = ConfigDict(frozen=True, extra="forbid", allow_inf_nan=False)
+
+    name: Annotated[Name, Field(description="Shown in reports and files.")] = ""
+    speed_rpm: CamSpeed = 60.0
+    rotation: CamRotation = "ccw"
+    program: Annotated[
+        list[Segment],
+        Field(
+            min_length=1,
+            max_length=MAX_SEGMENTS,
+            description="Segments in order; their angles sum to 360° and the lifts cancel.",
+        ),
+    ]
+    follower: Annotated[AnyFollower, Field(description="The follower that the machine has.")]
+    base_radius_mm: Dimension = None
+    load: Annotated[
+        AnyLoad | None,
+        Field(
+            description="What loads the follower, rigid: mass, damping, spring, process force. "
+            "Left out, forces are not looked at."
+        ),
+    ] = None
+    limits: Annotated[
+        list[AnyLimit], Field(max_length=50, description="What may not be exceeded.")
+    ] = []
+    continuity: Annotated[
+        Literal[0, 1, 2, 3, 4] | None,
+        Field(
+            description="How many derivatives of the displacement may jump nowhere on the turn. "
+            "Splines are made that smooth; where named laws jump the design is infeasible and "
+            "the extreme says by how much and where. Left out: jumps of named laws are reported.",
+        ),
+    ] = None
+    objective: Annotated[
+        AnyObjective | Annotated[list[AnyObjective], Field(min_length=1, max_length=10)],
+        Field(
+            description="What to make small; a list is worked through in order: each is made as "
+            "small as the ones before allow when they may lose half of the tolerance.",
+        ),
+    ] = BaseRadius()
+    tolerance: Annotated[
+        float,
+        Field(
+            ge=1e-6,
+            le=1.0,
+            description="Relative gap to the best possible that is good enough: it buys time.",
+        ),
+    ] = 1e-3
+    proof: Annotated[
+        Literal["quick", "thorough"],
+        Field(
+            description="Where curvature binds, the quick lower bound is that of the question "
+            "without it. `thorough` adds rows that curvature implies where a better cam would "
+            "have to lie, and splits the range of the offset, or of a free pivot: a far smaller "
+            "gap, for half a second to some ten seconds more.",
+        ),
+    ] = "quick"
+    report_smoothness_cost: Annotated[
+        bool,
+        Field(
+            description="Also design the cam with splines of class C2 and say what smoother ones "
+            "cost. Takes about as long again.",
+        ),
+    ] = False
+    time_budget_s: Annotated[
+        float | None,
+        Field(gt=0.0, le=3600.0, description="Stop after this long with the best so far."),
+    ] = None
+
+    @model_validator(mode="after")
+    def _units_suit(self) -> DesignSpec:
+        unit, kind = self.follower.travel.unit, self.follower.kind
+        moves = {"mm": "slides", "deg": "swings"}[unit]
+        check_units(self.program, self.limits, unit, f"the {kind} follower {moves}")
+        return self
+
+    @model_validator(mode="after")
+    def _closes(self) -> DesignSpec:
+        self._numbers_fit()
+        check_turn(self._numbered)
+        lifts = self.lifts()
+        rest, largest = math.fsum(lifts), self.stroke()
+        if abs(rest) > 1e-9 * largest:
+            raise PydanticCustomError(
+                "program_lift",
+                "The follower ends {rest} {unit} away from where it began. "
+                "Make the lifts of rises and returns sum to zero.",
+                {"rest": self._motion_units().to_wire(rest), "unit": self.follower.travel.unit},
+            )
+        if largest == 0.0:
+            raise PydanticCustomError(
+                "program_still",
+                "The follower never moves: program holds no rise and no return. Add both.",
+                {},
+            )
+        return self
+
+    @model_validator(mode="after")
+    def _states_fit(self) -> DesignSpec:
+        self.placed_segments()
+        return self
+
+    @model_validator(mode="after")
+    def _sizes_fit(self) -> DesignSpec:
+        least, largest = ends(self.base_radius_mm)
+        if largest <= 0.0 or (least == largest and least <= 0.0):
+            raise PydanticCustomError(
+                "base_radius_positive",
+                "base_radius_mm = {value} leaves no positive base radius. Give a positive one.",
+                {"value": largest},
+            )
+        self.openings.check(lambda filled: self._with(filled).check_reach())
+        return self
+
+    @model_validator(mode="after")
+    def _limits_suit(self) -> DesignSpec:
+        for position, limit in enumerate(self.limits):
+            if not limit.applies_to(self.follower):
+                raise PydanticCustomError(
+                    "limit_does_not_suit",
+                    "limits/{position} is {limit}, which says nothing about a {kind} follower. "
+                    "Remove it, or choose another follower.",
+                    {"position": position, "limit": limit.kind, "kind": self.follower.kind},
+                )
+            limit.check(self.follower)
+            limit.check_motion(self.placed_segments(), self.machine())
+        return self
+
+    @model_validator(mode="after")
+    def _load_suits(self) -> DesignSpec:
+        if self.load is not None:
+            self.load.check_against(self.follower, self.placed_segments())
+        for position, one in enumerate([*self.limits, *self.objectives()]):
+            one.check_load(self.load, self.follower, self.placed_segments(), position)
+        return self
+
+    @model_validator(mode="after")
+    def _smooth_enough(self) -> DesignSpec:
+        named = [(getattr(limit, "place", limit.kind), limit) for limit in self.all_limits()]
+        check_jerk_finite(self.placed_segments(), named, self.objectives(), self.machine())
+        return self
+
+    @model_validator(mode="after")
+    def _has_a_best(self) -> DesignSpec:
+        check_has_optimum(
+            SizeProblem(
+                follower=self.follower,
+                objectives=self.objectives(),
+                limits=self.limits,
+                asked=ends(self.base_radius_mm),
+                opened=self.searched_radii(),
+                reached=self.base_radius_range(),
+                free=any(segment.law_is_free for segment in self.placed_segments()),
+            )
+        )
+        return self
+
+    def model_copy(self, *, update: Mapping[str, Any] | None = None, deep: bool = False) -> Self:
+        """A copy, changed; what is kept of this spec is not the copy's."""
+        found = super().model_copy(update=update, deep=deep)
+        for name in KEPT:
+            vars(found).pop(name, None)
+        return found
+
+    # -- numbers left free -------------------------------------------------------------------
+
+    @cached_property
+    def openings(self) -> FreeParameters:
+        """The numbers that are left free and searched: angles, lifts, an arm's length."""
+        omega, radii = rad_per_s(self.speed_rpm), ends(self.base_radius_mm)
+        return FreeParameters.of(self.program, self.follower, omega, radii)
+
+    def with_numbers(self, values: Sequence[float]) -> DesignSpec:
+        """The same spec with numbers in place of everything in ``openings``."""
+        return self._with(self.openings.filled(values))
+
+    def _with(self, filled: ProgramAndFollower) -> DesignSpec:
+        program, follower = filled
+        pairs = zip(program, self.program, strict=True)
+        if follower is self.follower and all(new is old for new, old in pairs):
+            return self
+        return self.model_copy(update={"program": program, "follower": follower})
+
+    @cached_property
+    def _numbered(self) -> list[Segment]:
+        """The program; while numbers are left free, with some that fit together."""
+        if not any(segment.open for segment in self.program):
+            return self.program
+        openings = self.openings
+        middle = openings.polytope.centre() if openings.free else None
+        return self.program if middle is None else openings.at(middle)[0]
+
+    def check_reach(self) -> None:
+        """Refuse dimensions of the follower that no size can serve.
+
+        Raises:
+            PydanticCustomError: with the numbers, and the cam angle where there is one.
+        """
+        self.follower.check_dimensions(self.searched_radii(), self.placed_segments())
+
+    def _numbers_fit(self) -> None:
+        """Refuse numbers that are free in name only, or that cannot fit together."""
+        openings = self.openings
+        free = openings.free
+        for name, what in (("angle_deg", "angles"), ("lift_mm", "lifts"), ("lift_deg", "lifts")):
+            alone = [opening for opening in free if opening.name == name]
+            if len(alone) == 1 and not openings.tied_otherwise(name):
+                raise PydanticCustomError(
+                    "one_number_free",
+                    "{field} is the only one of the {what} that is free: it follows from the "
+                    "others. Give the number, or leave another one free too.",
+                    {
+                        "field": alone[0].field,
+                        "what": what,
+                        "segment": alone[0].segment,
+                        "name": name,
+                    },
+                )
+        if len(free) > len(openings.of_machine) and openings.polytope.centre() is None:
+            raise PydanticCustomError(
+                "numbers_do_not_fit",
+                "However the free angles and lifts of program are chosen within their ranges, "
+                "the angles do not sum to 360° or the lifts not to zero. Widen a range.",
+                {},
+            )
+
+    def roughened(self) -> DesignSpec:
+        """The same question for splines of class C2; its own self where none is smoother."""
+        program = [segment.roughened() for segment in self.program]
+        continuity = None if self.continuity is None else min(self.continuity, ROUGHEST)
+        if program == self.program and continuity == self.continuity:
+            return self
+        changes = {"program": program, "continuity": continuity, "report_smoothness_cost": False}
+        return self.model_copy(update=changes)
+
+    # -- what the core asks ------------------------------------------------------------------
+
+    def machine(self) -> Machine:
+        """The follower, the cam's speed, and what loads the follower."""
+        return self._machine
+
+    @cached_property
+    def _machine(self) -> Machine:
+        omega, load = rad_per_s(self.speed_rpm), self.load
+        reduced = None if load is None else load.reduced(self.follower, omega)
+        return Machine(self.follower, omega, reduced)
+
+    def _motion_units(self) -> MotionUnits:
+        """What turns the program's displacements and rates into the core's."""
+        return MotionUnits(self.follower.travel, rad_per_s(self.speed_rpm))
+
+    def lifts(self) -> list[float]:
+        """Displacement gained over every segment [mm]."""
+        units = self._motion_units()
+        return [segment.gain(units) for segment in self._numbered]
+
+    @cached_property
+    def _reach(self) -> tuple[float, float, list[float]]:
+        """Lowest and highest displacement, and those at the segments' starts [mm]; the program
+        starts at 0.
+        """
+        units, program = self._motion_units(), self._numbered
+        levels = list(accumulate((segment.gain(units) for segment in program[:-1]), initial=0.0))
+        spans = [segment.span(units) for segment in program]
+        both = [(at + low, at + high) for at, (low, high) in zip(levels, spans, strict=True)]
+        return min(low for low, _ in both), max(high for _, high in both), levels
+
+    def placed_segments(self) -> tuple[PlacedSegment, ...]:
+        """The program placed on the cam, displacements measured from the lowest position."""
+        return self._placed
+
+    @cached_property
+    def _placed(self) -> tuple[PlacedSegment, ...]:
+        program = self._numbered
+        lowest, _, levels = self._reach
+        starts = [level - lowest for level in levels]
+        return placed(
+            program, angles_of(program), starts, self._motion_units(), self.continuity or 0
+        )
+
+    def stroke(self) -> float:
+        """Highest less lowest displacement [mm]: the unit of length inside the formulations."""
+        lowest, highest, _ = self._reach
+        return highest - lowest
+
+    def base_radius_range(self) -> tuple[float, float]:
+        """Smallest and largest base radius that the follower can reach [mm]."""
+        return self.follower.feasible_base_radii(self.searched_radii(), self.stroke())
+
+    def searched_radii(self) -> tuple[float, float]:
+        """Smallest and largest base radius [mm]; an open end is at 1e-3 or 1e4 strokes."""
+        least, largest = ends(self.base_radius_mm)
+        stroke = self.stroke()
+        return (
+            min(1e-3 * stroke, 0.5 * largest) if math.isinf(least) else least,
+            1e4 * max(stroke, least) if math.isinf(largest) else largest,
+        )
+
+    def all_limits(self) -> tuple[Limit, ...]:
+        """The limits asked for, and what every cam must keep: no undercut, a counter cam's base.
+
+        Windows and points of the program come last.
+        """
+        return self._limits
+
+    @cached_property
+    def _limits(self) -> tuple[Limit, ...]:
+        demands = [d for i, segment in enumerate(self._numbered) for d in segment.demands(i)]
+        named = {limit.kind for limit in self.limits}
+        rest = (a for a in ALWAYS if a.kind not in named and a.applies_to(self.follower))
+        return (*self.limits, *rest, *demands)
+
+    def alone(self) -> DesignSpec:
+        """The same without what is settled after the size and is still free."""
+        follower = counter_roller.without_free_counter(self.follower)
+        return self if follower == self.follower else self.model_copy(update={"follower": follower})
+
+    def opened(self) -> DesignSpec:
+        """The same with everything left free that is settled after the size."""
+        follower = counter_roller.with_free_counter(self.follower)
+        if follower == self.follower:
+            return self
+        return self.model_copy(update={"follower": follower})
+
+    def with_deferred(self, dimensions: Mapping[str, float]) -> DesignSpec:
+        """The same with what was settled after the size, by the names of the dimensions."""
+        follower = counter_roller.with_counter(self.follower, dimensions)
+        return self if follower == self.follower else self.model_copy(update={"follower": follower})
+
+    def left_free(self) -> Iterator[tuple[str, Any]]:
+        """JSON pointer and value of everything that the answer would have to choose."""
+        for opening in self.openings.free:
+            low, high = ends(opening.asked)
+            yield f"/{opening.field}", {"min": low, "max": high}
+        for segment in self.placed_segments():
+            if segment.law_is_free:
+                yield f"/program/{segment.index}/law", self.program[segment.index].law_name
+        if self.load is not None:
+            for name, (low, high) in self.load.free_spring.items():
+                yield f"/load/spring/{name}", {"min": low, "max": high}
+        asked: dict[str, Any] = {}
+        bounds = self.follower.size_domain(self.base_radius_range()).bounds
+        if any(low != high for low, high in bounds):
+            asked = {"/base_radius_mm": self.base_radius_mm}
+            asked |= {
+                f"/follower/{k}": value
+                for k, value in self.follower.adjustable_dimensions().items()
+            }
+        places = counter_roller.counter_dimensions(self.follower)
+        asked |= {f"/follower/{k}": value for k, (_, value) in places.items()}
+        for field, value in asked.items():
+            low, high = ends(value)
+            if low != high:
+                yield field, value.model_dump() if isinstance(value, Range) else value
+
+    def objectives(self) -> tuple[AnyObjective, ...]:
+        """The objectives in order."""
+        listed = self.objective if isinstance(self.objective, list) else [self.objective]
+        return tuple(listed)

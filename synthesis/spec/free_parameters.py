@@ -1,0 +1,195 @@
+"""Numbers that are left free and searched: angles and lifts of segments, lengths of the machine."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+from pydantic_core import PydanticCustomError
+
+from synthesis.catalogue.followers import AnyFollower
+from synthesis.catalogue.ranges import Range, ends
+from synthesis.numerics.piecewise import Array
+from synthesis.numerics.polytope import Polytope
+from synthesis.spec.program import Segment
+from synthesis.units import MotionUnits
+
+TURN = 360.0
+LENGTH_TRIALS = 33  # lengths of a machine that are looked at for one that serves
+ROUNDING = 1e-9  # relative: what sums may miss by rounding
+ProgramAndFollower = tuple[list[Segment], AnyFollower]
+
+
+@dataclass(frozen=True)
+class FreeParameter:
+    """One number that is left free: field ``name`` of a segment or, with None, of the follower.
+
+    Attributes:
+        asked: as it stands in the spec. low, high: ends of the part of it that is searched.
+    """
+
+    segment: int | None
+    name: str
+    asked: float | Range
+    low: float
+    high: float
+
+    @property
+    def field(self) -> str:
+        """Its path in the spec."""
+        return f"{'follower' if self.segment is None else f'program/{self.segment}'}/{self.name}"
+
+
+@dataclass(frozen=True, eq=False)
+class FreeParameters:
+    """All numbers of a spec that are left free, and what ties them together.
+
+    The angles sum to a turn and the displacements gained to nothing; both are linear. Lengths of
+    the machine are not tied to anything.
+    """
+
+    program: tuple[Segment, ...]
+    follower: AnyFollower
+    omega: float
+    free: tuple[FreeParameter, ...]
+
+    @classmethod
+    def of(
+        cls,
+        program: Sequence[Segment],
+        follower: AnyFollower,
+        omega: float,
+        base_radius: tuple[float, float],
+    ) -> FreeParameters:
+        """Those of a program and its machine.
+
+        Args:
+            program: the segments. follower: the machine. omega: cam speed [rad/s].
+            base_radius: ends of the base radius asked for [mm], open ones infinite.
+        """
+        mine = [
+            (i, name, value, ends(value))
+            for i, segment in enumerate(program)
+            for name, value in segment.left_open().items()
+        ]
+        machines = follower.searched_dimensions(base_radius).items()
+        free = (*mine, *((None, name, value, served) for name, (value, served) in machines))
+        return cls(
+            tuple(program), follower, omega,
+            tuple(
+                FreeParameter(i, name, value, *reached)
+                for i, name, value, reached in free
+                if ends(value)[0] != ends(value)[1]
+            ),
+        )  # fmt: skip
+
+    @property
+    def of_machine(self) -> tuple[int, ...]:
+        """Positions of those that are the follower's."""
+        return tuple(k for k, opening in enumerate(self.free) if opening.segment is None)
+
+    def filled(self, values: Sequence[float]) -> ProgramAndFollower:
+        """Program and follower with these numbers in place."""
+        program, machine = list(self.program), dict[str, float]()
+        for opening, value in zip(self.free, values, strict=True):
+            i = opening.segment
+            if i is None:
+                machine[opening.name] = float(value)
+            else:
+                program[i] = program[i].model_copy(update={opening.name: float(value)})
+        return program, self.follower.model_copy(update=machine) if machine else self.follower
+
+    def read(self, program: Sequence[Segment], follower: AnyFollower) -> list[float]:
+        """The numbers that stand in such a program and such a follower."""
+        owners = (follower if o.segment is None else program[o.segment] for o in self.free)
+        return [getattr(owner, o.name) for owner, o in zip(owners, self.free, strict=True)]
+
+    def numbers(self, u: Array) -> list[float]:
+        """The numbers at a point of the unit box."""
+        return [o.low + (o.high - o.low) * float(x) for o, x in zip(self.free, u, strict=True)]
+
+    def at(self, u: Array) -> ProgramAndFollower:
+        """Program and follower at a point of the unit box."""
+        return self.filled(self.numbers(u))
+
+    def spread(self, middle: Array, position: int, count: int) -> list[Array]:
+        """Points along one number's range, evenly in its logarithm, ends included."""
+        low, high = self.free[position].low, self.free[position].high
+        values = np.geomspace(low, high, count)
+        return [self.with_number(middle, position, float(value)) for value in values]
+
+    def with_number(self, u: Array, position: int, value: float) -> Array:
+        """The point with one number at a value, or at the nearest end of its range."""
+        low, high = self.free[position].low, self.free[position].high
+        found = u.copy()
+        found[position] = (min(max(value, low), high) - low) / (high - low)
+        return found
+
+    def check(self, serves: Callable[[ProgramAndFollower], None]) -> None:
+        """Refuse a machine that cannot serve whatever its free numbers are, of some that are tried.
+
+        Args:
+            serves: raises a PydanticCustomError where a program and a follower do not.
+        """
+        middle = self.polytope.centre() if self.of_machine else None
+        if middle is None:
+            serves((list(self.program), self.follower))
+            return
+        (position,), why = self.of_machine, list[str]()
+        for u in self.spread(middle, position, LENGTH_TRIALS):
+            try:
+                serves(self.at(u))
+            except PydanticCustomError as refusal:
+                why.append(refusal.message().partition(". ")[0])
+            else:
+                return
+        low, high = ends(self.free[position].asked)
+        raise PydanticCustomError(
+            "no_length_serves",
+            "{name} from {low} to {high} leaves no length that serves: {why}. Widen its range, or "
+            "change what it has to reach.",
+            {"name": self.free[position].name, "low": low, "high": high,
+             "why": why[-1] if why[0] == why[-1]
+             else f"with the shortest, {why[0]}; with the longest, {why[-1]}"},
+        )  # fmt: skip
+
+    def tied_otherwise(self, name: str) -> bool:
+        """Whether the sum of one field's numbers holds another field's number too."""
+        row = 0 if name == "angle_deg" else 1
+        others = [opening.name != name for opening in self.free]
+        return bool(np.any(np.abs(self._table[0][row, others]) > ROUNDING))
+
+    @cached_property
+    def polytope(self) -> Polytope:
+        """Where the numbers may lie, each from 0 at its lower end to 1 at its upper end."""
+        matrix, start = self._table
+        tied = np.any(np.abs(matrix) > ROUNDING, axis=1) | (np.abs(start) > ROUNDING)
+        return Polytope(matrix[tied], -start[tied])
+
+    @cached_property
+    def _table(self) -> tuple[Array, Array]:
+        """What both sums miss at a point u is matrix · u + start: (2, n) and (2,)."""
+        count = len(self.free)
+        start = self._rest(np.zeros(count))
+        return np.stack([self._rest(unit) - start for unit in np.eye(count)], axis=1), start
+
+    def _rest(self, u: Array) -> Array:
+        """By how much the angles miss a turn, and the displacements gained their sum, relative."""
+        program, _ = self.at(u)
+        angle = math.fsum(segment.degrees for segment in program)
+        gain = math.fsum(self._gains(program))
+        return np.array([angle / TURN - 1.0, gain / self._longest])
+
+    def _gains(self, program: Sequence[Segment]) -> Iterator[float]:
+        """Displacement gained over every segment, the machine's lengths as they stand [mm]."""
+        units = MotionUnits(self.follower.travel, self.omega)
+        return (segment.gain(units) for segment in program)
+
+    @cached_property
+    def _longest(self) -> float:
+        """The longest way that a segment may go [mm]."""
+        program, _ = self.filled([opening.high for opening in self.free])
+        return max(map(abs, self._gains(program))) or 1.0

@@ -1,0 +1,150 @@
+"""analyse(spec) -> Analysis: judge a cam that is given in full.
+
+Nothing is optimised. The certificate judges the cam and its enclosures summarise the curves; where
+a limit is violated, the ordinary synthesis finds the size that would keep it.
+"""
+
+from __future__ import annotations
+
+from math import inf
+from typing import Literal
+
+from synthesis.catalogue.objectives.base_radius import BaseRadius
+from synthesis.certify import report_forces
+from synthesis.certify.curve_analysis import CurveAnalysis
+from synthesis.design.analysis import Analysis, Remedy, SizeChange
+from synthesis.design.design import Conflict, Design
+from synthesis.design.identity import engine_version
+from synthesis.errors import InputError, SolverFailed, TimeBudgetExceeded
+from synthesis.numerics import clock
+from synthesis.optimise.parameters.table_smoothing import smooth_tables
+from synthesis.pipeline.assembly import Cam, design, dimensions, judged
+from synthesis.pipeline.synthesise import synthesise
+from synthesis.spec.design_spec import DesignSpec
+
+Offset = Literal["kept", "free"]
+
+
+def analyse(spec: DesignSpec, *, deadline: float | None = None) -> Analysis:
+    """Analyse a given cam: its curves, the limits that it violates, and sizes that would keep them.
+
+    ``deadline`` is a ``time.monotonic()``; the spec's own budget counts as well.
+
+    Raises:
+        InputError: something is left free.
+        TimeBudgetExceeded: time ran out while searching for such sizes.
+    """
+    cam = given_cam(spec)
+    extremes = judged(spec, cam)
+    violated = [extreme.limit for extreme in extremes if not extreme.holds]
+    curves = CurveAnalysis(cam.motion, spec.machine(), cam.size)
+    return Analysis(
+        name=spec.name,
+        engine_version=engine_version(),
+        holds=not violated,
+        dimensions=dimensions(spec, cam),
+        violated=violated,
+        extremes=extremes,
+        curves=curves.summaries(),
+        jumps=curves.jumps(),
+        undercut=curves.undercut(),
+        self_crossing=curves.self_crossing(),
+        forces=report_forces(cam.motion, spec.machine(), cam.size),
+        remedy=find_remedy(spec, cam, _stop(spec, deadline)) if violated else None,
+        spec=spec,
+    )
+
+
+def _stop(spec: DesignSpec, deadline: float | None) -> float:
+    """The earlier of the caller's deadline and the end of the spec's budget from now."""
+    own = inf if spec.time_budget_s is None else clock.now() + spec.time_budget_s
+    return min(own, inf if deadline is None else deadline)
+
+
+def as_design(found: Analysis) -> Design:
+    """The cam of an analysis as a design, for drawings and reports.
+
+    Nothing is solved: violated limits are in its extremes, sizes that keep them in its conflict.
+    """
+    remedy, conflict = found.remedy, None
+    if remedy is not None and remedy.limits:
+        conflict = Conflict(
+            limits=remedy.limits, relaxations=remedy.relaxations, evidence=remedy.evidence
+        )
+    cam = given_cam(found.spec)
+    return design(found.spec, cam, found.extremes, [], [], 0.0, conflict)
+
+
+def given_cam(spec: DesignSpec) -> Cam:
+    """The cam that a spec gives in full.
+
+    Raises:
+        InputError: something is left free.
+    """
+    for field, value in spec.left_free():
+        raise InputError(
+            field,
+            value,
+            "An analysis needs a cam that is given in full, and this is left free.",
+            "Name the law or give the number, or have it chosen: POST /v1/designs, synthesise().",
+        )
+    bounds = spec.follower.size_domain(spec.base_radius_range()).bounds
+    tables = smooth_tables(spec.placed_segments())
+    return Cam(tables.segments, tables.splines, tuple(low for low, _ in bounds))
+
+
+def find_remedy(spec: DesignSpec, cam: Cam, stop: float) -> Remedy:
+    """The smallest cams that keep every limit, and the value that each limit alone would need."""
+    offsets: tuple[Offset, ...] = (
+        ("kept", "free") if spec.follower.adjustable_dimensions() else ("kept",)
+    )
+    sizes = [_smallest_size(spec, cam, offset, stop) for offset in offsets]
+    found = _smallest_cam(spec, stop)
+    conflict = None if found is None else found.conflict
+    if conflict is None:
+        return Remedy(sizes=sizes, limits=[], relaxations=[], evidence="no conflict was found")
+    return Remedy(
+        sizes=sizes,
+        limits=conflict.limits,
+        relaxations=conflict.relaxations,
+        evidence=conflict.evidence,
+    )
+
+
+def _smallest_size(spec: DesignSpec, cam: Cam, offset: Offset, stop: float) -> SizeChange:
+    """The smallest base radius with the laws as they are."""
+    follower = spec.follower.without_size_dimension()
+    opened = dict.fromkeys(follower.adjustable_dimensions()) if offset == "free" else {}
+    freed = {"base_radius_mm": None, "follower": follower.model_copy(update=opened)}
+    found = _smallest_cam(spec.model_copy(update=freed), stop)
+    if found is None or found.status == "infeasible":
+        return SizeChange(
+            offset=offset, status=None if found is None else found.status, dimensions={},
+            base_radius_change_mm=None, offset_change_mm=None, gap=None,
+        )  # fmt: skip
+    old, new = spec.follower.dimensions(cam.size), found.dimensions
+    return SizeChange(
+        offset=offset,
+        status=found.status,
+        dimensions=new,
+        base_radius_change_mm=new["base_radius_mm"] - old["base_radius_mm"],
+        offset_change_mm=new["offset_mm"] - old["offset_mm"] if "offset_mm" in new else None,
+        changes={name: new[name] - old[name] for name in opened},
+        gap=found.certificate.gap,
+    )
+
+
+def _smallest_cam(spec: DesignSpec, stop: float) -> Design | None:
+    """The smallest cam that a spec allows; None where not even a conflict could be found.
+
+    Where time runs out the best cam so far is taken: it is certified, and its gap is stated.
+    """
+    try:
+        return synthesise(spec.model_copy(update={"objective": BaseRadius()}), deadline=stop)
+    except SolverFailed:
+        return None
+    except TimeBudgetExceeded as error:
+        if error.best is None:
+            raise
+        best: Design = error.best
+        return best

@@ -1,0 +1,60 @@
+"""synthesise_set(spec) -> CamSet: each cam by the ordinary pipeline, then mounted on the shaft."""
+
+from __future__ import annotations
+
+import time
+from math import inf
+
+from synthesis.design.cam_set import CamSet, assemble_set, mount
+from synthesis.design.design import Design
+from synthesis.design.timing import timing_of
+from synthesis.errors import SolverFailed, TimeBudgetExceeded
+from synthesis.numerics import clock
+from synthesis.pipeline.synthesise import synthesise
+from synthesis.spec.cam_set import CamSetSpec
+
+
+def synthesise_set(spec: CamSetSpec, *, deadline: float | None = None) -> CamSet:
+    """Design every cam of a set.
+
+    The cams are independent: a phase only rotates a cam on the shaft. Each cam gets its share of
+    the time that is left.
+
+    Args:
+        spec: the cams and their phases.
+        deadline: ``time.monotonic()`` at which to stop; the spec's own budget counts as well.
+
+    Returns:
+        the set; its status is the worst of its cams'.
+
+    Raises:
+        TimeBudgetExceeded: time ran out; carries the set with the best of every cam, if each has
+            one.
+        SolverFailed: as for a single cam.
+    """
+    began, now = time.perf_counter(), clock.now()
+    budget = min(
+        inf if spec.time_budget_s is None else spec.time_budget_s,
+        inf if deadline is None else deadline - now,
+    )
+    designs: list[Design] = []
+    late = False
+    for position, cam in enumerate(spec.cams):
+        left = now + budget - clock.now()
+        try:
+            share = clock.now() + left / (len(spec.cams) - position)
+            designs.append(synthesise(cam.spec, deadline=share))
+        except TimeBudgetExceeded as error:
+            if error.best is None:
+                raise TimeBudgetExceeded(error.budget_s) from None
+            late = True
+            designs.append(error.best)
+        except SolverFailed as error:
+            advice = f"This was the cam at /cams/{position}. {error.advice}"
+            raise SolverFailed(error.solver, error.status, advice) from None
+    pairs = zip(spec.cams, designs, strict=True)
+    cams = [mount(i, cam, design) for i, (cam, design) in enumerate(pairs)]
+    found = assemble_set(spec, cams, timing_of(cams), time.perf_counter() - began)
+    if late:
+        raise TimeBudgetExceeded(budget, found)
+    return found

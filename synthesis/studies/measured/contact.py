@@ -1,0 +1,203 @@
+"""The follower on an outline: its position over the cam angle, and hollows that it cannot touch.
+
+Each outline point C with outward normal n belongs to one posture of the follower, in which it
+touches the cam there: the traced point is at C + Rr n. So the outline gives a curve (θ, position).
+Where the roller fits everywhere, θ grows along it. In a hollow too narrow for the roller θ runs
+back and forth, and the follower takes the upper envelope of the curve: what lies below is never
+touched.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from synthesis.catalogue.followers.base import Follower
+from synthesis.catalogue.followers.read_back import inverse_kinematics
+from synthesis.errors import InputError
+from synthesis.numerics.piecewise import Array
+from synthesis.studies.measured.outline import Outline
+from synthesis.units import FULL_TURN
+
+LEVEL: Final = 1e-9  # of the position: rounding; so little below the envelope counts as on it
+CHUNK: Final = 256  # points compared at a time, to bound memory
+
+
+@dataclass(frozen=True)
+class Bridge:
+    """A hollow that the follower spans without touching its bottom.
+
+    Attributes:
+        angle: cam angle at which it touches both sides [rad].
+        hollow: least concave radius of the profile in between [mm]; None: none is concave.
+        gap: largest distance between follower and profile there [mm].
+        x, y: the profile point farthest from the follower [mm].
+    """
+
+    angle: float
+    hollow: float | None
+    gap: float
+    x: float
+    y: float
+
+
+@dataclass(frozen=True, eq=False)
+class FollowerPath:
+    """Positions of the follower on the outline, by cam angle.
+
+    Attributes:
+        theta: (n,) increasing over one turn [rad]. position: (n,) as ``Follower.posture`` [mm].
+        bridges: hollows that it does not touch.
+    """
+
+    theta: Array
+    position: Array
+    bridges: tuple[Bridge, ...]
+
+
+def follow_outline(outline: Outline, follower: Follower, tolerance: float) -> FollowerPath:
+    """Move the follower over the outline.
+
+    Gaps up to the tolerance [mm] are ignored: they may come from the measurement.
+
+    Raises:
+        InputError: the follower does not reach the cam.
+    """
+    centre = outline.point + follower.roller_radius * outline.normal
+    theta, position = inverse_kinematics(follower).pose(centre, outline.normal)
+    lost = ~np.isfinite(theta + position)
+    if lost.any():
+        raise _unreachable(outline, follower, theta, lost)
+    theta = np.unwrap(theta)
+    gain = theta[0] + FULL_TURN * np.round((theta[-1] - theta[0]) / FULL_TURN) - theta[0]
+    if abs(gain - FULL_TURN) > 1e-6:
+        raise InputError(
+            "/follower", follower.kind,
+            "Along the profile the cam angle does not make one turn: a follower with this arm or "
+            "offset cannot follow it.",
+            "Check the follower's dimensions and the sense of rotation.",
+        )  # fmt: skip
+    below = _covered(theta, position)
+    bridges = [
+        _bridge(run, outline, theta, (position, centre), follower) for run in _cyclic_runs(below)
+    ]
+    turned, height = np.mod(theta[~below], FULL_TURN), position[~below]
+    order = np.argsort(turned, kind="stable")
+    real = (bridge for bridge in bridges if bridge.gap > tolerance)
+    return FollowerPath(
+        turned[order], height[order], tuple(sorted(real, key=lambda each: each.angle))
+    )
+
+
+def _unreachable(
+    outline: Outline, follower: Follower, theta: Array, lost: NDArray[np.bool_]
+) -> InputError:
+    """The error that names the cam angles at which the follower does not reach the profile."""
+    x, y = outline.point[:, int(np.argmax(lost))]
+    where = "at no cam angle does it touch the profile"
+    if not lost.all():
+        run = max(_cyclic_runs(lost), key=len)
+        ends = theta[[run[0] - 1, (run[-1] + 1) % len(theta)]]
+        first, last = np.degrees(np.mod(ends, FULL_TURN))
+        x, y = outline.point[:, run[len(run) // 2]]
+        where = f"between cam angles {first:.4g}° and {last:.4g}° the profile is out of its reach"
+    return InputError(
+        "/follower", follower.kind,
+        f"The follower does not reach the cam: {where}. It cannot touch x = {x:.6g}, "
+        f"y = {y:.6g} mm.",
+        "Check its dimensions, and that the points' origin is the cam's axis.",
+    )  # fmt: skip
+
+
+def _covered(theta: Array, position: Array) -> NDArray[np.bool_]:
+    """(n,) which postures are below the upper envelope: another part of the cam prevents them."""
+    n = len(theta)
+    after, higher = np.append(theta[1:], theta[0] + FULL_TURN), np.roll(position, -1)
+    below = np.zeros(n, dtype=bool)
+    backward = np.flatnonzero(after <= theta)
+    if len(backward) == 0:
+        return below
+    low, high = np.minimum(theta, after), np.maximum(theta, after)
+    # Only angles that occur more than once matter: from where θ first turns back to where it has
+    # caught up again.
+    ahead = np.concatenate([theta - FULL_TURN, theta, theta + FULL_TURN])
+    before = np.maximum.accumulate(ahead)[n : 2 * n] > theta
+    behind = np.minimum.accumulate(ahead[::-1])[::-1][n : 2 * n] < theta
+    zone = np.flatnonzero(before | behind)
+    allowed = LEVEL * float(np.max(np.abs(position)))
+    spans = np.union1d(zone, (zone - 1) % n)
+    for part in np.array_split(zone, max(math.ceil(len(zone) / CHUNK), 1)):
+        at = theta[part][:, None]
+        turns = np.round((at - theta[spans]) / FULL_TURN) * FULL_TURN
+        share = at - turns - theta[spans]
+        length = after[spans] - theta[spans]
+        inside = (at - turns > low[spans]) & (at - turns < high[spans])
+        met = position[spans] + (higher - position)[spans] * share / np.where(
+            length == 0.0, 1.0, length
+        )
+        best = np.max(np.where(inside, met, -np.inf), axis=1)
+        below[part] = best > position[part] + allowed
+    return below
+
+
+def _cyclic_runs(below: NDArray[np.bool_]) -> list[NDArray[np.intp]]:
+    """Indices of each cyclic run of True."""
+    if not below.any():
+        return []
+    start = int(np.argmin(below))  # an index outside of all runs
+    order = (start + np.arange(len(below))) % len(below)
+    edges = np.flatnonzero(np.diff(below[order].astype(int)))
+    if len(edges) % 2:
+        edges = np.append(edges, len(below) - 1)
+    return [order[a + 1 : b + 1] for a, b in edges.reshape(-1, 2)]
+
+
+def _resting_place(
+    run: NDArray[np.intp], theta: Array, position: Array, centre: Array
+) -> tuple[float, Array]:
+    """Where the follower touches both sides of a hollow: θ [rad] and its centre (2,) [mm].
+
+    The intersection of the tangents to the two branches, between the last points touched.
+    """
+    n = len(theta)
+    one, two = (run[0] - 1) % n, (run[-1] + 1) % n
+    before, after = (one - 1) % n, (two + 1) % n
+    gap = math.remainder(float(theta[two] - theta[one]), FULL_TURN)
+    back, on = _step(theta[one] - theta[before]), _step(theta[after] - theta[two])
+    rising = (position[one] - position[before]) / back
+    falling = (position[after] - position[two]) / on
+    share = 0.5 * gap
+    if rising != falling:
+        share = (position[two] - position[one] - falling * gap) / (rising - falling)
+    share = min(max(share, 0.0), gap)
+    along = (centre[:, one] - centre[:, before]) / back
+    return float(theta[one] + share), centre[:, one] + share * along
+
+
+def _step(angle: float) -> float:
+    """The angle between neighbouring points, within ±180° and not zero."""
+    return math.remainder(angle, FULL_TURN) or 1e-300
+
+
+def _bridge(
+    run: NDArray[np.intp],
+    outline: Outline,
+    theta: Array,
+    postures: tuple[Array, Array],
+    follower: Follower,
+) -> Bridge:
+    """The hollow between two points of contact."""
+    angle, centre = _resting_place(run, theta, *postures)
+    up = np.array([math.sin(angle), math.cos(angle)])
+    inward = inverse_kinematics(follower).clearance(outline.point[:, run] - centre[:, None], up)
+    deepest = int(np.argmax(inward))
+    bend = float(np.min(outline.bend[run]))
+    x, y = outline.point[:, run[deepest]]
+    return Bridge(
+        angle % FULL_TURN, -1.0 / bend if bend < 0.0 else None, float(inward[deepest]),
+        float(x), float(y),
+    )  # fmt: skip

@@ -1,0 +1,163 @@
+"""A smooth closed outline through measured points, clockwise around the cam's axis."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from synthesis.errors import InputError
+from synthesis.numerics.periodic_spline import PeriodicSpline, fit_smoothing
+from synthesis.numerics.piecewise import Array
+
+MIN_POINTS: Final = 24
+WIDEST_GAP: Final = 6.0  # next largest steps: a wider gap means that the curve is not closed
+MAX_INTERVALS: Final = 1800  # of the spline
+SAMPLES_PER_INTERVAL: Final = 12  # of the outline
+FIELD: Final = "/points_mm"
+
+
+@dataclass(frozen=True, eq=False)
+class Outline:
+    """The outline at many places; arrays (n,) or (2, n) in the frame of a ccw cam [mm].
+
+    Attributes:
+        point: profile points. normal: outward unit normals. bend: signed curvature, convex
+            positive [1/mm].
+        points: number of measured points. rms, largest: of their residuals [mm].
+    """
+
+    point: Array
+    normal: Array
+    bend: Array
+    points: int
+    rms: float
+    largest: float
+
+
+def outline(points: Array, tolerance: float) -> Outline:
+    """The smoothest periodic spline within a tolerance of every point.
+
+    Args:
+        points: (n, 2) in order round the cam, in either direction, in the frame of a ccw cam [mm].
+        tolerance: [mm].
+
+    Raises:
+        InputError: too few points, a gap, a curve that crosses itself or misses the axis, or
+            points that scatter more than the tolerance.
+    """
+    ring = _checked_ring(points)
+    steps = np.hypot(*(np.roll(ring, -1, axis=0) - ring).T)
+    along = np.concatenate([[0.0], np.cumsum(steps)])
+    intervals = int(min(max(len(ring) // 2, MIN_POINTS), MAX_INTERVALS))
+    curve, residual = fit_smoothing(intervals, float(along[-1]), along[:-1], ring, tolerance)
+    off = np.hypot(*residual.T)
+    if np.max(off) > tolerance:
+        worst = int(np.argmax(off))
+        raise InputError(
+            "/tolerance_mm", tolerance,
+            f"The points scatter by {np.max(off):.3g} mm about a smooth curve, most at "
+            f"x = {ring[worst, 0]:.6g}, y = {ring[worst, 1]:.6g} mm.",
+            "Increase tolerance_mm, remove outliers, or measure more points where the curve bends.",
+        )  # fmt: skip
+    return _read(curve, SAMPLES_PER_INTERVAL * intervals, off)
+
+
+def _read(curve: PeriodicSpline, count: int, off: Array) -> Outline:
+    u = curve.period * np.arange(count) / count
+    point, (tx, ty), (sx, sy) = (curve(u, order).T for order in range(3))
+    speed = np.hypot(tx, ty)
+    normal, bend = np.stack([-ty, tx]) / speed, (ty * sx - tx * sy) / speed**3
+    rms, largest = float(np.sqrt(np.mean(off**2))), float(np.max(off))
+    return Outline(point, normal, bend, len(off), rms, largest)
+
+
+def _checked_ring(points: Array) -> Array:
+    """The points as a clockwise ring without repetitions, checked."""
+    apart = np.hypot(*(np.roll(points, -1, axis=0) - points).T)
+    size = float(np.max(np.abs(points)))
+    ring = points[apart > 1e-9 * size]
+    if len(ring) < MIN_POINTS:
+        raise InputError(
+            FIELD, len(ring), f"There are fewer than {MIN_POINTS} different points.",
+            "Measure more points; a few hundred give a good result.",
+        )  # fmt: skip
+    x, y = ring.T
+    following = np.roll(ring, -1, axis=0)
+    _check_gaps(ring, following)
+    place = first_crossing(ring)
+    if place is not None:
+        raise InputError(
+            FIELD, [round(float(c), 6) for c in place],
+            "The curve through the points crosses itself here.",
+            "Give the points in order along the profile, without overlap at the ends.",
+        )  # fmt: skip
+    cross = x * following[:, 1] - y * following[:, 0]
+    turn = np.sum(np.arctan2(cross, np.sum(ring * following, axis=1)))
+    if abs(turn) < np.pi:
+        raise InputError(
+            FIELD, [0.0, 0.0], "The cam's axis, x = y = 0, is not inside the curve.",
+            "Shift the points so that the cam's axis is the origin.",
+        )  # fmt: skip
+    clockwise: Array = ring[::-1] if turn > 0.0 else ring
+    return clockwise
+
+
+def _check_gaps(ring: Array, following: Array) -> None:
+    """Refuse a curve with a gap: one step much longer than all others."""
+    steps = np.hypot(*(following - ring).T)
+    widest = int(np.argmax(steps))
+    second = float(np.partition(steps, -2)[-2])
+    if steps[widest] > WIDEST_GAP * second:
+        ends = (*ring[widest], *following[widest])
+        raise InputError(
+            FIELD, round(float(steps[widest]), 6),
+            "The curve is not closed: between ({:.6g}, {:.6g}) and ({:.6g}, {:.6g}) mm there is "
+            "a gap this wide, and the next widest step is {:.3g} mm.".format(*ends, second),
+            "Measure the whole profile.",
+        )  # fmt: skip
+
+
+BLOCK: Final = 48  # sides of the polygon that share a bounding box
+
+
+def first_crossing(ring: Array) -> tuple[float, float] | None:
+    """A point where two sides of a closed polygon (n, 2) cross; None where none do.
+
+    Blocks of sides are compared by their bounding boxes first, so that long rings are cheap.
+    """
+    start, end = ring, np.roll(ring, -1, axis=0)
+    firsts = np.arange(0, len(ring), BLOCK)
+    low = np.minimum.reduceat(np.minimum(start, end), firsts)
+    high = np.maximum.reduceat(np.maximum(start, end), firsts)
+    meet = np.all((low[:, None] <= high) & (low <= high[:, None]), axis=2)
+    for a, b in np.argwhere(np.triu(meet)):
+        i, j = (np.arange(k * BLOCK, min((k + 1) * BLOCK, len(ring))) for k in (a, b))
+        found = _first_crossing_between(start, end, i, j)
+        if found is not None:
+            return found
+    return None
+
+
+def _first_crossing_between(
+    start: Array, end: Array, i: NDArray[np.intp], j: NDArray[np.intp]
+) -> tuple[float, float] | None:
+    """A crossing of a side i with a side j; neighbours do not count."""
+    n = len(start)
+    p, r = start[i][:, None], (end - start)[i][:, None]
+    q, s = start[j][None], (end - start)[j][None]
+    across = r[..., 0] * s[..., 1] - r[..., 1] * s[..., 0]
+    to = q - p
+    apart = (j[None] - i[:, None]) % n
+    proper = (apart > 1) & (apart < n - 1) & (across != 0.0)
+    safe = np.where(proper, across, 1.0)
+    t = (to[..., 0] * s[..., 1] - to[..., 1] * s[..., 0]) / safe
+    w = (to[..., 0] * r[..., 1] - to[..., 1] * r[..., 0]) / safe
+    hit = proper & (t >= 0.0) & (t <= 1.0) & (w >= 0.0) & (w <= 1.0)
+    if not hit.any():
+        return None
+    a, b = np.unravel_index(int(np.argmax(hit)), hit.shape)
+    x, y = p[a, 0] + t[a, b] * r[a, 0]
+    return float(x), float(y)

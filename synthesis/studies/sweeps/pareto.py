@@ -1,0 +1,31 @@
+"""Pareto front: the non-dominated designs among many."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+
+def non_dominated(costs: NDArray[np.float64]) -> NDArray[np.intp]:
+    """Indices of the rows that no other row dominates (as small in all columns, smaller in one).
+
+    Rows equal in all columns do not dominate each other: all of them stay.
+
+    Args:
+        costs: (n, k), to be minimised in each column.
+
+    Returns:
+        (m,) indices of the front, in ascending order of the first column, then the next ones.
+    """
+    distinct, kind = np.unique(
+        costs, axis=0, return_inverse=True
+    )  # sorted by the first column, then the next
+    on_front = np.zeros(len(distinct), dtype=bool)
+    front = np.empty_like(distinct[:, 1:])  # first column omitted: later rows are not smaller there
+    size = 0
+    for index, row in enumerate(distinct[:, 1:]):  # a dominating row comes before
+        if not np.all(front[:size] <= row, axis=1).any():
+            front[size], on_front[index] = row, True
+            size += 1
+    chosen = np.flatnonzero(on_front[kind.ravel()])
+    return chosen[np.argsort(kind.ravel()[chosen], kind="stable")]

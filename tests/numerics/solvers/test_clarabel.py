@@ -1,0 +1,52 @@
+"""What is done to a cone program's point after the solver: equalities closed to rounding."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from scipy import sparse
+
+from synthesis.numerics.solvers import clarabel
+from synthesis.numerics.solvers.clarabel import ConeProgram, solve
+from synthesis.numerics.solvers.statuses import StopReason
+
+UNKNOWNS, ROWS = 37, 11
+
+
+def program() -> ConeProgram:
+    """Least squares on a banded set of equalities, one of them said twice and one a sum of two."""
+    random = np.random.default_rng(20_261)
+    rows = np.zeros((ROWS + 2, UNKNOWNS))
+    for k in range(ROWS):
+        rows[k, 3 * k : 3 * k + 5] = random.normal(size=5)
+    rows[ROWS], rows[ROWS + 1] = 2.7 * rows[4], rows[1] + rows[7]
+    rhs = rows @ random.normal(size=UNKNOWNS)
+    return ConeProgram(
+        sparse.eye_array(UNKNOWNS, format="csc"), np.zeros(UNKNOWNS), sparse.csc_matrix(rows), rhs,
+        ROWS + 2, 0, (),
+    )  # fmt: skip
+
+
+@pytest.mark.parametrize("most_dense", [0, 1000], ids=["sparse", "dense"])
+def test_the_point_keeps_equalities_to_rounding(
+    monkeypatch: pytest.MonkeyPatch, most_dense: int
+) -> None:
+    asked = program()
+    monkeypatch.setattr(clarabel, "MOST_DENSE", most_dense)
+    found = solve(asked)
+    assert found.stopped is StopReason.SOLVED
+    assert np.max(np.abs(asked.matrix @ found.x - asked.rhs)) < 1e-13
+    least, *_ = np.linalg.lstsq(asked.matrix.toarray(), asked.rhs, rcond=1e-12)
+    assert found.x == pytest.approx(least, abs=1e-9)
+
+
+@pytest.mark.parametrize("most_dense", [0, 1000], ids=["sparse", "dense"])
+def test_the_nearest_such_point_is_taken(monkeypatch: pytest.MonkeyPatch, most_dense: int) -> None:
+    asked, away = program(), np.cos(np.arange(UNKNOWNS))
+    monkeypatch.setattr(clarabel, "MOST_DENSE", most_dense)
+    closed = clarabel.project_on_equalities(asked, away)
+    assert np.max(np.abs(asked.matrix @ closed - asked.rhs)) < 1e-13
+    # what was moved lies in the span of the rows alone
+    rows = asked.matrix.toarray()
+    part, *_ = np.linalg.lstsq(rows.T, closed - away, rcond=1e-12)
+    assert rows.T @ part == pytest.approx(closed - away, abs=1e-12)

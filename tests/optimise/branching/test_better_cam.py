@@ -1,0 +1,57 @@
+"""A thorough proof that finds a better cam on its way, where one return is quick and steep."""
+
+import numpy as np
+import pytest
+
+from synthesis.optimise.conic.linear_rows import Tightening
+from synthesis.optimise.conic.program import formulate
+from synthesis.optimise.conic.tangent_cuts import Region
+from synthesis.optimise.driver import optimise
+from synthesis.optimise.heuristics.ipopt_search import solve_ipopt
+from synthesis.optimise.problem.grid import uniform_grid
+from synthesis.optimise.problem.problem import formulate_problem
+from synthesis.optimise.state.solve_state import SolveState
+from tests.optimise.scenes import angles, dwell, fall, jerk, rise, scene
+
+TOLERANCE = 5e-3
+LIFT, BACK = 25.7, 55.4
+SPEC = scene(
+    [rise(82.3, LIFT), dwell(24.6), fall(BACK, LIFT), dwell(197.7)],
+    angles(26.3, 47.6), jerk(70.4, BACK, LIFT), {"kind": "profile_radius", "min_mm": 9.1},
+    roller=13.8,
+)  # fmt: skip
+
+
+def searched(*, thorough: bool) -> SolveState:
+    return optimise(formulate_problem(SPEC, SPEC.objectives()[0]), TOLERANCE, thorough=thorough)
+
+
+@pytest.fixture(scope="module")
+def close() -> SolveState:
+    return searched(thorough=True)
+
+
+def test_the_gap_is_closed_by_a_better_cam_and_a_better_bound(close: SolveState):
+    quick = searched(thorough=False)
+    assert close.incumbent is not None
+    assert quick.incumbent is not None
+    assert close.gap_between(close.incumbent, close.lower) <= TOLERANCE
+    assert close.incumbent.value < 0.9992 * quick.incumbent.value
+    assert close.lower > quick.lower
+    # that bound alone would not have shown it of the first cam
+    assert close.gap_between(quick.incumbent, close.lower) > TOLERANCE
+
+
+def test_few_boxes_do(close: SolveState):
+    (stage,) = (stage for stage in close.stages if stage.stage == "implied rows")
+    assert stage.model in {f"linear and cone programs in {count} boxes" for count in (1, 3)}
+
+
+def test_no_local_search_on_even_knots_ends_below_the_bound(close: SolveState):
+    assert close.relaxed is not None
+    grids = tuple(uniform_grid(segment, 80) for segment in close.problem.free)
+    model = formulate(close.problem, grids, 0.0, Tightening(1e-7), Region())
+    for e in (-7.0, 9.0):
+        found = solve_ipopt(model, model.point(close.relaxed.laws, (e, 39.0)), None, 1e-6)
+        prime = float(np.hypot(*model.recover(found.x)[1]))
+        assert close.lower < prime < 1.004 * close.lower

@@ -1,0 +1,75 @@
+"""Which rows are written: those that a law which never moves backwards keeps by itself are not."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from synthesis.numerics.solvers.clarabel import solve
+from synthesis.optimise.conic.program import ConicModel, formulate
+from synthesis.optimise.problem.grid import uniform_grid
+from synthesis.spec.design_spec import DesignSpec
+from tests.optimise.scenes import (
+    angles,
+    dwell,
+    even,
+    fall,
+    jerk,
+    problem,
+    rise,
+    scene,
+    velocity,
+)  # fmt: skip
+
+LIMITS = (angles(23.0, 41.7), velocity(1.83, 71.7), jerk(67.0, 71.7))
+SCENES: dict[str, tuple[DesignSpec, int]] = {
+    # rise and return have a pressure angle and a velocity that bind one way; the rest is one row
+    "between dwells": (scene((rise(71.7), dwell(23.9), fall(83.3), dwell(181.1)), *LIMITS), 4),
+    "a small angle one way": (
+        scene((rise(71.7), dwell(23.9), fall(83.3), dwell(181.1)), angles(4.0, 73.0)), 2,
+    ),
+    "turning at the top": (scene((rise(131.7), fall(97.3), dwell(131.0)), *LIMITS), 4),
+    # where the follower is in motion at the low end its velocity there is not known to be 0
+    "steps without rest": (
+        scene((rise(61.3, 11.9), rise(77.9, 15.4), dwell(41.7), fall(99.1), dwell(80.0)), *LIMITS),
+        4,
+    ),
+    "overshoot": (
+        scene((rise(71.7, overshoot=True), dwell(23.9), fall(83.3), dwell(181.1)), *LIMITS), 2,
+    ),
+}  # fmt: skip
+
+
+def plan_of(spec: DesignSpec) -> ConicModel:
+    asked = problem(spec)
+    return formulate(asked, even(asked, 14))
+
+
+@pytest.mark.parametrize("name", SCENES)
+def test_what_is_left_out_holds_all_the_same(name: str) -> None:
+    spec, short = SCENES[name]
+    model = plan_of(spec)
+    written = [b for b in model.blocks if b.kind == "point" and not b.alpha[2:].any()]
+    assert sum(len(block.rhs) == 1 for block in written) == short
+    laws, size = model.recover(solve(model.program).x)
+    tried = 0
+    for k, segment in enumerate(model.problem.free):
+        s = segment.with_law(laws[k].curve()).placed()
+        theta = segment.start + segment.angle * model.grids[k].points
+        values = s.derivatives(theta)
+        for row in model.problem.limit_rows(segment):
+            if not any(row.coefficients[2:]):
+                share = sum(a * v for a, v in zip(row.size, size, strict=False))
+                worst = float(np.max(np.array(row.coefficients) @ values)) + share - row.upper
+                assert worst <= 1e-7 * model.scales.size
+                tried += 1
+    assert tried == len(written)
+
+
+def test_grids_alike_are_one_with_one_set_of_tables() -> None:
+    rising, falling = plan_of(SCENES["between dwells"][0]).problem.free
+    first, second = uniform_grid(rising, 17), uniform_grid(falling, 17)
+    assert first is second
+    assert first.basis_table(1) is second.basis_table(1)
+    np.testing.assert_array_equal(first.basis_table(2), first.space.basis(first.points, 2))
+    assert first.with_points(np.array([0.013])).basis_table(0).shape[0] == len(first.points) + 1

@@ -1,0 +1,164 @@
+"""Multipliers that are densities: against their definition, and against masses by the thousand."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from itertools import pairwise
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from synthesis.numerics.piecewise import Array
+from synthesis.optimise.conic.control import law_controls
+from synthesis.optimise.dual_bound.bound import bound_from_lagrangian
+from synthesis.optimise.dual_bound.costates import boundary_costates
+from synthesis.optimise.dual_bound.lagrangian import Lagrangian, initial_terms
+from synthesis.optimise.dual_bound.multipliers import boundary_multipliers, nonnegative_multipliers
+from synthesis.optimise.dual_bound.nonlinear_terms import energy_tangents, nonlinear_row_functionals
+from synthesis.optimise.dual_bound.row_functionals import (
+    Hats,
+    distribute_to_intervals,
+    row_functionals,
+)
+from synthesis.optimise.dual_bound.switching import Switching, switching
+from synthesis.optimise.problem.grid import uniform_grid
+from tests.optimise.dual_bound.test_bound import CASES, FAMILY
+from tests.optimise.dual_bound.test_bound import found as solved_on
+from tests.optimise.scenes import direct, problem
+
+PARTS = 4000  # masses that stand for a density
+
+
+def hat(left: float, right: float, rising: bool, alpha: Array) -> Hats:
+    return Hats(np.array([left]), np.array([right]), np.array([rising]), alpha[None])
+
+
+def seen(hats: Hats) -> Switching:
+    """ψ of hats of mass 1 each."""
+    plain = switching(hats.left, hats.weights, hats.alpha.shape[1])
+    return plain.with_densities(np.stack([hats.left, hats.right], axis=1), hats.poly)
+
+
+def by_masses(left: float, right: float, rising: bool, alpha: Array) -> tuple[Array, Array]:
+    """The same as many point masses: points, and weights on g, g', …"""
+    share = (np.arange(PARTS) + 0.5) / PARTS
+    mass = 2.0 * (share if rising else 1.0 - share) / PARTS
+    return left + (right - left) * share, mass[:, None] * alpha
+
+
+@given(st.integers(0, 2**32 - 1), st.sampled_from([2, 3]), st.booleans())
+def test_a_density_is_many_small_masses(seed: int, order: int, rising: bool) -> None:
+    rng = np.random.default_rng(seed)
+    left, right = np.sort(rng.uniform(size=2))
+    alpha = rng.standard_normal(order)
+    points, weights = by_masses(left, right, rising, alpha)
+    tau = np.concatenate([rng.uniform(size=99), np.linspace(left, right, 101)])
+    ours = seen(hat(left, right, rising, alpha))(tau)
+    theirs = switching(points, weights, order)(tau)
+    np.testing.assert_allclose(ours, theirs, atol=2.0 / PARTS * np.abs(alpha).sum())
+    starts = initial_terms(points, weights).sum(axis=0)
+    weights = hat(left, right, rising, alpha).weights
+    np.testing.assert_allclose(initial_terms(np.array([left]), weights)[0], starts, atol=1e-6)
+
+
+def test_shared_masses_are_the_same_in_sum_and_in_the_mean() -> None:
+    x, mass = np.array([0.1, 0.25, 0.7, 0.73]), np.array([1.0, 0.3, 2.0, 0.01])
+    falling, rising = distribute_to_intervals(x, mass)
+    assert np.sum(falling) + np.sum(rising) == pytest.approx(np.sum(mass), rel=1e-15)
+    # of equal densities at the points: one flat density
+    gaps = np.diff(x)
+    reach = np.concatenate([gaps, [0.0]]) + np.concatenate([[0.0], gaps])
+    falling, rising = distribute_to_intervals(x, 0.5 * reach)
+    np.testing.assert_allclose(falling / gaps, 0.5, rtol=1e-15)
+    np.testing.assert_allclose(rising / gaps, 0.5, rtol=1e-15)
+
+
+@given(st.integers(0, 2**32 - 1), st.sampled_from([2, 3]))
+def test_the_least_integral_of_high_degrees(seed: int, order: int) -> None:
+    """Never above the true one, and near it: quartics that cross zero anywhere."""
+    rng = np.random.default_rng(seed)
+    x = np.unique(np.concatenate([[0.0, 1.0], rng.uniform(size=5)]))
+    psi = switching(rng.uniform(size=4), rng.standard_normal((4, order)), order)
+    for left, right in pairwise(x):
+        own = hat(left, right, bool(rng.integers(2)), 30.0 * rng.standard_normal(order))
+        spans = np.stack([own.left, own.right], axis=1)
+        psi = psi.with_densities(spans, own.poly * rng.standard_normal())
+    share, total = (np.arange(PARTS) + 0.5) / PARTS, 0.0
+    for left, right in pairwise(psi.breaks):  # ψ jumps from one piece to the next
+        total += (right - left) * float(np.mean(np.abs(psi(left + (right - left) * share))))
+    assert psi.least_integral(1.0, 0.0) == pytest.approx(-total, rel=1e-5)
+    cuts = np.concatenate([[0.0], psi.sign_changes(), [1.0]])
+    for a, b in pairwise(cuts):
+        inside = psi(a + (b - a) * np.linspace(1e-6, 1.0 - 1e-6, 301))
+        assert np.min(inside) >= -1e-9 or np.max(inside) <= 1e-9
+
+
+@settings(max_examples=12)
+@given(
+    st.sampled_from([name for name in CASES if name not in FAMILY]),
+    st.integers(0, 2**32 - 1),
+    st.floats(-6.0, 0.5),
+)
+def test_any_density_gives_a_bound(name: str, seed: int, magnitude: float) -> None:
+    """Weak duality of densities: any masses, on any rows; the bound is never wrong."""
+    asked = problem(CASES[name])
+    fine, _ = solved_on(asked, 64)
+    answer = direct(asked, [uniform_grid(segment, 9) for segment in asked.free])
+    model, solution = answer.model, answer.solution
+    steering = law_controls(model)
+    assert steering
+    order, rng = steering[0].order, np.random.default_rng(seed)
+    lagrangian = Lagrangian(model, order)
+    for rows, mass in (
+        *energy_tangents(model, solution, order),
+        *nonlinear_row_functionals(model, order, solution.multipliers),
+    ):  # fmt: skip
+        lagrangian.add_rows(rows, mass)
+    for one in row_functionals(model, order):
+        own = np.maximum(solution.multipliers[one.first_row : one.first_row + one.count], 0.0)
+        lagrangian.add_rows(one.point_rows(), own * rng.uniform(0.0, 2.0, one.count))
+        if one.uniform:
+            noise = 10.0**magnitude * np.max(own) * rng.exponential(size=2 * (one.count - 1))
+            lagrangian.add_rows(one.hat_rows(np.full(len(noise), True)), noise)
+    near = boundary_multipliers(model, solution, nonnegative_multipliers(model, solution), order)
+    psi = lagrangian.psi() if all(control.weight for control in steering) else ()
+    lagrangian.add_boundary_costates(
+        boundary_costates(model, steering, psi, lagrangian.initial_costates, near)
+    )
+    assert not bound_from_lagrangian(model, solution, lagrangian, steering).value > fine * (
+        1.0 + 1e-9
+    )
+
+
+def test_a_tangent_is_below_the_square_wherever_it_is_taken() -> None:
+    """The bound of a mean square under a jerk cap, its tangent taken at another law."""
+    asked = problem(CASES["rms acceleration"])
+    fine, best = solved_on(asked, 64)
+    answer = direct(asked, [uniform_grid(segment, 24) for segment in asked.free])
+    steering = law_controls(answer.model)
+    assert steering
+    values = []
+    for shift in (0.0, 1e-3, 0.1):
+        x = answer.solution.x * (1.0 + shift)
+        moved = replace(answer.solution, x=x)
+        lagrangian = Lagrangian(answer.model, 3)
+        for rows, mass in energy_tangents(answer.model, moved, 3):
+            lagrangian.add_rows(rows, mass)
+        near = boundary_multipliers(
+            answer.model, moved, nonnegative_multipliers(answer.model, moved), 3
+        )
+        lagrangian.add_boundary_costates(
+            boundary_costates(answer.model, steering, (), lagrangian.initial_costates, near)
+        )
+        values.append(bound_from_lagrangian(answer.model, moved, lagrangian, steering).value)
+    assert 0.9 * best.value < values[0] <= fine * (1.0 + 1e-9)
+    assert values[2] < values[0]
+
+
+def test_a_missed_root_makes_the_bound_lower_not_wrong(monkeypatch: pytest.MonkeyPatch) -> None:
+    psi = seen(hat(0.2, 0.9, True, np.array([40.0, -19.0, 1.7])))
+    exact = psi.least_integral(1.0, 0.0)
+    monkeypatch.setattr("synthesis.optimise.dual_bound.switching._roots", lambda poly: [])
+    assert -1.3 * abs(exact) < psi.least_integral(1.0, 0.0) < exact * (1.0 + 1e-3)

@@ -1,0 +1,436 @@
+"""Why nothing fits: every suggested relaxation is enough, a little less is not."""
+
+from __future__ import annotations
+
+import copy
+import itertools
+import time
+from math import pi
+from typing import Any
+
+import numpy as np
+import pytest
+
+from synthesis.design.design import Conflict
+from synthesis.numerics.solvers.clarabel import solve
+from synthesis.numerics.solvers.statuses import StopReason
+from synthesis.optimise.conic.program import formulate
+from synthesis.optimise.driver import optimise
+from synthesis.optimise.infeasibility.diagnosis import diagnose
+from synthesis.optimise.infeasibility.diagnosis_by_search import diagnose_by_search
+from synthesis.optimise.infeasibility.relaxable_problem import RelaxableProblem
+from synthesis.optimise.problem.grid import Grid, uniform_grid
+from synthesis.optimise.problem.problem import Problem
+from synthesis.optimise.state.solve_state import SolveState
+from synthesis.spec.design_spec import DesignSpec
+from tests.optimise.conic.reference import optimum
+from tests.optimise.scenes import (
+    LIFT,
+    OMEGA,
+    PLAIN,
+    TURNING,
+    acceleration,
+    angles,
+    dwell,
+    even,
+    fall,
+    jerk,
+    problem,
+    rise,
+    scene,
+    velocity,
+)
+
+NAMED = (rise(71.7, law="cycloidal"), dwell(23.9), fall(83.3), dwell(181.1))
+SMOOTH = (rise(71.7, smoothness=4), dwell(23.9), fall(83.3, smoothness=3), dwell(181.1))
+OUTER: dict[str, Any] = {"kind": "outer_radius"}
+LEAST = {"min": 4.3}  # without it, nothing would keep a cam of free laws from shrinking
+
+# what nothing fits, and the fields of which each alone would help
+CASES: dict[str, tuple[DesignSpec, set[str]]] = {
+    "jerk": (scene(PLAIN, jerk(31.0, 71.7), base=LEAST), {"limits/0/max_mm_per_s3"}),
+    "acceleration": (scene(PLAIN, acceleration(3.7, 71.7), base=LEAST), {"limits/0/max_mm_per_s2"}),
+    "velocity": (scene(PLAIN, velocity(0.97, 71.7), base=LEAST), {"limits/0/max_mm_per_s"}),
+    "velocity and acceleration": (
+        scene(PLAIN, velocity(1.25, 71.7), acceleration(5.5, 71.7), base=LEAST),
+        {"limits/0/max_mm_per_s", "limits/1/max_mm_per_s2"},
+    ),
+    "acceleration and jerk": (
+        scene(PLAIN, acceleration(4.9, 71.7), jerk(39.0, 71.7), base=LEAST),
+        {"limits/0/max_mm_per_s2", "limits/1/max_mm_per_s3"},
+    ),
+    "two of one kind": (
+        scene(
+            PLAIN, velocity(1.25, 71.7), acceleration(5.5, 71.7), velocity(1.7, 71.7), base=LEAST
+        ),
+        {"limits/0/max_mm_per_s", "limits/1/max_mm_per_s2"},
+    ),
+    "size": (
+        scene(PLAIN, angles(20.0, 30.0), jerk(47.0, 71.7), base={"max": 30.0}),
+        {"limits/0/rise_deg", "limits/1/max_mm_per_s3", "base_radius_mm/max"},
+    ),
+    "fixed size": (
+        scene(PLAIN, angles(24.0, 44.0), jerk(47.0, 71.7), base=35.0, offset=3.0),
+        {"limits/0/rise_deg", "limits/1/max_mm_per_s3", "base_radius_mm", "follower/offset_mm"},
+    ),
+    "offset to the wrong side": (
+        scene(PLAIN, angles(24.0, 60.0), jerk(60.0, 71.7), base=41.0, offset={"max": -8.0}),
+        {"limits/0/rise_deg", "base_radius_mm", "follower/offset_mm/max"},
+    ),
+    "offset too large": (
+        scene(PLAIN, angles(40.0, 35.0), jerk(60.0, 71.7), base={"max": 33.0},
+              offset={"min": 14.0, "max": 17.0}),
+        {"limits/0/return_deg", "limits/1/max_mm_per_s3", "base_radius_mm/max",
+         "follower/offset_mm/min"},
+    ),
+    "angle on dwells": (
+        scene(PLAIN, angles(30.0, 60.0, dwell_deg=2.0), base={"max": 40.0},
+              offset={"min": 9.0}),
+        {"limits/0/dwell_deg", "base_radius_mm/max", "follower/offset_mm/min"},
+    ),
+    "outer radius": (
+        scene(PLAIN, angles(24.0, 44.0), jerk(47.0, 71.7), {**OUTER, "max_mm": 46.0}),
+        {"limits/0/rise_deg", "limits/1/max_mm_per_s3", "limits/2/max_mm"},
+    ),
+    "outer radius and base radius": (
+        scene(PLAIN, {**OUTER, "max_mm": 61.0}, angles(50.0, 50.0), base={"min": 40.0}),
+        {"limits/0/max_mm", "base_radius_mm/min", "limits/1/rise_deg", "limits/1/return_deg"},
+    ),
+    "outer radius and fixed base radius": (
+        scene(PLAIN, {**OUTER, "max_mm": 61.0}, angles(50.0, 50.0), base=44.0, offset=2.0),
+        {"limits/0/max_mm", "base_radius_mm"},
+    ),
+    "turning": (
+        scene(TURNING, angles(23.0, 33.0), jerk(31.0, 97.3), base={"max": 5.0}),
+        {"base_radius_mm/max", "limits/0/return_deg"},
+    ),
+    "smoother": (
+        scene(SMOOTH, angles(24.0, 44.0), acceleration(9.0, 71.7), jerk(130.0, 71.7),
+              base={"max": 25.0}),
+        {"limits/0/rise_deg", "base_radius_mm/max"},
+    ),
+    "named law": (
+        scene(NAMED, angles(30.0, 44.0), jerk(60.0, 71.7), base={"max": 21.0}),
+        {"limits/0/rise_deg", "base_radius_mm/max"},
+    ),
+}  # fmt: skip
+
+
+KEPT = 1e-8  # rows are of the order of one
+
+
+def changed(spec: DesignSpec, field: str, value: Any) -> DesignSpec:
+    """The spec with one field, named by its path, at another value."""
+    body = copy.deepcopy(spec.model_dump())
+    at: Any = body
+    *path, last = field.split("/")
+    for step in path:
+        at = at[int(step)] if isinstance(at, list) else at[step]
+    at[last] = value
+    return DesignSpec.model_validate(body)
+
+
+def dense(asked: Problem, intervals: int = 14) -> list[Grid]:
+    return [grid.with_points(np.linspace(0.0, 1.0, 601)) for grid in even(asked, intervals)]
+
+
+def possible(spec: DesignSpec, intervals: int = 14) -> bool:
+    """Whether the scene fits, by the direct program; where both radii are limited, by offsets."""
+    asked = problem(spec)
+    if spec.base_radius_mm is None or asked.limits[0].kind != "outer_radius":
+        return fits(asked, dense(asked, intervals))
+    given = spec.follower.offset_mm
+    offsets = np.linspace(-45.0, 45.0, 181) if given is None else [given]
+    fixed = [problem(changed(spec, "follower/offset_mm", float(offset))) for offset in offsets]
+    return any(fits(asked, even(asked, intervals)) for asked in fixed)
+
+
+def fits(asked: Problem, grids: list[Grid]) -> bool:
+    """Whether the solver's point keeps every row, whatever it calls a point with so little room."""
+    program = formulate(asked, grids).program
+    found = solve(program)
+    if found.stopped not in (StopReason.SOLVED, StopReason.INACCURATE):
+        return False
+    slack = program.rhs - program.matrix @ found.x
+    first, stop = program.equalities, program.equalities + program.inequalities
+    kept = [abs(slack[:first]).max(initial=0.0), (-slack[first:stop]).max(initial=0.0)]
+    for size in program.cones:
+        kept.append(float(np.linalg.norm(slack[stop + 1 : stop + size])) - slack[stop])
+        stop += size
+    return max(kept) <= KEPT
+
+
+def why(spec: DesignSpec, intervals: int = 14) -> Conflict:
+    asked = problem(spec)
+    return diagnose(spec, asked, even(asked, intervals))
+
+
+@pytest.fixture(scope="module")
+def conflicts() -> dict[str, Conflict]:
+    return {name: why(spec) for name, (spec, _) in CASES.items()}
+
+
+@pytest.mark.parametrize("name", CASES)
+def test_which_limits_alone_would_help(name: str, conflicts: dict[str, Conflict]) -> None:
+    spec, expected = CASES[name]
+    assert not possible(spec)
+    found = {r.field for r in conflicts[name].relaxations if r.needed is not None}
+    assert found == expected
+
+
+@pytest.mark.parametrize("name", CASES)
+def test_what_is_needed_is_enough_and_a_little_less_is_not(
+    name: str, conflicts: dict[str, Conflict]
+) -> None:
+    spec, _ = CASES[name]
+    sampled = spec.base_radius_mm is not None and spec.limits[0].kind == "outer_radius"
+    above, below = (0.1, 3e-2) if sampled else (0.0, 1e-3)
+    for r in conflicts[name].relaxations:
+        if r.needed is not None:
+            step = r.needed - r.requested
+            enough = r.needed + above * step
+            assert possible(changed(spec, r.field, enough)), r
+            assert not possible(changed(spec, r.field, r.needed - below * step)), r
+
+
+@pytest.mark.parametrize("name", CASES)
+def test_limits_that_cannot_help_alone_are_said_so(
+    name: str, conflicts: dict[str, Conflict]
+) -> None:
+    """Relaxed out of sight, the scene stays impossible."""
+    spec, _ = CASES[name]
+    for r in conflicts[name].relaxations:
+        if r.needed is None and r.unit in ("mm/s", "mm/s²", "mm/s³", "deg"):
+            far = 89.0 if r.unit == "deg" else 1e4 * r.requested
+            assert not possible(changed(spec, r.field, far)), r
+            assert r.note
+
+
+@pytest.mark.parametrize("factor", [3.1e-3, 3.1e-8])
+def test_what_is_needed_is_as_exact_from_far(factor: float) -> None:
+    """The least peak jerk between dwells is 32 h/β³ (mathematics.md, §2)."""
+    found = why(scene(PLAIN, jerk(factor, 71.7), base=LEAST), 16)
+    (needed,) = found.relaxations
+    assert needed.needed == pytest.approx(32.0 / factor * needed.requested, rel=3e-6)
+
+
+def test_two_limits_far_out_of_reach_are_a_conflict_and_no_failure() -> None:
+    found = why(scene(PLAIN, angles(1e-3, 45.0), jerk(3.1e-8, 71.7)))
+    assert found.limits == [f"jerk ≤ {jerk(3.1e-8, 71.7)['max_mm_per_s3']:.6g} mm/s³"]
+    assert all(r.needed is None for r in found.relaxations)
+
+
+def found_by_search(spec: DesignSpec) -> bool:
+    return optimise(problem(spec), 1e-2).incumbent is not None
+
+
+def test_a_largest_radius_beyond_what_is_looked_at_by_itself() -> None:
+    asked = scene(PLAIN, angles(3.1e-3, 5e-3), jerk(47.0, 71.7), base={"max": 3.7e5})
+    assert not found_by_search(asked)
+    found = [r for r in why(asked, 40).relaxations if r.needed is not None]
+    assert {r.field for r in found} == {
+        "limits/0/rise_deg", "limits/0/return_deg", "limits/1/max_mm_per_s3", "base_radius_mm/max"
+    }  # fmt: skip
+    for r in found:
+        assert found_by_search(
+            changed(asked, r.field, r.needed + 1e-2 * (r.needed - r.requested))
+        ), r
+        assert not found_by_search(
+            changed(asked, r.field, r.needed - 0.1 * (r.needed - r.requested))
+        ), r
+
+
+@pytest.mark.parametrize("law", [None, "cycloidal"])
+def test_how_large_a_cam_was_looked_at_is_said_where_a_larger_one_would_do(law: str | None) -> None:
+    program = (rise(71.7, law=law), dwell(23.9), fall(83.3, law=law), dwell(181.1))
+    asked = scene(program, angles(1e-3, 45.0))
+    assert f"base radii up to {1e4 * LIFT:.6g} mm" in why(asked).evidence
+    assert found_by_search(changed(asked, "base_radius_mm", {"max": 3e6}))
+    assert "base radii up to" not in why(scene(PLAIN, jerk(31.0, 71.7), base=LEAST)).evidence
+
+
+# -- the set in conflict ---------------------------------------------------------------------
+
+
+def without(spec: DesignSpec, fields: set[str]) -> DesignSpec:
+    """The spec without some of its limits, named by their fields."""
+    body = copy.deepcopy(spec.model_dump(exclude_none=True))
+    kept = []
+    for position, limit in enumerate(body["limits"]):
+        left = {k: v for k, v in limit.items() if f"limits/{position}/{k}" not in fields}
+        if len(left) > 1:  # more than its kind
+            kept.append(left)
+    body["limits"] = kept
+    if "base_radius_mm" in fields or "base_radius_mm/max" in fields:
+        body["base_radius_mm"] = None
+    if not isinstance(body.get("base_radius_mm"), float):
+        body["base_radius_mm"] = {**LEAST, **(body.get("base_radius_mm") or {})}
+    if "follower/offset_mm" in fields:
+        body["follower"]["offset_mm"] = None
+    for end in ("min", "max"):
+        if f"follower/offset_mm/{end}" in fields:
+            body["follower"]["offset_mm"][end] = None
+    return DesignSpec.model_validate(body)
+
+
+def states(spec: DesignSpec) -> bool:
+    """Whether CVXPY finds a cam: the second opinion."""
+    asked = problem(spec)
+    return optimum(asked, even(asked, 14)).value is not None
+
+
+@pytest.mark.parametrize(
+    "name",
+    ["jerk", "velocity and acceleration", "acceleration and jerk", "size", "fixed size",
+     "offset too large", "angle on dwells", "outer radius", "turning", "smoother", "named law"],
+)  # fmt: skip
+def test_the_set_in_conflict_is_irreducible(name: str, conflicts: dict[str, Conflict]) -> None:
+    """By brute force over all of its subsets, in CVXPY."""
+    spec, _ = CASES[name]
+    asked = problem(spec)
+    parts = RelaxableProblem.of(spec, asked, even(asked, 14)).parts
+    members = {p.members[0].field for p in parts if p.words in conflicts[name].limits}
+    everything = {p.members[0].field for p in parts}
+    assert len(members) == len(conflicts[name].limits)
+    for size in range(len(members) + 1):
+        for kept in itertools.combinations(sorted(members), size):
+            left = without(spec, everything - set(kept))
+            assert states(left) == (size < len(members)), kept
+
+
+def test_two_conflicts_at_once_are_told_one_at_a_time() -> None:
+    spec = scene(PLAIN, jerk(31.0, 71.7), acceleration(3.7, 71.7), base=LEAST)
+    found = why(spec)
+    assert len(found.limits) == 1
+    assert all(r.needed is None for r in found.relaxations)
+
+
+def test_like_limits_have_to_be_raised_together() -> None:
+    found = why(scene(PLAIN, jerk(29.0, 71.7), jerk(31.0, 71.7), jerk(90.0, 71.7), base=LEAST))
+    fields = {r.field: r for r in found.relaxations}
+    assert set(fields) == {"limits/0/max_mm_per_s3", "limits/1/max_mm_per_s3"}
+    assert len({r.needed for r in fields.values()}) == 1
+    assert all("together" in r.note for r in fields.values())
+
+
+def test_what_is_said_in_words() -> None:
+    spec = scene(PLAIN, angles(20.0, 30.0), jerk(47.0, 71.7), base={"max": 30.0})
+    found = why(spec)
+    assert found.limits[0] == "pressure angle rise ≤ 20 deg"
+    assert found.limits[-1] == "base radius ≤ 30 mm"
+    assert "Clarabel certifies" in found.evidence
+
+
+# -- given laws, and limits that are not convex ------------------------------------------------
+
+
+def test_a_given_law_breaks_a_limit_by_itself() -> None:
+    """Cycloidal: peak jerk 4π² h/β³ (mathematics.md, §1), whatever the cam's size."""
+    found = why(scene(NAMED, angles(30.0, 44.0), jerk(35.0, 71.7)))
+    assert found.limits == [f"jerk ≤ {jerk(35.0, 71.7)['max_mm_per_s3']:.6g} mm/s³"]
+    needed = {r.field: r for r in found.relaxations}["limits/1/max_mm_per_s3"]
+    own = 4.0 * pi**2 * LIFT / (71.7 * pi / 180.0) ** 3 * OMEGA**3
+    assert needed.needed == pytest.approx(own, rel=1e-9)
+    assert "program/0" in needed.note
+    assert possible(changed(scene(NAMED, angles(30.0, 44.0), jerk(35.0, 71.7)),
+                            needed.field, needed.needed))  # fmt: skip
+
+
+def test_a_given_law_needs_more_than_the_free_one() -> None:
+    """The return at rest needs 32, the cycloidal rise 39.5: the larger counts."""
+    found = why(scene((fall(71.7, law="cycloidal"), dwell(23.9), rise(71.7), dwell(192.7)),
+                      jerk(20.0, 71.7), base=LEAST))  # fmt: skip
+    (needed,) = found.relaxations
+    assert needed.needed == pytest.approx(4.0 * pi**2 / 20.0 * needed.requested, rel=1e-9)
+
+
+@pytest.mark.parametrize(
+    ("law", "limit", "what"),
+    [
+        ("parabolic", jerk(200.0, 71.7), "acceleration"),
+        ("simple_harmonic", jerk(200.0, 71.7), "acceleration"),
+        ("constant_velocity", acceleration(200.0, 71.7), "velocity"),
+        ("constant_velocity", jerk(200.0, 71.7), "velocity"),
+    ],
+)
+def test_a_jump_of_a_given_law_is_more_than_any_limit(
+    law: str, limit: dict[str, Any], what: str
+) -> None:
+    found = why(scene((rise(71.7, law=law), dwell(23.9), fall(83.3, law=law), dwell(181.1)), limit))
+    (needed,) = found.relaxations
+    assert needed.needed is None
+    assert f"{what} of given laws jumps" in needed.note
+
+
+def test_a_jump_that_a_limit_may_have() -> None:
+    """Parabolic: its acceleration is bounded by 4 h/β² though it jumps."""
+    law = (rise(71.7, law="parabolic"), dwell(23.9), fall(71.7, law="parabolic"), dwell(192.7))
+    found = why(scene(law, acceleration(3.0, 71.7)))
+    (needed,) = found.relaxations
+    assert needed.needed == pytest.approx(4.0 / 3.0 * needed.requested, rel=1e-9)
+
+
+ABOVE = (rise(131.7), dwell(31.0), fall(197.3))  # a dwell there leaves the base circle free
+
+
+def test_only_limits_that_are_not_convex_are_left() -> None:
+    spec = scene(ABOVE, angles(30.0, 44.0), {"kind": "profile_radius", "min_mm": 300.0},
+                 base={"max": 60.0})  # fmt: skip
+    asked = problem(spec)
+    found = diagnose(spec, asked, even(asked, 12))
+    assert found.limits == ["profile radius: 300 mm"]
+    first = found.relaxations[0]
+    assert (first.field, first.needed) == ("limits/1/min_mm", None)
+    told = diagnose(spec, asked, even(asked, 12), lambda claim: 1.0 / (41.3 + 9.1))
+    assert told.relaxations[0].needed == pytest.approx(41.3)
+
+
+@pytest.mark.parametrize("cap", [32.0, 32.0005, 32.02])
+def test_limits_that_only_just_touch(cap: float) -> None:
+    """A cap of 32 h/β³ is met by 16 intervals to rounding; a cam needs a little to spare."""
+    spec = scene((rise(71.7), dwell(23.9), fall(71.7), dwell(192.7)), jerk(cap, 71.7), base=LEAST)
+    asked = problem(spec)
+    found = diagnose(spec, asked, [uniform_grid(s, 16) for s in asked.free])
+    (needed,) = found.relaxations
+    assert needed.needed == pytest.approx(32.0 / cap * needed.requested, rel=6e-3)
+    assert needed.needed > needed.requested
+    assert ("only just fit" in found.evidence) == (cap > 32.0)
+
+
+def test_it_is_quick() -> None:
+    """A scene like P1 of the reference problems, on a machine that is busy otherwise."""
+    program = (rise(60.0, 30.0), dwell(30.0), fall(60.0, 30.0), dwell(210.0))
+    spec = scene(program, angles(20.0, 30.0), jerk(48.0, 60.0, 30.0), base={"max": 30.0})
+    asked = problem(spec)
+    started = time.process_time()
+    diagnose(spec, asked, even(asked, 24))
+    assert time.process_time() - started < 1.5
+
+
+def test_a_profile_radius_that_the_base_circle_cannot_have() -> None:
+    """The dwell below is a part of the base circle: proven without a single cone program."""
+
+    def sought(least: float, *program: dict[str, Any]) -> SolveState:
+        radius = {"kind": "profile_radius", "min_mm": least}
+        spec = scene(program or PLAIN, angles(31.0, 43.0), radius, base={"max": 60.3})
+        return optimise(problem(spec), 0.1)
+
+    refused = sought(60.4)
+    assert refused.infeasible
+    assert "a dwell below is a part of the base circle" in refused.infeasibility_proof
+    assert "60.3 mm at most; a profile radius of 60.4 mm" in refused.infeasibility_proof
+    assert not refused.stages
+    assert not sought(60.2).infeasibility_proof
+    assert not sought(
+        60.4, *TURNING[:1], dwell(31.0), fall(197.3)
+    ).infeasibility_proof  # it rests above only
+
+
+def test_a_least_radius_is_eased_by_a_smaller_one() -> None:
+    radius = {"kind": "profile_radius", "min_mm": 60.4}
+    spec = scene(PLAIN, angles(31.0, 43.0), radius, base={"max": 60.3})
+    told = diagnose_by_search(spec)
+    assert told.limits == ["profile radius ≥ 60.4 mm", "base radius ≤ 60.3 mm"]
+    needed = told.relaxations[0].needed
+    assert needed is not None
+    assert 30.0 < needed < 60.3

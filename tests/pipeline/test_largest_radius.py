@@ -1,0 +1,162 @@
+"""A maximum of the base radius: no cam that exists is denied because one is asked for."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import pytest
+
+from synthesis import DesignSpec, synthesise
+from synthesis.design.design import Design
+
+Spec = dict[str, Any]
+
+
+def program(rise: float, top: float, back: float, **lift: float) -> list[Spec]:
+    law = {"kind": "spline"}
+    return [
+        {"kind": "rise", "angle_deg": rise, **lift, "law": law},
+        {"kind": "dwell", "angle_deg": top},
+        {"kind": "return", "angle_deg": back, **lift, "law": law},
+        {"kind": "dwell", "angle_deg": round(360.0 - rise - top - back, 9)},
+    ]
+
+
+# a convex question, and one whose gap stays open: 10.94 mm, proven above 8.76
+CONVEX: Spec = {
+    "speed_rpm": 104.0,
+    "program": program(88.1, 31.3, 97.7, lift_mm=17.3),
+    "follower": {"kind": "translating_roller", "roller_radius_mm": 8.3, "offset_mm": 0},
+    "limits": [
+        {"kind": "pressure_angle", "rise_deg": 31.7, "return_deg": 37.1},
+        {"kind": "jerk", "max_mm_per_s3": 418_000.0},
+    ],
+    "tolerance": 0.005,
+}
+OPEN_GAP: Spec = {
+    "speed_rpm": 277.0,
+    "program": program(113.0, 19.4, 69.7, lift_mm=12.2),
+    "follower": {"kind": "translating_roller", "roller_radius_mm": 5.37},
+    "limits": [
+        {"kind": "pressure_angle", "rise_deg": 39.0, "return_deg": 27.0},
+        {"kind": "jerk", "max_mm_per_s3": 7_890_000.0},
+        {"kind": "profile_radius", "min_mm": 4.9},
+    ],
+    "tolerance": 0.005,
+}
+PIVOT_FREE: Spec = {
+    "speed_rpm": 106.0,
+    "program": program(82.5, 53.3, 68.7, lift_deg=17.3),
+    "follower": {"kind": "oscillating_roller", "roller_radius_mm": 11.9, "arm_mm": 106.0,
+                 "sense": "same"},
+    "limits": [
+        {"kind": "pressure_angle", "rise_deg": 34.8, "return_deg": 42.8},
+        {"kind": "jerk", "max_deg_per_s3": 869_686.0},
+    ],
+    "tolerance": 0.005,
+    "base_radius_mm": {"max": 23.7538},
+}  # fmt: skip
+SWINGING_FACE: Spec = {
+    "speed_rpm": 191.0,
+    "program": program(98.3, 34.3, 120.0, lift_deg=13.4),
+    "follower": {"kind": "oscillating_flat_face", "centre_distance_mm": 105.0,
+                 "face_offset_mm": 3.94, "sense": "same"},
+    "limits": [
+        {"kind": "profile_radius", "min_mm": 3.36},
+        {"kind": "jerk", "max_deg_per_s3": 1_175_420.0},
+    ],
+    "tolerance": 0.005,
+    "base_radius_mm": {"max": 25.85331626898722},
+}  # fmt: skip
+
+
+def answer(body: Spec, **changes: Any) -> Design:
+    return synthesise(DesignSpec.model_validate({**body, **changes}))
+
+
+def radius(design: Design) -> float:
+    return design.dimensions["base_radius_mm"]
+
+
+def test_a_maximum_that_does_not_bind_changes_nothing_but_the_certificate() -> None:
+    free = answer(CONVEX)
+    limited = answer(CONVEX, base_radius_mm={"max": 60.0})
+    assert limited.status == free.status == "optimal"
+    assert limited.motion == free.motion
+    assert limited.certificate == free.certificate
+    assert len(limited.report.stages) == len(free.report.stages)
+    (held,) = (e for e in limited.extremes if e.limit == "base_radius")
+    assert (held.bound, held.holds) == (60.0, True)
+    assert (
+        limited.spec.base_radius_mm
+        == DesignSpec.model_validate({**CONVEX, "base_radius_mm": {"max": 60.0}}).base_radius_mm
+    )
+
+
+@pytest.mark.parametrize("spare", [0.0, 1e-6, 1e-3])
+@pytest.mark.parametrize("body", [CONVEX, OPEN_GAP], ids=["convex", "open gap"])
+def test_the_answers_own_base_radius_is_a_maximum_that_it_keeps(body: Spec, spare: float) -> None:
+    least = radius(answer(body))
+    limited = answer(body, base_radius_mm={"max": least * (1.0 + spare)})
+    assert limited.certificate.certified
+    assert radius(limited) <= least * (1.0 + spare)
+
+
+def test_a_maximum_below_the_bound_is_proven_infeasible_and_what_is_needed_suffices() -> None:
+    proof = answer(CONVEX).certificate
+    assert proof.lower_bound is not None
+    most = 0.98 * proof.lower_bound
+    denied = answer(CONVEX, base_radius_mm={"max": most})
+    assert denied.status == "infeasible"
+    assert not denied.motion
+    assert denied.conflict is not None
+    assert denied.conflict.evidence.startswith("proven: no cam has a base radius below")
+    assert f"base radius ≤ {most:.6g} mm" in denied.conflict.limits
+    (own,) = (r for r in denied.conflict.relaxations if r.field == "base_radius_mm/max")
+    assert own.requested == most
+    assert own.needed is not None
+    assert answer(CONVEX, base_radius_mm={"max": own.needed}).status == "optimal"
+
+
+def test_a_maximum_between_bound_and_cam_claims_no_proof() -> None:
+    proof = answer(OPEN_GAP).certificate
+    assert proof.lower_bound is not None
+    assert proof.value is not None
+    assert proof.gap is not None
+    assert proof.gap > 0.05
+    most = proof.lower_bound + 0.3 * (proof.value - proof.lower_bound)
+    denied = answer(OPEN_GAP, base_radius_mm={"max": most})
+    assert denied.status == "infeasible"
+    assert denied.conflict is not None
+    assert denied.conflict.evidence.endswith(
+        f"that none of {most:.6g} mm is possible is not proven"
+    )
+    (own,) = (r for r in denied.conflict.relaxations if r.field == "base_radius_mm/max")
+    assert own.needed == pytest.approx(proof.value)
+    assert answer(OPEN_GAP, base_radius_mm={"max": own.needed}).certificate.certified
+
+
+@pytest.mark.parametrize("share", [1.0, 1.02])
+@pytest.mark.parametrize("body", [CONVEX, OPEN_GAP], ids=["convex", "open gap"])
+def test_a_known_cam_is_found_where_its_base_radius_is_given(body: Spec, share: float) -> None:
+    given = share * radius(answer(body))
+    fixed = answer(body, base_radius_mm=given)
+    assert fixed.certificate.certified
+    assert radius(fixed) == pytest.approx(given, rel=1e-12)
+
+
+def test_a_later_objective_keeps_the_maximum() -> None:
+    both = {"objective": [{"kind": "base_radius"}, {"kind": "peak_jerk"}]}
+    found = answer(CONVEX, **both)
+    limited = answer(CONVEX, **both, base_radius_mm={"max": radius(found)})
+    assert limited.certificate.certified
+    assert limited.objectives == found.objectives
+
+
+@pytest.mark.parametrize(
+    ("body", "value"), [(PIVOT_FREE, 15.8359), (SWINGING_FACE, 24.6222)], ids=["pivot", "face"]
+)
+def test_a_maximum_half_again_as_large_as_a_known_cam_is_kept(body: Spec, value: float) -> None:
+    limited = answer(body)
+    assert limited.certificate.certified
+    assert radius(limited) <= value * 1.005
