@@ -50,6 +50,9 @@ Summary = dict[str, Any]
 def fields(answer: Any, path: str = "") -> Iterator[tuple[str, Any]]:
     """Every value of a JSON document with its path; the entries of a list have the same path."""
     if isinstance(answer, dict):
+        if (answer.get("bound") or 0.0) < 0.0 and answer.get("value") is not None:
+            # The extreme of a limit on both sides: rounding decides which of two equal peaks it is.
+            answer = {**answer, "bound": -answer["bound"], "value": -answer["value"]}
         for name, value in answer.items():
             if name not in LEFT_OUT:
                 yield from fields(value, f"{path}/{name}")
