@@ -213,9 +213,9 @@ class Design(AnswerModel):
     @cached_property
     def resolved_spec(self) -> DesignSpec:
         """The spec with the chosen values of its free parameters."""
-        openings = self.spec.openings.free if self.free_parameters else ()
-        numbers = [self.free_parameters[opening.field] for opening in openings]
-        spec = self.spec.with_numbers(numbers) if numbers else self.spec
+        searched = self.spec.free_parameters.parameters if self.free_parameters else ()
+        numbers = [self.free_parameters[parameter.field] for parameter in searched]
+        spec = self.spec.with_values(numbers) if numbers else self.spec
         if spec.load is None or not self.free_parameters:
             return spec
         named = {name: f"load/spring/{name}" for name in spec.load.free_spring}

@@ -280,8 +280,8 @@ def with_chosen(found: Design, question: DesignSpec, numbers: Sequence[float]) -
     """
     if not numbers:
         return found
-    openings = question.openings.free
-    chosen = {opening.field: value for opening, value in zip(openings, numbers, strict=True)}
+    searched = question.free_parameters.parameters
+    chosen = {parameter.field: value for parameter, value in zip(searched, numbers, strict=True)}
     proof, conflict = found.certificate, found.conflict
     if conflict is not None:
         words = ", ".join(f"{field} = {value:.6g}" for field, value in chosen.items())

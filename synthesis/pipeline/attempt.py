@@ -148,7 +148,7 @@ def solve_once(
     farthest place given: the counter cam then has its say in the laws and the size.
     """
     spec = question.scaled
-    attempt = _solved(spec.alone(), tables, stop, tighten, near)
+    attempt = _solved(spec.without_deferred(), tables, stop, tighten, near)
     if attempt.best is None:
         return attempt
     place = place_counter_roller(spec, attempt.best, inf if closely else stop)

@@ -68,7 +68,7 @@ def with_refusal(conflict: Conflict, extremes: Sequence[Extreme]) -> Conflict:
 
 def _farther(spec: DesignSpec, until: float) -> list[Relaxation]:
     """Where a counter roller would have to stand for the cam that is best without it."""
-    opened = spec.opened()
+    opened = spec.with_free_deferred()
     if opened == spec:
         return []
     question = NondimensionalSpec.of(opened)

@@ -173,7 +173,7 @@ def explain_run(run: Run, smallest: Smallest | None) -> Conflict:
         last, posed, extremes = attempt.searches[-1], attempt.posed, attempt.extremes
     else:  # the maximum has not been in any search
         question = NondimensionalSpec.of(question.physical)
-        posed, extremes = question.scaled.alone(), []
+        posed, extremes = question.scaled.without_deferred(), []
         known = attempt.searches[0]
         objective = question.scaled.objectives()[0]
         problem = formulate_problem(posed, objective, (), run.tables.segments)
@@ -201,15 +201,15 @@ def _choose_numbers(
     question: NondimensionalSpec, stop: float, stages: list[StageReport]
 ) -> tuple[NondimensionalSpec, list[float]]:
     """The question with numbers in place of what it leaves free, and these numbers [wire]."""
-    openings = question.physical.openings
-    if not openings.free:
+    free_parameters = question.physical.free_parameters
+    if not free_parameters.parameters:
         return question, []
     from synthesis.optimise.parameters.search import choose_parameters
 
     numbered, _, stage = choose_parameters(question.scaled, stop)
     stages.append(StageReport(**vars(stage)))
     found = question.with_scaled(numbered)
-    return found, openings.read(found.physical.program, found.physical.follower)
+    return found, free_parameters.values_in(found.physical.program, found.physical.follower)
 
 
 def _smallest(spec: DesignSpec, wider: Run) -> Smallest | None:

@@ -95,7 +95,7 @@ def synthesise_beside(
 
 def _price(found: Design, question: DesignSpec, stop: float) -> SmoothnessCost:
     """What splines smoother than C2 cost: the same question for those, solved too."""
-    proof, rough = found.certificate, question.roughened()
+    proof, rough = found.certificate, question.with_c2_splines()
     if rough is question:
         return priced(proof, proof, "no spline smoother than C2 is asked for")
     if not found.motion or clock.now() >= stop:

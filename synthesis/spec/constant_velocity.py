@@ -10,7 +10,7 @@ from pydantic_core import PydanticCustomError
 from synthesis.catalogue.motion import PlacedSegment, SegmentKind
 from synthesis.catalogue.ranges import Angle
 from synthesis.numerics.piecewise import Piecewise
-from synthesis.spec.segment import Part, Unit, signed
+from synthesis.spec.segment import Part, TravelUnit, signed
 from synthesis.units import CORE_UNITS, DEGREE, MotionUnits
 
 LINE = Piecewise.of([0.0, 1.0], [[0.0, 1.0]])
@@ -34,9 +34,9 @@ class ConstantSpeed(Part):
         float | None, signed("Angle gained by a follower on an arm, with its sign [deg].", 180.0)
     ] = None
 
-    def _given(self) -> list[tuple[int, Unit, float]]:
+    def _given(self) -> list[tuple[int, TravelUnit, float]]:
         """Order of the derivative, unit and value of what is given."""
-        fields: list[tuple[int, Unit, float | None]] = [
+        fields: list[tuple[int, TravelUnit, float | None]] = [
             (1, "mm", self.velocity_mm_per_s),
             (1, "deg", self.velocity_deg_per_s),
             (0, "mm", self.lift_mm),
@@ -65,7 +65,7 @@ class ConstantSpeed(Part):
         return self
 
     @property
-    def units(self) -> frozenset[Unit]:
+    def units(self) -> frozenset[TravelUnit]:
         return frozenset(unit for _, unit, _ in self._given())
 
     @property

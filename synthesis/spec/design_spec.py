@@ -31,7 +31,7 @@ from synthesis.units import MotionUnits, rad_per_s
 MAX_SEGMENTS = 100
 ROUGHEST = 2  # class of the splines that smoother ones are compared with
 ALWAYS = (ProfileRadius(), CounterBaseRadius())  # what every cam must keep
-KEPT = ("openings", "_numbered", "_reach", "_placed", "_machine", "_limits")  # laid out once
+KEPT = ("free_parameters", "_numbered", "_reach", "_placed", "_machine", "_limits")  # laid out once
 
 
 class DesignSpec(BaseModel):
@@ -148,7 +148,7 @@ class DesignSpec(BaseModel):
                 "base_radius_mm = {value} leaves no positive base radius. Give a positive one.",
                 {"value": largest},
             )
-        self.openings.check(lambda filled: self._with(filled).check_reach())
+        self.free_parameters.check_reach(lambda filled: self._with(filled).check_reach())
         return self
 
     @model_validator(mode="after")
@@ -204,14 +204,14 @@ class DesignSpec(BaseModel):
     # -- numbers left free -------------------------------------------------------------------
 
     @cached_property
-    def openings(self) -> FreeParameters:
+    def free_parameters(self) -> FreeParameters:
         """The numbers that are left free and searched: angles, lifts, an arm's length."""
         omega, radii = rad_per_s(self.speed_rpm), ends(self.base_radius_mm)
         return FreeParameters.of(self.program, self.follower, omega, radii)
 
-    def with_numbers(self, values: Sequence[float]) -> DesignSpec:
-        """The same spec with numbers in place of everything in ``openings``."""
-        return self._with(self.openings.filled(values))
+    def with_values(self, values: Sequence[float]) -> DesignSpec:
+        """The same spec with numbers in place of everything in ``free_parameters``."""
+        return self._with(self.free_parameters.substitute(values))
 
     def _with(self, filled: ProgramAndFollower) -> DesignSpec:
         program, follower = filled
@@ -225,9 +225,9 @@ class DesignSpec(BaseModel):
         """The program; while numbers are left free, with some that fit together."""
         if not any(segment.open for segment in self.program):
             return self.program
-        openings = self.openings
-        middle = openings.polytope.centre() if openings.free else None
-        return self.program if middle is None else openings.at(middle)[0]
+        free = self.free_parameters
+        middle = free.polytope.centre() if free.parameters else None
+        return self.program if middle is None else free.at_point(middle)[0]
 
     def check_reach(self) -> None:
         """Refuse dimensions of the follower that no size can serve.
@@ -239,11 +239,11 @@ class DesignSpec(BaseModel):
 
     def _numbers_fit(self) -> None:
         """Refuse numbers that are free in name only, or that cannot fit together."""
-        openings = self.openings
-        free = openings.free
+        searched = self.free_parameters
+        free = searched.parameters
         for name, what in (("angle_deg", "angles"), ("lift_mm", "lifts"), ("lift_deg", "lifts")):
-            alone = [opening for opening in free if opening.name == name]
-            if len(alone) == 1 and not openings.tied_otherwise(name):
+            alone = [parameter for parameter in free if parameter.name == name]
+            if len(alone) == 1 and not searched.tied_otherwise(name):
                 raise PydanticCustomError(
                     "one_number_free",
                     "{field} is the only one of the {what} that is free: it follows from the "
@@ -255,7 +255,7 @@ class DesignSpec(BaseModel):
                         "name": name,
                     },
                 )
-        if len(free) > len(openings.of_machine) and openings.polytope.centre() is None:
+        if len(free) > len(searched.machine_indices) and searched.polytope.centre() is None:
             raise PydanticCustomError(
                 "numbers_do_not_fit",
                 "However the free angles and lifts of program are chosen within their ranges, "
@@ -263,9 +263,9 @@ class DesignSpec(BaseModel):
                 {},
             )
 
-    def roughened(self) -> DesignSpec:
+    def with_c2_splines(self) -> DesignSpec:
         """The same question for splines of class C2; its own self where none is smoother."""
-        program = [segment.roughened() for segment in self.program]
+        program = [segment.with_c2_splines() for segment in self.program]
         continuity = None if self.continuity is None else min(self.continuity, ROUGHEST)
         if program == self.program and continuity == self.continuity:
             return self
@@ -344,33 +344,33 @@ class DesignSpec(BaseModel):
 
     @cached_property
     def _limits(self) -> tuple[Limit, ...]:
-        demands = [d for i, segment in enumerate(self._numbered) for d in segment.demands(i)]
+        bounds = [b for i, segment in enumerate(self._numbered) for b in segment.segment_bounds(i)]
         named = {limit.kind for limit in self.limits}
         rest = (a for a in ALWAYS if a.kind not in named and a.applies_to(self.follower))
-        return (*self.limits, *rest, *demands)
+        return (*self.limits, *rest, *bounds)
 
-    def alone(self) -> DesignSpec:
-        """The same without what is settled after the size and is still free."""
+    def without_deferred(self) -> DesignSpec:
+        """The same without what is chosen after the size and is still free."""
         follower = counter_roller.without_free_counter(self.follower)
         return self if follower == self.follower else self.model_copy(update={"follower": follower})
 
-    def opened(self) -> DesignSpec:
-        """The same with everything left free that is settled after the size."""
+    def with_free_deferred(self) -> DesignSpec:
+        """The same with everything left free that is chosen after the size."""
         follower = counter_roller.with_free_counter(self.follower)
         if follower == self.follower:
             return self
         return self.model_copy(update={"follower": follower})
 
     def with_deferred(self, dimensions: Mapping[str, float]) -> DesignSpec:
-        """The same with what was settled after the size, by the names of the dimensions."""
+        """The same with what was chosen after the size, by the names of the dimensions."""
         follower = counter_roller.with_counter(self.follower, dimensions)
         return self if follower == self.follower else self.model_copy(update={"follower": follower})
 
     def left_free(self) -> Iterator[tuple[str, Any]]:
         """JSON pointer and value of everything that the answer would have to choose."""
-        for opening in self.openings.free:
-            low, high = ends(opening.asked)
-            yield f"/{opening.field}", {"min": low, "max": high}
+        for parameter in self.free_parameters.parameters:
+            low, high = ends(parameter.requested)
+            yield f"/{parameter.field}", {"min": low, "max": high}
         for segment in self.placed_segments():
             if segment.law_is_free:
                 yield f"/program/{segment.index}/law", self.program[segment.index].law_name

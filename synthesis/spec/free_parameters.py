@@ -28,12 +28,12 @@ class FreeParameter:
     """One number that is left free: field ``name`` of a segment or, with None, of the follower.
 
     Attributes:
-        asked: as it stands in the spec. low, high: ends of the part of it that is searched.
+        requested: as it stands in the spec. low, high: ends of the part of it that is searched.
     """
 
     segment: int | None
     name: str
-    asked: float | Range
+    requested: float | Range
     low: float
     high: float
 
@@ -54,7 +54,7 @@ class FreeParameters:
     program: tuple[Segment, ...]
     follower: AnyFollower
     omega: float
-    free: tuple[FreeParameter, ...]
+    parameters: tuple[FreeParameter, ...]
 
     @classmethod
     def of(
@@ -73,7 +73,7 @@ class FreeParameters:
         mine = [
             (i, name, value, ends(value))
             for i, segment in enumerate(program)
-            for name, value in segment.left_open().items()
+            for name, value in segment.free_fields().items()
         ]
         machines = follower.searched_dimensions(base_radius).items()
         free = (*mine, *((None, name, value, served) for name, (value, served) in machines))
@@ -87,71 +87,73 @@ class FreeParameters:
         )  # fmt: skip
 
     @property
-    def of_machine(self) -> tuple[int, ...]:
+    def machine_indices(self) -> tuple[int, ...]:
         """Positions of those that are the follower's."""
-        return tuple(k for k, opening in enumerate(self.free) if opening.segment is None)
+        return tuple(k for k, parameter in enumerate(self.parameters) if parameter.segment is None)
 
-    def filled(self, values: Sequence[float]) -> ProgramAndFollower:
+    def substitute(self, values: Sequence[float]) -> ProgramAndFollower:
         """Program and follower with these numbers in place."""
         program, machine = list(self.program), dict[str, float]()
-        for opening, value in zip(self.free, values, strict=True):
-            i = opening.segment
+        for parameter, value in zip(self.parameters, values, strict=True):
+            i = parameter.segment
             if i is None:
-                machine[opening.name] = float(value)
+                machine[parameter.name] = float(value)
             else:
-                program[i] = program[i].model_copy(update={opening.name: float(value)})
+                program[i] = program[i].model_copy(update={parameter.name: float(value)})
         return program, self.follower.model_copy(update=machine) if machine else self.follower
 
-    def read(self, program: Sequence[Segment], follower: AnyFollower) -> list[float]:
+    def values_in(self, program: Sequence[Segment], follower: AnyFollower) -> list[float]:
         """The numbers that stand in such a program and such a follower."""
-        owners = (follower if o.segment is None else program[o.segment] for o in self.free)
-        return [getattr(owner, o.name) for owner, o in zip(owners, self.free, strict=True)]
+        owners = (follower if o.segment is None else program[o.segment] for o in self.parameters)
+        return [getattr(owner, o.name) for owner, o in zip(owners, self.parameters, strict=True)]
 
-    def numbers(self, u: Array) -> list[float]:
+    def values_at(self, u: Array) -> list[float]:
         """The numbers at a point of the unit box."""
-        return [o.low + (o.high - o.low) * float(x) for o, x in zip(self.free, u, strict=True)]
+        return [
+            o.low + (o.high - o.low) * float(x) for o, x in zip(self.parameters, u, strict=True)
+        ]
 
-    def at(self, u: Array) -> ProgramAndFollower:
+    def at_point(self, u: Array) -> ProgramAndFollower:
         """Program and follower at a point of the unit box."""
-        return self.filled(self.numbers(u))
+        return self.substitute(self.values_at(u))
 
-    def spread(self, middle: Array, position: int, count: int) -> list[Array]:
+    def points_along(self, middle: Array, position: int, count: int) -> list[Array]:
         """Points along one number's range, evenly in its logarithm, ends included."""
-        low, high = self.free[position].low, self.free[position].high
+        low, high = self.parameters[position].low, self.parameters[position].high
         values = np.geomspace(low, high, count)
-        return [self.with_number(middle, position, float(value)) for value in values]
+        return [self.with_value(middle, position, float(value)) for value in values]
 
-    def with_number(self, u: Array, position: int, value: float) -> Array:
+    def with_value(self, u: Array, position: int, value: float) -> Array:
         """The point with one number at a value, or at the nearest end of its range."""
-        low, high = self.free[position].low, self.free[position].high
+        low, high = self.parameters[position].low, self.parameters[position].high
         found = u.copy()
         found[position] = (min(max(value, low), high) - low) / (high - low)
         return found
 
-    def check(self, serves: Callable[[ProgramAndFollower], None]) -> None:
+    def check_reach(self, serves: Callable[[ProgramAndFollower], None]) -> None:
         """Refuse a machine that cannot serve whatever its free numbers are, of some that are tried.
 
         Args:
             serves: raises a PydanticCustomError where a program and a follower do not.
         """
-        middle = self.polytope.centre() if self.of_machine else None
+        middle = self.polytope.centre() if self.machine_indices else None
         if middle is None:
             serves((list(self.program), self.follower))
             return
-        (position,), why = self.of_machine, list[str]()
-        for u in self.spread(middle, position, LENGTH_TRIALS):
+        (position,), why = self.machine_indices, list[str]()
+        for u in self.points_along(middle, position, LENGTH_TRIALS):
             try:
-                serves(self.at(u))
+                serves(self.at_point(u))
             except PydanticCustomError as refusal:
                 why.append(refusal.message().partition(". ")[0])
             else:
                 return
-        low, high = ends(self.free[position].asked)
+        low, high = ends(self.parameters[position].requested)
         raise PydanticCustomError(
             "no_length_serves",
             "{name} from {low} to {high} leaves no length that serves: {why}. Widen its range, or "
             "change what it has to reach.",
-            {"name": self.free[position].name, "low": low, "high": high,
+            {"name": self.parameters[position].name, "low": low, "high": high,
              "why": why[-1] if why[0] == why[-1]
              else f"with the shortest, {why[0]}; with the longest, {why[-1]}"},
         )  # fmt: skip
@@ -159,7 +161,7 @@ class FreeParameters:
     def tied_otherwise(self, name: str) -> bool:
         """Whether the sum of one field's numbers holds another field's number too."""
         row = 0 if name == "angle_deg" else 1
-        others = [opening.name != name for opening in self.free]
+        others = [parameter.name != name for parameter in self.parameters]
         return bool(np.any(np.abs(self._table[0][row, others]) > ROUNDING))
 
     @cached_property
@@ -172,13 +174,13 @@ class FreeParameters:
     @cached_property
     def _table(self) -> tuple[Array, Array]:
         """What both sums miss at a point u is matrix · u + start: (2, n) and (2,)."""
-        count = len(self.free)
+        count = len(self.parameters)
         start = self._rest(np.zeros(count))
         return np.stack([self._rest(unit) - start for unit in np.eye(count)], axis=1), start
 
     def _rest(self, u: Array) -> Array:
         """By how much the angles miss a turn, and the displacements gained their sum, relative."""
-        program, _ = self.at(u)
+        program, _ = self.at_point(u)
         angle = math.fsum(segment.degrees for segment in program)
         gain = math.fsum(self._gains(program))
         return np.array([angle / TURN - 1.0, gain / self._longest])
@@ -191,5 +193,5 @@ class FreeParameters:
     @cached_property
     def _longest(self) -> float:
         """The longest way that a segment may go [mm]."""
-        program, _ = self.filled([opening.high for opening in self.free])
+        program, _ = self.substitute([parameter.high for parameter in self.parameters])
         return max(map(abs, self._gains(program))) or 1.0

@@ -14,11 +14,18 @@ from synthesis.catalogue.motion import EndState, PlacedSegment, SegmentKind
 from synthesis.catalogue.ranges import Angle, DwellAngle, Lift, Range, Swing, ends
 from synthesis.numerics.piecewise import Piecewise
 from synthesis.spec.constant_velocity import ConstantSpeed
-from synthesis.spec.segment import Part, State, Unit, end_states, one_unit, units_of
+from synthesis.spec.motion_constraints import (
+    MOST,
+    Point,
+    Window,
+    bounds_of_constraints,
+    check_bounds,
+    check_places,
+    check_stroke,
+    constraint_knots,
+)
+from synthesis.spec.segment import Part, State, TravelUnit, end_states, one_unit, units_of
 from synthesis.spec.table import Table
-from synthesis.spec.windows import MOST, Point, Window, check_bounds, check_places, check_stroke
-from synthesis.spec.windows import demands as demanded
-from synthesis.spec.windows import knots as wanted_knots
 from synthesis.units import CORE_UNITS, MotionUnits
 
 STILL = Piecewise.of([0.0, 1.0], [[0.0]])
@@ -95,14 +102,16 @@ class _Move(Part):
             check_stroke(ends(self._asked)[1], sense, self.windows, self.points)
         return self
 
-    def left_open(self) -> dict[str, float | Range]:
+    def free_fields(self) -> dict[str, float | Range]:
         lift = "lift_deg" if self.lift_mm is None else "lift_mm"
         return {"angle_deg": self.angle_deg, lift: self._asked}
 
     @property
-    def units(self) -> frozenset[Unit]:
-        mine: frozenset[Unit] = frozenset(["deg" if self.lift_mm is None else "mm"])
-        parts = frozenset[Unit]().union(*(part.units for part in (*self.windows, *self.points)))
+    def units(self) -> frozenset[TravelUnit]:
+        mine: frozenset[TravelUnit] = frozenset(["deg" if self.lift_mm is None else "mm"])
+        parts = frozenset[TravelUnit]().union(
+            *(part.units for part in (*self.windows, *self.points))
+        )
         return mine | parts | units_of(self.start, self.end)
 
     @property
@@ -121,19 +130,19 @@ class _Move(Part):
     def law_name(self) -> str:
         return self.law.kind
 
-    def roughened(self) -> Self:
+    def with_c2_splines(self) -> Self:
         return self.model_copy(update={"law": self.law.with_smoothness_2()})
 
     @property
-    def takes(self) -> int:
+    def matched_derivatives(self) -> int:
         return self.law.inherited_derivatives
 
     @property
-    def overshoots(self) -> bool:
-        return self.law.overshoots
+    def may_reverse(self) -> bool:
+        return self.law.may_reverse
 
-    def demands(self, index: int) -> tuple[SegmentBound, ...]:
-        return demanded(index, self.degrees, self.windows, self.points)
+    def segment_bounds(self, index: int) -> tuple[SegmentBound, ...]:
+        return bounds_of_constraints(index, self.degrees, self.windows, self.points)
 
     def _placed(
         self,
@@ -146,11 +155,13 @@ class _Move(Part):
     ) -> PlacedSegment:
         s_end = s_start + self.gain(units)
         first, last = end_states(self.start, self.end, units)
-        free = self.law.free_law(wanted_knots(self.degrees, self.windows, self.points))
+        free = self.law.free_law(constraint_knots(self.degrees, self.windows, self.points))
         law = self._law(kind, angle, s_end - s_start, first, last)
         return PlacedSegment(index, kind, start, angle, s_start, s_end, law, free, first, last)
 
-    def between(self, placed: PlacedSegment, start: EndState, end: EndState) -> PlacedSegment:
+    def with_end_states(
+        self, placed: PlacedSegment, start: EndState, end: EndState
+    ) -> PlacedSegment:
         law = self._law(placed.kind, placed.angle, placed.lift, start, end)
         return replace(placed, law=law)
 

@@ -151,7 +151,7 @@ def _take_over(
 ) -> None:
     """Laws that take their neighbours' values do so, in the order of the program."""
     after, before = dict(joints), {b: a for a, b in joints}
-    waiting = {i for i in after if program[i].takes}
+    waiting = {i for i in after if program[i].matched_derivatives}
     for i in sorted(waiting):
         waiting_still = {k for k in waiting if k >= i}
         start = _given(found[before[i]], found[before[i]].end_state, at_end=True,
@@ -159,7 +159,7 @@ def _take_over(
         end = _given(found[after[i]], found[after[i]].start_state, at_end=False,
                      heard=after[i] not in waiting_still)  # fmt: skip
         placed = found[i]
-        found[i] = program[i].between(
+        found[i] = program[i].with_end_states(
             placed, placed.start_state.filled_from(start), placed.end_state.filled_from(end)
         )
 
@@ -266,7 +266,9 @@ def _check(program: Sequence[Segment], placed: PlacedSegment, units: MotionUnits
     """A given law must have the states asked of it, and not move backwards because of them."""
     segment = program[placed.index]
     asked_of = placed.start_state.known + placed.end_state.known
-    if placed.law is None or not (segment.takes or any(v is not None for v in asked_of)):
+    if placed.law is None or not (
+        segment.matched_derivatives or any(v is not None for v in asked_of)
+    ):
         return
     for end, asked in (("start", placed.start_state), ("end", placed.end_state)):
         own = _own(placed, at_end=end == "end")
@@ -284,7 +286,7 @@ def _check(program: Sequence[Segment], placed: PlacedSegment, units: MotionUnits
                     own=units.to_wire(has, order), law=segment.law_name,
                 )  # fmt: skip
     least = _slowest(placed.law)
-    if least < -BACKWARD and not segment.overshoots:
+    if least < -BACKWARD and not segment.may_reverse:
         raise _error(
             units, "law_backwards", units.to_wire(least * placed.lift / placed.angle, 1),
             placed.index, "law",

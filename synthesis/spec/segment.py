@@ -12,7 +12,7 @@ from synthesis.catalogue.motion import ANY_STATE, EndState, PlacedSegment
 from synthesis.catalogue.ranges import AngleRange, Range, ends
 from synthesis.units import CORE_UNITS, MotionUnits
 
-Unit = Literal["mm", "deg"]
+TravelUnit = Literal["mm", "deg"]
 
 
 def signed(description: str, largest: float) -> object:
@@ -43,7 +43,7 @@ class State(BaseModel):
         float | None, signed("The same of a follower on an arm [deg/s²].", 1e18)
     ] = None
 
-    def _given(self) -> tuple[dict[Unit, float | None], dict[Unit, float | None]]:
+    def _given(self) -> tuple[dict[TravelUnit, float | None], dict[TravelUnit, float | None]]:
         """Velocity and acceleration by unit."""
         return (
             {"mm": self.velocity_mm_per_s, "deg": self.velocity_deg_per_s},
@@ -51,13 +51,13 @@ class State(BaseModel):
         )
 
     @property
-    def units(self) -> frozenset[Unit]:
+    def units(self) -> frozenset[TravelUnit]:
         """Units that it is given in."""
         return frozenset(
             unit for row in self._given() for unit, value in row.items() if value is not None
         )
 
-    def in_core(self, units: MotionUnits) -> EndState:
+    def to_core(self, units: MotionUnits) -> EndState:
         """The state as s' and s''."""
         v, a = (row[units.travel.unit] for row in self._given())
         return EndState(
@@ -69,16 +69,16 @@ def end_states(
     start: State | None, end: State | None, units: MotionUnits
 ) -> tuple[EndState, EndState]:
     """Both end states of a segment in the core's units; nothing asked where nothing is given."""
-    first, last = (ANY_STATE if state is None else state.in_core(units) for state in (start, end))
+    first, last = (ANY_STATE if state is None else state.to_core(units) for state in (start, end))
     return first, last
 
 
-def units_of(*states: State | None) -> frozenset[Unit]:
+def units_of(*states: State | None) -> frozenset[TravelUnit]:
     """Units of several states."""
     return frozenset(unit for state in states if state is not None for unit in state.units)
 
 
-def one_unit(units: frozenset[Unit], what: str) -> None:
+def one_unit(units: frozenset[TravelUnit], what: str) -> None:
     """Refuse a segment that mixes lengths and angles of the follower.
 
     Raises:
@@ -105,22 +105,22 @@ class Part(BaseModel):
         """Its cam angle [deg]; the smallest one while it is left free."""
         return ends(self.angle_deg)[0]
 
-    def roughened(self) -> Self:
+    def with_c2_splines(self) -> Self:
         """The same with a law that is part of the answer no smoother than C2."""
         return self
 
-    def spelled(self) -> Self:
+    def with_unit_fields(self) -> Self:
         """The same with every number in a field whose name tells its unit."""
         return self
 
-    def left_open(self) -> dict[str, float | Range]:
+    def free_fields(self) -> dict[str, float | Range]:
         """Fields that may be left free, with what is asked of them."""
         return {"angle_deg": self.angle_deg}
 
     @property
     def open(self) -> bool:
         """Whether a field is left free."""
-        return any(low != high for low, high in map(ends, self.left_open().values()))
+        return any(low != high for low, high in map(ends, self.free_fields().values()))
 
     @property
     def signed_lift(self) -> float:
@@ -128,7 +128,7 @@ class Part(BaseModel):
         return 0.0
 
     @property
-    def units(self) -> frozenset[Unit]:
+    def units(self) -> frozenset[TravelUnit]:
         """Units of the follower's displacement that it uses: mm, deg, or none."""
         return frozenset()
 
@@ -138,12 +138,12 @@ class Part(BaseModel):
         raise NotImplementedError
 
     @property
-    def takes(self) -> int:
+    def matched_derivatives(self) -> int:
         """How many derivatives its law takes over from its neighbours at each end."""
         return 0
 
     @property
-    def overshoots(self) -> bool:
+    def may_reverse(self) -> bool:
         """Whether it may move backwards."""
         return False
 
@@ -167,10 +167,12 @@ class Part(BaseModel):
         """The segment placed on the cam (rad, mm of the core), neighbours unheard."""
         raise NotImplementedError
 
-    def between(self, placed: PlacedSegment, start: EndState, end: EndState) -> PlacedSegment:
+    def with_end_states(
+        self, placed: PlacedSegment, start: EndState, end: EndState
+    ) -> PlacedSegment:
         """The placed segment with its law run between these states."""
         return placed
 
-    def demands(self, index: int) -> tuple[SegmentBound, ...]:
+    def segment_bounds(self, index: int) -> tuple[SegmentBound, ...]:
         """What its windows and points ask for, as bounds that the segment has to keep."""
         return ()

@@ -9,8 +9,8 @@ from pydantic import Field, model_validator
 
 from synthesis.catalogue.motion import FreeLaw, PlacedSegment, TablePoints
 from synthesis.numerics.piecewise import Array
-from synthesis.spec import readings
-from synthesis.spec.segment import Part, State, Unit, end_states, one_unit, signed, units_of
+from synthesis.spec import tabulated_motion
+from synthesis.spec.segment import Part, State, TravelUnit, end_states, one_unit, signed, units_of
 from synthesis.units import CORE_UNITS, MotionUnits
 
 JOINS = 2  # derivatives that a smoothed table shares with its neighbours
@@ -34,7 +34,7 @@ class Table(Part):
     points: Annotated[
         tuple[tuple[float, float], ...] | None,
         Field(
-            max_length=readings.MOST,
+            max_length=tabulated_motion.MOST,
             fail_fast=True,
             description="Rows: cam angle from the segment's start [deg], displacement [mm, or "
             "deg of an arm, as tolerance]. The first row is at 0, the last at angle_deg; on a "
@@ -44,7 +44,7 @@ class Table(Part):
     angles_deg: Annotated[
         Column,
         Field(
-            max_length=readings.MOST,
+            max_length=tabulated_motion.MOST,
             fail_fast=True,
             description="The first column, instead of points [deg].",
         ),
@@ -52,7 +52,7 @@ class Table(Part):
     displacements_mm: Annotated[
         Column,
         Field(
-            max_length=readings.MOST,
+            max_length=tabulated_motion.MOST,
             fail_fast=True,
             description="The second column, instead of points [mm].",
         ),
@@ -60,7 +60,7 @@ class Table(Part):
     displacements_deg: Annotated[
         Column,
         Field(
-            max_length=readings.MOST,
+            max_length=tabulated_motion.MOST,
             fail_fast=True,
             description="The same of a follower on an arm [deg].",
         ),
@@ -91,15 +91,15 @@ class Table(Part):
     end: State | None = Field(None, description="Velocity and acceleration at its end.")
 
     @property
-    def units(self) -> frozenset[Unit]:
-        given: dict[Unit, tuple[object, ...]] = {
+    def units(self) -> frozenset[TravelUnit]:
+        given: dict[TravelUnit, tuple[object, ...]] = {
             "mm": (self.displacements_mm, self.tolerance_mm, self.lift_mm),
             "deg": (self.displacements_deg, self.tolerance_deg, self.lift_deg),
         }
         used = frozenset(u for u, row in given.items() if any(value is not None for value in row))
         return used | units_of(self.start, self.end)
 
-    def spelled(self) -> Self:
+    def with_unit_fields(self) -> Self:
         if self.points is None:
             return self
         angles, displacements = zip(*self.points, strict=True)
@@ -123,15 +123,15 @@ class Table(Part):
         """Fractions of the segment, displacement from its start and the lift, in its unit."""
         second = self.displacements_deg if self.displacements_mm is None else self.displacements_mm
         lift = self.lift_deg if self.lift_mm is None else self.lift_mm
-        return readings.read(self.points, self.angles_deg, second, self.angle_deg, lift)
+        return tabulated_motion.read(self.points, self.angles_deg, second, self.angle_deg, lift)
 
     @model_validator(mode="after")
     def _makes_sense(self) -> Table:
         one_unit(self.units, "table")
-        readings.check_tolerance(self.tolerance_mm, self.tolerance_deg)
+        tabulated_motion.check_tolerance(self.tolerance_mm, self.tolerance_deg)
         s = self._table[1]
-        readings.check_lift(float(s[-1] - s[0]), self.signed_lift, self._tolerance)
-        readings.check_range(float(np.ptp(s)), self._tolerance)
+        tabulated_motion.check_lift(float(s[-1] - s[0]), self.signed_lift, self._tolerance)
+        tabulated_motion.check_range(float(np.ptp(s)), self._tolerance)
         return self
 
     @property
@@ -159,7 +159,7 @@ class Table(Part):
         unit = units.to_core(1.0)
         given = TablePoints(x, s_start + unit * s, unit * self._tolerance, self.tolerance_field)
         return PlacedSegment(
-            index, readings.sense(s, self._tolerance), start, angle, s_start,
+            index, tabulated_motion.sense(s, self._tolerance), start, angle, s_start,
             s_start + self.gain(units), None,
             FreeLaw(self.smoothness, overshoot=True, end_continuity=(JOINS, JOINS)),
             *end_states(self.start, self.end, units), given,

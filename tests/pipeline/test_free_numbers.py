@@ -171,8 +171,8 @@ def test_the_answer_survives_the_wire(chosen: Design) -> None:
     np.testing.assert_array_equal(
         back.curve.derivatives(theta, 3), chosen.curve.derivatives(theta, 3)
     )
-    assert back.spec.openings.free == chosen.spec.openings.free
-    assert not back.resolved_spec.openings.free
+    assert back.spec.free_parameters.parameters == chosen.spec.free_parameters.parameters
+    assert not back.resolved_spec.free_parameters.parameters
 
 
 ALL = [*PROFILE_FORMATS.values(), *MOTION_FORMATS.values()]

@@ -19,7 +19,7 @@ def test_a_changed_copy_is_laid_out_anew() -> None:
     spec = DesignSpec.model_validate(scene(ANGLES, jerk(48.0)))
     levels = [segment.s_end for segment in spec.placed_segments()]
     assert spec.placed_segments() is spec.placed_segments()
-    assert spec.with_numbers([]) is spec
+    assert spec.with_values([]) is spec
     program = [
         segment.model_copy(update={"lift_mm": 1.7 * segment.lift_mm})
         if segment.kind in ("rise", "return")

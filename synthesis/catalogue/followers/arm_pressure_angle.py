@@ -168,7 +168,7 @@ class FixedPivotPressureAngle(NonconvexConstraint):
             ends = np.sort(np.stack([sign * low + turn, sign * high + turn]), axis=0)
             # Only angles at which the constraint can be active matter; over them the cosine is
             # replaced by its concave hull, and the hull by tangents.
-            ends = self._needed(sign, box, ends)
+            ends = self._active_range(sign, box, ends)
             hull = ConcaveHull.over(ends[0], ends[1])
             if about is None:
                 where = [ends[0] + share * (hull.touch - ends[0]) for share in SHARES]
@@ -184,7 +184,7 @@ class FixedPivotPressureAngle(NonconvexConstraint):
                 upper = self._reach * (value + slope * turn) - sign * self.arm
                 yield PointInequalities(coefficients, steep[None, :], upper)
 
-    def _needed(self, sign: float, box: MotionSizeBox, ends: Array) -> Array:
+    def _active_range(self, sign: float, box: MotionSizeBox, ends: Array) -> Array:
         """The part of a range of v over which a row has to hold, s' being bounded.
 
         cos v ≥ sign (l + σ s')/D: below the v of the smallest right side the row always holds,

@@ -109,7 +109,7 @@ class MotionLaw(BaseModel, ABC):
         """The tasks of VDI 2143 that the law can serve on a rise, as "R-G"."""
 
     @property
-    def overshoots(self) -> bool:
+    def may_reverse(self) -> bool:
         """Whether it may move backwards for the sake of its end states."""
         return False
 

@@ -94,7 +94,7 @@ class BoundaryPolynomial(MotionLaw):
         return TASKS
 
     @property
-    def overshoots(self) -> bool:
+    def may_reverse(self) -> bool:
         return self.overshoot
 
     def curve(self, segment: SegmentKind) -> Piecewise:

@@ -39,7 +39,7 @@ class SplineLaw(BaseModel):
     )
 
     @property
-    def overshoots(self) -> bool:
+    def may_reverse(self) -> bool:
         """Whether it may move backwards."""
         return self.overshoot
 

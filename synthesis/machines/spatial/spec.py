@@ -117,7 +117,7 @@ class SpatialCamSpec(BaseModel):
     def left_free(self) -> Iterator[tuple[str, Any]]:
         """JSON pointer and value of each number of the program that is left free."""
         for position, segment in enumerate(self.program):
-            for name, value in segment.left_open().items():
+            for name, value in segment.free_fields().items():
                 if isinstance(value, Range):
                     yield f"/program/{position}/{name}", value.model_dump()
 

@@ -95,17 +95,19 @@ def _within(position: int, segment: PlacedSegment, x: Array, region: Region) -> 
     slow, fast = np.zeros_like(x), np.full_like(x, np.inf)
     if segment.free.overshoot:
         low, high, slow = -fast, fast, -fast
-    return _in_mm(segment, (low, high), (slow, fast), region.sizes)
+    return _box_of_displacements(segment, (low, high), (slow, fast), region.sizes)
 
 
 def bounds_within(
     law_bounds: LawBounds, segment: PlacedSegment, x: Array, sizes: tuple[tuple[float, float], ...]
 ) -> MotionSizeBox:
     """What a tube says of s and s' at points of a free law, all of them between its nodes."""
-    return _in_mm(segment, law_bounds.position_bounds(x), law_bounds.speed_bounds(x), sizes)
+    return _box_of_displacements(
+        segment, law_bounds.position_bounds(x), law_bounds.speed_bounds(x), sizes
+    )
 
 
-def _in_mm(
+def _box_of_displacements(
     segment: PlacedSegment,
     position: tuple[Array, Array],
     speed: tuple[Array, Array],

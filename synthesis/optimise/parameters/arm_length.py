@@ -42,7 +42,7 @@ class LengthTrial:
 def search_length(worth: ValueFunction, start: Array, position: int) -> BundlePoint | None:
     """The best point along one number's range, the others as they are; None where nothing fits."""
     for count in (FEW, MANY):
-        spread = worth.openings.spread(start, position, count)
+        spread = worth.free_parameters.points_along(start, position, count)
         tried = [_at(worth, u, ROUGH) for u in spread]
         best = min(tried, key=_value)
         if best.cam is not None:
@@ -53,7 +53,7 @@ def search_length(worth: ValueFunction, start: Array, position: int) -> BundlePo
         return min([best, *_closer(worth, tried, position, ROUGHLY)], key=_value).found
     every = [best]
     for pin in _pins(best.cam):
-        spread = worth.openings.spread(start, position, MANY)
+        spread = worth.free_parameters.points_along(start, position, MANY)
         tried = [_at(worth, u, ROUGH, pin) for u in spread]
         every += [*tried, *_closer(worth, tried, position, CLOSELY, pin)]
     return min(every, key=_value).found
@@ -88,14 +88,14 @@ def _closer(
     pin: float | None = None,
 ) -> list[LengthTrial]:
     """Points between the neighbours of the best one, to a relative distance."""
-    openings, more, last = worth.openings, list[LengthTrial](), len(tried) - 1
+    parameters, more, last = worth.free_parameters, list[LengthTrial](), len(tried) - 1
     at = int(np.argmin([one.value for one in tried]))
     if tried[at].cam is None:
         return []
-    logarithms = [log(openings.numbers(one.found.u)[position]) for one in tried]
+    logarithms = [log(parameters.values_at(one.found.u)[position]) for one in tried]
 
     def value(logarithm: float) -> float:
-        u = openings.with_number(tried[at].found.u, position, exp(logarithm))
+        u = parameters.with_value(tried[at].found.u, position, exp(logarithm))
         more.append(_at(worth, u, FINE, pin))
         return more[-1].value
 

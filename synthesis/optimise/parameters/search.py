@@ -43,31 +43,31 @@ def choose_parameters(
             what is left.
 
     Returns:
-        the spec, the numbers in the order of its openings, and what it took.
+        the spec, the numbers in the order of its free parameters, and what it took.
     """
     started = time.perf_counter()
-    now, openings = clock.now(), spec.openings
+    now, parameters = clock.now(), spec.free_parameters
     stop = inf if deadline == inf else now + SHARE_OF_TIME * max(deadline - now, 0.0)
-    worth = ValueFunction(spec.alone(), openings, stop)
+    worth = ValueFunction(spec.without_deferred(), parameters, stop)
     middle = _middle(worth)
     best = _found(worth, middle)
-    numbers = openings.numbers(middle if best is None else best.u)
-    freedom = openings.polytope.directions.shape[1]
+    numbers = parameters.values_at(middle if best is None else best.u)
+    freedom = parameters.polytope.directions.shape[1]
     stage = Stage(
         "proportions", f"search over {freedom} of {len(numbers)} free numbers", "Clarabel",
         len(numbers), 0, worth.calls, time.perf_counter() - started,
         _ended(best, late=clock.now() >= stop),
         "angles and lifts by cutting planes from several starts, lengths one by one",
     )  # fmt: skip
-    return spec.with_numbers(numbers), numbers, stage
+    return spec.with_values(numbers), numbers, stage
 
 
 def _middle(worth: ValueFunction) -> Array:
     """Where to begin: in the middle of the box, with a machine that reaches its cam."""
-    middle = worth.openings.polytope.centre()
+    middle = worth.free_parameters.polytope.centre()
     assert middle is not None  # the spec has been checked
-    for position in worth.openings.of_machine:
-        tried = [middle, *worth.openings.spread(middle, position, TRIED)]
+    for position in worth.free_parameters.machine_indices:
+        tried = [middle, *worth.free_parameters.points_along(middle, position, TRIED)]
         middle = next((u for u in tried if worth.problem(u) is not None), middle)
     return middle
 
@@ -81,8 +81,8 @@ def _ended(best: BundlePoint | None, *, late: bool) -> str:
 
 def _found(worth: ValueFunction, middle: Array) -> BundlePoint | None:
     """The best point found: of the program's numbers, then of the machine's."""
-    machine, best = worth.openings.of_machine, None
-    if len(machine) < len(worth.openings.free):
+    machine, best = worth.free_parameters.machine_indices, None
+    if len(machine) < len(worth.free_parameters.parameters):
         best = _search(worth, middle)
         middle = middle if best is None else best.u
     for position in machine:
@@ -93,7 +93,7 @@ def _found(worth: ValueFunction, middle: Array) -> BundlePoint | None:
 
 def _search(worth: ValueFunction, middle: Array) -> BundlePoint | None:
     """The best point found: samples, descents from the best of them, and a polish."""
-    polytope = worth.openings.polytope
+    polytope = worth.free_parameters.polytope
     corners = polytope.corners(CORNERS * polytope.directions.shape[1])
     points = [middle, *(middle + k * (c - middle) for c in corners for k in SHARES)]
     rough = worth.uniform(middle, SAMPLED)
@@ -121,7 +121,7 @@ def _possible(worth: ValueFunction, points: Iterable[Array]) -> list[BundlePoint
     mesh = worth.uniform(next(iter(points)), COARSE)
     excess = worth.excess(mesh)
     for start in _best_of(excess, points)[:1]:
-        end = minimise(excess, worth.openings.polytope, start, RADIUS, ROUNDS)
+        end = minimise(excess, worth.free_parameters.polytope, start, RADIUS, ROUNDS)
         return _best_of(worth.on(mesh), [end.u]) or [BundlePoint(end.u, inf)]
     return []
 

@@ -66,14 +66,14 @@ class ValueFunction:
     """What numbers are worth: the relaxation's optimum with the first objective [wire]."""
 
     spec: DesignSpec
-    openings: FreeParameters
+    free_parameters: FreeParameters
     deadline: float
     calls: int = 0
     level: float = 1.0
 
     def problem(self, u: Array) -> Problem | None:
         """The question at a point of the unit box; None where a given law cannot be run there."""
-        spec = self.spec.with_numbers(self.openings.numbers(u))
+        spec = self.spec.with_values(self.free_parameters.values_at(u))
         try:
             segments = smooth_tables(spec.placed_segments(), self.deadline).segments
             spec.check_reach()
@@ -134,7 +134,7 @@ class ValueFunction:
             if problem is None or clock.now() >= self.deadline:
                 return None
             self.calls += 1
-            spec = self.spec.with_numbers(self.openings.numbers(u))
+            spec = self.spec.with_values(self.free_parameters.values_at(u))
             scene = RelaxableProblem.of(spec, problem, mesh.grids(problem))
             scene = replace(scene, drawn=INSIDE, deadline=self.deadline)
             try:

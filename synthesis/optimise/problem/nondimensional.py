@@ -55,8 +55,8 @@ class ReferenceUnits:
     @classmethod
     def of(cls, spec: DesignSpec) -> ReferenceUnits:
         """The longest travel of a segment, and the time in which the cam turns by 1 rad."""
-        openings = spec.openings
-        program, follower = openings.filled([opening.high for opening in openings.free])
+        free = spec.free_parameters
+        program, follower = free.substitute([parameter.high for parameter in free.parameters])
         units = MotionUnits(follower.travel, rad_per_s(spec.speed_rpm))
         length = max(high - low for low, high in (segment.span(units) for segment in program))
         time = 1.0 / rad_per_s(spec.speed_rpm) if spec.load is None else sqrt(length)
@@ -133,7 +133,7 @@ def _equal(one: Any, other: Any) -> bool:
 
 def _with_unit_fields(spec: DesignSpec) -> DesignSpec:
     """The same spec with every number in a field whose name ends with its unit."""
-    program = [segment.spelled() for segment in spec.program]
+    program = [segment.with_unit_fields() for segment in spec.program]
     changed = any(new is not old for new, old in zip(program, spec.program, strict=True))
     return spec.model_copy(update={"program": program}) if changed else spec
 

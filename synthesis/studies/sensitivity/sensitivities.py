@@ -40,7 +40,7 @@ def sensitivities(design: Design, deadline: float = inf) -> Sensitivities:
     proof = design.certificate
     if not design.motion or not proof.certified or proof.value is None:
         return _sorted(design, [], [], "there is no certified cam")
-    spec = design.resolved_spec.alone()
+    spec = design.resolved_spec.without_deferred()
     # The design must be the optimum of a program on its own knots.
     allowed = (SAME_CAM + design.spec.tolerance) * abs(proof.value)
     optima = perturbed_designs(FixedKnots.of(design, spec), spec, deadline)

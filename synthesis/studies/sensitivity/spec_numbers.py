@@ -70,7 +70,7 @@ class SpecNumber(Number):
         document = copy.deepcopy(self.spec.model_dump(mode="json"))
         _resolve(document, self.path[:-1])[self.path[-1]] = value
         try:
-            return DesignSpec.model_validate(document).alone()
+            return DesignSpec.model_validate(document).without_deferred()
         except ValidationError:
             return None
 
@@ -95,20 +95,20 @@ class ChosenNumber(Number):
     @property
     def ends(self) -> tuple[float, float]:
         """Least and largest value of the range that it was chosen from."""
-        return ends(self.question.openings.free[self.position].asked)
+        return ends(self.question.free_parameters.parameters[self.position].requested)
 
     def at(self, value: float) -> DesignSpec | None:
         moved = [value if k == self.position else old for k, old in enumerate(self.values)]
         try:
-            return self.question.with_numbers(moved).alone()
+            return self.question.with_values(moved).without_deferred()
         except ValidationError:
             return None
 
 
 def chosen_numbers(design: Design) -> Iterator[ChosenNumber]:
     """The angles, lifts and lengths that a design has chosen."""
-    openings = design.spec.openings.free if design.free_parameters else ()
-    values = tuple(design.free_parameters[opening.field] for opening in openings)
+    searched = design.spec.free_parameters.parameters if design.free_parameters else ()
+    values = tuple(design.free_parameters[parameter.field] for parameter in searched)
     for position in range(len(values)):
         yield ChosenNumber(design.resolved_spec, design.spec, values, position)
 

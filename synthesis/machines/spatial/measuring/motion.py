@@ -82,7 +82,7 @@ def contact_counts(cam: SpatialCam) -> Iterator[tuple[Quantity, Extremum]]:
 def demand_extremes(spec: SpatialCamSpec, cam: SpatialCam) -> Iterator[tuple[Quantity, Extremum]]:
     """The extremes that windows and points of the program bound."""
     for placed, segment in zip(cam.motion.segments, spec.program, strict=True):
-        for demand in segment.demands(placed.index):
+        for demand in segment.segment_bounds(placed.index):
             yield from _bounded_sides(demand, placed, spec)
 
 

@@ -146,7 +146,7 @@ def _solve_laws_and_size(
     """The smallest size under limits on pressure angle and motion, and the laws for it."""
     machine = spec.machine
     # Windows and points of the program are limits of single segments.
-    demands = [d for i, segment in enumerate(spec.program) for d in segment.demands(i)]
+    demands = [d for i, segment in enumerate(spec.program) for d in segment.segment_bounds(i)]
     limits = [*(limit for limit in spec.limits if limit.quantity != WALL_QUANTITY), *demands]
     problem = formulate_problem(
         machine,

@@ -4,27 +4,27 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from itertools import pairwise
-from typing import Annotated, Any, Literal
+from typing import Annotated, Any
 
 from pydantic import BaseModel, ConfigDict, Field, model_validator
 from pydantic_core import PydanticCustomError
 
 from synthesis.catalogue.limits.segment_bound import FIELDS, TRAVEL, SegmentBound
 from synthesis.catalogue.ranges import Range, ends
+from synthesis.spec.segment import TravelUnit
 
 SHORTEST = 1e-3  # of the segment: knots may not lie closer
 MOST = 50
 Degrees = Annotated[float, Field(ge=0.0, le=360.0)]
 Bounds = float | Range | None
-Unit = Literal["mm", "deg"]
-UNITS: tuple[Unit, ...] = ("mm", "deg")
+UNITS: tuple[TravelUnit, ...] = ("mm", "deg")
 
 
 class _Part(BaseModel):
     model_config = ConfigDict(frozen=True, extra="forbid", allow_inf_nan=False)
 
     @property
-    def units(self) -> frozenset[Unit]:
+    def units(self) -> frozenset[TravelUnit]:
         """Units that it is given in: mm, deg, or both."""
         raise NotImplementedError
 
@@ -73,7 +73,7 @@ class Window(_Part):
                     yield order, name, value
 
     @property
-    def units(self) -> frozenset[Unit]:
+    def units(self) -> frozenset[TravelUnit]:
         given = {name for _, name, _ in self.bounds()}
         return frozenset(unit for unit in UNITS if not given.isdisjoint(FIELDS[unit]))
 
@@ -81,7 +81,9 @@ class Window(_Part):
         """Lower and upper bound of one derivative, −∞ and ∞ where there is none."""
         return next((ends(value) for k, _, value in self.bounds() if k == order), ends(None))
 
-    def demands(self, common: dict[str, Any], part: tuple[float, float]) -> Iterator[SegmentBound]:
+    def segment_bounds(
+        self, common: dict[str, Any], part: tuple[float, float]
+    ) -> Iterator[SegmentBound]:
         """One demand for every end of a range, or for a value."""
         for order, name, value in self.bounds():
             field = f"{common['field']}/{name}"
@@ -131,15 +133,15 @@ class Point(_Part):
         return self
 
     @property
-    def units(self) -> frozenset[Unit]:
-        given: dict[Unit, tuple[float | None, ...]] = {
+    def units(self) -> frozenset[TravelUnit]:
+        given: dict[TravelUnit, tuple[float | None, ...]] = {
             "mm": (self.travel_mm, self.tolerance_mm or None, self.velocity_mm_per_s),
             "deg": (self.travel_deg, self.tolerance_deg or None, self.velocity_deg_per_s),
         }
         return frozenset(u for u, row in given.items() if any(v is not None for v in row))
 
     @property
-    def _unit(self) -> Unit:
+    def _unit(self) -> TravelUnit:
         return "deg" if self.travel_mm is None else "mm"
 
     @property
@@ -167,7 +169,7 @@ class Point(_Part):
         """The largest travel that passes."""
         return self.travel + self.tolerance
 
-    def demands(self, common: dict[str, Any], x: float) -> Iterator[SegmentBound]:
+    def segment_bounds(self, common: dict[str, Any], x: float) -> Iterator[SegmentBound]:
         """Its place, and its velocity if that is asked for."""
         fields = FIELDS[self._unit]
         name = f"tolerance_{self._unit}" if self.tolerance else fields[TRAVEL]
@@ -180,7 +182,7 @@ class Point(_Part):
             yield SegmentBound(**base, min=low, max=high)
 
 
-def demands(
+def bounds_of_constraints(
     segment: int, angle: float, windows: Sequence[Window], points: Sequence[Point]
 ) -> tuple[SegmentBound, ...]:
     """All that the windows and points of one segment ask for.
@@ -192,9 +194,11 @@ def demands(
     found: list[SegmentBound] = []
     for j, window in enumerate(windows):
         common = _common(segment, f"windows/{j}")
-        found += window.demands(common, (window.from_deg / angle, min(window.to_deg / angle, 1.0)))
+        found += window.segment_bounds(
+            common, (window.from_deg / angle, min(window.to_deg / angle, 1.0))
+        )
     for j, point in enumerate(points):
-        found += point.demands(_common(segment, f"points/{j}"), point.angle_deg / angle)
+        found += point.segment_bounds(_common(segment, f"points/{j}"), point.angle_deg / angle)
     return tuple(found)
 
 
@@ -202,7 +206,9 @@ def _common(segment: int, place: str) -> dict[str, Any]:
     return {"segment": segment, "place": place, "field": f"program/{segment}/{place}"}
 
 
-def knots(angle: float, windows: Sequence[Window], points: Sequence[Point]) -> tuple[float, ...]:
+def constraint_knots(
+    angle: float, windows: Sequence[Window], points: Sequence[Point]
+) -> tuple[float, ...]:
     """x in (0, 1) where windows end and points lie, in order."""
     degrees = {p.angle_deg for p in points}.union(*((w.from_deg, w.to_deg) for w in windows))
     return tuple(x for x in sorted(value / angle for value in degrees) if 0.0 < x < 1.0)
