@@ -10,7 +10,7 @@ from pydantic_core import PydanticCustomError
 
 from synthesis.catalogue.constraints import VibrationBound
 from synthesis.catalogue.limits.base import Claim, Machine, scaling
-from synthesis.catalogue.limits.travel import TravelLimit
+from synthesis.catalogue.limits.derivatives import TravelLimit
 from synthesis.catalogue.motion import PlacedSegment
 from synthesis.units import FULL_TURN
 
@@ -69,7 +69,7 @@ class ResidualVibration(TravelLimit):
         self, segments: Sequence[PlacedSegment], machine: Machine
     ) -> tuple[VibrationBound, ...]:
         frequency = self.natural_frequency_hz * FULL_TURN / machine.omega
-        largest = self.largest / machine.wire_factor(0)
+        largest = self.bound / machine.wire_factor(0)
         return tuple(
             VibrationBound(run, frequency, self.damping_ratio, largest, self.kind)
             for run in runs_between_dwells(segments)
@@ -79,10 +79,10 @@ class ResidualVibration(TravelLimit):
         rings = self.vibration_bounds(segments, machine)
         moving = tuple(sorted(index for ring in rings for index in ring.run))
         levels = [level for s in segments for level in (s.s_start, s.s_end)]
-        spare = SPARE * (max(levels) - min(levels)) if self.largest == 0.0 else 0.0
+        spare = SPARE * (max(levels) - min(levels)) if self.bound == 0.0 else 0.0
         to_wire = machine.wire_factor(0)
         claim = Claim(
-            self.kind, self.kind, moving, None, self.largest / to_wire + spare,
+            self.kind, self.kind, moving, None, self.bound / to_wire + spare,
             machine.derivative_unit(0), scaling(to_wire), f"{self.kind}/{self.field}",
             vibration=rings,
         )  # fmt: skip

@@ -13,12 +13,14 @@ from pydantic import Field
 
 from synthesis.catalogue.objectives.base import Objective
 from synthesis.catalogue.objectives.base_radius import BaseRadius
-from synthesis.catalogue.objectives.peak_acceleration import PeakAcceleration
+from synthesis.catalogue.objectives.derivatives import (
+    PeakAcceleration,
+    PeakJerk,
+    RmsAcceleration,
+    RmsJerk,
+)
 from synthesis.catalogue.objectives.peak_drive_force import PeakDriveForce
-from synthesis.catalogue.objectives.peak_jerk import PeakJerk
 from synthesis.catalogue.objectives.peak_pressure_angle import PeakPressureAngle
-from synthesis.catalogue.objectives.rms_acceleration import RmsAcceleration
-from synthesis.catalogue.objectives.rms_jerk import RmsJerk
 
 AnyObjective = Annotated[
     BaseRadius

@@ -13,10 +13,8 @@ from typing import Annotated, Any, ClassVar, Literal
 from pydantic import Field
 
 from synthesis.catalogue.constraints import LinearInequality, NonconvexConstraint
-from synthesis.catalogue.limits.acceleration import Acceleration
 from synthesis.catalogue.limits.base import Claim, Limit, Machine
-from synthesis.catalogue.limits.jerk import Jerk
-from synthesis.catalogue.limits.velocity import Velocity
+from synthesis.catalogue.limits.derivatives import Acceleration, Jerk, Velocity
 from synthesis.catalogue.motion import PlacedSegment
 from synthesis.numerics.piecewise import Array
 from synthesis.units import DEGREE
