@@ -14,7 +14,7 @@ from __future__ import annotations
 
 import math
 from abc import ABC, abstractmethod
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from operator import mul
@@ -280,6 +280,18 @@ class SlideCoordinates:
         motion = (self.sign * s[0], self.sign * s[1], 0.0 * s[0])
         x, u, e = (m + c + a for m, c, a in zip(motion, self.constants, shares, strict=True))
         return x, u, e
+
+    def through(self, form: Callable[[Vector], tuple[Vector, float]]) -> SlideCoordinates:
+        """The same coordinates of a point that moves by −s; the size an affine map of another.
+
+        Args:
+            form: maps a linear form of this size to one of the other, and a constant.
+        """
+        forms = [form(row) for row in self.size_factors]
+        constants = zip(self.constants, forms, strict=True)
+        x, u, e = (row for row, _ in forms)
+        shifted = tuple(constant + more for constant, (_, more) in constants)
+        return SlideCoordinates(-self.sign, shifted, (x, u, e))
 
     def offset_range(self, sizes: Sequence[tuple[float, float]]) -> tuple[float, float]:
         """Smallest and largest e over a box of sizes."""

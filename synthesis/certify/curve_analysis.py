@@ -11,9 +11,8 @@ from typing import Final, get_args
 import numpy as np
 
 from synthesis.catalogue.followers.base import paths
-from synthesis.catalogue.followers.flank import Flank, labelled
+from synthesis.catalogue.followers.flank import Flank, labelled, profile_radius_measure
 from synthesis.catalogue.followers.kinematics import TracePoint
-from synthesis.catalogue.followers.measures import profile_radius_measure
 from synthesis.catalogue.followers.sizing import prime_radius
 from synthesis.catalogue.limits.base import Machine, scaling, segment_indices
 from synthesis.catalogue.motion import Motion

@@ -7,7 +7,6 @@ from typing import Final
 
 from synthesis.catalogue.followers import Follower
 from synthesis.catalogue.followers.base import paths
-from synthesis.catalogue.followers.counter_roller import counter_dimensions
 from synthesis.catalogue.followers.flank import labelled
 from synthesis.catalogue.followers.kinematics import TracePoint
 from synthesis.catalogue.followers.sizing import prime_radius
@@ -90,7 +89,7 @@ def certify_size(
             if name in fields:
                 rounding = DIMENSION_ROUNDING * scales[name.rpartition("_")[2]]
                 found += _in_range(name, value, ends(getattr(owner, name)), rounding, prefix + name)
-    for field, (name, wanted) in counter_dimensions(spec.follower).items():
+    for field, (name, wanted) in spec.follower.active_closure.counter_dimensions().items():
         rounding = DIMENSION_ROUNDING * dimensions[name]
         found += _in_range(name, dimensions[name], ends(wanted), rounding, f"follower/{field}")
     return found

@@ -25,7 +25,6 @@ from dataclasses import dataclass, field, replace
 from typing import Any, cast
 from zipfile import ZIP_DEFLATED, ZipFile, ZipInfo
 
-from synthesis.catalogue.followers.counter_roller import counter_paths
 from synthesis.catalogue.followers.flank import labelled
 from synthesis.design.cam_set import CamSet, MountedCam
 from synthesis.design.design import Design
@@ -159,7 +158,7 @@ def _curves(cam: MountedCam, wanted: CurveName) -> dict[str, CurveName]:
     """The curves that a cam consists of, by what their files are called."""
     if wanted == "profile":
         return profiles(cam.design)
-    companions = counter_paths(cam.design.completed_spec.follower)
+    companions = cam.design.completed_spec.follower.active_closure.counter_paths
     others = [cast(CurveName, labelled(path, "pitch")) for path in companions]
     return {name.replace("_", "-"): name for name in (wanted, *others)}
 

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from synthesis.catalogue.followers.counter_roller import counter_dimensions, counter_paths
 from synthesis.catalogue.limits import Claim
 from synthesis.catalogue.ranges import ends
 from synthesis.design.design import Conflict, Extreme, Relaxation
@@ -40,8 +39,8 @@ def explain(
         follower = last.problem.machine.follower
         if last.relaxed is None or claim.quantity != "pitch_curvature":
             return None
-        if claim.path in counter_paths(follower):  # a larger main cam leaves it no more room
-            return None
+        if claim.path in follower.active_closure.counter_paths:
+            return None  # a larger main cam leaves the counter cam no more room
         low, high = extremes_at(last.relaxed.problem, last.relaxed.size, claim.path)
         return (high if claim.upper is not None else low) / question.units.length
 
@@ -78,7 +77,7 @@ def _farther(spec: DesignSpec, until: float) -> list[Relaxation]:
         return []
     built = question.to_physical(attempt.built)
     told, found = built.follower.dimensions(attempt.cam.size), list[Relaxation]()
-    for place, (name, asked) in counter_dimensions(spec.follower).items():
+    for place, (name, asked) in spec.follower.active_closure.counter_dimensions().items():
         low, high = ends(asked)
         if high < told[name]:
             found.append(

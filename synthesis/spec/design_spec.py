@@ -12,7 +12,8 @@ from pydantic import BaseModel, ConfigDict, Field, model_validator
 from pydantic_core import PydanticCustomError
 
 from synthesis.catalogue.fields import CamRotation, CamSpeed, Name
-from synthesis.catalogue.followers import AnyFollower, counter_roller
+from synthesis.catalogue.followers import AnyFollower
+from synthesis.catalogue.followers.closures import Closure
 from synthesis.catalogue.forces import AnyLoad
 from synthesis.catalogue.limits import AnyLimit, Limit, Machine
 from synthesis.catalogue.limits.counter_base_radius import CounterBaseRadius
@@ -351,19 +352,18 @@ class DesignSpec(BaseModel):
 
     def without_deferred(self) -> DesignSpec:
         """The same without what is chosen after the size and is still free."""
-        follower = counter_roller.without_free_counter(self.follower)
-        return self if follower == self.follower else self.model_copy(update={"follower": follower})
+        return self._with_closure(self.follower.active_closure.without_free_counter())
 
     def with_free_deferred(self) -> DesignSpec:
         """The same with everything left free that is chosen after the size."""
-        follower = counter_roller.with_free_counter(self.follower)
-        if follower == self.follower:
-            return self
-        return self.model_copy(update={"follower": follower})
+        return self._with_closure(self.follower.active_closure.with_free_counter())
 
     def with_deferred(self, dimensions: Mapping[str, float]) -> DesignSpec:
         """The same with what was chosen after the size, by the names of the dimensions."""
-        follower = counter_roller.with_counter(self.follower, dimensions)
+        return self._with_closure(self.follower.active_closure.with_counter(dimensions))
+
+    def _with_closure(self, closure: Closure) -> DesignSpec:
+        follower = self.follower.with_closure(closure)
         return self if follower == self.follower else self.model_copy(update={"follower": follower})
 
     def left_free(self) -> Iterator[tuple[str, Any]]:
@@ -385,7 +385,7 @@ class DesignSpec(BaseModel):
                 f"/follower/{k}": value
                 for k, value in self.follower.adjustable_dimensions().items()
             }
-        places = counter_roller.counter_dimensions(self.follower)
+        places = self.follower.active_closure.counter_dimensions()
         asked |= {f"/follower/{k}": value for k, (_, value) in places.items()}
         for field, value in asked.items():
             low, high = ends(value)

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from synthesis.catalogue.followers import TranslatingFlatFace, TranslatingRoller
-from synthesis.catalogue.followers.closures.groove import Groove
+from synthesis.catalogue.followers.closures import Groove
 from synthesis.catalogue.laws import LAWS
 from synthesis.catalogue.limits import Machine
 from synthesis.catalogue.limits.profile_radius import ProfileRadius

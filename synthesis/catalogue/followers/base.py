@@ -1,8 +1,7 @@
 """The base of every follower family: given dimensions, size variables, and the cam's curves.
 
-What particular consumers ask is not here: ``outline`` (drawings), ``measures`` (the certificate),
-``counter_roller`` (conjugate cams), ``flat_face`` (contact on a face), ``read_back`` (measured
-profiles).
+What particular consumers ask is elsewhere: ``outline`` (drawings), ``closures`` (counter rollers of
+conjugate cams), ``flat_face`` (contact on a face).
 """
 
 from __future__ import annotations
@@ -12,16 +11,19 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from typing import Any, ClassVar, Self
 
+import numpy as np
 from pydantic import BaseModel, ConfigDict
 
-from synthesis.catalogue.followers.closures.base import SINGLE_FLANK, Closure
-from synthesis.catalogue.followers.flank import Flank
+from synthesis.catalogue.followers.closures import SINGLE_FLANK, Closure
+from synthesis.catalogue.followers.flank import Flank, MeasuredBound
 from synthesis.catalogue.followers.kinematics import TracePoint
 from synthesis.catalogue.followers.link import Link
-from synthesis.catalogue.followers.measures import MeasuredBound
 from synthesis.catalogue.followers.sizing import SizedFollower
 from synthesis.catalogue.motion import Motion
+from synthesis.errors import InputError
 from synthesis.units import MILLIMETRES, Travel
+
+MIN_PRIME_RADIUS_RATIO = 1e-3  # of the base radius: smallest prime radius inside a ring
 
 
 @dataclass(frozen=True)
@@ -96,6 +98,10 @@ class Follower(BaseModel, TracePoint, SizedFollower, ABC):
         """The same held by another closure; itself where the family has no choice."""
         return self
 
+    def without_free_counter(self) -> Self:
+        """The same without a counter roller whose place is chosen after the size and still free."""
+        return self.with_closure(self.active_closure.without_free_counter())
+
     @abstractmethod
     def link(self, z: Any, degree: Any) -> Link:
         """The output link at displacement 0, in the arithmetic of z.
@@ -126,6 +132,69 @@ class Follower(BaseModel, TracePoint, SizedFollower, ABC):
         """The same without a dimension that would fix the base radius by another name."""
         return self
 
+    # -- inverse kinematics: a measured profile is read back with these --------------------------
+
+    def pose(self, point: Any, normal: Any) -> tuple[Any, Any]:
+        """Where the follower has its trace point at a point of the cam.
+
+        Args:
+            point: of the cam [mm]. normal: outward unit normal there. Both (2, n), in the frame
+                of a ccw cam.
+
+        Returns:
+            cam angle θ [rad], any turn, and position [mm], (n,) each: the displacement from a
+            place that is the family's own. Not a number where the follower does not reach.
+
+        Raises:
+            InputError: no inverse kinematics are known for this family.
+        """
+        raise InputError(
+            "/follower/kind", self.kind, "Profiles are not read back for this follower.",
+            "Take a translating follower, or a roller on an arm.",
+        )  # fmt: skip
+
+    def size_at_lowest(self, position: float) -> tuple[float, ...]:
+        """The size z of a cam whose lowest position is this one [mm]; see ``pose``."""
+        raise NotImplementedError
+
+    def clearance(self, away: Any, up: Any) -> Any:
+        """How far points lie outside the follower's body [mm].
+
+        Args:
+            away: (2, n) from the trace point [mm]. up: (2,) the drive direction, both in the cam's
+                frame.
+        """
+        raise NotImplementedError
+
+
+class RollerFollower(Follower, ABC):
+    """A follower with a roller; its closure says which curves the cam is made of."""
+
+    roller_radius_mm: float
+    closure: Closure
+
+    @property
+    def roller_radius(self) -> float:
+        return self.roller_radius_mm
+
+    @property
+    def active_closure(self) -> Closure:
+        return self.closure
+
+    def with_closure(self, closure: Closure) -> Self:
+        same = closure is self.closure or closure == self.closure
+        return self if same else self.model_copy(update={"closure": closure})
+
+    def prime_radii(self, base_radius: tuple[float, float]) -> tuple[float, float]:
+        """Prime radii of base radii between two ends; inside a ring any positive one is a cam."""
+        low, high = (
+            max(radius + base_gap(self), MIN_PRIME_RADIUS_RATIO * radius) for radius in base_radius
+        )
+        return low, high
+
+    def clearance(self, away: Any, up: Any) -> Any:
+        return np.hypot(away[0], away[1]) - self.roller_radius
+
 
 def paths(follower: Follower) -> Mapping[str, TracePoint]:
     """The trace points behind the flanks by name; the follower's own is the first."""
@@ -134,6 +203,5 @@ def paths(follower: Follower) -> Mapping[str, TracePoint]:
 
 def base_gap(follower: Follower) -> float:
     """Prime radius less base radius [mm]: negative where the cam is touched from inside."""
-    closure = follower.active_closure.without_free_counter()
-    first = follower.with_closure(closure).flanks[0]
+    first = follower.without_free_counter().flanks[0]
     return first.side * first.distance

@@ -94,18 +94,6 @@ class TracePoint(ABC):
         return 0.0
 
 
-class ArmPoint(TracePoint):
-    """A trace point on an arm, to whose pivot a second arm can be fixed."""
-
-    @abstractmethod
-    def second_arm(self, length: float, angle: float) -> TracePoint:
-        """The roller of a second arm [mm] at the same pivot, at an angle [rad] to this one."""
-
-    @abstractmethod
-    def arm_angle(self, s: float, z: tuple[float, ...]) -> float:
-        """ψ: angle at the pivot from the line to the cam's axis to the arm [rad]."""
-
-
 def pressure_angle_sine_cosine(path: TracePoint, s: Any, z: Any) -> tuple[Any, Any]:
     """Sine and cosine of the pressure angle on a traced curve.
 

@@ -40,8 +40,7 @@ from synthesis.catalogue.constraints import (
 from synthesis.catalogue.followers.flat_face import FlatFaceFollower
 from synthesis.catalogue.followers.kinematics import Vector2
 from synthesis.catalogue.followers.link import Face, Link
-from synthesis.catalogue.followers.measures import MeasuredBound
-from synthesis.catalogue.followers.pivot import SENSES, PivotDirection
+from synthesis.catalogue.followers.pivot import PivotDirection, PivotedFollower, PivotSense
 from synthesis.catalogue.followers.sizing import SizeDomain
 from synthesis.catalogue.followers.swinging_face import (
     RIGHT_ANGLE,
@@ -52,17 +51,18 @@ from synthesis.catalogue.motion import Motion, PlacedSegment
 from synthesis.catalogue.ranges import Range, ends
 from synthesis.numerics.maxima import maximise, maximise_formula
 from synthesis.numerics.piecewise import Array
-from synthesis.units import DEGREE, Travel
+from synthesis.units import DEGREE
 
 SLOWEST = 1e-3  # of the cam's speed: how fast the normal turns on the cam at least
 
 
-class OscillatingFlatFace(FlatFaceFollower):
+class OscillatingFlatFace(FlatFaceFollower, PivotedFollower):
     """A flat face that swings about a pivot; the lift is the angle of its swing."""
 
     kind: Literal["oscillating_flat_face"] = "oscillating_flat_face"
     title: ClassVar[str] = "Oscillating flat face, on a pivot"
     size_charts: ClassVar[tuple[tuple[str, ...], ...]] = (("base_radius",), ("p", "base_radius"))
+    swing_range: ClassVar[tuple[float, float]] = (-RIGHT_ANGLE, RIGHT_ANGLE)
     face_ends: ClassVar[tuple[str, str]] = ("near", "far")
 
     centre_distance_mm: Annotated[
@@ -82,7 +82,7 @@ class OscillatingFlatFace(FlatFaceFollower):
         ),
     ] = 0.0
     sense: Annotated[
-        Literal["opposite", "same"],
+        PivotSense,
         Field(description="Whether the lifting face turns against the cam or with it."),
     ] = "opposite"
     pivot_direction_deg: PivotDirection = 0.0
@@ -113,25 +113,6 @@ class OscillatingFlatFace(FlatFaceFollower):
         # an offset is a length of its own, which a small cam would have to be measured by
         anywhere = nearest <= 0.0 and self.face_offset_mm == 0.0
         return "the pivot may be as near to the cam's axis as one likes" if anywhere else ""
-
-    @property
-    def travel(self) -> Travel:
-        return Travel("deg", self.reference * DEGREE)
-
-    @property
-    def sigma(self) -> float:
-        """+1 where the lifting face turns against a ccw cam, −1 where it turns with it."""
-        return SENSES[self.sense]
-
-    @property
-    def distance(self) -> float | None:
-        """d where it is a number."""
-        low, high = ends(self.centre_distance_mm)
-        return low if low == high else None
-
-    @property
-    def size_names(self) -> tuple[str, ...]:
-        return self.size_charts[0 if self.distance is not None else 1]
 
     def adjustable_dimensions(self) -> Mapping[str, float | Range | None]:
         return {} if self.distance is not None else {"centre_distance_mm": self.centre_distance_mm}
@@ -203,13 +184,6 @@ class OscillatingFlatFace(FlatFaceFollower):
     def pressure_angle_rows(self, slope: float) -> tuple[LinearInequality, ...]:
         return ()
 
-    def displacement_measure(self, z: tuple[float, ...]) -> MeasuredBound:
-        l, start = self.reference, self._initial_angle(z)
-        return MeasuredBound(
-            "displacement", -l * (RIGHT_ANGLE + start), l * (RIGHT_ANGLE - start),
-            lambda s: (start + s / l) / DEGREE, "deg",
-        )  # fmt: skip
-
     def profile_radius_rows(self, least: float) -> tuple[LinearInequality, ...]:
         # w ≥ SLOWEST: without it there is no radius; the radius itself is curved
         return (
@@ -245,29 +219,9 @@ class OscillatingFlatFace(FlatFaceFollower):
 
     # -- geometry ----------------------------------------------------------------------------
 
-    def _pivot(self, z: Any) -> Vector2:
-        """p and q [mm]."""
+    def pivot(self, z: Any) -> Vector2:
         q = z[-1] + self.face_offset_mm
         return (z[0] if self.distance is None else (self.distance**2 - q * q) ** 0.5), q
-
-    def _initial_angle(self, z: tuple[float, ...]) -> float:
-        """ψ0 [rad]."""
-        p, q = self._pivot(z)
-        return math.atan2(q, p)
-
-    def _levers(self, s: Any, z: Any) -> Vector2:
-        """d cosψ and d sinψ [mm]."""
-        (p, q), swing = self._pivot(z), s[0] * (1.0 / self.reference)
-        cos, sin = np.cos(swing), np.sin(swing)
-        return cos * p - sin * q, sin * p + cos * q
-
-    def _frame(self, s: Any, z: Any) -> tuple[Vector2, Vector2]:
-        """u along the face and n outward."""
-        (c, e), (p, q) = self._levers(s, z), self._pivot(z)
-        scale, gamma = 1.0 / (p * p + q * q) ** 0.5, self.pivot_direction_deg * DEGREE
-        cos, sin, x, y = c * scale, e * (scale * self.sigma), math.cos(gamma), math.sin(gamma)
-        u = -cos * x - sin * y, sin * x - cos * y
-        return u, (u[1] * self.sigma, -u[0] * self.sigma)
 
     def _rates(self, s: Any) -> tuple[Any, Any, Any]:
         """φ', φ'', φ'''."""
@@ -276,40 +230,36 @@ class OscillatingFlatFace(FlatFaceFollower):
 
     def _contact(self, s: Any, z: Any) -> tuple[Any, Any, Any]:
         """r, r', r''."""
-        (c, e), (v, a, j) = self._levers(s, z), self._rates(s)
+        (c, e), (v, a, j) = self.axis_from_pivot(s, z), self._rates(s)
         w, turn, jerk = v * self.sigma + 1.0, a * self.sigma, j * self.sigma
         r = c / w
         r1 = -(e * v + r * turn) / w
         return r, r1, -(c * (v * v) + e * a + r1 * turn * 2.0 + r * jerk) / w
 
     def position(self, s: Any, z: Any) -> tuple[Vector2, ...]:
-        (ux, uy), (nx, ny) = self._frame(s, z)
-        f, (p, q), gamma = self.face_offset_mm, self._pivot(z), self.pivot_direction_deg * DEGREE
-        d = (p * p + q * q) ** 0.5
+        (ux, uy), (nx, ny) = self.frame(s, z)
+        f, (_, (x, y)) = self.face_offset_mm, self.pivot_position(z)
         (r, r1, r2), (v, a, _) = self._contact(s, z), self._rates(s)
         # the pivot + r u − f n; u' = φ' n, n' = −φ' u
         along, across = r1 + v * f, r * v
         along2, across2 = r2 + a * f - across * v, along * v + r1 * v + r * a
         return (
-            (r * ux - nx * f + d * math.cos(gamma), r * uy - ny * f + d * math.sin(gamma)),
+            (r * ux - nx * f + x, r * uy - ny * f + y),
             (along * ux + across * nx, along * uy + across * ny),
             (along2 * ux + across2 * nx, along2 * uy + across2 * ny),
         )
 
     def link(self, z: Any, degree: Any) -> Link:
-        f, gamma = self.face_offset_mm, self.pivot_direction_deg * degree
-        q, d = z[-1] + f, self.distance
+        f, d, sigma = self.face_offset_mm, self.distance, self.sigma
+        q = z[-1] + f
         p = z[0] if d is None else ((d - q) * (d + q)) ** 0.5
-        d = (p * p + q * q) ** 0.5
-        cos, sin, sigma = np.cos(gamma), np.sin(gamma), self.sigma
-        x, y = -p / d, sigma * q / d
-        along = x * cos - y * sin, y * cos + x * sin
-        normal, pivot = (sigma * along[1], -sigma * along[0]), (d * cos, d * sin)
+        pivot, along = self.link_frame(p, q, degree)
+        normal = sigma * along[1], -sigma * along[0]
         foot = pivot[0] - f * normal[0], pivot[1] - f * normal[1]
         return Link(face=Face(foot, along, normal), pivot=pivot, turn=-int(sigma))
 
     def drive_direction(self, s: Any, z: Any) -> tuple[Vector2, Vector2]:
-        (ux, uy), (nx, ny) = self._frame(s, z)
+        (ux, uy), (nx, ny) = self.frame(s, z)
         f, (r, r1, _), (v, *_) = self.face_offset_mm, self._contact(s, z), self._rates(s)
         square = r * r + f * f
         length = np.sqrt(square)
@@ -325,20 +275,19 @@ class OscillatingFlatFace(FlatFaceFollower):
         return np.sqrt(r * r + f * f) / self.reference
 
     def normal(self, tangent: Vector2, s: Any, z: Any) -> Vector2:
-        return self._frame(s, z)[1]
+        return self.frame(s, z)[1]
 
     def face_normal_rate(self, s: Any, z: Any) -> Vector2:
-        (ux, uy), (nx, ny) = self._frame(s, z)
+        (ux, uy), (nx, ny) = self.frame(s, z)
         v, *_ = self._rates(s)
         return ny - v * ux, -nx - v * uy
 
     def face_axis(self, s: Any, z: Any) -> tuple[Vector2, Vector2]:
-        (p, q), gamma = self._pivot(z), self.pivot_direction_deg * DEGREE
-        d, still = (p * p + q * q) ** 0.5, 0.0 * s[0]
-        return (still + d * math.cos(gamma), still + d * math.sin(gamma)), self._frame(s, z)[0]
+        (_, (x, y)), still = self.pivot_position(z), 0.0 * s[0]
+        return (still + x, still + y), self.frame(s, z)[0]
 
     def curvature_terms(self, s: Any, z: Any) -> tuple[Any, Any]:
-        (c, e), (v, a, _) = self._levers(s, z), self._rates(s)
+        (c, e), (v, a, _) = self.axis_from_pivot(s, z), self._rates(s)
         w = v * self.sigma + 1.0
         radius = e * (v * (2.0 * self.sigma) + 1.0) / (w * w) + c * a / (w * w * w)
         radius = radius - self.face_offset_mm
@@ -347,12 +296,11 @@ class OscillatingFlatFace(FlatFaceFollower):
     # -- dimensions ------------------------------------------------------------------------
 
     def dimensions(self, z: tuple[float, ...]) -> Mapping[str, float]:
-        p, q = self._pivot(z)
         return {
             "base_radius_mm": z[-1],
-            "centre_distance_mm": math.hypot(p, q),
+            "centre_distance_mm": float(self.pivot_position(z)[0]),
             "face_offset_mm": self.face_offset_mm,
-            "initial_angle_deg": self._initial_angle(z) / DEGREE,
+            "initial_angle_deg": self.initial_angle(z) / DEGREE,
         }
 
     def motion_dimensions(self, motion: Motion, z: tuple[float, ...]) -> Mapping[str, float]:

@@ -29,36 +29,40 @@ from synthesis.catalogue.constraints import (
     LinearInequality,
     NonconvexConstraint,
     NormBounds,
+    Vector,
 )
 from synthesis.catalogue.followers.arm_pressure_angle import (
     FixedPivotPressureAngle,
     FreePivotPressureAngle,
 )
 from synthesis.catalogue.followers.arm_workspace import ArmGeometry, feasible_arm_lengths
-from synthesis.catalogue.followers.base import FixableDimension, Follower, base_gap
-from synthesis.catalogue.followers.closures import MIN_PRIME_RADIUS_RATIO, ArmClosure, Force
-from synthesis.catalogue.followers.closures.counter_arm import CounterArm
-from synthesis.catalogue.followers.counter_roller import without_free_counter
+from synthesis.catalogue.followers.base import (
+    FixableDimension,
+    Follower,
+    RollerFollower,
+    base_gap,
+)
+from synthesis.catalogue.followers.closures import Force
+from synthesis.catalogue.followers.conjugate import ArmClosure
 from synthesis.catalogue.followers.flank import edge_offset
-from synthesis.catalogue.followers.kinematics import ArmPoint, TracePoint, Vector2
+from synthesis.catalogue.followers.kinematics import TracePoint, Vector2
 from synthesis.catalogue.followers.link import Link
-from synthesis.catalogue.followers.measures import MeasuredBound
-from synthesis.catalogue.followers.pivot import SENSES, PivotDirection
-from synthesis.catalogue.followers.roller import RollerFollower
+from synthesis.catalogue.followers.pivot import PivotDirection, PivotedFollower, PivotSense
 from synthesis.catalogue.followers.sizing import SizeDomain
 from synthesis.catalogue.motion import Motion, PlacedSegment
 from synthesis.catalogue.ranges import ArmLength, Dimension, Range, ends
 from synthesis.numerics.geometry.triangle import enclosed_angle, third_side
 from synthesis.numerics.maxima import maximise
-from synthesis.units import DEGREE, Travel
+from synthesis.units import DEGREE
 
 
-class OscillatingRoller(RollerFollower, ArmPoint):
+class OscillatingRoller(RollerFollower, PivotedFollower):
     """A roller on an arm that swings about a pivot; the lift is the angle of its swing."""
 
     kind: Literal["oscillating_roller"] = "oscillating_roller"
     title: ClassVar[str] = "Oscillating roller, on an arm (radius 0: knife edge)"
     size_charts: ClassVar[tuple[tuple[str, ...], ...]] = (("arc",), ("p", "q"))
+    swing_range: ClassVar[tuple[float, float]] = (0.0, math.pi)
 
     arm_mm: ArmLength
     centre_distance_mm: Dimension = None
@@ -73,7 +77,7 @@ class OscillatingRoller(RollerFollower, ArmPoint):
         ),
     ] = None
     sense: Annotated[
-        Literal["opposite", "same"],
+        PivotSense,
         Field(description="Whether the lifting arm turns against the cam or with it."),
     ] = "opposite"
     pivot_direction_deg: PivotDirection = 0.0
@@ -87,6 +91,10 @@ class OscillatingRoller(RollerFollower, ArmPoint):
         """Length of the arm [mm]; the smallest one while it is left free."""
         return ends(self.arm_mm)[0]
 
+    @property
+    def reference(self) -> float:
+        return self.length
+
     def searched_dimensions(
         self, base_radius: tuple[float, float]
     ) -> Mapping[str, tuple[float | Range, tuple[float, float]]]:
@@ -97,13 +105,9 @@ class OscillatingRoller(RollerFollower, ArmPoint):
         return {"arm_mm": (self.arm_mm, reached)}
 
     @property
-    def travel(self) -> Travel:
-        return Travel("deg", self.length * DEGREE)
-
-    @property
     def reason_without_minimum(self) -> str:
         if (
-            self._distance is not None
+            self.distance is not None
             or self.initial_angle_deg is not None
             or self.closure.counter_paths
         ):
@@ -112,21 +116,6 @@ class OscillatingRoller(RollerFollower, ArmPoint):
         if base_gap(self) < 0.0 or low > long or high < short:
             return ""
         return "the pivot may be as far from the cam's axis as the arm is long"
-
-    @property
-    def sigma(self) -> float:
-        """+1 where the lifting arm turns against a ccw cam, −1 where it turns with it."""
-        return SENSES[self.sense]
-
-    @property
-    def _distance(self) -> float | None:
-        """d where it is a number."""
-        low, high = ends(self.centre_distance_mm)
-        return low if low == high else None
-
-    @property
-    def size_names(self) -> tuple[str, ...]:
-        return self.size_charts[0 if self._distance is not None else 1]
 
     def adjustable_dimensions(self) -> Mapping[str, float | Range | None]:
         return {"centre_distance_mm": self.centre_distance_mm}
@@ -138,7 +127,7 @@ class OscillatingRoller(RollerFollower, ArmPoint):
         self, base_radius: tuple[float, float], segments: Sequence[PlacedSegment]
     ) -> None:
         self.closure.check(self.roller_radius_mm, base_radius[1], base_gap(self))
-        self._arm.check(self._prime(base_radius), segments)
+        self._arm.check(self.prime_radii(base_radius), segments)
         if self.length <= self.roller_radius_mm:
             raise PydanticCustomError(
                 "roller_on_pivot",
@@ -150,18 +139,10 @@ class OscillatingRoller(RollerFollower, ArmPoint):
     def feasible_base_radii(
         self, base_radius: tuple[float, float], stroke: float
     ) -> tuple[float, float]:
-        prime = self._prime(base_radius)
+        prime = self.prime_radii(base_radius)
         kept = zip(base_radius, prime, self._arm.swingable(prime, stroke), strict=True)
         low, high = (base if now == was else now - base_gap(self) for base, was, now in kept)
         return low, high
-
-    def _prime(self, base_radius: tuple[float, float]) -> tuple[float, float]:
-        low, high = base_radius
-        # inside a ring any positive prime radius is a cam
-        gap = base_gap(self)
-        return max(low + gap, MIN_PRIME_RADIUS_RATIO * low), max(
-            high + gap, MIN_PRIME_RADIUS_RATIO * high
-        )
 
     @property
     def _arm(self) -> ArmGeometry:
@@ -172,7 +153,7 @@ class OscillatingRoller(RollerFollower, ArmPoint):
     # -- the size ----------------------------------------------------------------------------
 
     def size_domain(self, base_radius: tuple[float, float]) -> SizeDomain:
-        prime, arm, l = self._prime(base_radius), self._arm, self.length
+        prime, arm, l = self.prime_radii(base_radius), self._arm, self.length
         if arm.pivot is not None:
             low, high = arm.angles(prime)
             return SizeDomain(((l * low, l * high),), (), 0.0)  # the bounds say it all
@@ -188,35 +169,35 @@ class OscillatingRoller(RollerFollower, ArmPoint):
         return SizeDomain((across, (0.0, min(prime[1], farthest))), tuple(cones), least)
 
     def radius_norm(self) -> AffineNorm:
-        if self._distance is not None:
+        if self.distance is not None:
             return AffineNorm(((1.0,),), (0.0,))  # lψ0, with which Rp grows
         return AffineNorm(((-1.0, 0.0), (0.0, 1.0)), (self.length, 0.0))
 
     def _radius(self, z: tuple[float, ...], s: float) -> float:
         """Distance of the roller's centre from the axis at a displacement [mm]."""
-        if self._distance is not None:
-            return third_side(self.length, self._distance, (z[0] + s) / self.length)
+        if self.distance is not None:
+            return third_side(self.length, self.distance, (z[0] + s) / self.length)
         return self.outer_radius_norm(s).value(z)
 
     def enlarged_to(self, z: tuple[float, ...], radius: float) -> tuple[float, ...]:
-        if self._distance is not None:
+        if self.distance is not None:
             return (max(z[0], radius),)
         p, q = z
         return p, max(q, math.sqrt(max(radius**2 - (self.length - p) ** 2, 0.0)))
 
     def radius_from_norm(self, value: float) -> float:
-        if self._distance is None:
+        if self.distance is None:
             return value
         angle = min(max(value / self.length, 0.0), math.pi)
-        return third_side(self.length, self._distance, angle)
+        return third_side(self.length, self.distance, angle)
 
     def norm_from_radius(self, radius: float) -> float:
-        if self._distance is None:
+        if self.distance is None:
             return radius
-        return self.length * enclosed_angle(self.length, self._distance, radius)
+        return self.length * enclosed_angle(self.length, self.distance, radius)
 
     def fixable_dimension(self) -> FixableDimension | None:
-        if self._distance is not None:
+        if self.distance is not None:
             return None
         low, high = ends(self.centre_distance_mm)
 
@@ -228,12 +209,12 @@ class OscillatingRoller(RollerFollower, ArmPoint):
             return distance * math.cos(angle), distance * math.sin(angle)
 
         return FixableDimension(
-            "centre distance", max(low, 0.0), high, self.length, _hypot, at, whole
+            "centre distance", max(low, 0.0), high, self.length, lambda z: math.hypot(*z), at, whole
         )
 
     def outer_radius_norm(self, s_max: float) -> AffineNorm:
         # R grows with ψ: at the highest lift, (l − d cosψ, d sinψ)
-        if self._distance is not None:
+        if self.distance is not None:
             return AffineNorm(((1.0,),), (s_max,))
         cos, sin = math.cos(s_max / self.length), math.sin(s_max / self.length)
         return AffineNorm(((-cos, sin), (sin, cos)), (self.length, 0.0))
@@ -243,77 +224,36 @@ class OscillatingRoller(RollerFollower, ArmPoint):
 
     def pressure_angle_constraints(self, slope: float) -> tuple[NonconvexConstraint, ...]:
         arm, sigma = self.length, self.sigma
-        if self._distance is None:
+        if self.distance is None:
             return (FreePivotPressureAngle("pressure_angle", arm, sigma, slope),)
-        return (FixedPivotPressureAngle("pressure_angle", arm, self._distance, sigma, slope),)
-
-    def displacement_measure(self, z: tuple[float, ...]) -> MeasuredBound:
-        # 0 < ψ < 180°
-        l, lowest = self.length, -self.length * self._initial_angle(z)
-        highest = lowest + l * math.pi
-        return MeasuredBound(
-            "displacement", lowest, highest, lambda s: (s - lowest) / l / DEGREE, "deg"
-        )
+        return (FixedPivotPressureAngle("pressure_angle", arm, self.distance, sigma, slope),)
 
     # -- geometry ----------------------------------------------------------------------------
 
-    def _pivot(self, z: Any) -> Vector2:
-        """p = d cosψ0 and q = d sinψ0 [mm]."""
-        if self._distance is None:
+    def pivot(self, z: Any) -> Vector2:
+        if self.distance is None:
             p, q = z
             return p, q
         angle = z[0] / self.length
-        return self._distance * np.cos(angle), self._distance * np.sin(angle)
+        return self.distance * np.cos(angle), self.distance * np.sin(angle)
 
-    def _initial_angle(self, z: tuple[float, ...]) -> float:
-        """ψ0 [rad]."""
-        return z[0] / self.length if self._distance is not None else math.atan2(z[1], z[0])
-
-    def _towards_axis(self, s: Any, z: Any) -> Vector2:
-        """d cosψ, d sinψ: the axis as seen from the pivot, along and across the arm."""
-        p, q = self._pivot(z)
-        swing = s[0] / self.length
-        cos, sin = np.cos(swing), np.sin(swing)
-        return p * cos - q * sin, q * cos + p * sin
-
-    def _bearing(self, z: Any) -> tuple[Any, float, float]:
-        """d, and the direction of the pivot as seen from the axis."""
-        p, q = self._pivot(z)
-        d = (p * p + q * q) ** 0.5 if self._distance is None else self._distance
-        gamma = self.pivot_direction_deg * DEGREE
-        return d, math.cos(gamma), math.sin(gamma)
-
-    def _axes(self, s: Any, z: Any) -> tuple[Vector2, Vector2]:
-        """u along the arm, and g in which its end is driven: u turned by −90° σ.
-
-        u is the direction from the pivot to the axis, turned by −σψ.
-        """
-        along, across = self._towards_axis(s, z)
-        d, x, y = self._bearing(z)
-        cos, sin = along / d, self.sigma * across / d
-        u = -x * cos - y * sin, x * sin - y * cos
-        return u, (self.sigma * u[1], -self.sigma * u[0])
+    def initial_angle(self, z: Vector) -> float:
+        return z[0] / self.length if self.distance is not None else math.atan2(z[1], z[0])
 
     def position(self, s: Any, z: Any) -> tuple[Vector2, ...]:
-        l, (u, g), (d, x, y) = self.length, self._axes(s, z), self._bearing(z)
+        l, (u, g), (_, (x, y)) = self.length, self.frame(s, z), self.pivot_position(z)
         turn = s[1] / l
         along, driven = -s[1] * turn, s[2]  # u' = (s'/l) g, g' = −(s'/l) u
         further, jerked = -3.0 * s[2] * turn, s[3] - s[1] * turn * turn
         return (
-            (d * x + l * u[0], d * y + l * u[1]),
+            (x + l * u[0], y + l * u[1]),
             (s[1] * g[0], s[1] * g[1]),
             (driven * g[0] + along * u[0], driven * g[1] + along * u[1]),
             (jerked * g[0] + further * u[0], jerked * g[1] + further * u[1]),
         )
 
     def link(self, z: Any, degree: Any) -> Link:
-        (p, q), gamma = self._pivot(z), self.pivot_direction_deg * degree
-        d = (p * p + q * q) ** 0.5
-        cos, sin = np.cos(gamma), np.sin(gamma)
-        # the arm in the basis from the pivot to the axis and square to it, turned by −σψ0
-        x, y = -p / d, self.sigma * q / d
-        arm = x * cos - y * sin, y * cos + x * sin
-        pivot, turn = (d * cos, d * sin), -int(self.sigma)
+        (pivot, arm), turn = self.link_frame(*self.pivot(z), degree), -int(self.sigma)
         tip = pivot[0] + self.arm_mm * arm[0], pivot[1] + self.arm_mm * arm[1]
         return Link(self.closure.contact_points(tip, pivot, turn, degree), pivot=pivot, turn=turn)
 
@@ -331,36 +271,32 @@ class OscillatingRoller(RollerFollower, ArmPoint):
         return (position,)
 
     def drive_direction(self, s: Any, z: Any) -> tuple[Vector2, Vector2]:
-        u, g = self._axes(s, z)
+        u, g = self.frame(s, z)
         turn = s[1] / self.length
         return g, (-turn * u[0], -turn * u[1])
 
     def curvature_terms(self, s: Any, z: Any) -> tuple[Any, Any]:
         l, sigma = self.length, self.sigma
-        along, across = self._towards_axis(s, z)
+        along, across = self.axis_from_pivot(s, z)
         ahead = l + sigma * s[1]
         lever = ahead - along
         speed_squared = lever * lever + across * across
         bend = sigma * (s[1] / l) * lever * ahead - across * s[2]
         return speed_squared + bend, speed_squared
 
-    def arm_angle(self, s: float, z: tuple[float, ...]) -> float:
-        return self._initial_angle(z) + s / self.length
-
-    def second_arm(self, length: float, angle: float) -> TracePoint:
+    def second_arm(
+        self, length: float, angle: float
+    ) -> tuple[TracePoint, float, tuple[Vector, ...], Vector]:
         ratio = length / self.length
         sense = {"opposite": "same", "same": "opposite"}[self.sense]
         other = self.model_copy(update={"arm_mm": length, "sense": sense, "closure": Force()})
-        if self._distance is not None:
-            return CounterArm(other, ratio, ((-ratio,),), (length * angle,))
+        if self.distance is not None:
+            return other, ratio, ((-ratio,),), (length * angle,)
         # d cos(γ − ψ0), d sin(γ − ψ0)
         cos, sin = math.cos(angle), math.sin(angle)
-        return CounterArm(other, ratio, ((cos, sin), (sin, -cos)), (0.0, 0.0))
+        return other, ratio, ((cos, sin), (sin, -cos)), (0.0, 0.0)
 
     # -- dimensions ------------------------------------------------------------------------
-
-    def clearance(self, away: Any, up: Any) -> Any:
-        return np.hypot(away[0], away[1]) - self.roller_radius
 
     def dimensions(self, z: tuple[float, ...]) -> Mapping[str, float]:
         prime = self._radius(z, 0.0)
@@ -369,8 +305,8 @@ class OscillatingRoller(RollerFollower, ArmPoint):
             "prime_radius_mm": prime,
             "roller_radius_mm": self.roller_radius_mm,
             "arm_mm": self.length,
-            "centre_distance_mm": float(self._bearing(z)[0]),
-            "initial_angle_deg": self._initial_angle(z) / DEGREE,
+            "centre_distance_mm": float(self.pivot_position(z)[0]),
+            "initial_angle_deg": self.initial_angle(z) / DEGREE,
             **self.closure.dimensions(self.roller_radius_mm),
         }
 
@@ -380,15 +316,11 @@ class OscillatingRoller(RollerFollower, ArmPoint):
         A negative clearance: the cam sweeps past the pivot, so that arm and bearing have to stand
         beside the cam's plane.
         """
-        flanks = without_free_counter(self).flanks
+        flanks = self.without_free_counter().flanks
         highest, _ = maximise(motion.curve, (1.0, 0.0, 0.0, 0.0))
         outer = self._radius(z, highest) - edge_offset(flanks, flanks[0].path)
         return {
             "outer_radius_mm": outer,
-            "pivot_clearance_mm": float(self._bearing(z)[0]) - outer,
+            "pivot_clearance_mm": float(self.pivot_position(z)[0]) - outer,
             **self.closure.motion_dimensions(self, motion, z),
         }
-
-
-def _hypot(z: tuple[float, ...]) -> float:
-    return math.hypot(*z)

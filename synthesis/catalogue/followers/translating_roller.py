@@ -22,12 +22,12 @@ from synthesis.catalogue.constraints import (
     PressureTerm,
     SlideCoordinates,
 )
-from synthesis.catalogue.followers.base import base_gap
-from synthesis.catalogue.followers.closures import MIN_PRIME_RADIUS_RATIO, Force, SlideClosure
+from synthesis.catalogue.followers.base import RollerFollower, base_gap
+from synthesis.catalogue.followers.closures import Force
+from synthesis.catalogue.followers.conjugate import SlideClosure
 from synthesis.catalogue.followers.curvature_bound import CurvatureBound
 from synthesis.catalogue.followers.kinematics import Vector2
 from synthesis.catalogue.followers.link import Link
-from synthesis.catalogue.followers.roller import RollerFollower
 from synthesis.catalogue.followers.sizing import SizeDomain
 from synthesis.catalogue.motion import Motion, PlacedSegment
 from synthesis.catalogue.ranges import Dimension, Range, ends
@@ -77,11 +77,7 @@ class TranslatingRoller(RollerFollower):
         return {"offset_mm": self.offset_mm}
 
     def size_domain(self, base_radius: tuple[float, float]) -> SizeDomain:
-        gap = base_gap(self)
-        # inside a ring any positive prime radius is a cam
-        least, largest = (
-            max(radius + gap, MIN_PRIME_RADIUS_RATIO * radius) for radius in base_radius
-        )
+        least, largest = self.prime_radii(base_radius)
         e_min, e_max = ends(self.offset_mm)
         e_min, e_max = max(e_min, -largest), min(e_max, largest)
         nearest = 0.0 if e_min <= 0.0 <= e_max else min(abs(e_min), abs(e_max))
@@ -143,9 +139,6 @@ class TranslatingRoller(RollerFollower):
         self, side: int, most: float, thrust: PressureTerm | None = None
     ) -> tuple[CurvatureBound, ...]:
         return (CurvatureBound("", ROLLER, side, most, thrust),)
-
-    def clearance(self, away: Any, up: Any) -> Any:
-        return np.hypot(away[0], away[1]) - self.roller_radius
 
     def dimensions(self, z: tuple[float, ...]) -> Mapping[str, float]:
         e, s0 = z

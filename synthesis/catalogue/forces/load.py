@@ -12,7 +12,6 @@ from pydantic import BaseModel, ConfigDict, Field, field_validator, model_valida
 from pydantic_core import PydanticCustomError
 
 from synthesis.catalogue.followers import Follower
-from synthesis.catalogue.followers.counter_roller import counter_paths, without_free_counter
 from synthesis.catalogue.forces.contact import Contact, RollerBearing
 from synthesis.catalogue.forces.friction import AnyFriction, FrictionModel
 from synthesis.catalogue.forces.process import ForcePoint, MomentPoint, check_order, force_course
@@ -135,7 +134,7 @@ class Load(BaseModel, ABC):
         Args:
             follower: which it loads. omega: cam speed [rad/s].
         """
-        given, flanks = self.wire_values, without_free_counter(follower).flanks
+        given, flanks = self.wire_values, follower.without_free_counter().flanks
         # s is in mm, or the arc lφ in mm of an arm: a moment in N m is 1000/l N along it
         length = follower.travel.per_unit / (1.0 if given.lever == 1.0 else DEGREE)
         force = 1.0 / (given.lever * length)
@@ -160,7 +159,8 @@ class Load(BaseModel, ABC):
     @staticmethod
     def pushed_both_ways(follower: Follower) -> bool:
         """Whether the cam pushes the follower inwards as well as outwards."""
-        return bool(counter_paths(follower)) or len(without_free_counter(follower).flanks) > 1
+        both = follower.active_closure.counter_paths
+        return bool(both) or len(follower.without_free_counter().flanks) > 1
 
     def check_against(self, follower: Follower, segments: Sequence[PlacedSegment]) -> None:
         """Refuse a load that no cam can serve.

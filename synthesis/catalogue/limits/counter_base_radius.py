@@ -10,7 +10,6 @@ from pydantic import Field
 
 from synthesis.catalogue.constraints import LinearInequality
 from synthesis.catalogue.followers.base import Follower
-from synthesis.catalogue.followers.counter_roller import counter_paths
 from synthesis.catalogue.followers.flank import Flank
 from synthesis.catalogue.limits.base import Claim, Limit, Machine, segment_indices, shifting
 from synthesis.catalogue.motion import PlacedSegment
@@ -32,7 +31,7 @@ class CounterBaseRadius(Limit):
         return True
 
     def applies_to(self, follower: Follower) -> bool:
-        return bool(counter_paths(follower))
+        return bool(follower.active_closure.counter_paths)
 
     def rows(self, segment: PlacedSegment, machine: Machine) -> tuple[LinearInequality, ...]:
         return tuple(
@@ -74,5 +73,5 @@ class CounterBaseRadius(Limit):
 def _counters(machine: Machine) -> Iterator[Flank]:
     """The flanks of counter cams."""
     for flank in machine.follower.flanks:
-        if flank.path in counter_paths(machine.follower):
+        if flank.path in machine.follower.active_closure.counter_paths:
             yield flank

@@ -10,7 +10,6 @@ import numpy as np
 from pydantic_core import PydanticCustomError
 
 from synthesis.catalogue.followers.base import Follower
-from synthesis.catalogue.followers.counter_roller import counter_paths
 from synthesis.catalogue.followers.flank import Flank
 from synthesis.catalogue.followers.kinematics import TracePoint, pressure_angle_sine_cosine
 from synthesis.catalogue.forces import Load, ReducedLoad
@@ -60,7 +59,7 @@ def drive(segment: PlacedSegment, machine: Machine, theta: Array, s: Any) -> Any
 
 def push_sign(flank: Flank, machine: Machine) -> int:
     """+1 on the main roller's flanks, −1 on a counter roller's: it pushes against growing s."""
-    return -1 if flank.path in counter_paths(machine.follower) else 1
+    return -1 if flank.path in machine.follower.active_closure.counter_paths else 1
 
 
 def transmission(path: TracePoint, segment: PlacedSegment, machine: Machine, s: Any, z: Any) -> Any:

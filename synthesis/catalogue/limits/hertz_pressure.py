@@ -13,7 +13,6 @@ from pydantic_core import PydanticCustomError
 
 from synthesis.catalogue.constraints import LinearInequality
 from synthesis.catalogue.followers.base import Follower
-from synthesis.catalogue.followers.counter_roller import without_free_counter
 from synthesis.catalogue.followers.curvature_bound import CurvatureBound
 from synthesis.catalogue.followers.flank import labelled
 from synthesis.catalogue.followers.kinematics import pressure_angle_sine_cosine
@@ -60,7 +59,7 @@ class HertzPressure(ForceLimit):
                 "Give load/contact with its width_mm.",
                 {"position": position},
             )
-        edges = [flank for flank in without_free_counter(follower).flanks if flank.roller <= 0.0]
+        edges = [flank for flank in follower.without_free_counter().flanks if flank.roller <= 0.0]
         if edges and not follower.always_convex:
             raise PydanticCustomError(
                 "edge_has_no_pressure",

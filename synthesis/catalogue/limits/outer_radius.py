@@ -11,7 +11,6 @@ from pydantic_core import PydanticCustomError
 
 from synthesis.catalogue.constraints import LinearInequality, NonconvexConstraint, NormBounds
 from synthesis.catalogue.followers.base import Follower, paths
-from synthesis.catalogue.followers.counter_roller import without_free_counter
 from synthesis.catalogue.followers.flank import edge_offset, labelled
 from synthesis.catalogue.followers.kinematics import TracePoint
 from synthesis.catalogue.limits.base import Claim, Limit, Machine, segment_indices, shifting
@@ -32,7 +31,7 @@ class OuterRadius(Limit):
     max_mm: Annotated[float, Field(gt=0.0, le=1e9, description="Largest radius of the profile.")]
 
     def check(self, follower: Follower) -> None:
-        alone = without_free_counter(follower)
+        alone = follower.without_free_counter()
         for path in paths(alone):
             gap = edge_offset(alone.flanks, path)
             if self.max_mm + gap <= 0.0:

@@ -12,7 +12,6 @@ from pydantic_core import PydanticCustomError
 
 from synthesis.catalogue.constraints import LinearInequality, NonconvexConstraint
 from synthesis.catalogue.followers.base import paths
-from synthesis.catalogue.followers.counter_roller import counter_paths
 from synthesis.catalogue.followers.flank import labelled
 from synthesis.catalogue.followers.kinematics import pressure_angle_sine_cosine
 from synthesis.catalogue.limits.base import Claim, Limit, Machine, scaling, segment_indices
@@ -72,7 +71,8 @@ class PressureAngle(Limit):
         self, segment: PlacedSegment, machine: Machine, theta: Array, s: Any, z: Any
     ) -> tuple[Any, ...]:
         """What is curved, and of counter rollers that say nothing in rows |n × g| ≤ t n · g."""
-        curves, companions = self.nonconvex(segment, machine), counter_paths(machine.follower)
+        curves = self.nonconvex(segment, machine)
+        companions = machine.follower.active_closure.counter_paths
         found: list[Any] = [value for curve in curves for value in curve.excess(s, z)]
         limits = [self._largest(kind) for kind in segment.senses] if companions else []
         slope = min((tan(largest) for largest in limits if largest is not None), default=inf)

@@ -10,8 +10,7 @@ from pydantic import Field
 
 from synthesis.catalogue.constraints import LinearInequality, NonconvexConstraint
 from synthesis.catalogue.followers.curvature_bound import CurvatureBound
-from synthesis.catalogue.followers.flank import labelled
-from synthesis.catalogue.followers.measures import profile_radius_measure
+from synthesis.catalogue.followers.flank import labelled, profile_radius_measure
 from synthesis.catalogue.limits.base import Claim, Limit, Machine, segment_indices
 from synthesis.catalogue.motion import PlacedSegment
 from synthesis.numerics.piecewise import Array

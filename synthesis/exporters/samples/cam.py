@@ -7,7 +7,6 @@ from dataclasses import dataclass, fields, replace
 
 from synthesis.catalogue.fields import Rotation
 from synthesis.catalogue.followers import Follower
-from synthesis.catalogue.followers.counter_roller import counter_paths
 from synthesis.catalogue.followers.flank import Flank, labelled
 from synthesis.catalogue.profile import CamProfile, cam_profile
 from synthesis.design.design import Design
@@ -102,7 +101,7 @@ def _flank(follower: Follower, curve: CurveName) -> Flank:
         if flank.name and curve in names:
             return flank
     known = [flank.name for flank in flanks if flank.name]
-    known += [labelled(path, "pitch") for path in counter_paths(follower)]
+    known += [labelled(path, "pitch") for path in follower.active_closure.counter_paths]
     known += ["cutter", *(f"{flank.name}_cutter" for flank in flanks[1:])]
     raise InputError(
         "/curve",

@@ -6,7 +6,6 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from math import sqrt
 
-from synthesis.catalogue.followers.counter_roller import counter_paths
 from synthesis.catalogue.followers.sizing import enlarged
 from synthesis.optimise.conic.linear_rows import row_excess
 from synthesis.optimise.problem.grid import SplineLaw, law_curves
@@ -115,7 +114,8 @@ def enlarge_until_feasible(cam: Candidate, *, densely: bool = False) -> Candidat
     """
     size = enlarged_size(cam.problem, cam.size, CLEARANCE, densely=densely)
     if size is None or (
-        counter_paths(cam.problem.machine.follower) and violates_rows(cam.problem, size)
+        cam.problem.machine.follower.active_closure.counter_paths
+        and violates_rows(cam.problem, size)
     ):
         return None
     if _leaves_cone(cam.problem, size):

@@ -16,11 +16,6 @@ import numpy as np
 from scipy.optimize import brentq
 
 from synthesis.catalogue.constraints import NormBounds
-from synthesis.catalogue.followers.counter_roller import (
-    counter_dimensions,
-    counter_only,
-    counter_range,
-)
 from synthesis.catalogue.ranges import ends
 from synthesis.numerics import clock
 from synthesis.optimise.conic.linear_rows import row_excess
@@ -64,7 +59,7 @@ def place_counter_roller(
     """
     free = [
         (name, ends(value))
-        for name, value in counter_dimensions(spec.follower).values()
+        for name, value in spec.follower.active_closure.counter_dimensions().values()
         if ends(value)[0] != ends(value)[1]
     ]
     if not free:
@@ -73,7 +68,7 @@ def place_counter_roller(
     counter_cam = _CounterCam(spec, cam, name, deadline)
     segments = cam.problem.segments
     highest = max(max(s.s_start, s.s_end) for s in segments)
-    places = counter_range(spec.follower, cam.size, highest)
+    places = spec.follower.active_closure.counter_range(spec.follower, cam.size, highest)
     nearest, most = max(low, places.nearest), min(high, places.farthest)
     if most <= nearest:
         return CounterRollerPlacement(
@@ -108,10 +103,11 @@ class _CounterCam:
     def at(self, distance: float) -> Problem:
         """The problem put to the counter cam alone."""
         machine = self.cam.problem.machine
-        follower = counter_only(self.spec.follower, {self.name: distance})
+        follower = self.spec.follower
+        closure = follower.active_closure.counter_only({self.name: distance})
         return replace(
             self.cam.problem,
-            machine=replace(machine, follower=follower),
+            machine=replace(machine, follower=follower.with_closure(closure)),
             limits=self.spec.all_limits(),
         )
 

@@ -12,7 +12,6 @@ from math import inf
 
 import numpy as np
 
-from synthesis.catalogue.followers.counter_roller import counter_paths
 from synthesis.catalogue.ranges import ends
 from synthesis.errors import InputError
 from synthesis.studies.measured.contact import follow_outline
@@ -47,7 +46,8 @@ def read_back(cam: MeasuredCam) -> ProfileAnalysis:
                 f"/follower/{name}", None, "A measured profile needs a follower given in full.",
                 "Give this dimension as a number.",
             )  # fmt: skip
-    if counter_paths(cam.follower) or [flank.side for flank in cam.follower.flanks] != [1]:
+    sides = [flank.side for flank in cam.follower.flanks]
+    if cam.follower.active_closure.counter_paths or sides != [1]:
         raise InputError(
             "/follower/closure", cam.follower.kind,
             "A measured profile is read with one roller that touches it from outside.",

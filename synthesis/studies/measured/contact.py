@@ -17,7 +17,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from synthesis.catalogue.followers.base import Follower
-from synthesis.catalogue.followers.read_back import inverse_kinematics
 from synthesis.errors import InputError
 from synthesis.numerics.piecewise import Array
 from synthesis.studies.measured.outline import Outline
@@ -68,7 +67,7 @@ def follow_outline(outline: Outline, follower: Follower, tolerance: float) -> Fo
         InputError: the follower does not reach the cam.
     """
     centre = outline.point + follower.roller_radius * outline.normal
-    theta, position = inverse_kinematics(follower).pose(centre, outline.normal)
+    theta, position = follower.pose(centre, outline.normal)
     lost = ~np.isfinite(theta + position)
     if lost.any():
         raise _unreachable(outline, follower, theta, lost)
@@ -193,7 +192,7 @@ def _bridge(
     """The hollow between two points of contact."""
     angle, centre = _resting_place(run, theta, *postures)
     up = np.array([math.sin(angle), math.cos(angle)])
-    inward = inverse_kinematics(follower).clearance(outline.point[:, run] - centre[:, None], up)
+    inward = follower.clearance(outline.point[:, run] - centre[:, None], up)
     deepest = int(np.argmax(inward))
     bend = float(np.min(outline.bend[run]))
     x, y = outline.point[:, run[deepest]]

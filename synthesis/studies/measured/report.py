@@ -11,7 +11,6 @@ import numpy as np
 from synthesis.catalogue.fields import AnswerModel, doc
 from synthesis.catalogue.followers.base import Follower
 from synthesis.catalogue.followers.flat_face import flat_face
-from synthesis.catalogue.followers.read_back import inverse_kinematics
 from synthesis.catalogue.limits.face_width import FaceWidth
 from synthesis.catalogue.profile import CamProfile, cam_profile
 from synthesis.design.identity import engine_version
@@ -181,7 +180,7 @@ def report_profile(
         cam: the request. shape: the outline. path: the follower on it. found: its motion.
     """
     size, travel, curve = (
-        inverse_kinematics(cam.follower).size_at_lowest(found.lowest),
+        cam.follower.size_at_lowest(found.lowest),
         cam.follower.travel,
         found.motion.curve,
     )

@@ -6,7 +6,8 @@ import numpy as np
 import pytest
 
 from synthesis.catalogue.followers import OscillatingRoller
-from synthesis.catalogue.followers.closures import ConjugateArm, Force, Groove
+from synthesis.catalogue.followers.closures import Force, Groove
+from synthesis.catalogue.followers.conjugate import ConjugateArm
 from synthesis.catalogue.followers.flank import Flank
 from synthesis.catalogue.laws import LAWS
 from synthesis.catalogue.motion import Motion, PlacedSegment

@@ -11,7 +11,8 @@ import pytest
 from hypothesis import HealthCheck, assume, given, settings
 
 from synthesis.catalogue.followers import TranslatingRoller
-from synthesis.catalogue.followers.closures import ConjugateSlide, Force, Groove
+from synthesis.catalogue.followers.closures import Force, Groove
+from synthesis.catalogue.followers.conjugate import ConjugateSlide
 from synthesis.catalogue.followers.flank import Flank
 from synthesis.catalogue.profile import CamProfile, cam_profile
 from tests.numerics.geometry import touch

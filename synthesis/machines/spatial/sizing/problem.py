@@ -9,7 +9,7 @@ from typing import ClassVar, cast
 
 from synthesis.catalogue.constraints import AffineNorm, LinearInequality
 from synthesis.catalogue.followers.base import Follower
-from synthesis.catalogue.followers.closures.base import SINGLE_FLANK, Closure
+from synthesis.catalogue.followers.closures import SINGLE_FLANK, Closure
 from synthesis.catalogue.followers.sizing import SizeDomain
 from synthesis.catalogue.limits import Limit, Machine
 from synthesis.catalogue.motion import EndState, PlacedSegment

@@ -1,29 +1,127 @@
-"""Two cams on one shaft, each with a roller on the same follower: what one lifts, one lowers."""
+"""Conjugate cams: two cams on one shaft, each with a roller on the same follower.
+
+What one cam lifts, the other lowers. Seen from the counter cam, the counter roller is a follower
+of the main one's family, at another size and moving the other way (``CounterRoller``). On a slide,
+with L its distance below the main roller and e2 its offset, the machine is turned upside down:
+
+    s2 = −s,  offset −e2,  height L − s0
+
+On an arm, with l2 the second arm, γ the fixed angle between the two, l and ψ those of the main arm,
+the second arm lies beyond the line to the axis at ψ2 = γ − ψ, and swings in the other sense:
+
+    s2 = −(l2/l) s,  ψ0 of the second arm γ − ψ0
+"""
 
 from __future__ import annotations
 
 import math
 from abc import ABC, abstractmethod
 from collections.abc import Mapping
+from dataclasses import dataclass, replace
+from operator import mul
 from typing import Annotated, Any, ClassVar, Literal, Self
 
 import numpy as np
 from pydantic import Field
 
-from synthesis.catalogue.followers.closures.base import Closure
-from synthesis.catalogue.followers.closures.counter_slide import CounterSlide
-from synthesis.catalogue.followers.closures.force import Force
+from synthesis.catalogue.constraints import AffineNorm, LinearInequality, PressureTerm, Vector
+from synthesis.catalogue.followers.closures import Closure, Force, Groove
+from synthesis.catalogue.followers.curvature_bound import CurvatureBound
 from synthesis.catalogue.followers.flank import CounterRollerRange, Flank
-from synthesis.catalogue.followers.kinematics import ArmPoint, TracePoint, Vector2
+from synthesis.catalogue.followers.kinematics import TracePoint, Vector2
 from synthesis.catalogue.followers.link import Tip
+from synthesis.catalogue.followers.pivot import PivotedFollower
 from synthesis.catalogue.motion import Motion
 from synthesis.catalogue.ranges import Dimension, Range, ends
 from synthesis.units import DEGREE
 
 FARTHEST = 1e4  # strokes: upper end of the search for the distance; no machine is so long
-CounterRoller = Annotated[
-    float, Field(ge=0.0, le=1e6, description="Radius of the counter cam's roller.")
-]
+
+
+@dataclass(frozen=True)
+class CounterRoller(TracePoint):
+    """The counter roller, by the formulas of a main one; the size z is the main follower's.
+
+    Attributes:
+        seen: the follower that it is as seen from the counter cam.
+        ratio: −s2/s.
+        matrix, shift: the size variables of ``seen`` as an affine map of z.
+        upside_down: whether ``seen`` stands in a machine turned by half a turn.
+    """
+
+    seen: TracePoint
+    ratio: float
+    matrix: tuple[Vector, ...]
+    shift: Vector
+    upside_down: bool = False
+
+    def _map(self, s: Any, z: Any) -> tuple[tuple[Any, ...], tuple[Any, ...]]:
+        """s2 to s2''' and the size of ``seen``."""
+        return tuple(-self.ratio * value for value in s), tuple(
+            sum((a * v for a, v in zip(row, z, strict=True)), m)
+            for row, m in zip(self.matrix, self.shift, strict=True)
+        )
+
+    def _through(self, row: Vector) -> tuple[Vector, float]:
+        """A linear form of the size of ``seen``, as a linear form of z and a constant."""
+        columns = zip(*self.matrix, strict=True)
+        return tuple(sum(map(mul, row, c)) for c in columns), sum(map(mul, row, self.shift))
+
+    def _turned(self, vectors: tuple[Vector2, ...]) -> tuple[Vector2, ...]:
+        return tuple((-x, -y) for x, y in vectors) if self.upside_down else vectors
+
+    def position(self, s: Any, z: Any) -> tuple[Vector2, ...]:
+        return self._turned(self.seen.position(*self._map(s, z)))
+
+    def drive_direction(self, s: Any, z: Any) -> tuple[Vector2, Vector2]:
+        direction, rate = self._turned(self.seen.drive_direction(*self._map(s, z)))
+        return direction, rate
+
+    def lever(self, s: Any, z: Any) -> Any:
+        return -self.ratio  # as s grows it follows the other way
+
+    def curvature_terms(self, s: Any, z: Any) -> tuple[Any, Any]:
+        return self.seen.curvature_terms(*self._map(s, z))
+
+    def curvature_bounds(
+        self, side: int, most: float, thrust: PressureTerm | None = None
+    ) -> tuple[CurvatureBound, ...]:
+        # Only of a slide, where |ratio| = 1: coordinates of s2 and z2 become those of s and z.
+        return tuple(
+            replace(bound, coordinates=bound.coordinates.through(self._through))
+            for bound in self.seen.curvature_bounds(side, most, thrust)
+        )
+
+    def pressure_angle_rows(self, slope: float) -> tuple[LinearInequality, ...]:
+        return tuple(self._row(row) for row in self.seen.pressure_angle_rows(slope))
+
+    def _row(self, row: LinearInequality) -> LinearInequality:
+        """A row on s2 and z2 as one on s and z."""
+        s, v, a, j = (-self.ratio * each for each in row.coefficients)
+        size, constant = self._through(row.size)
+        return replace(row, coefficients=(s, v, a, j), size=size, upper=row.upper - constant)
+
+    def radius_rows(self, least: float) -> tuple[LinearInequality, ...]:
+        if not self.upside_down:
+            return ()
+        # L − s0 − s ≥ √(least² − e2²), beyond the axis
+        offset, distance = self.shift
+        height = math.sqrt(max(least**2 - offset**2, 0.0))
+        return (LinearInequality((1.0, 0.0, 0.0, 0.0), (0.0, 1.0), distance - height),)
+
+    def outer_radius_norm(self, s_max: float) -> AffineNorm:
+        # The counter roller is farthest out where the main one is lowest.
+        own = self.seen.outer_radius_norm(0.0)
+        assert own is not None  # a follower with a roller has one
+        forms = [self._through(row) for row in own.matrix]
+        shift = (m + constant for m, (_, constant) in zip(own.shift, forms, strict=True))
+        return AffineNorm(tuple(row for row, _ in forms), tuple(shift))
+
+    def norm_from_radius(self, radius: float) -> float:
+        return self.seen.norm_from_radius(radius)
+
+    def nearest_displacement(self, s_max: float) -> float:
+        return s_max
 
 
 class Conjugate(Closure, ABC):
@@ -38,7 +136,9 @@ class Conjugate(Closure, ABC):
     counter_paths: ClassVar[tuple[str, ...]] = ("counter",)
     field: ClassVar[str]  # of its place
     dimension: ClassVar[str]  # the same among the dimensions
-    roller_radius_mm: CounterRoller
+    roller_radius_mm: Annotated[
+        float, Field(ge=0.0, le=1e6, description="Radius of the counter cam's roller.")
+    ]
 
     @property
     @abstractmethod
@@ -124,7 +224,8 @@ class ConjugateSlide(Conjugate):
         return self.distance_mm
 
     def counter(self, trace: TracePoint) -> TracePoint:
-        return CounterSlide(self.offset_mm, self.given)
+        size = (-self.offset_mm, self.given)
+        return CounterRoller(trace, 1.0, ((0.0, 0.0), (0.0, -1.0)), size, upside_down=True)
 
     def contact_points(
         self, at: Vector2, pivot: Vector2 | None, turn: int, degree: Any
@@ -163,8 +264,9 @@ class ConjugateArm(Conjugate):
         return self.angle_deg
 
     def counter(self, trace: TracePoint) -> TracePoint:
-        assert isinstance(trace, ArmPoint)
-        return trace.second_arm(self.arm_mm, self.given * DEGREE)
+        assert isinstance(trace, PivotedFollower)
+        seen, ratio, matrix, shift = trace.second_arm(self.arm_mm, self.given * DEGREE)
+        return CounterRoller(seen, ratio, matrix, shift)
 
     def contact_points(
         self, at: Vector2, pivot: Vector2 | None, turn: int, degree: Any
@@ -180,8 +282,9 @@ class ConjugateArm(Conjugate):
     def counter_range(
         self, trace: TracePoint, z: tuple[float, ...], s_max: float
     ) -> CounterRollerRange:
-        assert isinstance(trace, ArmPoint)
-        return CounterRollerRange(trace.arm_angle(s_max, z) / DEGREE, 180.0, False)
+        assert isinstance(trace, PivotedFollower)
+        angle = trace.initial_angle(z) + s_max / trace.reference
+        return CounterRollerRange(angle / DEGREE, 180.0, False)
 
     @property
     def further_dimensions(self) -> Mapping[str, float]:
@@ -203,3 +306,13 @@ class CounterCamOnly(Closure):
         self, at: Vector2, pivot: Vector2 | None, turn: int, degree: Any
     ) -> tuple[Tip, ...]:
         return self.pair.contact_points(at, pivot, turn, degree)[1:]
+
+
+SlideClosure = Annotated[
+    Force | Groove | ConjugateSlide,
+    Field(discriminator="kind", description="What keeps the roller on the cam."),
+]
+ArmClosure = Annotated[
+    Force | Groove | ConjugateArm,
+    Field(discriminator="kind", description="What keeps the roller on the cam."),
+]
