@@ -6,7 +6,7 @@ from abc import ABC, abstractmethod
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from functools import lru_cache
-from typing import Annotated, ClassVar, Literal, Self
+from typing import TYPE_CHECKING, Annotated, ClassVar, Literal, Self
 
 import numpy as np
 from pydantic import BaseModel, ConfigDict, Field
@@ -17,9 +17,8 @@ from synthesis.numerics.piecewise import Piecewise, concatenate
 # VDI 2143: R rests (v = a = 0), G has a constant velocity (a = 0), U turns back (v = 0, the
 # acceleration is the neighbour's too), B moves.
 EndKinds = Literal["R-R", "R-U", "U-R"]
-EndDerivatives = tuple[
-    float | None, float | None
-]  # g' and g'' at an end, None where the law is free
+EndDerivatives = tuple[float | None, float | None]
+"""g' and g'' at an end, None where nothing is required."""
 REST: EndDerivatives = (0.0, 0.0)
 ANY: EndDerivatives = (None, None)
 TASKS = tuple(f"{start}-{end}" for start in "RGUB" for end in "RGUB")
@@ -122,10 +121,16 @@ class MotionLaw(BaseModel, ABC):
         return None
 
 
-class RestToRest(MotionLaw):
+class SymmetricLaw(MotionLaw, ABC):
     """A law between two rests, point-symmetric before its inflection is moved."""
 
-    inflection: Inflection = 0.5
+    if TYPE_CHECKING:  # declared by the families, at its place among the fields of the wire
+        inflection: float
+
+    @property
+    def half(self) -> Piecewise:
+        """Its first half, on [0, 1/2], as published."""
+        return self.entries[self.kind].shape
 
     @property
     def ends(self) -> EndKinds:
@@ -133,29 +138,25 @@ class RestToRest(MotionLaw):
 
     @property
     def tasks(self) -> tuple[str, ...]:
-        return tasks_between_rests(self.entries[self.kind].shape)
+        """R-R and, with a straight line on top, G-G; none where it does not begin at rest."""
+        soft = abs(float(self.half(0.0, 1))) + abs(float(self.half(0.0, 2))) <= AT_REST
+        return ("R-R", "G-G") if soft else ()
 
     def curve(self, segment: SegmentKind) -> Piecewise:
-        return with_inflection(self.entries[self.kind].shape, self.inflection)
+        return with_inflection(self.half, self.inflection)
 
     def with_end_derivatives(
         self, segment: SegmentKind, start: EndDerivatives, end: EndDerivatives
     ) -> Piecewise:
         """Between equal velocities it is the law between rests and a straight line on top."""
-        return with_line(
-            self.entries[self.kind].shape, self.inflection, common_velocity(start, end)
-        )
+        velocity = (end[0] if start[0] is None else start[0]) or 0.0  # 0: required at neither end
+        return with_line(self.half, self.inflection, velocity)
 
 
-def common_velocity(start: EndDerivatives, end: EndDerivatives) -> float:
-    """The velocity required at both ends, or at one of them; 0 where at neither."""
-    return (end[0] if start[0] is None else start[0]) or 0.0
+class RestToRest(SymmetricLaw):
+    """A family of symmetric laws without parameters but the inflection."""
 
-
-def tasks_between_rests(half: Piecewise) -> tuple[str, ...]:
-    """R-R and, with a straight line on top, G-G; none where the law does not begin at rest."""
-    soft = abs(float(half(0.0, 1))) + abs(float(half(0.0, 2))) <= AT_REST
-    return ("R-R", "G-G") if soft else ()
+    inflection: Inflection = 0.5
 
 
 @lru_cache(maxsize=1024)

@@ -11,8 +11,8 @@ from pydantic import BaseModel, ConfigDict, Field
 from synthesis.catalogue.laws.base import MotionLaw
 from synthesis.numerics.piecewise import Array, Piecewise
 
-SAMPLES = 65
-BISECTIONS = 60
+SAMPLES = 65  # of a piece: two turning points of a named law are farther apart
+BISECTIONS = 60  # to the last bit; Newton would converge slowly on flat tops
 JUMP_TOLERANCE = 1e-9  # of the peak: rounding leaves 1e-14, the smallest real jump is above 1
 
 

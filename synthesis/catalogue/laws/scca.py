@@ -9,23 +9,11 @@ from typing import Annotated, ClassVar, Literal
 from pydantic import Field, model_validator
 from pydantic_core import PydanticCustomError
 
-from synthesis.catalogue.laws.base import (
-    EndDerivatives,
-    EndKinds,
-    Inflection,
-    LawEntry,
-    MotionLaw,
-    RestToRest,
-    common_velocity,
-    tasks_between_rests,
-    with_inflection,
-    with_line,
-)
-from synthesis.catalogue.motion import SegmentKind
+from synthesis.catalogue.laws.base import Inflection, LawEntry, RestToRest, SymmetricLaw
 from synthesis.numerics.piecewise import Piecewise
 
-LEAST_PART = 1e-3
-WHOLE_TOLERANCE = 1e-6
+LEAST_PART = 1e-3  # of the segment: a shorter part would be a jump for every machine
+WHOLE_TOLERANCE = 1e-6  # of the segment: parts given as decimals fill it up to this
 
 
 @lru_cache(maxsize=256)
@@ -142,7 +130,7 @@ class Scca(RestToRest):
 Part = Annotated[float, Field(ge=0.0, le=1.0)]
 
 
-class GeneralScca(MotionLaw):
+class GeneralScca(SymmetricLaw):
     """SCCA law with parts of your own: sine b, constant c, cosine d; the rest constant velocity.
 
     Every part is a fraction of the segment, half of it on either side of the middle:
@@ -186,17 +174,5 @@ class GeneralScca(MotionLaw):
         return self
 
     @property
-    def ends(self) -> EndKinds:
-        return "R-R"
-
-    @property
-    def tasks(self) -> tuple[str, ...]:
-        return tasks_between_rests(scca(self.b, self.c, self.d))
-
-    def curve(self, segment: SegmentKind) -> Piecewise:
-        return with_inflection(scca(self.b, self.c, self.d), self.inflection)
-
-    def with_end_derivatives(
-        self, segment: SegmentKind, start: EndDerivatives, end: EndDerivatives
-    ) -> Piecewise:
-        return with_line(scca(self.b, self.c, self.d), self.inflection, common_velocity(start, end))
+    def half(self) -> Piecewise:
+        return scca(self.b, self.c, self.d)
