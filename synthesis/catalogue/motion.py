@@ -221,7 +221,10 @@ class Motion:
             (highest + 1, n) [mm, mm/rad, …].
         """
         angle = np.asarray(theta, dtype=float).ravel()
-        wrapped = angle - FULL_TURN * np.floor(angle / FULL_TURN)
-        if side == "left":
-            wrapped = np.where((wrapped == 0.0), FULL_TURN, wrapped)
-        return self.curve.derivatives(wrapped, highest, side)
+        return self.curve.derivatives(within_turn(angle, side), highest, side)
+
+
+def within_turn(theta: Array, side: Side) -> Array:
+    """The same cam angles in [0, 2π); looked at from the left, in (0, 2π]."""
+    wrapped = theta - FULL_TURN * np.floor(theta / FULL_TURN)
+    return np.where(wrapped == 0.0, FULL_TURN, wrapped) if side == "left" else wrapped

@@ -15,12 +15,12 @@ from typing import Any, Final
 import numpy as np
 
 from synthesis.catalogue.followers.flank import Flank
-from synthesis.catalogue.forces.kinetostatics import (
+from synthesis.catalogue.forces.reduced import (
     ContactState,
+    ReducedLoad,
     face_pressure_square,
     pressure_square,
 )
-from synthesis.catalogue.forces.reduced import ReducedLoad
 from synthesis.catalogue.limits.base import Machine
 from synthesis.certify.piecewise_motion import Indices, PiecewiseMotion
 from synthesis.certify.quantities import (

@@ -14,15 +14,15 @@ from numpy.typing import ArrayLike
 from synthesis.catalogue.followers import Follower
 from synthesis.catalogue.followers.flank import Flank
 from synthesis.catalogue.followers.kinematics import pressure_angle_sine_cosine
-from synthesis.catalogue.forces.kinetostatics import (
+from synthesis.catalogue.forces.reduced import (
+    MILLI,
     ContactState,
+    ReducedLoad,
     face_pressure_square,
     pressure_square,
 )
-from synthesis.catalogue.forces.reduced import MILLI, ReducedLoad
-from synthesis.catalogue.motion import Motion
+from synthesis.catalogue.motion import Motion, within_turn
 from synthesis.numerics.piecewise import Array, Side
-from synthesis.units import FULL_TURN
 
 
 @dataclass(frozen=True, eq=False)
@@ -71,11 +71,20 @@ def history(
         side: which value to give where the acceleration or the process force jumps.
     """
     angle = np.asarray(theta, dtype=float).ravel()
-    s = motion.derivatives(angle, 3, side)
-    process, sense = _process(load, angle, side), _senses(load, motion, angle, side)
-    places = {
-        flank.name: _place(flank, load, omega, s, process, sense, size) for flank in follower.flanks
-    }
+    s, wrapped = motion.derivatives(angle, 3, side), within_turn(angle, side)
+    process = load.process(wrapped, 0, side)
+    # Friction acts against the motion of the segment that the angle lies in.
+    placed = [segment for segment in motion.segments if segment.angle > 0.0]
+    starts = np.array([segment.start for segment in placed])
+    which = np.clip(np.searchsorted(starts, wrapped, side=side) - 1, 0, None)
+    sense = np.array([load.sliding_sense(segment) for segment in placed])[which]
+    places = dict[str, ContactState]()
+    for flank in follower.flanks:
+        sine, cosine = pressure_angle_sine_cosine(flank.trace, s, size)
+        lever = flank.trace.lever(s, size)
+        places[flank.name] = ContactState(
+            load, omega, tuple(s), process, sense, sine, cosine, lever
+        )
     first = next(iter(places.values()))
     contact = {
         flank.name: flank.side * places[flank.name].contact_force() for flank in follower.flanks
@@ -103,38 +112,6 @@ def history(
             if flank.roller > 0.0
         },
     )
-
-
-def _process(load: ReducedLoad, theta: Array, side: Side) -> Array:
-    """P, one-sided; the end of the turn is its beginning seen from the left."""
-    wrapped = theta - FULL_TURN * np.floor(theta / FULL_TURN)
-    if side == "left":
-        wrapped = np.where(wrapped == 0.0, FULL_TURN, wrapped)
-    return load.process(wrapped, 0, side)
-
-
-def _senses(load: ReducedLoad, motion: Motion, theta: Array, side: Side) -> Array:
-    placed = [segment for segment in motion.segments if segment.angle > 0.0]
-    wrapped = theta - FULL_TURN * np.floor(theta / FULL_TURN)
-    if side == "left":
-        wrapped = np.where(wrapped == 0.0, FULL_TURN, wrapped)
-    starts = np.array([segment.start for segment in placed])
-    which = np.searchsorted(starts, wrapped, side=side) - 1
-    return np.array([load.sliding_sense(segment) for segment in placed])[np.clip(which, 0, None)]
-
-
-def _place(
-    flank: Flank,
-    load: ReducedLoad,
-    omega: float,
-    s: Array,
-    process: Array,
-    sense: Array,
-    size: tuple[float, ...],
-) -> ContactState:
-    sine, cosine = pressure_angle_sine_cosine(flank.trace, s, size)
-    lever = flank.trace.lever(s, size)
-    return ContactState(load, omega, tuple(s), process, sense, sine, cosine, lever)
 
 
 def _pressure(

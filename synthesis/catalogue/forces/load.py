@@ -6,22 +6,32 @@ import math
 from abc import ABC, abstractmethod
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Annotated, ClassVar, Literal, Self
+from typing import TYPE_CHECKING, Annotated, ClassVar, Literal, Self
 
 from pydantic import BaseModel, ConfigDict, Field, field_validator, model_validator
 from pydantic_core import PydanticCustomError
 
 from synthesis.catalogue.followers import Follower
-from synthesis.catalogue.forces.contact import Contact, RollerBearing
 from synthesis.catalogue.forces.friction import AnyFriction, FrictionModel
-from synthesis.catalogue.forces.process import ForcePoint, MomentPoint, check_order, force_course
+from synthesis.catalogue.forces.load_parts import (
+    ArmSpring,
+    Contact,
+    ForcePoint,
+    MomentPoint,
+    Point,
+    ProcessPoint,
+    RollerBearing,
+    SlideSpring,
+    Spring,
+    check_order,
+    force_course,
+)
 from synthesis.catalogue.forces.reduced import MILLI, ReducedLoad
-from synthesis.catalogue.forces.spring import ArmSpring, SlideSpring, Spring
 from synthesis.catalogue.motion import PlacedSegment
 from synthesis.units import DEGREE, rad_per_s
 
 GRAVITY = 9.80665  # m/s²
-MOST_POINTS = 2000
+MOST_POINTS = 2000  # of a process force: more takes long and is measured noise
 PROCESS = (
     "Force of the task over the cam angle: points joined by straight lines, round the turn; two at "
     "the same angle make a jump, a single one is constant."
@@ -63,7 +73,7 @@ class WireLoad:
     rate: float
     preload: float
     weight: float
-    points: tuple[tuple[float, float], ...]
+    points: tuple[Point, ...]
     metre: float
     lever: float
 
@@ -88,19 +98,28 @@ class Load(BaseModel, ABC):
         RollerBearing | None, Field(description="The roller's bearing, for its life.")
     ] = None
 
-    @property
-    @abstractmethod
-    def given_spring(self) -> Spring | None:
-        """The spring of the spec; None where it has none."""
+    if TYPE_CHECKING:  # declared by the kinds of load, at their places among the fields of the wire
+        spring: Spring | None
+        process: Sequence[ProcessPoint]
+
+    @field_validator("process", check_fields=False)
+    @classmethod
+    def _in_order(cls, points: list[ProcessPoint]) -> list[ProcessPoint]:
+        check_order(points)
+        return points
 
     @property
     def least_spring(self) -> tuple[float, float]:
         """Rate and preload on the wire, of what is free the least."""
-        spring = self.given_spring
-        if spring is None:
+        if self.spring is None:
             return 0.0, 0.0
-        (rate, _), (preload, _) = spring.ranges
+        (rate, _), (preload, _) = self.spring.ranges
         return rate, preload
+
+    @property
+    def process_points(self) -> tuple[Point, ...]:
+        """The process force on the wire: cam angle [deg] and value."""
+        return tuple((point.angle_deg, point.value) for point in self.process)
 
     @property
     @abstractmethod
@@ -115,18 +134,16 @@ class Load(BaseModel, ABC):
     @property
     def free_spring(self) -> dict[str, tuple[float, float]]:
         """What of the spring is to be chosen: field, and the ends between which it lies."""
-        spring = self.given_spring
-        if spring is None:
+        if self.spring is None:
             return {}
-        both = zip(spring.requested, spring.ranges, strict=True)
+        both = zip(self.spring.requested, self.spring.ranges, strict=True)
         return {name: (low, high) for name, (low, high) in both if low != high}
 
     def with_spring(self, numbers: dict[str, float]) -> Self:
         """The same with numbers for what of the spring was left free, by field."""
-        spring = self.given_spring
-        if spring is None or not numbers:
+        if self.spring is None or not numbers:
             return self
-        return self.model_copy(update={"spring": spring.model_copy(update=numbers)})
+        return self.model_copy(update={"spring": self.spring.model_copy(update=numbers)})
 
     def reduced(self, follower: Follower, omega: float) -> ReducedLoad:
         """The load along the follower's displacement; what is free of the spring, at its least.
@@ -225,16 +242,6 @@ class SlideLoad(Load):
         AnyFriction | None, Field(description="Friction in the guide; of a roller, force-closed.")
     ] = None
 
-    @field_validator("process")
-    @classmethod
-    def _in_order(cls, points: list[ForcePoint]) -> list[ForcePoint]:
-        check_order([(point.angle_deg, point.force_n) for point in points])
-        return points
-
-    @property
-    def given_spring(self) -> Spring | None:
-        return self.spring
-
     @property
     def guide_friction(self) -> FrictionModel | None:
         return self.friction
@@ -246,7 +253,7 @@ class SlideLoad(Load):
         return WireLoad(
             self.moving_mass_kg, self.damping_n_s_per_m, *self.least_spring,
             self.moving_mass_kg * GRAVITY * upright,
-            tuple((point.angle_deg, point.force_n) for point in self.process),
+            self.process_points,
             1e-3, 1.0,
         )  # fmt: skip
 
@@ -297,20 +304,10 @@ class ArmLoad(Load):
         ),
     ] = []
 
-    @field_validator("process")
-    @classmethod
-    def _in_order(cls, points: list[MomentPoint]) -> list[MomentPoint]:
-        check_order([(point.angle_deg, point.moment_n_m) for point in points])
-        return points
-
-    @property
-    def given_spring(self) -> Spring | None:
-        return self.spring
-
     @property
     def wire_values(self) -> WireLoad:
         return WireLoad(
             self.moment_of_inertia_kg_m2, self.damping_n_m_s_per_rad, *self.least_spring, 0.0,
-            tuple((point.angle_deg, point.moment_n_m) for point in self.process),
+            self.process_points,
             1.0, 1e-3,
         )  # fmt: skip

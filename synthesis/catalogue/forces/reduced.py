@@ -15,15 +15,16 @@ from typing import Any, Final
 
 import numpy as np
 
-from synthesis.catalogue.forces.contact import Contact, RollerBearing
+from synthesis.catalogue.followers.flank import Flank
 from synthesis.catalogue.forces.friction import FrictionModel
+from synthesis.catalogue.forces.load_parts import Contact, RollerBearing
 from synthesis.catalogue.motion import PlacedSegment
 from synthesis.numerics.piecewise import Array, Piecewise
 from synthesis.units import FULL_TURN
 
 MILLI: Final = 1e-3  # metres in a millimetre
-NEAR_END: Final = 1e-12  # rad
-BESIDE: Final = 1e-9  # rad, of a jump
+NEAR_END: Final = 1e-12  # rad: an angle this near to a segment's end is its end, but for rounding
+BESIDE: Final = 1e-9  # rad: how far beside a jump its two sides are looked at
 SENSES: Final = {"rise": 1.0, "dwell": 0.0, "return": -1.0, "table": 0.0}
 
 
@@ -37,7 +38,7 @@ class ReducedLoad:
         friction: of a slide's guide.
         contact, bearing: of the line contact and the roller; None where not given.
         speeds: least and largest speed of the cam at which it must not float [rad/s].
-        both_ways: whether the cam pushes it inwards as well as outwards.
+        pushed_both_ways: whether the cam pushes it inwards as well as outwards.
     """
 
     mass: float
@@ -116,3 +117,62 @@ class ReducedLoad:
         if self.friction is None:
             return 0.0
         return absolute(sine) * self.friction.effective(s) * (sense * self.side)
+
+
+# -- rigid-body kinetostatics at one place, in numbers, arrays and enclosures alike ---------------
+
+
+@dataclass(frozen=True, eq=False)
+class ContactState:
+    """Where the follower is, and how its contact stands.
+
+    Attributes:
+        load, omega: what loads it, at a cam speed [rad/s].
+        s: s to s'' [mm, per rad]. process: P [N]. sense: of sliding, 1, 0 or −1.
+        sine, cosine: of the pressure angle. lever: λ.
+    """
+
+    load: ReducedLoad
+    omega: float
+    s: tuple[Any, ...]
+    process: Any
+    sense: Any
+    sine: Any
+    cosine: Any
+    lever: Any
+
+    def drive(self) -> Any:
+        """G = m a + c v + k s ± F0 + P + W [N], with v = s' ω and a = s'' ω²."""
+        return self.load.drive(self.s, self.process, self.omega)
+
+    def contact_force(self) -> Any:
+        """N [N], positive where the flank of side σ is pressed: G = N (λ cos α − friction)."""
+        resisted = self.load.friction_loss(self.sense, self.sine, self.s[0], np.absolute)
+        return self.drive() / (self.lever * self.cosine - resisted)
+
+    def torque(self) -> Any:
+        """T [N m]: what the contact force gives along the slide, times s'; friction included."""
+        if self.load.friction is None:
+            return self.drive() * self.s[1] * MILLI
+        return self.contact_force() * self.lever * self.cosine * self.s[1] * MILLI
+
+
+def pressure_square(load: ReducedLoad, flank: Flank, force: Any, curvature: Any) -> Any:
+    """p² of a roller on a flank [MPa²]; where it is not pressed, negative.
+
+    The profile's curvature, 1/R2 = σκ/(1 − Dσκ), has the sign of the flank: hollow flanks fit the
+    roller and lower the pressure. With R1 its radius p² = N (1/R1 + 1/R2)/B.
+
+    Args:
+        force: N [N], as ``contact_force`` says. curvature: κ of the traced curve [1/mm].
+    """
+    assert load.contact is not None
+    bend = curvature * flank.side
+    profile = bend / (1.0 - bend * flank.distance)
+    return force * (flank.side / load.contact.stiffness) * (profile + 1.0 / flank.roller)
+
+
+def face_pressure_square(load: ReducedLoad, force: Any, radius: Any) -> Any:
+    """p² under a flat face [MPa²]: p² = N/(B ρ), ρ the profile's radius [mm]."""
+    assert load.contact is not None
+    return force / (radius * load.contact.stiffness)

@@ -49,12 +49,10 @@ def load_of(machine: Machine) -> ReducedLoad:
 
 def drive(segment: PlacedSegment, machine: Machine, theta: Array, s: Any) -> Any:
     """Drive force G [N] on a segment, from columns of s to s''' that may be symbols."""
-    load = load_of(machine)
-    a, b, c, _ = load.coefficients(machine.omega)
-    angles = np.asarray(theta, dtype=float)
+    load, angles = load_of(machine), np.asarray(theta, dtype=float)
     process = load.process_on(segment, angles.ravel()).reshape(angles.shape)
     # 0·θ gives the sum the shape of θ: CasADi would take a NumPy vector for a row.
-    return a * s[0] + b * s[1] + c * s[2] + (0.0 * theta + (process + load.constant_force))
+    return load.drive(s, 0.0 * theta + process, machine.omega)
 
 
 def push_sign(flank: Flank, machine: Machine) -> int:

@@ -66,12 +66,12 @@ def _best(question: DesignSpec, found: Design) -> ChosenSpring:
     machine = built.machine()
     load = built.load
     assert load is not None
-    assert load.given_spring is not None
+    assert load.spring is not None
     assert machine.load is not None
     unit = _units(built)
     ranges = (
         (low * each, high * each)
-        for (low, high), each in zip(load.given_spring.ranges, unit, strict=True)
+        for (low, high), each in zip(load.spring.ranges, unit, strict=True)
     )
     rates, preloads = ranges
     forces = (limit for limit in question.limits if isinstance(limit, ContactForce))
@@ -84,8 +84,8 @@ def _units(built: DesignSpec) -> tuple[float, float]:
     """Rate and preload along the displacement of one unit of each on the wire [N/mm, N]."""
     load = built.load
     assert load is not None
-    assert load.given_spring is not None
-    one = load.with_spring(dict.fromkeys(load.given_spring.requested, 1.0))
+    assert load.spring is not None
+    one = load.with_spring(dict.fromkeys(load.spring.requested, 1.0))
     reduced = one.reduced(built.follower, 1.0)
     return reduced.rate, reduced.preload
 
@@ -94,10 +94,8 @@ def _wire(question: DesignSpec, spring: ChosenSpring) -> Numbers:
     """The numbers that were free, in the units of the wire."""
     load = question.load
     assert load is not None
-    assert load.given_spring is not None
-    found = zip(
-        load.given_spring.requested, (spring.rate, spring.preload), _units(question), strict=True
-    )
+    assert load.spring is not None
+    found = zip(load.spring.requested, (spring.rate, spring.preload), _units(question), strict=True)
     free = load.free_spring
     told = {name: value / unit for name, value, unit in found if name in free}
     return {name: min(max(told[name], low), high) for name, (low, high) in free.items()}

@@ -48,7 +48,7 @@ def test_without_a_load_nothing_is_told(pressed: Design) -> None:  # noqa: F811
 @pytest.mark.parametrize("value", [-3.0, 0.0])
 def test_a_flank_that_is_not_pressed_bears_no_pressure(pressed: Design, value: float) -> None:  # noqa: F811
     machine = pressed.completed_spec.machine()
-    from synthesis.catalogue.forces.kinetostatics import pressure_square
+    from synthesis.catalogue.forces.reduced import pressure_square
 
     found = pressure_square(machine.load, machine.follower.flanks[0], value, 0.01)
     assert found <= 0.0
