@@ -46,8 +46,8 @@ def read_back(cam: MeasuredCam) -> ProfileAnalysis:
                 f"/follower/{name}", None, "A measured profile needs a follower given in full.",
                 "Give this dimension as a number.",
             )  # fmt: skip
-    sides = [flank.side for flank in cam.follower.flanks]
-    if cam.follower.active_closure.counter_paths or sides != [1]:
+    follower = cam.follower
+    if follower.active_closure.counter_paths or [one.side for one in follower.flanks] != [1]:
         raise InputError(
             "/follower/closure", cam.follower.kind,
             "A measured profile is read with one roller that touches it from outside.",
