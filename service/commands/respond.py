@@ -54,16 +54,11 @@ def _table(found: TrainResponse) -> Table:
 
 
 def _files(found: TrainResponse) -> dict[str, bytes]:
-    from synthesis.machines.dynamics.files.train_csv import TrainOptions, response_csv
-    from synthesis.machines.dynamics.files.train_diagrams import response_svg, spectrum_svg
+    from synthesis.machines.dynamics.files import TRAIN_FILES
 
-    options = TrainOptions()
-    return {
-        "train-response.json": found.model_dump_json(indent=1).encode(),
-        "response.csv": response_csv(found, options),
-        "response.svg": response_svg(found, options),
-        "spectrum.svg": spectrum_svg(found),
-    }
+    files = {"train-response.json": found.model_dump_json(indent=1).encode()}
+    made = (file for file in TRAIN_FILES if file.usual)
+    return files | {file.name: file.write(found, file.options()) for file in made}
 
 
 def _response(question: TrainSpec, path: Path, url: str | None) -> TrainResponse:

@@ -25,6 +25,12 @@ class AnswerModel(BaseModel):
     model_config = ConfigDict(frozen=True, extra="forbid")
 
 
+class FiniteModel(BaseModel):
+    """The same with finite numbers only: requests, and answers without infinities."""
+
+    model_config = ConfigDict(frozen=True, extra="forbid", allow_inf_nan=False)
+
+
 def doc(description: str) -> Any:
     """A required field with its description in the contract."""
     return Field(description=description)

@@ -10,6 +10,7 @@ import numpy as np
 
 from synthesis.exporters.diagrams.readings import Bound, Trace
 from synthesis.exporters.drawing import canvas as svg
+from synthesis.numerics.piecewise import Array
 
 SUPERSCRIPTS = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
 CROWDED = 0.085  # of an axis: what lies between two numbers at least
@@ -99,3 +100,9 @@ class Plot:
 
 
 NOWHERE = Trace(np.zeros(0), np.zeros(0, dtype=np.int64), np.zeros(0))
+
+
+def curve_plot(title: str, unit: str, degrees: Array, values: Array) -> Plot:
+    """A diagram of one quantity over the turn, (n,) each, without jumps and limits."""
+    trace = Trace(degrees, np.zeros(len(degrees), dtype=np.int64), values)
+    return Plot(title, unit, trace, trace, NOWHERE)

@@ -70,7 +70,26 @@ class Chain:
         Raises:
             StaticallyUnstable: K is not positive definite.
         """
-        return _modes(self)
+        n, root, scale = self.count, self.root(), np.sqrt(self.masses)
+        system = np.zeros((2 * n, 2 * n))
+        system[:n, n:], system[n:, :n] = root, -root.T
+        system[n:, n:] = -self.damping / np.outer(scale, scale)
+        # The state in energy coordinates (R M^½ y, M^½ y'): without dampers its matrix is skew.
+        rates, vectors = np.linalg.eig(system)
+        inverse = np.linalg.inv(vectors)
+        rates = rates.astype(complex)
+        undamped = np.abs(rates.real) <= RATE_ROUNDING * np.max(np.abs(rates))
+        if not self.damping.any():
+            rates[undamped] = 1j * rates[undamped].imag
+        input_ = inverse[:, n:]
+        return Modes(
+            rates,
+            (np.linalg.solve(root, vectors[:n]) / scale[:, None]).astype(complex),
+            (vectors[n:] / scale[:, None]).astype(complex),
+            -(input_ @ scale).astype(complex),
+            -(input_ @ (self.ground_dampers / scale)).astype(complex),
+            -(input_ @ (self.ground_springs / scale)).astype(complex),
+        )
 
     def root(self) -> Array:
         """R (n, n) upper triangular with R'R = M^(−½) K M^(−½).
@@ -131,25 +150,3 @@ class Modes:
     def rest_state(self, s: float) -> Complex:
         """The state of equilibrium while the cam dwells at s [mm]."""
         return -self.by_displacement * s / self.rates
-
-
-def _modes(chain: Chain) -> Modes:
-    n, root, scale = chain.count, chain.root(), np.sqrt(chain.masses)
-    system = np.zeros((2 * n, 2 * n))
-    system[:n, n:], system[n:, :n] = root, -root.T
-    system[n:, n:] = -chain.damping / np.outer(scale, scale)
-    rates, vectors = np.linalg.eig(system)
-    inverse = np.linalg.inv(vectors)
-    rates = rates.astype(complex)
-    undamped = np.abs(rates.real) <= RATE_ROUNDING * np.max(np.abs(rates))
-    if not chain.damping.any():
-        rates[undamped] = 1j * rates[undamped].imag
-    input_ = inverse[:, n:]
-    return Modes(
-        rates,
-        (np.linalg.solve(root, vectors[:n]) / scale[:, None]).astype(complex),
-        (vectors[n:] / scale[:, None]).astype(complex),
-        -(input_ @ scale).astype(complex),
-        -(input_ @ (chain.ground_dampers / scale)).astype(complex),
-        -(input_ @ (chain.ground_springs / scale)).astype(complex),
-    )

@@ -1,8 +1,7 @@
 """A train that loses contact with its cam: time integration from event to event.
 
 In contact the contact force is N = P − k_1 y_1 − c_1 y_1', P the preload. When it reaches 0 the end
-of
-the first link leaves the cam: the link then carries no force, and its massless end relaxes by
+of the first link leaves the cam: the link then carries no force, and its massless end relaxes by
 k_1 z + c_1 z' = P to its free length (at once, without a damper). Contact returns when the gap
 y_1 − z closes. A train whose fastest mode swings too often is not integrated.
 """
@@ -11,7 +10,7 @@ from __future__ import annotations
 
 from bisect import bisect_right
 from collections.abc import Callable, Iterator
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from itertools import pairwise
 from math import cos, sin
 from typing import Any
@@ -19,11 +18,13 @@ from typing import Any
 import numpy as np
 from scipy.integrate import solve_ivp
 
+from synthesis.catalogue.fields import FiniteModel, doc
 from synthesis.catalogue.motion import Motion
 from synthesis.machines.dynamics.chain import Chain
+from synthesis.machines.dynamics.response import velocity_jumps
 from synthesis.numerics import clock
 from synthesis.numerics.piecewise import Array, Piecewise
-from synthesis.units import FULL_TURN
+from synthesis.units import DEGREE, FULL_TURN
 
 COARSE, FINE = 1e-6, 1e-8  # relative tolerances; the difference of the two is the uncertainty
 MAX_RADIANS = 3000.0  # of the fastest mode's phase, in all turns: more take too long
@@ -32,39 +33,37 @@ MIN_STEPS = 96  # of a turn, so that no event is stepped over
 SAMPLES = 6  # places of a step where gap and force are read
 
 
-@dataclass(frozen=True)
-class FlightResult:
-    """The train's motion from rest, summarised.
+class Flight(FiniteModel):
+    """Motion of a train that loses contact, integrated in time from rest."""
 
-    Attributes:
-        lost: turn (from 0) and cam angle [rad] of the first loss of contact; None: never.
-        count: losses of contact. separated_share: share of the last turn without contact.
-        gap: largest gap [mm].
-        force: largest contact force [N]. output: final deflection of the last mass [mm].
-        chatters: stopped, as contact was lost too often.
-    """
-
-    lost: tuple[int, float] | None
-    count: int
-    separated_share: float
-    gap: float
-    force: float
-    output: float
-    chatters: bool
+    first_separation_turn: int | None = doc(
+        "Turn of the first loss of contact, from 0; null: never."
+    )
+    first_separation_deg: float | None = doc("Cam angle of the first loss of contact.")
+    losses: int = doc("Losses of contact in all turns.")
+    separated_share: float = doc("Share of the last turn without contact.")
+    largest_gap: float = doc("Largest gap between cam and train.")
+    contact_force_max_n: float = doc("Largest contact force, landings included.")
+    output_error_end: float = doc("Output minus cam at the end of the last turn.")
+    uncertainty: float = doc(
+        "Difference of output_error_end from an integration with a hundred times the tolerance. "
+        "Flights magnify differences: where it is large, late landings are not reliable."
+    )
+    chatters: bool = doc("Whether the integration stopped after 400 losses of contact.")
 
 
-def simulate_flights(
-    chain: Chain, motion: Motion, omega: float, turns: int
-) -> tuple[FlightResult, float] | None:
-    """Integrate from rest; also the change of the final deflection at a coarser tolerance [mm].
+def simulate_flights(chain: Chain, motion: Motion, omega: float, turns: int) -> Flight | None:
+    """Integrate from rest; None where the fastest mode swings too often.
 
-    None where the fastest mode swings too often.
+    Args:
+        chain: the train. motion: of the cam. omega: its speed [rad/s]. turns: how many.
     """
     fastest = float(np.max(np.abs(chain.modes.rates))) / omega
     if fastest * turns > MAX_RADIANS:
         return None
-    found = [_Simulation(chain, motion, omega, turns, each).run() for each in (COARSE, FINE)]
-    return found[1], abs(found[1].output - found[0].output)
+    coarse, fine = (_Simulation(chain, motion, omega, turns, each).run() for each in (COARSE, FINE))
+    change = abs(fine.output_error_end - coarse.output_error_end)
+    return fine.model_copy(update={"uncertainty": change})
 
 
 @dataclass(frozen=True)
@@ -75,36 +74,49 @@ class _Simulation:
     turns: int
     tolerance: float
 
-    def run(self) -> FlightResult:
+    def run(self) -> Flight:
         """All turns; the state is (y, y') in contact and (y, y', z) in flight."""
-        n, found = self.chain.count, FlightResult(None, 0, 0.0, 0.0, 0.0, 0.0, False)
+        n, last_turn = self.chain.count, (self.turns - 1) * FULL_TURN
         state = np.zeros(2 * n)
         start = float(self.motion.derivatives([0.0])[0, 0])
         state[:n] = -np.linalg.solve(self.chain.stiffness, self.chain.ground_springs) * start
-        flying, z = False, float(state[0])
+        flying, z, losses = False, float(state[0]), list[float]()
+        peaks, in_flight = {True: 0.0, False: 0.0}, 0.0  # gap, force; cam angle of the last turn
         for low, high, jump in self._stages():
             state[n:] -= jump * self.omega
             at = low
             while at < high:
                 clock.now()
-                at, state, z, lost, seen = self._phase(at, high, state, z, flying=flying)
-                found = self._with_phase(found, seen, at, flying=flying)
-                if not lost:
+                begin = at
+                at, state, z, changed, peak = self._phase(begin, high, state, z, flying=flying)
+                peaks[flying] = max(peaks[flying], peak)
+                if flying:
+                    in_flight += max(at - max(begin, last_turn), 0.0)
+                flying = flying != changed
+                if changed and flying:
+                    losses.append(at)
+                if not changed or len(losses) > MAX_LOSSES:
                     break
-                flying = not flying
-                found = self._with_loss(found, at) if flying else found
-                if found.count > MAX_LOSSES:
-                    return replace(found, chatters=True, output=float(state[n - 1]))
-        return replace(found, output=float(state[n - 1]))
+            if len(losses) > MAX_LOSSES:
+                break
+        turn, angle = divmod(losses[0], FULL_TURN) if losses else (None, None)
+        return Flight(
+            first_separation_turn=None if turn is None else int(turn),
+            first_separation_deg=None if angle is None else angle / DEGREE,
+            losses=len(losses),
+            separated_share=in_flight / FULL_TURN,
+            largest_gap=peaks[True],
+            contact_force_max_n=peaks[False],
+            output_error_end=float(state[n - 1]),
+            uncertainty=0.0,
+            chatters=len(losses) > MAX_LOSSES,
+        )
 
     def _stages(self) -> Iterator[tuple[float, float, float]]:
         """Intervals of cam angle between jumps of the velocity, and the jump at their start."""
-        curve = self.motion.curve
-        before = np.roll(self.motion.derivatives(curve.breaks[1:], 1, "left")[1], 1)
-        after = self.motion.derivatives(curve.breaks[:-1], 1)[1]
-        jumps = after - before
-        hits = np.flatnonzero(np.abs(jumps) > 1e-9 * max(float(np.max(np.abs(after))), 1e-300))
-        places = {0.0: 0.0} | {float(curve.breaks[k]): float(jumps[k]) for k in hits}
+        breaks, jumps = self.motion.curve.breaks, velocity_jumps(self.motion.curve)
+        places = {0.0: 0.0}
+        places |= {float(breaks[k]): float(jumps[k]) for k in np.flatnonzero(jumps)}
         ends = [*places, FULL_TURN]
         for turn in range(self.turns):
             for low, high in pairwise(ends):
@@ -112,12 +124,12 @@ class _Simulation:
 
     def _phase(
         self, low: float, high: float, state: Array, z: float, *, flying: bool
-    ) -> tuple[float, Array, float, bool, tuple[Array, Array]]:
+    ) -> tuple[float, Array, float, bool, float]:
         """Integrate until contact changes or the interval ends.
 
         Returns:
-            cam angle, (y, y') and z there, whether contact changed, and sampled angles with the gap
-            (in flight) or the contact force.
+            cam angle, (y, y') and z there, whether contact changed, and the largest gap (in flight)
+            or contact force.
         """
         n, event = self.chain.count, self._gap if flying else self._force
         begin = np.append(state, z) if flying else state
@@ -135,8 +147,8 @@ class _Simulation:
         )  # fmt: skip
         at, last = float(found.t[-1]), found.y[:, -1]
         between = np.linspace(found.t[:-1], found.t[1:], SAMPLES, axis=1).ravel()
-        seen = between, np.array([event(x) for x in found.sol(between).T])
-        return at, last[: 2 * n], float(last[2 * n] if flying else last[0]), found.status == 1, seen
+        peak = max(event(x) for x in found.sol(between).T)
+        return at, last[: 2 * n], float(last[2 * n] if flying else last[0]), found.status == 1, peak
 
     def _force(self, x: Array) -> float:
         chain, n = self.chain, self.chain.count
@@ -165,24 +177,6 @@ class _Simulation:
             return found / omega
 
         return rate
-
-    def _with_phase(
-        self, found: FlightResult, seen: tuple[Array, Array], at: float, *, flying: bool
-    ) -> FlightResult:
-        """The result with the peaks of one phase, and its time in flight within the last turn."""
-        theta, values = seen
-        most = float(np.max(values))
-        if not flying:
-            return replace(found, force=max(found.force, most))
-        last = (self.turns - 1) * FULL_TURN
-        share = max(at - max(float(theta[0]), last), 0.0) / FULL_TURN
-        return replace(
-            found, gap=max(found.gap, most), separated_share=found.separated_share + share
-        )
-
-    def _with_loss(self, found: FlightResult, at: float) -> FlightResult:
-        turn, angle = divmod(at, FULL_TURN)
-        return replace(found, lost=found.lost or (int(turn), angle), count=found.count + 1)
 
 
 def _evaluator(curve: Piecewise) -> Callable[[float], tuple[float, float, float]]:

@@ -8,36 +8,16 @@ Machine Design 25, 1953).
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 import numpy as np
 
 from synthesis.catalogue.motion import Motion
 from synthesis.errors import InputError
 from synthesis.machines.dynamics.chain import Chain
-from synthesis.numerics.piecewise import Array
+from synthesis.numerics.piecewise import Array, Piecewise
 from synthesis.units import DEGREE
 
 JUMP = 1e-7  # of the largest value of a derivative: smaller jumps are rounding
 NAMES = ("displacement", "velocity", "acceleration", "jerk", "snap")
-
-
-@dataclass(frozen=True, eq=False)
-class Polydyne:
-    """The cam's motion for an output's.
-
-    Attributes:
-        output: prescribed motion of the last mass. factors: (2n+1,) of its derivatives per radian.
-    """
-
-    output: Motion
-    factors: Array
-
-    def derivatives(self, theta: Array, highest: int = 2) -> Array:
-        """s to s^(highest) of the cam, per radian: (highest + 1, k)."""
-        orders = len(self.factors)
-        known = self.output.derivatives(theta, orders - 1 + highest)
-        return np.stack([self.factors @ known[k : k + orders] for k in range(highest + 1)])
 
 
 def factors(chain: Chain) -> Array:
@@ -53,8 +33,14 @@ def factors(chain: Chain) -> Array:
     return np.asarray(here)
 
 
-def polydyne(chain: Chain, output: Motion, omega: float) -> Polydyne:
+def polydyne(chain: Chain, output: Motion, omega: float, theta: Array) -> Array:
     """The cam motion under which the last mass moves as ``output`` says, at one speed.
+
+    Args:
+        chain: the train. output: motion of the last mass. omega: [rad/s]. theta: (k,) [rad].
+
+    Returns:
+        s, s' and s'' of the cam, per radian: (3, k) [mm].
 
     Raises:
         InputError: a link has a damper, or the output is not smooth enough: the cam's velocity
@@ -67,21 +53,21 @@ def polydyne(chain: Chain, output: Motion, omega: float) -> Polydyne:
             "Only without dampers in the links has the cam motion for an output a closed form.",
             "Leave the damper out, or give it as ground_damping_n_s_per_mm.",
         )  # fmt: skip
-    needed = 2 * chain.count + 1
-    _check(output, needed)
-    scale = omega ** np.arange(needed)
-    return Polydyne(output, factors(chain) * scale)
+    orders = 2 * chain.count + 1
+    _check_continuity(output.curve, orders)
+    by_angle = factors(chain) * omega ** np.arange(orders)
+    known = output.derivatives(theta, orders + 1)
+    return np.stack([by_angle @ known[k : k + orders] for k in range(3)])
 
 
-def _check(output: Motion, needed: int) -> None:
+def _check_continuity(curve: Piecewise, needed: int) -> None:
     """Refuse an output one of whose derivatives up to ``needed`` jumps."""
-    curve = output.curve
-    after = np.roll(np.arange(curve.count), -1)
+    pieces = np.arange(curve.count)
+    after = np.roll(pieces, -1)
     for order in range(1, needed + 1):
-        left = curve.at(curve.breaks[1:], np.arange(curve.count), order)
+        left = curve.at(curve.breaks[1:], pieces, order)
         right = curve.at(curve.breaks[after], after, order)
-        size = float(np.max(np.abs(np.append(left, right))))
-        jump = np.abs(right - left)
+        jump, size = np.abs(right - left), float(np.max(np.abs(np.append(left, right))))
         if np.any(jump > JUMP * size):
             at = float(curve.breaks[1 + int(np.argmax(jump))]) / DEGREE
             name = NAMES[order] if order < len(NAMES) else f"derivative {order}"

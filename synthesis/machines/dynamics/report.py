@@ -4,33 +4,32 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from functools import cached_property
+from functools import lru_cache
 from math import pi
 
 import numpy as np
-from pydantic import ConfigDict, Field
+from pydantic import Field
 
-from synthesis.catalogue.fields import AnswerModel, doc
+from synthesis.catalogue.fields import FiniteModel, doc
 from synthesis.catalogue.limits.residual_vibration import runs_between_dwells
 from synthesis.catalogue.motion import Motion
 from synthesis.design.design import Design
 from synthesis.design.identity import engine_version, question_id
 from synthesis.machines.dynamics.chain import Chain
-from synthesis.machines.dynamics.floating import simulate_flights
-from synthesis.machines.dynamics.response import Response, Steps, from_rest, steady
-from synthesis.machines.dynamics.spectrum import residual_spectrum
+from synthesis.machines.dynamics.floating import Flight, simulate_flights
+from synthesis.machines.dynamics.response import (
+    Response,
+    Steps,
+    from_rest,
+    residual_spectrum,
+    steady,
+)
 from synthesis.machines.dynamics.train import TrainSpec
 from synthesis.numerics.piecewise import Array
 from synthesis.units import DEGREE, FULL_TURN, rad_per_s
 
 
-class FinitePart(AnswerModel):
-    """A part of the answer whose numbers are finite."""
-
-    model_config = ConfigDict(frozen=True, extra="forbid", allow_inf_nan=False)
-
-
-class Mode(FinitePart):
+class Mode(FiniteModel):
     """A mode of the train with the cam at rest."""
 
     natural_frequency_hz: float = doc(
@@ -39,14 +38,14 @@ class Mode(FinitePart):
     damping_ratio: float = doc("Damping ratio; 1 for an overdamped mode.")
 
 
-class ResponsePeak(FinitePart):
+class ResponsePeak(FiniteModel):
     """An extreme over the turn."""
 
     value: float = doc("Its value.")
     angle_deg: float = doc("Cam angle where it is.")
 
 
-class DwellResponse(FinitePart):
+class DwellResponse(FiniteModel):
     """Residual vibration where a dwell begins, in the periodic response."""
 
     segment: int = doc("Index of the dwell in the program.")
@@ -59,26 +58,7 @@ class DwellResponse(FinitePart):
     )
 
 
-class Flight(FinitePart):
-    """Motion of a train that loses contact, integrated in time from rest."""
-
-    first_separation_turn: int | None = doc(
-        "Turn of the first loss of contact, from 0; null: never."
-    )
-    first_separation_deg: float | None = doc("Cam angle of the first loss of contact.")
-    losses: int = doc("Losses of contact in all turns.")
-    separated_share: float = doc("Share of the last turn without contact.")
-    largest_gap: float = doc("Largest gap between cam and train.")
-    contact_force_max_n: float = doc("Largest contact force, landings included.")
-    output_error_end: float = doc("Output minus cam at the end of the last turn.")
-    uncertainty: float = doc(
-        "Difference of output_error_end from an integration with a hundred times the tolerance. "
-        "Flights magnify differences: where it is large, late landings are not reliable."
-    )
-    chatters: bool = doc("Whether the integration stopped after 400 losses of contact.")
-
-
-class AtSpeed(FinitePart):
+class AtSpeed(FiniteModel):
     """The periodic response at one speed, and the transient from rest."""
 
     speed_rpm: float = doc("Speed of the cam.")
@@ -109,7 +89,7 @@ class AtSpeed(FinitePart):
     )
 
 
-class TrainResponse(FinitePart):
+class TrainResponse(FiniteModel):
     """The answer to a TrainSpec. Lengths are in `unit`: along the arc of an arm's end, mm too."""
 
     id: str = doc("Hash of the spec and the engine's version.")
@@ -140,26 +120,20 @@ class TrainOnCam:
     chain: Chain
     motion: Motion
 
-    def at(self, speed_rpm: float) -> Response:
+    def steady_response(self, speed_rpm: float) -> Response:
         """The periodic response."""
-        return steady(self.chain, self._steps(speed_rpm), rad_per_s(speed_rpm))
+        return steady(self.chain, self.steps(speed_rpm), rad_per_s(speed_rpm))
 
-    def from_rest_responses(self, speed_rpm: float, turns: int) -> list[Response]:
-        """The transient response, turn by turn from rest."""
-        steps = self._steps(speed_rpm)
-        return from_rest(self.chain, steps, rad_per_s(speed_rpm), turns)
-
-    def _steps(self, speed_rpm: float) -> Steps:
+    def steps(self, speed_rpm: float) -> Steps:
+        """Steps short enough for the fastest mode at a speed."""
         fastest = float(np.max(np.abs(self.chain.modes.rates.imag)))
         wanted = STEPS_PER_PERIOD * fastest / rad_per_s(speed_rpm)
-        per_turn = int(np.clip(2.0 ** np.ceil(np.log2(max(wanted, 1.0))), MIN_STEPS, MAX_STEPS))
-        if per_turn not in self._cache:
-            self._cache[per_turn] = Steps.of(self.motion, per_turn)
-        return self._cache[per_turn]
+        per_turn = 2.0 ** np.ceil(np.log2(max(wanted, 1.0)))  # few values, to be used again
+        return _steps(self.motion, int(np.clip(per_turn, MIN_STEPS, MAX_STEPS)))
 
-    @cached_property
-    def _cache(self) -> dict[int, Steps]:
-        return {}
+    def loses_contact(self, speed_rpm: float) -> bool:
+        """Whether the train loses contact in the periodic response."""
+        return bool(np.min(self.steady_response(speed_rpm).contact_force) <= 0.0)
 
     def float_onset(self, speeds: Sequence[float]) -> float | None:
         """Lowest speed of contact loss between two of these speeds, by bisection [rpm]."""
@@ -174,9 +148,8 @@ class TrainOnCam:
             low, high = (low, middle) if self.loses_contact(middle) else (middle, high)
         return high
 
-    def loses_contact(self, speed_rpm: float) -> bool:
-        """Whether the train loses contact in the periodic response."""
-        return bool(np.min(self.at(speed_rpm).contact_force) <= 0.0)
+
+_steps = lru_cache(maxsize=4)(Steps.of)
 
 
 def report_response(spec: TrainSpec, design: Design) -> TrainResponse:
@@ -209,12 +182,13 @@ def _modes(chain: Chain) -> list[Mode]:
 
 
 def _at_speed(machine: TrainOnCam, speed_rpm: float, turns: int, *, held: bool) -> AtSpeed:
-    found = machine.at(speed_rpm)
+    chain, modes = machine.chain, machine.chain.modes
+    found = machine.steady_response(speed_rpm)
     error, force = found.deflection[-1], found.contact_force
     pulls = output_acceleration(found)
-    starts = machine.from_rest_responses(speed_rpm, turns)
+    starts = from_rest(chain, found.steps, found.omega, turns)
     floats = not held and bool(np.min(force) <= 0.0)
-    modes = machine.chain.modes
+    flies = floats and turns > 0
     return AtSpeed(
         speed_rpm=speed_rpm,
         output_error_max=_peak(found, error),
@@ -227,24 +201,10 @@ def _at_speed(machine: TrainOnCam, speed_rpm: float, turns: int, *, held: bool) 
         dwells=_dwells(machine, found),
         remaining_share_per_turn=float(np.exp(np.max(modes.rates.real) * FULL_TURN / found.omega)),
         turns=[float(np.max(np.abs(each.deflection[-1] - error))) for each in starts],
-        flight=_flight(machine, found.omega, turns) if floats and turns else None,
+        flight=simulate_flights(chain, machine.motion, found.omega, turns) if flies else None,
         steps=len(found.theta) - 1,
         rounding=ROUNDING * float(np.max(np.abs(modes.shapes) @ np.abs(found.state))),
     )
-
-
-def _flight(machine: TrainOnCam, omega: float, turns: int) -> Flight | None:
-    known = simulate_flights(machine.chain, machine.motion, omega, turns)
-    if known is None:
-        return None
-    found, apart = known
-    turn, angle = (None, None) if found.lost is None else found.lost
-    return Flight(
-        first_separation_turn=turn, first_separation_deg=None if angle is None else angle / DEGREE,
-        losses=found.count, separated_share=found.separated_share, largest_gap=found.gap,
-        contact_force_max_n=found.force, output_error_end=found.output, uncertainty=apart,
-        chatters=found.chatters,
-    )  # fmt: skip
 
 
 def output_acceleration(found: Response) -> Array:

@@ -3,24 +3,60 @@
 Within a step the motion is its Taylor series: exact on a polynomial piece, truncated below rounding
 on short steps of a sinusoid. Every mode is then advanced by φ-functions, exactly but for rounding
 and however stiff it is; a jump of the velocity is an impact. The periodic state solves (1 − e^(λT))
-ξ_0 = contribution of one turn.
+ξ_0 = contribution of one turn. The residual spectrum of a motion is a sum of φ-functions too.
+
+φ_0(z) = e^z and φ_k(z) = ∫_0^1 e^((1−u) z) u^(k−1)/(k−1)! du, so that ξ' = λξ + Σ f_k t^k/k! over
+a step h gives ξ(h) = e^(λh) ξ(0) + Σ f_k h^(k+1) φ_(k+1)(λh) (Hochbruck & Ostermann, Exponential
+integrators, Acta Numerica 19, 2010).
 """
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
+from math import factorial, sqrt
 
 import numpy as np
 
-from synthesis.catalogue.motion import Motion
+from synthesis.catalogue.motion import Motion, PlacedSegment
 from synthesis.machines.dynamics.chain import Chain, Complex, Modes
-from synthesis.machines.dynamics.phi import phi
-from synthesis.numerics.piecewise import Array
+from synthesis.numerics.piecewise import Array, Piecewise
 from synthesis.units import FULL_TURN
 
+TERMS = 22  # of the series of φ in the unit disc, where the last is below rounding
 WAVE = 0.5  # rad: largest phase of a law's own sinusoids in one step
 SERIES = 18  # terms of their Taylor series: 0.5^18/18! is below rounding
 IMPACT = 1e-9  # of the largest velocity: smaller jumps are rounding
+
+
+def phi(z: Complex, highest: int) -> Complex:
+    """φ_0 to φ_highest of complex numbers: (highest + 1, *z.shape).
+
+    By their series in the unit disc, and outside by doubling the argument, φ_k(2z) = 2^(−k)
+    [e^z φ_k(z) + Σ_j φ_j(z)/(k−j)!], which is stable where the real part is not positive.
+    """
+    halvings = np.ceil(np.log2(np.maximum(np.abs(z), 1.0))).astype(int)
+    small = z / 2.0**halvings
+    # φ_k(z) = Σ_j z^j/(j + k)!, all k at once.
+    orders = np.arange(highest + 1).reshape(-1, *(1,) * z.ndim)
+    first = [1.0 / factorial(k) for k in range(highest + 1)]
+    term = np.multiply.outer(first, np.ones(z.shape, complex))
+    found = term.copy()
+    for j in range(1, TERMS):
+        term = term * small / (j + orders)
+        found += term
+    shares = np.array(
+        [[1.0 / factorial(k - j) if 1 <= j <= k else 0.0 for j in range(highest + 1)]
+         for k in range(highest + 1)]
+    )  # fmt: skip
+    scale = 0.5 ** np.arange(highest + 1)
+    for done in range(int(halvings.max(initial=0))):
+        going = halvings > done
+        part = found[:, going]
+        before = np.exp(small[going] * 2.0**done)
+        found[:, going] = scale[:, None] * (before * part + shares @ part)
+    found[0] = np.exp(z)
+    return found
 
 
 @dataclass(frozen=True, eq=False)
@@ -28,9 +64,9 @@ class Steps:
     """One turn cut into steps within pieces of the motion; a step of length 0 is an impact.
 
     Attributes:
-        theta: (k+1,) cam angles at their ends [rad]. taylor: (d+1, k) s^(j) Δθ^j at their
-        beginnings [mm]. jump: (k,) by how much s' jumps there [mm/rad]. s: (2, k+1) s and s' at
-        the ends.
+        theta: (k+1,) cam angles at their ends [rad].
+        taylor: (d+1, k) s^(j) Δθ^j at their beginnings [mm].
+        jump: (k,) by how much s' jumps there [mm/rad]. s: (2, k+1) s and s' at the ends.
     """
 
     theta: Array
@@ -59,22 +95,26 @@ class Steps:
         piece = np.repeat(np.arange(curve.count), count)
         step = np.diff(np.append(start, curve.breaks[-1]))
         taylor = curve.jet(start, piece, degree) * step ** np.arange(degree + 1)[:, None]
-        jump = np.zeros(len(start))
-        first = np.cumsum(count) - count
-        after = curve.jet(curve.breaks[:-1], np.arange(curve.count), 1)[1]
-        before = np.roll(curve.jet(curve.breaks[1:], np.arange(curve.count), 1)[1], 1)
-        jump[first] = after - before
-        speed = float(np.max(np.abs(curve.jet(start, piece, 1)[1])))
-        hits = np.flatnonzero(np.abs(jump) > IMPACT * speed)
+        # An impact is a step of length 0 before the first one of its piece.
+        jumps = velocity_jumps(curve)
+        hits = (np.cumsum(count) - count)[jumps != 0.0]
         start, taylor = np.insert(start, hits, start[hits]), np.insert(taylor, hits, 0.0, axis=1)
-        placed = np.zeros(len(start))
-        placed[hits + np.arange(len(hits))] = jump[hits]
+        impacts = hits + np.arange(len(hits))
+        jump = np.zeros(len(start))
+        jump[impacts] = jumps[jumps != 0.0]
         theta = np.append(start, curve.breaks[-1])
-        known = np.stack([motion.derivatives(theta, 1, side) for side in ("right", "left")])
-        s = known[0]
-        s[:, hits + np.arange(len(hits))] = known[1][:, hits + np.arange(len(hits))]
-        s[:, -1] = known[1][:, -1]
-        return cls(theta, taylor, placed, s)
+        s, before = motion.derivatives(theta, 1), motion.derivatives(theta, 1, "left")
+        s[:, impacts], s[:, -1] = before[:, impacts], before[:, -1]
+        return cls(theta, taylor, jump, s)
+
+
+def velocity_jumps(curve: Piecewise) -> Array:
+    """By how much s' jumps where each piece begins, 0 where that is rounding: (pieces,)."""
+    pieces = np.arange(curve.count)
+    after = curve.jet(curve.breaks[:-1], pieces, 1)[1]
+    before = np.roll(curve.jet(curve.breaks[1:], pieces, 1)[1], 1)
+    rounding = IMPACT * float(np.max(np.abs(after)))
+    return np.where(np.abs(after - before) > rounding, after - before, 0.0)
 
 
 @dataclass(frozen=True, eq=False)
@@ -188,3 +228,41 @@ def _recursion(start: Complex, factor: Complex, added: Complex) -> Complex:
         state = each * state + more
         found.append(state)
     return np.array(found).T
+
+
+def residual_spectrum(
+    motion: Motion, run: Sequence[int], frequencies: Array, damping: float
+) -> Array:
+    """Residual amplitude at the end of a run of segments, of oscillators at rest before it.
+
+    Exact but for rounding: within every step ∫ s' e^(−λ(Θ − θ)) dθ is a sum of φ-functions.
+
+    Args:
+        motion: the motion. run: indices of its segments, in order.
+        frequencies: (f,) undamped natural frequencies over the cam's, ω_n/ω.
+        damping: damping ratio ζ.
+
+    Returns:
+        (f,) amplitudes in the unit of s.
+    """
+    steps = Steps.of(motion, 1)
+    rate: Complex = np.asarray(frequencies * complex(damping, -sqrt(1.0 - damping**2)), complex)
+    total, after = np.zeros(len(frequencies), complex), 0.0
+    by_index = {s.index: s for s in motion.segments}
+    for index in reversed(run):
+        segment = by_index[index]
+        total += _segment_integral(steps, segment, rate) * np.exp(-rate * after)
+        after += segment.angle
+    return np.asarray(np.abs(total) / sqrt(1.0 - damping**2))
+
+
+def _segment_integral(steps: Steps, segment: PlacedSegment, rate: Complex) -> Array:
+    """∫ s' e^(−λ(end − θ)) dθ over one segment: (f,)."""
+    middle = 0.5 * (steps.theta[1:] + steps.theta[:-1])
+    inside = (middle > segment.start) & (middle < segment.end) & (np.diff(steps.theta) > 0.0)
+    width, taylor = np.diff(steps.theta)[inside], steps.taylor[:, inside]
+    sizes, which = np.unique(width, return_inverse=True)
+    functions = phi(np.multiply.outer(-rate, sizes), len(taylor) - 1)
+    each = sum(functions[k][:, which] * taylor[k] for k in range(1, len(taylor)))
+    left = segment.end - steps.theta[1:][inside]
+    return np.asarray(np.sum(each * np.exp(-np.multiply.outer(rate, left)), axis=1))

@@ -6,107 +6,79 @@ from math import pi
 from typing import Annotated
 
 import numpy as np
-from pydantic import BaseModel, ConfigDict, Field, model_validator
+from pydantic import Field, model_validator
 from pydantic_core import PydanticCustomError
 
-from synthesis.catalogue.fields import CamSpeed, Name
+from synthesis.catalogue.fields import CamSpeed, FiniteModel, Name
 from synthesis.machines.dynamics.chain import Chain, StaticallyUnstable
 from synthesis.machines.dynamics.response import resonance
 from synthesis.spec.design_spec import DesignSpec
 from synthesis.units import rad_per_s
 
 KILOGRAM = 1e-3  # N s²/mm in 1 kg
-MOST_MASSES, MOST_SPEEDS = 20, 100
-FROZEN = ConfigDict(frozen=True, extra="forbid", allow_inf_nan=False)
+MOST_MASSES, MOST_SPEEDS = 20, 100  # so that an answer takes seconds
+
+Stiffness = Annotated[float, Field(ge=-1e15, le=1e15)]
+Damping = Annotated[float, Field(ge=-1e9, le=1e9)]
 
 
-class Mass(BaseModel):
+class Mass(FiniteModel):
     """One mass of the train and its link to the mass before it, or to the cam."""
 
-    model_config = FROZEN
-
-    mass_kg: Annotated[
-        float, Field(ge=1e-9, le=1e9, description="Mass, reduced to the follower's displacement.")
-    ]
-    stiffness_n_per_mm: Annotated[
-        float,
-        Field(
-            ge=1e-9,
-            le=1e15,
-            description="Stiffness of the link to the mass before it, or to the cam.",
-        ),
-    ]
-    damping_n_s_per_mm: Annotated[
-        float, Field(ge=-1e9, le=1e9, description="Viscous damping of that link.")
-    ] = 0.0
-    ground_stiffness_n_per_mm: Annotated[
-        float,
-        Field(
-            ge=-1e15,
-            le=1e15,
-            description="Stiffness between the mass and the frame: a return spring.",
-        ),
-    ] = 0.0
-    ground_damping_n_s_per_mm: Annotated[
-        float, Field(ge=-1e9, le=1e9, description="Viscous damping between the mass and the frame.")
-    ] = 0.0
+    mass_kg: float = Field(
+        ge=1e-9, le=1e9, description="Mass, reduced to the follower's displacement."
+    )
+    stiffness_n_per_mm: float = Field(
+        ge=1e-9, le=1e15, description="Stiffness of the link to the mass before it, or to the cam."
+    )
+    damping_n_s_per_mm: Damping = Field(0.0, description="Viscous damping of that link.")
+    ground_stiffness_n_per_mm: Stiffness = Field(
+        0.0, description="Stiffness between the mass and the frame: a return spring."
+    )
+    ground_damping_n_s_per_mm: Damping = Field(
+        0.0, description="Viscous damping between the mass and the frame."
+    )
 
 
-class Train(BaseModel):
+class Train(FiniteModel):
     """Masses in a row, the first one next to the cam; the last one is the output."""
 
-    model_config = FROZEN
-
     masses: Annotated[list[Mass], Field(min_length=1, max_length=MOST_MASSES)]
-    preload_n: Annotated[
-        float | None,
-        Field(
-            ge=0.0,
-            le=1e15,
-            description="Contact force of the train at rest at displacement 0. Left out: the cam "
-            "is form-closed and holds its follower both ways (a groove, conjugate cams).",
-        ),
-    ] = None
+    preload_n: float | None = Field(
+        None,
+        ge=0.0,
+        le=1e15,
+        description="Contact force of the train at rest at displacement 0. Left out: the cam "
+        "is form-closed and holds its follower both ways (a groove, conjugate cams).",
+    )
 
     def chain(self) -> Chain:
         """The train in mm, N and s."""
-        masses = self.masses
-        return Chain(
-            KILOGRAM * np.array([mass.mass_kg for mass in masses]),
-            np.array([mass.stiffness_n_per_mm for mass in masses]),
-            np.array([mass.damping_n_s_per_mm for mass in masses]),
-            np.array([mass.ground_stiffness_n_per_mm for mass in masses]),
-            np.array([mass.ground_damping_n_s_per_mm for mass in masses]),
-            self.preload_n or 0.0,
-        )
+        rows = [list(mass.model_dump().values()) for mass in self.masses]
+        masses, springs, dampers, ground_springs, ground_dampers = np.array(rows).T
+        preload = self.preload_n or 0.0
+        return Chain(KILOGRAM * masses, springs, dampers, ground_springs, ground_dampers, preload)
 
 
-class TrainSpec(BaseModel):
+class TrainSpec(FiniteModel):
     """An elastic follower train on a cam, at one speed or several."""
 
-    model_config = FROZEN
-
-    name: Annotated[Name, Field(description="Shown in reports and files.")] = ""
-    cam: Annotated[
-        DesignSpec,
-        Field(description="The cam; what it leaves free is designed first, as by `/v1/designs`."),
-    ]
-    train: Annotated[Train, Field(description="The train that the cam drives.")]
-    speeds_rpm: Annotated[
-        list[CamSpeed],
-        Field(
-            max_length=MOST_SPEEDS,
-            description="Speeds of the cam; left out: that of the cam's own spec.",
-        ),
-    ] = []
-    turns: Annotated[
-        int,
-        Field(
-            ge=0,
-            le=100,
-            description="Turns from rest to compare with the periodic response.",
-        ),
-    ] = 0
+    name: Name = Field("", description="Shown in reports and files.")
+    cam: DesignSpec = Field(
+        description="The cam; what it leaves free is designed first, as by `/v1/designs`."
+    )
+    train: Train = Field(description="The train that the cam drives.")
+    speeds_rpm: list[CamSpeed] = Field(
+        [],
+        max_length=MOST_SPEEDS,
+        description="Speeds of the cam; left out: that of the cam's own spec.",
+    )
+    turns: int = Field(
+        0,
+        ge=0,
+        le=100,
+        description="Turns from rest to compare with the periodic response.",
+    )
 
     @property
     def time_budget_s(self) -> float | None:

@@ -18,10 +18,8 @@ from synthesis.certify.piecewise_motion import PiecewiseMotion
 from synthesis.certify.residual_vibration import residual_amplitude
 from synthesis.machines.dynamics import TrainSpec
 from synthesis.machines.dynamics.chain import Chain
-from synthesis.machines.dynamics.files.train_csv import TrainOptions, response_csv
-from synthesis.machines.dynamics.phi import phi
-from synthesis.machines.dynamics.response import Steps, from_rest, steady
-from synthesis.machines.dynamics.spectrum import residual_spectrum
+from synthesis.machines.dynamics.files import TRAIN_FILES
+from synthesis.machines.dynamics.response import Steps, from_rest, phi, residual_spectrum, steady
 from synthesis.numerics.piecewise import Array
 from synthesis.studies.train_response import respond
 from synthesis.units import DEGREE
@@ -226,7 +224,8 @@ def test_the_example_rests_in_its_first_mode_and_floats() -> None:
     }
     under, over = respond(TrainSpec.model_validate(slightly)).speeds
     assert under.contact_force_min_n.value > 0.0 >= over.contact_force_min_n.value
-    table = response_csv(found, TrainOptions(turns=2)).decode().splitlines()
+    file = TRAIN_FILES[0]
+    table = file.write(found, file.options(turns=2)).decode().splitlines()
     assert len(table) > 2 * 720
     assert table[0].startswith("turn,angle_deg,time_s,cam_mm,mass_1_mm,mass_2_mm,output_error_mm")
 

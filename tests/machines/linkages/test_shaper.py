@@ -12,8 +12,7 @@ import pytest
 
 from synthesis.errors import InputError
 from synthesis.machines.linkages.shaper import turn_analysis
-from synthesis.machines.linkages.shaper.drive import Drive
-from synthesis.machines.linkages.shaper.mechanism import Motion, Shaper, Side, angle
+from synthesis.machines.linkages.shaper.mechanism import Drive, Motion, Shaper, Side, angle
 from tests.forty_digits import cos, sin
 
 P5 = Shaper(125.0, 600.0, 150.0, 275.0, 575.0, "left")
@@ -78,13 +77,16 @@ def test_dead_centres_are_all_turns_of_the_ram(shaper: Shaper, sense: float, sid
     drive = Drive(0.3, sense, 1.0)
     found = turn_analysis.dead_centres(shaper, drive)
     for one in found:
-        assert abs(shaper.motion(np.float64(one.phi)).ram[1]) < 1e-12 * shaper.guide
+        phi = math.radians(one.crank_deg)
+        assert abs(shaper.motion(np.float64(phi)).ram[1]) < 1e-12 * shaper.guide
     turned = np.linspace(0.0, 2.0 * math.pi, 20_001)
     ram = shaper.motion(drive.phi(turned)).ram
     turns = np.flatnonzero(np.diff(np.sign(ram[1])))
     assert len(turns) == len(found)
-    assert np.allclose(turned[turns], [one.turned for one in found], atol=2e-3)
-    stroke = max(one.ram for one in found) - min(one.ram for one in found)
+    assert np.allclose(
+        turned[turns], np.radians([one.crank_travel_deg for one in found]), atol=2e-3
+    )
+    stroke = max(one.ram_mm for one in found) - min(one.ram_mm for one in found)
     assert stroke == pytest.approx(np.ptp(ram[0]), rel=1e-6)
 
 
@@ -92,19 +94,20 @@ def test_p5() -> None:
     """Closed forms: stroke 2 L r/a, ratio (π + 2β)/(π − 2β), dead centres at −β and π + β."""
     beta = math.asin(125.0 / 275.0)
     right, left = sorted(
-        turn_analysis.dead_centres(P5, Drive(0.0, 1.0, 1.0)), key=lambda one: -one.ram
+        turn_analysis.dead_centres(P5, Drive(0.0, 1.0, 1.0)), key=lambda one: -one.ram_mm
     )
-    assert right.ram - left.ram == pytest.approx(2.0 * 600.0 * 125.0 / 275.0, rel=1e-14)
-    assert right.turned == pytest.approx(2.0 * math.pi - beta, rel=1e-14)
-    assert left.turned == pytest.approx(math.pi + beta, rel=1e-14)
+    assert right.ram_mm - left.ram_mm == pytest.approx(2.0 * 600.0 * 125.0 / 275.0, rel=1e-14)
+    assert right.crank_travel_deg == pytest.approx(360.0 - math.degrees(beta), rel=1e-14)
+    assert left.crank_travel_deg == pytest.approx(180.0 + math.degrees(beta), rel=1e-14)
 
 
 def test_extremes_enclose_what_is_found_by_sampling() -> None:
     drive = Drive(1.2, -1.0, 2.3, 0.31)
-    found = turn_analysis.extremes(IN_LINE, drive, turn_analysis.QUANTITIES)
+    found = turn_analysis.extremes(IN_LINE, drive)
     turned = np.linspace(0.0, 2.0 * math.pi, 100_001)
     motion = IN_LINE.motion(drive.phi(turned))
-    for quantity, (largest, smallest) in zip(turn_analysis.QUANTITIES, found, strict=True):
+    for quantity, peaks in zip(turn_analysis.QUANTITIES, found, strict=True):
+        largest, smallest = peaks.largest, peaks.smallest
         values = quantity.of(motion, drive, turned) / quantity.per_unit
         for peak, sampled in ((largest, values.max()), (smallest, values.min())):
             assert peak.value == pytest.approx(sampled, rel=1e-6)
@@ -119,13 +122,13 @@ def test_what_is_not_proven_is_not_claimed() -> None:
     """A coupler that all but stands upright: values that are reached, without an enclosure."""
     coupler = P5.ram_line - P5.guide * math.cos(P5.swing)
     nearly = replace(P5, coupler=coupler * (1.0 + 2.0**-50))
-    found = turn_analysis.extremes(nearly, Drive(0.0, 1.0, 1.0), turn_analysis.QUANTITIES)
-    widths = {
-        q.name: peaks[0].width for q, peaks in zip(turn_analysis.QUANTITIES, found, strict=True)
-    }
+    found = turn_analysis.extremes(nearly, Drive(0.0, 1.0, 1.0))
+    widths = {peaks.quantity: peaks.largest.width for peaks in found}
     assert widths["coupler_velocity"] is None
     assert widths["guide_velocity"] is not None
-    assert all(math.isfinite(peak.value) for peaks in found for peak in peaks)
+    assert all(
+        math.isfinite(peak.value) for peaks in found for peak in (peaks.largest, peaks.smallest)
+    )
 
 
 def test_time_is_not_angle_where_the_crank_speeds_up() -> None:

@@ -1,8 +1,8 @@
 """The palletising arm: two parallelograms keep its tool upright.
 
 In: an ArmSpec (lengths, joint limits, masses, poses). Out: a PalletisingArm: workspace, postures of
-every pose, holding torques, singular arm angles. ``geometry`` is the kinematics, ``limits`` the
-joint limits, ``workspace`` the regions that the tool reaches, ``statics`` the torques; ``report``
+every pose, holding torques, singular arm angles. Open ``geometry`` first: kinematics and statics;
+``workspace`` has the joint limits and the regions that the tool reaches within them, ``report``
 puts the answer together.
 """
 

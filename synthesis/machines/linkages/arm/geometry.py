@@ -1,4 +1,4 @@
-"""Forward and inverse kinematics of the palletising arm, with all postures.
+"""Kinematics and statics of the palletising arm: forward, inverse with all postures, torques.
 
 Axis 1 turns the arm about the vertical z. Two parallelograms keep the wrist upright, so that both
 arm angles are absolute: θ2 of the upper arm from the vertical, forwards, and θ3 of the forearm
@@ -8,13 +8,17 @@ below the horizontal. With q = θ2 − θ3, the distance from shoulder to wrist 
     Z = a2 cos θ2 − a3 sin θ3         z = d1 + Z − tool
     R² + Z² = a2² + a3² + 2 a2 a3 sin q
 
-The arms are in line, and the posture is singular, where cos q = 0.
+The arms are in line, and the posture is singular, where cos q = 0. As elbow plate and tool do not
+rotate about a horizontal axis, the height of every part is that of the shoulder plus a distance p
+along the upper arm and w along the forearm, and virtual work gives the torques that hold it:
+
+    z_i = const + p_i cos θ2 − w_i sin θ3     τ2 = −g Σ m p sin θ2     τ3 = −g Σ m w cos θ3
 """
 
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 from typing import Any, Final, Literal
 
@@ -26,6 +30,8 @@ Value = Any
 Base = Literal["front", "over"]
 Elbow = Literal["up", "down"]
 STRETCHED: Final = 1e-14  # of the arms' product: a discriminant that rounding made negative
+G: Final = 9.80665  # m/s², standard gravity
+METRE: Final = 1e-3  # m per mm
 
 
 @dataclass(frozen=True)
@@ -96,20 +102,22 @@ class Arm:
         """Forward kinematics: the place of the tool."""
         r = float(self.radius(joints.upper, joints.fore))
         z = float(self.level(joints.upper, joints.fore))
-        yaw = within(joints.base + joints.tool)
+        yaw = wrap_angle(joints.base + joints.tool)
         return Place(r * math.cos(joints.base), r * math.sin(joints.base), z, yaw)
 
     def postures(self, place: Place) -> Iterator[Posture]:
         """Inverse kinematics: every posture, limits aside; none where the place is out of reach."""
-        distance, towards = math.hypot(place.x, place.y), math.atan2(place.y, place.x)
-        bases: tuple[tuple[Base, float], ...] = (("front", towards), ("over", towards + math.pi))
-        for base, turned in bases:
-            r = distance if base == "front" else -distance
-            for elbow, upper, fore in self._arms(r, place.z):
-                joints = Joints(within(turned), upper, fore, within(place.yaw - turned))
+        distance, front = math.hypot(place.x, place.y), math.atan2(place.y, place.x)
+        # The base turned towards the place, or away from it with the arm reaching back.
+        bases: tuple[tuple[Base, float, float], ...] = (
+            ("front", front, distance), ("over", front + math.pi, -distance),
+        )  # fmt: skip
+        for base, angle, r in bases:
+            for elbow, upper, fore in self._arm_angles(r, place.z):
+                joints = Joints(wrap_angle(angle), upper, fore, wrap_angle(place.yaw - angle))
                 yield Posture(base, elbow, joints)
 
-    def _arms(self, r: float, z: float) -> Iterator[tuple[Elbow, float, float]]:
+    def _arm_angles(self, r: float, z: float) -> Iterator[tuple[Elbow, float, float]]:
         """Both pairs of arm angles (elbow, θ2, θ3) for a radius and a height of the tool."""
         R, Z = r - self.shoulder - self.wrist, z - self.height + self.tool
         square, a, b = R * R + Z * Z, self.upper, self.fore
@@ -121,12 +129,29 @@ class Arm:
         cosine = math.sqrt(max(discriminant, 0.0)) / (2.0 * a * b)
         elbows: tuple[tuple[Elbow, float], ...] = (("up", cosine), ("down", -cosine))
         for elbow, cos in elbows[: 1 if cosine == 0.0 else 2]:
+            # Z + i R = (m + i n) e^(i θ2), from both formulas with θ3 = θ2 − q.
             m, n = a + b * sine, b * cos
             upper = math.atan2(R * m - Z * n, R * n + Z * m)
             yield elbow, upper, upper - math.atan2(sine, cos)
 
 
-def within(angle: float) -> float:
+def static_moments(parts: Iterable[tuple[float, float, float]]) -> tuple[float, float]:
+    """g Σ m p and g Σ m w [N·m]: the torques with both arms horizontal.
+
+    Args:
+        parts: mass [kg] and the distances p, w of its centre along both arms [mm] of each part.
+    """
+    products = [(mass * p, mass * w) for mass, p, w in parts]
+    upper, fore = (G * METRE * math.fsum(column) for column in zip(*products, strict=True))
+    return upper, fore
+
+
+def holding_torques(moments: tuple[float, float], upper: Value, fore: Value) -> tuple[Value, Value]:
+    """Torques [N·m] of axes 2 and 3 at arm angles [rad], positive along their angles."""
+    return 0.0 - moments[0] * np.sin(upper), 0.0 - moments[1] * np.cos(fore)
+
+
+def wrap_angle(angle: float) -> float:
     """The same direction in (−π, π]."""
-    turned = math.remainder(angle, FULL_TURN)
-    return math.pi if turned == -math.pi else turned
+    wrapped = math.remainder(angle, FULL_TURN)
+    return math.pi if wrapped == -math.pi else wrapped

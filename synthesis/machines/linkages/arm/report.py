@@ -3,27 +3,37 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from typing import Literal
 
+import numpy as np
 from pydantic import Field
 
 from synthesis.catalogue.fields import AnswerModel, doc
 from synthesis.design.identity import engine_version, question_id
 from synthesis.errors import InputError
-from synthesis.machines.linkages.arm import statics, workspace
-from synthesis.machines.linkages.arm.geometry import Arm, Base, Elbow, Place, Posture
-from synthesis.machines.linkages.arm.limits import Corner, Span
+from synthesis.machines.linkages.arm import workspace
+from synthesis.machines.linkages.arm.geometry import (
+    Arm,
+    Base,
+    Elbow,
+    Place,
+    Posture,
+    holding_torques,
+)
 from synthesis.machines.linkages.arm.spec import ArmSpec, ArmTask
+from synthesis.machines.linkages.arm.workspace import RIGHT_ANGLE, Corner, Edge, Joint, Region
 from synthesis.units import DEGREE, FULL_TURN
+
+KIND = "palletising arm"
+ON_AXIS = 1e-9  # of the reach: nearer to axis 1 the tool counts as on it
+ROUNDING = 1e-12  # relative: a base that turns by so much more than 360° turns once
 
 
 class BorderArc(AnswerModel):
     """A piece of a region's border: an arc of a circle in the plane (r, z)."""
 
-    keeps: Literal["upper_arm", "forearm", "opening"] = doc(
-        "The angle that is constant along it: at one of its limits."
-    )
+    keeps: Edge = doc("The angle that is constant along it: at one of its limits.")
     centre_mm: tuple[float, float] = doc("Its centre [r, z].")
     radius_mm: float = doc("Its radius.")
     start_deg: float = doc("Angle of its start at the centre, from r towards z.")
@@ -75,7 +85,7 @@ class ArmTorque(AnswerModel):
 class BeyondLimit(AnswerModel):
     """A limit that a posture exceeds."""
 
-    joint: Literal["base", "upper_arm", "forearm", "opening", "tool"] = doc("Which joint.")
+    joint: Joint = doc("Which joint.")
     excess_deg: float = doc("By how much.")
 
 
@@ -133,11 +143,6 @@ class PalletisingArm(AnswerModel):
     links: dict[str, str] = Field({}, description="Links to it and its files.")
 
 
-KIND = "palletising arm"
-ON_AXIS = 1e-9  # of the reach: nearer to axis 1 the tool counts as on it
-RIGHT_ANGLE = 0.5 * math.pi
-
-
 def analyse_arm(spec: ArmSpec, deadline: float | None = None) -> PalletisingArm:
     """Workspace, postures, torques and singularities of an arm; takes milliseconds.
 
@@ -147,8 +152,8 @@ def analyse_arm(spec: ArmSpec, deadline: float | None = None) -> PalletisingArm:
     Raises:
         InputError: the joint limits leave no arm angles.
     """
-    arm, limits = spec.arm, spec.limits
-    regions = workspace.regions(arm, limits)
+    limits = spec.limits
+    regions = workspace.regions(spec.arm, limits)
     if not regions:
         openings = [upper - fore for upper in limits.upper for fore in limits.fore]
         raise InputError(
@@ -157,135 +162,114 @@ def analyse_arm(spec: ArmSpec, deadline: float | None = None) -> PalletisingArm:
             f"{min(openings) / DEGREE:g}° to {max(openings) / DEGREE:g}°.",
             "Widen opening_deg, upper_arm_deg or forearm_deg.",
         )  # fmt: skip
-    corners = [corner for region in regions for corner in region.corners]
     poses = [_pose(spec, task) for task in spec.poses]
-    nearest = min(-region.farthest(-1.0, 0.0)[0] for region in regions)
-    reach = max(region.farthest(1.0, 0.0)[0] for region in regions)
+    answers = [_region(region, limits.base[1] - limits.base[0]) for region in regions]
+    nearest = min(region.r_min.value_mm for region in answers)
+    farthest = max(region.r_max.value_mm for region in answers)
     return PalletisingArm(
         id=question_id(spec, KIND),
         name=spec.name,
         engine_version=engine_version(),
         status="feasible" if all(pose.reachable for pose in poses) else "infeasible",
         spec=spec,
-        reach_mm=max(reach, -nearest),
-        regions=[_region(region, limits.base) for region in regions],
-        singular=[_in_line(*ends) for ends in workspace.singular_segments(limits)],
-        over_axis=nearest <= 0.0 <= reach,
-        torques=_torques(spec, corners),
+        reach_mm=max(farthest, -nearest),
+        regions=answers,
+        singular=[
+            ArmsInLine(
+                opening_deg=round((first[0] - first[1]) / DEGREE, 9),
+                from_deg=_degrees(first),
+                to_deg=_degrees(last),
+            )
+            for first, last in workspace.singular_segments(limits)
+        ],
+        over_axis=nearest <= 0.0 <= farthest,
+        torques=_largest_torques(spec, [corner for each in regions for corner in each.corners]),
         poses=poses,
     )
 
 
-def _region(region: workspace.Region, base: Span) -> WorkRegion:
-    ends = {
-        name: _farthest(region, across, up)
-        for name, across, up in (
-            ("r_max", 1.0, 0.0), ("r_min", -1.0, 0.0), ("z_max", 0.0, 1.0), ("z_min", 0.0, -1.0),
-        )
-    }  # fmt: skip
-    turns = base[1] - base[0]
-    once = turns <= FULL_TURN * (1.0 + 1e-12) and ends["r_min"].value_mm >= 0.0
+def _degrees(corner: Corner) -> Corner:
+    return corner[0] / DEGREE, corner[1] / DEGREE
+
+
+def _region(region: Region, base_range: float) -> WorkRegion:
+    """The answer about one region; ``base_range``: by how much the base turns [rad]."""
+
+    def farthest(across: float, up: float) -> ArmFarthest:
+        value, corner = region.farthest(across, up)
+        upper, fore = _degrees(corner)
+        return ArmFarthest(value_mm=value * (across + up), upper_arm_deg=upper, forearm_deg=fore)
+
+    nearest = farthest(-1.0, 0.0)
+    once = base_range <= FULL_TURN * (1.0 + ROUNDING) and nearest.value_mm >= 0.0
     return WorkRegion(
         elbow=region.elbow,
-        border=[_arc(arc) for arc in region.border],
+        border=[
+            BorderArc(
+                keeps=arc.keeps, centre_mm=(arc.x, arc.y), radius_mm=arc.radius,
+                start_deg=arc.start / DEGREE, sweep_deg=arc.sweep / DEGREE,
+                from_mm=arc.point(0.0), to_mm=arc.point(1.0),
+            )
+            for arc in region.border
+        ],
         area_mm2=region.area,
-        volume_mm3=turns * region.moment if once else None,
-        **ends,
-    )
+        volume_mm3=base_range * region.moment if once else None,
+        r_max=farthest(1.0, 0.0),
+        r_min=nearest,
+        z_max=farthest(0.0, 1.0),
+        z_min=farthest(0.0, -1.0),
+    )  # fmt: skip
 
 
-def _farthest(region: workspace.Region, across: float, up: float) -> ArmFarthest:
-    value, (upper, fore) = region.farthest(across, up)
-    return ArmFarthest(
-        value_mm=value * (across + up), upper_arm_deg=upper / DEGREE, forearm_deg=fore / DEGREE
-    )
-
-
-def _arc(arc: workspace.Arc) -> BorderArc:
-    return BorderArc.model_validate(
-        {
-            "keeps": arc.keeps,
-            "centre_mm": (arc.x, arc.y),
-            "radius_mm": arc.radius,
-            "start_deg": arc.start / DEGREE,
-            "sweep_deg": arc.sweep / DEGREE,
-            "from_mm": arc.point(0.0),
-            "to_mm": arc.point(1.0),
-        }
-    )
-
-
-def _in_line(first: Corner, last: Corner) -> ArmsInLine:
-    def degrees(corner: Corner) -> tuple[float, float]:
-        return corner[0] / DEGREE, corner[1] / DEGREE
-
-    return ArmsInLine(
-        opening_deg=round((first[0] - first[1]) / DEGREE, 9),
-        from_deg=degrees(first),
-        to_deg=degrees(last),
-    )
-
-
-def _torques(spec: ArmSpec, corners: Sequence[Corner]) -> list[ArmTorque]:
-    """The largest |τ| of either axis: a sine or cosine of its own angle alone."""
-    first, second = statics.moments(spec.weights)
-    uppers, fores = zip(*corners, strict=True)
-    axes = (
-        ("upper_arm", first, math.sin, uppers, RIGHT_ANGLE),
-        ("forearm", second, math.cos, fores, 0.0),
-    )
-    found = []
-    for axis, moment, wave, angles, crest in axes:
-        at = _crest(min(angles), max(angles), crest, wave)
-        torque = {"axis": axis, "torque_nm": 0.0 - moment * wave(at), "angle_deg": at / DEGREE}
-        found.append(ArmTorque.model_validate(torque))
-    return found
-
-
-def _crest(low: float, high: float, crest: float, wave: Callable[[float], float]) -> float:
-    """The angle in an interval where |wave| is largest: a crest inside it, or an end."""
-    inside = (crest + k * math.pi for k in range(-3, 4))
-    return max(
-        (low, high, *(at for at in inside if low <= at <= high)), key=lambda at: abs(wave(at))
-    )
+def _largest_torques(spec: ArmSpec, corners: Sequence[Corner]) -> list[ArmTorque]:
+    """The largest |τ| of either axis: at a crest of its sine or cosine, or at an end."""
+    torques = []
+    for k, (axis, crest) in enumerate((("upper_arm", RIGHT_ANGLE), ("forearm", 0.0))):
+        angles = [corner[k] for corner in corners]
+        low, high = min(angles), max(angles)
+        crests = (crest + turn * math.pi for turn in range(-3, 4))
+        places = np.array([low, high, *(at for at in crests if low <= at <= high)])
+        shares = holding_torques((1.0, 1.0), places, places)[k]
+        at = float(places[np.argmax(np.abs(shares))])
+        torque = float(holding_torques(spec.static_moments, at, at)[k])
+        answer = {"axis": axis, "torque_nm": torque, "angle_deg": at / DEGREE}
+        torques.append(ArmTorque.model_validate(answer))
+    return torques
 
 
 def _pose(spec: ArmSpec, task: ArmTask) -> ArmPose:
-    arm, limits = spec.arm, spec.limits
-    place = task.place(arm)
-    solutions = [_solution(spec, one) for one in task.postures(arm, limits)]
+    place = task.place(spec.arm)
+    solutions = [_solution(spec, one) for one in task.postures(spec.arm, spec.limits)]
     solutions.sort(key=lambda one: sum(each.excess_deg for each in one.beyond))
-    reachable = any(not one.beyond for one in solutions)
     return ArmPose(
         name=task.name,
         x_mm=place.x,
         y_mm=place.y,
         z_mm=place.z,
         yaw_deg=place.yaw / DEGREE,
-        reachable=reachable,
+        reachable=any(not one.beyond for one in solutions),
         solutions=solutions,
-        note=_note(arm, place, solutions),
+        note=_note(spec.arm, place, solutions),
     )
 
 
-def _solution(spec: ArmSpec, one: Posture) -> ArmSolution:
-    joints = one.joints
-    holds = statics.holding_torques(spec.weights, joints.upper, joints.fore)
-    beyond = [
-        BeyondLimit.model_validate({"joint": name, "excess_deg": by / DEGREE})
-        for name, by in spec.limits.exceeded(joints)
-    ]
+def _solution(spec: ArmSpec, posture: Posture) -> ArmSolution:
+    joints = posture.joints
+    torques = holding_torques(spec.static_moments, joints.upper, joints.fore)
     return ArmSolution(
-        base=one.base,
-        elbow=one.elbow,
+        base=posture.base,
+        elbow=posture.elbow,
         base_deg=joints.base / DEGREE,
         upper_arm_deg=joints.upper / DEGREE,
         forearm_deg=joints.fore / DEGREE,
         tool_deg=joints.tool / DEGREE,
-        beyond=beyond,
+        beyond=[
+            BeyondLimit(joint=name, excess_deg=excess / DEGREE)
+            for name, excess in spec.limits.exceeded(joints)
+        ],
         in_line=math.cos(joints.opening),
-        torque_upper_nm=holds.upper,
-        torque_forearm_nm=holds.fore,
+        torque_upper_nm=float(torques[0]),
+        torque_forearm_nm=float(torques[1]),
     )
 
 
@@ -300,8 +284,8 @@ def _note(arm: Arm, place: Place, solutions: Sequence[ArmSolution]) -> str:
             f"The wrist would be {far:.6g} mm from the shoulder, but the arms reach from "
             f"{least:.6g} to {most:.6g} mm. Choose a place {way}, or longer arms."
         )
-    if all(one.beyond for one in solutions):
-        best = solutions[0]
+    best = solutions[0]
+    if best.beyond:  # sorted: then all of them exceed a limit
         broken = ", ".join(f"{each.joint} by {each.excess_deg:.6g}°" for each in best.beyond)
         return (
             f"Every posture there exceeds a limit; the nearest is {best.base} with the elbow "

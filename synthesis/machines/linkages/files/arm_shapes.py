@@ -11,16 +11,17 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from synthesis.exporters.animations.animation_page import tag
 from synthesis.exporters.animations.scene import grouped
 from synthesis.exporters.drawing import canvas as svg
 from synthesis.exporters.figures.machine import Moving, Tag
 from synthesis.exporters.figures.parts import Box
 from synthesis.machines.linkages.arm import PalletisingArm
 from synthesis.machines.linkages.arm.geometry import Arm
-from synthesis.machines.linkages.arm.limits import Span
 from synthesis.machines.linkages.arm.workspace import (
     Arc,
     Region,
+    Span,
     regions,
     singular_segments,
     tool_arc,
@@ -60,9 +61,7 @@ class Stage:
         points = [arc.point(s) for one in reached for arc in one.border
                   for s in np.linspace(0.0, 1.0, 33).tolist()]  # fmt: skip
         points += [(-0.1 * arm.upper, 0.0), (arm.shoulder, arm.height)]
-        left, bottom, right, top = links.extent_of(points, 0.0)
-        u = max(right - left, top - bottom) / links.ACROSS
-        return cls(arm, reached, singular, u, links.extent_of(points, 6.0 * u), by)
+        return cls(arm, reached, singular, *links.unit_and_extent(points, 6.0), by)
 
     def ground(self) -> list[str]:
         """Floor, axis 1, column, workspace, and the singular arcs."""
@@ -73,8 +72,8 @@ class Stage:
             f"{svg.num(arm.shoulder + k * half)} {svg.num(arm.height)}" for k in (-1.0, 1.0)
         )
         return [
-            *(svg.path("outline body", f"{_way(one.border)}Z") for one in self.regions),
-            *(svg.path("line limit", _way([arc])) for arc in self.singular),
+            *(svg.path("outline body", f"{_arc_path(one.border)}Z") for one in self.regions),
+            *(svg.path("line limit", _arc_path([arc])) for arc in self.singular),
             *links.hatched(left + 2.0 * u, right - 2.0 * u, 0.0, u),
             svg.line("line centre", 0.0, bottom, 0.0, top),
             svg.path("outline rest", f"{column}L{svg.num(half)} 0Z"),
@@ -119,16 +118,8 @@ class Stage:
                 svg.circle("mark", arm.wrist, -arm.tool, 0.9 * u)]),
         ]  # fmt: skip
 
-    def stood(self, poses: Sequence[tuple[float, float]]) -> list[str]:
-        """The arm at rest in several poses."""
-        body = []
-        for upper, fore in poses:
-            still = self.moving(np.array([upper]), np.array([fore]))
-            body += self.parts(lambda _: "", still)
-        return body
 
-
-def _way(arcs: Sequence[Arc]) -> str:
+def _arc_path(arcs: Sequence[Arc]) -> str:
     """A chain of arcs as a path."""
     x, y = arcs[0].point(0.0)
     steps = [f"M{svg.num(x)} {svg.num(y)}"]
@@ -139,54 +130,32 @@ def _way(arcs: Sequence[Arc]) -> str:
     return "".join(steps)
 
 
-@dataclass(frozen=True)
-class Plan:
-    """The workspace in plan view: annular sectors in front of the base and over it.
+def plan_view(found: PalletisingArm, by: float) -> tuple[Box, list[str]]:
+    """The workspace from above with the base as a moving part, in the scale of the side view.
 
-    Attributes:
-        rings: nearest and farthest reach, each with the base angles that reach it [rad].
-        radius: of the drawing. by: scale factor.
+    The tool reaches an annular sector in front of the base, and one over it, turned by 180°.
+
+    Returns:
+        bounding box for all base angles, and the elements.
     """
-
-    rings: tuple[tuple[Span, Span], ...]
-    radius: float
-    by: float
-
-    @classmethod
-    def of(cls, found: PalletisingArm) -> Plan:
-        """The plan for an answer, in the scale of the side view."""
-        spec = found.spec
-        by = links.display_scale(spec.upper_arm_mm + spec.forearm_mm)
-        nearest = by * min(region.r_min.value_mm for region in found.regions)
-        farthest = by * max(region.r_max.value_mm for region in found.regions)
-        low, high = spec.base_deg.min * DEGREE, spec.base_deg.max * DEGREE
-        front = ((max(nearest, 0.0), farthest), (low, high))
-        over = ((max(-farthest, 0.0), -nearest), (low + math.pi, high + math.pi))
-        rings = tuple(ring for ring in (front, over) if ring[0][1] > 0.0)
-        return cls(rings, by * found.reach_mm, by)
-
-    @property
-    def u(self) -> float:
-        """Unit of line widths and symbols."""
-        return 2.0 * self.radius / links.ACROSS
-
-    @property
-    def extent(self) -> Box:
-        """Bounding box for all base angles."""
-        half = self.radius + 4.0 * self.u
-        return -half, -half, half, half
-
-    def shapes(self, tag: Tag) -> list[str]:
-        """Workspace, axis 1, and the base as a moving part."""
-        left, _, right, _ = self.extent
-        return [
-            *(svg.path("outline body", _ring(*ring)) for ring in self.rings),
-            svg.line("line centre", left, 0.0, right, 0.0),
-            svg.line("line centre", 0.0, left, 0.0, right),
-            f"<g {tag('base')}>",
-            *links.bar(self.radius / 3.0, 2.0 * self.u),
-            "</g>",
-        ]
+    radius, base = by * found.reach_mm, found.spec.base_deg
+    nearest = by * min(region.r_min.value_mm for region in found.regions)
+    farthest = by * max(region.r_max.value_mm for region in found.regions)
+    low, high = base.min * DEGREE, base.max * DEGREE
+    sectors = (
+        ((max(nearest, 0.0), farthest), (low, high)),
+        ((max(-farthest, 0.0), -nearest), (low + math.pi, high + math.pi)),
+    )
+    u = 2.0 * radius / links.ACROSS
+    half = radius + 4.0 * u
+    return (-half, -half, half, half), [
+        *(svg.path("outline body", _ring(*sector)) for sector in sectors if sector[0][1] > 0.0),
+        svg.line("line centre", -half, 0.0, half, 0.0),
+        svg.line("line centre", 0.0, -half, 0.0, half),
+        f"<g {tag('base')}>",
+        *links.bar(radius / 3.0, 2.0 * u),
+        "</g>",
+    ]
 
 
 def _ring(radii: Span, turned: Span) -> str:

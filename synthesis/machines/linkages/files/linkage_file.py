@@ -1,17 +1,45 @@
-"""LinkageFile: a file of a linkage; animations of any kind of linkage from its scene."""
+"""Files of linkages: their format, and what animations of any kind of linkage share."""
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from dataclasses import dataclass
+import json
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, replace
 from typing import Any
+
+import numpy as np
 
 from synthesis.exporters.animations.animation_page import FRAMES as PAGE_FRAMES
 from synthesis.exporters.animations.animation_page import paged
 from synthesis.exporters.animations.animation_svg import FRAMES, drawn
-from synthesis.exporters.animations.scene import Scene
+from synthesis.exporters.animations.panels import (
+    DIAGRAMS,
+    EDGE,
+    GAP,
+    HEIGHT,
+    LEFT,
+    MACHINE,
+    RIGHT,
+    TOP,
+)
+from synthesis.exporters.animations.scene import Body, Scene, grouped, reading
+from synthesis.exporters.diagrams.diagram import Frame, diagram, ranged
+from synthesis.exporters.diagrams.plot import Plot
+from synthesis.exporters.diagrams.sheet import angle_axis
+from synthesis.exporters.drawing import canvas as svg
+from synthesis.exporters.drawing.heading import two_lines
 from synthesis.exporters.drawing.picture_options import PictureOptions
+from synthesis.exporters.drawing.theme import lines
 from synthesis.exporters.exporter import FileFormat, untold
+from synthesis.exporters.figures.machine import Moving, Tag
+from synthesis.exporters.figures.parts import Box, placed, scale_in
+from synthesis.exporters.options import Options
+from synthesis.numerics.piecewise import Array
+
+SVG = "image/svg+xml"
+CSV = "text/csv; charset=utf-8; header=present"
+DECIMALS = 4  # of coordinates, which are about as large as those of a sheet in mm
+Reading = tuple[str, str, str, Array]  # key, title, unit and values over the turn
 
 
 @dataclass(frozen=True)
@@ -25,29 +53,117 @@ class LinkageFile(FileFormat[Any, Any]):
     suits: Callable[[Any], bool] = lambda _: True
 
 
-SceneOf = Callable[[Any, int], Scene]  # an answer, and how many frames of its turn
+def by_name(*files: LinkageFile) -> Mapping[str, LinkageFile]:
+    """Files by their names."""
+    return {each.name: each for each in files}
 
 
-def animation_svg(scene: SceneOf, purpose: str) -> LinkageFile:
-    """The file of a scene as an animated SVG."""
+def animation_files(
+    scene: Callable[[Any, int], Scene], purpose: str
+) -> tuple[LinkageFile, LinkageFile]:
+    """The animated SVG and the page of a scene, made from an answer and a number of frames."""
 
-    def write(found: Any, options: PictureOptions) -> bytes:
+    def picture(found: Any, options: PictureOptions) -> bytes:
         return drawn(scene(found, FRAMES), options.theme)
 
-    title, made = "Animation", untold(write)
+    def page(found: Any, options: PictureOptions) -> bytes:
+        return paged(scene(found, PAGE_FRAMES), options.theme)
+
+    return (
+        LinkageFile("animation.svg", "Animation", SVG, ".svg", untold(picture), PictureOptions,
+                    purpose),
+        LinkageFile("animation.html", "Animation to play, stop and read",
+                    "text/html; charset=utf-8", ".html", untold(page), PictureOptions,
+                    "One file that needs no network; by mouse, touch and keys."),
+    )  # fmt: skip
+
+
+def animation_data(write: Callable[[Any, Options], bytes], title: str) -> LinkageFile:
+    """The animation as JSON, which ``scene_json`` makes; written only where it is asked for."""
     return LinkageFile(
-        "animation.svg", title, "image/svg+xml", ".svg", made, PictureOptions, purpose
+        "animation.json", title, "application/json", ".json", untold(write), Options,
+        "For pages that show the machine their own way.", usual=False,
+    )  # fmt: skip
+
+
+def scene_json(found: Any, frame: str, scale: float, extent: Box, **parts: Any) -> bytes:
+    """A linkage as data for other viewers; ``frame`` says what ``parts`` mean."""
+    body = {
+        "kind": "animation",
+        "linkage": {"id": found.id, "name": found.name, "status": found.status},
+        "frame": "shapes: SVG elements, y upwards, scale times as large as in mm; parts carry "
+        f"data-part. extent: left, bottom, right and top, in the same scale. {frame}",
+        "scale": scale,
+        "extent": list(extent),
+        **parts,
+    }
+    text = json.dumps(body, ensure_ascii=False, allow_nan=False, separators=(",", ":"))
+    return text.encode() + b"\n"
+
+
+def linkage_scene(
+    found: Any,
+    title: str,
+    about: str,
+    machine: tuple[Box, Sequence[Moving], Body],
+    plots: Sequence[Plot],
+    readings: Sequence[Reading],
+    grounds: Callable[[Frame], list[str]] = lambda _: [],
+    **texts: Any,
+) -> Scene:
+    """A linkage in motion beside diagrams, on which points run.
+
+    Args:
+        found: the answer. title: name of a linkage that has none. about: it in a line.
+        machine: bounding box of the whole motion, the parts that move, and all shapes.
+        plots: the diagrams, with one abscissa. readings: numbers that follow the motion.
+        grounds: background of a diagram. texts: other fields of the scene.
+    """
+    extent, parts, shapes = machine
+    plots = [replace(plot, ends=()) for plot in plots]
+    frames = [
+        ranged(Frame(LEFT, TOP + k * (HEIGHT + GAP), DIAGRAMS[0] - LEFT - RIGHT, HEIGHT), plot)
+        for k, plot in enumerate(plots)
+    ]
+    across = frames[0].x(plots[0].curve.degrees)
+    bottom = frames[-1].top + frames[-1].height
+    # A cursor over all diagrams, and a point on each.
+    shown = {"cursor": (0.0 * across, svg.line("phase", 0.0, TOP, 0.0, bottom))}
+    for k, (frame, plot) in enumerate(zip(frames, plots, strict=True)):
+        shown[f"dot{k}"] = frame.y(plot.curve.values), svg.circle("mark", 0.0, 0.0, 1.3)
+    points = [
+        Moving(part, "shift", np.stack([across, height], axis=1))
+        for part, (height, _) in shown.items()
+    ]
+
+    def diagrams(tag: Tag) -> list[str]:
+        body: list[str] = []
+        for frame, plot in zip(frames, plots, strict=True):
+            body += [*grounds(frame), *diagram(plot, frame)]
+        body += angle_axis(frames[-1], every=60, name=texts["shaft"])
+        for part, (_, shape) in shown.items():
+            body += grouped(part, tag, points, [shape])
+        return body
+
+    name = found.name.strip() or title
+    return Scene(
+        name=name,
+        about=about,
+        key=found.id,
+        heading=two_lines(name, about, EDGE, EDGE + MACHINE[0] + DIAGRAMS[0], 1.0),
+        machine=lambda tag: placed(shapes(tag), extent, MACHINE),
+        diagrams=diagrams,
+        moving=[part for part in (*parts, *points) if part.moves],
+        readings=[
+            reading(key, title, unit, values, float(np.max(np.abs(values))))
+            for key, title, unit, values in readings
+        ],
+        decimals=DECIMALS,
+        rules=line_rules(extent, MACHINE),
+        **texts,
     )
 
 
-def animation_page(scene: SceneOf) -> LinkageFile:
-    """The file of a scene as a page with controls and readings."""
-
-    def write(found: Any, options: PictureOptions) -> bytes:
-        return paged(scene(found, PAGE_FRAMES), options.theme)
-
-    return LinkageFile(
-        "animation.html", "Animation to play, stop and read", "text/html; charset=utf-8", ".html",
-        untold(write), PictureOptions,
-        "One file that needs no network; by mouse, touch and keys.",
-    )  # fmt: skip
+def line_rules(extent: Box, size: tuple[float, float]) -> str:
+    """Style of a machine's lines, whose width is the sheet's while their lengths are scaled."""
+    return "".join(lines(1.0 / scale_in(extent, size), ".camwright .mechanism"))

@@ -57,7 +57,9 @@ def block(width: float, height: float) -> list[str]:
             pin(0.0, 0.0, 0.2 * height)]  # fmt: skip
 
 
-def extent_of(points: Sequence[Point], margin: float) -> Box:
-    """Bounding box of points, with a margin."""
+def unit_and_extent(points: Sequence[Point], margin: float) -> tuple[float, Box]:
+    """Unit of line widths and symbols of a machine, and its bounding box with a margin of these."""
     xs, ys = zip(*points, strict=True)
-    return min(xs) - margin, min(ys) - margin, max(xs) + margin, max(ys) + margin
+    u = max(max(xs) - min(xs), max(ys) - min(ys)) / ACROSS
+    edge = margin * u
+    return u, (min(xs) - edge, min(ys) - edge, max(xs) + edge, max(ys) + edge)

@@ -1,18 +1,19 @@
 """The six-bar shaper: crank, rocking or rotating slotted guide, coupler and ram (quick return).
 
 In: a ShaperSpec with all lengths, or with some left free and a stroke and ratio wanted. Out: a
-SixBarShaper. ``mechanism`` holds the loop equations, ``drive`` the crank's motion,
-``turn_analysis`` dead centres and proven extremes over a turn, ``report`` the answer. Free lengths:
-``sizing`` first, then ``design_space`` (all shapers that keep the limits, as a unit box),
-``objectives`` and ``global_search`` (branch and bound).
+SixBarShaper (``answer``). Open ``mechanism`` first: the loop equations and the crank's motion;
+``turn_analysis`` finds dead centres and proven extremes over a turn. Free lengths: ``sizing``
+first, then ``design_space`` (all shapers that keep the limits, as a unit box, and the objectives)
+and ``global_search`` (branch and bound).
 """
 
 from __future__ import annotations
 
 from synthesis.machines.linkages.linkage import Linkage
-from synthesis.machines.linkages.shaper.report import SixBarShaper, report_shaper
+from synthesis.machines.linkages.shaper.answer import SixBarShaper
 from synthesis.machines.linkages.shaper.sizing import size_shaper
 from synthesis.machines.linkages.shaper.spec import ShaperSpec
+from synthesis.machines.linkages.shaper.turn_analysis import analyse_shaper
 
 __all__ = ["LINKAGE", "ShaperSpec", "SixBarShaper", "analyse_or_size_shaper"]
 
@@ -26,7 +27,7 @@ def analyse_or_size_shaper(spec: ShaperSpec, deadline: float | None = None) -> S
     """
     if spec.free:
         return size_shaper(spec, deadline)
-    return report_shaper(spec, {name: low for name, (low, _) in spec.length_ranges().items()})
+    return analyse_shaper(spec, {name: low for name, (low, _) in spec.length_ranges().items()})
 
 
 def _summary(shaper: SixBarShaper) -> dict[str, float]:

@@ -1,4 +1,4 @@
-"""All shapers with a rocking guide that meet the requirements, as the image of a unit box.
+"""All shapers with a rocking guide that meet the requirements, and what is minimised over them.
 
 Where only the guide turns the ram back, the strokes are closed forms of s = sin β = r/a:
 
@@ -9,11 +9,13 @@ The coupler's angle γ obeys c sin γ = H − L sin ψ, linear in sin ψ, which 
 nowhere if besides |H − L cos β| < c cos β. Taken in the order s, L, a, c, H, the range of each
 depends on the ones before alone: the unit box maps onto the set of feasible shapers, and every
 point of the box is a feasible shaper. The formulas serve numbers and affine models alike.
+``ShaperObjective`` is the largest of a few functions of such a shaper.
 """
 
 from __future__ import annotations
 
 import math
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from typing import Any, Final
 
@@ -24,13 +26,15 @@ from synthesis.machines.linkages.shaper.mechanism import Narrowing, Shaper, iden
 from synthesis.machines.linkages.shaper.spec import ShaperSpec
 from synthesis.numerics.affine import Affine
 from synthesis.numerics.piecewise import Array
-from synthesis.units import DEGREE
+from synthesis.units import DEGREE, FULL_TURN
 
 Value = Any  # arrays, or models of the same
 Span = tuple[float, float]
 CLEAR: Final = 1e-9  # kept from singular positions: links in line, coupler upright
 LEAST: Final = 1e-9  # sine of a swing: below it there is no stroke
 EXACT: Final = 1e-12  # relative: rounding of a number that is given by two fields
+# Crank angles at which points are compared; the finished linkage is measured by enclosures.
+DENSE: Final = FULL_TURN * np.arange(240) / 240
 
 
 def swing_sine(ratio: float) -> float:
@@ -160,11 +164,80 @@ class DesignSpace:
         return {name: float(np.clip(each[0], *spans[name])) for name, each in found.items()}
 
 
-def similar(one: ShaperBatch) -> Shaper:
-    """A shaper with the same ram motion in units of its coupler, and pivot distance 1."""
-    guide = one.guide / one.coupler
-    return Shaper(one.s, guide, 1.0, 1.0, guide + one.level)
-
-
 def _between(u: Value, low: Value, high: Value) -> Value:
     return low + u * (high - low)
+
+
+@dataclass(frozen=True)
+class ShaperObjective:
+    """An objective: minimise the largest of a few functions.
+
+    Attributes:
+        name: name of its value on the wire, with its unit.
+        parts: from shapers and a crank angle [rad] to the functions.
+        to_wire: from their largest value and the crank speed ω [rad/s] to the value on the wire.
+        angles: whether the functions depend on the crank angle.
+        floor: lower bounds of the parts, with the ram's line (range, mm) already minimised over;
+            used for the bound instead of parts.
+    """
+
+    name: str
+    parts: Callable[[ShaperBatch, Value], list[Value]]
+    to_wire: Callable[[float, float], float] = lambda value, _: value
+    angles: bool = False
+    floor: Callable[[ShaperBatch, Span], list[Value]] | None = None
+
+    def lower_bounds(self, one: ShaperBatch, phi: Sequence[float], ram_line: Span) -> list[Value]:
+        """Lower bounds of the objective, from its functions at some crank angles."""
+        if self.floor is not None:
+            return self.floor(one, ram_line)
+        return [part for angle in phi for part in self.parts(one, angle)]
+
+    def over_turn(self, one: ShaperBatch) -> Array:
+        """The functions at points, (functions, n, crank angles)."""
+        columns = {name: each[:, None] for name, each in vars(one).items() if name != "known"}
+        return np.stack(self.parts(ShaperBatch(**columns), DENSE if self.angles else DENSE[:1]))
+
+    def values(self, one: ShaperBatch) -> Array:
+        """The objective at points, (n,)."""
+        return np.asarray(np.max(self.over_turn(one), axis=(0, 2)))
+
+
+def _links(one: ShaperBatch, _: Value) -> list[Value]:
+    """Lengths; the crank is shorter than the pivot distance."""
+    return [one.guide, one.coupler, one.pivot_distance]
+
+
+def _coupler_sines(one: ShaperBatch, _: Value) -> list[Value]:
+    """|sin γ| at the middle and at the ends of the swing."""
+    return [one.level, -one.level, one.level_at_ends, -one.level_at_ends]
+
+
+def _least_coupler_sines(one: ShaperBatch, ram_line: Span) -> list[Value]:
+    """|sin γ| with the ram's line midway between the guide's extreme heights, or as near."""
+    low, (lowest, highest) = one.guide * one.cosine, ram_line
+    rest = [0.5 * (one.guide - low), one.guide - highest, lowest - low]
+    return [each / one.coupler for each in rest]
+
+
+def _second_derivative(one: ShaperBatch, phi: Value) -> list[Value]:
+    """|x''| at a crank angle, of the similar shaper with coupler and pivot distance 1."""
+    guide = one.guide / one.coupler
+    similar = Shaper(one.s, guide, 1.0, 1.0, guide + one.level)
+    bend = one.coupler * similar.motion(phi, one.known).ram[2]
+    return [bend, -bend]
+
+
+OBJECTIVES: Final = {
+    "longest_link": ShaperObjective("longest_link_mm", _links),
+    "transmission_angle": ShaperObjective(
+        "least_transmission_angle_deg", _coupler_sines,
+        lambda value, _: 90.0 - math.asin(min(max(value, 0.0), 1.0)) / DEGREE,
+        floor=_least_coupler_sines,
+    ),
+    "ram_acceleration": ShaperObjective(
+        "ram_acceleration_mm_per_s2", _second_derivative, lambda value, omega: value * omega**2,
+        angles=True,
+    ),
+}  # fmt: skip
+SHORTEST_COUPLER: Final = ShaperObjective("coupler_mm", lambda one, _: [one.coupler])

@@ -14,8 +14,12 @@ from typing import Final
 
 import numpy as np
 
-from synthesis.machines.linkages.shaper.design_space import EXACT, DesignSpace
-from synthesis.machines.linkages.shaper.objectives import DENSE, SAMPLES, ShaperObjective
+from synthesis.machines.linkages.shaper.design_space import (
+    DENSE,
+    EXACT,
+    DesignSpace,
+    ShaperObjective,
+)
 from synthesis.numerics.affine import Affine
 from synthesis.numerics.bundle_method import BundlePoint, minimise
 from synthesis.numerics.piecewise import Array
@@ -23,6 +27,7 @@ from synthesis.numerics.polytope import Polytope
 from synthesis.units import FULL_TURN
 
 SIZE: Final = 5  # dimensions of the unit box
+SAMPLES: Final = 24  # crank angles of a turn at which a bound takes the acceleration
 # Preferred coordinates where the objective does not decide: guide, pivots and coupler short, the
 # ram's line in the middle.
 PREFERRED: Final = ((1, 0.0), (2, 0.0), (3, 0.0), (4, 0.5))
@@ -162,7 +167,7 @@ def _bounds(
 ) -> tuple[Array, Array]:
     """A lower bound on every box, inf where nothing is feasible, and the coordinate to split."""
     one = family.bounded(Affine.variables(lo, hi))
-    parts = goal.least(one, phi or [0.0], family.lengths["ram_line_mm"])
+    parts = goal.lower_bounds(one, phi or [0.0], family.lengths["ram_line_mm"])
     lows = np.stack([part.lower for part in parts])
     lows = np.where(np.isfinite(lows), lows, -np.inf)
     which = np.argmax(lows, axis=0)

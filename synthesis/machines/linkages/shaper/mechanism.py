@@ -1,4 +1,4 @@
-"""The six-bar shaper: positions in closed form, velocities and accelerations of every link.
+"""The six-bar shaper: motion of every link in closed form, by crank angle and by time.
 
 The guide turns about the origin, the crank about (0, a) above it; the ram slides along y = H.
 The crank's pin B runs in the guide; the coupler joins the guide's end C to the ram's pin D.
@@ -12,7 +12,7 @@ Derivatives with respect to φ, from the loops differentiated (Norton, Design of
     ρ' = B'·u,  ρ ψ' = B'·n;    ρ'' − ρ ψ'² = B''·u,  ρ ψ'' + 2 ρ' ψ' = B''·n
 
 and the second, whose matrix is the same for both orders, gives γ' and γ'' from its height and x'
-and x'' along the ram's line.
+and x'' along the ram's line. ``Drive`` turns derivatives by φ into those by time.
 """
 
 from __future__ import annotations
@@ -24,7 +24,9 @@ from typing import Any, Literal
 
 import numpy as np
 
+from synthesis.errors import InputError
 from synthesis.numerics.piecewise import Array
+from synthesis.units import FULL_TURN
 
 Value = Any  # an array, or Taylor models of the same
 Narrowing = Callable[[Value], Value]
@@ -106,6 +108,7 @@ class Shaper:
         psi1 = across / rho
         rho2 = rho * psi1 * psi1 - across
         psi2 = (ahead - 2.0 * ahead * psi1) / rho
+        # γ from the height of the second loop; its matrix is diag(c cos γ) for both orders.
         gs = known(self.coupler_sine(us))
         gc = SIGN[self.side] * np.sqrt(1.0 - gs * gs)
         gamma1 = -L * uc * psi1 / (c * gc)
@@ -132,3 +135,56 @@ class Shaper:
 def angle(pair: tuple[Value, Value]) -> Array:
     """The angle of a cosine and a sine [rad], continuous along the rows."""
     return np.unwrap(np.arctan2(pair[1], pair[0]))
+
+
+@dataclass(frozen=True)
+class Drive:
+    """The crank's motion over the analysed turn.
+
+    Attributes:
+        start: φ at its start [rad]. sense: +1 counter-clockwise, −1 clockwise.
+        speed: angular speed ω there [rad/s], positive.
+        acceleration: α in the sense of rotation [rad/s²].
+    """
+
+    start: float
+    sense: float
+    speed: float
+    acceleration: float = 0.0
+
+    def __post_init__(self) -> None:
+        if self.speed**2 + 2.0 * self.acceleration * FULL_TURN <= 0.0:
+            turn = math.degrees(self.speed**2 / (-2.0 * self.acceleration))
+            least = -(self.speed**2) / (2.0 * FULL_TURN)
+            raise InputError(
+                "/acceleration_rad_per_s2", self.acceleration,
+                f"The crank stops after {turn:.6g}°, before it completes the turn.",
+                f"Give more than {least:.6g} rad/s², or a higher speed_rpm.",
+            )  # fmt: skip
+
+    def phi(self, turned: Value) -> Value:
+        """Crank angle φ after an angle turned, both in rad."""
+        return self.start + self.sense * turned
+
+    def turned(self, phi: float) -> float:
+        """Angle that the crank turns until it is first at φ, in [0, 2π)."""
+        return (self.sense * (phi - self.start)) % FULL_TURN
+
+    def rate(self, turned: Value) -> Value:
+        """Angular speed there [rad/s], positive: ω² = ω0² + 2 α Δφ."""
+        if self.acceleration == 0.0:
+            return self.speed + 0.0 * turned
+        return np.sqrt(self.speed**2 + 2.0 * self.acceleration * turned)
+
+    def time(self, turned: Value) -> Value:
+        """Time since the start of the turn [s]: Δφ over the mean of the two speeds."""
+        return 2.0 * turned / (self.speed + self.rate(turned))
+
+    def first(self, rate: Value, turned: Value) -> Value:
+        """Time derivative, from the derivative with respect to φ."""
+        return self.sense * (rate * self.rate(turned))
+
+    def second(self, rate: Value, bend: Value, turned: Value) -> Value:
+        """Second time derivative, from both derivatives with respect to φ."""
+        square = self.speed**2 + 2.0 * self.acceleration * turned
+        return bend * square + (self.sense * self.acceleration) * rate

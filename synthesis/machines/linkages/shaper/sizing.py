@@ -11,15 +11,18 @@ from typing import Final
 from synthesis.catalogue.ranges import ends
 from synthesis.design.design import Conflict, Proof, Relaxation, Status
 from synthesis.errors import InputError, TimeBudgetExceeded
-from synthesis.machines.linkages.shaper.design_space import DesignSpace, Span, quick_return_ratio_of
-from synthesis.machines.linkages.shaper.global_search import global_minimum
-from synthesis.machines.linkages.shaper.objectives import (
+from synthesis.machines.linkages.shaper.answer import SixBarShaper
+from synthesis.machines.linkages.shaper.design_space import (
     OBJECTIVES,
     SHORTEST_COUPLER,
+    DesignSpace,
     ShaperObjective,
+    Span,
+    quick_return_ratio_of,
 )
-from synthesis.machines.linkages.shaper.report import SixBarShaper, report_infeasible, report_shaper
+from synthesis.machines.linkages.shaper.global_search import global_minimum
 from synthesis.machines.linkages.shaper.spec import ShaperSpec
+from synthesis.machines.linkages.shaper.turn_analysis import analyse_shaper, report_infeasible
 from synthesis.units import rad_per_s
 
 ROUNDING: Final = 1e-9  # relative: a value may be better than its bound by so much
@@ -56,8 +59,8 @@ def size_shaper(spec: ShaperSpec, deadline: float | None = None) -> SixBarShaper
         if not proven and deadline is not None and time.monotonic() >= deadline:
             raise TimeBudgetExceeded(spec.time_budget_s or 0.0)
         return report_infeasible(spec, _explain_coupler(spec, family, proven, deadline))
-    bound = goal.wire(found.bound, rad_per_s(spec.speed_rpm))
-    return _certified(report_shaper(spec, lengths), goal, bound)
+    bound = goal.to_wire(found.bound, rad_per_s(spec.speed_rpm))
+    return _certified(analyse_shaper(spec, lengths), goal, bound)
 
 
 def _check_rocking(spec: ShaperSpec) -> None:
@@ -73,30 +76,24 @@ def _check_rocking(spec: ShaperSpec) -> None:
 
 def _certified(answer: SixBarShaper, goal: ShaperObjective, bound: float) -> SixBarShaper:
     """The answer with the objective as measured on the finished linkage, and its bound."""
-    value = _objective_values(answer)[goal.name]
+    assert answer.least_transmission_angle_deg is not None  # there is a linkage to measure
+    peaks = next(one for one in answer.extremes if one.quantity == "ram_acceleration")
+    links = ("crank_mm", "guide_mm", "coupler_mm", "pivot_distance_mm")
+    value = {
+        "longest_link_mm": max(answer.dimensions[name] for name in links),
+        "least_transmission_angle_deg": answer.least_transmission_angle_deg,
+        "ram_acceleration_mm_per_s2": max(abs(peaks.largest.value), abs(peaks.smallest.value)),
+    }[goal.name]
     if abs(value - bound) <= ROUNDING * abs(value):  # rounding may make it better than the bound
         bound = value
     gap = abs(value - bound) / abs(value)
     proof = Proof(
         objective=goal.name, value=value, lower_bound=bound, bound_valid_for=VALID_FOR, gap=gap
     )
-    kept = all(limit.holds for limit in answer.limits)
-    reached: Status = "optimal" if gap <= answer.spec.tolerance else "feasible"
-    status: Status = reached if kept else "infeasible"
+    status: Status = "optimal" if gap <= answer.spec.tolerance else "feasible"
+    if not all(limit.holds for limit in answer.limits):
+        status = "infeasible"
     return answer.model_copy(update={"certificate": proof, "status": status})
-
-
-def _objective_values(answer: SixBarShaper) -> dict[str, float]:
-    """Measured values of all objectives."""
-    peaks = {one.quantity: one for one in answer.extremes}["ram_acceleration"]
-    assert answer.least_transmission_angle_deg is not None  # there is a linkage to measure
-    links = [answer.dimensions[name] for name in
-             ("crank_mm", "guide_mm", "coupler_mm", "pivot_distance_mm")]  # fmt: skip
-    return {
-        "longest_link_mm": max(links),
-        "least_transmission_angle_deg": answer.least_transmission_angle_deg,
-        "ram_acceleration_mm_per_s2": max(abs(peaks.largest.value), abs(peaks.smallest.value)),
-    }
 
 
 def _relaxation(name: str, unit: str, asked: Span, able: Span, note: str = "") -> Relaxation:
@@ -125,20 +122,11 @@ def _checked(spec: ShaperSpec, change: Relaxation, deadline: float | None) -> Re
 
 def _explain_closed_form(spec: ShaperSpec, family: DesignSpace, deadline: float | None) -> Conflict:
     """Why stroke, ratio and lengths contradict each other; each relaxed alone."""
-    return Conflict(
-        limits=_conflicting_fields(family),
-        relaxations=[
-            _checked(spec, each, deadline) for each in _closed_form_relaxations(spec, family)
-        ],
-        evidence=CLOSED,
-    )
-
-
-def _conflicting_fields(family: DesignSpace) -> list[str]:
-    """The two fields whose ranges of s = r/a are disjoint."""
+    # The two fields whose ranges of s = r/a are disjoint.
     lowest = max(family.sines, key=lambda name: family.sines[name][0])
     highest = min(family.sines, key=lambda name: family.sines[name][1])
-    return sorted({lowest, highest})
+    changes = [_checked(spec, each, deadline) for each in _closed_form_relaxations(spec, family)]
+    return Conflict(limits=sorted({lowest, highest}), relaxations=changes, evidence=CLOSED)
 
 
 def _closed_form_relaxations(spec: ShaperSpec, family: DesignSpace) -> Iterator[Relaxation]:
@@ -175,10 +163,10 @@ def _explain_coupler(
         found = global_minimum(
             replace(family, steep=DesignSpace.of(spec, 1.0 - 1e-9).steep), level, 1e-3, deadline
         )
-        needed = None if found.u is None else level.wire(found.value, 1.0)
+        needed = None if found.u is None else level.to_wire(found.value, 1.0)
         note = (
             "No coupler in its range reaches the ram's line everywhere." if found.u is None else
-            f"Proven: none has more than {level.wire(found.bound, 1.0):.6g}°."
+            f"Proven: none has more than {level.to_wire(found.bound, 1.0):.6g}°."
         )  # fmt: skip
         relaxations.append(Relaxation(
             limit="least_transmission_angle_deg", field="/least_transmission_angle_deg",

@@ -9,42 +9,35 @@ from typing import Any, Final
 
 import numpy as np
 
+from synthesis.catalogue.ranges import ends
+from synthesis.design.design import Conflict
+from synthesis.design.identity import engine_version, question_id
 from synthesis.errors import InputError
-from synthesis.machines.linkages.shaper.drive import Drive
-from synthesis.machines.linkages.shaper.mechanism import SIGN, Motion, Shaper
+from synthesis.machines.linkages.shaper.answer import (
+    AngleInterval,
+    Cause,
+    QuickReturn,
+    RamDeadCentre,
+    ShaperExtremes,
+    ShaperLimit,
+    ShaperPeak,
+    SixBarShaper,
+)
+from synthesis.machines.linkages.shaper.mechanism import SIGN, Drive, Motion, Shaper
+from synthesis.machines.linkages.shaper.spec import LENGTHS, ShaperSpec
 from synthesis.numerics.enclosure import Extremum, ExtremumQuery, enclose
 from synthesis.numerics.taylor import Array, Taylor
 from synthesis.units import DEGREE, FULL_TURN
 
 Value = Any
+KIND: Final = "six-bar shaper"
 BOXES: Final = 64  # crank-angle intervals of the first level of an enclosure
+RELATIVE: Final = 1e-10  # width of an enclosure that is good enough
 SAME: Final = 1e-9  # rad: nearer dead centres are one
 SHORTEST: Final = 1e-6  # of the longest length: shorter ones drown in rounding
 CHANGE_POINT: Final = 1e-9  # of the pivot distance: a crank this near to it has a change point
-
-
-@dataclass(frozen=True)
-class DeadCentre:
-    """A position where the ram's velocity is zero.
-
-    Attributes:
-        turned: since the start of the turn [rad]. phi: crank angle [rad]. ram: x [mm].
-        cause: guide_turns_back, or in_line (guide and coupler).
-    """
-
-    turned: float
-    phi: float
-    ram: float
-    cause: str
-
-
-@dataclass(frozen=True)
-class Peak:
-    """One extreme: a value that is reached, where, and the width of its enclosure, if proven."""
-
-    value: float
-    turned: float
-    width: float | None
+ROUNDING: Final = 1e-9  # relative: by so much a requirement may be missed
+HALF_TURN_ROUNDING: Final = 1e-10  # deg: strokes this nearly equal go slowly to the right
 
 
 @dataclass(frozen=True)
@@ -52,27 +45,116 @@ class Quantity:
     """A quantity with extremes over the turn.
 
     Attributes:
-        name, unit: on the wire. per_unit: core units in one of the wire's.
-        of: from motion, drive and angle turned to the value.
+        name, unit: on the wire.
+        of: from motion, drive and angle turned to the value in radians or mm.
     """
 
     name: str
     unit: str
     of: Callable[[Motion, Drive, Value], Value]
-    per_unit: float = 1.0
+
+    @property
+    def per_unit(self) -> float:
+        """Core units in one of the wire's."""
+        return DEGREE if self.unit.startswith("deg") else 1.0
 
 
 QUANTITIES: Final = (
     Quantity("ram_velocity", "mm/s", lambda m, d, t: d.first(m.ram[1], t)),
     Quantity("ram_acceleration", "mm/s²", lambda m, d, t: d.second(m.ram[1], m.ram[2], t)),
-    Quantity("guide_velocity", "deg/s", lambda m, d, t: d.first(m.guide_turn[0], t), DEGREE),
-    Quantity("guide_acceleration", "deg/s²", lambda m, d, t: d.second(*m.guide_turn, t), DEGREE),
-    Quantity("coupler_velocity", "deg/s", lambda m, d, t: d.first(m.coupler_turn[0], t), DEGREE),
-    Quantity(
-        "coupler_acceleration", "deg/s²", lambda m, d, t: d.second(*m.coupler_turn, t), DEGREE
-    ),
+    Quantity("guide_velocity", "deg/s", lambda m, d, t: d.first(m.guide_turn[0], t)),
+    Quantity("guide_acceleration", "deg/s²", lambda m, d, t: d.second(*m.guide_turn, t)),
+    Quantity("coupler_velocity", "deg/s", lambda m, d, t: d.first(m.coupler_turn[0], t)),
+    Quantity("coupler_acceleration", "deg/s²", lambda m, d, t: d.second(*m.coupler_turn, t)),
     Quantity("sliding_velocity", "mm/s", lambda m, d, t: d.first(m.slide[1], t)),
-)  # fmt: skip
+)
+
+
+def analyse_shaper(spec: ShaperSpec, lengths: dict[str, float]) -> SixBarShaper:
+    """Analyse a shaper with these lengths [mm].
+
+    Raises:
+        InputError: it cannot make a full turn.
+    """
+    shaper, drive = spec.shaper(lengths), spec.drive
+    check_assembly(shaper)
+    centres = dead_centres(shaper, drive)
+    left, right = (pick(centres, key=lambda c: c.ram_mm) for pick in (min, max))
+    stroke, strokes = right.ram_mm - left.ram_mm, _strokes(left, right, drive)
+    # The coupler's angle is monotone in sin ψ: its extremes are where that is extreme.
+    sines = [shaper.coupler_sine(sine) for sine in shaper.guide_sine_range()]
+    coupler = _interval(math.asin(min(sines)), math.asin(max(sines)))
+    transmission = 90.0 - max(abs(coupler.min_deg), abs(coupler.max_deg))
+    values = {
+        "stroke_mm": (stroke, "mm"),
+        "quick_return_ratio": (strokes.ratio, ""),
+        "least_transmission_angle_deg": (transmission, "deg"),
+    }
+    limits = [
+        _limit(spec, name, *value) for name, value in values.items()
+        if getattr(spec, name) is not None
+    ]  # fmt: skip
+    upright = 0.5 * math.pi
+    return SixBarShaper(
+        id=question_id(spec, KIND),
+        name=spec.name,
+        engine_version=engine_version(),
+        status="feasible" if all(limit.holds for limit in limits) else "infeasible",
+        spec=spec,
+        dimensions={name: lengths[name] for name in LENGTHS},
+        guide="turns" if shaper.guide_rotates else "rocks",
+        guide_angle=None
+        if shaper.guide_rotates
+        else _interval(upright - shaper.swing, upright + shaper.swing),
+        coupler_angle=coupler,
+        stroke_mm=stroke,
+        quick_return=strokes,
+        dead_centres=centres,
+        least_transmission_angle_deg=transmission,
+        extremes=extremes(shaper, drive),
+        limits=limits,
+        certificate=None,
+        conflict=None,
+    )
+
+
+def report_infeasible(spec: ShaperSpec, conflict: Conflict) -> SixBarShaper:
+    """The answer where no lengths meet the requirements."""
+    return SixBarShaper(
+        id=question_id(spec, KIND), name=spec.name, engine_version=engine_version(),
+        status="infeasible", spec=spec, dimensions={}, guide=None, guide_angle=None,
+        coupler_angle=None, stroke_mm=None, quick_return=None, dead_centres=[],
+        least_transmission_angle_deg=None, extremes=[], limits=[], certificate=None,
+        conflict=conflict,
+    )  # fmt: skip
+
+
+def _limit(spec: ShaperSpec, name: str, value: float, unit: str) -> ShaperLimit:
+    required = getattr(spec, name)
+    low, high = (required, math.inf) if name.startswith("least") else ends(required)
+    margin = min(value - low, high - value)
+    return ShaperLimit(
+        limit=name, value=value, unit=unit, lower=low, upper=None if math.isinf(high) else high,
+        margin=margin, holds=margin >= -ROUNDING * abs(value),
+    )  # fmt: skip
+
+
+def _strokes(left: RamDeadCentre, right: RamDeadCentre, drive: Drive) -> QuickReturn:
+    """The strokes from one outermost position of the ram to the other and back."""
+    rightwards = (right.crank_travel_deg - left.crank_travel_deg) % 360.0
+    slow = max(rightwards, 360.0 - rightwards)
+    ratio = slow / (360.0 - slow)
+    return QuickReturn(
+        ratio=ratio,
+        time_ratio=None if drive.acceleration else ratio,
+        slow_deg=slow,
+        quick_deg=360.0 - slow,
+        slow_towards="right" if rightwards >= 180.0 - HALF_TURN_ROUNDING else "left",
+    )
+
+
+def _interval(low: float, high: float) -> AngleInterval:
+    return AngleInterval(min_deg=low / DEGREE, max_deg=high / DEGREE)
 
 
 def check_assembly(shaper: Shaper) -> None:
@@ -83,7 +165,17 @@ def check_assembly(shaper: Shaper) -> None:
             not reach the ram's line, or lengths differ by more than a factor of a million.
     """
     a, r = shaper.pivot_distance, shaper.crank
-    _comparable(shaper)
+    lengths = {
+        "crank_mm": r, "guide_mm": shaper.guide, "coupler_mm": shaper.coupler,
+        "pivot_distance_mm": a,
+    }  # fmt: skip
+    shortest, longest = (pick(lengths, key=lambda name: lengths[name]) for pick in (min, max))
+    if lengths[shortest] < SHORTEST * lengths[longest]:
+        raise InputError(
+            f"/{shortest}", lengths[shortest],
+            f"It is less than a millionth of {longest} ({lengths[longest]:g} mm): the ram's motion "
+            "would be lost in rounding.", f"Give at least {SHORTEST * lengths[longest]:g} mm.",
+        )  # fmt: skip
     if abs(r - a) <= CHANGE_POINT * a:
         raise InputError(
             "/crank_mm", r, f"The crank's pin passes through the guide's pivot, {a:g} mm from the "
@@ -93,50 +185,38 @@ def check_assembly(shaper: Shaper) -> None:
         )  # fmt: skip
     low, high = shaper.guide_sine_range()
     worst = max((low, high), key=lambda sine: abs(shaper.coupler_sine(sine)))
-    apart = abs(shaper.ram_line - shaper.guide * worst)
-    if apart >= shaper.coupler:
-        psi = math.asin(worst)
-        phi = shaper.crank_at(psi, outer=True) / DEGREE
+    distance = abs(shaper.ram_line - shaper.guide * worst)
+    if distance >= shaper.coupler:
+        phi = shaper.crank_at(math.asin(worst), outer=True) / DEGREE
         upper, lower = shaper.guide * high, shaper.guide * low
-        ways = f"Give a coupler of more than {apart:.6g} mm"
+        ways = f"Give a coupler of more than {distance:.6g} mm"
         if upper - lower < 2.0 * shaper.coupler:
             ways += (f", or a ram_line_mm between {upper - shaper.coupler:.6g} and "
                      f"{lower + shaper.coupler:.6g}")  # fmt: skip
         raise InputError(
             "/coupler_mm", shaper.coupler,
-            f"At crank angle {phi:.6g}° the guide's end is {apart:.6g} mm from the ram's line, and "
-            "the coupler does not reach it.", f"{ways}.",
+            f"At crank angle {phi:.6g}° the guide's end is {distance:.6g} mm from the ram's line, "
+            "and the coupler does not reach it.", f"{ways}.",
         )  # fmt: skip
 
 
-def _comparable(shaper: Shaper) -> None:
-    """Refuse lengths so different that the ram's motion is lost in rounding."""
-    lengths = {
-        "crank_mm": shaper.crank, "guide_mm": shaper.guide, "coupler_mm": shaper.coupler,
-        "pivot_distance_mm": shaper.pivot_distance,
-    }  # fmt: skip
-    shortest, longest = (pick(lengths, key=lambda name: lengths[name]) for pick in (min, max))
-    if lengths[shortest] < SHORTEST * lengths[longest]:
-        raise InputError(
-            f"/{shortest}", lengths[shortest],
-            f"It is less than a millionth of {longest} ({lengths[longest]:g} mm): the ram's motion "
-            "would be lost in rounding.", f"Give at least {SHORTEST * lengths[longest]:g} mm.",
-        )  # fmt: skip
-
-
-def dead_centres(shaper: Shaper, drive: Drive) -> tuple[DeadCentre, ...]:
+def dead_centres(shaper: Shaper, drive: Drive) -> list[RamDeadCentre]:
     """All dead centres of the ram, in the order in which the crank passes them."""
-    found: list[DeadCentre] = []
+    found = dict[float, RamDeadCentre]()
     for phi, cause in _stationary_crank_angles(shaper):
-        at = drive.turned(phi)
-        ram = float(shaper.motion(np.array(phi)).ram[0])
-        known = [round((at - one.turned) / FULL_TURN) * FULL_TURN + one.turned for one in found]
-        if not any(abs(at - other) < SAME for other in known):
-            found.append(DeadCentre(at, float(drive.phi(at)), ram, cause))
-    return tuple(sorted(found, key=lambda one: one.turned))
+        turned = drive.turned(phi)
+        if all(abs(math.remainder(turned - other, FULL_TURN)) >= SAME for other in found):
+            found[turned] = RamDeadCentre(
+                crank_deg=(drive.phi(turned) / DEGREE) % 360.0,
+                crank_travel_deg=turned / DEGREE,
+                time_s=float(drive.time(turned)),
+                ram_mm=float(shaper.motion(np.array(phi)).ram[0]),
+                cause=cause,
+            )
+    return [found[turned] for turned in sorted(found)]
 
 
-def _stationary_crank_angles(shaper: Shaper) -> Iterator[tuple[float, str]]:
+def _stationary_crank_angles(shaper: Shaper) -> Iterator[tuple[float, Cause]]:
     """Crank angles at which x' = 0: ψ' = 0, or γ = ψ, or γ = ψ + π."""
     if not shaper.guide_rotates:
         for psi in (0.5 * math.pi - shaper.swing, 0.5 * math.pi + shaper.swing):
@@ -149,62 +229,54 @@ def _stationary_crank_angles(shaper: Shaper) -> Iterator[tuple[float, str]]:
         psi = math.asin(shaper.ram_line / length)
         for each in (psi, math.pi - psi):
             if along * math.cos(each) * SIGN[shaper.side] > 0.0:
-                yield from ((phi, "in_line") for phi in _crank_angles(shaper, each))
+                if shaper.guide_rotates:
+                    yield shaper.crank_at(each, outer=True), "in_line"
+                elif math.sin(each) >= math.cos(shaper.swing):  # within its swing
+                    for outer in (True, False):
+                        yield shaper.crank_at(each, outer), "in_line"
 
 
-def _crank_angles(shaper: Shaper, psi: float) -> Iterator[float]:
-    """Crank angles at which the guide is at ψ; none outside its swing."""
-    if shaper.guide_rotates:
-        yield shaper.crank_at(psi, outer=True)
-    elif math.sin(psi) >= math.cos(shaper.swing):
-        yield from (shaper.crank_at(psi, outer) for outer in (True, False))
+def extremes(shaper: Shaper, drive: Drive) -> list[ShaperExtremes]:
+    """Largest and smallest value of every quantity over the turn, with proven enclosures.
 
-
-def extremes(
-    shaper: Shaper, drive: Drive, quantities: Sequence[Quantity]
-) -> list[tuple[Peak, Peak]]:
-    """Largest and smallest value of each quantity over the turn, with proven enclosures.
-
-    Taylor models of the loop equations over intervals of the crank angle; values in wire units.
+    Taylor models of the loop equations over intervals of the crank angle.
     """
-    count = len(quantities)
-    whole = np.array([0])
-    questions = [
-        ExtremumQuery(whole, -np.inf, 0.0, function=k, relative=1e-10) for k in range(count)
-    ]
-    questions += [
-        ExtremumQuery(whole, 0.0, np.inf, function=k, relative=1e-10) for k in range(count)
+    numbers = range(len(QUANTITIES))
+    # How far a quantity exceeds 0, and how far it falls below 0, are its extremes.
+    queries = [
+        ExtremumQuery(np.array([0]), low, high, function=k, relative=RELATIVE)
+        for low, high in ((-np.inf, 0.0), (0.0, np.inf))
+        for k in numbers
     ]
 
     def models(_: Any, lo: Array, hi: Array, wanted: Sequence[int]) -> list[Taylor]:
         centre = 0.5 * (lo + hi)
-        half = 0.5 * (hi - lo) + 2.0**-50 * (np.abs(lo) + np.abs(hi))
+        half = 0.5 * (hi - lo) + 2.0**-50 * (np.abs(lo) + np.abs(hi))  # roundings of the centre
         nothing = np.zeros_like(centre)
         turned = Taylor.of(centre, half, nothing, nothing)
         motion = shaper.motion(drive.phi(turned))
-        return [quantities[k].of(motion, drive, turned) for k in wanted]
+        return [QUANTITIES[k].of(motion, drive, turned) for k in wanted]
 
-    found = enclose(models, np.array([0.0, FULL_TURN]), np.array([BOXES]), questions)
-    both = zip(quantities, found[:count], found[count:], strict=True)
+    found = enclose(models, np.array([0.0, FULL_TURN]), np.array([BOXES]), queries)
     return [
-        (_peak(shaper, drive, quantity, high), _peak(shaper, drive, quantity, low))
-        for quantity, high, low in both
+        ShaperExtremes(
+            quantity=QUANTITIES[k].name,
+            unit=QUANTITIES[k].unit,
+            largest=_peak(shaper, drive, QUANTITIES[k], found[k]),
+            smallest=_peak(shaper, drive, QUANTITIES[k], found[k + len(QUANTITIES)]),
+        )
+        for k in numbers
     ]
 
 
-def _peak(shaper: Shaper, drive: Drive, quantity: Quantity, answer: Extremum) -> Peak:
+def _peak(shaper: Shaper, drive: Drive, quantity: Quantity, extremum: Extremum) -> ShaperPeak:
     """An enclosure in the wire's unit; where nothing was proven, the value at its angle."""
-    found, value = answer.enclosure, answer.enclosure.value
+    found, value = extremum.enclosure, extremum.enclosure.value
     if not math.isfinite(value):
         value = float(quantity.of(shaper.motion(drive.phi(found.angle)), drive, found.angle))
-    width = found.width / quantity.per_unit if math.isfinite(found.width) else None
-    return Peak(value / quantity.per_unit, found.angle, width)
-
-
-def coupler_range(shaper: Shaper) -> tuple[float, float]:
-    """Smallest and largest angle of the coupler to the ram's line [rad], in closed form."""
-    low, high = shaper.guide_sine_range()
-    first, last = sorted(
-        (math.asin(shaper.coupler_sine(high)), math.asin(shaper.coupler_sine(low)))
+    return ShaperPeak(
+        value=value / quantity.per_unit,
+        crank_deg=(drive.phi(found.angle) / DEGREE) % 360.0,
+        crank_travel_deg=found.angle / DEGREE,
+        width=found.width / quantity.per_unit if math.isfinite(found.width) else None,
     )
-    return first, last

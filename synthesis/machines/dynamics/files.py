@@ -1,0 +1,248 @@
+"""Files of a follower train's response: tables, diagrams, residual spectrum.
+
+In: a TrainResponse and the options of a format. Out: bytes. ``TRAIN_FILES`` lists the formats.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Annotated, Any
+
+import numpy as np
+from pydantic import Field
+
+from synthesis.catalogue.fields import Speed
+from synthesis.catalogue.limits.residual_vibration import runs_between_dwells
+from synthesis.exporters.diagrams.plot import curve_plot, linear
+from synthesis.exporters.diagrams.sheet import sheet
+from synthesis.exporters.drawing import canvas as svg
+from synthesis.exporters.drawing.heading import BOLD
+from synthesis.exporters.drawing.theme import Theme
+from synthesis.exporters.exporter import FileFormat, untold
+from synthesis.exporters.options import Options
+from synthesis.exporters.samples.columns import Column, joined
+from synthesis.exporters.tables.csv_table import table
+from synthesis.machines.dynamics.polydyne import polydyne
+from synthesis.machines.dynamics.report import TrainResponse, output_acceleration
+from synthesis.machines.dynamics.response import (
+    Response,
+    Steps,
+    from_rest,
+    residual_spectrum,
+    steady,
+)
+from synthesis.numerics.piecewise import Array
+from synthesis.units import DEGREE, FULL_TURN, rad_per_s
+
+MAX_TURNS, MAX_POINTS_PER_DEGREE = 20, 20.0  # so that a file takes seconds
+PER_DEGREE = 2.0  # rows or points of a diagram, where nothing else is said
+WIDTH, LEFT, RIGHT, TOP, TALL, BELOW = 190.0, 24.0, 8.0, 24.0, 74.0, 34.0  # mm, of the spectrum
+POINTS, REACH, DECADES = 900, 8.0, 4  # REACH: swings during the longest run that are drawn
+DASHES = ("line curve", "line phase", "line prime", "line circle")
+
+
+@dataclass(frozen=True)
+class SpeedOptions(Options):
+    """Which speed is written; None: the one that the cam was designed for."""
+
+    speed_rpm: Annotated[
+        Speed | None, Field(description="Any speed; left out, that of the cam's own spec.")
+    ] = None
+
+    def of(self, found: TrainResponse) -> float:
+        """The speed [rpm]."""
+        return self.speed_rpm or found.spec.cam.speed_rpm
+
+
+@dataclass(frozen=True)
+class TrainPictureOptions(SpeedOptions):
+    """How a response is drawn."""
+
+    theme: Annotated[Theme, Field(description="Colours of the picture.")] = "auto"
+
+
+@dataclass(frozen=True)
+class RowOptions(SpeedOptions):
+    """How close the rows of a table are."""
+
+    points_per_degree: Annotated[
+        float,
+        Field(gt=0.0, le=MAX_POINTS_PER_DEGREE, description="At least so many rows per degree."),
+    ] = PER_DEGREE
+
+
+@dataclass(frozen=True)
+class ResponseOptions(RowOptions):
+    """What of a response is written as a table."""
+
+    turns: Annotated[
+        int, Field(ge=0, le=MAX_TURNS, description="Turns from rest; 0: the periodic response.")
+    ] = 0
+
+
+def _steps(found: TrainResponse, per_degree: float) -> Steps:
+    return Steps.of(found.cam.curve, int(np.ceil(360.0 * per_degree)))
+
+
+def _response_csv(found: TrainResponse, options: ResponseOptions) -> bytes:
+    """Cam, masses and contact force; a cam angle with an impact has two rows."""
+    chain, omega = found.spec.train.chain(), rad_per_s(options.of(found))
+    steps = _steps(found, options.points_per_degree)
+    turns = from_rest(chain, steps, omega, options.turns) or [steady(chain, steps, omega)]
+    return table(joined([_columns(k, turn) for k, turn in enumerate(turns)]))
+
+
+def _columns(number: int, turn: Response) -> list[Column]:
+    """One turn."""
+    theta, cam, deflection = turn.theta, turn.steps.s[0], turn.deflection
+    return [
+        Column("turn", "", "from 0", np.full(len(theta), float(number))),
+        Column("angle_deg", "deg", "cam angle", theta / DEGREE),
+        Column("time_s", "s", "time from the beginning", (theta + number * FULL_TURN) / turn.omega),
+        Column("cam_mm", "mm", "motion of the cam", cam),
+        *(Column(f"mass_{i}_mm", "mm", "displacement of a mass", y + cam)
+          for i, y in enumerate(deflection, start=1)),
+        Column("output_error_mm", "mm", "output minus cam", deflection[-1]),
+        Column("output_acceleration_mm_per_s2", "mm/s²", "of the last mass",
+               output_acceleration(turn)),
+        Column("contact_force_n", "N", "between cam and train; negative: the train pulls",
+               turn.contact_force),
+    ]  # fmt: skip
+
+
+def _polydyne_csv(found: TrainResponse, options: RowOptions) -> bytes:
+    """The cam motion with which the output moves as the motion of the spec's cam."""
+    omega, motion = rad_per_s(options.of(found)), found.cam.curve
+    theta = _steps(found, options.points_per_degree).theta
+    s = polydyne(found.spec.train.chain(), motion, omega, theta)
+    return table(
+        [
+            Column("angle_deg", "deg", "cam angle", theta / DEGREE),
+            Column("output_mm", "mm", "motion of the last mass", motion.derivatives(theta, 0)[0]),
+            Column("cam_mm", "mm", "motion of the cam", s[0]),
+            Column("cam_velocity_mm_per_s", "mm/s", "its velocity", s[1] * omega),
+            Column("cam_acceleration_mm_per_s2", "mm/s²", "its acceleration", s[2] * omega**2),
+        ]
+    )
+
+
+def _response_svg(found: TrainResponse, options: TrainPictureOptions) -> bytes:
+    """Motion of cam and output, the error of the output, its acceleration, the contact force."""
+    speed = options.of(found)
+    turn = steady(found.spec.train.chain(), _steps(found, PER_DEGREE), rad_per_s(speed))
+    degrees, error = turn.theta / DEGREE, turn.deflection[-1]
+    plots = [
+        curve_plot(title, unit, degrees, values)
+        for title, unit, values in (
+            ("Output", "mm", error + turn.steps.s[0]),
+            ("Output less cam", "mm", error),
+            ("Acceleration of the output", "mm/s²", output_acceleration(turn)),
+            ("Contact force", "N", turn.contact_force),
+        )
+    ]
+    title = f"Follower train at {svg.figure(speed)} rpm: {found.name or found.id}"
+    text = "Periodic response of the train: output, its error and acceleration, the contact force."
+    cam = found.cam.model_copy(update={"speed_rpm": speed})  # the heading names the speed
+    return sheet(cam, plots, title, text, options.theme)
+
+
+def _spectrum_svg(found: TrainResponse, options: TrainPictureOptions) -> bytes:
+    """Residual vibration over the natural frequency, a curve for each run of moves."""
+    speed, motion = options.of(found), found.cam.curve
+    runs = runs_between_dwells(motion.segments)
+    angles = {segment.index: segment.angle for segment in motion.segments}
+    longest = max((sum(angles[i] for i in run) for run in runs), default=FULL_TURN)
+    ratios = np.linspace(0.02, REACH, POINTS) * FULL_TURN / longest  # ω_n/ω
+    # Damping ratio of the slowest oscillating mode.
+    modes = found.spec.train.chain().modes
+    rates = modes.rates[modes.independent]
+    first = rates[int(np.argmax(np.abs(rates.imag) > 0.0))]
+    damping = float(np.clip(-first.real / abs(first), 0.0, 0.99))
+    curves = [residual_spectrum(motion, run, ratios, damping) for run in runs]
+    about = f"Residual spectrum at {svg.figure(speed)} rpm, damping ratio {svg.figure(damping)}"
+    hertz = ratios * rad_per_s(speed) / FULL_TURN
+    return _drawn_spectrum(found, hertz, curves, [run[-1] for run in runs], about, options.theme)
+
+
+def _drawn_spectrum(
+    found: TrainResponse,
+    hertz: Array,
+    curves: Sequence[Array],
+    ends: Sequence[int],
+    about: str,
+    theme: Theme,
+) -> bytes:
+    """Amplitudes on a logarithmic axis; ``ends``: the last segment of each run."""
+    wide = WIDTH - LEFT - RIGHT
+    top = int(np.ceil(np.log10(max((float(curve.max()) for curve in curves), default=1.0))))
+    across, bottom = linear(0.0, float(hertz[-1])), TOP + TALL
+
+    def x(value: float | Array) -> Array:
+        return np.asarray(LEFT + wide * np.asarray(value) / hertz[-1])
+
+    def y(value: float | Array) -> Array:
+        down = (top - np.log10(np.maximum(value, 1e-300))) / DECADES
+        return np.asarray(TOP + TALL * np.clip(down, 0.0, 1.0))
+
+    name = found.name.strip() or "Follower train"
+    body = [
+        svg.text("title", 8.0, 8.0, svg.shortened(name, WIDTH - 16.0, BOLD * svg.TITLE)),
+        svg.text("quiet", 8.0, 13.5, f"{about}: amplitude where a dwell begins"),
+    ]
+    for value, number in across.ticks:
+        body.append(svg.line("grid", float(x(value)), TOP, float(x(value)), bottom))
+        body.append(svg.text("tick", float(x(value)), bottom + 4.2, number, "middle"))
+    for power in range(top - DECADES, top + 1):
+        level = float(y(10.0**power))
+        body.append(svg.line("grid", LEFT, level, WIDTH - RIGHT, level))
+        body.append(svg.text("tick", LEFT - 1.6, level + 0.9, svg.figure(10.0**power), "end"))
+    body += [svg.line("axis", LEFT, bottom, WIDTH - RIGHT, bottom),
+             svg.line("axis", LEFT, TOP, LEFT, bottom)]  # fmt: skip
+    for mode in found.modes:
+        if mode.natural_frequency_hz <= hertz[-1]:
+            at = float(x(mode.natural_frequency_hz))
+            body.append(svg.line("normal", at, TOP, at, bottom))
+            body.append(svg.text("tick halo", at + 1.0, TOP + 3.4, "mode"))
+    for k, curve in enumerate(curves):
+        body.append(svg.path(DASHES[k % len(DASHES)], svg.steps(x(hertz), y(curve), 3)))
+    axis = f"Natural frequency, {across.factor}Hz"
+    body.append(svg.text("label", LEFT + 0.5 * wide, bottom + 9.4, axis, "middle"))
+    body.append(svg.text("label", LEFT, TOP - 2.4, "Amplitude, mm"))
+    for k, end in enumerate(ends[: len(DASHES)]):
+        left, low = LEFT + 42.0 * k, bottom + 17.0
+        body.append(svg.line(DASHES[k], left, low - 0.9, left + 9.0, low - 0.9))
+        body.append(svg.text("tick", left + 11.0, low, f"after segment {end}"))
+    text = "What an oscillator of every natural frequency is left swinging with by each run."
+    return svg.document(WIDTH, bottom + BELOW - 10.0, 1.0, f"Residual spectrum of {name}",
+                        text, body, theme=theme)  # fmt: skip
+
+
+def _file(
+    name: str, write: Any, options: type[Options], title: str, purpose: str, **more: Any
+) -> FileFormat[TrainResponse, Any]:
+    extension = f".{name.partition('.')[2]}"
+    media = {".csv": "text/csv; charset=utf-8; header=present", ".svg": "image/svg+xml"}[extension]
+    return FileFormat(name, title, media, extension, untold(write), options, purpose, **more)
+
+
+TRAIN_FILES: tuple[FileFormat[TrainResponse, Any], ...] = (
+    _file(
+        "response.csv", _response_csv, ResponseOptions, "The response as a table",
+        "Motion of the cam and of every mass, contact force; a cam angle twice where it hits.",
+    ),
+    _file(
+        "response.svg", _response_svg, TrainPictureOptions, "The response as diagrams",
+        "Output, its error and acceleration, and the contact force over the cam angle.",
+    ),
+    _file(
+        "spectrum.svg", _spectrum_svg, TrainPictureOptions, "Residual spectrum of the cam's moves",
+        "What every natural frequency would be left swinging with, and the train's own ones.",
+    ),
+    _file(
+        "polydyne.csv", _polydyne_csv, RowOptions, "The cam motion for a given output motion",
+        "A polydyne cam: its motion makes the last mass move as the spec's cam would have it, "
+        "exactly, at one speed. It takes 2n + 1 continuous derivatives of that motion for n "
+        "masses, and no dampers in the links; 422 says what is missing.", usual=False,
+    ),
+)  # fmt: skip

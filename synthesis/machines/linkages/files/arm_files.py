@@ -1,0 +1,211 @@
+"""Files of a palletising arm: tables, the workspace from the side, animations through the poses."""
+
+from __future__ import annotations
+
+import csv
+import io
+import math
+from collections.abc import Iterable, Sequence
+from typing import Any
+
+import numpy as np
+
+from synthesis.exporters.animations.animation_page import tag
+from synthesis.exporters.animations.panels import EDGE
+from synthesis.exporters.animations.scene import TURN_S, Scene
+from synthesis.exporters.diagrams.plot import curve_plot
+from synthesis.exporters.drawing import canvas as svg
+from synthesis.exporters.drawing.heading import two_lines
+from synthesis.exporters.drawing.picture_options import PictureOptions
+from synthesis.exporters.exporter import untold
+from synthesis.exporters.figures.parts import placed
+from synthesis.exporters.options import Options
+from synthesis.machines.linkages.arm import PalletisingArm
+from synthesis.machines.linkages.arm.geometry import holding_torques
+from synthesis.machines.linkages.arm.report import ArmPose
+from synthesis.machines.linkages.arm.workspace import Corner, regions
+from synthesis.machines.linkages.files.arm_shapes import Stage, plan_view
+from synthesis.machines.linkages.files.linkage_file import (
+    CSV,
+    DECIMALS,
+    SVG,
+    LinkageFile,
+    animation_data,
+    animation_files,
+    by_name,
+    line_rules,
+    linkage_scene,
+    scene_json,
+)
+from synthesis.numerics.piecewise import Array
+from synthesis.units import DEGREE
+
+TITLE = "Palletising arm"
+SHEET = (190.0, 176.0)  # mm
+TOP, BOTTOM = 20.0, 16.0  # mm, above and below the workspace
+FRAME = (
+    "arm: the elements of the arm. poses: where its parts are for each solution, as a turn's angle "
+    "[deg] or x and y of a shift; mirror: -1 where the base is turned away, and the arm is to be "
+    "mirrored at axis 1; target: the pose's r and z. plan: seen from above, x to the right, y "
+    "upwards; its part base points to where the base is turned, by base_deg; its target is x, y."
+)
+BORDER = ("region", "elbow", "keeps", "centre_r_mm", "centre_z_mm", "radius_mm", "start_deg",
+          "sweep_deg", "from_r_mm", "from_z_mm", "to_r_mm", "to_z_mm")  # fmt: skip
+POSES = ("pose", "name", "x_mm", "y_mm", "z_mm", "yaw_deg", "base", "elbow", "base_deg",
+         "upper_arm_deg", "forearm_deg", "tool_deg", "within_limits", "in_line",
+         "torque_upper_nm", "torque_forearm_nm")  # fmt: skip
+
+
+def _table(header: Sequence[str], rows: Iterable[Sequence[object]]) -> bytes:
+    text = io.StringIO()
+    csv.writer(text, lineterminator="\n").writerows([header, *rows])
+    return text.getvalue().encode()
+
+
+def _border(found: PalletisingArm, options: Options) -> bytes:
+    return _table(
+        BORDER,
+        (
+            (number, region.elbow, arc.keeps, *arc.centre_mm, arc.radius_mm, arc.start_deg,
+             arc.sweep_deg, *arc.from_mm, *arc.to_mm)
+            for number, region in enumerate(found.regions)
+            for arc in region.border
+        ),
+    )  # fmt: skip
+
+
+def _poses(found: PalletisingArm, options: Options) -> bytes:
+    return _table(
+        POSES,
+        (
+            (number, pose.name, pose.x_mm, pose.y_mm, pose.z_mm, pose.yaw_deg, one.base, one.elbow,
+             one.base_deg, one.upper_arm_deg, one.forearm_deg, one.tool_deg, int(not one.beyond),
+             one.in_line, one.torque_upper_nm, one.torque_forearm_nm)
+            for number, pose in enumerate(found.poses)
+            for one in pose.solutions
+        ),
+    )  # fmt: skip
+
+
+def _about(found: PalletisingArm) -> str:
+    area = sum(region.area_mm2 for region in found.regions) * 1e-6
+    reached = sum(pose.reachable for pose in found.poses)
+    poses = f" · {reached} of {len(found.poses)} poses" if found.poses else ""
+    reach = svg.figure(found.reach_mm, 6)
+    return f"reach {reach} mm · area {svg.figure(area)} m²{poses} · {found.id[:8]}"
+
+
+def _reachable_angles(found: PalletisingArm) -> list[Corner]:
+    """Arm angles of every reachable pose [rad]."""
+    best = [pose.solutions[0] for pose in found.poses if pose.reachable]
+    return [(one.upper_arm_deg * DEGREE, one.forearm_deg * DEGREE) for one in best]
+
+
+def _workspace(found: PalletisingArm, options: PictureOptions) -> bytes:
+    stage, name = Stage.of(found), found.name.strip() or TITLE
+    size = (SHEET[0] - 2.0 * EDGE, SHEET[1] - TOP - BOTTOM)
+    arms = [
+        shape
+        for upper, fore in _reachable_angles(found)
+        for shape in stage.parts(lambda _: "", stage.moving(np.array([upper]), np.array([fore])))
+    ]
+    body = [
+        *two_lines(name, _about(found), EDGE, SHEET[0] - EDGE, 1.0),
+        f'<g transform="translate({svg.num(EDGE)} {svg.num(TOP)})">',
+        *placed([*stage.ground(), *arms], stage.extent, size),
+        "</g>",
+        svg.text("tick", EDGE, SHEET[1] - 4.0, "Seen from the side, in the plane through axis 1; "
+                 "the tool's point reaches what is shaded."),
+    ]  # fmt: skip
+    title, text = f"Workspace of {name}", "The arm in its poses, and where its tool gets to."
+    rules = line_rules(stage.extent, size)
+    return svg.document(*SHEET, 1.0, title, text, body, theme=options.theme, rules=rules)
+
+
+def _pose_path(found: PalletisingArm, share: Array) -> tuple[Array, Array]:
+    """Arm angles at shares of a closed path through the poses [rad], as long from each to the next.
+
+    Along the limits where there are fewer than two poses. Joints move by the cycloidal law.
+    """
+    stops = _reachable_angles(found)
+    if len(stops) < 2:
+        stops = list(regions(found.spec.arm, found.spec.limits)[0].corners)
+    at = np.array([*stops, stops[0]])
+    place = share * (len(at) - 1)
+    k = np.minimum(place.astype(int), len(at) - 2)
+    x = place - k
+    progress = (x - np.sin(2.0 * math.pi * x) / (2.0 * math.pi))[:, None]
+    upper, fore = (at[k] + progress * (at[k + 1] - at[k])).T
+    return upper, fore
+
+
+def _scene(found: PalletisingArm, count: int) -> Scene:
+    stage, arm, share = Stage.of(found), found.spec.arm, np.linspace(0.0, 1.0, count + 1)
+    upper, fore = _pose_path(found, share)
+    torques = holding_torques(found.spec.static_moments, upper, fore)
+    moving = stage.moving(upper, fore)
+    return linkage_scene(
+        found, TITLE, _about(found),
+        (stage.extent, moving, lambda tag: [*stage.ground(), *stage.parts(tag, moving)]),
+        [curve_plot(f"Torque at axis {axis}", "N·m", 360.0 * share, values)
+         for axis, values in zip((2, 3), torques, strict=True)],
+        (
+            ("r", "Radius r", "mm", arm.radius(upper, fore)),
+            ("z", "Level z", "mm", arm.level(upper, fore)),
+            ("t2", "Upper arm", "deg", upper / DEGREE),
+            ("t3", "Forearm", "deg", fore / DEGREE),
+            ("m2", "Torque at axis 2", "N·m", torques[0]),
+            ("m3", "Torque at axis 3", "N·m", torques[1]),
+        ),
+        shaft="Path through the poses",
+        titles=("The arm from the side", "Torques that hold it"),
+        described="The arm goes through its poses, and points run on the diagrams of its torques.",
+        footer=f"The path is shown in {TURN_S:g} s. Torques are static.",
+    )  # fmt: skip
+
+
+def _data(found: PalletisingArm, options: Options) -> bytes:
+    stage = Stage.of(found)
+    plan_extent, plan = plan_view(found, stage.by)
+    return scene_json(
+        found, FRAME, stage.by, stage.extent, shapes="\n".join(stage.ground()),
+        arm="\n".join(stage.parts(tag, stage.moving(np.zeros(1), np.zeros(1)))),
+        poses=[_pose_data(stage, pose) for pose in found.poses],
+        plan={"extent": plan_extent, "shapes": "\n".join(plan)},
+    )  # fmt: skip
+
+
+def _pose_data(stage: Stage, pose: ArmPose) -> dict[str, Any]:
+    """Positions of the parts for each solution of a pose."""
+    angles = [(one.upper_arm_deg, one.forearm_deg) for one in pose.solutions]
+    parts = stage.moving(*(DEGREE * np.array(angles).T)) if angles else []
+    x, y, z = (stage.by * each for each in (pose.x_mm, pose.y_mm, pose.z_mm))
+    return {
+        "target": _rounded([math.hypot(x, y), z]),
+        "plan_target": _rounded([x, y]),
+        "solutions": [
+            {"mirror": -1 if one.base == "over" else 1, "base_deg": one.base_deg,
+             "parts": [{"name": part.name, "kind": part.kind, "at": _rounded(part.values[k])}
+                       for part in parts]}
+            for k, one in enumerate(pose.solutions)
+        ],
+    }  # fmt: skip
+
+
+def _rounded(values: Iterable[float]) -> list[float]:
+    return [round(float(value), DECIMALS) + 0.0 for value in values]
+
+
+FILES = by_name(
+    LinkageFile("workspace.csv", "Border of the workspace", CSV, ".csv", untold(_border), Options,
+                "A row for each arc, in order, in the plane of radius r and level z."),
+    LinkageFile("poses.csv", "Table of the poses", CSV, ".csv", untold(_poses), Options,
+                "A row for each posture that reaches a pose."),
+    LinkageFile("workspace.svg", "Workspace from the side", SVG, ".svg", untold(_workspace),
+                PictureOptions,
+                "Borders are drawn as true arcs, with the arm in every reachable pose."),
+    *animation_files(
+        _scene, "Through the poses and back, or along the limits where there are fewer than two."
+    ),
+    animation_data(_data, "Shapes and positions of its links in every solution"),
+)  # fmt: skip

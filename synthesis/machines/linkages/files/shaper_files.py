@@ -1,0 +1,225 @@
+"""Files of a shaper: tables, diagrams of its motion, animations, and a cam for its ram."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from functools import cached_property, partial
+
+import numpy as np
+
+from synthesis.exporters.animations.animation_page import tag as data_tag
+from synthesis.exporters.animations.animation_page import told_part
+from synthesis.exporters.animations.scene import Scene, grouped, lasting
+from synthesis.exporters.diagrams.diagram import Frame, diagram
+from synthesis.exporters.diagrams.plot import Plot, curve_plot
+from synthesis.exporters.diagrams.sheet import FOOTER, GAP, HEIGHT, LEFT, RIGHT, WIDTH, angle_axis
+from synthesis.exporters.drawing import canvas as svg
+from synthesis.exporters.drawing.heading import TURNS, two_lines
+from synthesis.exporters.drawing.picture_options import PictureOptions
+from synthesis.exporters.exporter import untold
+from synthesis.exporters.figures.machine import Moving, Tag
+from synthesis.exporters.figures.parts import Box
+from synthesis.exporters.options import MotionOptions, Options
+from synthesis.machines.linkages.files import links
+from synthesis.machines.linkages.files.linkage_file import (
+    CSV,
+    DECIMALS,
+    SVG,
+    LinkageFile,
+    animation_data,
+    animation_files,
+    by_name,
+    linkage_scene,
+    scene_json,
+)
+from synthesis.machines.linkages.files.shaper_motion import (
+    CamOptions,
+    SampledTurn,
+    cam_spec,
+    motion_csv,
+    motion_json,
+)
+from synthesis.machines.linkages.shaper import SixBarShaper
+from synthesis.numerics.piecewise import Array
+
+DRAWN = 720  # points of a diagram
+FRAMES = 360  # of the animation as data
+HEADER = 24.0  # mm, above the diagrams of the sheet
+SHAFT = "Crank angle from the start"
+TITLE = "Six-bar shaper"
+FRAME = (
+    "parts: over a turn of the crank, evenly spaced, the angle [deg] of a turn, counter-clockwise, "
+    "or x and y of a shift; two values are a straight line."
+)
+PLOTS = {"ram_mm": "Ram x", "ram_mm_per_s": "Ram's velocity v",
+         "ram_mm_per_s2": "Ram's acceleration a", "guide_deg": "Guide's angle ψ"}  # fmt: skip
+READINGS = {"ram_mm": ("x", "Ram"), "ram_mm_per_s": ("v", "Velocity"),
+            "ram_mm_per_s2": ("a", "Acceleration"), "guide_deg": ("psi", "Guide's angle"),
+            "transmission_deg": ("mu", "Transmission angle")}  # fmt: skip
+
+
+def _about(found: SixBarShaper) -> str:
+    rotation, speed = TURNS[found.spec.rotation], svg.figure(found.spec.speed_rpm, 6)
+    stroke = "" if found.stroke_mm is None else f" · stroke {svg.figure(found.stroke_mm, 6)} mm"
+    quick = found.quick_return
+    ratio = "" if quick is None else f" · quick return {svg.figure(quick.ratio, 5)}"
+    return f"six-bar shaper · {rotation} at {speed} rpm{stroke}{ratio} · {found.id[:8]}"
+
+
+def _plots(turn: SampledTurn) -> list[Plot]:
+    """Diagrams of quantities over the turn."""
+    degrees = turn.values("crank_travel_deg")
+    return [
+        curve_plot(title, turn.columns[name].unit.replace("deg", "°"), degrees, turn.values(name))
+        for name, title in PLOTS.items()
+    ]
+
+
+def _grounds(found: SixBarShaper, frame: Frame) -> list[str]:
+    """Background: the quick stroke shaded, a line at every dead centre."""
+    assert found.quick_return is not None  # there is a shaper to draw
+    centres = sorted(found.dead_centres, key=lambda one: one.ram_mm)
+    first, last = centres[-1].crank_travel_deg, centres[0].crank_travel_deg
+    if found.quick_return.slow_towards == "left":
+        first, last = last, first
+    spans = [(first, last)] if first <= last else [(first, 360.0), (0.0, last)]
+    places = [frame.x(np.array(span)).tolist() for span in spans]
+    across = frame.x(np.array([one.crank_travel_deg for one in found.dead_centres])).tolist()
+    return [
+        *(svg.box("rest", a, frame.top, b - a, frame.height) for a, b in places),
+        *(svg.line("border", x, frame.top, x, frame.top + frame.height) for x in across),
+    ]
+
+
+def _motion(found: SixBarShaper, options: PictureOptions) -> bytes:
+    """Diagrams below each other."""
+    name, frame = found.name.strip() or TITLE, Frame(LEFT, HEADER, WIDTH - LEFT - RIGHT, HEIGHT)
+    body = two_lines(name, _about(found), LEFT, WIDTH - RIGHT, 1.0)
+    for k, plot in enumerate(_plots(SampledTurn.of(found, DRAWN))):
+        frame = replace(frame, top=HEADER + k * (HEIGHT + GAP))
+        body += [*_grounds(found, frame), *diagram(plot, frame)]
+    body += angle_axis(frame, name=SHAFT)
+    title = f"Motion of {name}"
+    text = "Position, velocity and acceleration of the ram over a turn."
+    height = frame.top + HEIGHT + FOOTER
+    return svg.document(WIDTH, height, 1.0, title, text, body, theme=options.theme)
+
+
+@dataclass(frozen=True, eq=False)
+class Stage:
+    """The shaper as drawn; lengths in mm times the scale ``by``.
+
+    Attributes:
+        turn: its motion. by: scale factor. places: positions (n, 2) of the parts that shift: the
+            crank's pin, the guide's end, the ram's pin.
+        u: unit of line widths and symbols. extent: bounding box of the whole motion.
+    """
+
+    turn: SampledTurn
+    by: float
+    places: dict[str, Array]
+    u: float
+    extent: Box
+
+    @classmethod
+    def of(cls, found: SixBarShaper, count: int) -> Stage:
+        """The stage of an answer, at ``count`` + 1 angles of its crank."""
+        turn = SampledTurn.of(found, count)
+        shaper, motion = turn.shaper, turn.motion
+        r, a = shaper.crank, shaper.pivot_distance
+        by = links.display_scale(max(shaper.guide, r + a, abs(shaper.ram_line)))
+        guide, ram = np.stack(motion.guide, axis=1), motion.ram[0]
+        places = {
+            "block": by * motion.slide[0][:, None] * guide,
+            "coupler": by * shaper.guide * guide,
+            "ram": by * np.stack([ram, shaper.ram_line + 0.0 * ram], axis=1),
+        }
+        points = [(0.0, 0.0), (-by * r, by * (a - r)), (by * r, by * (a + r))]
+        points += [(x, y) for each in places.values() for x, y in each.tolist()]
+        return cls(turn, by, places, *links.unit_and_extent(points, 8.0))
+
+    @cached_property
+    def moving(self) -> list[Moving]:
+        """Every part that moves."""
+        angles = {"crank": "crank", "guide": "guide", "block-turn": "guide",
+                  "coupler-turn": "coupler"}  # fmt: skip
+        shifts = [Moving(name, "shift", values) for name, values in self.places.items()]
+        return shifts + [
+            Moving(name, "turn", self.turn.values(f"{link}_deg")[:, None])
+            for name, link in angles.items()
+        ]
+
+    def shapes(self, tag: Tag) -> list[str]:
+        """Bearings, the crank's circle, the ram's ways, and the shaper's elements."""
+        shaper, u = self.turn.shaper, self.u
+        r, a, guide, coupler, level = (
+            self.by * length
+            for length in (shaper.crank, shaper.pivot_distance, shaper.guide, shaper.coupler,
+                           shaper.ram_line)
+        )  # fmt: skip
+        slot = max(guide, self.by * float(np.max(self.turn.motion.slide[0])))
+        x = self.places["ram"][:, 0]
+        low, high = float(x.min()) - 6.0 * u, float(x.max()) + 6.0 * u
+
+        def group(name: str, body: list[str]) -> list[str]:
+            return grouped(name, tag, self.moving, body)
+
+        return [
+            *(svg.line("line axis", low, level + k * 3.0 * u, high, level + k * 3.0 * u)
+              for k in (-1.0, 1.0)),
+            svg.circle("line circle", 0.0, a, r),
+            *links.bearing(0.0, 0.0, u),
+            *links.bearing(0.0, a, u),
+            *group("guide", [*links.bar(slot, 2.0 * u), links.pin(guide, 0.0, 0.9 * u)]),
+            *group("ram", links.block(9.0 * u, 6.0 * u)),
+            *group("coupler", group("coupler-turn", links.bar(coupler, 1.4 * u))),
+            f'<g transform="translate(0 {svg.num(a)})">',
+            *group("crank", links.bar(r, 1.7 * u)),
+            "</g>",
+            *group("block", group("block-turn", links.block(7.0 * u, 4.6 * u))),
+        ]  # fmt: skip
+
+
+def _scene(found: SixBarShaper, count: int) -> Scene:
+    stage = Stage.of(found, count)
+    turn = stage.turn
+    return linkage_scene(
+        found, TITLE, _about(found), (stage.extent, stage.moving, stage.shapes),
+        _plots(turn)[:2],
+        [(*titles, turn.columns[name].unit, turn.values(name))
+         for name, titles in READINGS.items()],
+        partial(_grounds, found),
+        shaft=SHAFT,
+        titles=("Six-bar shaper", "Position and velocity of the ram"),
+        described="The crank turns, the guide swings, the coupler moves the ram, and points run on "
+        "its diagrams.",
+        footer=lasting(float(turn.drive.time(turn.turned[-1]))),
+    )  # fmt: skip
+
+
+def _data(found: SixBarShaper, options: Options) -> bytes:
+    stage = Stage.of(found, FRAMES)
+    return scene_json(
+        found, FRAME, stage.by, stage.extent, shapes="\n".join(stage.shapes(data_tag)),
+        parts=[told_part(part, DECIMALS) for part in stage.moving if part.moves], mirror=1,
+    )  # fmt: skip
+
+
+FILES = by_name(
+    LinkageFile("motion.csv", "Table of the motion", CSV, ".csv", untold(motion_csv),
+                MotionOptions),
+    LinkageFile("motion.json", "Table of the motion, with units and meanings", "application/json",
+                ".json", untold(motion_json), MotionOptions),
+    LinkageFile(
+        "cam.json", "Question for a cam that moves its follower as the ram", "application/json",
+        ".json", untold(cam_spec), CamOptions,
+        "A body for POST /v1/designs: the ram's motion as a table, a translating roller and a "
+        "limit on the pressure angle, to be edited as needed.",
+        suits=lambda found: not found.spec.acceleration_rad_per_s2,
+    ),
+    LinkageFile("motion.svg", "Diagrams of the motion", SVG, ".svg", untold(_motion),
+                PictureOptions,
+                "The quick stroke is shaded; a line stands at every dead centre."),
+    *animation_files(_scene, "For a document or a web page; no script."),
+    animation_data(_data, "Shapes and positions of its links over a turn"),
+)  # fmt: skip
