@@ -10,7 +10,7 @@ from synthesis.catalogue.fields import Rotation
 from synthesis.catalogue.followers.base import Follower
 from synthesis.catalogue.followers.flank import Flank
 from synthesis.catalogue.motion import Motion
-from synthesis.numerics.geometry.disc import to_cam
+from synthesis.numerics.geometry.plane import to_cam
 from synthesis.numerics.piecewise import Array, Side
 
 

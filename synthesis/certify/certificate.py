@@ -7,24 +7,18 @@ from collections.abc import Sequence
 from typing import Final
 
 from synthesis.catalogue.followers.flank import Flank
-from synthesis.catalogue.limits.base import Claim, Limit, Machine
+from synthesis.catalogue.limits.base import Claim, Limit, Machine, all_claims
 from synthesis.catalogue.motion import Motion
-from synthesis.certify.dimensions import check_follower, reach_claims
-from synthesis.certify.force_quantities import load_cuts, quantity_of
+from synthesis.certify.dimensions import check_follower
+from synthesis.certify.force_quantities import quantity_of
 from synthesis.certify.motion_checks import DERIVATIVES, check_motion
 from synthesis.certify.piecewise_motion import Jump, PiecewiseMotion
-from synthesis.certify.quantities import (
-    Size,
-    enclose_quantities,
-    infinite_at_corner,
-    infinite_by_jump,
-)
+from synthesis.certify.quantities import MeasuredCam, infinite_at_corner, infinite_by_jump
 from synthesis.certify.residual_vibration import residual_amplitude
 from synthesis.certify.self_intersection import (
     check_self_intersection,
     clear_flanks,
-    clearance_questions,
-    smooth_roller_flanks,
+    roller_clearances,
 )
 from synthesis.design.design import Extreme
 from synthesis.numerics.enclosure import Enclosure, Extremum, ExtremumQuery
@@ -55,25 +49,24 @@ def certify(
         a continuous motion with the required end states and tables, and what its spline laws
         promise.
     """
-    size = tuple(float(value) for value in size)
-    pieces = PiecewiseMotion(motion, load_cuts(machine))
-    claims = [claim for limit in limits for claim in limit.claims(motion.segments, machine)]
-    claims += reach_claims(motion, machine, size)
+    cam = MeasuredCam.of(motion, machine, size)
+    pieces = cam.motion
+    claims = all_claims(limits, motion.segments, machine, cam.size)
     claims = [claim for claim in claims if pieces.has_pieces(claim.segments)]
-    if not (pieces.is_finite and all(math.isfinite(value) for value in size)):
-        return [_not_finite(machine), *(_unproven(claim, 0.0, NOT_FINITE) for claim in claims)]
-    lines, clear = _check_claims(claims, pieces, machine, size)
+    if not (pieces.is_finite and all(math.isfinite(value) for value in cam.size)):
+        unit = machine.derivative_unit(0)
+        motionless = Claim("motion", "", (), None, None, unit, float, "program")
+        return [_unproven(claim, 0.0, NOT_FINITE) for claim in (motionless, *claims)]
+    lines, clear = _check_claims(claims, cam)
     return [
         *lines,
-        *check_follower(pieces, machine, size),
-        *check_self_intersection(pieces, machine, size, clear),
+        *check_follower(cam),
+        *check_self_intersection(cam, clear),
         *check_motion(pieces, machine, continuity),
     ]
 
 
-def _check_claims(
-    claims: Sequence[Claim], motion: PiecewiseMotion, machine: Machine, size: Size
-) -> tuple[list[Extreme], list[Flank]]:
+def _check_claims(claims: Sequence[Claim], cam: MeasuredCam) -> tuple[list[Extreme], list[Flank]]:
     """A line per claim, in their order, and the flanks that run round the axis clearly.
 
     All quantities of the cam angle are enclosed together: they share their boxes.
@@ -82,39 +75,33 @@ def _check_claims(
     angular = [claim for claim in claims if not claim.vibration]
     keys = [(claim.quantity, claim.path, claim.flank) for claim in angular]
     distinct = list(dict.fromkeys(keys))
-    subjects = [
-        (quantity_of(name, flank, motion, machine, size), path) for name, path, flank in distinct
-    ]
+    subjects = [(quantity_of(name, flank, cam), path) for name, path, flank in distinct]
     which = [distinct.index(key) for key in keys]
     # 2. claims that a discontinuity makes infinite need no enclosure
     jumps = [
-        infinite_by_jump(subjects[k][0], motion, claim.segments, claim.interval)
-        or infinite_at_corner(subjects[k][0], motion, machine, size, claim)
+        infinite_by_jump(subjects[k][0], cam.motion, claim.segments, claim.interval)
+        or infinite_at_corner(subjects[k][0], cam, claim)
         for k, claim in zip(which, angular, strict=True)
     ]
     questions = [
-        _question(motion, claim, k)
+        _question(cam.motion, claim, k)
         for k, claim, jump in zip(which, angular, jumps, strict=True)
         if jump is None
     ]
     # 3. enclose the others, with the clearance of the traced curves' tangents from the axis
-    smooth = smooth_roller_flanks(motion, machine)
-    clearances, clearance_subjects = clearance_questions(motion, smooth, len(subjects))
-    answers = iter(
-        enclose_quantities(
-            [*subjects, *clearance_subjects], motion, machine, size, [*questions, *clearances]
-        )
-    )
+    smooth, clearances, clearance_subjects = roller_clearances(cam, len(subjects))
+    answers = cam.enclose([*subjects, *clearance_subjects], [*questions, *clearances])
+    each = iter(answers)
     angular_lines = iter(
-        _line(claim, next(answers)) if jump is None else _infinite(claim, jump, machine)
+        _line(claim, next(each)) if jump is None else _infinite(claim, jump, cam.machine)
         for claim, jump in zip(angular, jumps, strict=True)
     )
     # 4. residual vibration is a claim about the ends of runs, not about cam angles
     lines = [
-        _residual_vibration(claim, motion) if claim.vibration else next(angular_lines)
+        _residual_vibration(claim, cam.motion) if claim.vibration else next(angular_lines)
         for claim in claims
     ]
-    return lines, clear_flanks(smooth, answers)
+    return lines, clear_flanks(smooth, answers[len(questions) :])
 
 
 def _question(motion: PiecewiseMotion, claim: Claim, function: int) -> ExtremumQuery:
@@ -197,13 +184,6 @@ def _unproven(claim: Claim, angle: float, evidence: str) -> Extreme:
         limit=claim.limit, value=None, unit=claim.unit, angle_deg=_degrees(angle),
         bound=_rounded(None if bound is None else claim.to_wire(bound)), margin=None, width=0.0,
         holds=False, evidence=evidence, field=claim.field,
-    )  # fmt: skip
-
-
-def _not_finite(machine: Machine) -> Extreme:
-    return Extreme(
-        limit="motion", value=None, unit=machine.derivative_unit(0), angle_deg=0.0, bound=None,
-        margin=None, width=0.0, holds=False, evidence=NOT_FINITE, field="program",
     )  # fmt: skip
 
 

@@ -15,17 +15,8 @@ from synthesis.catalogue.followers.flank import Flank, labelled, profile_radius_
 from synthesis.catalogue.followers.kinematics import TracePoint
 from synthesis.catalogue.followers.sizing import prime_radius
 from synthesis.catalogue.limits.base import Machine, scaling, segment_indices
-from synthesis.catalogue.motion import Motion
 from synthesis.certify.motion_checks import DERIVATIVES
-from synthesis.certify.piecewise_motion import Indices, PiecewiseMotion
-from synthesis.certify.quantities import (
-    QUANTITIES,
-    GeometricQuantity,
-    Size,
-    TracedPoint,
-    enclose_quantities,
-    trace_of,
-)
+from synthesis.certify.quantities import QUANTITIES, MeasuredCam, Quantity
 from synthesis.certify.self_intersection import deepest_interference
 from synthesis.design.analysis import (
     CurveJump,
@@ -37,6 +28,7 @@ from synthesis.design.analysis import (
     Undercut,
 )
 from synthesis.numerics.enclosure import Enclosure, ExtremumQuery
+from synthesis.numerics.piecewise import Indices
 from synthesis.units import DEGREE
 
 ToWire = Callable[[float], float]
@@ -51,13 +43,12 @@ ANGLE_DIGITS: Final = 9  # decimals of a cam angle: drops the rounding of degree
 class CurveAnalysis:
     """The curves of a given cam."""
 
-    motion: Motion
-    machine: Machine
-    size: Size
+    cam: MeasuredCam
 
-    @cached_property
-    def _pieces(self) -> PiecewiseMotion:
-        return PiecewiseMotion(self.motion)
+    @property
+    def machine(self) -> Machine:
+        """The machine around the cam."""
+        return self.cam.machine
 
     # -- results -----------------------------------------------------------------------------
 
@@ -75,7 +66,7 @@ class CurveAnalysis:
             found += [
                 self._summary(name, over, quantity, "deg", degrees, path)
                 for over in get_args(Over)
-                if over == "turn" or segment_indices(self.motion.segments, over)
+                if over == "turn" or segment_indices(self.cam.motion.segments, over)
             ]
         for path in self._paths:
             name, quantity, unit = self._bending
@@ -92,14 +83,14 @@ class CurveAnalysis:
             unit, to_wire = self.machine.derivative_unit(order), self.machine.wire_factor(order)
             for junction in self._discontinuities(order).tolist():
                 before, after = (
-                    side[order] * to_wire for side in self._pieces.one_sided_values(junction)
+                    side[order] * to_wire for side in self.cam.motion.one_sided_values(junction)
                 )
                 found.append(self._jump(DERIVATIVES[order], unit, junction, before, after))
                 junctions.add(junction)
         name, quantity, unit = self._bending
         for junction in junctions:
             for path in self._paths:
-                sides = self._one_sided(quantity, junction, path)
+                sides = self.cam.one_sided((quantity, path), junction)
                 found.append(self._jump(labelled(name, path), unit, junction, *sides))
         return sorted(found, key=lambda jump: jump.angle_deg)
 
@@ -113,7 +104,7 @@ class CurveAnalysis:
 
     def self_crossing(self) -> SelfCrossing | None:
         """Where a roller cuts deepest into a far part of its flank."""
-        found = deepest_interference(self._pieces, self.machine, self.size)
+        found = deepest_interference(self.cam)
         if found is None:
             return None
         flank, pair = found
@@ -149,18 +140,14 @@ class CurveAnalysis:
     def _convex_corners(self, flank: Flank) -> Iterator[int]:
         """Junctions at which the traced curve has a corner that is convex for the flank."""
         for junction in self._discontinuities(1).tolist():
-            before, after = (
-                TracedPoint(flank.trace, self.size, side).tangent
-                for side in self._pieces.one_sided_values(junction)
-            )
-            if flank.side * (before[1] * after[0] - before[0] * after[1]) > 0.0:
+            if flank.side * self.cam.turning_at(flank.path, junction) > 0.0:
                 yield junction
 
     def _face_undercut(self) -> Undercut | None:
         """Where the profile's radius under a flat face is not positive."""
         _, quantity, _ = self._bending
         least = self._extreme(quantity, self._everywhere, -1)
-        cusp = CUSP * prime_radius(self.machine.follower, self.size)
+        cusp = CUSP * prime_radius(self.machine.follower, self.cam.size)
         if least.value > cusp:
             return None
         return Undercut(
@@ -187,7 +174,7 @@ class CurveAnalysis:
         return measure is None or QUANTITIES[measure.quantity] is CURVATURE
 
     @cached_property
-    def _bending(self) -> tuple[str, GeometricQuantity, str]:
+    def _bending(self) -> tuple[str, Quantity, str]:
         """The quantity that says how sharply the profile bends: its name, itself, its unit."""
         if self._has_curvature:
             return "pitch_curvature", CURVATURE, CURVATURE_UNIT
@@ -197,13 +184,13 @@ class CurveAnalysis:
         self,
         name: str,
         over: Over,
-        quantity: GeometricQuantity,
+        quantity: Quantity,
         unit: str,
         to_wire: ToWire,
         path: str = "",
     ) -> CurveSummary:
         kinds = () if over == "turn" else (over,)
-        segments = segment_indices(self.motion.segments, *kinds)
+        segments = segment_indices(self.cam.motion.segments, *kinds)
         largest, smallest = (
             self._peak(quantity, self._extreme(quantity, segments, side, path), to_wire, path)
             for side in (1, -1)
@@ -238,19 +225,15 @@ class CurveAnalysis:
                 )  # fmt: skip
 
     def _extreme(
-        self, quantity: GeometricQuantity, segments: Sequence[int], side: int, path: str = ""
+        self, quantity: Quantity, segments: Sequence[int], side: int, path: str = ""
     ) -> Enclosure:
         """The largest value (side 1) or the smallest (−1) on these segments."""
         lower, upper = (-math.inf, 0.0) if side > 0 else (0.0, math.inf)
-        question = ExtremumQuery(self._pieces.pieces_of(segments), lower, upper)
-        subjects = [(quantity, path)]
-        (answer,) = enclose_quantities(
-            subjects, self._pieces, self.machine, self.size, [question]
-        )  # fmt: skip
-        return answer.enclosure
+        question = ExtremumQuery(self.cam.motion.pieces_of(segments), lower, upper)
+        return self.cam.enclose([(quantity, path)], [question])[0].enclosure
 
     def _peak(
-        self, quantity: GeometricQuantity, found: Enclosure, to_wire: ToWire, path: str = ""
+        self, quantity: Quantity, found: Enclosure, to_wire: ToWire, path: str = ""
     ) -> Peak | None:
         if not math.isfinite(found.value):
             return None
@@ -260,9 +243,9 @@ class CurveAnalysis:
             side=self._side(quantity, found, path), width=abs(ends[1] - ends[0]),
         )  # fmt: skip
 
-    def _side(self, quantity: GeometricQuantity, found: Enclosure, path: str = "") -> Side:
+    def _side(self, quantity: Quantity, found: Enclosure, path: str = "") -> Side:
         """On which side of a junction an extreme lies, where the curve jumps there."""
-        ends = self._pieces.curve.breaks[1:]
+        ends = self.cam.motion.curve.breaks[1:]
         junction = int(np.argmin(np.abs(ends - found.angle)))
         if found.angle <= AT_JUNCTION:
             junction = len(ends) - 1
@@ -270,32 +253,22 @@ class CurveAnalysis:
             return "both"
         if not any(junction in self._discontinuities(k) for k in range(quantity.order + 1)):
             return "both"
-        before, after = self._one_sided(quantity, junction, path)
+        before, after = self.cam.one_sided((quantity, path), junction)
         return "left" if abs(before - found.value) <= abs(after - found.value) else "right"
 
     # -- junctions ---------------------------------------------------------------------------
 
     @cached_property
     def _everywhere(self) -> tuple[int, ...]:
-        return segment_indices(self.motion.segments)
+        return segment_indices(self.cam.motion.segments)
 
     def _discontinuities(self, order: int) -> Indices:
-        return self._pieces.discontinuities(order, np.arange(self._pieces.curve.count))
+        return self.cam.motion.discontinuities(order, np.arange(self.cam.motion.curve.count))
 
     def _angle(self, junction: int) -> float:
         """Cam angle of a junction; the one that closes the turn is at 0."""
-        last = junction == self._pieces.curve.count - 1
-        return 0.0 if last else _degrees(float(self._pieces.curve.breaks[junction + 1]))
-
-    def _one_sided(
-        self, quantity: GeometricQuantity, junction: int, path: str
-    ) -> tuple[float, float]:
-        """A curve's values on the left and on the right of a junction."""
-        before, after = (
-            float(quantity.formula(TracedPoint(trace_of(self.machine, path), self.size, side)))
-            for side in self._pieces.one_sided_values(junction)
-        )
-        return before, after
+        last = junction == self.cam.motion.curve.count - 1
+        return 0.0 if last else _degrees(float(self.cam.motion.curve.breaks[junction + 1]))
 
     def _jump(self, name: str, unit: str, junction: int, before: float, after: float) -> CurveJump:
         return CurveJump(
@@ -303,7 +276,7 @@ class CurveAnalysis:
             jump=after - before,
         )  # fmt: skip
 
-    def _infinite(self, quantity: GeometricQuantity) -> list[float]:
+    def _infinite(self, quantity: Quantity) -> list[float]:
         """Cam angles at which a curve is infinite [deg]."""
         orders = range(1, 2) if quantity.infinite_at_corners else range(quantity.continuous_below)
         junctions = {k for order in orders for k in self._discontinuities(order).tolist()}

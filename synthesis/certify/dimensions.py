@@ -10,11 +10,8 @@ from synthesis.catalogue.followers.base import paths
 from synthesis.catalogue.followers.flank import labelled
 from synthesis.catalogue.followers.kinematics import TracePoint
 from synthesis.catalogue.followers.sizing import prime_radius
-from synthesis.catalogue.limits.base import Claim, Machine, segment_indices
-from synthesis.catalogue.motion import Motion
 from synthesis.catalogue.ranges import ends
-from synthesis.certify.piecewise_motion import PiecewiseMotion
-from synthesis.certify.quantities import Size, TracedPoint, pressure_angle
+from synthesis.certify.quantities import MeasuredCam, Size, TracedPoint, pressure_angle
 from synthesis.design.design import Extreme
 from synthesis.spec.design_spec import DesignSpec
 from synthesis.units import DEGREE
@@ -24,14 +21,15 @@ from synthesis.units import DEGREE
 DIMENSION_ROUNDING: Final = 1e-12
 
 
-def check_follower(motion: PiecewiseMotion, machine: Machine, size: Size) -> list[Extreme]:
+def check_follower(cam: MeasuredCam) -> list[Extreme]:
     """A positive base radius, and a follower that the cam drives outwards from the prime circle.
 
     The pressure angle at rest on the prime circle must be below 90°. For a translating follower
     this means that its offset is less than the prime radius, with the roller above the axis; for
     one on an arm, that the arm is not in line with the centres.
     """
-    base = machine.follower.dimensions(size)["base_radius_mm"]
+    follower, size, stroke = cam.machine.follower, cam.size, cam.motion.stroke
+    base = follower.dimensions(size)["base_radius_mm"]
     return [
         Extreme(
             limit="base_radius_positive", value=base, unit="mm", angle_deg=0.0, bound=0.0,
@@ -39,8 +37,8 @@ def check_follower(motion: PiecewiseMotion, machine: Machine, size: Size) -> lis
             field="base_radius_mm",
         ),
         *(
-            _prime_circle_angle(labelled("prime_circle_angle", path), trace, size, motion.stroke)
-            for path, trace in paths(machine.follower).items()
+            _prime_circle_angle(labelled("prime_circle_angle", path), trace, size, stroke)
+            for path, trace in paths(follower).items()
         ),
     ]  # fmt: skip
 
@@ -55,19 +53,6 @@ def _prime_circle_angle(limit: str, trace: TracePoint, size: Size, stroke: float
         evidence="pressure angle at rest on the prime circle: below 90° the cam drives the "
         "follower outwards", field="follower",
     )  # fmt: skip
-
-
-def reach_claims(motion: Motion, machine: Machine, size: Size) -> list[Claim]:
-    """The claim that the follower can take every displacement, for families where it may not."""
-    found = machine.follower.displacement_measure(size)
-    if found is None:
-        return []
-    return [
-        Claim(
-            "reach", found.quantity, segment_indices(motion.segments), found.lower, found.upper,
-            found.unit, found.to_wire, "follower",
-        )
-    ]  # fmt: skip
 
 
 def certify_size(

@@ -24,11 +24,11 @@ from synthesis.catalogue.forces.report import (
 )
 from synthesis.catalogue.limits.base import Machine, segment_indices
 from synthesis.catalogue.motion import Motion
-from synthesis.certify.force_quantities import ForceQuantity, load_cuts
-from synthesis.certify.piecewise_motion import PiecewiseMotion
-from synthesis.certify.quantities import Size, enclose_quantities, infinite_by_jump
+from synthesis.certify.force_quantities import force_quantity
+from synthesis.certify.quantities import MeasuredCam, infinite_by_jump
 from synthesis.numerics.enclosure import ExtremumQuery
-from synthesis.numerics.piecewise import Array
+from synthesis.numerics.maxima import maximise_between
+from synthesis.numerics.piecewise import Array, gauss_points
 from synthesis.units import DEGREE, FULL_TURN
 
 NODES: Final = 24  # of the Gauss rule on a piece without sinusoids: exact up to degree 47
@@ -36,9 +36,6 @@ WAVE_NODES: Final = 64
 SAMPLES: Final = 33  # on a piece, between which the drive is searched for changes of sign
 INSIDE: Final = 1e-9  # of a piece: samples at its ends lie this far inside it
 ROOT_TOLERANCE: Final = 1e-14  # of the cam angle of such a change [rad]
-ZOOMS: Final = 12  # refinements of the angle at which the follower lifts off first
-ZOOM_FACTOR: Final = 3.0
-FAN: Final = np.linspace(-1.0, 1.0, 9)  # samples of a refinement
 HIGHEST_SPEED: Final = 1e6  # times the cam's speed: a lift-off beyond is not reported
 PER_MINUTE: Final = 60.0 / FULL_TURN  # rpm per rad/s
 
@@ -47,21 +44,18 @@ def report_forces(motion: Motion, machine: Machine, size: tuple[float, ...]) -> 
     """What the cam's forces come to; None if the spec gives no load."""
     if machine.load is None:
         return None
-    pieces = PiecewiseMotion(motion, load_cuts(machine))
-    return _LoadedCam(pieces, machine, machine.load, tuple(size)).report()
+    return _LoadedCam(MeasuredCam.of(motion, machine, size), machine.load).report()
 
 
 @dataclass(frozen=True, eq=False)
 class _LoadedCam:
     """A finished cam with its load."""
 
-    motion: PiecewiseMotion
-    machine: Machine
+    cam: MeasuredCam
     load: ReducedLoad
-    size: Size
 
     def report(self) -> Forces:
-        flanks = self.machine.follower.flanks
+        flanks = self.cam.machine.follower.flanks
         both = self.load.pushed_both_ways
         return Forces(
             flanks=[self._flank(flank) for flank in flanks],
@@ -91,11 +85,11 @@ class _LoadedCam:
 
     def _wanted(self) -> Iterator[tuple[str, Flank, int]]:
         """What is enclosed: quantity, flank, 1 for its largest value or −1 for its smallest."""
-        flanks = self.machine.follower.flanks
+        flanks = self.cam.machine.follower.flanks
         for flank in flanks:
             yield "contact_force", flank, 1
             yield "contact_force", flank, -1
-            line_contact = flank.roller > 0.0 or self.machine.follower.always_convex
+            line_contact = flank.roller > 0.0 or self.cam.machine.follower.always_convex
             if self.load.contact is not None and line_contact:
                 yield "pressure_square", flank, 1
         yield "camshaft_torque", flanks[0], 1
@@ -104,27 +98,22 @@ class _LoadedCam:
     @cached_property
     def _peaks(self) -> dict[tuple[str, str, int], ForcePeak]:
         """Finite extremes by quantity, flank and sense, all enclosed together."""
-        everywhere = segment_indices(self.motion.segments)
-        pieces = self.motion.pieces_of(everywhere)
+        everywhere = segment_indices(self.cam.motion.segments)
+        pieces = self.cam.motion.pieces_of(everywhere)
         wanted = list(self._wanted())
         each = {(name, flank.name): flank for name, flank, _ in wanted}
         subjects = [
-            (
-                ForceQuantity(name, self.machine, self.load, self.motion, flank, self.size),
-                flank.path,
-            )
-            for (name, _), flank in each.items()
+            (force_quantity(name, flank, self.cam), flank.path) for (name, _), flank in each.items()
         ]
-        if infinite_by_jump(subjects[0][0], self.motion, everywhere):
+        if infinite_by_jump(subjects[0][0], self.cam.motion, everywhere):
             return {}
-        bounds = {1: (-math.inf, 0.0), -1: (0.0, math.inf)}
-        which = {key: k for k, key in enumerate(each)}
+        bounds, keys = {1: (-math.inf, 0.0), -1: (0.0, math.inf)}, list(each)
         questions = [
-            ExtremumQuery(pieces, *bounds[side], function=which[name, flank.name])
+            ExtremumQuery(pieces, *bounds[side], function=keys.index((name, flank.name)))
             for name, flank, side in wanted
         ]
-        answers = enclose_quantities(subjects, self.motion, self.machine, self.size, questions)
         found = {}
+        answers = self.cam.enclose(subjects, questions)
         for (name, flank, side), answer in zip(wanted, answers, strict=True):
             peak = answer.enclosure
             if math.isfinite(peak.width):
@@ -138,20 +127,17 @@ class _LoadedCam:
     @cached_property
     def _nodes(self) -> tuple[Array, Array]:
         """Nodes inside the pieces [rad] and weights: (n,) each."""
-        curve = self.motion.curve
-        count = WAVE_NODES if curve.waves.shape[1] else NODES
-        nodes, weights = np.polynomial.legendre.leggauss(count)
-        half = 0.5 * np.diff(curve.breaks)[:, None]
-        middle = 0.5 * (curve.breaks[1:] + curve.breaks[:-1])[:, None]
-        return (middle + half * nodes).ravel(), (half * weights).ravel()
+        curve = self.cam.motion.curve
+        nodes, weights = gauss_points(curve.breaks, WAVE_NODES if curve.waves.shape[1] else NODES)
+        return nodes.ravel(), weights.ravel()
 
     @cached_property
     def _turn(self) -> ForceHistory:
         return self._history(self._nodes[0])
 
     def _history(self, theta: Array) -> ForceHistory:
-        machine, motion = self.machine, self.motion.original
-        return history(machine.follower, self.load, machine.omega, motion, self.size, theta)
+        machine, motion = self.cam.machine, self.cam.motion.original
+        return history(machine.follower, self.load, machine.omega, motion, self.cam.size, theta)
 
     def _torque(self, flank: Flank) -> Torque:
         """Torque over the turn; its work less the process's and the losses is the imbalance."""
@@ -165,7 +151,7 @@ class _LoadedCam:
             smallest_n_m=self._peaks.get(("camshaft_torque", flank.name, -1)),
             mean_n_m=work / FULL_TURN,
             rms_n_m=math.sqrt(float(weights @ turn.torque**2) / FULL_TURN),
-            power_w=work / FULL_TURN * self.machine.omega,
+            power_w=work / FULL_TURN * self.cam.machine.omega,
             work_j=work,
             process_work_j=process,
             loss_j=loss,
@@ -175,7 +161,7 @@ class _LoadedCam:
     def _roller(self, path: str) -> RollerLife:
         """Speed of a roller and its bearing's basic rating life at varying load and speed."""
         turn, (_, weights), bearing = self._turn, self._nodes, self.load.bearing
-        mine = [flank.name for flank in self.machine.follower.flanks if flank.path == path]
+        mine = [flank.name for flank in self.cam.machine.follower.flanks if flank.path == path]
         # of a roller between two flanks, force and speed are those of the flank that it presses
         forces = np.array([turn.contact[name] for name in mine])
         pressed = np.argmax(forces, axis=0), np.arange(forces.shape[1])
@@ -209,7 +195,7 @@ class _LoadedCam:
     @cached_property
     def _grid(self) -> Array:
         """Cam angles (pieces, samples), just inside the pieces at their ends [rad]."""
-        breaks = self.motion.curve.breaks
+        breaks = self.cam.motion.curve.breaks
         step = np.linspace(INSIDE, 1.0 - INSIDE, SAMPLES)
         return np.asarray(breaks[:-1, None] + np.diff(breaks)[:, None] * step)
 
@@ -229,7 +215,7 @@ class _LoadedCam:
         theta = np.concatenate([theta[shift:], theta[:shift] + FULL_TURN])
         force, off = np.roll(force, -shift), np.roll(off, -shift)
         ends = np.flatnonzero(np.diff(np.concatenate([[False], off, [False]])))
-        contact = self.machine.follower.flanks[0].name
+        contact = self.cam.machine.follower.flanks[0].name
         for first, stop in zip(ends[::2], ends[1::2], strict=True):
             at = theta[first:stop]
             contact_force = self._history(at % FULL_TURN).contact[contact]
@@ -262,21 +248,15 @@ class _LoadedCam:
 
     def _lift_off_speed(self) -> float | None:
         """The lowest speed at which the drive vanishes somewhere [rpm]."""
-        theta = self._grid
-        reach = np.diff(self.motion.curve.breaks)[:, None] / (SAMPLES - 1)
-        low, high = theta[:, :1], theta[:, -1:]
-        # zoom in on the least critical speed of every piece
-        for _ in range(ZOOMS):
-            value = self._critical_speed(theta.ravel()).reshape(theta.shape)
-            best = np.argmin(value, axis=1)[:, None]
-            theta = np.clip(np.take_along_axis(theta, best, 1) + reach * FAN, low, high)
-            reach = reach / ZOOM_FACTOR
-        least = float(np.min(value))
-        return least * PER_MINUTE if least <= HIGHEST_SPEED * self.machine.omega else None
+        inside = self._grid
+        negative = maximise_between(lambda x: -self._critical_speed(x), inside[:, 0], inside[:, -1])
+        least = -negative
+        return least * PER_MINUTE if least <= HIGHEST_SPEED * self.cam.machine.omega else None
 
     def _critical_speed(self, theta: Array) -> Array:
-        """The least ω ≥ 0 at which the drive vanishes at a cam angle; ∞ if at none [rad/s]."""
-        load, s = self.load, self.motion.original.derivatives(theta, 2)
+        """The least ω ≥ 0 at which the drive vanishes at cam angles; ∞ if at none [rad/s]."""
+        load, s = self.load, self.cam.motion.original.derivatives(theta, 2)
+        s = s.reshape(3, *theta.shape)
         rest = load.side * (load.rate * s[0] + load.constant_force + load.process(theta))
         a, b = (
             load.side * MILLI * m * each for m, each in ((load.mass, s[2]), (load.damping, s[1]))

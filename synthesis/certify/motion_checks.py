@@ -17,13 +17,13 @@ from synthesis.catalogue.limits.base import Machine
 from synthesis.certify.piecewise_motion import (
     HIGHEST_ORDER,
     JUNCTION_TOLERANCE,
-    Indices,
-    Intervals,
     Jump,
     PiecewiseMotion,
 )
 from synthesis.design.design import Extreme
-from synthesis.numerics.piecewise import Array
+from synthesis.numerics.box_search import BoxSearch, Budget
+from synthesis.numerics.boxes import Boxes
+from synthesis.numerics.piecewise import Array, Indices, Mask
 from synthesis.units import DEGREE
 
 DERIVATIVES: Final = ("displacement", "velocity", "acceleration", "jerk", "snap")
@@ -32,12 +32,9 @@ REPORTED_ORDER: Final = 2  # jumps of derivatives up to this one are reported ev
 BACKWARD_TOLERANCE: Final = 1e-9  # backward travel that counts as none, as a share of the lift
 FINE_WIDTH: Final = 1e-2  # width of its enclosure that suffices, as a share of that tolerance
 DISTINCT: Final = 1000  # two segments are equally bad if they differ by less than 1/1000 of it
-FIRST_PARTS: Final = 2  # intervals into which a piece is first divided
-NEXT_PARTS: Final = 8  # parts of an interval in each later round
-MAX_ROUNDS: Final = 7
-MAX_INTERVALS: Final = 50_000
+PARTS: Final = 8  # of an interval whose enclosure is too wide
+BACKWARD_BUDGET: Final = Budget(levels=8, boxes=50_000)
 COEFFICIENT_ROUNDING: Final = 2.0**-46  # relative to a Bernstein coefficient's terms: 128 roundings
-LENGTH_ROUNDING: Final = 1e-12  # relative: a few roundings of speed times length
 
 
 def check_motion(
@@ -226,56 +223,67 @@ def _overshoot(motion: PiecewiseMotion, machine: Machine) -> Iterator[Extreme]:
 def backward_travel(motion: PiecewiseMotion, pieces: Indices) -> tuple[Array, Array, int]:
     """Enclose ∫ max(−v, 0) dθ over each segment, v the velocity in the segment's own sense [mm].
 
+    Args:
+        pieces: of spline laws: polynomials, without sinusoids.
+
     Returns:
         lower and upper ends, one per segment of the motion (0 where no piece is asked about), and
-        the number of pieces and intervals examined.
+        the number of intervals examined.
     """
-    segments = motion.segments
-    least, most = np.zeros(len(segments)), np.zeros(len(segments))
-    fine = FINE_WIDTH * BACKWARD_TOLERANCE * np.abs([s.lift for s in segments])
-    breaks, count, owner = motion.curve.breaks, len(pieces), motion.segment_of_piece[pieces]
-    # 1. Bernstein enclosure of whole pieces: enough where the velocity clearly has one sign
-    whole = backward_travel_bound(motion, pieces)
-    coarse = ~(whole <= fine[owner] / np.bincount(owner)[owner])
-    most += np.bincount(owner[~coarse], whole[~coarse], len(segments))
-    if not coarse.any():
-        return least, most, count
-    # 2. Subdivision with Taylor models: intervals whose enclosure is narrow enough for their share
-    # of the segment are added up, the others are divided, until the limits on effort are reached
-    intervals = Intervals(pieces, breaks[pieces], breaks[pieces + 1]).take(coarse)
-    intervals = intervals.split(FIRST_PARTS)
-    for round_ in range(MAX_ROUNDS):
-        low, high = _backward_travel_on(motion, intervals)
-        count += len(low)
-        owner = motion.segment_of_piece[intervals.piece]
-        crowd = np.bincount(owner, minlength=len(segments))[owner]
-        coarse = high - low > fine[owner] / crowd
-        last = round_ == MAX_ROUNDS - 1
-        if last or count + NEXT_PARTS * np.count_nonzero(coarse) > MAX_INTERVALS:
-            coarse[:] = False
-        least += np.bincount(owner[~coarse], low[~coarse], len(segments))
-        most += np.bincount(owner[~coarse], high[~coarse], len(segments))
-        if not coarse.any():
-            break
-        intervals = intervals.take(coarse).split(NEXT_PARTS)
-    return least, most, count
+    search = _BackwardTravel(motion)
+    breaks = motion.curve.breaks
+    search.run(Boxes.on(pieces, breaks[pieces], breaks[pieces + 1]), BACKWARD_BUDGET)
+    return search.least, search.most, search.intervals
 
 
-def backward_travel_bound(motion: PiecewiseMotion, pieces: Indices) -> Array:
-    """Upper bound of the backward travel on whole pieces; ∞ where a piece is no plain polynomial.
+class _BackwardTravel(BoxSearch[Boxes]):
+    """Box search that adds up the travel on intervals whose enclosure is narrow enough.
 
-    A polynomial on [0, 1] is nowhere above its largest Bernstein coefficient, so the travel is at
-    most that of −v times the piece's length.
+    On an interval of length h the velocity is a polynomial v = Σ b_k B_k in Bernstein's basis,
+    whose members are nonnegative and all have the integral h/(n + 1). So
+
+        max(−h · mean(b), 0)  ≤  ∫ max(−v, 0) dθ  ≤  h · mean(max(−b, 0)),
+
+    and both ends agree where all b_k have one sign. The bound of an interval is the width of its
+    enclosure less its share of the width that suffices for its segment.
     """
-    curve = motion.curve
-    start, poly = curve.breaks[pieces], curve.poly[pieces, 1:].T
-    if curve.waves[pieces, :, 0].any() or not np.array_equal(curve.origins[pieces], start):
-        return np.full(len(pieces), np.inf)
-    length, power = curve.breaks[pieces + 1] - start, np.arange(len(poly))[:, None]
-    terms = poly * (power + 1.0) * length**power  # of v in powers of (θ − start) / length
-    back = -_forward(motion, pieces) * (_to_bernstein(len(poly)) @ terms)
-    speed: Array = back.max(axis=0) + COEFFICIENT_ROUNDING * np.abs(terms).sum(axis=0)
-    return (1.0 + LENGTH_ROUNDING) * length * np.maximum(speed, 0.0)
+
+    children = PARTS
+
+    def __init__(self, motion: PiecewiseMotion) -> None:
+        self.motion, self.intervals = motion, 0
+        lifts = np.array([segment.lift for segment in motion.segments])
+        self.forward, self.fine = np.sign(lifts), FINE_WIDTH * BACKWARD_TOLERANCE * np.abs(lifts)
+        self.least, self.most = np.zeros((2, len(lifts)))
+
+    def bound(self, boxes: Boxes) -> Array:
+        h, owner = boxes.hi - boxes.lo, self.motion.segment_of_piece[boxes.piece]
+        # 1. v in powers of x = (θ − lo)/h, from Taylor's series at the interval's left end
+        derivatives, errors = self.motion.jets.derivatives(boxes.piece, boxes.lo)
+        count = max(self.motion.curve.poly.shape[1] - 1, 1)
+        factors = np.cumprod([np.ones_like(h), *(h / k for k in range(1, count))], axis=0)
+        terms, rounding = derivatives[1 : count + 1] * factors, errors[1 : count + 1] * factors
+        # 2. in Bernstein's basis
+        back = -self.forward[owner] * (_to_bernstein(count) @ terms)
+        blur = rounding.sum(axis=0) + COEFFICIENT_ROUNDING * np.abs(terms).sum(axis=0)
+        # 3. both ends of the travel
+        low = np.maximum(h * (back.mean(axis=0) - blur), 0.0)
+        high = h * np.maximum(back + blur, 0.0).mean(axis=0)
+        self.intervals, self.ends = self.intervals + len(h), (owner, low, high)
+        share = self.fine / np.maximum(np.bincount(owner, minlength=len(self.fine)), 1)
+        return np.asarray(high - low - share[owner])
+
+    def threshold(self) -> float:
+        return 0.0
+
+    def leave(self, upper: Array, which: Mask) -> None:
+        """Add up the travel of intervals that are not looked at again."""
+        owner, low, high = (each[which] for each in self.ends)
+        self.least += np.bincount(owner, low, len(self.least))
+        self.most += np.bincount(owner, high, len(self.most))
+
+    def split(self, boxes: Boxes, keep: Mask) -> Boxes:
+        return boxes.take(np.flatnonzero(keep)).split(PARTS)
 
 
 @cache
@@ -285,26 +293,3 @@ def _to_bernstein(count: int) -> Array:
     return np.array(
         [[comb(k, j) / comb(degree, j) for j in range(count)] for k in range(count)], dtype=float
     )
-
-
-def _forward(motion: PiecewiseMotion, pieces: Indices) -> Array:
-    """Sign of the lift of each piece's segment."""
-    lifts = np.array([segment.lift for segment in motion.segments])
-    return np.asarray(np.sign(lifts)[motion.segment_of_piece[pieces]])
-
-
-def _backward_travel_on(motion: PiecewiseMotion, intervals: Intervals) -> tuple[Array, Array]:
-    """Lower and upper end of the backward travel on each interval, from Taylor models of s and v.
-
-    It is at least the net loss of displacement, and at most the largest backward velocity times
-    the length.
-    """
-    s, v = motion.jets.models(intervals.piece, intervals.lo, intervals.hi, 1)
-    forward = _forward(motion, intervals.piece)
-    high, low, *_ = v.extremes()
-    back = np.where(forward > 0.0, -low, high) + v.rem
-    length = (intervals.hi - intervals.lo) * (1.0 + LENGTH_ROUNDING)
-    most = length * np.maximum(back, 0.0)
-    # s = c0 + c1 t + c2 t² ± rem on t in [−1, 1]: the ends differ by 2 c1, to within 2 rem
-    least = np.maximum(-2.0 * forward * s.c1 - 2.0 * s.rem, 0.0)
-    return np.minimum(least, most), most

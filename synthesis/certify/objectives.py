@@ -4,28 +4,23 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Sequence
-from functools import lru_cache
+from dataclasses import replace
 from typing import Final
 
 import numpy as np
 
 from synthesis.catalogue.followers.base import paths
 from synthesis.catalogue.followers.sizing import prime_radius
-from synthesis.catalogue.limits.base import Machine
+from synthesis.catalogue.limits.base import Machine, segment_indices
 from synthesis.catalogue.motion import Motion
-from synthesis.certify.force_quantities import load_cuts, quantity_of
-from synthesis.certify.piecewise_motion import PiecewiseMotion
-from synthesis.certify.quantities import (
-    QUANTITIES,
-    Quantity,
-    Size,
-    enclose_quantities,
-    infinite_by_jump,
-)
+from synthesis.certify.force_quantities import quantity_of
+from synthesis.certify.quantities import QUANTITIES, MeasuredCam, Quantity, Size, infinite_by_jump
 from synthesis.numerics.enclosure import Enclosure, ExtremumQuery
 from synthesis.numerics.jets import Jets
-from synthesis.numerics.piecewise import Array, Piecewise
+from synthesis.numerics.piecewise import Piecewise, gauss_points
 from synthesis.units import FULL_TURN
+
+Objective = Callable[[MeasuredCam], Enclosure]
 
 RADIUS_ROUNDING: Final = 1e-15  # relative, of the prime radius computed from the size
 
@@ -42,40 +37,34 @@ def measure_objective(quantity: str, motion: Motion, machine: Machine, size: Siz
         quantity: a key of ``OBJECTIVES``.
         motion, machine, size: the finished cam.
     """
-    size = tuple(float(value) for value in size)
-    return OBJECTIVES[quantity](motion, machine, size)
+    return OBJECTIVES[quantity](MeasuredCam.of(motion, machine, size))
 
 
-def _prime_radius(motion: Motion, machine: Machine, size: Size) -> Enclosure:
+def _prime_radius(cam: MeasuredCam) -> Enclosure:
     """The norm that stands for the prime radius, as its bounds do; the objective converts both."""
-    value = machine.follower.norm_from_radius(prime_radius(machine.follower, size))
-    rounding = RADIUS_ROUNDING
-    return Enclosure(value, value * (1.0 - rounding), value * (1.0 + rounding), 0.0)
+    follower = cam.machine.follower
+    value = follower.norm_from_radius(prime_radius(follower, cam.size))
+    return Enclosure(
+        value, value * (1.0 - RADIUS_ROUNDING), value * (1.0 + RADIUS_ROUNDING), 0.0
+    )  # fmt: skip
 
 
 # -- peaks -----------------------------------------------------------------------------------
 
 
-def _peak(name: str) -> Callable[[Motion, Machine, Size], Enclosure]:
+def _peak(name: str) -> Objective:
     """The largest |s^(k)| over the turn."""
-
-    def peak(motion: Motion, machine: Machine, size: Size) -> Enclosure:
-        pieces = PiecewiseMotion(motion)
-        return _peak_on(QUANTITIES[name], pieces, machine, size, _moving(pieces, dwells=True))
-
-    return peak
+    quantity = QUANTITIES[name]
+    return lambda cam: _peak_on(quantity, cam, segment_indices(cam.motion.segments))
 
 
-def _pressure_slope(motion: Motion, machine: Machine, size: Size) -> Enclosure:
+def _pressure_slope(cam: MeasuredCam) -> Enclosure:
     """The largest |tan α| over rises and returns, of all traced curves."""
-    pieces = PiecewiseMotion(motion)
-    moving = _moving(pieces, dwells=False)
+    moving = [s.index for s in cam.motion.segments if s.angle > 0.0 and s.kind != "dwell"]
     if not moving:
         return Enclosure(0.0, 0.0, 0.0, 0.0)
     angle = QUANTITIES["pressure_angle"]
-    each = [
-        _largest(angle, pieces, machine, size, moving, path) for path in paths(machine.follower)
-    ]
+    each = [_peak_on(angle, cam, moving, path) for path in paths(cam.machine.follower)]
     found = max(each, key=lambda one: one.upper)
     value, lower, upper = (
         math.tan(end) if abs(end) < 0.5 * math.pi else math.copysign(math.inf, end)
@@ -84,53 +73,36 @@ def _pressure_slope(motion: Motion, machine: Machine, size: Size) -> Enclosure:
     return Enclosure(value, lower, upper, found.angle)
 
 
-def _drive_force(motion: Motion, machine: Machine, size: Size) -> Enclosure:
+def _drive_force(cam: MeasuredCam) -> Enclosure:
     """The largest drive in the sense that presses the follower on its cam [N].
 
     Of a follower that is guided both ways, the largest |G|. Infinite if the spec gives no load.
     """
-    load = machine.load
+    load = cam.machine.load
     if load is None:
         return Enclosure(math.inf, math.inf, math.inf, 0.0)
-    pieces = PiecewiseMotion(motion, load_cuts(machine))
-    force = quantity_of("drive_force", "", pieces, machine, size)
     pressing = (-math.inf, 0.0) if load.side > 0 else (0.0, math.inf)
     bounds = (0.0, 0.0) if load.pushed_both_ways else pressing
-    return _peak_on(force, pieces, machine, size, _moving(pieces, dwells=True), bounds)
-
-
-def _moving(motion: PiecewiseMotion, *, dwells: bool) -> list[int]:
-    """Stretches of positive cam angle, with or without dwells."""
-    return [s.index for s in motion.segments if s.angle > 0.0 and (dwells or s.kind != "dwell")]
+    everywhere = segment_indices(cam.motion.segments)
+    return _peak_on(quantity_of("drive_force", "", cam), cam, everywhere, bounds=bounds)
 
 
 def _peak_on(
     quantity: Quantity,
-    motion: PiecewiseMotion,
-    machine: Machine,
-    size: Size,
-    segments: Sequence[int],
-    bounds: tuple[float, float] = (0.0, 0.0),
-) -> Enclosure:
-    """The peak of a quantity; infinite where a derivative of s below its own jumps."""
-    jump = infinite_by_jump(quantity, motion, segments)
-    if jump is not None:
-        return Enclosure(math.inf, math.inf, math.inf, jump.angle)
-    return _largest(quantity, motion, machine, size, segments, bounds=bounds)
-
-
-def _largest(
-    quantity: Quantity,
-    motion: PiecewiseMotion,
-    machine: Machine,
-    size: Size,
+    cam: MeasuredCam,
     segments: Sequence[int],
     path: str = "",
     bounds: tuple[float, float] = (0.0, 0.0),
 ) -> Enclosure:
-    """How far a quantity exceeds its bounds; for two bounds of 0 its largest absolute value."""
-    question = ExtremumQuery(motion.pieces_of(segments), *bounds)
-    (answer,) = enclose_quantities([(quantity, path)], motion, machine, size, [question])
+    """How far a quantity exceeds its bounds; for two bounds of 0 its largest absolute value.
+
+    Infinite where a derivative of s below its own jumps.
+    """
+    jump = infinite_by_jump(quantity, cam.motion, segments)
+    if jump is not None:
+        return Enclosure(math.inf, math.inf, math.inf, jump.angle)
+    question = ExtremumQuery(cam.motion.pieces_of(segments), *bounds)
+    (answer,) = cam.enclose([(quantity, path)], [question])
     found = answer.enclosure
     if answer.side > 0:
         return found
@@ -140,15 +112,15 @@ def _largest(
 # -- root mean squares -----------------------------------------------------------------------
 
 
-def _rms(name: str) -> Callable[[Motion, Machine, Size], Enclosure]:
+def _rms(name: str) -> Objective:
     """√(1/2π ∫ (s^(k))² dθ) over the turn."""
 
-    def rms(motion: Motion, machine: Machine, size: Size) -> Enclosure:
-        pieces = PiecewiseMotion(motion)
-        jump = infinite_by_jump(QUANTITIES[name], pieces, _moving(pieces, dwells=True))
+    def rms(cam: MeasuredCam) -> Enclosure:
+        quantity = QUANTITIES[name]
+        jump = infinite_by_jump(quantity, cam.motion, segment_indices(cam.motion.segments))
         if jump is not None:
             return Enclosure(math.inf, math.inf, math.inf, jump.angle)
-        return root_mean_square(pieces.jets, QUANTITIES[name].order)
+        return root_mean_square(cam.motion.jets, quantity.order)
 
     return rms
 
@@ -161,50 +133,35 @@ def root_mean_square(jets: Jets, order: int) -> Enclosure:
     (Trefethen, Approximation Theory and Approximation Practice, theorem 19.3).
     """
     curve = jets.curve
-    nodes, weights = _gauss(WAVE_NODES if curve.waves.shape[1] else curve.poly.shape[1])
-    half = 0.5 * np.diff(curve.breaks)
-    middle = 0.5 * (curve.breaks[:-1] + curve.breaks[1:])
-    x = middle[:, None] + half[:, None] * nodes
-    piece = np.repeat(np.arange(curve.count), len(nodes))
-    value, rounding = jets.at(piece, x.ravel(), order)
-    squares, roundings = value * value, rounding * (2.0 * np.abs(value) + rounding)
-    total = float(half @ (squares.reshape(x.shape) @ weights))
-    error = float(half @ (roundings.reshape(x.shape) @ weights)) + QUADRATURE_ROUNDING * total
-    error += _truncation(curve, order, half, len(nodes))
+    count = WAVE_NODES if curve.waves.shape[1] else curve.poly.shape[1]
+    x, weights = gauss_points(curve.breaks, count)
+    value, rounding = jets.at(np.repeat(np.arange(curve.count), count), x.ravel(), order)
+    total = float(weights.ravel() @ (value * value))
+    error = float(weights.ravel() @ (rounding * (2.0 * np.abs(value) + rounding)))
+    error += QUADRATURE_ROUNDING * total + _truncation(curve, order, count)
     low, high = max(total - error, 0.0), total + error
     ends = [math.sqrt(part / FULL_TURN) for part in (total, low, high)]
     return Enclosure(ends[0], ends[1], ends[2], 0.0)
 
 
-@lru_cache(maxsize=64)
-def _gauss(count: int) -> tuple[Array, Array]:
-    nodes, weights = np.polynomial.legendre.leggauss(count)
-    return nodes, weights
-
-
-def _truncation(curve: Piecewise, order: int, half: Array, count: int) -> float:
+def _truncation(curve: Piecewise, order: int, count: int) -> float:
     """Error bound of the Gauss rule with ``count`` nodes, over all pieces; 0 without sinusoids."""
     if not curve.waves.shape[1]:
         return 0.0
-    # the ellipse lies in the disc of this radius about the piece's middle
-    rho = BERNSTEIN_RHO
+    # the ellipse lies in the disc of this radius about the piece's middle: bound the polynomial
+    # there by absolute values, a sinusoid by cosh of the imaginary part
+    rho, pieces, half = BERNSTEIN_RHO, np.arange(curve.count), 0.5 * np.diff(curve.breaks)
     reach = 0.5 * (rho + 1.0 / rho) * half
     away = np.abs(0.5 * (curve.breaks[:-1] + curve.breaks[1:]) - curve.origins) + reach
-    # bound the polynomial there by absolute values, a sinusoid by cosh of the imaginary part
-    poly = curve.poly
-    for _ in range(order):
-        poly = poly[:, 1:] * np.arange(1, poly.shape[1])
-    largest = np.zeros(curve.count)
-    for column in np.abs(poly).T[::-1]:
-        largest = largest * away + column
+    poly = replace(curve, waves=curve.waves[:, :0])
     amplitude, frequency, _ = np.moveaxis(curve.waves, -1, 0)
     wave = np.abs(amplitude * frequency**order) * np.cosh(frequency * reach[:, None])
-    largest = largest + np.sum(wave, axis=1)
+    largest = poly.bound_derivative(pieces, away, order) + np.sum(wave, axis=1)
     bound = half * largest**2 * (64.0 / 15.0) * rho ** (-2.0 * count) / (1.0 - rho**-2.0)
     return float(np.sum(bound))
 
 
-OBJECTIVES: Final[dict[str, Callable[[Motion, Machine, Size], Enclosure]]] = {
+OBJECTIVES: Final[dict[str, Objective]] = {
     "prime_radius": _prime_radius,
     "velocity": _peak("velocity"),
     "acceleration": _peak("acceleration"),

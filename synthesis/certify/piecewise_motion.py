@@ -5,17 +5,15 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Any, Final
+from typing import Final
 
 import numpy as np
-from numpy.typing import NDArray
 
 from synthesis.catalogue.motion import Motion, PlacedSegment
+from synthesis.numerics.boxes import Boxes
 from synthesis.numerics.jets import Jets
-from synthesis.numerics.piecewise import Array
+from synthesis.numerics.piecewise import Array, Indices
 from synthesis.units import FULL_TURN
-
-Indices = NDArray[np.intp]
 
 HIGHEST_ORDER: Final = 4  # derivative of s up to which continuity is checked
 
@@ -52,34 +50,6 @@ class Jump:
     angle: float
     size: float
     allowed: float
-
-
-@dataclass(frozen=True, eq=False)
-class Intervals:
-    """Intervals of cam angle, each inside one (closed) piece: piece, lo, hi are (n,) [rad]."""
-
-    piece: Indices
-    lo: Array
-    hi: Array
-
-    def __len__(self) -> int:
-        return len(self.lo)
-
-    def take(self, which: Any) -> Intervals:
-        """Some of them, by mask or index."""
-        return Intervals(self.piece[which], self.lo[which], self.hi[which])
-
-    def split(self, parts: int) -> Intervals:
-        """Each divided into equal parts, which follow one another."""
-        edges = self.lo[:, None] + (self.hi - self.lo)[:, None] * (np.arange(parts + 1) / parts)
-        edges[:, -1] = self.hi
-        lo, hi = edges[:, :-1].ravel(), edges[:, 1:].ravel()
-        return Intervals(np.repeat(self.piece, parts), lo, hi)
-
-    def concatenate(self, other: Intervals) -> Intervals:
-        """These and the others."""
-        pairs = zip(vars(self).values(), vars(other).values(), strict=True)
-        return Intervals(*(np.concatenate(pair) for pair in pairs))
 
 
 class PiecewiseMotion:
@@ -157,15 +127,12 @@ class PiecewiseMotion:
         kept = high - low >= (0.0 if part[0] == part[1] else ANGLE_ROUNDING)
         return pieces[kept], np.stack([low, high], axis=1)[kept]
 
-    def intervals(self, widest: float) -> Intervals:
+    def intervals(self, widest: float) -> Boxes:
         """The whole turn in equal intervals of each piece, none wider than ``widest`` [rad]."""
-        breaks = self.curve.breaks
-        parts = np.maximum(np.ceil(np.diff(breaks) / widest - 1e-9), 1.0).astype(np.intp)
-        piece = np.repeat(np.arange(self.curve.count), parts)
-        nth = np.arange(len(piece)) - np.repeat(np.cumsum(parts) - parts, parts)
-        step = np.diff(breaks)[piece] / parts[piece]
-        lo, hi = breaks[piece] + nth * step, breaks[piece] + (nth + 1) * step
-        return Intervals(piece, lo, np.where(nth + 1 == parts[piece], breaks[piece + 1], hi))
+        breaks, pieces = self.curve.breaks, np.arange(self.curve.count)
+        parts = np.maximum(np.ceil(self._lengths / widest - 1e-9), 1.0).astype(np.intp)
+        nothing = np.zeros((0, len(pieces)), dtype=bool)
+        return Boxes.from_spans(pieces, breaks[:-1], breaks[1:], parts, nothing)
 
     @cached_property
     def _lengths(self) -> Array:

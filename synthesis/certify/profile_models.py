@@ -11,7 +11,8 @@ from typing import Any, Final
 import numpy as np
 
 from synthesis.catalogue.followers.kinematics import Vector2
-from synthesis.certify.piecewise_motion import Intervals, PiecewiseMotion
+from synthesis.certify.piecewise_motion import PiecewiseMotion
+from synthesis.numerics.boxes import Boxes
 from synthesis.numerics.piecewise import Array
 from synthesis.numerics.taylor import ROUNDING, Taylor
 
@@ -49,7 +50,7 @@ class ThickChords:
 class ProfileModels:
     """Traced curve and profile on intervals: p and T = D p in the machine frame, as models."""
 
-    intervals: Intervals
+    intervals: Boxes
     p: Vector2
     tangent: Vector2
     distance: float
@@ -118,7 +119,7 @@ class OffsetProfile:
     trace: TraceFunction
     distance: float
 
-    def models(self, intervals: Intervals) -> ProfileModels:
+    def models(self, intervals: Boxes) -> ProfileModels:
         """Both curves on intervals."""
         s = self.motion.jets.models(intervals.piece, intervals.lo, intervals.hi, 1)
         (px, py), (dx, dy), *_ = self.trace((*s, 0.0, 0.0))

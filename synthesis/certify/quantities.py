@@ -8,10 +8,10 @@ forms that the optimiser uses occurs here, so that an error in one cannot confir
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Any, Protocol
+from typing import Any
 
 import numpy as np
 
@@ -20,14 +20,14 @@ from synthesis.catalogue.followers.flat_face import flat_face
 from synthesis.catalogue.followers.kinematics import TracePoint, Vector2
 from synthesis.catalogue.followers.sizing import prime_radius
 from synthesis.catalogue.limits.base import Claim, Machine
-from synthesis.certify.piecewise_motion import Indices, Jump, PiecewiseMotion
+from synthesis.catalogue.motion import Motion
+from synthesis.certify.piecewise_motion import Jump, PiecewiseMotion
 from synthesis.numerics.enclosure import Extremum, ExtremumQuery, enclose
-from synthesis.numerics.piecewise import Array
+from synthesis.numerics.jets import Jets
+from synthesis.numerics.piecewise import Array, Indices
 from synthesis.numerics.taylor import Taylor
 
 Size = tuple[float, ...]
-Box = tuple[Indices, Array, Array]  # piece, lower and upper end [rad]
-Points = tuple[Indices, Array]  # piece and cam angle [rad]
 
 
 @dataclass(frozen=True, eq=False)
@@ -35,11 +35,17 @@ class TracedPoint:
     """A traced point and its tangent at given s, s', s'', s''' (numbers, arrays or Taylor models).
 
     Terms that several quantities share are computed once.
+
+    Attributes:
+        piece: (n,) pieces of the motion that the n places lie on. process: P there [N]; both are
+            None where no force is measured.
     """
 
     trace: TracePoint
     size: Size
     s: tuple[Any, ...]
+    piece: Indices | None = None
+    process: Any = None
 
     @cached_property
     def position(self) -> tuple[Vector2, ...]:
@@ -124,39 +130,20 @@ def _derivative(order: int) -> Formula:
     return lambda at: at.s[order]
 
 
-class Quantity(Protocol):
-    """A function of the cam angle that can be enclosed."""
-
-    @property
-    def order(self) -> int:
-        """Highest derivative of s that it uses."""
-
-    @property
-    def continuous_below(self) -> int:
-        """If a derivative of s below this order jumps, the quantity is infinite there."""
-
-    @property
-    def absolute_width(self) -> float:
-        """Width of an enclosure that suffices, besides 1e-10 of the value; in its own unit."""
-
-    @property
-    def width_per_size(self) -> float:
-        """The same as a share of the cam's size, for lengths that may vanish."""
-
-    @property
-    def infinite_at_corners(self) -> bool:
-        """Whether a corner of the traced curve makes it infinite, with the sign of the corner."""
-
-    def model(self, point: TracedPoint, box: Box) -> Any:
-        """Its Taylor models on boxes, from those of s and at least the derivatives it uses."""
-
-    def values(self, point: TracedPoint, points: Points) -> Array:
-        """Its values (n,) at cam angles, from s to s''' there."""
-
-
 @dataclass(frozen=True)
-class GeometricQuantity:
-    """A quantity that one formula gives from the traced point; attributes as of ``Quantity``."""
+class Quantity:
+    """A function of the cam angle that can be enclosed.
+
+    Attributes:
+        formula: its value at a traced point, of numbers or of Taylor models.
+        order: highest derivative of s that it uses.
+        continuous_below: if a derivative of s below this order jumps, it is infinite there.
+        absolute_width: width of an enclosure that suffices, besides 1e-10 of the value.
+        width_per_size: the same as a share of the cam's size, for lengths that may vanish.
+        infinite_at_corners: whether a corner of the traced curve makes it infinite, with the sign
+            of the corner.
+        loaded: whether it needs the process force.
+    """
 
     formula: Formula
     order: int
@@ -164,82 +151,130 @@ class GeometricQuantity:
     absolute_width: float = 0.0
     width_per_size: float = 0.0
     infinite_at_corners: bool = False
-
-    def model(self, point: TracedPoint, box: Box) -> Taylor:
-        """Its Taylor models on boxes."""
-        found = self.formula(point)
-        return found if isinstance(found, Taylor) else point.s[0].constant(found)
-
-    def values(self, point: TracedPoint, points: Points) -> Array:
-        """Its values at cam angles."""
-        return np.asarray(self.formula(point))
+    loaded: bool = False
 
 
 # Widths: 1e-10 rad of a pressure angle is 6e-9°; the shares of the cam's size are a hundred times
 # the rounding errors of a radius or a contact position, and the rounding error itself of travel.
 QUANTITIES = {
-    "travel": GeometricQuantity(_derivative(0), 0, width_per_size=1e-14),
-    "displacement": GeometricQuantity(_derivative(0), 0),
-    "velocity": GeometricQuantity(_derivative(1), 1, 1),
-    "acceleration": GeometricQuantity(_derivative(2), 2, 2),
-    "jerk": GeometricQuantity(_derivative(3), 3, 3),
-    "pressure_angle": GeometricQuantity(pressure_angle, 1, absolute_width=1e-10),
-    "pitch_curvature": GeometricQuantity(pitch_curvature, 2, infinite_at_corners=True),
-    "pitch_radius": GeometricQuantity(pitch_radius, 1),
-    "face_radius": GeometricQuantity(face_radius, 2, 2, width_per_size=1e-12),
-    "contact": GeometricQuantity(contact, 1, 1, width_per_size=1e-12),
-    "contact_left": GeometricQuantity(lambda at: -contact(at), 1, 1, width_per_size=1e-12),
-    "contact_right": GeometricQuantity(contact, 1, 1, width_per_size=1e-12),
+    "travel": Quantity(_derivative(0), 0, width_per_size=1e-14),
+    "displacement": Quantity(_derivative(0), 0),
+    "velocity": Quantity(_derivative(1), 1, 1),
+    "acceleration": Quantity(_derivative(2), 2, 2),
+    "jerk": Quantity(_derivative(3), 3, 3),
+    "pressure_angle": Quantity(pressure_angle, 1, absolute_width=1e-10),
+    "pitch_curvature": Quantity(pitch_curvature, 2, infinite_at_corners=True),
+    "pitch_radius": Quantity(pitch_radius, 1),
+    "face_radius": Quantity(face_radius, 2, 2, width_per_size=1e-12),
+    "contact": Quantity(contact, 1, 1, width_per_size=1e-12),
+    "contact_left": Quantity(lambda at: -contact(at), 1, 1, width_per_size=1e-12),
+    "contact_right": Quantity(contact, 1, 1, width_per_size=1e-12),
 }
 
 
-def tangent_clearance(depth: float) -> GeometricQuantity:
+def tangent_clearance(depth: float) -> Quantity:
     """(n · p − depth) |T|: positive where the tangent passes the axis at more than ``depth`` [mm].
 
     The axis lies on the inner side of the curve there.
     """
-    return GeometricQuantity(lambda at: at.moment - depth * at.tangent_length, 1)
+    return Quantity(lambda at: at.moment - depth * at.tangent_length, 1)
 
 
-def trace_of(machine: Machine, path: str = "") -> TracePoint:
-    """The traced curve of this name; the first one if the name is empty."""
-    traces = paths(machine.follower)
-    return traces[path] if path else next(iter(traces.values()))
+Subject = tuple[Quantity, str]  # a quantity, and the name of the traced curve it is measured on
 
 
-def enclose_quantities(
-    subjects: Sequence[tuple[Quantity, str]],
-    motion: PiecewiseMotion,
-    machine: Machine,
-    size: Size,
-    questions: Sequence[ExtremumQuery],
-) -> list[Extremum]:
-    """Enclose extremes of quantities over the cam angle, one-sided at junctions.
+@dataclass(frozen=True, eq=False)
+class MeasuredCam:
+    """A finished cam: its motion in pieces, its machine, and the follower's size [mm]."""
 
-    Args:
-        subjects: quantity and name of its traced curve; the functions that the questions refer to.
-        motion, machine, size: the cam.
-        questions: which extremes. The width that suffices is the larger of the question's own and
-            the quantity's.
-    """
-    traces = {path: trace_of(machine, path) for path in {path for _, path in subjects}}
-    scale = prime_radius(machine.follower, size)
+    motion: PiecewiseMotion
+    machine: Machine
+    size: Size
 
-    def models(piece: Indices, lo: Array, hi: Array, wanted: Sequence[int]) -> list[Taylor]:
-        highest = max(subjects[k][0].order for k in wanted)
-        s = motion.jets.models(piece, lo, hi, highest) + (0.0,) * (3 - highest)
-        points = {path: TracedPoint(trace, size, s) for path, trace in traces.items()}
-        chosen = (subjects[k] for k in wanted)
-        return [quantity.model(points[path], (piece, lo, hi)) for quantity, path in chosen]
+    @classmethod
+    def of(cls, motion: Motion, machine: Machine, size: Size) -> MeasuredCam:
+        """The motion is cut where the process force bends or jumps: P is linear on each piece."""
+        cuts = () if machine.load is None else machine.load.process.breaks[1:-1].tolist()
+        return cls(PiecewiseMotion(motion, cuts), machine, tuple(float(z) for z in size))
 
-    def values(piece: Indices, x: Array, wanted: Sequence[int]) -> list[Array]:
-        s = tuple(motion.curve.jet(x, piece, 3))
-        points = {path: TracedPoint(trace, size, s) for path, trace in traces.items()}
-        chosen = (subjects[k] for k in wanted)
-        return [quantity.values(points[path], (piece, x)) for quantity, path in chosen]
+    @cached_property
+    def traces(self) -> Mapping[str, TracePoint]:
+        """The traced curves by name; "" is the first of them."""
+        named = paths(self.machine.follower)
+        return {"": next(iter(named.values())), **named}
 
-    widths = [quantity.absolute_width + quantity.width_per_size * scale for quantity, _ in subjects]
-    return enclose(models, motion.curve.breaks, motion.initial_boxes, questions, values, widths)
+    @cached_property
+    def _process(self) -> tuple[Jets, Indices]:
+        """The process force, and the index of its piece over each piece of the motion."""
+        assert self.machine.load is not None
+        breaks, process = self.motion.curve.breaks, self.machine.load.process
+        return Jets(process), process.piece_of(0.5 * (breaks[1:] + breaks[:-1]))
+
+    def _evaluate(
+        self, subjects: Sequence[Subject], s: tuple[Any, ...], piece: Indices, process: Any
+    ) -> list[Any]:
+        points = {
+            path: TracedPoint(self.traces[path], self.size, s, piece, process)
+            for path in {path for _, path in subjects}
+        }
+        return [quantity.formula(points[path]) for quantity, path in subjects]
+
+    def models(
+        self, subjects: Sequence[Subject], piece: Indices, lo: Array, hi: Array
+    ) -> list[Taylor]:
+        """Taylor models of quantities on boxes [lo, hi] of pieces (n,) [rad]."""
+        highest, process = max(quantity.order for quantity, _ in subjects), None
+        s, *rates = self.motion.jets.models(piece, lo, hi, highest)
+        if any(quantity.loaded for quantity, _ in subjects):
+            force, owner = self._process
+            (process,) = force.models(owner[piece], lo, hi, 0)
+        found = self._evaluate(subjects, (s, *rates, *(3 - highest) * (0.0,)), piece, process)
+        return [each if isinstance(each, Taylor) else s.constant(each) for each in found]
+
+    def values(self, subjects: Sequence[Subject], piece: Indices, x: Array) -> list[Array]:
+        """Values (n,) of quantities at cam angles x (n,) of pieces [rad]."""
+        process = None
+        if any(quantity.loaded for quantity, _ in subjects):
+            force, owner = self._process
+            process = force.curve.at(x, owner[piece], 0)
+        return self._evaluate(subjects, tuple(self.motion.curve.jet(x, piece, 3)), piece, process)
+
+    def one_sided(self, subject: Subject, junction: int) -> tuple[float, float]:
+        """Values of a quantity of the path alone on the left and on the right of a junction."""
+        quantity, path = subject
+        before, after = (
+            float(quantity.formula(TracedPoint(self.traces[path], self.size, s)))
+            for s in self.motion.one_sided_values(junction)
+        )
+        return before, after
+
+    def turning_at(self, path: str, junction: int) -> float:
+        """Cross product of the traced curve's tangents at a junction: convex corners positive."""
+        before, after = (
+            TracedPoint(self.traces[path], self.size, s).tangent
+            for s in self.motion.one_sided_values(junction)
+        )
+        return float(before[1] * after[0] - before[0] * after[1])
+
+    def enclose(
+        self, subjects: Sequence[Subject], questions: Sequence[ExtremumQuery]
+    ) -> list[Extremum]:
+        """Enclose extremes of quantities over the cam angle, one-sided at junctions.
+
+        Args:
+            subjects: the functions that the questions refer to.
+            questions: which extremes. The width that suffices is the larger of the question's own
+                and the quantity's.
+        """
+        scale = prime_radius(self.machine.follower, self.size)
+        return enclose(
+            lambda piece, lo, hi, wanted: self.models([subjects[k] for k in wanted], piece, lo, hi),
+            self.motion.curve.breaks,
+            self.motion.initial_boxes,
+            questions,
+            lambda piece, x, wanted: self.values([subjects[k] for k in wanted], piece, x),
+            [quantity.absolute_width + quantity.width_per_size * scale for quantity, _ in subjects],
+        )
 
 
 def infinite_by_jump(
@@ -259,22 +294,17 @@ def infinite_by_jump(
     return None
 
 
-def infinite_at_corner(
-    quantity: Quantity, motion: PiecewiseMotion, machine: Machine, size: Size, claim: Claim
-) -> Jump | None:
+def infinite_at_corner(quantity: Quantity, cam: MeasuredCam, claim: Claim) -> Jump | None:
     """A jump of the velocity at which the traced curve has a corner of the sense the claim bounds.
 
     At a corner the curvature is +∞ or −∞, by the sense in which the tangent turns there. A claim
     with an upper bound excludes the first, one with a lower bound the second.
     """
+    motion = cam.motion
     if not quantity.infinite_at_corners or motion.is_continuous_below(2):
         return None
-    trace = trace_of(machine, claim.path)
     for junction in motion.discontinuities(1, motion.junctions_of(claim.segments, claim.interval)):
-        before, after = (
-            TracedPoint(trace, size, s).tangent for s in motion.one_sided_values(int(junction))
-        )
-        turn = before[1] * after[0] - before[0] * after[1]
+        turn = cam.turning_at(claim.path, int(junction))
         if (turn > 0.0 and claim.upper is not None) or (turn < 0.0 and claim.lower is not None):
             return motion.largest_jump(1, np.array([junction]))
     return None

@@ -15,9 +15,9 @@ from typing import Final
 import numpy as np
 
 from synthesis.catalogue.constraints import VibrationBound
-from synthesis.certify.piecewise_motion import Indices, PiecewiseMotion
+from synthesis.certify.piecewise_motion import PiecewiseMotion
 from synthesis.numerics.enclosure import Enclosure
-from synthesis.numerics.piecewise import Array
+from synthesis.numerics.piecewise import Array, Indices
 from synthesis.units import FULL_TURN
 
 STEP: Final = 0.5  # largest phase of the oscillator, or of a law's sinusoid, in one step [rad]

@@ -46,10 +46,10 @@ from typing import Final
 
 import numpy as np
 
-from synthesis.certify.piecewise_motion import Indices, Intervals
 from synthesis.certify.profile_models import OffsetProfile, ProfileModels
-from synthesis.numerics.box_search import BoxSearch, Budget, Mask
-from synthesis.numerics.piecewise import Array
+from synthesis.numerics.box_search import BoxSearch, Budget
+from synthesis.numerics.boxes import Boxes
+from synthesis.numerics.piecewise import Array, Indices, Mask
 from synthesis.units import FULL_TURN
 
 # Subdivision and effort. They decide how fast, and whether at all, a pair is excluded.
@@ -119,8 +119,8 @@ def nearest_far_pair(profile: OffsetProfile) -> NearestPair:
         return _Search(profile).nearest(pairs)
 
 
-def _divided_by_turning(profile: OffsetProfile) -> tuple[Intervals, ProfileModels]:
-    """Intervals divided until the tangent turns little on each, and the models on them."""
+def _divided_by_turning(profile: OffsetProfile) -> tuple[Boxes, ProfileModels]:
+    """Boxes divided until the tangent turns little on each, and the models on them."""
     intervals = profile.motion.intervals(WIDEST)
     while True:
         models = profile.models(intervals)
@@ -130,9 +130,9 @@ def _divided_by_turning(profile: OffsetProfile) -> tuple[Intervals, ProfileModel
             return intervals, models
         if len(intervals) >= MAX_INTERVALS:
             return intervals, models
-        finer, kept = intervals.take(wide).split(PARTS), intervals.take(~wide)
-        order = np.lexsort((np.append(kept.lo, finer.lo), np.append(kept.piece, finer.piece)))
-        intervals = kept.concatenate(finer).take(order)
+        finer = intervals.take(np.flatnonzero(wide)).split(PARTS)
+        both = intervals.take(np.flatnonzero(~wide)).append(finer)
+        intervals = both.take(np.lexsort((both.lo, both.piece)))
 
 
 @dataclass(frozen=True, eq=False)
@@ -210,7 +210,7 @@ class _Groups:
 class _Pairs:
     """Pairs of intervals: number ``first`` (n,) on the profile, ``second`` on the roller's path."""
 
-    intervals: Intervals
+    intervals: Boxes
     first: Indices
     second: Indices
 

@@ -18,16 +18,15 @@ A profile without undercut is shown to be simple in one of three ways, by what t
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Sequence
+from collections.abc import Sequence
+from functools import partial
 from typing import Final
 
 import numpy as np
 
 from synthesis.catalogue.followers.flank import Flank, labelled
-from synthesis.catalogue.limits.base import Machine
-from synthesis.certify.piecewise_motion import PiecewiseMotion
 from synthesis.certify.profile_models import OffsetProfile
-from synthesis.certify.quantities import Quantity, Size, enclose_quantities, tangent_clearance
+from synthesis.certify.quantities import MeasuredCam, Subject, tangent_clearance
 from synthesis.certify.roller_interference import NearestPair, nearest_far_pair
 from synthesis.design.design import Extreme
 from synthesis.numerics.enclosure import Extremum, ExtremumQuery
@@ -38,37 +37,34 @@ WIDEST: Final = 0.05  # interval on which a knife edge's path is examined [rad]
 MARGIN: Final = 1.0 + 1e-12  # factor on the required clearance: rounding of the comparison
 
 
-def check_self_intersection(
-    motion: PiecewiseMotion, machine: Machine, size: Size, clear: Sequence[Flank] = ()
-) -> list[Extreme]:
+def check_self_intersection(cam: MeasuredCam, clear: Sequence[Flank] = ()) -> list[Extreme]:
     """A line per flank: how deep the roller cuts into another part of it, 0 where it does not.
 
-    ``clear``: flanks already known to run round the axis clearly, from ``clear_flanks``.
+    ``clear``: flanks already known to run round the axis clearly, see ``roller_clearances``.
     """
-    if machine.follower.always_convex:
+    if cam.machine.follower.always_convex:
         return []
     return [
-        _check_edge(motion, flank, size)
+        _check_edge(cam, flank)
         if flank.distance == 0.0
         else _no_interference(flank, 0)
         if flank in clear
-        else _check_roller(flank, _nearest_pair(motion, flank, size))
-        for flank in machine.follower.flanks
+        else _check_roller(flank, _nearest_pair(cam, flank))
+        for flank in cam.machine.follower.flanks
     ]
 
 
-def deepest_interference(
-    motion: PiecewiseMotion, machine: Machine, size: Size
-) -> tuple[Flank, NearestPair] | None:
+def deepest_interference(cam: MeasuredCam) -> tuple[Flank, NearestPair] | None:
     """The flank into which its own roller cuts deepest, and where; None if there is none."""
-    if machine.follower.always_convex:
+    if cam.machine.follower.always_convex:
         return None
-    smooth = smooth_roller_flanks(motion, machine)
-    questions, subjects = clearance_questions(motion, smooth, 0)
-    answers = enclose_quantities(subjects, motion, machine, size, questions)
-    clear = clear_flanks(smooth, answers)
-    flanks = [each for each in machine.follower.flanks if each.distance > 0.0 and each not in clear]
-    pairs = [(flank, _nearest_pair(motion, flank, size)) for flank in flanks]
+    smooth, questions, subjects = roller_clearances(cam, 0)
+    clear = clear_flanks(smooth, cam.enclose(subjects, questions))
+    pairs = [
+        (flank, _nearest_pair(cam, flank))
+        for flank in cam.machine.follower.flanks
+        if flank.distance > 0.0 and flank not in clear
+    ]
     cut = [
         (flank, pair)
         for flank, pair in pairs
@@ -80,37 +76,33 @@ def deepest_interference(
 # -- curves that run round the axis: excluded with the other enclosures, before any search -------
 
 
-def smooth_roller_flanks(motion: PiecewiseMotion, machine: Machine) -> list[Flank]:
-    """Flanks under a roller whose traced curve has a continuous tangent: the argument needs one."""
-    if machine.follower.always_convex or not motion.is_continuous_below(2):
-        return []
-    return [flank for flank in machine.follower.flanks if flank.distance > 0.0]
-
-
-def clearance_questions(
-    motion: PiecewiseMotion, flanks: Sequence[Flank], first: int
-) -> tuple[list[ExtremumQuery], list[tuple[Quantity, str]]]:
+def roller_clearances(
+    cam: MeasuredCam, first: int
+) -> tuple[list[Flank], list[ExtremumQuery], list[Subject]]:
     """Questions for the least clearance of the tangents of traced curves from the axis.
 
-    Only the sign of the proven lower end matters, so any width suffices.
+    Of flanks under a roller; the argument needs a continuous tangent. Only the sign of the proven
+    lower end matters, so any width suffices.
 
     Returns:
-        questions, and their subjects, which are numbered from ``first`` on.
+        the flanks, a question for each, and their subjects, which are numbered from ``first`` on.
     """
-    everywhere = np.arange(motion.curve.count)
+    follower = cam.machine.follower
+    if follower.always_convex or not cam.motion.is_continuous_below(2):
+        return [], [], []
+    flanks = [flank for flank in follower.flanks if flank.distance > 0.0]
+    everywhere = np.arange(cam.motion.curve.count)
     questions = [
         ExtremumQuery(everywhere, 0.0, math.inf, None, first + k, absolute=math.inf)
         for k in range(len(flanks))
     ]
     # the tangent must pass the axis at more than R where the profile lies inside the traced curve
-    depths = [MARGIN * max(flank.side * flank.distance, 0.0) for flank in flanks]
-    subjects: list[tuple[Quantity, str]] = [
-        (tangent_clearance(depth), flank.path) for flank, depth in zip(flanks, depths, strict=True)
-    ]
-    return questions, subjects
+    depths = [max(flank.side * flank.distance, 0.0) for flank in flanks]
+    clearances = [tangent_clearance(MARGIN * depth) for depth in depths]
+    return flanks, questions, [(c, f.path) for c, f in zip(clearances, flanks, strict=True)]
 
 
-def clear_flanks(flanks: Sequence[Flank], answers: Iterable[Extremum]) -> list[Flank]:
+def clear_flanks(flanks: Sequence[Flank], answers: Sequence[Extremum]) -> list[Flank]:
     """Flanks that run round the axis clearly: without self-intersection unless undercut."""
     pairs = zip(flanks, answers, strict=True)
     return [flank for flank, answer in pairs if answer.enclosure.lower > 0.0]
@@ -119,9 +111,10 @@ def clear_flanks(flanks: Sequence[Flank], answers: Iterable[Extremum]) -> list[F
 # -- roller ----------------------------------------------------------------------------------
 
 
-def _nearest_pair(motion: PiecewiseMotion, flank: Flank, size: Size) -> NearestPair:
+def _nearest_pair(cam: MeasuredCam, flank: Flank) -> NearestPair:
     offset = flank.side * flank.distance
-    return nearest_far_pair(OffsetProfile(motion, lambda s: flank.trace.position(s, size), offset))
+    trace = partial(flank.trace.position, z=cam.size)
+    return nearest_far_pair(OffsetProfile(cam.motion, trace, offset))
 
 
 def _no_interference(flank: Flank, pairs: int) -> Extreme:
@@ -151,15 +144,15 @@ def _check_roller(flank: Flank, pair: NearestPair) -> Extreme:
 # -- knife edge ------------------------------------------------------------------------------
 
 
-def _check_edge(motion: PiecewiseMotion, flank: Flank, size: Size) -> Extreme:
+def _check_edge(cam: MeasuredCam, flank: Flank) -> Extreme:
     """Whether the edge's distance from the axis is strictly monotone in s."""
-    intervals = motion.intervals(WIDEST)
+    intervals = cam.motion.intervals(WIDEST)
     with np.errstate(all="ignore"):
-        (s,) = motion.jets.models(intervals.piece, intervals.lo, intervals.hi, 0)
+        (s,) = cam.motion.jets.models(intervals.piece, intervals.lo, intervals.hi, 0)
         # with s' = 1 and s'' = s''' = 0 the derivative of p with respect to θ is dp/ds
-        (px, py), (dx, dy), *_ = flank.trace.position((s, 0.0 * s + 1.0, 0.0, 0.0), size)
+        (px, py), (dx, dy), *_ = flank.trace.position((s, 0.0 * s + 1.0, 0.0, 0.0), cam.size)
         product = px * dx + py * dy
-        high, low, *_ = product.extremes()
+        high, low = product.range()
         outward, inward = low - product.rem, -high - product.rem
     grows, falls = (np.nan_to_num(each, nan=-np.inf) for each in (outward, inward))
     if grows.min() > 0.0 or falls.min() > 0.0:

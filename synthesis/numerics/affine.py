@@ -20,7 +20,7 @@ from typing import ClassVar, Final
 import numpy as np
 
 from synthesis.numerics.piecewise import Array
-from synthesis.numerics.ufunc_dispatch import ARITHMETIC, UfuncDispatch, UfuncRules
+from synthesis.numerics.taylor import ARITHMETIC, UfuncDispatch, UfuncRules
 
 ROUNDING: Final = 2.0**-47
 FARTHER: Final = 1.2  # of a known range: slopes are worth as much

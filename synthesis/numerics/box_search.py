@@ -22,12 +22,10 @@ from dataclasses import dataclass
 from typing import Any, Generic, TypeVar
 
 import numpy as np
-from numpy.typing import NDArray
 
-from synthesis.numerics.piecewise import Array
+from synthesis.numerics.piecewise import Array, Mask
 
 B = TypeVar("B")
-Mask = NDArray[np.bool_]
 
 
 @dataclass(frozen=True)

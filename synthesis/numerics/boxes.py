@@ -3,19 +3,10 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from typing import Final
 
 import numpy as np
-from numpy.typing import NDArray
 
-from synthesis.numerics.taylor import Array
-
-Indices = NDArray[np.intp]
-Mask = NDArray[np.bool_]
-
-SPLIT: Final = 16
-MOST_PARTS: Final = 64
-ROUND: Final = 256  # boxes that cost little more than one
+from synthesis.numerics.piecewise import Array, Indices, Mask
 
 
 @dataclass(frozen=True, eq=False)
@@ -29,6 +20,11 @@ class Boxes:
 
     def __len__(self) -> int:
         return len(self.lo)
+
+    @classmethod
+    def on(cls, piece: Indices, lo: Array, hi: Array) -> Boxes:
+        """Boxes for no question."""
+        return cls(piece, lo, hi, np.zeros((0, len(lo)), dtype=bool))
 
     @classmethod
     def from_spans(
@@ -55,13 +51,10 @@ class Boxes:
 
     def take(self, which: Indices) -> Boxes:
         """Some of them, in this order."""
-        return Boxes(
-            self.piece[which], self.lo[which], self.hi[which], self.active.take(which, axis=1)
-        )
+        return Boxes(*(part.take(which, axis=-1) for part in vars(self).values()))
 
-    def split(self) -> Boxes:
-        """Each cut into equal parts: into many where there are few, for a round costs much."""
-        count = max(SPLIT, min(MOST_PARTS, ROUND // len(self.lo)))
+    def split(self, count: int) -> Boxes:
+        """Each cut into equal parts, which follow one another."""
         parts = np.arange(count + 1) / count
         edges = self.lo[:, None] + (self.hi - self.lo)[:, None] * parts
         edges[:, -1] = self.hi

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import cached_property
-from itertools import pairwise
 
 import numpy as np
 from scipy.interpolate import BSpline
@@ -134,7 +133,10 @@ class SplineSpace:
             if order:
                 table = quotient(neighbour_differences(table), self._gaps[order - 1])
                 share *= (self.degree - order + 1) / order
-            columns.append(share * self._at_left(table[0], order))
+            # values where each interval begins, of the derivative that has these coefficients
+            inner = self.knots[order : len(self.knots) - order]
+            derivative = BSpline.construct_fast(inner, table[0].T, self.degree - order)
+            columns.append(share * derivative(self.breaks[:-1]).T)
         left = self.breaks[:-1]
         waves = np.zeros((len(left), 0, 3))
         tables = np.stack(columns, axis=-1)
@@ -147,37 +149,6 @@ class SplineSpace:
         for order in range(1, self.degree + 1):
             inner, p = t[order : len(t) - order], self.degree - order + 1
             found.append(difference(inner[p:], inner[:-p]))
-        return tuple(found)
-
-    def _at_left(self, table: Array, order: int) -> Array:
-        """Values, where each interval begins, of a derivative of these coefficients: (…, n).
-
-        De Boor's recurrence in terms of blossoms: one argument of each is that knot already.
-        """
-        n = len(self.breaks) - 1
-        values = [table[..., m : m + n] for m in range(max(self.degree - order, 1))]
-        for shares in self._shares[order]:
-            values = [
-                here + ahead * (there - here) / gap
-                for (ahead, gap), (here, there) in zip(shares, pairwise(values), strict=True)
-            ]
-        return values[0]
-
-    @cached_property
-    def _shares(self) -> tuple[tuple[tuple[tuple[Array, Array], ...], ...], ...]:
-        """Of every derivative and step of that recurrence: how far ahead in gaps of how much."""
-        found, n = [], len(self.breaks) - 1
-        for order in range(self.degree + 1):
-            u, q = self.knots[order:], self.degree - order
-            x = u[q : q + n]
-            steps = [
-                tuple(
-                    (x - u[m + r : m + r + n], u[m + q + 1 : m + q + 1 + n] - u[m + r : m + r + n])
-                    for m in range(q - r)
-                )
-                for r in range(1, q)
-            ]
-            found.append(tuple(steps))
         return tuple(found)
 
 

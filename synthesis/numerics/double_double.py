@@ -1,14 +1,20 @@
-"""Sums of two floats that stand for one number of about 32 digits (Dekker, Numer. Math. 18 (1971)).
+"""The digits of floats: numbers of twice as many, and of fewer (Dekker, Numer. Math. 18 (1971)).
 
-Only what divided differences need. Arrays of any shape; no overflow within what cams are made of.
+Two floats stand for one number of about 32 digits, their sum; only what divided differences need.
+Arrays of any shape; no overflow within what cams are made of.
 """
 
 from __future__ import annotations
 
+from typing import Final
+
+import numpy as np
+
 from synthesis.numerics.piecewise import Array
 
 DoubleDouble = tuple[Array, Array]
-SPLIT = 2.0**27 + 1.0  # Veltkamp: halves a float's digits
+SPLIT: Final = 2.0**27 + 1.0  # Veltkamp: halves a float's digits
+BITS: Final = 40  # of 53, that ``round_mantissa`` leaves
 
 
 def difference(a: Array, b: Array) -> DoubleDouble:
@@ -46,3 +52,15 @@ def quotient(a: DoubleDouble, b: DoubleDouble) -> DoubleDouble:
     rest, error = difference(a[0], back[0])
     missing = rest + (error + a[1] - back[1] - first * b[1])
     return normalise(first, missing / b[0])
+
+
+def round_mantissa(values: Array | float, bits: int = BITS) -> Array:
+    """Values to so many binary digits: 40 are 1e-12 relative.
+
+    A program with one optimum of many answers differently where the last bit of a number differs:
+    so a cam a million times as large would be another one. Numbers whose last digits are gone are
+    the same for both. Values are finite, and smaller than 1e290.
+    """
+    # Veltkamp's splitting (Dekker, Numer. Math. 18 (1971) 224): to the nearest, ties either way
+    spread = values * (2.0 ** (53 - bits) + 1.0)
+    return np.asarray(spread - (spread - values), dtype=float)

@@ -14,15 +14,19 @@ from typing import Final
 import numpy as np
 
 from synthesis.numerics.box_search import BoxSearch, Budget
-from synthesis.numerics.boxes import SPLIT, Boxes, Indices, Mask
+from synthesis.numerics.boxes import Boxes
 from synthesis.numerics.extremum_search import ExcessBounds, locate_extrema
-from synthesis.numerics.taylor import Array, Taylor
+from synthesis.numerics.piecewise import Array, Indices, Mask
+from synthesis.numerics.taylor import Taylor
 
 Models = Callable[[Indices, Array, Array, Sequence[int]], Sequence[Taylor]]
 Values = Callable[[Indices, Array, Sequence[int]], Sequence[Array]]
 
 MOST_ROUNDS: Final = 12
 MOST_BOXES: Final = 100_000  # of each function
+FEWEST_PARTS: Final = 16  # of a box that is divided
+MOST_PARTS: Final = 64
+ROUND: Final = 256  # boxes that cost little more than one
 UNBOUNDED: Final = 1e300  # stands for "nothing is known on this box"
 ULPS: Final = 2.0**-50
 CLEAR: Final = 3.0  # roundings of a value: two lie between its ends, of a box there are some more
@@ -131,7 +135,7 @@ class _ExtremumSearch(BoxSearch[Boxes]):
     The incumbents are values at single points, where the models are exact but for rounding.
     """
 
-    children = SPLIT
+    children = FEWEST_PARTS
 
     def __init__(
         self, models: Models, questions: Sequence[ExtremumQuery], enough: Sequence[float] | None
@@ -215,7 +219,9 @@ class _ExtremumSearch(BoxSearch[Boxes]):
 
     def split(self, boxes: Boxes, keep: Mask) -> Boxes:
         self.points = self.leaders(self.view)
-        return boxes.keep(keep).split()
+        # into many where there are few: a round costs much, whatever its boxes
+        still = boxes.keep(keep)
+        return still.split(max(FEWEST_PARTS, min(MOST_PARTS, ROUND // len(still))))
 
     def _note(self, points: _Points, value: Array, sure: Array, blur: Array) -> None:
         """Keep what was reached at points: values, their excess over a bound, their roundings."""
@@ -230,7 +236,8 @@ class _ExtremumSearch(BoxSearch[Boxes]):
         """Where the model of the box that looks best has its extreme, question by question."""
         known = view.model.rem < UNBOUNDED
         leader = np.argmax(np.where(known, view.excess, -np.inf), axis=1)
-        high, low, t_high, t_low = view.model.take(np.arange(len(leader)), leader).extremes()
+        model = view.model.take(np.arange(len(leader)), leader)
+        (high, low), (t_high, t_low) = model.range(), model.extreme_places()
         above = high - self.upper[view.live] >= self.lower[view.live] - low
         piece, lo, hi = (part[leader] for part in (view.boxes.piece, view.boxes.lo, view.boxes.hi))
         where = 0.5 * (lo + hi) + np.where(above, t_high, t_low) * 0.5 * (hi - lo)

@@ -12,10 +12,10 @@ from functools import cached_property
 from typing import Final
 
 import numpy as np
+from numpy.polynomial.legendre import legvander
 
-from synthesis.numerics.boxes import Boxes, Indices
-from synthesis.numerics.piecewise import sorted_unique
-from synthesis.numerics.taylor import Array
+from synthesis.numerics.boxes import Boxes
+from synthesis.numerics.piecewise import Array, Indices, sorted_unique
 
 # (pieces (n,), points (n,)) -> (questions, n), of each question how large its function is there
 ExcessFunction = Callable[[Indices, Array], Array]
@@ -36,14 +36,10 @@ BESIDE: Final = np.arange(-1, 2)[:, None]
 
 
 def _between(places: int) -> tuple[Array, Array]:
-    """Even places on a box, and Lagrange's polynomials of these over the fan: (places, fan)."""
+    """Even places on a box, and from values there to those of their polynomial on the fan."""
     at = np.linspace(0.0, 1.0, places)
-    factors, spans = FAN - at[:, None], at[:, None] - at
-    each = [
-        np.prod(np.delete(factors, i, 0), axis=0) / np.prod(np.delete(spans[i], i))
-        for i in range(places)
-    ]
-    return at, np.array(each)
+    fan, known = (legvander(2.0 * x - 1.0, places - 1) for x in (FAN, at))
+    return at, np.asarray((fan @ np.linalg.inv(known)).T)
 
 
 MANY_BOXES, FEW_BOXES = (_between(places) for places in PLACES)

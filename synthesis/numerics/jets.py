@@ -6,9 +6,8 @@ from collections.abc import Sequence
 from typing import Final
 
 import numpy as np
-from numpy.typing import NDArray
 
-from synthesis.numerics.piecewise import Array, Piecewise, horner
+from synthesis.numerics.piecewise import Array, Indices, Piecewise, horner
 from synthesis.numerics.taylor import Taylor
 
 UNIT: Final = 2.0**-53
@@ -33,7 +32,7 @@ class Jets:
         powers = np.arange(self.rows + 1)[:, None, None]
         self._amplitudes = amplitude * frequency**powers
 
-    def derivatives(self, piece: NDArray[np.intp], x: Array) -> tuple[Array, Array]:
+    def derivatives(self, piece: Indices, x: Array) -> tuple[Array, Array]:
         """Values of f^(k)(x) by each piece's own formula, and bounds of their roundings.
 
         Args:
@@ -57,16 +56,14 @@ class Jets:
             error = error + np.sum(np.abs(amplitude) * spread, axis=-1)
         return exact, error
 
-    def at(self, piece: NDArray[np.intp], x: Array, order: int) -> tuple[Array, Array]:
+    def at(self, piece: Indices, x: Array, order: int) -> tuple[Array, Array]:
         """f^(order)(x) and a bound of its rounding, (n,) each."""
         value, error = self.derivatives(piece, x)
         if order >= self.rows:
             return np.zeros_like(x), np.zeros_like(x)
         return value[order], error[order]
 
-    def models(
-        self, piece: NDArray[np.intp], lo: Array, hi: Array, highest: int
-    ) -> tuple[Taylor, ...]:
+    def models(self, piece: Indices, lo: Array, hi: Array, highest: int) -> tuple[Taylor, ...]:
         """f, f', …, f^(highest) on the boxes [lo, hi], each inside its (closed) piece.
 
         Args:
@@ -83,7 +80,7 @@ class Jets:
 
     def _models(
         self,
-        piece: NDArray[np.intp],
+        piece: Indices,
         exact: Array,
         error: Array,
         power: Sequence[Array | float],

@@ -156,28 +156,33 @@ ZOOMS = 9  # each narrows the place of a peak eightfold
 def maximise_formula(curve: Piecewise, formula: Callable[[Array], Array], highest: int) -> float:
     """Largest value of any formula of f to its derivative ``highest`` over the closed pieces.
 
-    Every piece is sampled, and the largest value is closed in on between its neighbours; two peaks
-    of a piece whose heights differ by less than sampling shows are not told apart.
-
     Args:
         formula: from (highest + 1, n) values to (n,).
     """
     piece = np.arange(curve.count)
-    left, right = curve.breaks[:-1], curve.breaks[1:]
 
     def at(x: Array) -> Array:
-        """The formula at (pieces, k) points."""
-        on = np.repeat(piece, x.shape[1])
-        f = curve.jet(x.ravel(), on, highest)
+        f = curve.jet(x.ravel(), np.repeat(piece, x.shape[1]), highest)
         return np.asarray(formula(f)).reshape(x.shape)
 
-    x = left[:, None] + (right - left)[:, None] * np.linspace(0.0, 1.0, 65)
-    reach, best = (right - left) / 64.0, np.zeros(0)
+    return maximise_between(at, curve.breaks[:-1], curve.breaks[1:])
+
+
+def maximise_between(function: Callable[[Array], Array], low: Array, high: Array) -> float:
+    """Largest value of a function over several intervals.
+
+    Every interval is sampled, and its largest value is closed in on between its neighbours; two
+    peaks of one whose heights differ by less than sampling shows are not told apart.
+
+    Args:
+        function: values at points (n, k), k on each interval. low, high: (n,) ends.
+    """
+    rows, reach, best = np.arange(len(low)), (high - low) / 64.0, np.zeros(0)
+    x = low[:, None] + (high - low)[:, None] * np.linspace(0.0, 1.0, 65)
     for _ in range(ZOOMS):
-        value = at(x)
+        value = function(x)
         top = np.argmax(value, axis=1)
-        best = value[piece, top]
-        x = x[piece, top][:, None] + reach[:, None] * FAN
-        x = np.clip(x, left[:, None], right[:, None])
+        best = value[rows, top]
+        x = np.clip(x[rows, top][:, None] + reach[:, None] * FAN, low[:, None], high[:, None])
         reach = reach / 8.0
     return float(np.max(best))

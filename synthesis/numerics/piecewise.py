@@ -8,14 +8,18 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from functools import cached_property
+from functools import cached_property, lru_cache
 from math import factorial
 from typing import Literal
 
 import numpy as np
+from numpy.polynomial.legendre import leggauss
+from numpy.polynomial.polynomial import polyder
 from numpy.typing import ArrayLike, NDArray
 
 Array = NDArray[np.float64]
+Indices = NDArray[np.intp]
+Mask = NDArray[np.bool_]
 Side = Literal["left", "right"]
 
 
@@ -46,6 +50,19 @@ def horner(falling: Array, t: Array, highest: int) -> Array:
     for order, row in enumerate(rows):
         np.multiply(row, float(factorial(order)), out=value[order])
     return value
+
+
+def gauss_points(breaks: Array, count: int) -> tuple[Array, Array]:
+    """Points and weights of Gauss's rule on each of n pieces: (n, count) both.
+
+    Exact for polynomials up to degree 2 count − 1.
+    """
+    nodes, weights = _leggauss(count)
+    half = 0.5 * np.diff(breaks)[:, None]
+    return 0.5 * (breaks[1:] + breaks[:-1])[:, None] + half * nodes, half * weights
+
+
+_leggauss = lru_cache(maxsize=64)(leggauss)
 
 
 @dataclass(frozen=True, eq=False)
@@ -97,46 +114,14 @@ class Piecewise:
         """Whether no piece moves."""
         return self.poly.shape[1] == 1 and not self.waves.shape[1]
 
-    @cached_property
-    def _powers(self) -> list[Array]:
-        """Polynomial tables of the derivatives 0, 1, 2, … until they vanish."""
-        tables = [self.poly]
-        while tables[-1].shape[1] > 1:
-            last = tables[-1]
-            tables.append(last[:, 1:] * np.arange(1, last.shape[1]))
-        return tables
-
-    def piece_of(self, x: Array, side: Side = "right") -> NDArray[np.intp]:
+    def piece_of(self, x: Array, side: Side = "right") -> Indices:
         """Index of the piece that holds each x; at a break the piece on the given side."""
         found = np.searchsorted(self.breaks, x, side=side) - 1
         return np.clip(found, 0, self.count - 1)
 
-    def at(self, x: Array, piece: NDArray[np.intp], order: int) -> Array:
-        """The ``order``-th derivative at x, taking the formula of the given piece.
-
-        Args:
-            x: (k,) points. piece: (k,) indices. order: which derivative.
-
-        Returns:
-            (k,) values.
-        """
-        t = x - self.origins[piece]
-        if order < len(self._powers):
-            table = self._powers[order][piece]
-            value = table[:, -1].copy()
-            for j in range(table.shape[1] - 2, -1, -1):
-                value *= t
-                value += table[:, j]
-        else:
-            value = np.zeros_like(t)
-        if self.waves.shape[1]:
-            amplitude, frequency, phase = np.moveaxis(self.waves[piece], -1, 0)
-            angle = frequency * t[:, None] + phase
-            # sin differentiated `order` times, without adding π/2 to the phase (exact zeros stay)
-            wave = (np.sin, np.cos, np.sin, np.cos)[order % 4](angle)
-            sign = (1.0, 1.0, -1.0, -1.0)[order % 4]
-            value += np.sum(sign * amplitude * frequency**order * wave, axis=1)
-        return value
+    def at(self, x: Array, piece: Indices, order: int) -> Array:
+        """The ``order``-th derivative at x (k,), by the formulas of the given pieces: (k,)."""
+        return np.asarray(self.jet(x, piece, order)[order])
 
     def __call__(self, x: ArrayLike, order: int = 0, side: Side = "right") -> Array:
         """The ``order``-th derivative at x (any shape), one-sided at breaks."""
@@ -147,14 +132,10 @@ class Piecewise:
     def derivatives(self, x: ArrayLike, highest: int = 3, side: Side = "right") -> Array:
         """f, f', …, f^(highest) at x: (highest+1, k)."""
         points = np.asarray(x, dtype=float).ravel()
-        piece = self.piece_of(points, side)
-        return np.stack([self.at(points, piece, order) for order in range(highest + 1)])
+        return self.jet(points, self.piece_of(points, side), highest)
 
-    def jet(self, x: Array, piece: NDArray[np.intp], highest: int) -> Array:
-        """f, f', …, f^(highest) at x by the formulas of the given pieces: (highest+1, k).
-
-        The values of ``at`` but for roundings, in half of the time.
-        """
+    def jet(self, x: Array, piece: Indices, highest: int) -> Array:
+        """f, f', …, f^(highest) at x (k,) by the formulas of the given pieces: (highest+1, k)."""
         if self.is_constant:
             value = np.zeros((highest + 1, len(x)))
             value[0] = self.poly[piece, 0]
@@ -179,22 +160,19 @@ class Piecewise:
     def combine_derivatives(self, coefficients: Sequence[float]) -> Piecewise:
         """Σ_k coefficients[k] f^(k) as a function of its own; of polynomials alone."""
         poly = np.zeros_like(self.poly)
-        for factor, table in zip(coefficients, self._powers, strict=False):
-            if factor != 0.0:
-                poly[:, : table.shape[1]] += factor * table
+        for order, factor in enumerate(coefficients[: poly.shape[1]]):
+            table = polyder(self.poly, order, axis=1)
+            poly[:, : table.shape[1]] += factor * table
         return Piecewise(self.breaks, self.origins, poly, self.waves)
 
-    def bound_derivative(self, piece: NDArray[np.intp], width: Array, order: int) -> Array:
+    def bound_derivative(self, piece: Indices, width: Array, order: int) -> Array:
         """Crude bound of |f^(order)| within ``width`` of the origin of each piece: (k,)."""
-        value = np.zeros(len(piece))
-        if order < len(self._powers):
-            table = np.abs(self._powers[order][piece])
-            for j in range(table.shape[1] - 1, -1, -1):
-                value = value * width + table[:, j]
+        falling = np.abs(self.descending).take(piece, axis=-1)
+        value = horner(falling, width, order)[order]
         if self.waves.shape[1]:
             amplitude, frequency, _ = np.moveaxis(self.waves[piece], -1, 0)
             value = value + np.sum(np.abs(amplitude * frequency**order), axis=1)
-        return value
+        return np.asarray(value)
 
     def restrict(self, low: float, high: float) -> Piecewise:
         """The same function on [low, high] alone, a part of its interval that is no point."""
@@ -205,7 +183,7 @@ class Piecewise:
         breaks[0], breaks[-1] = low, high
         return Piecewise(breaks, self.origins[kept], self.poly[kept], self.waves[kept])
 
-    def split_at(self, at: ArrayLike) -> tuple[Piecewise, NDArray[np.intp]]:
+    def split_at(self, at: ArrayLike) -> tuple[Piecewise, Indices]:
         """The same function with further breaks, and of which piece each new one is a part.
 
         A break less than 1e-12 of the interval from another one is left out.

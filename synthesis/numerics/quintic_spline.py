@@ -1,4 +1,4 @@
-"""Interpolating quintic splines, several in a row, written as polynomials piece by piece.
+"""Interpolating quintic splines, several in a row: as polynomials, and in B-spline form.
 
 Between two places where slope and second derivative are known, a spline of degree 5 with four
 continuous derivatives goes through all nodes. Its slopes m and second derivatives M at the inner
@@ -9,19 +9,28 @@ piece of length h, and D the difference of its ends,
     f'''(h) h³ = 60 D − (24 m0 + 36 m1) h − (3 M0 − 9 M1) h²
     f⁗(0) h⁴  = −360 D + (192 m0 + 168 m1) h + (36 M0 − 24 M1) h²
     f⁗(h) h⁴  =  360 D − (168 m0 + 192 m1) h − (24 M0 − 36 M1) h²
+
+A control point is the polynomial's blossom at the p knots inside its basis function's support
+(Ramshaw 1987): any piece within that support gives the same point, so long as the polynomials are
+as smooth at the breaks as the knots say.
 """
 
 from __future__ import annotations
 
 from dataclasses import dataclass
+from itertools import combinations
+from math import comb
 
 import numpy as np
-from numpy.typing import NDArray
-from scipy.linalg import solve_banded
+from scipy import sparse
+from scipy.sparse.linalg import splu
 
-from synthesis.numerics.piecewise import Array
+from synthesis.numerics.piecewise import Array, Indices, Mask
 
-BAND = 3
+# m h, M h², f''' h³ and f⁗ h⁴ at a piece's beginning and end: of m0 h, M0 h², m1 h, M1 h², and of D
+AT_START = np.array([[1, 0, 0, 0], [0, 1, 0, 0], [-36, -9, -24, 3], [192, 36, 168, -24]], float)
+AT_END = np.array([[0, 0, 1, 0], [0, 0, 0, 1], [-24, -3, -36, 9], [-168, -24, -192, 36]], float)
+RISE_AT_START, RISE_AT_END = np.array([[0, 0, 60, -360], [0, 0, 60, 360]], float)
 
 
 @dataclass(frozen=True, eq=False)
@@ -36,9 +45,7 @@ class EndDerivatives:
     second: Array
 
 
-def solve_inner_nodes(
-    width: Array, known: EndDerivatives, inner: NDArray[np.bool_]
-) -> EndDerivatives:
+def solve_inner_nodes(width: Array, known: EndDerivatives, inner: Mask) -> EndDerivatives:
     """Slopes and second derivatives at inner nodes, so that four derivatives are continuous.
 
     Args:
@@ -49,74 +56,35 @@ def solve_inner_nodes(
     nodes = np.flatnonzero(inner)
     if not len(nodes):
         return known
-    slope, second = known.slope.copy(), known.second.copy()
-    solved = _solved(width, known, inner, nodes)
-    slope[1, nodes] = slope[0, nodes + 1] = solved[0]
-    second[1, nodes] = second[0, nodes + 1] = solved[1]
+    n, dimension = known.value.shape[1:]
+    # 1. unknowns: m0 h, M0 h², m1 h, M1 h² of piece after piece; those not at inner nodes are known
+    scale = np.column_stack([width, width**2, width, width**2])[..., None]
+    data = np.stack([known.slope[0], known.second[0], known.slope[1], known.second[1]], axis=1)
+    fixed = np.ones((n, 4), dtype=bool)
+    fixed[nodes, 2:] = fixed[nodes + 1, :2] = False
+    # 2. four continuous derivatives at each inner node, in units of the mean width beside it
+    order, rise = np.arange(1, 5), known.value[1] - known.value[0]
+    unit = 0.5 * (width[nodes] + width[nodes + 1])
+    before, after = ((unit / width[i])[:, None] ** order for i in (nodes, nodes + 1))
+    jumps = np.concatenate(
+        [before[..., None] * AT_END, -after[..., None] * AT_START], axis=2
+    )  # fmt: skip
+    right = (after * RISE_AT_START)[..., None] * rise[nodes + 1, None]
+    right -= (before * RISE_AT_END)[..., None] * rise[nodes, None]
+    # 3. one sparse system, and one step of iterative refinement against elimination's roundings
+    row = np.broadcast_to(np.arange(4 * len(nodes)).reshape(-1, 4, 1), jumps.shape)
+    column = np.broadcast_to((4 * nodes)[:, None, None] + np.arange(8), jumps.shape)
+    continuity = sparse.coo_array(
+        (jumps.ravel(), (row.ravel(), column.ravel())), shape=(4 * len(nodes), 4 * n)
+    )
+    given = sparse.eye_array(4 * n, format="csr")[fixed.ravel()]
+    matrix = sparse.vstack([given, continuity], format="csc")
+    rhs = np.concatenate([(data * scale)[fixed], right.reshape(-1, dimension)])
+    factors = splu(matrix)
+    found = factors.solve(rhs)
+    found = (found + factors.solve(rhs - matrix @ found)).reshape(n, 4, dimension) / scale
+    slope, second = (np.stack([found[:, k], found[:, k + 2]]) for k in (0, 1))
     return EndDerivatives(known.value, slope, second)
-
-
-def _solved(
-    width: Array, known: EndDerivatives, inner: NDArray[np.bool_], nodes: NDArray[np.intp]
-) -> tuple[Array, Array]:
-    """m and M at the inner nodes, (len(nodes), k) each."""
-    a, b = width[nodes], width[nodes + 1]  # of the pieces before and behind a node
-    unit = 0.5 * (a + b)  # rows and second derivatives are scaled by it
-    p, q = unit / a, unit / b
-    rise = known.value[1] - known.value[0]
-    before, behind = rise[nodes] / a[:, None], rise[nodes + 1] / b[:, None]
-    right = np.empty((len(nodes), 2, rise.shape[1]))
-    right[:, 0] = _times(60.0 * q**2, behind) - _times(60.0 * p**2, before)
-    right[:, 1] = -_times(360.0 * q**3, behind) - _times(360.0 * p**3, before)
-    # rows: third, fourth derivative; columns: m, M·unit of the node before, itself, the next
-    own = np.empty((len(nodes), 2, 2))
-    own[:, 0, 0] = 36.0 * (q**2 - p**2)
-    own[:, 0, 1] = 9.0 * (p + q)
-    own[:, 1, 0] = -192.0 * (p**3 + q**3)
-    own[:, 1, 1] = 36.0 * (p**2 - q**2)
-    back = _neighbour(p, -24.0, -3.0, -168.0, -24.0)
-    ahead = _neighbour(q, 24.0, -3.0, -168.0, 24.0)
-    linked = np.diff(nodes) == 1
-    for side, matrix, piece in ((0, back, nodes), (1, ahead, nodes + 1)):
-        told = np.append(linked, False) if side else np.insert(linked, 0, False)
-        data = np.stack([known.slope[side, piece], _times(unit, known.second[side, piece])], axis=1)
-        right -= np.where(told[:, None, None], 0.0, np.einsum("nij,njk->nik", matrix, data))
-    # the neighbour's own unknown is M times its own unit
-    back[1:, :, 1] *= (unit[1:] / unit[:-1])[:, None]
-    ahead[:-1, :, 1] *= (unit[:-1] / unit[1:])[:, None]
-    back[1:][~linked] = 0.0
-    ahead[:-1][~linked] = 0.0
-    found = _banded(back, own, ahead, right)
-    return found[:, 0], found[:, 1] / unit[:, None]
-
-
-def _neighbour(ratio: Array, m3: float, M3: float, m4: float, M4: float) -> Array:
-    """What the data of the next node contribute to the two rows of a node: (n, 2, 2)."""
-    block = np.empty((len(ratio), 2, 2))
-    block[:, 0, 0] = m3 * ratio**2
-    block[:, 0, 1] = M3 * ratio
-    block[:, 1, 0] = m4 * ratio**3
-    block[:, 1, 1] = M4 * ratio**2
-    return block
-
-
-def _banded(back: Array, own: Array, ahead: Array, right: Array) -> Array:
-    """Solve the block tridiagonal system: (n, 2, k)."""
-    n = len(own)
-    bands = np.zeros((2 * BAND + 1, 2 * n))
-    for i in range(2):
-        for j in range(2):
-            row = np.arange(n) * 2 + i
-            for block, column in (
-                (back, row - i + j - 2),
-                (own, row - i + j),
-                (ahead, row - i + j + 2),
-            ):
-                fits = (column >= 0) & (column < 2 * n)
-                bands[BAND + (row - column)[fits], column[fits]] = block[fits, i, j]
-    flat = right.reshape(2 * n, -1)
-    found: Array = solve_banded((BAND, BAND), bands, flat, check_finite=False)
-    return found.reshape(right.shape)
 
 
 def to_polynomials(width: Array, ends: EndDerivatives) -> Array:
@@ -138,5 +106,36 @@ def to_polynomials(width: Array, ends: EndDerivatives) -> Array:
     return np.asarray(table / width[:, None, None] ** np.arange(6)[:, None])
 
 
-def _times(factor: Array, rows: Array) -> Array:
-    return np.asarray(factor[:, None] * rows)
+def clamped_knots(breaks: Array, degree: int, smooth: Indices) -> Array:
+    """Clamped knots.
+
+    Args:
+        breaks: (n + 1,) increasing.
+        smooth: (n − 1,) continuous derivatives at each inner break, 0 to degree − 1.
+    """
+    times = np.concatenate([[degree + 1], degree - smooth, [degree + 1]])
+    return np.repeat(breaks, times)
+
+
+def control_points(breaks: Array, table: Array, knots: Array) -> Array:
+    """Control points (len(knots) − degree − 1, k).
+
+    Args:
+        breaks: (n + 1,). table: (n, degree + 1, k) polynomials about each piece's beginning.
+        knots: as from ``clamped_knots``.
+    """
+    degree = table.shape[1] - 1
+    count = len(knots) - degree - 1
+    inside = np.stack([knots[j : j + count] for j in range(1, degree + 1)])
+    # the piece in the middle of the support, where the blossom's arguments are least far away
+    middle = 0.5 * (knots[:count] + knots[degree + 1 :])
+    piece = np.clip(np.searchsorted(breaks, middle, side="right") - 1, 0, len(table) - 1)
+    u = inside - breaks[piece]
+    found = table[piece, 0].copy()
+    for k in range(1, degree + 1):
+        # elementary symmetric polynomials of the arguments
+        symmetric = sum(
+            np.prod(u[list(chosen)], axis=0) for chosen in combinations(range(degree), k)
+        )
+        found += (np.asarray(symmetric) / comb(degree, k))[:, None] * table[piece, k]
+    return np.asarray(found)

@@ -23,16 +23,47 @@ evaluate under ``np.errstate(all="ignore")`` and ask ``finite``.
 
 from __future__ import annotations
 
-from operator import methodcaller
+from collections.abc import Callable, Mapping
+from operator import methodcaller, neg
+from types import MappingProxyType
 from typing import Any, ClassVar, Final
 
 import numpy as np
-from numpy.typing import NDArray
 
-from synthesis.numerics.ufunc_dispatch import ARITHMETIC, UfuncDispatch, UfuncRules
+from synthesis.numerics.piecewise import Array, Indices, Mask
 
-Array = NDArray[np.float64]
 ROUNDING: Final = 2.0**-48
+
+
+UfuncRules = Mapping[np.ufunc, Callable[..., Any]]
+ARITHMETIC: UfuncRules = MappingProxyType(
+    {
+        np.add: lambda a, b: b.__radd__(a),
+        np.subtract: lambda a, b: b.__rsub__(a),
+        np.multiply: lambda a, b: b.__rmul__(a),
+        np.divide: lambda a, b: b.__rtruediv__(a),
+        np.negative: neg,
+        np.absolute: abs,
+        np.sqrt: methodcaller("sqrt"),
+    }
+)
+
+
+class UfuncDispatch:
+    """NumPy's functions on models of functions: np.sqrt(f) and np.float64(2) * f are models again.
+
+    Attributes:
+        rules: NumPy's names for what models do.
+    """
+
+    __slots__ = ()
+    rules: ClassVar[UfuncRules] = ARITHMETIC
+
+    def __array_ufunc__(self, ufunc: np.ufunc, method: str, *inputs: Any, **kwargs: Any) -> Any:
+        rule = self.rules.get(ufunc)
+        if rule is None or method != "__call__" or kwargs:
+            return NotImplemented
+        return rule(*inputs)
 
 
 class Taylor(UfuncDispatch):
@@ -209,39 +240,37 @@ class Taylor(UfuncDispatch):
         """The angle of (x, f) [rad], continued steadily from its value at the box's centre."""
         return _angle(self, x)
 
-    def is_finite(self) -> NDArray[np.bool_]:
+    def is_finite(self) -> Mask:
         """Where the model says something."""
-        finite: NDArray[np.bool_] = np.isfinite(self.c0 + self.c1 + self.c2 + self.rem)
+        finite: Mask = np.isfinite(self.c0 + self.c1 + self.c2 + self.rem)
         return finite
 
-    def take(self, *which: NDArray[np.intp]) -> Taylor:
+    def take(self, *which: Indices) -> Taylor:
         """Some of the models."""
         return Taylor(*(part[which] for part in self.parts))
 
     def range(self) -> tuple[Array, Array]:
-        """Largest and smallest value of the quadratic over t in [−1, 1], as in ``extremes``.
+        """Largest and smallest value of the quadratic over t in [−1, 1].
 
-        To be asked for under ``np.errstate(all="ignore")``.
+        Both are off by less than ``rem`` (roundings of this evaluation are in its allowance). To be
+        asked for under ``np.errstate(all="ignore")``.
         """
-        vertex = np.fmin(np.fmax(-0.5 * self.c1 / self.c2, -1.0), 1.0)  # of 0/0, an end
-        there = self.c0 + vertex * (self.c1 + vertex * self.c2)
+        there = self._at_vertex()[1]
         middle, slope = self.c0 + self.c2, np.abs(self.c1)
         return np.maximum(middle + slope, there), np.minimum(middle - slope, there)
 
-    def extremes(self) -> tuple[Array, Array, Array, Array]:
-        """Largest and smallest value of the quadratic over t in [−1, 1], and the t of each.
+    def extreme_places(self) -> tuple[Array, Array]:
+        """The t in [−1, 1] of the quadratic's largest and of its smallest value."""
+        vertex, there = self._at_vertex()
+        middle, slope = self.c0 + self.c2, np.abs(self.c1)
+        side = np.where(self.c1 >= 0.0, 1.0, -1.0)
+        high = np.where(there > middle + slope, vertex, side)
+        return high, np.where(there < middle - slope, vertex, -side)
 
-        Both are off by less than ``rem`` (roundings of this evaluation are in its allowance).
-        """
-        ends = np.where(self.c2 == 0.0, 1.0, self.c2)
-        vertex = np.clip(-0.5 * self.c1 / ends, -1.0, 1.0)
-        there = self.c0 + vertex * (self.c1 + vertex * self.c2)
-        left, right = self.c0 - self.c1 + self.c2, self.c0 + self.c1 + self.c2
-        above, below = np.maximum(left, right), np.minimum(left, right)
-        side = np.where(right >= left, 1.0, -1.0)
-        high = np.where(there > above, vertex, side)
-        low = np.where(there < below, vertex, -side)
-        return np.maximum(above, there), np.minimum(below, there), high, low
+    def _at_vertex(self) -> tuple[Array, Array]:
+        """The t of the parabola's vertex, or the end next to it, and the value there."""
+        vertex = np.fmin(np.fmax(-0.5 * self.c1 / self.c2, -1.0), 1.0)  # of 0/0, an end
+        return vertex, self.c0 + vertex * (self.c1 + vertex * self.c2)
 
 
 def _angle(y: Taylor | float, x: Taylor | float) -> Taylor:

@@ -13,8 +13,8 @@ from math import inf, sqrt
 
 import numpy as np
 
+from synthesis.numerics.double_double import round_mantissa
 from synthesis.numerics.piecewise import Array
-from synthesis.numerics.round_mantissa import round_mantissa
 from synthesis.numerics.solvers.clarabel import ConeSolution, solve
 from synthesis.numerics.solvers.statuses import USABLE, StopReason
 from synthesis.optimise.branching.node import Node, Tree

@@ -12,6 +12,7 @@ from typing import Literal
 from synthesis.catalogue.objectives.base_radius import BaseRadius
 from synthesis.certify import report_forces
 from synthesis.certify.curve_analysis import CurveAnalysis
+from synthesis.certify.quantities import MeasuredCam
 from synthesis.design.analysis import Analysis, Remedy, SizeChange
 from synthesis.design.design import Conflict, Design
 from synthesis.design.identity import engine_version
@@ -37,7 +38,7 @@ def analyse(spec: DesignSpec, *, deadline: float | None = None) -> Analysis:
     cam = given_cam(spec)
     extremes = judged(spec, cam)
     violated = [extreme.limit for extreme in extremes if not extreme.holds]
-    curves = CurveAnalysis(cam.motion, spec.machine(), cam.size)
+    curves = CurveAnalysis(MeasuredCam.of(cam.motion, spec.machine(), cam.size))
     return Analysis(
         name=spec.name,
         engine_version=engine_version(),

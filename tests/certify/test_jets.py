@@ -44,7 +44,8 @@ def test_a_box_holds_every_value(law, start, width, data):
     where = np.array([piece])
     found = jets.models(where, np.array([lo]), np.array([hi]), 3)
     for order, model in enumerate(found):
-        high, low, *_ = model.extremes()
+        with np.errstate(all="ignore"):
+            high, low = model.range()
         rem = float(model.rem[0])
         for x in np.linspace(lo, hi, 5):
             truth = exact(law, piece, float(x), order)

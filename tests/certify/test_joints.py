@@ -12,6 +12,7 @@ from synthesis.catalogue.motion import FreeLaw, Motion
 from synthesis.certify import certify, measure_objective, motion_checks
 from synthesis.certify.piecewise_motion import PiecewiseMotion
 from synthesis.design.design import Extreme
+from synthesis.numerics.box_search import Budget
 from synthesis.numerics.piecewise import Piecewise
 from tests.certify.cams import Cam, motion_of, spline
 
@@ -159,44 +160,26 @@ def test_a_promise_broken_by_a_millionth_is_found(order):
 
 
 @pytest.mark.parametrize("degree", [3, 4])
-def test_whole_pieces_and_small_boxes_tell_the_same_travel_backwards(degree, monkeypatch):
+def test_the_travel_backwards_is_enclosed(degree, monkeypatch):
+    """Against samples, and coarser where intervals run out."""
     rng = np.random.default_rng(10 + degree)
-    breaks = np.linspace(0.0, 1.0, 23)
-    bumps = 3e-2 * rng.standard_normal(len(breaks) - 1 + degree)
-    free = FreeLaw(2, overshoot=False)
-    motion = PiecewiseMotion(
-        cam_of(spline(degree, breaks, bumps), spline(degree, breaks), free).motion
-    )
+    bumps = 3e-2 * rng.standard_normal(22 + degree)
+    rises = spline(degree, np.linspace(0.0, 1.0, 23), bumps), spline(degree, np.linspace(0, 1, 23))
+    motion = PiecewiseMotion(cam_of(*rises, FreeLaw(2, overshoot=False)).motion)
     pieces = motion.pieces_of([0, 2])
     least, most, count = motion_checks.backward_travel(motion, pieces)
-    monkeypatch.setattr(
-        motion_checks, "backward_travel_bound", lambda _, some: np.full(len(some), np.inf)
-    )
-    also_least, also_most, more = motion_checks.backward_travel(motion, pieces)
-    assert most[0] > 1e-3
-    assert np.all(least <= also_most)
-    assert np.all(also_least <= most)
-    assert np.max(most - least) <= 1.01 * np.max(also_most - also_least) < 1e-3 * most[0]
-    assert count < more
-
-
-def test_whole_pieces_travel_back_no_farther_than_their_largest_speed():
-    rng = np.random.default_rng(6)
-    rise = spline(3, np.linspace(0.0, 1.0, 23), 6e-2 * rng.standard_normal(25))
-    motion = PiecewiseMotion(cam_of(rise, rise, FreeLaw(2, overshoot=False)).motion)
-    pieces = motion.pieces_of([0, 2])
-    most = motion_checks.backward_travel_bound(motion, pieces)
-    ends = motion.curve.breaks[pieces], motion.curve.breaks[pieces + 1]
-    theta = np.linspace(*ends, 2001)
-    v = motion.curve.at(theta.ravel(), np.tile(pieces, 2001), 1).reshape(theta.shape)
-    back = np.where(motion.segment_of_piece[pieces] == 0, -1.0, 1.0) * v
-    length = ends[1] - ends[0]
-    travelled = np.mean(np.maximum(back, 0.0), axis=0) * length
-    assert np.count_nonzero(travelled > 0.0) > 5
-    assert np.all(travelled <= most * (1.0 + 1e-9))
-    one_way = np.all(back >= 0.0, axis=0)
-    assert one_way.any()
-    assert np.all(most[one_way] <= 1.5 * (np.max(back, axis=0) * length)[one_way])
+    theta = np.linspace(0.0, BETA, 400_001)
+    back = np.maximum(-motion.curve(theta, 1), 0.0)
+    travelled = np.trapezoid(back, theta)
+    assert travelled > 1e-3
+    assert least[0] == pytest.approx(travelled, rel=1e-6)
+    assert 0.0 <= most[0] - least[0] < 1e-10 * LIFT
+    assert (least[2], most[2] < 1e-12 * LIFT) == (0.0, True)
+    monkeypatch.setattr(motion_checks, "BACKWARD_BUDGET", Budget(levels=1, boxes=1000))
+    also_least, also_most, fewer = motion_checks.backward_travel(motion, pieces)
+    assert fewer == len(pieces) < count
+    assert also_least[0] <= least[0] <= most[0] <= also_most[0]
+    assert also_most[0] - also_least[0] > 1e-4 * travelled
 
 
 def test_overshoot_is_measured():
@@ -211,7 +194,7 @@ def test_overshoot_is_measured():
     assert found.field == "program/0/law/overshoot"
     theta = np.linspace(0.0, 1.0, 200_001)
     fallen = -np.minimum(np.diff(rise(theta)), 0.0).sum() * LIFT
-    assert found.value <= fallen * (1.0 + 1e-9)
+    assert found.value <= fallen * (1.0 + 1e-8)  # samples miss what lies about the top
     assert found.value + found.width >= fallen
     assert found.value > 0.5 * fallen
 

@@ -14,13 +14,9 @@ from synthesis.catalogue.motion import Motion
 from synthesis.certify import certificate, certify
 from synthesis.certify.piecewise_motion import PiecewiseMotion
 from synthesis.certify.profile_models import OffsetProfile
-from synthesis.certify.quantities import enclose_quantities
+from synthesis.certify.quantities import MeasuredCam
 from synthesis.certify.roller_interference import NearestPair, _Groups, nearest_far_pair
-from synthesis.certify.self_intersection import (
-    clear_flanks,
-    clearance_questions,
-    smooth_roller_flanks,
-)
+from synthesis.certify.self_intersection import clear_flanks, roller_clearances
 from synthesis.design.design import Extreme
 from tests.certify.cams import motion_of
 from tests.certify.crossing import Horseshoe, brute, pitch, sharpest
@@ -292,10 +288,10 @@ def test_the_certificate_needs_no_pairs_where_curves_go_round_the_axis() -> None
         motion, R = thin_lobed(rng), rng.uniform(2.0, 9.0)
         e, s0 = size = rng.uniform(-2.0, 2.0), R * rng.uniform(0.4, 9.0)
         follower = TranslatingRoller(roller_radius_mm=R, offset_mm=e, closure=Groove())
-        pieces, machine = PiecewiseMotion(motion), Machine(follower, 10.0)
-        flanks = smooth_roller_flanks(pieces, machine)
-        questions, subjects = clearance_questions(pieces, flanks, 0)
-        answers = enclose_quantities(subjects, pieces, machine, size, questions)
+        machine = Machine(follower, 10.0)
+        cam = MeasuredCam.of(motion, machine, size)
+        flanks, questions, subjects = roller_clearances(cam, 0)
+        answers = cam.enclose(subjects, questions)
         clear = clear_flanks(flanks, answers)
         found = on(motion, machine, size)
         along = pitch(motion, e, s0, theta + 1e-6) - pitch(motion, e, s0, theta - 1e-6)

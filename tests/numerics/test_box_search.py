@@ -7,8 +7,8 @@ import math
 import numpy as np
 import pytest
 
-from synthesis.numerics.box_search import BoxSearch, Budget, Mask
-from synthesis.numerics.piecewise import Array
+from synthesis.numerics.box_search import BoxSearch, Budget
+from synthesis.numerics.piecewise import Array, Mask
 
 AMPLE = Budget(levels=60, boxes=100_000)
 

@@ -6,8 +6,13 @@ import numpy as np
 import pytest
 from scipy.interpolate import BSpline, PPoly, make_interp_spline
 
-from synthesis.numerics.quintic_spline import EndDerivatives, solve_inner_nodes, to_polynomials
-from synthesis.numerics.to_bspline import clamped_knots, control_points
+from synthesis.numerics.quintic_spline import (
+    EndDerivatives,
+    clamped_knots,
+    control_points,
+    solve_inner_nodes,
+    to_polynomials,
+)
 
 X = np.cumsum(np.concatenate([[0.0], np.random.default_rng(7).uniform(0.1, 2.0, 12)]))
 TRUTH = (

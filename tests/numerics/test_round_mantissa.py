@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from synthesis.numerics.round_mantissa import BITS, round_mantissa
+from synthesis.numerics.double_double import BITS, round_mantissa
 
 
 @pytest.mark.parametrize("bits", [BITS, 16])

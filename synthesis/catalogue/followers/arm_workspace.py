@@ -16,7 +16,7 @@ from pydantic_core import PydanticCustomError
 from scipy.optimize import brentq
 
 from synthesis.catalogue.motion import PlacedSegment
-from synthesis.numerics.geometry.triangle import enclosed_angle, third_side
+from synthesis.numerics.geometry.plane import enclosed_angle, third_side
 from synthesis.units import DEGREE
 
 AGREE = 1e-9  # relative: two dimensions that give the same prime radius, but for rounding

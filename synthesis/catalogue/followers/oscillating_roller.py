@@ -51,7 +51,7 @@ from synthesis.catalogue.followers.pivot import PivotDirection, PivotedFollower,
 from synthesis.catalogue.followers.sizing import SizeDomain
 from synthesis.catalogue.motion import Motion, PlacedSegment
 from synthesis.catalogue.ranges import ArmLength, Dimension, Range, ends
-from synthesis.numerics.geometry.triangle import enclosed_angle, third_side
+from synthesis.numerics.geometry.plane import enclosed_angle, third_side
 from synthesis.numerics.maxima import maximise
 from synthesis.units import DEGREE
 

@@ -14,7 +14,7 @@ What a limit does not state in one form is an empty tuple there. Two rules make 
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
 from typing import Any, ClassVar
 
@@ -210,6 +210,29 @@ class Limit(BaseModel, ABC):
     @abstractmethod
     def claims(self, segments: Sequence[PlacedSegment], machine: Machine) -> tuple[Claim, ...]:
         """The bounds that the certificate has to show on the finished cam."""
+
+
+def all_claims(
+    limits: Iterable[Limit],
+    segments: Sequence[PlacedSegment],
+    machine: Machine,
+    size: tuple[float, ...],
+) -> list[Claim]:
+    """The claims of limits in their order, and that the follower can take every displacement.
+
+    Args:
+        size: the follower's size variables [mm].
+    """
+    claims = [claim for limit in limits for claim in limit.claims(segments, machine)]
+    reach = machine.follower.displacement_measure(size)
+    if reach is not None:
+        claims.append(
+            Claim(
+                "reach", reach.quantity, segment_indices(segments), reach.lower, reach.upper,
+                reach.unit, reach.to_wire, "follower",
+            )
+        )  # fmt: skip
+    return claims
 
 
 def scaling(factor: float) -> Callable[[float], float]:

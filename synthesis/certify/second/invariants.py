@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from typing import Final
 
 from flint import arb
@@ -44,15 +44,37 @@ def measure_invariant(design: ExactDesign, extreme: Extreme) -> Measurement:
     return measure(design, extreme)
 
 
+def _beside(
+    extreme: Extreme,
+    value: arb,
+    how: str,
+    allowed: arb | None = None,
+    *,
+    holds: bool | None = None,
+    angle: float | None = None,
+) -> Measurement:
+    """A value beside the certificate's.
+
+    They agree if both verdicts are the same and, where ``allowed`` is given, the values differ by
+    no more than that. The verdict is ``holds``, or else that the value is at most the line's bound.
+    """
+    low, high = value.lower(), value.upper()
+    if holds is None and extreme.bound is not None:
+        holds = satisfies(low, high, extreme.bound, 1)
+    agrees = None if holds is None else holds == extreme.holds
+    if allowed is not None and agrees is not None:
+        near = extreme.value is not None and abs(value - arb(extreme.value)) <= allowed
+        agrees = agrees and bool(near)
+    return Measurement(low, high, holds, agrees, how, angle)
+
+
 # -- size ------------------------------------------------------------------------------------
 
 
 def _base_radius_positive(design: ExactDesign, extreme: Extreme) -> Measurement:
-    base = _base_radius(design)
-    holds = True if base > 0 else False if base < 0 else None
-    near = bool(abs(base - arb(extreme.value or 0.0)) <= SIZE_ROUNDING * _cam_size(design))
-    agrees = near and holds == extreme.holds
-    return Measurement(base.lower(), base.upper(), holds, agrees, "from the output link at rest")
+    base, allowed = _base_radius(design), SIZE_ROUNDING * _cam_size(design)
+    positive = bool(base > 0)
+    return _beside(extreme, base, "from the output link at rest", allowed, holds=positive)
 
 
 def _base_radius(design: ExactDesign) -> arb:
@@ -79,39 +101,23 @@ def _prime_circle_angle(design: ExactDesign, extreme: Extreme) -> Measurement:
     stroke = design.design.resolved_spec.stroke()
     there = design.motion.highest if trace.nearest_displacement(stroke) > 0.0 else arb(0)
     angle = abs(design.value_at_rest("pressure_angle", path, there)) / degree()
-    low, high = angle.lower(), angle.upper()
-    holds = satisfies(low, high, 90.0, 1)
-    near = bool(abs(angle - arb(extreme.value or 0.0)) <= SIZE_ROUNDING * 90.0)
-    how = "at rest on the prime circle"
-    return Measurement(low, high, holds, near and holds == extreme.holds, how)
+    return _beside(extreme, angle, "at rest on the prime circle", arb(SIZE_ROUNDING * 90.0))
 
 
 def _dimension(design: ExactDesign, extreme: Extreme) -> Measurement:
     """A dimension against its range: from the output link if that has it."""
-    if extreme.limit not in _DIMENSIONS:
-        stated = design.design.dimensions.get(f"{extreme.limit}_{extreme.unit}")
-        if stated is None:
-            return NOT_MEASURED
-        how, same = "stated by the design itself", stated == extreme.value
-        return Measurement(arb(stated), arb(stated), extreme.holds, same, how)
-    value = _DIMENSIONS[extreme.limit](design)
-    if value is None:
+    stated = design.design.dimensions.get(f"{extreme.limit}_{extreme.unit}")
+    pivot, allowed = design.link.pivot, SIZE_ROUNDING * _cam_size(design)
+    if extreme.limit == "base_radius":
+        value, how = _base_radius(design), "from the output link at rest"
+    elif extreme.limit == "centre_distance" and pivot is not None:
+        value = (pivot[0] ** 2 + pivot[1] ** 2) ** 0.5
+        how = "from the output link at rest"
+    elif stated is not None:
+        value, how, allowed = arb(stated), "stated by the design itself", arb(0)
+    else:
         return NOT_MEASURED
-    allowed = SIZE_ROUNDING * (arb(180) if extreme.unit == "deg" else _cam_size(design))
-    low, high = value.lower(), value.upper()
-    near = extreme.value is not None and abs(value - arb(extreme.value)) <= allowed
-    return Measurement(low, high, extreme.holds, bool(near), "from the output link at rest")
-
-
-def _centre_distance(design: ExactDesign) -> arb | None:
-    pivot = design.link.pivot
-    return None if pivot is None else (pivot[0] ** 2 + pivot[1] ** 2) ** 0.5
-
-
-_DIMENSIONS: dict[str, Callable[[ExactDesign], arb | None]] = {
-    "base_radius": _base_radius,
-    "centre_distance": _centre_distance,
-}
+    return _beside(extreme, value, how, allowed, holds=extreme.holds)
 
 
 # -- motion ----------------------------------------------------------------------------------
@@ -123,15 +129,12 @@ def _junction(design: ExactDesign, extreme: Extreme) -> Measurement:
     here = [abs(jump(*pair, order)) for pair in junctions_at(design, extreme.angle_deg)]
     if not here:
         return NOT_MEASURED
-    size = here[0] * design.rate(order)
-    low, high = size.lower(), size.upper()
+    size, angle = here[0] * design.rate(order), extreme.angle_deg
     how = "one-sided values at the junction"
-    if extreme.bound is None:
-        stated = extreme.value or 0.0
-        near = bool(abs(size - arb(stated)) <= JUMP_ROUNDING * abs(stated))
-        return Measurement(low, high, extreme.holds, near, how, extreme.angle_deg)
-    holds = satisfies(low, high, extreme.bound, 1)
-    return Measurement(low, high, holds, holds == extreme.holds, how, extreme.angle_deg)
+    if extreme.bound is not None:
+        return _beside(extreme, size, how, angle=angle)
+    allowed = arb(JUMP_ROUNDING * abs(extreme.value or 0.0))
+    return _beside(extreme, size, how, allowed, holds=extreme.holds, angle=angle)
 
 
 def junctions_at(
@@ -152,38 +155,28 @@ def _end_state(design: ExactDesign, extreme: Extreme) -> Measurement:
     pieces = design.motion.pieces_of([int(index)])
     at_start = end == "start"
     wanted = (segment.start_state if at_start else segment.end_state).known[order - 1]
-    if wanted is None or extreme.bound is None:
+    if wanted is None:
         return NOT_MEASURED
     piece = pieces[0] if at_start else pieces[-1]
     x = piece.law.low if at_start else piece.law.high
     value = coefficient(piece.displacement(x), order) * math.factorial(order)
     miss = abs(value - arb(wanted) * design.from_core) * design.rate(order)
-    low, high = miss.lower(), miss.upper()
-    holds = satisfies(low, high, extreme.bound, 1)
-    agrees = None if holds is None else holds == extreme.holds
-    return Measurement(low, high, holds, agrees, f"at the {end} of the segment", extreme.angle_deg)
+    return _beside(extreme, miss, f"at the {end} of the segment", angle=extreme.angle_deg)
 
 
 def _table_deviation(design: ExactDesign, extreme: Extreme) -> Measurement:
     """The largest deviation of the motion from a table's rows."""
     index = int(extreme.field.split("/")[1])
-    readings = design.design.curve.segments[index].table
-    if readings is None or extreme.bound is None:
+    table = design.design.curve.segments[index].table
+    if table is None or extreme.bound is None:
         return NOT_MEASURED
-    worst = arb(0)
-    for x, s in zip(readings.x.tolist(), readings.s.tolist(), strict=True):
-        pieces = design.motion.pieces_of([index])
+    worst, pieces = arb(0), design.motion.pieces_of([index])
+    for x, s in zip(table.x.tolist(), table.s.tolist(), strict=True):
         piece = next(p for p in pieces if p.law.low <= x <= p.law.high)
         value = coefficient(piece.displacement(arb(x)), 0)
         worst = worst.max(abs(value - arb(s) * design.from_core))
-    worst = worst * design.to_wire
-    low, high = worst.lower(), worst.upper()
-    holds = satisfies(low, high, extreme.bound, 1)
-    near = extreme.value is not None and bool(
-        abs(worst - arb(extreme.value)) <= JUMP_ROUNDING * arb(extreme.bound)
-    )
-    how = "all rows of the table"
-    return Measurement(low, high, holds, near and holds == extreme.holds, how)
+    allowed = arb(JUMP_ROUNDING * extreme.bound)
+    return _beside(extreme, worst * design.to_wire, "all rows of the table", allowed)
 
 
 def _overshoot(design: ExactDesign, extreme: Extreme) -> Measurement:
@@ -194,11 +187,8 @@ def _overshoot(design: ExactDesign, extreme: Extreme) -> Measurement:
     for piece in design.motion.pieces_of([index]):
         low, high = _backward_travel(piece, forward)
         least, most = least + low, most + high
-    least, most = least * design.to_wire, most * design.to_wire
-    holds = satisfies(least.lower(), most.upper(), extreme.bound or 0.0, 1)
-    agrees = None if holds is None else holds == extreme.holds
-    how = "velocity enclosed in ball arithmetic"
-    return Measurement(least.lower(), most.upper(), holds, agrees, how)
+    travel = hull(least.lower(), most.upper()) * design.to_wire
+    return _beside(extreme, travel, "velocity enclosed in ball arithmetic")
 
 
 def _backward_travel(piece: MotionPiece, forward: int) -> tuple[arb, arb]:

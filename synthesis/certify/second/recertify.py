@@ -6,13 +6,13 @@ from collections import defaultdict
 
 from flint import arb
 
-from synthesis.catalogue.limits.base import Claim, segment_indices
+from synthesis.catalogue.limits.base import Claim, all_claims
+from synthesis.certify.second import Confirmation, Remeasured, Verdict
 from synthesis.certify.second.ball_arithmetic import BITS, ball_precision, degree
 from synthesis.certify.second.claims import measure_claim
 from synthesis.certify.second.exact_design import DIGITS, ExactDesign, Measurement
 from synthesis.certify.second.exact_motion import ExactMotion
 from synthesis.certify.second.invariants import measure_invariant
-from synthesis.certify.second.report import Confirmation, Remeasured, Verdict
 from synthesis.certify.second.residual_vibration import measure_residual_vibration
 from synthesis.certify.second.self_intersection import measure_self_intersection
 from synthesis.design.design import Design, Extreme
@@ -27,13 +27,11 @@ def recertify(design: Design) -> Confirmation:
         exact = _exact(design)
         claims = _claims(design)
         lines = [_line(extreme, _measure(exact, extreme, claims)) for extreme in design.extremes]
-    return Confirmation(
-        id=design.id,
-        name=design.name,
-        verdict=_verdict(lines),
-        bits=BITS,
-        lines=lines,
-    )
+    verdicts = [line.agrees for line in lines]
+    verdict: Verdict = "incomplete" if None in verdicts else "confirmed"
+    if False in verdicts:
+        verdict = "contradicted"
+    return Confirmation(id=design.id, name=design.name, verdict=verdict, bits=BITS, lines=lines)
 
 
 def _exact(design: Design) -> ExactDesign:
@@ -54,21 +52,11 @@ def _exact(design: Design) -> ExactDesign:
 
 
 def _claims(design: Design) -> Claims:
-    """The claims of the limits, and that the follower can take every displacement."""
+    """The claims of the certificate, by their names."""
     spec, found = design.completed_spec, defaultdict[tuple[str, str], list[Claim]](list)
-    machine, segments = spec.machine(), design.curve.segments
-    for limit in spec.all_limits():
-        for claim in limit.claims(segments, machine):
-            found[claim.limit, claim.field].append(claim)
-    reach = machine.follower.displacement_measure(tuple(design.size))
-    if reach is not None:
-        everywhere = segment_indices(segments)
-        found["reach", "follower"].append(
-            Claim(
-                "reach", reach.quantity, everywhere, reach.lower, reach.upper, reach.unit,
-                reach.to_wire, "follower",
-            )
-        )  # fmt: skip
+    limits, segments, size = spec.all_limits(), design.curve.segments, tuple(design.size)
+    for claim in all_claims(limits, segments, spec.machine(), size):
+        found[claim.limit, claim.field].append(claim)
     return found
 
 
@@ -96,10 +84,3 @@ def _line(extreme: Extreme, found: Measurement) -> Remeasured:
         angle_deg=found.angle, certificate=extreme.value, difference=difference,
         holds=found.holds, agrees=found.agrees, how=found.how,
     )  # fmt: skip
-
-
-def _verdict(lines: list[Remeasured]) -> Verdict:
-    verdicts = [line.agrees for line in lines]
-    if False in verdicts:
-        return "contradicted"
-    return "incomplete" if None in verdicts else "confirmed"

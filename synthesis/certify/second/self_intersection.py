@@ -9,7 +9,7 @@ other pair of boxes must be at least R apart; pairs that are nearer are bisected
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from typing import Final
 
@@ -23,14 +23,15 @@ from synthesis.certify.second.exact_design import NOT_MEASURED, ExactDesign, Mea
 from synthesis.certify.second.exact_motion import MotionPiece
 from synthesis.certify.second.quantities import LinkState, TipContact, cam_rate, cross, dot
 from synthesis.design.design import Extreme
+from synthesis.numerics.box_search import BoxSearch, Budget
+from synthesis.numerics.piecewise import Array, Mask
 
 WIDEST: Final = 0.06  # of a first box [rad]
 LARGEST_TURNING: Final = 0.5  # a box over which the tangent turns by more is bisected [rad]
 NARROWEST: Final = 1e-9  # a box is not bisected below this part of its segment
 HARMLESS_DEPTH: Final = arb("1e-9")  # of the roller: interference of so little depth is none
 HEADING_ROUNDING: Final = 1e-6  # of headings summed up in floating point [rad]
-MAX_DEPTH: Final = 12  # bisections of a pair that is too near
-MAX_PAIRS: Final = 4_000  # pairs bisected before the search gives up
+BUDGET: Final = Budget(levels=13, boxes=16_000, total=False)  # of pairs, 16,000 on a level
 EDGE_PARTS: Final = 64  # parts of the stroke on which a knife edge is examined
 
 Point = tuple[arb, arb]
@@ -84,8 +85,13 @@ class _Box:
     turning: float
 
 
-class _FlankSearch:
-    """The search for interference of one flank with its roller."""
+Pairs = list[tuple[_Box, _Box]]  # the flank over the first, the roller's centre over the second
+
+
+class _FlankSearch(BoxSearch[Pairs]):
+    """The box search for interference of one flank with its roller: near pairs stay open."""
+
+    children = 4
 
     def __init__(self, design: ExactDesign, flank: Flank) -> None:
         self.link, self.tip = design.link, _tip(design, flank)
@@ -93,33 +99,50 @@ class _FlankSearch:
         self.least = arb(flank.distance) * (1 - HARMLESS_DEPTH)
         self.motion = design.motion
         self.halves: dict[_Box, tuple[_Box, _Box]] = {}
-        self.pairs = 0
+        self.interferes = False
 
     def is_clear(self) -> bool | None:
         """Whether every far pair is far enough apart; None if undecided."""
         boxes = [box for piece in self.motion.pieces for box in self._boxes_of(piece)]
-        return _all(self._is_apart(boxes[i], boxes[j], 0) for i, j in _far_pairs(boxes))
+        decided = self.run([(boxes[i], boxes[j]) for i, j in _far_pairs(boxes)], BUDGET)
+        return False if self.interferes else True if decided else None
 
     # -- pairs -------------------------------------------------------------------------------
 
-    def _is_apart(self, a: _Box, b: _Box, depth: int) -> bool | None:
-        """Whether the flank over a keeps its distance from the roller centre over b."""
-        dx, dy = a.flank[0] - b.centre[0], a.flank[1] - b.centre[1]
-        square = dx * dx + dy * dy
-        if square.lower() >= self.least * self.least:
-            return True
-        self.pairs += 1
-        if self._interferes_at_middle(a, b):
-            return False
-        if depth == MAX_DEPTH or self.pairs > MAX_PAIRS:
-            return None
-        halves = self._halves(b)
-        return _all(self._is_apart(x, y, depth + 1) for x in self._halves(a) for y in halves)
+    def bound(self, boxes: Pairs) -> Array:
+        """1 for a pair that may be nearer than the roller's radius, −1 for the others.
 
-    def _interferes_at_middle(self, a: _Box, b: _Box) -> bool:
-        """Whether the roller at the middle of b reaches into the flank at the middle of a."""
-        (x, y), (u, v) = self._middle(a).flank, self._middle(b).centre
-        return bool((x - u) ** 2 + (y - v) ** 2 < self.least * self.least)
+        A roller at the middle of its box that reaches into the flank at the middle of the other is
+        an interference for certain.
+        """
+        found = np.full(len(boxes), -1.0)
+        for k, (a, b) in enumerate(boxes):
+            if not self._is_apart(a.flank, b.centre):
+                found[k] = 1.0
+                (x, y), (u, v) = self._middle(a).flank, self._middle(b).centre
+                if (x - u) ** 2 + (y - v) ** 2 < self.least * self.least:
+                    self.interferes = True
+                    break
+        return found
+
+    def threshold(self) -> float:
+        """0, or with an interference ∞: then the search is over."""
+        return math.inf if self.interferes else 0.0
+
+    def split(self, boxes: Pairs, keep: Mask) -> Pairs:
+        return [
+            (x, y)
+            for (a, b), near in zip(boxes, keep.tolist(), strict=True)
+            if near
+            for x in self._halves(a)
+            for y in self._halves(b)
+        ]
+
+    def _is_apart(self, flank: Point, centre: Point) -> bool:
+        """Whether a part of the flank keeps its distance from the roller's centre."""
+        dx, dy = flank[0] - centre[0], flank[1] - centre[1]
+        square = dx * dx + dy * dy
+        return bool(square.lower() >= self.least * self.least)
 
     def _middle(self, box: _Box) -> _Box:
         middle = ((box.low + box.high) / 2).mid()
@@ -204,16 +227,6 @@ class _FlankSearch:
         nx, ny = contact.normal()
         length = dot((nx, ny), (nx, ny)).sqrt()
         return (x, y), (x - nx / length * self.distance, y - ny / length * self.distance)
-
-
-def _all(verdicts: Iterable[bool | None]) -> bool | None:
-    """False as soon as one is False; None if one is undecided; otherwise True."""
-    known: bool | None = True
-    for verdict in verdicts:
-        if verdict is False:
-            return False
-        known = known if verdict else None
-    return known
 
 
 def _on_cam(vector: Point, angle: arb) -> Point:

@@ -21,8 +21,8 @@ from synthesis.errors import InputError
 from synthesis.exporters.samples.cam import Cam
 from synthesis.exporters.samples.sampling import SAME_ANGLE
 from synthesis.exporters.samples.turn import Mask
-from synthesis.numerics.geometry.closed_curve import ClosedCurve, CurvePoints, Indices
-from synthesis.numerics.piecewise import Array
+from synthesis.numerics.geometry.closed_curve import ClosedCurve, CurvePoints
+from synthesis.numerics.piecewise import Array, Indices
 from synthesis.units import DEGREE, FULL_TURN
 
 LOOKED_AT = np.linspace(0.0, 1.0, 17)

@@ -25,7 +25,7 @@ import numpy as np
 
 from synthesis.catalogue.followers.flat_face import flat_face
 from synthesis.exporters.samples.cam import Cam
-from synthesis.numerics.geometry.disc import to_cam
+from synthesis.numerics.geometry.plane import to_cam
 from synthesis.numerics.piecewise import Array
 
 ROUNDS = 12  # of Newton's method at most, from the neighbourhood of the answer

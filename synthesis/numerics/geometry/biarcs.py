@@ -13,8 +13,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from synthesis.errors import InputError
-from synthesis.numerics.geometry.closed_curve import ClosedCurve
-from synthesis.numerics.geometry.mesh import Mesh
+from synthesis.numerics.geometry.closed_curve import ClosedCurve, Mesh
 from synthesis.numerics.piecewise import Array
 
 PROBES = np.linspace(0.0, 1.0, 33)[1::2]

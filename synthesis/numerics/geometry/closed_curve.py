@@ -1,16 +1,18 @@
-"""A closed plane curve as it is met on the way round: span by span, each of them smooth."""
+"""A closed plane curve, span by span, and pieces of it that are made smaller where needed."""
 
 from __future__ import annotations
 
+import math
 from abc import ABC, abstractmethod
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
-from synthesis.numerics.piecewise import Array
+from synthesis.numerics.piecewise import Array, Indices, Mask
 
-Indices = NDArray[np.intp]
+FIRST, LARGEST = math.radians(15.0), math.radians(60.0)  # of a piece, at first and ever
+AIM = 0.8  # of what is allowed: what a spacing aims at
+NEARLY = 0.99  # of what is allowed: may be too much once rounding is added
 
 
 @dataclass(frozen=True, eq=False)
@@ -43,3 +45,64 @@ class ClosedCurve(ABC):
     @abstractmethod
     def at(self, span: Indices, fraction: Array) -> CurvePoints:
         """The course at fractions (n,) of spans (n,); at 0 and 1 the limits from inside."""
+
+
+@dataclass(frozen=True, eq=False)
+class Mesh:
+    """Pieces of spans.
+
+    Attributes:
+        span: (n,) of which span each is a piece. low, high: (n,) from where to where in it.
+        least: (m,) fewest pieces of each span.
+    """
+
+    span: Indices
+    low: Array
+    high: Array
+    min_pieces: Indices
+
+    @classmethod
+    def initial(cls, sizes: Array) -> Mesh:
+        """Even pieces of spans of the given sizes (m,) [rad]."""
+        least = np.maximum(1, np.ceil(sizes / LARGEST)).astype(np.intp)
+        counts = np.maximum(1, np.ceil(sizes / FIRST)).astype(np.intp)
+        span = np.repeat(np.arange(len(counts)), counts)
+        begins = np.repeat(np.cumsum(counts) - counts, counts)
+        k, n = np.arange(len(span)) - begins, counts[span]
+        return cls(span, k / n, (k + 1) / n, least)
+
+    def select(self, which: Mask) -> Mesh:
+        """Some of the pieces."""
+        return Mesh(self.span[which], self.low[which], self.high[which], self.min_pieces)
+
+    def points_at(self, within: Array) -> tuple[Indices, Array]:
+        """Spans and fractions of places within each piece, (n · len(within),) each."""
+        fraction = self.low[:, None] + (self.high - self.low)[:, None] * within
+        fraction[:, within == 1.0] = self.high[:, None]
+        return np.repeat(self.span, len(within)), fraction.ravel()
+
+    def equidistribute(self, excess: Array, power: int, growing: bool) -> Mesh:
+        """Pieces of even excess: as many as it takes.
+
+        Args:
+            excess: (n,) what each piece departs by, 1 where that is just allowed.
+            power: of a piece's length, in proportion to which it departs.
+            growing: no span loses a piece any more, and one with excess gains one at least.
+        """
+        parts = []
+        for span, least in enumerate(self.min_pieces.tolist()):
+            mine = np.flatnonzero(self.span == span)
+            # a piece is no better than its neighbours: at a span's ends they are by chance
+            near = np.pad(excess[mine], 1, mode="edge")
+            worst = np.maximum(np.maximum(near[:-2], near[2:]), near[1:-1])
+            needed = np.clip(worst / AIM, 1e-9, 1e12) ** (1.0 / power)
+            total = np.concatenate([[0.0], np.cumsum(needed)])
+            ends = np.append(self.low[mine], 1.0)
+            count = max(least, math.ceil(total[-1] - 1e-9))
+            if growing:
+                count = max(count, len(mine) + int(np.max(near) > NEARLY))
+            inner = np.interp(np.linspace(0.0, total[-1], count + 1), total, ends)
+            inner[0], inner[-1] = 0.0, 1.0
+            parts.append((np.full(count, span), inner[:-1], inner[1:]))
+        span_of, low, high = (np.concatenate(each) for each in zip(*parts, strict=True))
+        return Mesh(span_of, low, high, self.min_pieces)

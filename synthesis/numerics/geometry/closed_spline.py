@@ -9,6 +9,13 @@ than needed they are taken away.
 
 The departure of a piece is smooth and is known at eleven of its places; a polynomial through these
 tells its largest value in between.
+
+A motion law of many knots makes a curve of many spans, and a spline with the curve's own curvature
+at each of their ends needs three control points there. Where curvature is continuous and its first
+and second derivative by the arc length jump by J and K, a spline of degree 5 that knows nothing of
+it, with nodes every h, departs by some J h³/300 + K h⁴/1200, a part of the cubic and the quartic
+that it cannot follow: where that is far below the tolerance the spans may as well be one. This is a
+guess at what pays; how far the spline departs is measured afterwards.
 """
 
 from __future__ import annotations
@@ -17,16 +24,19 @@ import math
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.polynomial.legendre import leggauss, legint, legval, legvander
 from scipy.interpolate import BSpline
 
 from synthesis.errors import InputError
-from synthesis.numerics.geometry.closed_curve import ClosedCurve, CurvePoints
-from synthesis.numerics.geometry.merged_spans import merge_smooth_spans
-from synthesis.numerics.geometry.mesh import AIM, Mesh
-from synthesis.numerics.piecewise import Array
-from synthesis.numerics.quintic_spline import EndDerivatives, solve_inner_nodes, to_polynomials
-from synthesis.numerics.to_bspline import clamped_knots, control_points
+from synthesis.numerics.geometry.closed_curve import AIM, ClosedCurve, CurvePoints, Mesh
+from synthesis.numerics.piecewise import Array, Indices, Mask
+from synthesis.numerics.quintic_spline import (
+    EndDerivatives,
+    clamped_knots,
+    control_points,
+    solve_inner_nodes,
+    to_polynomials,
+)
 
 DEGREE = 5
 MOST_NODES = 20_000
@@ -35,8 +45,11 @@ WIDEST = 1.0 / 24.0  # of the curve: spacing of nodes
 FREELY = 4  # rounds in which spans may lose pieces too
 SAME = 1e-8  # a step of the tangent [rad], or of the curvature against its size: rounding
 ROUNDING = 2.0**-46  # of the curve's size: no tolerance is below it
+JUMP_SHARES = 1.0 / 300.0, 1.0 / 1200.0  # of J h³ and K h⁴ in the departure
+SLOPE_STEP = 1e-3  # of a span, over which the curvature's derivative is taken
+SAME_CURVATURE = 1e-9  # relative: a smaller step of the curvature is none
 
-GAUSS, WEIGHTS = np.polynomial.legendre.leggauss(8)
+GAUSS, WEIGHTS = leggauss(8)
 GAUSS = 0.5 * (GAUSS + 1.0)
 PROBES = 0.5 - 0.5 * np.cos(np.pi * (np.arange(11) + 0.5) / 11.0)
 FINE = np.linspace(0.0, 1.0, 67)
@@ -45,22 +58,15 @@ BEYOND = 1.002  # what may lie between those
 
 def _integrals(ends: Array) -> Array:
     """Weights of the values at GAUSS for the integrals from 0 to each of ``ends``."""
-    powers = np.arange(len(GAUSS))
-    return np.asarray(
-        np.linalg.solve(
-            np.vander(2.0 * GAUSS - 1.0, increasing=True).T,
-            ((2.0 * ends - 1.0)[None, :] ** (powers[:, None] + 1) - (-1.0) ** (powers[:, None] + 1))
-            / (2.0 * (powers[:, None] + 1)),
-        ).T
-    )
+    lagrange = np.linalg.inv(legvander(2.0 * GAUSS - 1.0, len(GAUSS) - 1))
+    antiderivatives = legint(lagrange, lbnd=-1.0, scl=0.5)
+    return np.asarray(legval(2.0 * ends - 1.0, antiderivatives).T)
 
 
 TO_PROBES = _integrals(PROBES)
 TO_END = _integrals(np.ones(1))[0]
 # values at the probes to values in between
-BETWEEN = np.polynomial.chebyshev.chebvander(2.0 * FINE - 1.0, 10) @ np.linalg.inv(
-    np.polynomial.chebyshev.chebvander(2.0 * PROBES - 1.0, 10)
-)
+BETWEEN = legvander(2.0 * FINE - 1.0, 10) @ np.linalg.inv(legvander(2.0 * PROBES - 1.0, 10))
 
 
 @dataclass(frozen=True, eq=False)
@@ -200,7 +206,7 @@ def _ends(curve: ClosedCurve, mesh: Mesh, tolerance: float) -> EndDerivatives:
     return EndDerivatives(value, slope, second)
 
 
-def _continuity(ends: EndDerivatives) -> NDArray[np.intp]:
+def _continuity(ends: EndDerivatives) -> Indices:
     """Continuous derivatives at the nodes between neighbouring pieces: 0, 1 or 2."""
     first = np.all(ends.slope[1, :-1] == ends.slope[0, 1:], axis=1)
     second = np.all(ends.second[1, :-1] == ends.second[0, 1:], axis=1)
@@ -222,3 +228,86 @@ def _departures(
     across = (across - 0.5 * finite * along**2).reshape(-1, len(PROBES))
     between = across @ BETWEEN.T
     return np.asarray(np.maximum(np.max(np.abs(between), axis=1), np.max(np.abs(across), axis=1)))
+
+
+# -- spans between which nothing happens that the spline would see -----------------------------
+
+
+class MergedSpans(ClosedCurve):
+    """A curve with some of its spans made one.
+
+    Args:
+        curve: whose spans run on in proportion to their sizes where they are joined.
+        starts: (m,) numbers of the spans that begin one of the new ones, the first among them.
+    """
+
+    def __init__(self, curve: ClosedCurve, starts: Indices) -> None:
+        self.curve, self.starts = curve, starts
+        self.ends = np.concatenate([[0.0], np.cumsum(curve.span_sizes)])
+        self.last = np.append(starts[1:], len(curve.span_sizes)) - 1
+
+    @property
+    def span_sizes(self) -> Array:
+        return np.asarray(self.ends[self.last + 1] - self.ends[self.starts])
+
+    def at(self, span: Indices, fraction: Array) -> CurvePoints:
+        first, last, size = self.starts[span], self.last[span], self.span_sizes[span]
+        place = self.ends[first] + size * fraction
+        own = np.clip(np.searchsorted(self.ends, place, side="right") - 1, first, last)
+        own = np.where(fraction == 1.0, last, own)
+        part = self.ends[own + 1] - self.ends[own]
+        inside = np.where(fraction == 1.0, 1.0, np.clip((place - self.ends[own]) / part, 0.0, 1.0))
+        found = self.curve.at(own, inside)
+        return CurvePoints(
+            found.points, found.tangent, found.curvature, found.speed * (size / part)
+        )
+
+
+def merge_smooth_spans(curve: ClosedCurve, spacing: Array, tolerance: float) -> ClosedCurve:
+    """The curve with the spans joined between which nothing happens that a spline would see.
+
+    Args:
+        curve: the curve. spacing: (m,) of nodes along each span that its smoothness asks for [mm].
+        tolerance: largest departure [mm].
+    """
+    count = len(curve.span_sizes)
+    near = np.minimum(spacing, np.roll(spacing, 1))
+    jumps = _jumps(curve)
+    seen = JUMP_SHARES[0] * jumps[0] * near**3 + JUMP_SHARES[1] * jumps[1] * near**4
+    gentle = seen < 0.1 * tolerance
+    gentle[0] = False
+    if not gentle.any():
+        return curve
+    return MergedSpans(curve, np.arange(count)[~gentle])
+
+
+def _jumps(curve: ClosedCurve) -> Array:
+    """(2, m) jumps of the curvature's derivatives where each span begins; ∞ where more jumps."""
+    span = np.arange(len(curve.span_sizes))
+    begins = [curve.at(span, np.full(len(span), SLOPE_STEP * k)) for k in range(4)]
+    ends = [curve.at(span, np.full(len(span), 1.0 - SLOPE_STEP * k)) for k in range(4)]
+    with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
+        (first, second), (first_before, second_before) = _slopes(begins), _slopes(ends)
+        # the derivatives before a joint are taken backwards: the first has the other sign
+        jumps = np.stack([first + np.roll(first_before, 1), second - np.roll(second_before, 1)])
+    known = _smooth(begins[0], ends[0]) & np.all(np.isfinite(jumps), axis=0)
+    return np.where(known, np.abs(jumps), np.inf)
+
+
+def _slopes(courses: list[CurvePoints]) -> tuple[Array, Array]:
+    """dκ/dσ and d²κ/dσ² at the first of four places that follow one another from a span's end."""
+    a, b, c, d = (course.curvature for course in courses)
+    step = SLOPE_STEP * courses[0].speed
+    first = (18.0 * b - 11.0 * a - 9.0 * c + 2.0 * d) / (6.0 * step)
+    return first, (2.0 * a - 5.0 * b + 4.0 * c - d) / step**2
+
+
+def _smooth(begins: CurvePoints, ends: CurvePoints) -> Mask:
+    """(m,) whether point, tangent and curvature go on where each span begins."""
+    bend, before = begins.curvature, np.roll(ends.curvature, 1)
+    size = np.maximum(np.abs(bend), np.abs(before))
+    turned = np.hypot(*(begins.tangent - np.roll(ends.tangent, 1, axis=0)).T)
+    moved = np.hypot(*(begins.points - np.roll(ends.points, 1, axis=0)).T)
+    extent = np.max(np.abs(begins.points))
+    same = np.abs(bend - before) <= SAME_CURVATURE * size
+    return np.asarray(same & (turned <= SAME_CURVATURE) & (moved <= SAME_CURVATURE * extent))

@@ -13,8 +13,8 @@ from scipy import sparse
 
 from synthesis.catalogue.constraints import AffineNorm
 from synthesis.catalogue.motion import PlacedSegment
+from synthesis.numerics.double_double import round_mantissa
 from synthesis.numerics.piecewise import Array
-from synthesis.numerics.round_mantissa import round_mantissa
 from synthesis.optimise.conic.linear_rows import LinearBlock, Scales
 from synthesis.optimise.problem.boundary import BoundaryState, Junction, junction_rows
 from synthesis.optimise.problem.grid import Grid

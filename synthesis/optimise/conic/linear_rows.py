@@ -19,9 +19,9 @@ from numpy.typing import NDArray
 from synthesis.catalogue.constraints import LinearInequality
 from synthesis.catalogue.motion import PlacedSegment
 from synthesis.numerics.bspline import SplineSpace
+from synthesis.numerics.double_double import round_mantissa
 from synthesis.numerics.maxima import maximise
 from synthesis.numerics.piecewise import Array
-from synthesis.numerics.round_mantissa import round_mantissa
 from synthesis.optimise.problem.boundary import BoundaryState
 from synthesis.optimise.problem.grid import TYPICAL, Grid
 

@@ -20,8 +20,8 @@ from itertools import accumulate, pairwise
 import numpy as np
 from scipy import sparse
 
+from synthesis.numerics.double_double import round_mantissa
 from synthesis.numerics.piecewise import Array
-from synthesis.numerics.round_mantissa import round_mantissa
 from synthesis.numerics.solvers.clarabel import ConeProgram
 from synthesis.optimise.conic import linear_rows as rows
 from synthesis.optimise.conic import tangent_cuts as cuts

@@ -20,8 +20,8 @@ from synthesis.catalogue.constraints import (
     Vector,
 )
 from synthesis.catalogue.motion import PlacedSegment
+from synthesis.numerics.double_double import round_mantissa
 from synthesis.numerics.piecewise import Array, Piecewise
-from synthesis.numerics.round_mantissa import round_mantissa
 from synthesis.optimise.conic.law_bounds import LawBounds
 from synthesis.optimise.conic.linear_rows import LinearBlock, Scales, Tightening
 from synthesis.optimise.conic.semi_infinite import local_maxima

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from synthesis.catalogue.motion import PlacedSegment
-from synthesis.numerics.piecewise import Array, Piecewise
+from synthesis.numerics.piecewise import Array, Piecewise, gauss_points
 from synthesis.optimise.problem.grid import TYPICAL, Grid
 from synthesis.units import FULL_TURN
 
@@ -56,9 +56,6 @@ def energy(segments: Sequence[PlacedSegment], grids: Sequence[Grid], order: int)
 
 def mean_square(curve: Piecewise, order: int) -> float:
     """1/2π ∫ (f^(order))² over the pieces, by 24-point Gauss on every piece."""
-    nodes, shares = np.polynomial.legendre.leggauss(24)
-    left, width = curve.breaks[:-1], np.diff(curve.breaks)
-    x = left[:, None] + width[:, None] * (nodes + 1.0) / 2.0
-    piece = np.repeat(np.arange(curve.count), len(nodes))
-    value = curve.at(x.ravel(), piece, order).reshape(x.shape)
-    return float(np.sum(value**2 * shares * width[:, None] / 2.0) / FULL_TURN)
+    x, weights = gauss_points(curve.breaks, 24)
+    value = curve.at(x.ravel(), np.repeat(np.arange(curve.count), 24), order)
+    return float(weights.ravel() @ value**2 / FULL_TURN)

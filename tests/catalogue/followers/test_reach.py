@@ -11,7 +11,7 @@ from pydantic_core import PydanticCustomError
 from synthesis.catalogue.followers.arm_workspace import ArmGeometry
 from synthesis.catalogue.laws import LAWS
 from synthesis.catalogue.motion import FreeLaw, PlacedSegment
-from synthesis.numerics.geometry.triangle import enclosed_angle, third_side
+from synthesis.numerics.geometry.plane import enclosed_angle, third_side
 from synthesis.numerics.piecewise import Piecewise
 from tests.numerics.geometry.cams import unspecial
 

@@ -7,8 +7,8 @@ import pytest
 
 from synthesis.catalogue.forces.history import history
 from synthesis.certify import report_forces
-from synthesis.certify.force_quantities import ForceQuantity, load_cuts
-from synthesis.certify.piecewise_motion import PiecewiseMotion
+from synthesis.certify.force_quantities import force_quantity
+from synthesis.certify.quantities import MeasuredCam
 from synthesis.studies.analyse import given_cam
 from tests.catalogue.followers.samples import CASES, LIFTS
 from tests.catalogue.forces.loads import edged, load_of, loaded
@@ -94,13 +94,13 @@ def test_two_ways_to_the_geometry_agree(kind: str, sample: int) -> None:
     asked = loaded(kind, sample)
     found, cam = course_of_forces(asked, THETA)
     machine = asked.machine()
-    course = PiecewiseMotion(cam.motion, load_cuts(machine))
-    piece = course.curve.piece_of(THETA)
+    finished = MeasuredCam.of(cam.motion, machine, cam.size)
+    piece = finished.motion.curve.piece_of(THETA)
     for flank in asked.follower.flanks:
 
         def measured(name, flank=flank):
-            mine = ForceQuantity(name, machine, machine.load, course, flank, cam.size)
-            return mine.values_at(piece, THETA)
+            mine = force_quantity(name, flank, finished)
+            return finished.values([(mine, flank.path)], piece, THETA)[0]
 
         assert measured("contact_force") * flank.side == pytest.approx(
             found.contact[flank.name], rel=1e-11

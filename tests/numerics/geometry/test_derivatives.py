@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from hypothesis import given
 
-from synthesis.numerics.geometry.disc import to_cam
+from synthesis.numerics.geometry.plane import to_cam
 from tests.numerics.geometry.agreement import agree
 from tests.numerics.geometry.cams import Cam, cams, unspecial
 from tests.numerics.geometry.slopes import slopes

@@ -26,7 +26,8 @@ from synthesis.machines.linkages.shaper.answer import (
 from synthesis.machines.linkages.shaper.mechanism import SIGN, Drive, Motion, Shaper
 from synthesis.machines.linkages.shaper.spec import LENGTHS, ShaperSpec
 from synthesis.numerics.enclosure import Extremum, ExtremumQuery, enclose
-from synthesis.numerics.taylor import Array, Taylor
+from synthesis.numerics.piecewise import Array
+from synthesis.numerics.taylor import Taylor
 from synthesis.units import DEGREE, FULL_TURN
 
 Value = Any
