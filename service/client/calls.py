@@ -1,76 +1,147 @@
-"""The calls of a client, as coroutines over a transport."""
+"""The calls of a client, as coroutines."""
 
 from __future__ import annotations
 
+import asyncio
 import json
 import uuid
 from collections.abc import AsyncGenerator, Mapping, Sequence
 from contextlib import aclosing
+from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
+from typing import Any, Self
 
+import httpx2
 from pydantic_core import to_json
 
 from service.client.download import ProgressCallback, download
-from service.client.events import Event, watch_events
-from service.client.retries import Retries, send_with_retries
-from service.client.transport import Answer, Request, Transport
+from service.client.exchange import Exchange, Request, Retries
 
 Json = dict[str, Any]
 Spec = Mapping[str, Any] | Any  # a body, or a model of pydantic that has its fields
+ADDRESS = "http://127.0.0.1:8000"
+SILENCE_S = 60.0  # without a byte, after which a connection counts as lost
 POLL_S = 1.0  # between requests for an answer under way, where the service names no time
 
 
-class Calls:
+@dataclass(frozen=True)
+class Event:
+    """An event of a sweep.
+
+    Attributes:
+        kind: ``item``, ``progress`` or ``end``. data: the item, or the sweep's summary.
+        id: of the last item so far, after which the stream continues; empty before the first.
+    """
+
+    kind: str
+    data: dict[str, Any]
+    id: str
+
+
+class AsyncClient:
     """Questions, answers, sweeps, files. Bodies are dictionaries, as on the wire.
 
     Every call raises Refused for a problem document, and Unreachable where there is no response.
+
+    Args:
+        url: address of the service. retries: how often and how long to try.
+        timeout_s: without a byte, after which the connection counts as lost.
+        more: for httpx2.AsyncClient, such as ``headers``, ``verify`` or ``proxy``.
     """
 
-    def __init__(self, transport: Transport, retries: Retries) -> None:
-        self._transport, self._retries = transport, retries
+    def __init__(
+        self,
+        url: str = ADDRESS,
+        *,
+        retries: Retries = Retries(),  # noqa: B008 (frozen)
+        timeout_s: float = SILENCE_S,
+        **more: Any,
+    ) -> None:
+        http = httpx2.AsyncClient(base_url=url, timeout=timeout_s, **more)
+        self._exchange = Exchange(http, retries)
 
-    async def get(self, path: str, **query: Any) -> Json:
+    async def __aenter__(self) -> Self:
+        return self
+
+    async def __aexit__(self, *_: object) -> None:
+        await self.close()
+
+    async def close(self) -> None:
+        """Close its connections."""
+        await self._exchange.http.aclose()
+
+    async def get(self, /, path: str, **query: Any) -> Json:
         """Any JSON document of the service, by its path, such as a link of an answer."""
-        return _body(await self._send(Request("GET", path, query)))
+        return _document(await self._exchange.send(Request("GET", path, query)))
+
+    async def answer(self, path: str, spec: Spec) -> Json:
+        """The answer to a question, by the path of its collection; waits until it is done."""
+        response = await self._exchange.send(_question(path, spec))
+        location = response.headers.get("location", "")
+        while response.status_code == 202:
+            await asyncio.sleep(float(response.headers.get("retry-after", POLL_S)))
+            response = await self._exchange.send(Request("GET", location))
+        return _document(response)
 
     async def design(self, spec: Spec) -> Json:
         """The cam for a DesignSpec."""
-        return await self._answer_to("/v1/designs", spec)
+        return await self.answer("/v1/designs", spec)
 
     async def analyse(self, spec: Spec) -> Json:
         """The analysis of a given cam."""
-        return await self._answer_to("/v1/analyses", spec)
+        return await self.answer("/v1/analyses", spec)
 
     async def read_back(self, measured: Spec) -> Json:
         """The motion that measured points of a profile give."""
-        return await self._answer_to("/v1/profile-analyses", measured)
+        return await self.answer("/v1/profile-analyses", measured)
 
     async def cam_set(self, spec: Spec) -> Json:
         """The cams of one shaft."""
-        return await self._answer_to("/v1/cam-sets", spec)
+        return await self.answer("/v1/cam-sets", spec)
 
     async def spatial_cam(self, spec: Spec) -> Json:
         """The spatial cam for a SpatialCamSpec."""
-        return await self._answer_to("/v1/spatial-cams", spec)
+        return await self.answer("/v1/spatial-cams", spec)
 
     async def linkage(self, kind: str, spec: Spec) -> Json:
         """A linkage of a kind, such as ``six-bar-shapers``."""
-        return await self._answer_to(f"/v1/linkages/{kind}", spec)
+        return await self.answer(f"/v1/linkages/{kind}", spec)
 
     async def train_response(self, spec: Spec) -> Json:
         """The response of a follower train to its cam."""
-        return await self._answer_to("/v1/train-responses", spec)
+        return await self.answer("/v1/train-responses", spec)
 
     async def sweep(self, spec: Spec) -> Json:
         """Start a sweep, or join it where it is running; its current state."""
-        return _body(await self._send(_question("/v1/sweeps", spec)))
+        return _document(await self._exchange.send(_question("/v1/sweeps", spec)))
 
-    def watch(
+    async def watch(
         self, sweep: str, *, after: str = "", items: bool = True
     ) -> AsyncGenerator[Event, None]:
-        """All events of a sweep, continued after lost connections."""
-        return watch_events(self._transport, self._retries, _sweep(sweep), after, items)
+        """All events of a sweep up to ``end``, continued after lost connections.
+
+        Args:
+            after: id of the last item that is known, or empty.
+            items: events for every item; otherwise for progress only.
+        """
+        last, query = after, {"items": str(items).lower()}
+
+        def next_request() -> Request:
+            resuming = {"Last-Event-ID": last} if last else {}
+            headers = {"Accept": "text/event-stream", **resuming}
+            return Request("GET", f"{_sweep(sweep)}/events", query, headers=headers)
+
+        async def read(response: httpx2.Response) -> AsyncGenerator[Event, None]:
+            async for event in httpx2.EventSource(response):
+                yield Event(event.event, json.loads(event.data), event.id)
+                if event.event == "end":
+                    return
+            raise httpx2.RemoteProtocolError("the stream ended before the event `end`")
+
+        async with aclosing(self._exchange.receive(next_request, read)) as events:
+            async for event in events:
+                last = event.id or last
+                yield event
 
     async def wait(self, sweep: str) -> Json:
         """The sweep when it has ended."""
@@ -100,37 +171,22 @@ class Calls:
     async def dismiss(self, sweep: str) -> Json:
         """Stop a sweep and keep what is done; one that has ended stays as it is."""
         request = Request("DELETE", _sweep(sweep), {"discard": "false"})
-        return _body(await self._send(request))
+        return _document(await self._exchange.send(request))
 
     async def delete(self, path: str) -> None:
         """Delete an answer or a sweep, by its path; a running sweep is stopped first."""
-        await self._send(Request("DELETE", path, repeatable=False))
+        await self._exchange.send(Request("DELETE", path, repeatable=False))
 
     async def download(
-        self, path: str, target: Path, *, progress: ProgressCallback | None = None, **query: Any
+        self, /, path: str, target: Path, *, progress: ProgressCallback | None = None, **query: Any
     ) -> Path:
         """A file, such as ``/v1/designs/ID/profile.csv``; continues an interrupted download."""
-        return await download(
-            self._transport, self._retries, Request("GET", path, query), target, progress
-        )
-
-    async def _answer_to(self, path: str, spec: Spec) -> Json:
-        """The answer to a question; waits until it is done."""
-        answer = await self._send(_question(path, spec))
-        where = answer.headers.get("location", "")
-        while answer.status == 202:
-            await self._transport.pause(float(answer.headers.get("retry-after", POLL_S)))
-            answer = await self._send(Request("GET", where))
-        return _body(answer)
-
-    async def _send(self, request: Request) -> Answer:
-        return await send_with_retries(self._transport, self._retries, request)
+        return await download(self._exchange, Request("GET", path, query), target, progress)
 
 
 def _question(path: str, spec: Spec) -> Request:
     """A spec as a request: its key makes it safe to send again."""
-    key = str(uuid.uuid4())
-    headers = {"Content-Type": "application/json", "Idempotency-Key": key}
+    headers = {"Content-Type": "application/json", "Idempotency-Key": str(uuid.uuid4())}
     return Request("POST", path, body=to_json(spec), headers=headers)
 
 
@@ -138,6 +194,6 @@ def _sweep(sweep: str) -> str:
     return f"/v1/sweeps/{sweep}"
 
 
-def _body(answer: Answer) -> Json:
-    found: Json = json.loads(answer.body)
-    return found
+def _document(response: httpx2.Response) -> Json:
+    document: Json = json.loads(response.content)
+    return document

@@ -3,15 +3,14 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Callable
+from collections.abc import AsyncGenerator, Callable
 from dataclasses import dataclass, replace
 from pathlib import Path
 
 import httpx2
 
 from service.client.errors import ClientError
-from service.client.retries import Retries, pause_before_retry, refused, unreachable
-from service.client.transport import Request, ResponseStream, Transport
+from service.client.exchange import Exchange, Request
 
 ProgressCallback = Callable[[int, "int | None"], None]
 
@@ -51,11 +50,6 @@ class Part:
             note = {"request": self.request, "etag": etag}
             self._note.write_text(json.dumps(note), encoding="utf-8")
 
-    def add(self, chunk: bytes) -> None:
-        """Append bytes."""
-        with self.file.open("ab") as file:
-            file.write(chunk)
-
     def complete(self) -> Path:
         """Rename it to the target."""
         self.file.replace(self.target)
@@ -66,13 +60,42 @@ class Part:
         """Make the bytes unusable for continuation."""
         self._note.unlink(missing_ok=True)
 
+    def is_whole(self, response: httpx2.Response) -> bool:
+        """Whether a response says that nothing is left of the file to be sent."""
+        span = response.headers.get("content-range")
+        return response.status_code == 416 and span == f"bytes */{self.received()[1]}"
+
+    async def receive(
+        self, response: httpx2.Response
+    ) -> AsyncGenerator[tuple[int, int | None], None]:
+        """Append the bytes of a response; after each chunk, the bytes so far and in all."""
+        if self.is_whole(response):
+            return
+        (etag, have), headers = self.received(), response.headers
+        encoding = headers.get("content-encoding", "identity")
+        if encoding != "identity":
+            raise ClientError(
+                f"{self.request} was sent as {encoding}, though requested without encoding."
+            )
+        if response.status_code != 206:
+            self.begin(headers.get("etag", ""))
+            have = 0
+        else:  # the bytes have to be those that were requested
+            span = headers.get("content-range", "")
+            if not (headers.get("etag") == etag and span.startswith(f"bytes {have}-")):
+                self.delete_note()
+                raise httpx2.RemoteProtocolError(f"another range ({span}) than requested")
+        length = headers.get("content-length")
+        total = None if length is None else have + int(length)
+        async for chunk in response.aiter_raw():
+            with self.file.open("ab") as file:
+                file.write(chunk)
+            have += len(chunk)
+            yield have, total
+
 
 async def download(
-    transport: Transport,
-    retries: Retries,
-    request: Request,
-    target: Path,
-    progress: ProgressCallback | None = None,
+    exchange: Exchange, request: Request, target: Path, progress: ProgressCallback | None = None
 ) -> Path:
     """Download a file to ``target``, which appears when it is complete.
 
@@ -86,62 +109,18 @@ async def download(
         Refused, Unreachable: as for every call; every byte resets the number of tries.
         OSError: the file cannot be written.
     """
-    part = Part(target, f"{transport.address}{request.path}?{sorted(request.query.items())}")
-    tried = 0
-    while True:
-        tried += 1
+    query = sorted(request.query.items())
+    part = Part(target, f"{exchange.http.base_url}{request.path}?{query}")
+
+    def next_request() -> Request:
         etag, have = part.received()
         resuming = {"Range": f"bytes={have}-", "If-Range": etag} if have else {}
         # Ranges count bytes of the uncompressed file.
-        headers = {"Accept-Encoding": "identity", **resuming}
-        try:
-            async with transport.stream(replace(request, headers=headers)) as response:
-                if response.status < 400:
-                    _check(part, response, etag, have)
-                    await _receive(part, response, have, progress)
-                    return part.complete()
-                if (
-                    response.status == 416
-                    and response.headers.get("content-range") == f"bytes */{have}"
-                ):
-                    return part.complete()
-                answer = await response.read()
-        except httpx2.TransportError as error:
-            if part.received()[1] > have:
-                tried = 0
-            elif tried >= retries.tries:
-                raise unreachable(request, error, tried) from error
-            await transport.pause(retries.pause_s(max(tried, 1)))
-        else:
-            pause = pause_before_retry(retries, answer, tried)
-            if pause is None:
-                raise refused(answer)
-            await transport.pause(pause)
+        return replace(request, headers={"Accept-Encoding": "identity", **resuming})
 
-
-def _check(part: Part, response: ResponseStream, etag: str, have: int) -> None:
-    """Check that the bytes that follow are those requested."""
-    encoding = response.headers.get("content-encoding", "identity")
-    if encoding != "identity":
-        raise ClientError(
-            f"{part.request} was sent as {encoding}, though requested without encoding."
-        )
-    span, tag = response.headers.get("content-range", ""), response.headers.get("etag")
-    if response.status == 206 and not (tag == etag and span.startswith(f"bytes {have}-")):
-        part.delete_note()
-        raise httpx2.RemoteProtocolError(f"another range ({span}) than requested")
-
-
-async def _receive(
-    part: Part, response: ResponseStream, have: int, progress: ProgressCallback | None
-) -> None:
-    if response.status != 206:
-        part.begin(response.headers.get("etag", ""))
-        have = 0
-    length = response.headers.get("content-length")
-    total = None if length is None else have + int(length)
-    async for chunk in response.chunks():
-        part.add(chunk)
-        have += len(chunk)
+    async for have, total in exchange.receive(
+        next_request, part.receive, lambda r: r.status_code < 400 or part.is_whole(r)
+    ):
         if progress is not None:
             progress(have, total)
+    return part.complete()
