@@ -14,7 +14,8 @@ from typing import Annotated, Any
 import typer
 from pydantic.fields import FieldInfo
 
-from service.commands.terminal import out, read_spec, save, stop, synthesise
+from service.commands.requests import answer
+from service.commands.terminal import read_spec, report_files, save, stop
 from service.wire.body import parsed
 from service.wire.errors import ServiceError
 from synthesis.design.design import Design
@@ -27,7 +28,6 @@ from synthesis.exporters import (
     Exporter,
     form,
 )
-from synthesis.spec.design_spec import DesignSpec
 
 
 class Part(StrEnum):
@@ -58,7 +58,18 @@ def _write(
     out_dir: Annotated[Path, typer.Option("--out", help="Folder for the files.")] = Path(),
     **chosen: Any,
 ) -> None:
-    """Write files of one cam: of a design that was kept, or of a spec, sized now."""
+    """Write files of one cam: of a design in a file, or of a question, computed now.
+
+    Lengths in mm, angles in deg, chord tolerances in µm. Each format has options of its own; an
+    unknown one is refused, with a list of those that there are.
+
+      camwright export results/design.json --format txt --points-per-degree 10
+      camwright export results/design.json --format csv --curve pitch --tolerance-um 2
+      camwright export results/design.json --part motion --format svg
+      camwright export results/design.json --part picture --format contact.svg
+
+    Exit codes: 0 written; 2 no such format, option or curve, or no cam fits.
+    """
     known = FORMATS[part]
     for name in formats:
         if name not in known:
@@ -74,7 +85,7 @@ def _write(
     except CamwrightError as error:
         stop(str(error))
     save(files, out_dir)
-    out.print(f"Written to {out_dir}: {', '.join(files)}")
+    report_files(files, out_dir)
 
 
 def _options(exporter: Exporter[Any], given: Mapping[str, Any]) -> Any:
@@ -88,31 +99,32 @@ def _options(exporter: Exporter[Any], given: Mapping[str, Any]) -> Any:
 
 def _parameters() -> list[inspect.Parameter]:
     """One keyword for every option of any format; None is the format's own default."""
-    found: dict[str, inspect.Parameter] = {}
+    fields: dict[str, FieldInfo] = {}
     for formats in FORMATS.values():
         for exporter in formats.values():
-            for name, field in form(exporter.options).model_fields.items():
-                found.setdefault(name, _keyword(name, field))
-    return list(found.values())
-
-
-def _keyword(name: str, field: FieldInfo) -> inspect.Parameter:
-    shape: Any = field.annotation
-    kind = Annotated[shape | None, typer.Option(help=field.description)]
-    return inspect.Parameter(name, inspect.Parameter.KEYWORD_ONLY, default=None, annotation=kind)
+            fields = form(exporter.options).model_fields | fields
+    shapes: dict[str, Any] = {name: field.annotation for name, field in fields.items()}
+    return [
+        inspect.Parameter(
+            name, inspect.Parameter.KEYWORD_ONLY, default=None,
+            annotation=Annotated[shapes[name] | None, typer.Option(help=field.description)],
+        )
+        for name, field in fields.items()
+    ]  # fmt: skip
 
 
 def _with_options() -> Any:
     """The command as a terminal knows it."""
     own = inspect.signature(_write, eval_str=True)
     named = [each for each in own.parameters.values() if each.kind is not each.VAR_KEYWORD]
+    named += _parameters()
 
     def export(**given: Any) -> None:
         _write(**given)
 
     export.__doc__ = _write.__doc__
-    export.__signature__ = own.replace(parameters=[*named, *_parameters()])  # type: ignore[attr-defined]
-    export.__annotations__ = {each.name: each.annotation for each in (*named, *_parameters())}
+    export.__signature__ = own.replace(parameters=named)  # type: ignore[attr-defined]
+    export.__annotations__ = {each.name: each.annotation for each in named}
     return export
 
 
@@ -127,4 +139,5 @@ def _design(path: Path) -> Design:
         document = None  # reported when it is read as a spec
     if isinstance(document, dict) and "certificate" in document:
         return read_spec(path, Design)
-    return synthesise(read_spec(path, DesignSpec))
+    found: Design = answer("designs", path)
+    return found

@@ -1,21 +1,22 @@
-"""Answers for commands: from a service, or computed here."""
+"""Answers for commands: from a service, or computed here by the tasks of its workers."""
 
 from __future__ import annotations
 
 import json
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from pathlib import Path
 from typing import Annotated, Any
 from urllib.parse import urlsplit
 
 import typer
-from pydantic import ValidationError
+from pydantic import BaseModel, ValidationError
 from rich.progress import Progress, SpinnerColumn, TextColumn, TimeElapsedColumn
 
 from service.client import Client, Refused, Unreachable
-from service.commands.terminal import compute, err, stop
-from service.wire.body import Model
+from service.commands.terminal import err, read_spec, stop
+from service.settings import settings_from
+from synthesis.errors import CamwrightError, TimeBudgetExceeded
 
 Url = Annotated[
     str | None,
@@ -60,31 +61,31 @@ def valid_address(url: str) -> str:
 
 
 def answer(
-    url: str | None,
-    path: Path,
-    model: type[Model],
-    ask: Callable[[Client], dict[str, Any]],
-    work: Callable[[float], Model],
-    budget_s: float | None = None,
-) -> Model:
+    collection: str, path: Path, url: str | None = None, more: Mapping[str, Any] | None = None
+) -> Any:
     """The answer of a service, or computed here; where time ends, the best so far.
 
     Args:
-        url: of the service; None: compute it. path: file of the question. model: of the answer.
-        ask: the call of the client. work, budget_s: as in ``terminal.compute``.
+        collection: of the question, below /v1/. path: file of the question. more: fields of it.
+        url: of the service; None: compute it.
     """
+    # Imported here: it takes as long as all else that a command imports, and not all need it.
+    from service.resources.registry import RESOURCES
+
+    resource = RESOURCES[f"/v1/{collection}"]
+    question = read_spec(path, resource.spec, more)
     if url is None:
-        return compute(work, budget_s)
+        return _computed(resource, question)
     with report_errors(path, url, CONTINUES), Client(valid_address(url)) as client, _waiting(url):
         try:
-            document = ask(client)
+            document = client.answer(resource.path, question)
         except Refused as error:
             if error.best is None:
                 raise
             err.print(str(error))
             document = error.best
     try:
-        return model.model_validate_json(json.dumps(document))
+        return resource.answer.model_validate_json(json.dumps(document))
     except ValidationError as error:
         first = error.errors()[0]
         where = "/".join(str(part) for part in first["loc"])
@@ -92,6 +93,25 @@ def answer(
             f"The answer of {url} is not in the form that this command knows ({where}: "
             f"{first['msg']}). Compare GET /v1/version with camwright --version."
         )
+
+
+def _computed(resource: Any, question: Any) -> BaseModel:
+    """The answer to a question, without links: no service keeps it."""
+    from service.workers.tasks import solve_design
+
+    task = resource.task or solve_design
+    budget_s = settings_from().budget_s(resource.budget_of(question))
+    try:
+        body = task(question.model_dump_json().encode(), budget_s).body
+        found: BaseModel = resource.answer.model_validate_json(body)
+    except TimeBudgetExceeded as error:
+        if error.best is None:
+            stop(str(error))
+        err.print(str(error))
+        found = error.best
+    except CamwrightError as error:
+        stop(str(error))
+    return found.model_copy(update={"links": {}}) if hasattr(found, "links") else found
 
 
 @contextmanager

@@ -33,7 +33,20 @@ def serve(
         ),
     ] = None,
 ) -> None:
-    """Start the service, with its page, its API and its documentation."""
+    """Start the service with its page, its API and its documentation; no internet is needed.
+
+    Options left out come from the environment: CAMWRIGHT_HOST, CAMWRIGHT_PORT,
+    CAMWRIGHT_DATABASE_URL, CAMWRIGHT_SCHEDULER, and further CAMWRIGHT_WORKERS (processes),
+    CAMWRIGHT_TIME_BUDGET_S (seconds one question may take) and others, else from the defaults. It
+    designs a textbook cam as a self-check and prints its addresses; Ctrl-C stops it.
+
+      camwright serve
+      camwright serve --host 0.0.0.0 --port 8080
+      camwright serve --database-url postgresql+psycopg://user:secret@db/cams
+      camwright serve --scheduler tcp://10.0.0.5:8786
+
+    Exit codes: 0 stopped by Ctrl-C; 1 the port, the database or a setting cannot be used, and why.
+    """
     options = {"host": host, "port": port, "database_url": database_url, "scheduler": scheduler}
     given: dict[str, Any] = {name: value for name, value in options.items() if value is not None}
     settings = settings_from(**given)

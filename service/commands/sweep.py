@@ -6,23 +6,16 @@ import asyncio
 import json
 import threading
 from collections.abc import Iterator
-from contextlib import AbstractContextManager, contextmanager, nullcontext
+from contextlib import contextmanager, nullcontext
 from pathlib import Path
 from typing import Annotated, Any
 
 import typer
-from rich.progress import (
-    BarColumn,
-    Progress,
-    TaskID,
-    TextColumn,
-    TimeRemainingColumn,
-)
+from rich.progress import BarColumn, Progress, TextColumn, TimeRemainingColumn
 
 from service.client import Client, Refused
-from service.client.download import ProgressCallback
 from service.commands.requests import CONTINUES, Url, report_errors, valid_address
-from service.commands.terminal import err, out, read_spec, save, stop
+from service.commands.terminal import Folder, err, out, read_spec, report_files, save, stop
 from service.settings import settings_from
 from service.sockets import listening_socket
 from service.workers import prefork
@@ -34,12 +27,20 @@ STORE = "sweeps.db"  # the finished items of a sweep that is computed here
 
 def sweep(
     spec: Annotated[Path, typer.Argument(help="File with a SweepSpec, or a worked example.")],
-    out_dir: Annotated[Path, typer.Option("--out", help="Folder for the results.")] = Path(),
+    out_dir: Folder = Path(),
     url: Url = None,
 ) -> None:
-    """Run a sweep; write sweep.json and its table. The same command continues a stopped one.
+    """Run a sweep: many designs from one base spec, over any of its fields.
 
-    Computed here, finished items are kept in the folder of the results.
+    Writes sweep.json and the table items.csv (items.parquet with the package `parquet`), one row an
+    item, units in the names of the columns. Computed here, finished items are kept in the folder of
+    the results, and the same command continues a stopped sweep; a service keeps them itself.
+
+      camwright sweep openapi/examples/sweeps/rollers-and-laws.json --out results
+      camwright sweep sweep.json --out results --url http://127.0.0.1:8000
+
+    Exit codes: 0 all items have an answer; 2 the question is invalid; 3 stopped, or items failed;
+    130 Ctrl-C, with what is done kept.
     """
     question = read_spec(spec, SweepSpec)
     kept = "Finished items are kept; the same command continues the sweep."
@@ -47,7 +48,7 @@ def sweep(
         out_dir.mkdir(parents=True, exist_ok=True)
         with (
             report_errors(spec, url, CONTINUES if url else kept),
-            _at(url, out_dir) as address,
+            nullcontext(valid_address(url)) if url else own_service(out_dir) as address,
             Client(address) as client,
             _progress() as progress,
         ):
@@ -59,14 +60,9 @@ def sweep(
     counts = ended["counts"]
     results = ", ".join(f"{counts[name]} {name}" for name in list(counts)[2:] if counts[name])
     out.print(f"{ended['state']}: {counts['done']} of {counts['items']} items, {results}")
-    out.print(f"Written to {out_dir}: {', '.join(['sweep.json', *files])}")
+    report_files(["sweep.json", *files], out_dir)
     if ended["state"] != "successful":
         raise typer.Exit(3)
-
-
-def _at(url: str | None, folder: Path) -> AbstractContextManager[str]:
-    """Address of the service: the one named, or one started here."""
-    return own_service(folder) if url is None else nullcontext(valid_address(url))
 
 
 @contextmanager
@@ -123,18 +119,15 @@ def _download(
 ) -> bool:
     """Download a table; False where the service cannot write this format."""
     bar = progress.add_task(name, total=None, text="")
+
+    def update(done: int, total: int | None) -> None:
+        progress.update(bar, completed=done, total=total or done, text=f"{done / 1e3:.0f} kB")
+
     try:
-        client.download(ended["links"][name], folder / name, progress=_update_bar(progress, bar))
+        client.download(ended["links"][name], folder / name, progress=update)
     except Refused as error:
         if error.kind != "format-missing":
             raise
         progress.update(bar, visible=False)
         return False
     return True
-
-
-def _update_bar(progress: Progress, bar: TaskID) -> ProgressCallback:
-    def update(done: int, total: int | None) -> None:
-        progress.update(bar, completed=done, total=total or done, text=f"{done / 1e3:.0f} kB")
-
-    return update

@@ -1,10 +1,9 @@
-"""What the commands share: reading a spec, computing, printing, writing files, errors."""
+"""What the commands share: options, reading a spec, printing, writing files, errors."""
 
 from __future__ import annotations
 
 import json
-import time
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Collection, Iterable, Mapping
 from pathlib import Path
 from typing import Annotated, Any, NoReturn
 
@@ -13,18 +12,22 @@ from pydantic import BaseModel
 from rich.console import Console
 from rich.table import Table
 
-from service.settings import settings_from
 from service.wire.body import Model, parsed, validated
 from service.wire.errors import InvalidBody, ServiceError
-from synthesis.design.design import Design
-from synthesis.errors import CamwrightError, TimeBudgetExceeded
-from synthesis.spec.design_spec import DesignSpec
 
+MIN_WIDTH = 120  # characters that the widest table needs
 out = Console(highlight=False, markup=False, soft_wrap=True)
 err = Console(highlight=False, markup=False, soft_wrap=True, stderr=True)
 
 AsJson = Annotated[
     bool, typer.Option("--json", help="Print the whole as JSON, as the service answers it.")
+]
+DesignFile = Annotated[Path, typer.Argument(help="File with a Design, as `design` writes it.")]
+Folder = Annotated[
+    Path, typer.Option("--out", help="Folder for the results; made where it is missing.")
+]
+FolderOrNone = Annotated[
+    Path | None, typer.Option("--out", help="Folder for the answer and its files; left out: none.")
 ]
 
 
@@ -50,46 +53,21 @@ def read_spec(path: Path, model: type[Model], more: Mapping[str, Any] | None = N
         stop(f"{path}: {error}")
 
 
-def compute(work: Callable[[float], Model], budget_s: float | None = None) -> Model:
-    """The result of some work here, with a time budget; where time ends, the best result so far.
-
-    Args:
-        work: deadline, by ``time.monotonic()`` [s], to the result. It imports the solvers itself,
-            so that other commands start at once.
-    """
-    try:
-        return work(time.monotonic() + settings_from().budget_s(budget_s))
-    except TimeBudgetExceeded as error:
-        if error.best is None:
-            stop(str(error))
-        err.print(str(error))
-        best: Model = error.best
-        return best
-    except CamwrightError as error:
-        stop(str(error))
-
-
-def synthesise(spec: DesignSpec) -> Design:
-    """The cam of a spec, computed here."""
-
-    def work(deadline: float) -> Design:
-        from synthesis.pipeline.synthesise import synthesise
-
-        return synthesise(spec, deadline=deadline)
-
-    return compute(work, spec.time_budget_s)
-
-
 def print_json(answer: BaseModel) -> None:
     """Print an answer as the service sends it, for other programs."""
     typer.echo(answer.model_dump_json(indent=1))
 
 
-def print_tables(tables: Iterable[Table], width: int) -> None:
-    """Print tables, at least ``width`` characters wide."""
-    wide = Console(highlight=False, width=max(out.width, width))
+def print_tables(tables: Iterable[Table]) -> None:
+    """Print tables, as wide as the widest of all needs it."""
+    wide = Console(highlight=False, width=max(out.width, MIN_WIDTH))
     for table in tables:
         wide.print(table)
+
+
+def json_of(answer: BaseModel) -> bytes:
+    """An answer as the content of a file."""
+    return answer.model_dump_json(indent=1).encode()
 
 
 def save(files: Mapping[str, bytes], folder: Path) -> None:
@@ -100,6 +78,11 @@ def save(files: Mapping[str, bytes], folder: Path) -> None:
             (folder / name).write_bytes(content)
     except OSError as error:
         stop(f"{folder} cannot be written to: {error.strerror}.")
+
+
+def report_files(names: Collection[str], folder: Path) -> None:
+    """Print which files have been written."""
+    out.print(f"Written to {folder}: {', '.join(names)}")
 
 
 def stop(sentence: str) -> NoReturn:

@@ -103,7 +103,7 @@ def test_an_answer_of_another_version_is_said(
     service: Running, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     strange: dict[str, Any] = {"name": "from the future", "dimensions": {}}
-    monkeypatch.setattr(Client, "design", lambda self, spec: strange)
+    monkeypatch.setattr(Client, "answer", lambda self, path, spec: strange)
     found = run("design", EXAMPLES / "fixed-laws.json", url=service.url)
     assert found.exit_code == 2
     assert "not in the form that this command knows" in found.stderr

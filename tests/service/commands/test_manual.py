@@ -12,7 +12,6 @@ import typer.main
 from typer.testing import CliRunner
 
 from service import cli
-from service.commands import manual
 
 ROOT = Path(__file__).resolve().parents[3]
 COMMANDS = typer.main.get_group(cli.app).commands
@@ -31,11 +30,11 @@ def test_help_of_each_command(name: str) -> None:
     flat = " ".join(said.stdout.split())
     assert f"camwright {name} " in flat or f"camwright {name}" in said.stdout
     assert "Exit codes: 0 " in flat
-    for line in manual.HELP[name].splitlines():
+    for line in cli.HELP[name].splitlines():
         assert line.strip("\b ")[:40] in flat, line
 
 
-@pytest.mark.parametrize("text", [manual.ROOT, *manual.HELP.values()])
+@pytest.mark.parametrize("text", [cli.ROOT, *cli.HELP.values()])
 def test_examples_are_real(text: str) -> None:
     found = shown(text)
     assert found
@@ -48,7 +47,7 @@ def test_examples_are_real(text: str) -> None:
 
 
 def test_the_manual_is_of_the_commands_that_there_are() -> None:
-    assert set(manual.HELP) == set(COMMANDS)
+    assert set(cli.HELP) == set(COMMANDS)
     root = CliRunner().invoke(cli.app, ["--help"], env={"COLUMNS": "100"}).stdout
     for name in COMMANDS:
         assert name in root

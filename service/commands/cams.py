@@ -1,0 +1,119 @@
+"""`camwright design` and `cam-set`: cams and their files."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Mapping
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any
+
+import typer
+
+from service.commands.requests import Url, answer
+from service.commands.tables import force_lines, sizes
+from service.commands.terminal import Folder, json_of, out, report_files, save
+
+if TYPE_CHECKING:
+    from synthesis.design.cam_set import CamSet
+    from synthesis.design.design import Design
+    from synthesis.exporters.exporter import Exporter
+
+
+def design(
+    spec: Annotated[Path, typer.Argument(help="File with a DesignSpec, or a worked example.")],
+    out_dir: Folder = Path(),
+    url: Url = None,
+) -> None:
+    """Size one cam: base radius, offset or pivot and motion laws together, and prove it.
+
+    Writes design.json (dimensions, motion, every limit with its extreme in its own unit, cam angle
+    and margin, the proven lower bound), profile.* and motion.* in the usual formats, lengths in mm,
+    angles in deg, and pictures. `camwright export` writes others. By a service the files are the
+    same; design.json then has the links under which the design is kept there as well.
+
+      camwright design spec.json --out results
+      camwright design spec.json --out results --url http://127.0.0.1:8000
+
+    Exit codes: 0 a certified cam; 2 the question is invalid, or time ended without a cam; 3 no
+    cam fits: the limits that conflict are named, and design.json says what would help.
+    """
+    started = time.perf_counter()
+    found: Design = answer("designs", spec, url)
+    seconds = time.perf_counter() - started
+    files = _design_files(found)
+    save(files, out_dir)
+    gap = "" if found.certificate.gap is None else f", gap {100.0 * found.certificate.gap:.2f} %"
+    out.print(f"{found.status}{gap}, {1e3 * seconds:.0f} ms: {sizes(found.dimensions)}")
+    if found.forces is not None:
+        for line in force_lines(found.forces):
+            out.print(line)
+    if found.free_parameters:
+        values = (f"{name} {value:.6g}" for name, value in found.free_parameters.items())
+        out.print(f"Chosen: {', '.join(values)}")
+    report_files(files, out_dir)
+    if found.conflict is not None:
+        out.print(f"These limits cannot hold together: {', '.join(found.conflict.limits)}")
+        raise typer.Exit(3)
+
+
+def _design_files(design: Design) -> dict[str, bytes]:
+    from synthesis.exporters import (
+        MOTION_FORMATS,
+        PICTURES,
+        PROFILE_FORMATS,
+        ProfileOptions,
+        profiles,
+    )
+
+    files = {"design.json": json_of(design)}
+    if design.motion:
+        for name, profile in _default(PROFILE_FORMATS):
+            for stem, curve in profiles(design).items():
+                if profile.placeable or stem == "profile":  # a drawing shows every flank
+                    files[f"{stem}.{name}"] = profile.write(
+                        design, profile.adapted(ProfileOptions(curve=curve))
+                    )
+        for name, motion in _default(MOTION_FORMATS):
+            files[f"motion.{name}"] = motion.write(design, motion.options())
+    for name, picture in _default(PICTURES):
+        if design.motion or picture.without_cam:
+            files[name] = picture.write(design, picture.options())
+    return files
+
+
+def _default(formats: Mapping[str, Exporter[Any]]) -> list[tuple[str, Exporter[Any]]]:
+    """The formats that are written without being named."""
+    return [(name, each) for name, each in formats.items() if each.usual]
+
+
+def cam_set(
+    spec: Annotated[Path, typer.Argument(help="File with a CamSetSpec, or a worked example.")],
+    out_dir: Folder = Path(),
+    url: Url = None,
+) -> None:
+    """Size the cams of one shaft, with their phases, and write all their files.
+
+    Writes cam-set.json, the timing diagram and a folder for each cam, its points in the cam's own
+    frame and, turned by its phase in deg, in the shaft's; lengths in mm.
+
+      camwright cam-set openapi/examples/cam-sets/feeder-and-press.json --out results
+
+    Exit codes: 0 every cam fits, or some do; 2 the question is invalid; 3 none fits.
+    """
+    from synthesis.exporters.bundle import BundleOptions, bundle_files
+
+    found: CamSet = answer("cam-sets", spec, url)
+    out.print(f"{found.status}, {1e3 * found.seconds:.0f} ms: {len(found.cams)} cams on one shaft")
+    for cam in found.cams:
+        dimensions = sizes(cam.design.dimensions)
+        out.print(
+            f"  {cam.name}: {cam.design.status}, phase {cam.phase_deg:g}°, keyway at "
+            f"{cam.keyway_deg:g}°{': ' if dimensions else ''}{dimensions}"
+        )
+    files = {"cam-set.json": json_of(found)}
+    if found.has_cams:
+        files = dict(bundle_files(found, BundleOptions()))
+    save(files, out_dir)
+    report_files([f"{len(files)} files"], out_dir)
+    if found.status == "infeasible":
+        raise typer.Exit(3)

@@ -1,0 +1,159 @@
+"""`camwright spatial`, `linkage` and `respond`: machines other than one plane cam."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any
+
+import typer
+
+from service.commands.requests import Url, answer
+from service.commands.tables import response_table, spatial_line, spatial_tables
+from service.commands.terminal import (
+    AsJson,
+    Folder,
+    FolderOrNone,
+    json_of,
+    out,
+    print_json,
+    print_tables,
+    report_files,
+    save,
+    stop,
+)
+from synthesis.machines.linkages import LINKAGES
+
+if TYPE_CHECKING:
+    from synthesis.design.design import Relaxation
+    from synthesis.machines.dynamics import TrainResponse
+    from synthesis.machines.spatial.design import SpatialDesign
+
+
+def spatial(
+    spec: Annotated[Path, typer.Argument(help="File with a SpatialCamSpec, or a worked example.")],
+    out_dir: FolderOrNone = None,
+    as_json: AsJson = False,
+    url: Url = None,
+) -> None:
+    """Design one spatial cam, globoidal or cylindrical.
+
+    Prints its walls by roller and side, where in the turn (deg) each is met, and what was measured:
+    pressure angle in deg, undercut, radii and ribs in mm, speeds in mm/s and rpm, each with cam
+    angle, wall and place on the roller's axis in mm. --out writes the answer and its files.
+
+      camwright spatial openapi/examples/spatial-cams/p4.json
+      camwright spatial cam.json --out results
+
+    Exit codes: 0 a cam that holds; 2 the question is invalid; 3 a wall is undercut, a rib cut
+    through or a limit broken: which and where is printed.
+    """
+    found: SpatialDesign = answer("spatial-cams", spec, url)
+    if as_json:
+        print_json(found)
+    else:
+        out.print(spatial_line(found))
+        print_tables(spatial_tables(found))
+    if out_dir is not None:
+        files = _spatial_files(found)
+        save(files, out_dir)
+        if not as_json:
+            report_files(files, out_dir)
+    if found.status == "infeasible":
+        raise typer.Exit(3)
+
+
+def _spatial_files(found: SpatialDesign) -> dict[str, bytes]:
+    """All usual files of the cam; of an infeasible one the answer alone."""
+    from synthesis.machines.spatial.files import FORMATS, formats_of
+
+    files = {"spatial.json": json_of(found)}
+    if found.status == "infeasible":
+        return files
+    for name in formats_of(found.machine):
+        if FORMATS[name].usual:
+            files[name] = FORMATS[name].write(found, FORMATS[name].options())
+    return files
+
+
+def linkage(
+    kind: Annotated[str, typer.Argument(help=f"Which kind: {', '.join(LINKAGES)}.")],
+    spec: Annotated[Path, typer.Argument(help="File with its spec, or a worked example.")],
+    out_dir: Folder = Path(),
+    url: Url = None,
+) -> None:
+    """Analyse or size a linkage: a six-bar shaper, or a palletising arm.
+
+    Writes linkage.json, tables, diagrams and animations; lengths in mm, angles in deg, velocities
+    in mm/s and deg/s, torques in N·m. A shaper's lengths left free are chosen for a stroke and a
+    quick-return ratio, with a proven bound.
+
+      camwright linkage six-bar-shapers openapi/examples/linkages/six-bar-shapers/p5.json
+      camwright linkage palletising-arms openapi/examples/linkages/palletising-arms/irb-660.json
+
+    Exit codes: 0 all requirements are met, all poses can be reached; 2 the question is invalid; 3
+    not all, and what would help.
+    """
+    if kind not in LINKAGES:
+        stop(f"{kind} is not a kind of linkage. There are {', '.join(LINKAGES)}.")
+    found = answer(f"linkages/{kind}", spec, url)
+    summary = LINKAGES[kind].summary(found)
+    out.print(
+        ", ".join([found.status, *(f"{name} {value:.6g}" for name, value in summary.items())])
+    )
+    for line in _conflicts(found):
+        out.print(line)
+    files = {"linkage.json": json_of(found)}
+    if summary:
+        from synthesis.machines.linkages.files import LINKAGE_FILES
+
+        for file in LINKAGE_FILES[kind].values():
+            if file.usual and file.suits(found):
+                files[file.name] = file.write(found, file.options())
+    save(files, out_dir)
+    report_files(files, out_dir)
+    if found.status == "infeasible":
+        raise typer.Exit(3)
+
+
+def _conflicts(found: Any) -> list[str]:
+    """What conflicts in an infeasible answer, a line each."""
+    conflict = getattr(found, "conflict", None)
+    changes: list[Relaxation] = [] if conflict is None else conflict.relaxations
+    limits = [f"  {each.limit}: {each.requested:g} requested, {each.needed:.6g} {each.unit} needed"
+            for each in changes if each.needed is not None]  # fmt: skip
+    poses = [pose for pose in getattr(found, "poses", []) if not pose.reachable]
+    return [*limits, *(f"  {pose.name or 'pose'}: {pose.note}" for pose in poses)]
+
+
+def respond(
+    spec: Annotated[Path, typer.Argument(help="File with a TrainSpec, or a worked example.")],
+    out_dir: FolderOrNone = None,
+    url: Url = None,
+) -> None:
+    """Compute the response of an elastic follower train to a cam.
+
+    The question is a cam and a chain of masses in kg, springs in N/mm and dampers in N s/mm. Prints
+    the train's modes in Hz and, for every speed in rpm, the output's error in mm, the residual
+    vibration in the dwells in mm, and the contact force in N. With --out it writes the whole
+    answer, a table, diagrams and the residual spectrum.
+
+      camwright respond openapi/examples/train-responses/press-feeder.json --out results
+
+    Exit codes: 0 done; 2 the question is invalid, or no cam fits.
+    """
+    found: TrainResponse = answer("train-responses", spec, url)
+    modes = ", ".join(
+        f"{mode.natural_frequency_hz:.4g} Hz (ζ {mode.damping_ratio:.3g})" for mode in found.modes
+    )
+    out.print(f"Modes: {modes}")
+    out.print(response_table(found))
+    if found.float_onset_rpm is not None:
+        out.print(f"Contact is lost from {found.float_onset_rpm:.4g} rpm on.")
+    if out_dir is not None:
+        from synthesis.machines.dynamics.files import TRAIN_FILES
+
+        files = {"train-response.json": json_of(found)}
+        made = (file for file in TRAIN_FILES if file.usual)
+        files |= {file.name: file.write(found, file.options()) for file in made}
+        save(files, out_dir)
+        report_files(files, out_dir)

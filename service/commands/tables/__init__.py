@@ -1,1 +1,0 @@
-"""Answers as tables on a terminal, one kind a file."""
