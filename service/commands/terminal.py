@@ -13,7 +13,7 @@ from rich.console import Console
 from rich.table import Table
 
 from service.wire.body import Model, parsed, validated
-from service.wire.errors import InvalidBody, ServiceError
+from service.wire.errors import ServiceError
 
 MIN_WIDTH = 120  # characters that the widest table needs
 out = Console(highlight=False, markup=False, soft_wrap=True)
@@ -44,13 +44,13 @@ def read_spec(path: Path, model: type[Model], more: Mapping[str, Any] | None = N
         return validated(body, model)
     except OSError as error:
         stop(f"{path} cannot be read: {error.strerror}.")
-    except InvalidBody as error:
+    except ServiceError as error:
+        if not error.violations:
+            stop(f"{path}: {error}")
         for found in error.violations:
             where = found["pointer"] or "the document"
             err.print(f"{path}: {where} = {found['value']!r}: {found['rule']}. {found['remedy']}")
         raise typer.Exit(2) from None
-    except ServiceError as error:
-        stop(f"{path}: {error}")
 
 
 def print_json(answer: BaseModel) -> None:

@@ -12,7 +12,7 @@ from pydantic import BaseModel
 
 from service.contract.components import share_components
 from service.contract.examples import examples
-from service.wire.errors import BY_STATUS, PROBLEMS
+from service.wire.errors import ProblemType
 from service.wire.problem import MEDIA_TYPE, LateProblem, Problem
 from synthesis.design.identity import engine_version
 from synthesis.machines.dynamics import TrainSpec
@@ -99,8 +99,7 @@ UNNAMED: tuple[type[BaseModel], ...] = (
 
 def problems(*statuses: int) -> dict[int | str, dict[str, Any]]:
     """Responses that are problem documents, by reference."""
-    titles = {kind.status: kind.title for kind in (*PROBLEMS.values(), *BY_STATUS.values())}
-    titles |= SEVERAL
+    titles = {kind.status: kind.title for kind in ProblemType} | SEVERAL
     return {
         status: {"description": f"{titles[status]}.", "content": _problem(status)}
         for status in statuses

@@ -6,7 +6,7 @@ from functools import partial
 
 from service.resources.resource import Resource, file_of
 from service.resources.views import AnalysisPage, ProfileAnalysisPage, Verdict
-from service.wire.errors import UnknownAnalysis
+from service.wire.errors import ProblemType
 from service.wire.links import analysis_links
 from service.workers.tasks import analyse_cam, analyse_profile, analysis_picture
 from synthesis.design.analysis import Analysis
@@ -28,7 +28,7 @@ ANALYSES = Resource(
     id_of=lambda spec: question_id(spec, "analysis"),
     task=analyse_cam,
     links=lambda id, _: analysis_links(id),
-    unknown=UnknownAnalysis,
+    unknown=ProblemType.UNKNOWN_ANALYSIS,
     title="Analyse a given cam",
     text="""Extremes of all curves, each limit with its margin, jumps, undercut, and what helps.
 
@@ -62,7 +62,7 @@ PROFILE_ANALYSES = Resource(
     id_of=lambda cam: question_id(cam, "profile analysis"),
     task=analyse_profile,
     links=lambda id, _: {"self": f"/v1/profile-analyses/{id}"},
-    unknown=UnknownAnalysis,
+    unknown=ProblemType.UNKNOWN_ANALYSIS,
     title="Read the motion back from a measured profile",
     text="""Displacement, velocity, acceleration, jerk and pressure angle that a real cam gives.
 

@@ -13,7 +13,7 @@ from pydantic_core import PydanticCustomError
 
 from service.resources.resource import Resource, ResourceFile
 from service.resources.views import CamSetPage
-from service.wire.errors import NothingFits, UnknownCamSet
+from service.wire.errors import ProblemType
 from service.wire.links import set_links
 from service.workers.tasks import solve_cam_set
 from synthesis.design.cam_set import CamSet, set_id
@@ -94,7 +94,9 @@ class BundleQuery(BaseModel):
 def _file(write: Callable[[CamSet, Any], bytes], body: bytes, options: Any) -> Made:
     cams = CamSet.model_validate_json(body)
     if not cams.has_cams:
-        raise NothingFits("No cam of this set fits its limits: see conflict in the designs.")
+        raise ProblemType.NOTHING_FITS(
+            "No cam of this set fits its limits: see conflict in the designs."
+        )
     return Made(write(cams, options))
 
 
@@ -111,7 +113,7 @@ CAM_SETS = Resource(
     id_of=set_id,
     task=solve_cam_set,
     links=lambda id, summary: set_links(id, has_cams=bool(summary.get("solved"))),
-    unknown=UnknownCamSet,
+    unknown=ProblemType.UNKNOWN_CAM_SET,
     title="Synthesise the cams of a shaft",
     text="""Designs each cam as `POST /v1/designs` does, and puts them on the shaft by their phases.
 

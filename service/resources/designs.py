@@ -8,7 +8,7 @@ from functools import partial
 from service.resources.resource import Resource, ResourceFile, file_of
 from service.resources.views import DesignPage
 from service.sweeps.store import design_of_item
-from service.wire.errors import UnknownDesign
+from service.wire.errors import ProblemType
 from service.wire.links import design_links
 from service.workers.tasks import design_file
 from synthesis.design.design import Design, Status
@@ -48,7 +48,7 @@ DESIGNS = Resource(
     id_of=design_id,
     task=None,
     links=lambda id, summary: design_links(id, has_cam=bool(summary.get("dimensions"))),
-    unknown=UnknownDesign,
+    unknown=ProblemType.UNKNOWN_DESIGN,
     title="Synthesise a cam",
     text="""Chooses base radius, offset and spline laws together and proves that every limit holds.
 

@@ -12,7 +12,7 @@ from pydantic import ValidationError
 from service.resources.resource import Resource
 from service.settings import Settings
 from service.storage.store import AnswerRow, Store
-from service.wire.errors import Dismissed, NotDone, ServiceError
+from service.wire.errors import ProblemType, ServiceError
 from service.wire.metrics import Metrics
 from service.wire.problem import problem_of
 from service.workers.engine import Engine
@@ -63,13 +63,13 @@ class Jobs:
         """The answer with this id and its body; see ``find``.
 
         Raises:
-            NotDone: it is being worked on, or the work failed.
+            ServiceError: it is being worked on, or the work failed.
         """
         row = await self.find(id)
         if row.state != "done" or row.body is None:
             noun, path = self.resource.noun.capitalize(), self.resource.at(row.id)
             renewed = "" if row.id == id else " An earlier engine made it; it is being made anew."
-            raise NotDone(
+            raise ProblemType.NOT_DONE(
                 f"{noun} {row.id} is {row.state}: GET {path} says how it stands.{renewed}"
             )
         return row, row.body
@@ -173,5 +173,7 @@ async def result_of(task: asyncio.Task[AnswerRow]) -> AnswerRow:
         return await asyncio.shield(task)
     except asyncio.CancelledError:
         if task.cancelled():
-            raise Dismissed("The question was deleted while it was being worked on.") from None
+            raise ProblemType.DISMISSED(
+                "The question was deleted while it was being worked on."
+            ) from None
         raise

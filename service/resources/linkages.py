@@ -7,7 +7,7 @@ from typing import Any
 
 from service.resources.resource import Resource, file_of
 from service.resources.views import LinkagePage
-from service.wire.errors import NothingFits, UnknownLinkage
+from service.wire.errors import ProblemType
 from service.wire.links import linkage_links
 from service.workers.tasks import solve_linkage
 from synthesis.design.design import Status
@@ -20,7 +20,7 @@ from synthesis.machines.linkages.files import LINKAGE_FILES, LinkageFile
 def _file(linkage: Linkage, file: LinkageFile, body: bytes, options: Any) -> Made:
     found = linkage.answer.model_validate_json(body)
     if not linkage.summary(found):
-        raise NothingFits("No lengths keep these wishes: see conflict in the answer.")
+        raise ProblemType.NOTHING_FITS("No lengths keep these wishes: see conflict in the answer.")
     return Made(file.write(found, options))
 
 
@@ -39,7 +39,7 @@ def _resource(linkage: Linkage) -> Resource:
         id_of=lambda spec: question_id(spec, linkage.noun),
         task=partial(solve_linkage, linkage.name),
         links=lambda id, summary: linkage_links(linkage.name, id, summary.get("files", ())),
-        unknown=UnknownLinkage,
+        unknown=ProblemType.UNKNOWN_LINKAGE,
         title=linkage.title,
         text=f"{linkage.purpose} The same spec gives the same bytes.",
         answer_text="The answer, with links to its files.",

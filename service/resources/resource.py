@@ -11,7 +11,7 @@ from pydantic import BaseModel
 
 from service.resources.views import Page
 from service.storage.store import Lookup
-from service.wire.errors import ServiceError
+from service.wire.errors import ProblemType
 from service.workers.tasks import Task
 from synthesis.exporters import Made, form
 from synthesis.exporters.exporter import FileFormat
@@ -86,7 +86,7 @@ class Resource:
         id_of: question to id.
         task: what a worker does; None: what the engine was made for, which is to solve designs.
         links: id, and what lists show of the answer, to addresses.
-        unknown: the error for an id that does not exist.
+        unknown: the problem of an id that does not exist.
         title, text: what the contract says of POST, and answer_text: of GET.
         status: type of the filter of lists; None: there is none.
         budget_of: question to the time that it asks for [s]; None: what the server gives.
@@ -108,7 +108,7 @@ class Resource:
     id_of: Callable[[Any], str]
     task: Task | None
     links: Callable[[str, Mapping[str, Any]], dict[str, str]]
-    unknown: type[ServiceError]
+    unknown: ProblemType
     title: str
     text: str
     answer_text: str

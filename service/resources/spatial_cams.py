@@ -6,7 +6,7 @@ from functools import partial
 
 from service.resources.resource import Resource, file_of
 from service.resources.views import SpatialCamPage
-from service.wire.errors import UnknownSpatialCam
+from service.wire.errors import ProblemType
 from service.wire.links import spatial_links
 from service.workers.tasks import solve_spatial_cam, spatial_file
 from synthesis.design.design import Status
@@ -29,7 +29,7 @@ SPATIAL_CAMS = Resource(
     links=lambda id, summary: spatial_links(
         id, summary.get("machine", ""), has_cam=bool(summary.get("dimensions"))
     ),
-    unknown=UnknownSpatialCam,
+    unknown=ProblemType.UNKNOWN_SPATIAL_CAM,
     title="Design a spatial cam",
     text="""The walls that the rollers of a turret leave of a cam, and what they do.
 

@@ -7,7 +7,7 @@ from typing import Any
 
 from service.resources.resource import Resource, file_of
 from service.resources.views import TrainResponsePage
-from service.wire.errors import UnknownTrainResponse
+from service.wire.errors import ProblemType
 from service.wire.links import train_links
 from service.workers.tasks import compute_train_response
 from synthesis.design.identity import question_id
@@ -34,7 +34,7 @@ TRAIN_RESPONSES = Resource(
     id_of=lambda spec: question_id(spec, "train response"),
     task=compute_train_response,
     links=lambda id, _: train_links(id),
-    unknown=UnknownTrainResponse,
+    unknown=ProblemType.UNKNOWN_TRAIN_RESPONSE,
     title="Respond to a cam with an elastic follower train",
     text="""Residual vibration in each dwell, contact force, loss of contact; exact but rounding.
 

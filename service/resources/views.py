@@ -9,7 +9,7 @@ from typing import Annotated, Generic, Literal, TypeVar
 
 from pydantic import BaseModel, Field
 
-from service.wire.errors import BadQuery
+from service.wire.errors import ProblemType
 from synthesis.design.design import Status
 
 State = Literal["accepted", "done", "failed"]
@@ -80,7 +80,7 @@ class SpatialCamSummary(Accepted):
     """One line of the list of spatial cams."""
 
     status: StatusOrNone
-    machine: Annotated[str | None, Field(description="ProblemType of its machine.")] = None
+    machine: Annotated[str | None, Field(description="Kind of its machine.")] = None
     dimensions: Annotated[
         dict[str, float], Field(description="Centre distance, roller radius, …: name and unit.")
     ] = {}
@@ -143,7 +143,9 @@ def position_of(cursor: str) -> int:
             return int(text)
     except (binascii.Error, ValueError):
         pass
-    raise BadQuery("cursor: not one that this service gave. Take `next` of the page before.")
+    raise ProblemType.INVALID_PARAMETER(
+        "cursor: not one that this service gave. Take `next` of the page before."
+    )
 
 
 def in_utc(moment: datetime) -> datetime:

@@ -15,7 +15,7 @@ from service.routes.file_routes import add_file_route, send_file
 from service.routes.resource_routes import KnownTag
 from service.state import Parts
 from service.sweeps.views import sweep_path
-from service.wire.errors import NothingFits, PartOfSweep
+from service.wire.errors import ProblemType
 from service.wire.etag import not_modified, tag_of
 from service.workers.tasks import confirm_design, design_file, design_sensitivities
 from synthesis.certify.second import Confirmation
@@ -68,7 +68,9 @@ async def get_confirmation(request: Request, design_id: str, parts: Parts) -> Re
     """
     row, design = await parts.jobs[DESIGNS.path].find_done(design_id)
     if not json.loads(design)["motion"]:
-        raise NothingFits("No cam fits these limits: see conflict in the design for what would.")
+        raise ProblemType.NOTHING_FITS(
+            "No cam fits these limits: see conflict in the design for what would."
+        )
     tag = tag_of(row.etag or "", "confirmation", "json", "")
     known = not_modified(request, tag)
     if known is not None:
@@ -99,7 +101,7 @@ async def delete_design(design_id: str, parts: Parts) -> None:
     if holder is None:
         raise jobs.unknown(design_id)
     sweep, number = holder
-    raise PartOfSweep(
+    raise ProblemType.PART_OF_SWEEP(
         f"Design {design_id} is item {number} of sweep {sweep}, and goes with it: "
         f"DELETE {sweep_path(sweep)} discards both."
     )

@@ -13,7 +13,7 @@ from starlette.exceptions import HTTPException
 from service.contract.documentation import problems
 from service.resources.designs import DESIGNS
 from service.state import Parts
-from service.wire.errors import BY_STATUS, PROBLEMS
+from service.wire.errors import ProblemType
 from synthesis.design.identity import ENGINE_NUMBER, engine_version
 
 router = APIRouter(tags=["operation"])
@@ -102,15 +102,9 @@ async def get_version() -> Version:
 @router.get("/problems/{slug}", responses=problems(404), summary="What a kind of problem means")
 async def get_problem_kind(slug: str) -> ProblemKind:
     """Where `type` of a problem document leads."""
-    for error, kind in PROBLEMS.items():
-        if kind.slug == slug:
-            meaning = (error.__doc__ or kind.title).partition("\n\n")[0]
-            return ProblemKind(
-                type=f"/problems/{slug}", title=kind.title, status=kind.status, meaning=meaning
-            )
-    for kind in BY_STATUS.values():
+    for kind in ProblemType:
         if kind.slug == slug:
             return ProblemKind(
-                type=f"/problems/{slug}", title=kind.title, status=kind.status, meaning=kind.title
+                type=f"/problems/{slug}", title=kind.title, status=kind.status, meaning=kind.meaning
             )
     raise HTTPException(404)

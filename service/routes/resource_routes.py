@@ -17,7 +17,7 @@ from service.routes.file_routes import add_file
 from service.state import Parts, State
 from service.storage.store import AnswerRow
 from service.wire.body import read_body
-from service.wire.errors import BadQuery, KeyReused
+from service.wire.errors import ProblemType
 from service.wire.etag import not_modified
 from service.wire.problem import problem_response
 
@@ -159,10 +159,10 @@ async def check_key(parts: State, key: str | None, body: bytes) -> None:
     if key is None:
         return
     if not key.isprintable():
-        raise BadQuery("Idempotency-Key: use printable characters only.")
+        raise ProblemType.INVALID_PARAMETER("Idempotency-Key: use printable characters only.")
     body_hash = hashlib.sha256(body).hexdigest()
     if await parts.store.body_of_key(key, body_hash) != body_hash:
-        raise KeyReused(
+        raise ProblemType.IDEMPOTENCY_KEY_REUSED(
             f"Idempotency-Key {key!r} came with another body before. Use a new key for a new body."
         )
 

@@ -34,7 +34,7 @@ from service.sweeps.views import (
     item_of,
     items_of,
 )
-from service.wire.errors import BadQuery, UnknownSweep
+from service.wire.errors import ProblemType
 from service.wire.etag import not_modified, tag_of
 from service.wire.ranges import IN_PARTS
 from synthesis.exporters.diagrams.tradeoff import Aim, TradeOff, trade_off
@@ -70,7 +70,7 @@ async def get_sweep_item(sweep: Known, number: int, parts: Parts) -> SweepItem:
     if 0 <= number < sweep.size:
         row = await parts.sweeps.store.item(sweep.sequence, number)
     if row is None:
-        raise UnknownSweep(
+        raise ProblemType.UNKNOWN_SWEEP(
             f"Item {number} of sweep {sweep.id} is not finished, or there is none: "
             f"they are numbered from 0 to {sweep.size - 1}."
         )
@@ -231,7 +231,7 @@ async def _drawn(
 ) -> Response:
     """A picture of the front, or 304."""
     if not 2 <= len(axes) <= MAX_DRAWN:
-        raise BadQuery(
+        raise ProblemType.INVALID_PARAMETER(
             f"minimise, maximise: {len(axes)} named. Name two to {MAX_DRAWN} quantities to draw."
         )
     name, media_type = file

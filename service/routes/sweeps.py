@@ -27,7 +27,7 @@ from service.sweeps.views import (
     sweep_path,
 )
 from service.wire.body import read_body
-from service.wire.errors import UnknownSweep
+from service.wire.errors import ProblemType
 from synthesis.studies.sweeps import SweepSpec
 
 router = APIRouter(prefix="/v1/sweeps", tags=["sweeps"])
@@ -39,7 +39,7 @@ async def known(sweep_id: str, parts: Parts) -> SweepRow:
     """The sweep with this id."""
     row = await parts.sweeps.store.find(sweep_id)
     if row is None:
-        raise UnknownSweep(
+        raise ProblemType.UNKNOWN_SWEEP(
             f"There is no sweep {sweep_id[:64]!r}. GET /v1/sweeps lists those there are; POST the "
             "spec again to start it anew."
         )

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from service.sweeps.store import SweepRow, SweepStore
 from service.sweeps.views import ParetoAxis, ParetoFront, item_of
-from service.wire.errors import BadQuery
+from service.wire.errors import ProblemType
 from synthesis.studies.sweeps.pareto import non_dominated
 
 PAGE = 2000
@@ -39,7 +39,7 @@ async def compare_designs(
     """Compare the designs of a sweep in the quantities of the axes.
 
     Raises:
-        BadQuery: no quantity is named, or one that no design of the sweep has.
+        ServiceError: no quantity is named, or one that no design of the sweep has.
     """
     _check(sweep, axes)
     signs = np.array([1.0 if axis.direction == "minimise" else -1.0 for axis in axes])
@@ -83,15 +83,17 @@ async def pareto_front(
 def _check(sweep: SweepRow, axes: Sequence[ParetoAxis]) -> None:
     known = ", ".join(sweep.quantities) or "nothing so far"
     if not axes:
-        raise BadQuery(
+        raise ProblemType.INVALID_PARAMETER(
             f"minimise, maximise: name at least one quantity. Measured in this sweep: {known}."
         )
     names = [axis.quantity for axis in axes]
     for name in names:
         if names.count(name) > 1:
-            raise BadQuery(f"minimise, maximise: {name!r} is named twice. Name it once.")
+            raise ProblemType.INVALID_PARAMETER(
+                f"minimise, maximise: {name!r} is named twice. Name it once."
+            )
         if name not in sweep.quantities:
-            raise BadQuery(
+            raise ProblemType.INVALID_PARAMETER(
                 f"minimise, maximise: {name[:80]!r} is not measured on any design of this sweep. "
                 f"Measured are: {known}. The field `quantities` of a sweep's spec adds to these."
             )

@@ -16,7 +16,7 @@ from service.sweeps.lease import Leases
 from service.sweeps.progress import Progress
 from service.sweeps.store import Done, LeaseLost, SweepRow, SweepStore
 from service.sweeps.tasks import SLICE_S, ItemAnswer, solve_items
-from service.wire.errors import EngineUnreachable, WorkerLost
+from service.wire.errors import ProblemType, ServiceError, problem_type
 from service.wire.problem import problem_of
 from service.workers.engine import Engine, new_task_name
 from synthesis.errors import TimeBudgetExceeded
@@ -117,11 +117,11 @@ class SweepRunner:
                 self._warm_starts.get(numbers[0]),
                 budget_s=self._budget_s + SLICE_S, low_priority=True, name=name,
             )  # fmt: skip
-        except EngineUnreachable:
-            chunks.put_back(numbers)
-            await asyncio.sleep(RETRY_S)
-            return
-        except (WorkerLost, TimeBudgetExceeded) as error:
+        except (ServiceError, TimeBudgetExceeded) as error:
+            if problem_type(error) is ProblemType.ENGINE_UNREACHABLE:
+                chunks.put_back(numbers)
+                await asyncio.sleep(RETRY_S)
+                return
             suspects = chunks.unfinished(numbers)
             strikes = chunks.add_strikes(suspects)
             await self._write(lambda: self._store.keep_strikes(self._row.sequence, strikes))

@@ -16,7 +16,7 @@ from service.sweeps.progress import Progress
 from service.sweeps.runner import SweepRunner
 from service.sweeps.store import SweepRow, SweepStore
 from service.sweeps.tasks import item_spec
-from service.wire.errors import Busy, InvalidBody
+from service.wire.errors import ProblemType, ServiceError
 from service.workers.engine import Engine
 from synthesis.design.identity import ENGINE_NUMBER
 from synthesis.studies.sweeps import SweepSpec
@@ -53,26 +53,26 @@ class Sweeps:
             raise _too_large(spec.size, most)
         shares = (i / max(SAMPLED - 1, 1) for i in range(SAMPLED))
         sample = dict.fromkeys(round(share * (spec.size - 1)) for share in shares)
-        first: InvalidBody | None = None
+        first: ServiceError | None = None
         for number in sample:
             try:
                 item_spec(spec, spec.item_values(number))
-            except InvalidBody as error:
+            except ServiceError as error:
                 first = first or error
             else:
                 return
         assert first is not None
         found = [{**each, "pointer": f"/base{each['pointer']}"} for each in first.violations]
-        raise InvalidBody(
+        raise ProblemType.INVALID_REQUEST(
             f"None of {len(sample)} items that were tried is valid. With the values of item 0: "
-            f"{first.detail}", found,
+            f"{first.detail}", violations=found,
         )  # fmt: skip
 
     async def accept(self, spec: SweepSpec) -> SweepRow:
         """Accept a sweep, or join it, or continue one that was dismissed."""
         running = len(self._runners)
         if self.id_of(spec) not in self._runners and running >= self._settings.max_sweeps:
-            raise Busy(
+            raise ProblemType.BUSY(
                 f"{running} sweeps are running already. Try again when one has ended, or stop one.",
                 {"Retry-After": "10"},
             )
@@ -171,8 +171,8 @@ class Sweeps:
         await asyncio.gather(*tasks, return_exceptions=True)
 
 
-def _too_large(size: int, most: int) -> InvalidBody:
+def _too_large(size: int, most: int) -> ServiceError:
     rule = f"makes {size} items; this server takes {most} in a sweep"
     remedy = "Give fewer values, use a Latin hypercube, or split the sweep in parts."
     found = {"pointer": "/axes", "value": size, "rule": rule, "remedy": remedy}
-    return InvalidBody(f"/axes: {rule}. {remedy}", [found])
+    return ProblemType.INVALID_REQUEST(f"/axes: {rule}. {remedy}", violations=[found])

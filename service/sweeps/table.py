@@ -12,7 +12,7 @@ from typing import Any
 from pydantic import JsonValue
 
 from service.sweeps.store import ItemRow, SweepRow, SweepStore
-from service.wire.errors import FormatMissing
+from service.wire.errors import ProblemType
 from synthesis.studies.sweeps import SweepSpec
 
 PAGE = 500
@@ -79,14 +79,14 @@ class CsvWriter(Writer):
 
 
 class ParquetWriter(Writer):
-    """Apache Parquet, a row group a page. Raises FormatMissing where pyarrow is not installed."""
+    """Apache Parquet, a row group a page. Raises ServiceError where pyarrow is not installed."""
 
     def __init__(self, columns: Columns) -> None:
         try:
             import pyarrow as pa
             from pyarrow.parquet import ParquetWriter as Parquet
         except ImportError:
-            raise FormatMissing(
+            raise ProblemType.FORMAT_MISSING(
                 "Parquet needs the extra `parquet` of Camwright, which is not installed on this "
                 "server. Take items.csv, or ask the operator to install pyarrow."
             ) from None

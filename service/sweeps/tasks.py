@@ -12,7 +12,7 @@ from typing import Any, Literal, Protocol
 
 from pydantic import JsonValue, ValidationError
 
-from service.wire.errors import InvalidBody
+from service.wire.errors import ProblemType
 from service.workers.tasks import Answer
 from synthesis.catalogue.objectives import Objective
 from synthesis.design.design import Status
@@ -126,12 +126,12 @@ def _solve(
     try:
         return solve(body, budget_s, tuple(sweep.quantities), warm_start)
     except ValidationError:
-        item_spec(sweep, values)  # raises InvalidBody for the same reason
+        item_spec(sweep, values)  # raises ServiceError for the same reason
         raise
 
 
 def item_spec(sweep: SweepSpec, values: list[JsonValue]) -> DesignSpec:
-    """The spec of an item. Raises InvalidBody where the values of its axes are not valid."""
+    """The spec of an item. Raises ServiceError where the values of its axes are not valid."""
     from service.wire.body import validated
 
     return validated(_body(sweep, values), DesignSpec)
@@ -141,8 +141,8 @@ def _body(sweep: SweepSpec, values: list[JsonValue]) -> bytes:
     try:
         return json.dumps(sweep.item(values)).encode()
     except LookupError as error:
-        raise InvalidBody(
-            f"Another axis has replaced a field that an axis names: {error.args[0]}.", []
+        raise ProblemType.INVALID_REQUEST(
+            f"Another axis has replaced a field that an axis names: {error.args[0]}."
         ) from None
 
 

@@ -14,7 +14,7 @@ from typing import Any, TypeVar
 from fastapi import Request
 from pydantic import BaseModel, ValidationError
 
-from service.wire.errors import InvalidBody, NotJson, WrongMediaType
+from service.wire.errors import ProblemType, ServiceError
 from service.wire.schema_walk import all_names
 from service.wire.violations import (
     MAX_LISTED,
@@ -41,15 +41,14 @@ def validated(body: bytes, model: type[Model]) -> Model:
     """Bytes as ``model``, in strict mode: no number is read from a text.
 
     Raises:
-        NotJson: the bytes are not JSON.
-        InvalidBody: they are, but do not satisfy the model.
+        ServiceError: the bytes are not JSON, or do not satisfy the model.
     """
     known = all_names(model)
     document, unknown = _decoded(body, known)
     if known is not None and unknown > MAX_ITEMISED:
         paths = _paths_of_unknown_names(document, known)
         found = [unknown_field(path, document, model) for path in islice(paths, MAX_LISTED)]
-        raise InvalidBody(_summary(found, unknown), found)
+        raise _invalid_request(found, unknown)
     try:
         return model.model_validate_json(body, strict=True)
     except ValidationError as error:
@@ -60,8 +59,7 @@ def parsed(body: bytes) -> Any:
     """Bytes as plain JSON, without NaN and without repeated names.
 
     Raises:
-        NotJson: the bytes are not JSON.
-        InvalidBody: there is NaN or Infinity, which JSON does not have.
+        ServiceError: the bytes are not JSON, which has neither NaN nor Infinity.
     """
     return _decoded(body, None)[0]
 
@@ -69,14 +67,16 @@ def parsed(body: bytes) -> Any:
 def _decoded(body: bytes, known: frozenset[str] | None) -> tuple[Any, int]:
     """The document, and how many of its names are not among the known ones (None: all are)."""
     if not body.strip():
-        raise NotJson("The body is empty. Send a JSON object; /docs holds worked examples.")
+        raise ProblemType.NOT_JSON(
+            "The body is empty. Send a JSON object; /docs holds worked examples."
+        )
     unknown = constants = 0
 
     def make_object(pairs: list[tuple[str, Any]]) -> dict[str, Any]:
         nonlocal unknown
         result = dict(pairs)
         if len(result) != len(pairs):
-            raise NotJson(_repeated_name(pairs))
+            raise ProblemType.NOT_JSON(_repeated_name(pairs))
         if known is not None and not known.issuperset(result):
             unknown += len(result.keys() - known)
         return result
@@ -89,15 +89,15 @@ def _decoded(body: bytes, known: frozenset[str] | None) -> tuple[Any, int]:
     try:
         document = json.loads(body, object_pairs_hook=make_object, parse_constant=make_constant)
     except json.JSONDecodeError as error:
-        raise NotJson(
+        raise ProblemType.NOT_JSON(
             f"Line {error.lineno}, column {error.colno}: {error.msg}. Send valid JSON."
         ) from None
     except UnicodeDecodeError:
-        raise NotJson("The body is not UTF-8. Send JSON in UTF-8.") from None
+        raise ProblemType.NOT_JSON("The body is not UTF-8. Send JSON in UTF-8.") from None
     except RecursionError:
-        raise NotJson(TOO_DEEP) from None
+        raise ProblemType.NOT_JSON(TOO_DEEP) from None
     except ValueError as error:
-        raise NotJson("The body holds a number of thousands of digits.") from error
+        raise ProblemType.NOT_JSON("The body holds a number of thousands of digits.") from error
     if constants:
         raise _not_numbers(document, constants)
     return document, unknown
@@ -118,7 +118,7 @@ class _NotANumber(str):
     __slots__ = ()
 
 
-def _not_numbers(document: Any, count: int) -> InvalidBody:
+def _not_numbers(document: Any, count: int) -> ServiceError:
     """The error for NaN and Infinity, with the places of the first of them."""
     constants = ((path, value) for path, value in _walk(document) if type(value) is _NotANumber)
     found = [
@@ -130,7 +130,7 @@ def _not_numbers(document: Any, count: int) -> InvalidBody:
         }
         for path, value in islice(constants, MAX_LISTED)
     ]
-    return InvalidBody(_summary(found, count), found)
+    return _invalid_request(found, count)
 
 
 def _paths_of_unknown_names(document: Any, known: frozenset[str]) -> Iterator[Path]:
@@ -175,32 +175,35 @@ def _invalid(error: ValidationError, document: Any, model: type[BaseModel]) -> E
     if count > MAX_ITEMISED:
         rule, remedy = f"has {count} errors, too many to list", "Compare it with those in /docs."
         found = [{"pointer": "", "value": None, "rule": rule, "remedy": remedy}]
-        return InvalidBody(_summary(found, 1), found)
+        return _invalid_request(found, 1)
     errors = error.errors(include_url=False)
     if errors[0]["type"] == "json_invalid":  # what Python's reader accepts and pydantic's does not
         reason = str(errors[0].get("ctx", {}).get("error", ""))
-        return NotJson(TOO_DEEP if "recursion" in reason else f"{reason}. Send valid JSON.")
+        return ProblemType.NOT_JSON(
+            TOO_DEEP if "recursion" in reason else f"{reason}. Send valid JSON.",
+        )
     found, places = describe_errors(errors, document, model)
-    return InvalidBody(_summary(found, places), found)
+    return _invalid_request(found, places)
 
 
 def _require_json(content_type: str | None) -> None:
     declared = (content_type or "").partition(";")[0].strip().lower()
     subtype = declared.removeprefix("application/")
     if declared == subtype or not (subtype == "json" or subtype.endswith("+json")):
-        raise WrongMediaType(
+        raise ProblemType.WRONG_MEDIA_TYPE(
             f"Content-Type is {declared[:80]!r}. Send the design with "
             "Content-Type: application/json.",
             {"Accept": "application/json"},
         )
 
 
-def _summary(found: list[dict[str, Any]], count: int) -> str:
-    """The first violation in words, and how many there are."""
+def _invalid_request(found: list[dict[str, Any]], count: int) -> ServiceError:
+    """The error for these violations, of ``count`` in all; its text is the first in words."""
     first, more = found[0], ""
     if count > len(found):
         more = f" ({count} errors in all; the first {len(found)} are under errors)"
     elif count > 1:
         more = f" ({count - 1} more under errors)"
     where = first["pointer"] or "the body"
-    return f"{where}: {first['rule'].rstrip('.')}. {first['remedy']}{more}"
+    detail = f"{where}: {first['rule'].rstrip('.')}. {first['remedy']}{more}"
+    return ProblemType.INVALID_REQUEST(detail, violations=found)

@@ -6,7 +6,7 @@ from fastapi import Request
 from starlette.datastructures import Headers
 from starlette.types import ASGIApp, Message, Receive, Scope, Send
 
-from service.wire.errors import BodyTooLarge
+from service.wire.errors import ProblemType
 from service.wire.problem import error_response
 
 READ_ON = 32  # times the limit: so much of a refused body is read, so that clients see the answer
@@ -47,7 +47,7 @@ class BodyLimit:
             message = await receive()
             left -= len(message.get("body", b""))
             more = message.get("more_body", False)
-        error = BodyTooLarge(
+        error = ProblemType.BODY_TOO_LARGE(
             f"The body is larger than {self._max_bytes} bytes, the limit of this server. "
             "A design with 100 segments needs less than 50 kB."
         )

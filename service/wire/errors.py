@@ -1,8 +1,8 @@
-"""The errors that the service raises, and the table from exceptions to problem documents."""
+"""The types of problems, and the errors of the service, each with its type."""
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from enum import Enum
 from typing import Any
 
 from sqlalchemy.exc import SQLAlchemyError
@@ -10,160 +10,96 @@ from sqlalchemy.exc import SQLAlchemyError
 from synthesis.errors import ExtraMissing, InputError, SolverFailed, TimeBudgetExceeded
 
 
+class ProblemType(Enum):
+    """A type of problem: its HTTP status, its title, and when it occurs if the title is too short.
+
+    The name is the slug under /problems/.
+    """
+
+    NOT_JSON = 400, "The body is not JSON"
+    NOT_FOUND = 404, "Not found"
+    UNKNOWN_DESIGN = 404, "No such design"
+    UNKNOWN_CAM_SET = 404, "No such cam set"
+    UNKNOWN_SPATIAL_CAM = 404, "No such spatial cam"
+    UNKNOWN_SWEEP = 404, "No such sweep or item", "No sweep has this id, or not this item yet."
+    UNKNOWN_ANALYSIS = 404, "No such analysis"
+    UNKNOWN_TRAIN_RESPONSE = 404, "No such train response"
+    UNKNOWN_LINKAGE = 404, "No such linkage"
+    METHOD_NOT_ALLOWED = 405, "The resource does not have this method"
+    NOT_DONE = 409, "The answer is not finished", "It is being worked on, or the work failed."
+    PART_OF_SWEEP = 409, "The design belongs to a sweep", "It is deleted with the sweep."
+    NOTHING_FITS = 409, "The design is infeasible and has no files"
+    DISMISSED = 409, "The question was deleted", "That happened while it was being worked on."
+    BODY_TOO_LARGE = 413, "The body is too large", "It is larger than this server's limit."
+    WRONG_MEDIA_TYPE = 415, "The body must be application/json"
+    NO_SUCH_BYTES = 416, "The range is not satisfiable"
+    INVALID_REQUEST = 422, "The request is invalid", "It is JSON, but does not satisfy its schema."
+    INVALID_PARAMETER = 422, "A parameter or header is invalid"
+    INVALID_DESIGN = 422, "The spec is invalid", "A value breaks a rule of the core."
+    IDEMPOTENCY_KEY_REUSED = 422, "The idempotency key was used for another request"
+    BUSY = 429, "The queue is full"
+    INTERNAL = 500, "Internal error"
+    SOLVER_FAILED = 500, "The solver failed", "It stopped without a usable point."
+    FORMAT_MISSING = 501, "This server does not write the format", "An optional package is missing."
+    NOT_INSTALLED = 501, "An optional package is not installed here"
+    WORKER_LOST = 503, "The worker process died", "That happened while it worked on the question."
+    ENGINE_UNREACHABLE = 503, "No worker can be reached"
+    STORE_UNREACHABLE = 503, "The store cannot be reached"
+    TIME_BUDGET = 504, "The time budget ended first", "`best` is the best design by then, if any."
+
+    def __init__(self, status: int, title: str, meaning: str = "") -> None:
+        self.status, self.title, self.meaning = status, title, meaning or f"{title}."
+
+    @property
+    def slug(self) -> str:
+        """The last part of its address."""
+        return self.name.lower().replace("_", "-")
+
+    def __call__(
+        self,
+        detail: str,
+        headers: dict[str, str] | None = None,
+        violations: list[dict[str, Any]] | None = None,
+    ) -> ServiceError:
+        """An error of this type."""
+        return ServiceError(self, detail, headers or {}, violations or [])
+
+
 class ServiceError(Exception):
-    """Base class of the service's errors; its text is for the caller.
+    """An error of the service; its text is for the caller.
 
     Args:
-        detail: what is wrong and what to do, in sentences. headers: of the response.
+        problem: its type. detail: what is wrong and what to do, in sentences.
+        headers: of the response. violations: the wrong fields, as problem documents list them.
     """
 
-    def __init__(self, detail: str, headers: dict[str, str] | None = None) -> None:
-        super().__init__(detail)
-        self.detail, self.headers = detail, headers or {}
+    def __init__(
+        self,
+        problem: ProblemType,
+        detail: str,
+        headers: dict[str, str],
+        violations: list[dict[str, Any]],
+    ) -> None:
+        super().__init__(problem, detail, headers, violations)
+        self.problem, self.detail = problem, detail
+        self.headers, self.violations = headers, violations
+
+    def __str__(self) -> str:
+        return self.detail
 
 
-class InvalidBody(ServiceError):
-    """The body is JSON but does not satisfy its schema; ``errors`` says where and why."""
-
-    def __init__(self, detail: str, violations: list[dict[str, Any]]) -> None:
-        super().__init__(detail)
-        self.violations = violations
-
-
-class NotJson(ServiceError):
-    """The body is not valid JSON."""
-
-
-class WrongMediaType(ServiceError):
-    """The body is not declared as JSON."""
-
-
-class BodyTooLarge(ServiceError):
-    """The body is larger than this server's limit."""
-
-
-class UnknownDesign(ServiceError):
-    """No design has this id."""
-
-
-class UnknownCamSet(ServiceError):
-    """No cam set has this id."""
-
-
-class UnknownSpatialCam(ServiceError):
-    """No spatial cam has this id."""
-
-
-class UnknownSweep(ServiceError):
-    """No sweep has this id, or it has no such item yet."""
-
-
-class FormatMissing(ServiceError):
-    """An optional package that writes the format is not installed on this server."""
-
-
-class UnknownAnalysis(ServiceError):
-    """No analysis of this kind has this id."""
-
-
-class UnknownTrainResponse(ServiceError):
-    """No response of a follower train has this id."""
-
-
-class UnknownLinkage(ServiceError):
-    """No linkage of this kind has this id."""
-
-
-class BadQuery(ServiceError):
-    """A query parameter or a header is invalid."""
-
-
-class NotDone(ServiceError):
-    """The answer is still being worked on, or the work failed: it has no files."""
-
-
-class PartOfSweep(ServiceError):
-    """The design is an item of a sweep and is deleted with the sweep."""
-
-
-class NothingFits(ServiceError):
-    """The limits are infeasible: there is no cam to export."""
-
-
-class KeyReused(ServiceError):
-    """An Idempotency-Key was used before with another body."""
-
-
-class Busy(ServiceError):
-    """The queue of this server is full."""
-
-
-class WorkerLost(ServiceError):
-    """The worker process died while it worked on the question."""
-
-
-class EngineUnreachable(ServiceError):
-    """No worker can be reached."""
-
-
-class Dismissed(ServiceError):
-    """The question was deleted while it was being worked on."""
-
-
-@dataclass(frozen=True)
-class ProblemType:
-    """A type of problem: its HTTP status, its slug under /problems/, and its title.
-
-    ``again_s`` [s] is for Retry-After, where the exception names no time.
-    """
-
-    status: int
-    slug: str
-    title: str
-    again_s: int | None = None
-
-
-PROBLEMS: dict[type[Exception], ProblemType] = {
-    InvalidBody: ProblemType(422, "invalid-request", "The request is invalid"),
-    BadQuery: ProblemType(422, "invalid-parameter", "A parameter or header is invalid"),
-    InputError: ProblemType(422, "invalid-design", "The spec is invalid"),
-    KeyReused: ProblemType(
-        422, "idempotency-key-reused", "The idempotency key was used for another request"
-    ),
-    NotJson: ProblemType(400, "not-json", "The body is not JSON"),
-    UnknownDesign: ProblemType(404, "unknown-design", "No such design"),
-    UnknownCamSet: ProblemType(404, "unknown-cam-set", "No such cam set"),
-    UnknownSpatialCam: ProblemType(404, "unknown-spatial-cam", "No such spatial cam"),
-    UnknownSweep: ProblemType(404, "unknown-sweep", "No such sweep or item"),
-    FormatMissing: ProblemType(501, "format-missing", "This server does not write the format"),
-    UnknownTrainResponse: ProblemType(404, "unknown-train-response", "No such train response"),
-    UnknownAnalysis: ProblemType(404, "unknown-analysis", "No such analysis"),
-    UnknownLinkage: ProblemType(404, "unknown-linkage", "No such linkage"),
-    NotDone: ProblemType(409, "not-done", "The answer is not finished"),
-    PartOfSweep: ProblemType(409, "part-of-sweep", "The design belongs to a sweep"),
-    NothingFits: ProblemType(409, "nothing-fits", "The design is infeasible and has no files"),
-    Dismissed: ProblemType(409, "dismissed", "The question was deleted"),
-    BodyTooLarge: ProblemType(413, "body-too-large", "The body is too large"),
-    WrongMediaType: ProblemType(415, "wrong-media-type", "The body must be application/json"),
-    Busy: ProblemType(429, "busy", "The queue is full"),
-    SolverFailed: ProblemType(500, "solver-failed", "The solver failed"),
-    ExtraMissing: ProblemType(501, "not-installed", "An optional package is not installed here"),
-    WorkerLost: ProblemType(503, "worker-lost", "The worker process died"),
-    EngineUnreachable: ProblemType(503, "engine-unreachable", "No worker can be reached"),
-    SQLAlchemyError: ProblemType(
-        503, "store-unreachable", "The store cannot be reached", again_s=2
-    ),
-    TimeBudgetExceeded: ProblemType(504, "time-budget", "The time budget ended first"),
-}
-BY_STATUS: dict[int, ProblemType] = {
-    404: ProblemType(404, "not-found", "Not found"),
-    405: ProblemType(405, "method-not-allowed", "The resource does not have this method"),
-    416: ProblemType(416, "no-such-bytes", "The range is not satisfiable"),
-    500: ProblemType(500, "internal", "Internal error"),
+TYPES: dict[type[Exception], ProblemType] = {
+    InputError: ProblemType.INVALID_DESIGN,
+    SolverFailed: ProblemType.SOLVER_FAILED,
+    ExtraMissing: ProblemType.NOT_INSTALLED,
+    SQLAlchemyError: ProblemType.STORE_UNREACHABLE,
+    TimeBudgetExceeded: ProblemType.TIME_BUDGET,
 }
 
 
-def problem_type(error: Exception) -> ProblemType | None:
-    """The problem type of an exception, by its nearest base class; None if there is none."""
-    rows = (PROBLEMS[base] for base in type(error).__mro__ if base in PROBLEMS)
-    return next(rows, None)
+def problem_type(error: Exception) -> ProblemType:
+    """The type of an exception; by the nearest base class, where it is not the service's own."""
+    if isinstance(error, ServiceError):
+        return error.problem
+    rows = (TYPES[base] for base in type(error).__mro__ if base in TYPES)
+    return next(rows, ProblemType.INTERNAL)

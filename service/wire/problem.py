@@ -10,30 +10,25 @@ from typing import Annotated, Any
 from fastapi import FastAPI, Request, Response
 from fastapi.exceptions import RequestValidationError
 from pydantic import BaseModel, Field
+from sqlalchemy.exc import SQLAlchemyError
 from starlette.exceptions import HTTPException
 from starlette.routing import Match
 
-from service.wire.errors import (
-    BY_STATUS,
-    PROBLEMS,
-    BadQuery,
-    InvalidBody,
-    ProblemType,
-    ServiceError,
-    problem_type,
-)
+from service.wire.errors import TYPES, ProblemType, ServiceError, problem_type
 from service.wire.violations import Violation, describe_parameter_errors, shown
 from synthesis.design.cam_set import CamSet
 from synthesis.design.design import Design
 from synthesis.errors import CamwrightError, InputError, TimeBudgetExceeded
 
 MEDIA_TYPE = "application/problem+json"
+STORE_AGAIN_S = "2"  # Retry-After: a restart of the database takes about so long
+STARLETTES = (ProblemType.NOT_FOUND, ProblemType.METHOD_NOT_ALLOWED)  # what it answers by itself
 
 
 class Problem(BaseModel):
     """What went wrong, in the form of RFC 9457."""
 
-    type: Annotated[str, Field(description="ProblemType of problem; the address explains it.")]
+    type: Annotated[str, Field(description="Kind of problem; the address explains it.")]
     title: Annotated[str, Field(description="The kind in words; the same for each occurrence.")]
     status: Annotated[int, Field(description="The HTTP status once more.")]
     detail: Annotated[str, Field(description="What happened here, and the way out.")]
@@ -78,23 +73,22 @@ def problem_document(
 
 def problem_of(error: Exception) -> dict[str, Any]:
     """The problem document of an exception; one that is not in the table is a 500."""
-    kind = problem_type(error)
-    if kind is None:
-        return problem_document(BY_STATUS[500], "An error of the service, which has been logged.")
+    kind, violations = problem_type(error), getattr(error, "violations", None)
+    if kind is ProblemType.INTERNAL:
+        return problem_document(kind, "An error of the service, which has been logged.")
     if isinstance(error, InputError):
-        violation = {
-            "pointer": error.field,
-            "value": shown(error.value),
-            "rule": error.rule,
-            "remedy": error.remedy,
-        }
-        return problem_document(kind, str(error), [violation])
-    if isinstance(error, InvalidBody):
-        return problem_document(kind, str(error), error.violations)
-    if isinstance(error, TimeBudgetExceeded):
-        return problem_document(kind, str(error), best=error.best)
+        violations = [
+            {
+                "pointer": error.field,
+                "value": shown(error.value),
+                "rule": error.rule,
+                "remedy": error.remedy,
+            }
+        ]
     meant_for_callers = isinstance(error, ServiceError | CamwrightError)
-    return problem_document(kind, str(error) if meant_for_callers else f"{kind.title}.")
+    detail = str(error) if meant_for_callers else f"{kind.title}."
+    best = error.best if isinstance(error, TimeBudgetExceeded) else None
+    return problem_document(kind, detail, violations, best)
 
 
 def problem_response(
@@ -109,16 +103,15 @@ def problem_response(
 
 def error_response(request: Request, error: Exception) -> Response:
     """The response to a request that raised an exception."""
-    kind = problem_type(error)
-    if kind is None:
-        logging.getLogger("camwright").error("unexpected", exc_info=error)
     problem = problem_of(error)
-    again = {"Retry-After": str(kind.again_s)} if kind is not None and kind.again_s else None
+    if problem_type(error) is ProblemType.INTERNAL:
+        logging.getLogger("camwright").error("unexpected", exc_info=error)
+    again = {"Retry-After": STORE_AGAIN_S} if isinstance(error, SQLAlchemyError) else None
     # A GET has no body that a pointer could point into: the field is a query parameter.
     if isinstance(error, InputError) and request.method == "GET":
         (violation,) = problem["errors"]
         violation["parameter"] = violation.pop("pointer").removeprefix("/")
-        problem = problem_document(PROBLEMS[BadQuery], str(error), [violation])
+        problem = problem_document(ProblemType.INVALID_PARAMETER, str(error), [violation])
     return problem_response(request, problem, getattr(error, "headers", again))
 
 
@@ -128,12 +121,17 @@ async def _known(request: Request, error: Exception) -> Response:
 
 async def _http(request: Request, error: Exception) -> Response:
     assert isinstance(error, HTTPException)
-    kind = BY_STATUS.get(error.status_code) or ProblemType(
-        error.status_code, "http", str(error.detail)
+    status = error.status_code
+    kind = next((kind for kind in STARLETTES if kind.status == status), None)
+    title = kind.title if kind else str(error.detail)
+    detail = f"{request.method} {request.url.path}: {title}. See /docs for what there is."
+    problem = (
+        problem_document(kind, detail)
+        if kind
+        else {"type": "/problems/http", "title": title, "status": status, "detail": detail}
     )
-    detail = f"{request.method} {request.url.path}: {kind.title}. See /docs for what there is."
     headers = {"Allow": _allowed(request)} if error.status_code == 405 else error.headers
-    return problem_response(request, problem_document(kind, detail), headers)
+    return problem_response(request, problem, headers)
 
 
 def _allowed(request: Request) -> str:
@@ -153,12 +151,15 @@ async def _parameters(request: Request, error: Exception) -> Response:
     assert isinstance(error, RequestValidationError)
     violations = describe_parameter_errors(error.errors())
     detail = "; ".join(f"{each['parameter']}: {each['rule']}" for each in violations)
-    return problem_response(request, problem_document(PROBLEMS[BadQuery], detail, violations))
+    return problem_response(
+        request, problem_document(ProblemType.INVALID_PARAMETER, detail, violations)
+    )
 
 
 def install(app: FastAPI) -> None:
     """Make the application answer every error with a problem document."""
-    for exception in PROBLEMS:
+    exceptions: list[type[Exception]] = [ServiceError, *TYPES]
+    for exception in exceptions:
         app.add_exception_handler(exception, _known)
     app.add_exception_handler(HTTPException, _http)
     app.add_exception_handler(RequestValidationError, _parameters)

@@ -13,7 +13,7 @@ from fastapi import Request
 from starlette.datastructures import Headers, MutableHeaders
 from starlette.types import ASGIApp, Message, Receive, Scope, Send
 
-from service.wire.errors import BY_STATUS
+from service.wire.errors import ProblemType
 from service.wire.problem import problem_document, problem_response
 
 IN_PARTS = {"Accept-Ranges": "bytes"}
@@ -85,7 +85,7 @@ class _RangeSender:
         size = Headers(raw=message["headers"])["content-length"]
         detail = f"Range: {self._wanted} of a file of {size} bytes. Leave Range out for all of it."
         problem = problem_response(
-            Request(self._scope), problem_document(BY_STATUS[416], detail),
+            Request(self._scope), problem_document(ProblemType.NO_SUCH_BYTES, detail),
             {"Content-Range": f"bytes */{size}"},
         )  # fmt: skip
         await self._send({"type": message["type"], "status": 416, "headers": problem.raw_headers})

@@ -25,7 +25,7 @@ from distributed.comm.core import CommClosedError
 from distributed.utils import get_mp_context
 
 from service.settings import Settings
-from service.wire.errors import Busy, EngineUnreachable, WorkerLost
+from service.wire.errors import ProblemType
 from service.workers import prefork
 from service.workers.cancellation import cancel, run_cancellable
 from service.workers.cluster import DIED, OwnCluster, WorkerNanny
@@ -104,7 +104,7 @@ class Engine:
     def admit(self) -> None:
         """Refuse a design that would have to wait behind too many others."""
         if self.waiting >= self._settings.max_waiting and self.running >= self.slots:
-            raise Busy(
+            raise ProblemType.BUSY(
                 f"{self.waiting} designs are waiting already. Try again in a few seconds.",
                 {"Retry-After": "5"},
             )
@@ -112,7 +112,7 @@ class Engine:
     async def solve(self, spec: bytes, budget_s: float, task: Task | None = None) -> Answer:
         """Run a task: that of designs, or another one.
 
-        Raises what the core raises, or WorkerLost, or TimeBudgetExceeded.
+        Raises what the core raises, or ServiceError, or TimeBudgetExceeded.
         """
         return await self.run(task or self.task, spec, budget_s, budget_s=budget_s)
 
@@ -134,7 +134,9 @@ class Engine:
         await self._acquire_slot(low_priority)
         if self._client.status != "running":
             await self._release_slot()
-            raise EngineUnreachable("No worker can be reached. Try again shortly.", RETRY)
+            raise ProblemType.ENGINE_UNREACHABLE(
+                "No worker can be reached. Try again shortly.", RETRY
+            )
         key = name or new_task_name()
         future = self._client.submit(run_cancellable, key, work, *arguments, key=key, pure=False)
         result = asyncio.ensure_future(future.result())
@@ -196,13 +198,13 @@ class Engine:
             return result.result()
         except KilledWorker as error:
             reason = await self._exit_reason(error.last_worker.name)
-            raise WorkerLost(
+            raise ProblemType.WORKER_LOST(
                 f"The process working on this design {reason}, perhaps for lack of memory. "
                 "Other work goes on. Try again, or ask for a simpler design.",
                 RETRY,
             ) from None
         except (CommClosedError, FutureCancelledError):
-            raise EngineUnreachable(
+            raise ProblemType.ENGINE_UNREACHABLE(
                 "The connection to the workers was lost. Try again.", RETRY
             ) from None
 

@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any
 
 from pydantic import BaseModel
 
-from service.wire.errors import NothingFits
+from service.wire.errors import ProblemType
 from service.wire.links import design_links, linkage_links, set_links, spatial_links, train_links
 from synthesis.catalogue.objectives import Objective
 from synthesis.design.analysis import Analysis
@@ -205,7 +205,9 @@ def design_file(exporter: Exporter[Any], design: bytes, options: Any) -> Made:
     """A file of a finished design."""
     finished = Design.model_validate_json(design)
     if not (finished.motion or exporter.without_cam):
-        raise NothingFits("No cam fits these limits: see conflict in the design for what would.")
+        raise ProblemType.NOTHING_FITS(
+            "No cam fits these limits: see conflict in the design for what would."
+        )
     return exporter.whole(finished, options)
 
 
@@ -221,7 +223,7 @@ def spatial_file(exporter: FileFormat[SpatialDesign, Any], design: bytes, option
     """A file of a finished spatial cam."""
     finished = SpatialDesign.model_validate_json(design)
     if not finished.motion:
-        raise NothingFits("No cam fits these limits, so that there is none to draw.")
+        raise ProblemType.NOTHING_FITS("No cam fits these limits, so that there is none to draw.")
     return exporter.whole(finished, options)
 
 

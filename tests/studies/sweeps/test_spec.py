@@ -12,7 +12,7 @@ from pydantic import ValidationError
 
 from service.contract.examples import SWEEPS, examples
 from service.wire.body import validated
-from service.wire.errors import InvalidBody
+from service.wire.errors import ServiceError
 from synthesis.spec.design_spec import DesignSpec
 from synthesis.studies.sweeps import SweepSpec
 
@@ -132,7 +132,7 @@ WRONG: dict[str, tuple[dict[str, Any], str, str]] = {
 @pytest.mark.parametrize("case", WRONG)
 def test_what_makes_no_sense_is_pointed_at(case: str) -> None:
     change, pointer, word = WRONG[case]
-    with pytest.raises(InvalidBody) as raised:
+    with pytest.raises(ServiceError) as raised:
         validated(json.dumps({"base": BASE, **change}).encode(), SweepSpec)
     (found,) = raised.value.violations
     assert found["pointer"] == pointer
