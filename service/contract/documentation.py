@@ -87,6 +87,7 @@ SEVERAL = {
     404: "Not found",
     409: "Conflict with the current state",
     422: "The request is invalid",
+    500: "Internal error",
     503: "Temporarily unavailable: try again",
 }
 OPENAPI_URL = "/openapi.json"

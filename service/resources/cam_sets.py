@@ -11,10 +11,8 @@ from pydantic import AfterValidator, BaseModel, ConfigDict, Field
 from pydantic.fields import FieldInfo
 from pydantic_core import PydanticCustomError
 
-from service.resources.resource import Resource, ResourceFile
-from service.resources.views import CamSetPage
+from service.resources.resource import Accepted, Resource, ResourceFile
 from service.wire.errors import ProblemType
-from service.wire.links import set_links
 from service.workers.tasks import solve_cam_set
 from synthesis.design.cam_set import CamSet, set_id
 from synthesis.design.design import Status
@@ -46,6 +44,14 @@ def _among(known: Collection[str]) -> tuple[AfterValidator, FieldInfo]:
 
     schema: dict[str, Any] = {"items": {"type": "string", "enum": list(known)}}
     return AfterValidator(check), Field(max_length=20, json_schema_extra=schema)
+
+
+class CamSetSummary(Accepted):
+    """One line of the list of cam sets."""
+
+    status: Annotated[Status | None, Field(description="The worst of its cams'.")]
+    cams: Annotated[int | None, Field(description="How many cams; null until it is done.")] = None
+    solved: Annotated[int | None, Field(description="For how many a cam was found.")] = None
 
 
 class NoOptions(BaseModel):
@@ -104,15 +110,12 @@ CAM_SETS = Resource(
     path="/v1/cam-sets",
     tag="cam sets",
     noun="cam set",
-    plural="cam sets",
     id_name="set_id",
     spec=CamSetSpec,
     answer=CamSet,
-    page=CamSetPage,
-    examples="cam-sets",
+    summary=CamSetSummary,
     id_of=set_id,
     task=solve_cam_set,
-    links=lambda id, summary: set_links(id, has_cams=bool(summary.get("solved"))),
     unknown=ProblemType.UNKNOWN_CAM_SET,
     title="Synthesise the cams of a shaft",
     text="""Designs each cam as `POST /v1/designs` does, and puts them on the shaft by their phases.

@@ -1,37 +1,72 @@
-"""/v1/designs."""
+"""/v1/designs; /v1/analyses and /v1/profile-analyses: what a given or a measured cam does."""
 
 from __future__ import annotations
 
 from collections.abc import Iterator
 from functools import partial
+from typing import Annotated, Literal
 
-from service.resources.resource import Resource, ResourceFile, file_of
-from service.resources.views import DesignPage
+from pydantic import Field
+
+from service.resources.resource import Accepted, Resource, ResourceFile, StatusOrNone, file_of
 from service.sweeps.store import design_of_item
 from service.wire.errors import ProblemType
-from service.wire.links import design_links
-from service.workers.tasks import design_file
+from service.workers.tasks import (
+    DESIGN_FORMATS,
+    analyse_cam,
+    analyse_profile,
+    analysis_picture,
+    design_file,
+)
+from synthesis.design.analysis import Analysis
 from synthesis.design.design import Design, Status
-from synthesis.design.identity import design_id
-from synthesis.exporters import MOTION_FORMATS, PICTURES, PROFILE_FORMATS, SOLID_FORMATS
+from synthesis.design.identity import design_id, question_id
+from synthesis.exporters import DRAWINGS, PICTURES
 from synthesis.spec.design_spec import DesignSpec
+from synthesis.studies.measured import MeasuredCam, ProfileAnalysis
 
 REPORT = "report.html"  # it has a route of its own: it may need a worker or not
-FORMATS = {"profile": PROFILE_FORMATS, "motion": MOTION_FORMATS, "solid": SOLID_FORMATS}
+Verdict = Literal["holds", "violated"]
+
+
+class DesignSummary(Accepted):
+    """One line of the list."""
+
+    status: StatusOrNone
+    dimensions: dict[str, float] = Field({}, description="Base radius, offset, …: name and unit.")
+    objective: Annotated[str | None, Field(description="What was minimised.")] = None
+    value: Annotated[float | None, Field(description="The value that it reached.")] = None
+    gap: Annotated[float | None, Field(description="Relative distance to the bound.")] = None
+    certified: Annotated[bool | None, Field(description="Every limit holds everywhere.")] = None
+
+
+class AnalysisSummary(Accepted):
+    """One line of the list of analyses."""
+
+    status: Annotated[
+        Verdict | None, Field(description="Whether every limit holds; null until it is done.")
+    ]
+    violated: list[str] = Field([], description="The limits that do not hold.")
+
+
+class ProfileAnalysisSummary(Accepted):
+    """One line of the list of measured profiles."""
+
+    status: Annotated[Literal["read"] | None, Field(description="null until it is done.")]
+    dimensions: dict[str, float] = Field(
+        {}, description="Base radius, stroke, … as read: name and unit."
+    )
 
 
 def _files() -> Iterator[ResourceFile]:
-    for part, formats in FORMATS.items():
+    for part, formats in DESIGN_FORMATS.items():
         for exporter in formats.values():
-            path = f"{part}.{exporter.name}"
-            yield file_of(
-                exporter, path, path.replace(".", "_"), partial(design_file, exporter),
-                download_name=f"{part}{exporter.extension}",
-            )  # fmt: skip
+            name = f"{part}{exporter.extension}"
+            make = partial(design_file, exporter)
+            yield file_of(exporter, f"{part}.{exporter.name}", make, download_name=name)
     for exporter in PICTURES.values():
         if exporter.name != REPORT:
-            name = exporter.name
-            yield file_of(exporter, name, name.replace(".", "_"), partial(design_file, exporter))
+            yield file_of(exporter, exporter.name, partial(design_file, exporter))
 
 
 DESIGNS = Resource(
@@ -39,15 +74,12 @@ DESIGNS = Resource(
     tag="designs",
     file_tag="files",
     noun="design",
-    plural="designs",
     id_name="design_id",
     spec=DesignSpec,
     answer=Design,
-    page=DesignPage,
-    examples="",
+    summary=DesignSummary,
     id_of=design_id,
     task=None,
-    links=lambda id, summary: design_links(id, has_cam=bool(summary.get("dimensions"))),
     unknown=ProblemType.UNKNOWN_DESIGN,
     title="Synthesise a cam",
     text="""Chooses base radius, offset and spline laws together and proves that every limit holds.
@@ -61,4 +93,58 @@ DESIGNS = Resource(
     files=tuple(_files()),
     marks_broken_limits=True,
     own_delete=True,
+)
+ANALYSES = Resource(
+    path="/v1/analyses",
+    tag="analyses",
+    noun="analysis",
+    id_name="analysis_id",
+    spec=DesignSpec,
+    answer=Analysis,
+    summary=AnalysisSummary,
+    id_of=lambda spec: question_id(spec, "analysis"),
+    task=analyse_cam,
+    unknown=ProblemType.UNKNOWN_ANALYSIS,
+    title="Analyse a given cam",
+    text="""Extremes of all curves, each limit with its margin, jumps, undercut, and what helps.
+
+    The laws, the base radius and the offset must be given; what is left free is a problem (422).
+    A limit that is broken is a result, not an error: `holds` is false, `violated` names it,
+    `extremes` says by how much and where, `remedy` which size would help. The same spec gives the
+    same bytes. Its pictures and its report are at `/v1/analyses/{id}/motion.svg`, `contact.svg`, …;
+    for files of points, send the same spec to `POST /v1/designs`.
+    """,
+    answer_text="As `POST /v1/analyses` answered, or would have without `respond-async`.",
+    status=Verdict,
+    files=tuple(
+        file_of(
+            exporter, name, partial(analysis_picture, name), "analysis_",
+            title=f"{exporter.title}, of an analysis", purpose="", in_worker=True,
+        )
+        for name, exporter in DRAWINGS.items()
+    ),
+    marks_broken_limits=True,
+)  # fmt: skip
+PROFILE_ANALYSES = Resource(
+    path="/v1/profile-analyses",
+    tag="analyses",
+    noun="profile analysis",
+    id_name="analysis_id",
+    spec=MeasuredCam,
+    answer=ProfileAnalysis,
+    summary=ProfileAnalysisSummary,
+    id_of=lambda cam: question_id(cam, "profile analysis"),
+    task=analyse_profile,
+    unknown=ProblemType.UNKNOWN_ANALYSIS,
+    title="Read the motion back from a measured profile",
+    text="""Displacement, velocity, acceleration, jerk and pressure angle that a real cam gives.
+
+    The profile is smoothed as far as the points' own scatter and the tolerance allow; then the
+    follower rides on it, held off by whatever stands out farthest. `peaks` says what the tolerance
+    may hide of each derivative, `unreached_hollows` names the hollows that are too narrow
+    for the roller, `contact_off_face` where contact leaves a flat face. Points that are no closed
+    curve round the cam's axis are a problem (422) that names the place.
+    """,
+    answer_text="As `POST /v1/profile-analyses` answered, or would have without `respond-async`.",
+    budget_of=lambda _: None,
 )

@@ -5,20 +5,13 @@ from __future__ import annotations
 from collections.abc import Mapping
 from types import MappingProxyType
 
-from service.resources.analyses import ANALYSES, PROFILE_ANALYSES
 from service.resources.cam_sets import CAM_SETS
-from service.resources.designs import DESIGNS
-from service.resources.linkages import LINKAGE_RESOURCES
+from service.resources.designs import ANALYSES, DESIGNS, PROFILE_ANALYSES
+from service.resources.machines import LINKAGE_RESOURCES, SPATIAL_CAMS, TRAIN_RESPONSES
 from service.resources.resource import Resource
-from service.resources.spatial_cams import SPATIAL_CAMS
-from service.resources.train_responses import TRAIN_RESPONSES
 
-RESOURCES: Mapping[str, Resource] = MappingProxyType(
-    {
-        each.path: each
-        for each in (
-            DESIGNS, CAM_SETS, ANALYSES, PROFILE_ANALYSES, SPATIAL_CAMS, TRAIN_RESPONSES,
-            *LINKAGE_RESOURCES,
-        )
-    }
+ALL = (
+    DESIGNS, CAM_SETS, ANALYSES, PROFILE_ANALYSES, SPATIAL_CAMS, TRAIN_RESPONSES,
+    *LINKAGE_RESOURCES,
 )  # fmt: skip
+RESOURCES: Mapping[str, Resource] = MappingProxyType({each.path: each for each in ALL})

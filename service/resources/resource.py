@@ -4,17 +4,54 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
+from datetime import datetime
+from functools import cache
 from operator import attrgetter
-from typing import Any
+from typing import Annotated, Any, Generic, Literal, TypeVar
 
-from pydantic import BaseModel
+from pydantic import BaseModel, Field, create_model
 
-from service.resources.views import Page
-from service.storage.store import Lookup
+from service.storage.store import AnswerRow, Lookup
 from service.wire.errors import ProblemType
-from service.workers.tasks import Task
+from service.wire.pages import in_utc
+from service.workers.tasks import Task, links_to
+from synthesis.design.design import Status
 from synthesis.exporters import Made, form
 from synthesis.exporters.exporter import FileFormat
+
+StatusOrNone = Annotated[Status | None, Field(description="What came out; null until it is done.")]
+
+
+class Accepted(BaseModel):
+    """What is waiting or being worked on."""
+
+    id: Annotated[str, Field(description="The id that the answer will have.")]
+    name: Annotated[str, Field(description="As in the spec.")]
+    state: Annotated[
+        Literal["accepted", "done", "failed"],
+        Field(description="`accepted` until it is done or failed."),
+    ]
+    created: Annotated[datetime, Field(description="When it was accepted, UTC.")]
+    links: Annotated[dict[str, str], Field(description="Where to ask again.")]
+
+
+Summary = TypeVar("Summary", bound=Accepted)
+
+
+class Page(BaseModel, Generic[Summary]):
+    """Some lines of a list."""
+
+    items: Annotated[list[Summary], Field(description="The newest first.")]
+    next: Annotated[str | None, Field(description="`cursor` of the next page; null at the end.")]
+
+
+@cache
+def page_of(summary: type[Accepted]) -> Any:
+    """The model of a list with such lines, named as they are."""
+    lines = (summary.__doc__ or "").replace("One line", "Lines").rstrip(".")
+    name = summary.__name__.replace("Summary", "Page")
+    base: Any = Page
+    return create_model(name, __base__=base[summary], __doc__=f"{lines}, the newest first.")
 
 
 def _unchanged(query: Any) -> Any:
@@ -51,11 +88,15 @@ class ResourceFile:
 def file_of(
     exporter: FileFormat[Any, Any],
     path: str,
-    operation: str,
     make: Callable[[bytes, Any], Made],
+    prefix: str = "",
     **more: Any,
 ) -> ResourceFile:
-    """A file in a format of the core. ``more``: fields of ``ResourceFile`` that differ."""
+    """A file in a format of the core.
+
+    Args:
+        prefix: of the operation's name. more: fields of ``ResourceFile`` that differ.
+    """
     fields: dict[str, Any] = {
         "title": exporter.title,
         "purpose": exporter.purpose,
@@ -64,7 +105,7 @@ def file_of(
     }
     return ResourceFile(
         path=path,
-        operation=operation,
+        operation=prefix + path.replace(".", "_"),
         media_type=exporter.media_type,
         query=form(exporter.options),
         options_of=lambda query: exporter.options(**dict(query)),
@@ -80,12 +121,10 @@ class Resource:
     Attributes:
         path: of the collection, and the kind of its answers in the store.
         tag: section of the documentation, and file_tag: of its files' ("": the same).
-        noun: what one is called, and plural. id_name: what paths call the id of one.
-        spec: the question. answer: what it leads to. page: of the list.
-        examples: folder of the worked examples.
+        noun: what one is called. id_name: what paths call the id of one.
+        spec: the question. answer: what it leads to. summary: a line of the list.
         id_of: question to id.
         task: what a worker does; None: what the engine was made for, which is to solve designs.
-        links: id, and what lists show of the answer, to addresses.
         unknown: the problem of an id that does not exist.
         title, text: what the contract says of POST, and answer_text: of GET.
         status: type of the filter of lists; None: there is none.
@@ -99,15 +138,12 @@ class Resource:
     path: str
     tag: str
     noun: str
-    plural: str
     id_name: str
     spec: type[Any]
     answer: type[BaseModel]
-    page: type[Page[Any]]
-    examples: str
+    summary: type[Accepted]
     id_of: Callable[[Any], str]
     task: Task | None
-    links: Callable[[str, Mapping[str, Any]], dict[str, str]]
     unknown: ProblemType
     title: str
     text: str
@@ -124,12 +160,23 @@ class Resource:
         """Address of one of them."""
         return f"{self.path}/{id}"
 
-    @property
-    def operation(self) -> str:
-        """What operations call one, as in ``get_cam_set``."""
-        return self.noun.replace(" ", "_").replace("-", "_")
+    def fields_of(self, row: AnswerRow) -> Mapping[str, Any]:
+        """The fields of ``Accepted`` for a row."""
+        return {
+            "id": row.id,
+            "name": row.name,
+            "state": row.state,
+            "created": in_utc(row.created),
+            "links": links_to(self.path, row.id, (row.summary or {}).get("files", ())),
+        }
 
     @property
-    def operations(self) -> str:
-        """What operations call several, as in ``list_cam_sets``."""
-        return self.plural.replace(" ", "_").replace("-", "_")
+    def plural(self) -> str:
+        """What several are called."""
+        return f"{self.noun[:-2]}es" if self.noun.endswith("is") else f"{self.noun}s"
+
+    @property
+    def examples(self) -> str:
+        """Folder of the worked examples; those of designs stand at its top."""
+        folder = self.path.removeprefix("/v1/")
+        return "" if folder == "designs" else folder

@@ -125,7 +125,7 @@ async def _get_report(
         costs = Sensitivities.model_validate_json(body)
     report = report_with(PROFILE_FORMATS, MOTION_FORMATS, costs)
     made_by = "with sensitivities" if costs else ""
-    file = file_of(report, REPORT, "report_html", partial(design_file, report), made_by=made_by)
+    file = file_of(report, REPORT, partial(design_file, report), made_by=made_by)
     return await send_file(request, parts, DESIGNS, file, row, design, PictureOptions(theme))
 
 
@@ -133,7 +133,7 @@ _report = PICTURES[REPORT]
 add_file_route(
     router,
     DESIGNS,
-    file_of(_report, REPORT, "report_html", partial(design_file, _report)),
+    file_of(_report, REPORT, partial(design_file, _report)),
     _get_report,
     (500, 503, 504),
 )

@@ -11,14 +11,14 @@ from fastapi import APIRouter, Header, Path, Query, Request, Response
 
 from service.contract.documentation import UNDER_WAY_HEADERS, problems, spec_body, tagged
 from service.resources.jobs import result_of
-from service.resources.resource import Resource
-from service.resources.views import Accepted, Page, cursor_at, in_utc, position_of
+from service.resources.resource import Accepted, Resource, page_of
 from service.routes.file_routes import add_file
 from service.state import Parts, State
 from service.storage.store import AnswerRow
 from service.wire.body import read_body
 from service.wire.errors import ProblemType
 from service.wire.etag import not_modified
+from service.wire.pages import cursor_at, position_of
 from service.wire.problem import problem_response
 
 Handler = Callable[..., Awaitable[Any]]
@@ -74,7 +74,7 @@ def _add_create(router: APIRouter, resource: Resource) -> None:
 
     router.add_api_route(
         resource.path, handler, methods=["POST"], tags=[resource.tag],
-        name=f"create_{resource.operation}", summary=resource.title,
+        name=f"create_{_snake(resource.noun)}", summary=resource.title,
         description=cleandoc(resource.text), response_model=resource.answer,
         openapi_extra=spec_body(resource.examples, resource.spec.__name__),
         responses={
@@ -108,9 +108,9 @@ def _add_list(router: APIRouter, resource: Resource) -> None:
 
     router.add_api_route(
         resource.path, handler if resource.status is None else handler_by_status,
-        methods=["GET"], tags=[resource.tag], name=f"list_{resource.operations}",
+        methods=["GET"], tags=[resource.tag], name=f"list_{_snake(resource.plural)}",
         summary=f"List {resource.plural}", description="The newest first.",
-        response_model=resource.page, responses=problems(422),
+        response_model=page_of(resource.summary), responses=problems(422),
     )  # fmt: skip
 
 
@@ -130,7 +130,7 @@ def _add_get(router: APIRouter, resource: Resource) -> None:
 
     router.add_api_route(
         f"{resource.path}/{{{resource.id_name}}}", handler, methods=["GET"], tags=[resource.tag],
-        name=f"get_{resource.operation}", summary=article(resource.noun).capitalize(),
+        name=f"get_{_snake(resource.noun)}", summary=article(resource.noun).capitalize(),
         description=f"{resource.answer_text}\n\n{WAITING}", response_model=resource.answer,
         responses={**tagged(), **UNDER_WAY, **problems(404, 422, 500, 503, 504)},
     )  # fmt: skip
@@ -144,7 +144,7 @@ def _add_delete(router: APIRouter, resource: Resource) -> None:
 
     router.add_api_route(
         f"{resource.path}/{{{resource.id_name}}}", handler, methods=["DELETE"],
-        tags=[resource.tag], name=f"delete_{resource.operation}", status_code=204,
+        tags=[resource.tag], name=f"delete_{_snake(resource.noun)}", status_code=204,
         summary=f"Delete {article(resource.noun)}",
         description="One being worked on is stopped; a finished one is discarded.",
         responses=problems(404),
@@ -169,27 +169,16 @@ async def check_key(parts: State, key: str | None, body: bytes) -> None:
 
 async def _page(
     parts: State, resource: Resource, limit: int, cursor: str | None, status: str | None
-) -> Page[Any]:
+) -> Any:
     before = None if cursor is None else position_of(cursor)
     rows: Sequence[AnswerRow] = await parts.jobs[resource.path].answers.page(
         before, limit + 1, status
     )
     items = [
-        {**_view(resource, row).model_dump(), "status": row.status, **row.summary}
-        for row in rows[:limit]
+        {**resource.fields_of(row), "status": row.status, **row.summary} for row in rows[:limit]
     ]
     following = cursor_at(rows[limit - 1].sequence) if len(rows) > limit else None
-    return resource.page.model_validate({"items": items, "next": following})
-
-
-def _view(resource: Resource, row: AnswerRow) -> Accepted:
-    return Accepted(
-        id=row.id,
-        name=row.name,
-        state=row.state,  # type: ignore[arg-type]
-        created=in_utc(row.created),
-        links=resource.links(row.id, row.summary or {}),
-    )
+    return page_of(resource.summary).model_validate({"items": items, "next": following})
 
 
 def _done(resource: Resource, row: AnswerRow) -> Response:
@@ -201,9 +190,15 @@ def _accepted(resource: Resource, row: AnswerRow, applied: bool = False) -> Resp
     headers = {"Location": resource.at(row.id), "Retry-After": "1"}
     if applied:
         headers["Preference-Applied"] = "respond-async"
-    return Response(_view(resource, row).model_dump_json(), 202, headers, "application/json")
+    body = Accepted(**resource.fields_of(row)).model_dump_json()
+    return Response(body, 202, headers, "application/json")
 
 
 def article(noun: str) -> str:
     """A noun with its indefinite article."""
     return f"{'an' if noun[0] in 'aeiou' else 'a'} {noun}"
+
+
+def _snake(words: str) -> str:
+    """Words as a part of an operation's name."""
+    return words.replace(" ", "_").replace("-", "_")

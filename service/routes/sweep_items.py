@@ -11,7 +11,6 @@ from fastapi import APIRouter, Query, Request, Response
 from fastapi.responses import StreamingResponse
 
 from service.contract.documentation import in_parts, problems, tagged
-from service.resources.views import cursor_at, position_of
 from service.routes.file_routes import (
     PNG,
     SVG,
@@ -36,6 +35,7 @@ from service.sweeps.views import (
 )
 from service.wire.errors import ProblemType
 from service.wire.etag import not_modified, tag_of
+from service.wire.pages import cursor_at, position_of
 from service.wire.ranges import IN_PARTS
 from synthesis.exporters.diagrams.tradeoff import Aim, TradeOff, trade_off
 from synthesis.exporters.drawing.picture_options import Colours, PixelColours, PixelWidth

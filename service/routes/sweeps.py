@@ -12,7 +12,6 @@ from fastapi.sse import EventSourceResponse, ServerSentEvent
 
 from service.contract.documentation import UNDER_WAY_HEADERS, problems, spec_body
 from service.contract.examples import SWEEPS
-from service.resources.views import cursor_at, position_of
 from service.routes.resource_routes import Key, check_key
 from service.state import Parts, State
 from service.sweeps.store import UNDER_WAY, SweepRow
@@ -28,6 +27,7 @@ from service.sweeps.views import (
 )
 from service.wire.body import read_body
 from service.wire.errors import ProblemType
+from service.wire.pages import cursor_at, position_of
 from synthesis.studies.sweeps import SweepSpec
 
 router = APIRouter(prefix="/v1/sweeps", tags=["sweeps"])

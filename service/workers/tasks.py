@@ -6,23 +6,31 @@ Solvers are imported in the functions: the process that answers requests does no
 from __future__ import annotations
 
 import time
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any
 
-from pydantic import BaseModel
-
 from service.wire.errors import ProblemType
-from service.wire.links import design_links, linkage_links, set_links, spatial_links, train_links
 from synthesis.catalogue.objectives import Objective
 from synthesis.design.analysis import Analysis
 from synthesis.design.design import Design
-from synthesis.exporters import DRAWINGS, Exporter, Made, Options
+from synthesis.exporters import (
+    DRAWINGS,
+    MOTION_FORMATS,
+    PICTURES,
+    PROFILE_FORMATS,
+    SOLID_FORMATS,
+    Exporter,
+    Made,
+    Options,
+)
 from synthesis.exporters.exporter import FileFormat
 from synthesis.machines.dynamics import TrainSpec
+from synthesis.machines.dynamics.files import TRAIN_FILES
 from synthesis.machines.linkages import LINKAGES
 from synthesis.machines.linkages.files import LINKAGE_FILES
 from synthesis.machines.spatial.design import SpatialDesign
+from synthesis.machines.spatial.files import formats_of
 from synthesis.machines.spatial.spec import SpatialCamSpec
 from synthesis.spec.cam_set import CamSetSpec
 from synthesis.spec.design_spec import DesignSpec
@@ -56,11 +64,29 @@ class Answer:
 
 Task = Callable[[bytes, float], Answer]  # question and time budget [s] to the answer
 SENSITIVITY_SHARE = 0.8  # of the time budget: what is known by then is reported
+DESIGN_FORMATS = {"profile": PROFILE_FORMATS, "motion": MOTION_FORMATS, "solid": SOLID_FORMATS}
+
+
+def links_to(path: str, id: str, files: Iterable[str]) -> dict[str, str]:
+    """Addresses of an answer and of its files; ``path`` of the collection."""
+    self = f"{path}/{id}"
+    return {"self": self, **{name: f"{self}/{name}" for name in files}}
 
 
 def _answer(
-    found: BaseModel, status: str, started: float, summary: Mapping[str, Any], **more: Any
+    found: Any,
+    status: str,
+    started: float,
+    summary: Mapping[str, Any],
+    path: str = "",
+    files: Iterable[str] = (),
+    **more: Any,
 ) -> Answer:
+    """An answer as it is stored; where its collection's path is given, with links to its files."""
+    if path:
+        files = list(files)
+        found = found.model_copy(update={"links": links_to(path, found.id, files)})
+        summary = {**summary, "files": files}
     body = found.model_dump_json().encode()
     return Answer(body, status, summary, time.monotonic() - started, **more)
 
@@ -94,8 +120,6 @@ def design_answer(
     started = time.monotonic()
     question = DesignSpec.model_validate_json(spec, strict=True)
     design, warm_start = synthesise(question, started + budget_s)
-    links = design_links(design.id, has_cam=bool(design.motion))
-    design = design.model_copy(update={"links": links})
     certificate = design.certificate
     quantities = {**design.dimensions, **design.objectives}
     if objectives:
@@ -109,8 +133,12 @@ def design_answer(
         "gap": certificate.gap,
         "certified": certificate.certified,
     }
+    has_cam = bool(design.motion)
+    points = [f"{part}.{name}" for part, formats in DESIGN_FORMATS.items() for name in formats]
+    pictures = [name for name, each in PICTURES.items() if has_cam or each.without_cam]
     return _answer(
-        design, design.status, started, summary,
+        design, design.status, started, summary, "/v1/designs",
+        [*(points if has_cam else ()), *pictures],
         quantities=quantities, id=design.id, warm_start=warm_start,
     )  # fmt: skip
 
@@ -121,9 +149,9 @@ def solve_cam_set(spec: bytes, budget_s: float) -> Answer:
 
     started = time.monotonic()
     found = synthesise_set(CamSetSpec.model_validate_json(spec), deadline=started + budget_s)
-    found = found.model_copy(update={"links": set_links(found.id, has_cams=found.has_cams)})
     summary = {"cams": len(found.cams), "solved": sum(cam.has_cam for cam in found.cams)}
-    return _answer(found, found.status, started, summary)
+    files = ("timing.svg", "bundle.zip") if found.has_cams else ()
+    return _answer(found, found.status, started, summary, "/v1/cam-sets", files)
 
 
 def solve_spatial_cam(spec: bytes, budget_s: float) -> Answer:
@@ -133,10 +161,9 @@ def solve_spatial_cam(spec: bytes, budget_s: float) -> Answer:
     started = time.monotonic()
     question = SpatialCamSpec.model_validate_json(spec)
     found = synthesise_spatial(question, deadline=started + budget_s)
-    links = spatial_links(found.id, found.machine, has_cam=bool(found.motion))
-    found = found.model_copy(update={"links": links})
     summary = {"machine": found.machine, "dimensions": found.dimensions}
-    return _answer(found, found.status, started, summary)
+    files = formats_of(found.machine) if found.motion else ()
+    return _answer(found, found.status, started, summary, "/v1/spatial-cams", files)
 
 
 def compute_train_response(spec: bytes, budget_s: float) -> Answer:
@@ -145,9 +172,9 @@ def compute_train_response(spec: bytes, budget_s: float) -> Answer:
 
     started = time.monotonic()
     found = respond(TrainSpec.model_validate_json(spec), deadline=started + budget_s)
-    found = found.model_copy(update={"links": train_links(found.id)})
     summary = {"modes_hz": [mode.natural_frequency_hz for mode in found.modes]}
-    return _answer(found, "computed", started, summary)
+    files = [file.name for file in TRAIN_FILES]
+    return _answer(found, "computed", started, summary, "/v1/train-responses", files)
 
 
 def analyse_cam(spec: bytes, budget_s: float) -> Answer:
@@ -156,9 +183,9 @@ def analyse_cam(spec: bytes, budget_s: float) -> Answer:
 
     started = time.monotonic()
     found = analyse(DesignSpec.model_validate_json(spec), deadline=started + budget_s)
-    return _answer(
-        found, "holds" if found.holds else "violated", started, {"violated": found.violated}
-    )
+    status = "holds" if found.holds else "violated"
+    summary = {"violated": found.violated, "files": list(DRAWINGS)}
+    return _answer(found, status, started, summary)
 
 
 def analyse_profile(cam: bytes, budget_s: float) -> Answer:
@@ -178,9 +205,8 @@ def solve_linkage(kind: str, spec: bytes, budget_s: float) -> Answer:
     quantities = linkage.summary(found)
     formats = LINKAGE_FILES[kind].values() if quantities else ()
     files = [file.name for file in formats if file.suits(found)]
-    found = found.model_copy(update={"links": linkage_links(kind, found.id, files)})
-    summary = {"quantities": quantities, "files": files}
-    return _answer(found, found.status, started, summary)
+    summary = {"quantities": quantities}
+    return _answer(found, found.status, started, summary, f"/v1/linkages/{kind}", files)
 
 
 def confirm_design(design: bytes, budget_s: float) -> Answer:
