@@ -25,8 +25,11 @@ from synthesis.catalogue.ranges import Dimension, Range, ends
 from synthesis.spec.free_parameters import FreeParameters, ProgramAndFollower
 from synthesis.spec.program import Segment
 from synthesis.spec.schedule import angles_of, check_turn, check_units, placed
-from synthesis.spec.smoothness import check_jerk_finite
-from synthesis.spec.well_posedness import SizeProblem, check_has_optimum
+from synthesis.spec.well_posedness import (
+    check_growth_ends,
+    check_jerk_finite,
+    check_shrinking_ends,
+)
 from synthesis.units import MotionUnits, rad_per_s
 
 MAX_SEGMENTS = 100
@@ -182,17 +185,14 @@ class DesignSpec(BaseModel):
 
     @model_validator(mode="after")
     def _has_a_best(self) -> DesignSpec:
-        check_has_optimum(
-            SizeProblem(
-                follower=self.follower,
-                objectives=self.objectives(),
-                limits=self.limits,
-                asked=ends(self.base_radius_mm),
-                opened=self.searched_radii(),
-                reached=self.base_radius_range(),
-                free=any(segment.law_is_free for segment in self.placed_segments()),
-            )
-        )
+        requested = ends(self.base_radius_mm)
+        check_growth_ends(
+            self.follower, self.limits, self.objectives(),
+            requested, self.searched_radii(), self.base_radius_range(),
+        )  # fmt: skip
+        if self.objectives()[0].kind == "base_radius":
+            law_is_free = any(segment.law_is_free for segment in self.placed_segments())
+            check_shrinking_ends(self.follower, self.limits, requested, law_is_free=law_is_free)
         return self
 
     def model_copy(self, *, update: Mapping[str, Any] | None = None, deep: bool = False) -> Self:

@@ -3,33 +3,26 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from itertools import pairwise
-from typing import Annotated, Any
+from dataclasses import dataclass
+from itertools import combinations, pairwise
+from math import inf
+from typing import Annotated
 
-from pydantic import BaseModel, ConfigDict, Field, model_validator
+from pydantic import Field, model_validator
 from pydantic_core import PydanticCustomError
 
 from synthesis.catalogue.limits.segment_bound import FIELDS, TRAVEL, SegmentBound
 from synthesis.catalogue.ranges import Range, ends
-from synthesis.spec.segment import TravelUnit
+from synthesis.spec.segment import UnitFields
 
 SHORTEST = 1e-3  # of the segment: knots may not lie closer
-MOST = 50
+MOST = 50  # windows, and points, on a segment
 Degrees = Annotated[float, Field(ge=0.0, le=360.0)]
 Bounds = float | Range | None
-UNITS: tuple[TravelUnit, ...] = ("mm", "deg")
+Bound = tuple[int, str, float, float]  # order of the derivative, field, lower and upper bound
 
 
-class _Part(BaseModel):
-    model_config = ConfigDict(frozen=True, extra="forbid", allow_inf_nan=False)
-
-    @property
-    def units(self) -> frozenset[TravelUnit]:
-        """Units that it is given in: mm, deg, or both."""
-        raise NotImplementedError
-
-
-class Window(_Part):
+class Window(UnitFields):
     """Bounds that hold on a part of the segment; a number in place of a range holds the value."""
 
     from_deg: Annotated[Degrees, Field(description="Where it begins, from the segment's start.")]
@@ -64,40 +57,26 @@ class Window(_Part):
             )
         return self
 
-    def bounds(self) -> Iterator[tuple[int, str, Bounds]]:
-        """Order, field and value of everything that is bounded."""
+    def bounds(self) -> Iterator[Bound]:
+        """Everything that is bounded."""
         for fields in FIELDS.values():
             for order, name in enumerate(fields):
-                value: Bounds = getattr(self, name)
-                if value is not None and ends(value) != ends(None):
-                    yield order, name, value
-
-    @property
-    def units(self) -> frozenset[TravelUnit]:
-        given = {name for _, name, _ in self.bounds()}
-        return frozenset(unit for unit in UNITS if not given.isdisjoint(FIELDS[unit]))
+                low, high = ends(getattr(self, name))
+                if (low, high) != ends(None):
+                    yield order, name, low, high
 
     def ends_of(self, order: int) -> tuple[float, float]:
         """Lower and upper bound of one derivative, −∞ and ∞ where there is none."""
-        return next((ends(value) for k, _, value in self.bounds() if k == order), ends(None))
+        found = ((low, high) for k, _, low, high in self.bounds() if k == order)
+        return next(found, (-inf, inf))
 
-    def segment_bounds(
-        self, common: dict[str, Any], part: tuple[float, float]
-    ) -> Iterator[SegmentBound]:
-        """One demand for every end of a range, or for a value."""
-        for order, name, value in self.bounds():
-            field = f"{common['field']}/{name}"
-            low, high = ends(value)
-            base = {**common, "interval": part, "order": order}
-            if low == high:
-                yield SegmentBound(**{**base, "field": field, "min": low, "max": high})
-                continue
-            for side, end in (("min", low), ("max", high)):
-                if abs(end) < float("inf"):
-                    yield SegmentBound(**{**base, "field": f"{field}/{side}", side: end})
+    @property
+    def span(self) -> tuple[float, float]:
+        """Where it begins and ends [deg]."""
+        return self.from_deg, self.to_deg
 
 
-class Point(_Part):
+class Point(UnitFields):
     """A point that the follower passes through."""
 
     angle_deg: Annotated[Degrees, Field(description="Where, from the segment's start.")]
@@ -132,126 +111,91 @@ class Point(_Part):
             )
         return self
 
-    @property
-    def units(self) -> frozenset[TravelUnit]:
-        given: dict[TravelUnit, tuple[float | None, ...]] = {
-            "mm": (self.travel_mm, self.tolerance_mm or None, self.velocity_mm_per_s),
-            "deg": (self.travel_deg, self.tolerance_deg or None, self.velocity_deg_per_s),
-        }
-        return frozenset(u for u, row in given.items() if any(v is not None for v in row))
-
-    @property
-    def _unit(self) -> TravelUnit:
-        return "deg" if self.travel_mm is None else "mm"
-
-    @property
-    def travel(self) -> float:
-        """The travel asked for, in its own unit."""
-        return float(getattr(self, FIELDS[self._unit][TRAVEL]))
-
-    @property
-    def tolerance(self) -> float:
-        """How far off it may be, in its own unit."""
-        return float(getattr(self, f"tolerance_{self._unit}"))
-
-    @property
-    def velocity(self) -> float | None:
-        """The velocity asked for, in its own unit."""
-        return self.velocity_deg_per_s if self.travel_mm is None else self.velocity_mm_per_s
-
-    @property
-    def nearest(self) -> float:
-        """The least travel that passes."""
-        return self.travel - self.tolerance
-
-    @property
-    def farthest(self) -> float:
-        """The largest travel that passes."""
-        return self.travel + self.tolerance
-
-    def segment_bounds(self, common: dict[str, Any], x: float) -> Iterator[SegmentBound]:
+    def bounds(self) -> Iterator[Bound]:
         """Its place, and its velocity if that is asked for."""
-        fields = FIELDS[self._unit]
-        name = f"tolerance_{self._unit}" if self.tolerance else fields[TRAVEL]
-        asked = [(TRAVEL, name, self.nearest, self.farthest)]
-        if self.velocity is not None:
-            asked.append((1, fields[1], self.velocity, self.velocity))
-        for order, name, low, high in asked:
-            field = f"{common['field']}/{name}"
-            base = {**common, "field": field, "order": order, "interval": (x, x)}
-            yield SegmentBound(**base, min=low, max=high)
+        name = self.given_field("tolerance" if self.given("tolerance") else "travel")
+        yield TRAVEL, name, *self.ends_of(TRAVEL)
+        if self.given("velocity") is not None:
+            yield 1, self.given_field("velocity"), *self.ends_of(1)
+
+    def ends_of(self, order: int) -> tuple[float, float]:
+        """Least and largest travel that passes; the velocity, −∞ and ∞ where none is required."""
+        if order == TRAVEL:
+            travel, tolerance = self.given("travel"), self.given("tolerance")
+            return travel - tolerance, travel + tolerance
+        return ends(self.given("velocity"))
+
+    @property
+    def span(self) -> tuple[float, float]:
+        """Where it is, twice [deg]."""
+        return self.angle_deg, self.angle_deg
 
 
-def bounds_of_constraints(
-    segment: int, angle: float, windows: Sequence[Window], points: Sequence[Point]
-) -> tuple[SegmentBound, ...]:
-    """All that the windows and points of one segment ask for.
+@dataclass(frozen=True)
+class MotionConstraints:
+    """The windows and points of one segment, of a cam angle [deg]."""
 
-    Args:
-        segment: its index in the program. angle: its cam angle [deg].
-        windows, points: its own.
-    """
-    found: list[SegmentBound] = []
-    for j, window in enumerate(windows):
-        common = _common(segment, f"windows/{j}")
-        found += window.segment_bounds(
-            common, (window.from_deg / angle, min(window.to_deg / angle, 1.0))
-        )
-    for j, point in enumerate(points):
-        found += point.segment_bounds(_common(segment, f"points/{j}"), point.angle_deg / angle)
-    return tuple(found)
+    angle: float
+    windows: Sequence[Window]
+    points: Sequence[Point]
 
+    def _all(self) -> Iterator[tuple[str, Window | Point]]:
+        """All of them, each with its place in the segment, as in ``windows/0``."""
+        for j, window in enumerate(self.windows):
+            yield f"windows/{j}", window
+        for j, point in enumerate(self.points):
+            yield f"points/{j}", point
 
-def _common(segment: int, place: str) -> dict[str, Any]:
-    return {"segment": segment, "place": place, "field": f"program/{segment}/{place}"}
-
-
-def constraint_knots(
-    angle: float, windows: Sequence[Window], points: Sequence[Point]
-) -> tuple[float, ...]:
-    """x in (0, 1) where windows end and points lie, in order."""
-    degrees = {p.angle_deg for p in points}.union(*((w.from_deg, w.to_deg) for w in windows))
-    return tuple(x for x in sorted(value / angle for value in degrees) if 0.0 < x < 1.0)
-
-
-# -- whether they make sense ----------------------------------------------------------------------
-
-
-def check_places(angle: float, windows: Sequence[Window], points: Sequence[Point]) -> None:
-    """Refuse windows and points that are not on a segment of this cam angle [deg]."""
-    for j, window in enumerate(windows):
-        if window.to_deg > angle * (1.0 + 1e-12):
-            raise PydanticCustomError(
-                "window_outside_segment",
-                "windows/{j} ends at {last}°, and the segment at {angle}°. "
-                "Measure both from the segment's start, or split the window.",
-                {"last": window.to_deg, "j": j, "angle": angle},
+    def segment_bounds(self, segment: int) -> tuple[SegmentBound, ...]:
+        """The bounds that they put on the segment with this index in the program."""
+        return tuple(
+            SegmentBound(
+                segment=segment, place=place, field=f"program/{segment}/{place}/{name}{side}",
+                order=order, interval=(first, last), min=least, max=most,
             )
-        if window.to_deg - window.from_deg < SHORTEST * angle:
-            raise PydanticCustomError(
-                "window_too_short",
-                "windows/{j} is {length}° long, less than a thousandth of its segment. "
-                "Make it longer, or give a point.",
-                {"length": window.to_deg - window.from_deg, "j": j},
-            )
-    for j, point in enumerate(points):
-        if not 0.0 < point.angle_deg < angle:
-            raise PydanticCustomError(
-                "point_outside_segment",
-                "points/{j} is at {at}°, not inside the segment of {angle}°. "
-                "Measure it from the segment's start; the ends follow from lift_mm.",
-                {"at": point.angle_deg, "j": j, "angle": angle},
-            )
+            for place, constraint in self._all()
+            for first, last in [[min(at / self.angle, 1.0) for at in constraint.span]]
+            for order, name, low, high in constraint.bounds()
+            for side, least, most in _sides(low, high, both=isinstance(constraint, Point))
+        )  # fmt: skip
 
+    def knots(self) -> tuple[float, ...]:
+        """x in (0, 1) where windows end and points lie, in order."""
+        degrees = {at for _, constraint in self._all() for at in constraint.span}
+        return tuple(x for x in sorted(at / self.angle for at in degrees) if 0.0 < x < 1.0)
 
-def check_bounds(windows: Sequence[Window]) -> None:
-    """Refuse windows that overlap and leave nothing between their bounds."""
-    for j, first in enumerate(windows):
-        for k, other in enumerate(windows[j + 1 :], j + 1):
+    # -- whether they make sense -----------------------------------------------------------------
+
+    def check(self) -> None:
+        """Refuse windows and points beyond the segment, and windows that contradict each other."""
+        for j, window in enumerate(self.windows):
+            if window.to_deg > self.angle * (1.0 + 1e-12):
+                raise PydanticCustomError(
+                    "window_outside_segment",
+                    "windows/{j} ends at {last}°, and the segment at {angle}°. "
+                    "Measure both from the segment's start, or split the window.",
+                    {"last": window.to_deg, "j": j, "angle": self.angle},
+                )
+            if window.to_deg - window.from_deg < SHORTEST * self.angle:
+                raise PydanticCustomError(
+                    "window_too_short",
+                    "windows/{j} is {length}° long, less than a thousandth of its segment. "
+                    "Make it longer, or give a point.",
+                    {"length": window.to_deg - window.from_deg, "j": j},
+                )
+        for j, point in enumerate(self.points):
+            if not 0.0 < point.angle_deg < self.angle:
+                raise PydanticCustomError(
+                    "point_outside_segment",
+                    "points/{j} is at {at}°, not inside the segment of {angle}°. "
+                    "Measure it from the segment's start; the ends follow from lift_mm.",
+                    {"at": point.angle_deg, "j": j, "angle": self.angle},
+                )
+        for (j, first), (k, other) in combinations(enumerate(self.windows), 2):
             if max(first.from_deg, other.from_deg) >= min(first.to_deg, other.to_deg):
                 continue
-            for order, name, value in first.bounds():
-                (low, high), (least, most) = ends(value), other.ends_of(order)
+            for order, name, low, high in first.bounds():
+                least, most = other.ends_of(order)
                 if low > most or least > high:
                     raise PydanticCustomError(
                         "windows_contradict",
@@ -260,56 +204,50 @@ def check_bounds(windows: Sequence[Window]) -> None:
                         {"j": j, "k": k, "name": name},
                     )
 
+    def check_forward(self, lift: float, sign: float) -> None:
+        """Refuse what a law cannot keep that never moves backwards.
 
-def check_stroke(
-    lift: float, sense: float, windows: Sequence[Window], points: Sequence[Point]
-) -> None:
-    """Refuse what a law cannot keep that never moves backwards.
-
-    Args:
-        lift: of the segment, in its own unit. sense: 1 for a rise, −1 for a return.
-        windows, points: its own.
-    """
-    for place, low, high in _travels(windows, points):
-        if low > lift or high < 0.0:
-            raise PydanticCustomError(
-                "outside_stroke",
-                "{place} asks for a travel from {low} to {high}, and the segment moves from 0 to "
-                "{lift}. Correct it, or allow the law to overshoot.",
-                {"low": low, "place": place, "high": high, "lift": lift},
-            )
-    for place, low, high in _speeds(windows, points):
-        if max(sense * low, sense * high) < 0.0:
-            raise PydanticCustomError(
-                "against_the_move",
-                "{place} asks for velocities of this sign on a segment that moves the other way "
-                "throughout. Change the sign, or allow the law to overshoot.",
-                {"value": low if abs(low) < abs(high) else high, "place": place},
-            )
-    order = sorted(range(len(points)), key=lambda j: points[j].angle_deg)
-    for j, k in pairwise(order):
-        if points[j].nearest > points[k].farthest:
-            raise PydanticCustomError(
-                "points_out_of_order",
-                "points/{k} comes after points/{j}, and lies {back} behind it. "
-                "Correct one of them, or allow the law to overshoot.",
-                {"back": points[j].travel - points[k].travel, "j": j, "k": k},
-            )
-
-
-def _travels(
-    windows: Sequence[Window], points: Sequence[Point]
-) -> Iterator[tuple[str, float, float]]:
-    for j, window in enumerate(windows):
-        yield f"windows/{j}", *window.ends_of(TRAVEL)
-    for j, point in enumerate(points):
-        yield f"points/{j}", point.nearest, point.farthest
+        Args:
+            lift: of the segment, in its own unit. sign: 1 for a rise, −1 for a return.
+        """
+        for place, constraint in self._all():
+            low, high = constraint.ends_of(TRAVEL)
+            if low > lift or high < 0.0:
+                raise PydanticCustomError(
+                    "outside_stroke",
+                    "{place} asks for a travel from {low} to {high}, and the segment moves from 0 "
+                    "to {lift}. Correct it, or allow the law to overshoot.",
+                    {"low": low, "place": place, "high": high, "lift": lift},
+                )
+        for place, constraint in self._all():
+            low, high = constraint.ends_of(1)
+            if max(sign * low, sign * high) < 0.0:
+                raise PydanticCustomError(
+                    "against_the_move",
+                    "{place} asks for velocities of this sign on a segment that moves the other "
+                    "way throughout. Change the sign, or allow the law to overshoot.",
+                    {"value": low if abs(low) < abs(high) else high, "place": place},
+                )
+        order = sorted(range(len(self.points)), key=lambda j: self.points[j].angle_deg)
+        for j, k in pairwise(order):
+            one, other = self.points[j], self.points[k]
+            if one.ends_of(TRAVEL)[0] > other.ends_of(TRAVEL)[1]:
+                raise PydanticCustomError(
+                    "points_out_of_order",
+                    "points/{k} comes after points/{j}, and lies {back} behind it. "
+                    "Correct one of them, or allow the law to overshoot.",
+                    {"back": one.given("travel") - other.given("travel"), "j": j, "k": k},
+                )
 
 
-def _speeds(
-    windows: Sequence[Window], points: Sequence[Point]
-) -> Iterator[tuple[str, float, float]]:
-    for j, window in enumerate(windows):
-        yield f"windows/{j}", *window.ends_of(1)
-    for j, point in enumerate(points):
-        yield f"points/{j}", *ends(point.velocity)
+def _sides(
+    low: float, high: float, *, both: bool
+) -> Iterator[tuple[str, float | None, float | None]]:
+    """A bound for each finite end of a range; of a single value, or a point, one for both."""
+    if both or low == high:
+        yield "", low, high
+        return
+    if low > -inf:
+        yield "/min", low, None
+    if high < inf:
+        yield "/max", None, high

@@ -3,56 +3,90 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from typing import Annotated, Literal, Self
+from typing import Annotated, ClassVar, Literal, Self
 
 from pydantic import Field, model_validator
 from pydantic_core import PydanticCustomError
 
 from synthesis.catalogue.laws import AnyLaw, SplineLaw
 from synthesis.catalogue.limits.segment_bound import SegmentBound
-from synthesis.catalogue.motion import EndState, PlacedSegment, SegmentKind
+from synthesis.catalogue.motion import EndState, PlacedSegment
 from synthesis.catalogue.ranges import Angle, DwellAngle, Lift, Range, Swing, ends
 from synthesis.numerics.piecewise import Piecewise
-from synthesis.spec.constant_velocity import ConstantSpeed
-from synthesis.spec.motion_constraints import (
-    MOST,
-    Point,
-    Window,
-    bounds_of_constraints,
-    check_bounds,
-    check_places,
-    check_stroke,
-    constraint_knots,
-)
-from synthesis.spec.segment import Part, State, TravelUnit, end_states, one_unit, units_of
+from synthesis.spec.motion_constraints import MOST, MotionConstraints, Point, Window
+from synthesis.spec.segment import SegmentSpec, State, signed, with_states
 from synthesis.spec.table import Table
-from synthesis.units import CORE_UNITS, MotionUnits
+from synthesis.units import DEGREE, MotionUnits
 
 STILL = Piecewise.of([0.0, 1.0], [[0.0]])
+LINE = Piecewise.of([0.0, 1.0], [[0.0, 1.0]])
+LEAST_VELOCITY = 1e-9  # mm, deg, or per s: less is a dwell, but for rounding
 
 
-class Dwell(Part):
+class Dwell(SegmentSpec):
     """The follower stands still."""
 
     kind: Literal["dwell"] = "dwell"
     angle_deg: DwellAngle
 
-    @property
-    def law_name(self) -> str:
-        return "dwell"
-
-    def place(
-        self,
-        index: int,
-        start: float,
-        angle: float,
-        s_start: float,
-        units: MotionUnits = CORE_UNITS,
-    ) -> PlacedSegment:
-        return PlacedSegment(index, "dwell", start, angle, s_start, s_start, STILL)
+    def with_motion(self, placed: PlacedSegment, units: MotionUnits) -> PlacedSegment:
+        return placed.with_law(STILL)
 
 
-class _Move(Part):
+class ConstantSpeed(SegmentSpec):
+    """The follower runs at constant velocity; neighbouring splines and polynomials pick it up."""
+
+    kind: Literal["constant_velocity"] = "constant_velocity"
+    angle_deg: Angle
+    velocity_mm_per_s: Annotated[
+        float | None, signed("The velocity, with its sign [mm/s]; or give a lift.", 1e12)
+    ] = None
+    velocity_deg_per_s: Annotated[
+        float | None, signed("The same of a follower on an arm [deg/s].", 1e12)
+    ] = None
+    lift_mm: Annotated[
+        float | None, signed("Distance gained, with its sign [mm]; or give a velocity.", 1e6)
+    ] = None
+    lift_deg: Annotated[
+        float | None, signed("Angle gained by a follower on an arm, with its sign [deg].", 180.0)
+    ] = None
+
+    @model_validator(mode="after")
+    def _one_of_both(self) -> ConstantSpeed:
+        fields = (
+            self.velocity_mm_per_s, self.velocity_deg_per_s, self.lift_mm, self.lift_deg
+        )  # fmt: skip
+        given = [value for value in fields if value is not None]
+        if len(given) != 1:
+            raise PydanticCustomError(
+                "velocity_or_lift",
+                "A constant_velocity segment has exactly one of velocity_mm_per_s and lift_mm "
+                "(on an arm velocity_deg_per_s and lift_deg), not {count}. "
+                "Give one of them: the other follows from angle and speed.",
+                {"count": len(given)},
+            )
+        if abs(given[0]) < LEAST_VELOCITY:
+            raise PydanticCustomError(
+                "velocity_zero",
+                "A constant_velocity segment that moves by {value} stands still. "
+                "Use a dwell, or give a velocity or lift other than 0.",
+                {"value": given[0]},
+            )
+        return self
+
+    def gain(self, units: MotionUnits) -> float:
+        velocity = self.given("velocity")
+        if velocity is None:
+            return units.to_core(self.given("lift"))
+        return units.to_core(velocity, 1) * (self.degrees * DEGREE)
+
+    def with_motion(self, placed: PlacedSegment, units: MotionUnits) -> PlacedSegment:
+        return placed.with_law(LINE)
+
+
+class _Move(SegmentSpec):
+    sign: ClassVar[float]  # of the lift
+
     angle_deg: Angle
     lift_mm: Lift | None = None
     lift_deg: Swing | None = None
@@ -89,42 +123,27 @@ class _Move(Part):
                 "lift_deg for one on an arm.",
                 {"number": "no lift" if self.lift_mm is None else "two lifts"},
             )
-        one_unit(self.units, "segment")
+        self.check_one_unit("segment")
         return self
 
     @model_validator(mode="after")
     def _windows_fit(self) -> _Move:
-        check_places(self.degrees, self.windows, self.points)
-        check_bounds(self.windows)
+        self._constraints.check()
         free = self.law.free_law()
         if free is not None and not free.overshoot:
-            sense = 1.0 if self.signed_lift > 0.0 else -1.0
-            check_stroke(ends(self._asked)[1], sense, self.windows, self.points)
+            self._constraints.check_forward(ends(self.given("lift"))[1], self.sign)
         return self
 
+    @property
+    def _constraints(self) -> MotionConstraints:
+        return MotionConstraints(self.degrees, self.windows, self.points)
+
     def free_fields(self) -> dict[str, float | Range]:
-        lift = "lift_deg" if self.lift_mm is None else "lift_mm"
-        return {"angle_deg": self.angle_deg, lift: self._asked}
+        return {"angle_deg": self.angle_deg, self.given_field("lift"): self.given("lift")}
 
     @property
-    def units(self) -> frozenset[TravelUnit]:
-        mine: frozenset[TravelUnit] = frozenset(["deg" if self.lift_mm is None else "mm"])
-        parts = frozenset[TravelUnit]().union(
-            *(part.units for part in (*self.windows, *self.points))
-        )
-        return mine | parts | units_of(self.start, self.end)
-
-    @property
-    def _asked(self) -> float | Range:
-        """Lift as asked for, in its own unit."""
-        given = self.lift_deg if self.lift_mm is None else self.lift_mm
-        assert given is not None  # exactly one is, or the segment had been refused
-        return given
-
-    @property
-    def _lift(self) -> float:
-        """Lift in its own unit; the smallest one while it is left free."""
-        return ends(self._asked)[0]
+    def signed_lift(self) -> float:
+        return self.sign * ends(self.given("lift"))[0]
 
     @property
     def law_name(self) -> str:
@@ -142,74 +161,32 @@ class _Move(Part):
         return self.law.may_reverse
 
     def segment_bounds(self, index: int) -> tuple[SegmentBound, ...]:
-        return bounds_of_constraints(index, self.degrees, self.windows, self.points)
+        return self._constraints.segment_bounds(index)
 
-    def _placed(
-        self,
-        kind: SegmentKind,
-        index: int,
-        start: float,
-        angle: float,
-        s_start: float,
-        units: MotionUnits,
-    ) -> PlacedSegment:
-        s_end = s_start + self.gain(units)
-        first, last = end_states(self.start, self.end, units)
-        free = self.law.free_law(constraint_knots(self.degrees, self.windows, self.points))
-        law = self._law(kind, angle, s_end - s_start, first, last)
-        return PlacedSegment(index, kind, start, angle, s_start, s_end, law, free, first, last)
+    def with_motion(self, placed: PlacedSegment, units: MotionUnits) -> PlacedSegment:
+        held = with_states(placed, self.start, self.end, units)
+        held = replace(held, free=self.law.free_law(self._constraints.knots()))
+        return self.with_end_states(held, held.start_state, held.end_state)
 
     def with_end_states(
         self, placed: PlacedSegment, start: EndState, end: EndState
     ) -> PlacedSegment:
-        law = self._law(placed.kind, placed.angle, placed.lift, start, end)
-        return replace(placed, law=law)
-
-    def _law(
-        self, kind: SegmentKind, angle: float, lift: float, start: EndState, end: EndState
-    ) -> Piecewise | None:
-        known = (state.normalised(angle, lift) for state in (start, end))
-        return self.law.with_end_derivatives(kind, *known)
+        known = (state.normalised(placed.angle, placed.lift) for state in (start, end))
+        return replace(placed, law=self.law.with_end_derivatives(placed.kind, *known))
 
 
 class Rise(_Move):
     """The follower moves away from the cam's axis."""
 
     kind: Literal["rise"] = "rise"
-
-    @property
-    def signed_lift(self) -> float:
-        return self._lift
-
-    def place(
-        self,
-        index: int,
-        start: float,
-        angle: float,
-        s_start: float,
-        units: MotionUnits = CORE_UNITS,
-    ) -> PlacedSegment:
-        return self._placed("rise", index, start, angle, s_start, units)
+    sign: ClassVar[float] = 1.0
 
 
 class Return(_Move):
     """The follower moves back towards the cam's axis."""
 
     kind: Literal["return"] = "return"
-
-    @property
-    def signed_lift(self) -> float:
-        return -self._lift
-
-    def place(
-        self,
-        index: int,
-        start: float,
-        angle: float,
-        s_start: float,
-        units: MotionUnits = CORE_UNITS,
-    ) -> PlacedSegment:
-        return self._placed("return", index, start, angle, s_start, units)
+    sign: ClassVar[float] = -1.0
 
 
 Segment = Annotated[Rise | Dwell | Return | ConstantSpeed | Table, Field(discriminator="kind")]

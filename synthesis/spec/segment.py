@@ -1,18 +1,22 @@
-"""What every segment of a motion program promises, and the states at its ends."""
+"""What every segment of a motion program has in common, and the states at its ends."""
 
 from __future__ import annotations
 
-from typing import Annotated, Literal, Self
+from collections.abc import Mapping
+from dataclasses import replace
+from functools import cache
+from typing import TYPE_CHECKING, Annotated, Any, Literal, Self
 
 from pydantic import BaseModel, ConfigDict, Field
 from pydantic_core import PydanticCustomError
 
 from synthesis.catalogue.limits.segment_bound import SegmentBound
-from synthesis.catalogue.motion import ANY_STATE, EndState, PlacedSegment
+from synthesis.catalogue.motion import ANY_STATE, EndState, PlacedSegment, SegmentKind
 from synthesis.catalogue.ranges import AngleRange, Range, ends
 from synthesis.units import CORE_UNITS, MotionUnits
 
 TravelUnit = Literal["mm", "deg"]
+UNITS: tuple[TravelUnit, TravelUnit] = ("mm", "deg")
 
 
 def signed(description: str, largest: float) -> object:
@@ -20,15 +24,70 @@ def signed(description: str, largest: float) -> object:
     return Field(ge=-largest, le=largest, description=description)
 
 
-class State(BaseModel):
+class UnitFields(BaseModel):
+    """A body with displacements in twin fields: in mm of a slide, and in degrees of an arm.
+
+    The names of twins differ by the unit alone, as ``lift_mm`` and ``lift_deg``.
+    """
+
+    model_config = ConfigDict(frozen=True, extra="forbid", allow_inf_nan=False)
+
+    def given_field(self, stem: str) -> str:
+        """Name of that twin which is given, by the names' common beginning; mm where none is."""
+        mm, deg = _twins(type(self))[stem]
+        return mm if getattr(self, deg) == type(self).model_fields[deg].default else deg
+
+    def given(self, stem: str) -> Any:
+        """Value of that twin which is given; the default where none is."""
+        return getattr(self, self.given_field(stem))
+
+    @property
+    def units(self) -> frozenset[TravelUnit]:
+        """Units of all displacements in it, those of its parts included."""
+        used = {
+            unit
+            for twins in _twins(type(self)).values()
+            for unit, name in zip(UNITS, twins, strict=True)
+            if getattr(self, name) != type(self).model_fields[name].default
+        }
+        for value in vars(self).values():
+            parts = value if isinstance(value, list) else [value]
+            used = used.union(*(part.units for part in parts if isinstance(part, UnitFields)))
+        return frozenset(used)
+
+    def check_one_unit(self, what: str) -> None:
+        """Refuse a body that mixes lengths and angles of the follower.
+
+        Raises:
+            PydanticCustomError: both are used.
+        """
+        if len(self.units) > 1:
+            raise PydanticCustomError(
+                "units_mixed",
+                "the {what} gives displacements both in mm and in deg. "
+                "Give all in mm for a follower that slides, or all in deg for one on an arm.",
+                {"what": what},
+            )
+
+
+@cache
+def _twins(model: type[BaseModel]) -> Mapping[str, tuple[str, str]]:
+    """The twin fields in mm and deg, by what their names begin with."""
+    pairs = ((name, name.replace("_mm", "_deg", 1)) for name in model.model_fields)
+    return {
+        mm.partition("_mm")[0]: (mm, deg)
+        for mm, deg in pairs
+        if mm != deg and deg in model.model_fields
+    }
+
+
+class State(UnitFields):
     """The motion asked for at one end of a segment; what is left out is the neighbour's.
 
     Signs are those of the motion: a return runs at negative velocity. VDI 2143 names the states:
     R rests (velocity and acceleration 0), G runs at constant velocity (acceleration 0), U turns
     back (velocity 0), B moves.
     """
-
-    model_config = ConfigDict(frozen=True, extra="forbid", allow_inf_nan=False)
 
     velocity_mm_per_s: Annotated[
         float | None, signed("Velocity there, with its sign [mm/s].", 1e12)
@@ -43,60 +102,27 @@ class State(BaseModel):
         float | None, signed("The same of a follower on an arm [deg/s²].", 1e18)
     ] = None
 
-    def _given(self) -> tuple[dict[TravelUnit, float | None], dict[TravelUnit, float | None]]:
-        """Velocity and acceleration by unit."""
-        return (
-            {"mm": self.velocity_mm_per_s, "deg": self.velocity_deg_per_s},
-            {"mm": self.acceleration_mm_per_s2, "deg": self.acceleration_deg_per_s2},
-        )
-
-    @property
-    def units(self) -> frozenset[TravelUnit]:
-        """Units that it is given in."""
-        return frozenset(
-            unit for row in self._given() for unit, value in row.items() if value is not None
-        )
-
     def to_core(self, units: MotionUnits) -> EndState:
         """The state as s' and s''."""
-        v, a = (row[units.travel.unit] for row in self._given())
+        v, a = self.given("velocity"), self.given("acceleration")
         return EndState(
             None if v is None else units.to_core(v, 1), None if a is None else units.to_core(a, 2)
         )
 
 
-def end_states(
-    start: State | None, end: State | None, units: MotionUnits
-) -> tuple[EndState, EndState]:
-    """Both end states of a segment in the core's units; nothing asked where nothing is given."""
+def with_states(
+    placed: PlacedSegment, start: State | None, end: State | None, units: MotionUnits
+) -> PlacedSegment:
+    """A placed segment with the states required at its ends."""
     first, last = (ANY_STATE if state is None else state.to_core(units) for state in (start, end))
-    return first, last
+    return replace(placed, start_state=first, end_state=last)
 
 
-def units_of(*states: State | None) -> frozenset[TravelUnit]:
-    """Units of several states."""
-    return frozenset(unit for state in states if state is not None for unit in state.units)
-
-
-def one_unit(units: frozenset[TravelUnit], what: str) -> None:
-    """Refuse a segment that mixes lengths and angles of the follower.
-
-    Raises:
-        PydanticCustomError: both are used.
-    """
-    if len(units) > 1:
-        raise PydanticCustomError(
-            "units_mixed",
-            "the {what} gives displacements both in mm and in deg. "
-            "Give all in mm for a follower that slides, or all in deg for one on an arm.",
-            {"what": what},
-        )
-
-
-class Part(BaseModel):
+class SegmentSpec(UnitFields):
     """One segment of the program."""
 
-    model_config = ConfigDict(frozen=True, extra="forbid", allow_inf_nan=False)
+    if TYPE_CHECKING:
+        kind: str
 
     angle_deg: float | AngleRange
 
@@ -128,14 +154,9 @@ class Part(BaseModel):
         return 0.0
 
     @property
-    def units(self) -> frozenset[TravelUnit]:
-        """Units of the follower's displacement that it uses: mm, deg, or none."""
-        return frozenset()
-
-    @property
     def law_name(self) -> str:
         """Name of the law on the wire."""
-        raise NotImplementedError
+        return self.kind
 
     @property
     def matched_derivatives(self) -> int:
@@ -164,7 +185,14 @@ class Part(BaseModel):
         s_start: float,
         units: MotionUnits = CORE_UNITS,
     ) -> PlacedSegment:
-        """The segment placed on the cam (rad, mm of the core), neighbours unheard."""
+        """The segment placed on the cam (rad, mm of the core), without regard to its neighbours."""
+        gain = self.gain(units)
+        kind: SegmentKind = "rise" if gain > 0.0 else "return" if gain < 0.0 else "dwell"
+        bare = PlacedSegment(index, kind, start, angle, s_start, s_start + gain, None)
+        return self.with_motion(bare, units)
+
+    def with_motion(self, placed: PlacedSegment, units: MotionUnits) -> PlacedSegment:
+        """A placed segment with its law, or with what a law that is chosen must satisfy."""
         raise NotImplementedError
 
     def with_end_states(

@@ -1,24 +1,30 @@
-"""Segments that follow a table."""
+"""Segments that follow a table of displacement over cam angle."""
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+from dataclasses import replace
+from functools import lru_cache
 from typing import Annotated, Literal, Self
 
 import numpy as np
 from pydantic import Field, model_validator
+from pydantic_core import PydanticCustomError
 
-from synthesis.catalogue.motion import FreeLaw, PlacedSegment, TablePoints
+from synthesis.catalogue.motion import FreeLaw, PlacedSegment, SegmentKind, TablePoints
 from synthesis.numerics.piecewise import Array
-from synthesis.spec import tabulated_motion
-from synthesis.spec.segment import Part, State, TravelUnit, end_states, one_unit, signed, units_of
-from synthesis.units import CORE_UNITS, MotionUnits
+from synthesis.spec.segment import SegmentSpec, State, signed, with_states
+from synthesis.units import MotionUnits
 
+FEWEST, MOST = 4, 20_000  # rows
+SAME_ANGLE = 1e-9  # deg: where a table begins and ends
+WHOLE_TURN = 360.0  # deg
 JOINS = 2  # derivatives that a smoothed table shares with its neighbours
 # Long lists fail fast: thousands of errors help nobody and take long to make.
 Column = tuple[float, ...] | None
 
 
-class Table(Part):
+class Table(SegmentSpec):
     """The follower runs through a table, smoothed within a tolerance.
 
     The motion is the spline of least mean square jerk that passes no row by more than the
@@ -34,7 +40,7 @@ class Table(Part):
     points: Annotated[
         tuple[tuple[float, float], ...] | None,
         Field(
-            max_length=tabulated_motion.MOST,
+            max_length=MOST,
             fail_fast=True,
             description="Rows: cam angle from the segment's start [deg], displacement [mm, or "
             "deg of an arm, as tolerance]. The first row is at 0, the last at angle_deg; on a "
@@ -44,7 +50,7 @@ class Table(Part):
     angles_deg: Annotated[
         Column,
         Field(
-            max_length=tabulated_motion.MOST,
+            max_length=MOST,
             fail_fast=True,
             description="The first column, instead of points [deg].",
         ),
@@ -52,7 +58,7 @@ class Table(Part):
     displacements_mm: Annotated[
         Column,
         Field(
-            max_length=tabulated_motion.MOST,
+            max_length=MOST,
             fail_fast=True,
             description="The second column, instead of points [mm].",
         ),
@@ -60,7 +66,7 @@ class Table(Part):
     displacements_deg: Annotated[
         Column,
         Field(
-            max_length=tabulated_motion.MOST,
+            max_length=MOST,
             fail_fast=True,
             description="The same of a follower on an arm [deg].",
         ),
@@ -90,53 +96,51 @@ class Table(Part):
     start: State | None = Field(None, description="Velocity and acceleration at its start.")
     end: State | None = Field(None, description="Velocity and acceleration at its end.")
 
-    @property
-    def units(self) -> frozenset[TravelUnit]:
-        given: dict[TravelUnit, tuple[object, ...]] = {
-            "mm": (self.displacements_mm, self.tolerance_mm, self.lift_mm),
-            "deg": (self.displacements_deg, self.tolerance_deg, self.lift_deg),
-        }
-        used = frozenset(u for u, row in given.items() if any(value is not None for value in row))
-        return used | units_of(self.start, self.end)
-
     def with_unit_fields(self) -> Self:
         if self.points is None:
             return self
         angles, displacements = zip(*self.points, strict=True)
-        unit = self.tolerance_field.removeprefix("tolerance")
+        unit = self.given_field("tolerance").removeprefix("tolerance")
         columns = {"angles_deg": angles, f"displacements{unit}": displacements}
         return self.model_copy(update={"points": None, **columns})
 
     @property
-    def tolerance_field(self) -> str:
-        """The field that sets the tolerance."""
-        return "tolerance_deg" if self.tolerance_mm is None else "tolerance_mm"
-
-    @property
-    def _tolerance(self) -> float:
-        given = self.tolerance_deg if self.tolerance_mm is None else self.tolerance_mm
-        assert given is not None  # one is, or the segment had been refused
-        return given
-
-    @property
     def _table(self) -> tuple[Array, Array, float]:
         """Fractions of the segment, displacement from its start and the lift, in its unit."""
-        second = self.displacements_deg if self.displacements_mm is None else self.displacements_mm
-        lift = self.lift_deg if self.lift_mm is None else self.lift_mm
-        return tabulated_motion.read(self.points, self.angles_deg, second, self.angle_deg, lift)
+        displacements, lift = self.given("displacements"), self.given("lift")
+        return read_table(self.points, self.angles_deg, displacements, self.angle_deg, lift)
 
     @model_validator(mode="after")
     def _makes_sense(self) -> Table:
-        one_unit(self.units, "table")
-        tabulated_motion.check_tolerance(self.tolerance_mm, self.tolerance_deg)
+        self.check_one_unit("table")
+        tolerance = self.given("tolerance")
+        if tolerance is None:
+            raise PydanticCustomError(
+                "table_tolerance",
+                "A table needs a tolerance: how far the motion may pass a row. "
+                "Give tolerance_mm for a follower that slides, or tolerance_deg for one on an arm.",
+                {},
+            )
+        # A lift may differ from the table's own by the tolerance at both ends.
         s = self._table[1]
-        tabulated_motion.check_lift(float(s[-1] - s[0]), self.signed_lift, self._tolerance)
-        tabulated_motion.check_range(float(np.ptp(s)), self._tolerance)
+        own, moved = float(s[-1] - s[0]), float(np.ptp(s))
+        error = abs(own - self.signed_lift)
+        if error > 2.0 * tolerance:
+            raise PydanticCustomError(
+                "table_lift",
+                "{error} lie between the lift of the table, {lift}, and the one asked for: more "
+                "than twice its tolerance. Correct the lift or the table; a table of a whole turn "
+                "ends where it begins.",
+                {"error": error, "lift": own},
+            )
+        if moved <= 2.0 * tolerance:
+            raise PydanticCustomError(
+                "table_still",
+                "{range} is all that the table moves, within its tolerance. "
+                "Use a dwell, or a smaller tolerance.",
+                {"range": moved},
+            )
         return self
-
-    @property
-    def law_name(self) -> str:
-        return "table"
 
     @property
     def signed_lift(self) -> float:
@@ -147,20 +151,123 @@ class Table(Part):
         ends = (0.0, self.signed_lift)
         return units.to_core(min(s.min(), *ends)), units.to_core(max(s.max(), *ends))
 
-    def place(
-        self,
-        index: int,
-        start: float,
-        angle: float,
-        s_start: float,
-        units: MotionUnits = CORE_UNITS,
-    ) -> PlacedSegment:
+    def with_motion(self, placed: PlacedSegment, units: MotionUnits) -> PlacedSegment:
         x, s, _ = self._table
-        unit = units.to_core(1.0)
-        given = TablePoints(x, s_start + unit * s, unit * self._tolerance, self.tolerance_field)
-        return PlacedSegment(
-            index, tabulated_motion.sense(s, self._tolerance), start, angle, s_start,
-            s_start + self.gain(units), None,
-            FreeLaw(self.smoothness, overshoot=True, end_continuity=(JOINS, JOINS)),
-            *end_states(self.start, self.end, units), given,
+        tolerance, unit = self.given("tolerance"), units.to_core(1.0)
+        return replace(
+            with_states(placed, self.start, self.end, units),
+            kind=sense(s, tolerance),
+            free=FreeLaw(self.smoothness, overshoot=True, end_continuity=(JOINS, JOINS)),
+            table=TablePoints(
+                x, placed.s_start + unit * s, unit * tolerance, self.given_field("tolerance")
+            ),
+        )
+
+
+@lru_cache(maxsize=64)
+def read_table(
+    points: tuple[tuple[float, float], ...] | None,
+    angles: tuple[float, ...] | None,
+    displacements: tuple[float, ...] | None,
+    angle: float,
+    lift: float | None,
+) -> tuple[Array, Array, float]:
+    """Where the rows are, as fractions of the segment, what they say, and the lift: (m,), (m,).
+
+    Displacement counts from the segment's start, so that the first and the last row miss its two
+    ends by the same amount.
+
+    Args:
+        points, angles, displacements: as for ``columns``.
+        angle: of the segment [deg].
+        lift: what it is meant to gain; None: last row less first row, on a whole turn 0.
+    """
+    degrees, s = columns(points, angles, displacements)
+    check_angles(degrees, angle)
+    if angle - degrees[-1] > SAME_ANGLE:  # a whole turn whose last row is missing: it is the first
+        degrees, s = np.append(degrees, angle), np.append(s, s[0])
+    own = 0.0 if angle >= WHOLE_TURN else float(s[-1] - s[0])
+    gained = own if lift is None else lift
+    return degrees / degrees[-1], s - (s[0] + s[-1] - gained) / 2.0, gained
+
+
+def columns(
+    points: Sequence[tuple[float, float]] | None,
+    angles: Sequence[float] | None,
+    displacements: Sequence[float] | None,
+) -> tuple[Array, Array]:
+    """The two columns [deg, mm], from rows or from columns.
+
+    Raises:
+        PydanticCustomError: neither or both are given, or columns of unequal length.
+    """
+    by_rows, by_columns = points is not None, angles is not None or displacements is not None
+    if by_rows == by_columns or (angles is None) != (displacements is None):
+        raise PydanticCustomError(
+            "table_columns",
+            "A table is given once: as points, or as angles_deg with displacements_mm (on an arm "
+            "displacements_deg). "
+            "Give one of the two.",
+            {},
+        )
+    if points is not None:
+        table = np.array(points, dtype=float).reshape(-1, 2)
+        return table[:, 0], table[:, 1]
+    one, other = np.array(angles, dtype=float), np.array(displacements, dtype=float)
+    if len(one) != len(other):
+        raise PydanticCustomError(
+            "table_columns",
+            "{angles} angles_deg stand beside {displacements} displacements. "
+            "Give as many of one as of the other.",
+            {"angles": len(one), "displacements": len(other)},
+        )
+    return one, other
+
+
+def check_angles(degrees: Array, angle: float) -> None:
+    """Angles must increase, and span the segment from its start to its end.
+
+    Raises:
+        PydanticCustomError: with the number of the first row that breaks the rule, from 0.
+    """
+    if not FEWEST <= len(degrees) <= MOST:
+        raise PydanticCustomError(
+            "table_size",
+            "A table of {count} rows cannot be read: it takes {fewest} to {most}. "
+            "Give more rows, or a named law; or leave some out.",
+            {"count": len(degrees), "fewest": FEWEST, "most": MOST},
+        )
+    for row in np.flatnonzero(np.diff(degrees) <= 0.0)[:1] + 1:
+        again = degrees[row] == degrees[row - 1]
+        raise PydanticCustomError(
+            "table_order",
+            "{angle}° in row {row} does not come after the {before}° of the row before. {remedy}",
+            {"angle": float(degrees[row]), "row": int(row), "before": float(degrees[row - 1]),
+             "remedy": "Remove one of the two rows." if again else "Sort the rows by angle."},
         )  # fmt: skip
+    outside = (degrees < -SAME_ANGLE) | (degrees > angle + SAME_ANGLE)
+    for row in np.flatnonzero(outside)[:1]:
+        raise PydanticCustomError(
+            "table_outside",
+            "{angle}° in row {row} lies outside the segment, which runs from 0° to {end}°. "
+            "Count angles from the segment's start, or remove the row.",
+            {"angle": float(degrees[row]), "row": int(row), "end": angle},
+        )
+    last = angle if angle < WHOLE_TURN - SAME_ANGLE else float(degrees[-1])
+    for row, end in ((0, 0.0), (len(degrees) - 1, last)):
+        if abs(degrees[row] - end) > SAME_ANGLE:
+            raise PydanticCustomError(
+                "table_ends",
+                "{angle}° in row {row} should be {end}°: a table begins at 0° and ends at its "
+                "angle_deg. Add a row there (on a whole turn the last one may be missing).",
+                {"angle": float(degrees[row]), "row": row, "end": end},
+            )
+
+
+def sense(displacements: Array, tolerance: float) -> SegmentKind:
+    """Whether a table rises, returns or stands still but for its tolerance; or turns back."""
+    rising = np.max(np.maximum.accumulate(displacements) - displacements) <= 2.0 * tolerance
+    falling = np.max(displacements - np.minimum.accumulate(displacements)) <= 2.0 * tolerance
+    if rising and falling:
+        return "dwell"
+    return "rise" if rising else "return" if falling else "table"

@@ -1,60 +1,42 @@
-"""Questions that have no best answer: each better cam leads to a still better one, without end."""
+"""Questions without an answer: no cam is the best one, or a limit speaks of what is infinite."""
 
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
-from dataclasses import dataclass
+from collections.abc import Iterable, Iterator, Sequence
 
 from pydantic_core import PydanticCustomError
 
 from synthesis.catalogue.followers import Follower
-from synthesis.catalogue.limits import Limit
+from synthesis.catalogue.limits import Limit, Machine
+from synthesis.catalogue.motion import PlacedSegment
 from synthesis.catalogue.objectives import Objective
 
 Ends = tuple[float, float]
+JERK = 3
 
 
-@dataclass(frozen=True)
-class SizeProblem:
-    """What decides whether there is a best cam.
+def check_growth_ends(
+    follower: Follower,
+    limits: Sequence[Limit],
+    objectives: Sequence[Objective],
+    requested: Ends,
+    searched: Ends,
+    reached: Ends,
+) -> None:
+    """Refuse a least pressure angle of a cam that may grow: a larger cam has a smaller one.
 
-    Attributes:
-        objectives: in order. limits: those asked for.
-        asked: base radius as asked, open ends infinite. opened: with open ends replaced.
-        reached: the part of those that the follower reaches, all [mm].
-        free: whether any motion law is part of the answer.
-    """
-
-    follower: Follower
-    objectives: Sequence[Objective]
-    limits: Sequence[Limit]
-    asked: Ends
-    opened: Ends
-    reached: Ends
-    free: bool
-
-    @property
-    def kinds(self) -> list[str]:
-        """Of the objectives."""
-        return [objective.kind for objective in self.objectives]
-
-
-def check_has_optimum(asked: SizeProblem) -> None:
-    """Refuse a question without a best answer.
+    Args:
+        objectives: in order.
+        requested: base radius [mm], open ends infinite. searched: with open ends replaced.
+        reached: the part of those that the follower reaches.
 
     Raises:
-        PydanticCustomError: with the objective, and what would give it one.
+        PydanticCustomError: with what would give it a best answer.
     """
-    if "peak_pressure_angle" in asked.kinds:
-        _check_largest(asked)
-    if asked.kinds[0] == "base_radius":
-        _check_smallest(asked)
-
-
-def _check_largest(asked: SizeProblem) -> None:
-    """A larger cam has a smaller pressure angle: something has to end its growth."""
-    follower, kinds = asked.follower, asked.kinds
+    kinds = [objective.kind for objective in objectives]
+    if "peak_pressure_angle" not in kinds:
+        return
     curves = follower.pressure_angle_constraints(1.0)
     if not curves and all(row.is_constant for row in follower.pressure_angle_rows(1.0)):
         raise PydanticCustomError(
@@ -63,12 +45,12 @@ def _check_largest(asked: SizeProblem) -> None:
             "settles the pressure angle. Choose another objective.",
             {"kind": follower.kind},
         )
-    sized = math.isfinite(asked.asked[1]) or any(
-        limit.kind == "outer_radius" for limit in asked.limits
-    )
-    sized = sized or "base_radius" in kinds[: kinds.index("peak_pressure_angle") + 1]
-    sized = sized or asked.reached[1] < asked.opened[1]  # by what it reaches
-    if not sized:
+    if not (
+        math.isfinite(requested[1])
+        or any(limit.kind == "outer_radius" for limit in limits)
+        or "base_radius" in kinds[: kinds.index("peak_pressure_angle")]
+        or reached[1] < searched[1]
+    ):
         raise PydanticCustomError(
             "no_best_pressure_angle",
             "objective peak_pressure_angle has no best value while the cam may grow "
@@ -78,11 +60,17 @@ def _check_largest(asked: SizeProblem) -> None:
         )
 
 
-def _check_smallest(asked: SizeProblem) -> None:
-    """A free law can be bent so that any cam carries it: something has to end its shrinking."""
-    kept = math.isfinite(asked.asked[0]) or any(limit.bounds_size_below for limit in asked.limits)
-    why = asked.follower.reason_without_minimum
-    if asked.free and why and not kept:
+def check_shrinking_ends(
+    follower: Follower, limits: Sequence[Limit], requested: Ends, *, law_is_free: bool
+) -> None:
+    """Refuse a least base radius of a cam that may shrink: a free law can be bent to any cam.
+
+    Raises:
+        PydanticCustomError: with what would give it a best answer.
+    """
+    kept = math.isfinite(requested[0]) or any(limit.bounds_size_below for limit in limits)
+    why = follower.reason_without_minimum
+    if law_is_free and why and not kept:
         raise PydanticCustomError(
             "no_smallest_cam",
             "objective base_radius has no best value here: nothing keeps the cam from shrinking "
@@ -91,3 +79,47 @@ def _check_smallest(asked: SizeProblem) -> None:
             "min.",
             {"why": why},
         )
+
+
+def check_jerk_finite(
+    segments: Iterable[PlacedSegment],
+    limits: Iterable[tuple[str, Limit]],
+    objectives: Iterable[Objective],
+    machine: Machine,
+) -> None:
+    """Refuse a spline of class C1 where something speaks of jerk, which is infinite there.
+
+    Args:
+        segments: the program on the cam. machine: the machine.
+        limits: what may not be exceeded, each with its name for people. objectives: in order.
+
+    Raises:
+        PydanticCustomError: with the segment and what speaks of jerk.
+    """
+    rough = [s for s in segments if s.free is not None and s.free.smoothness < JERK - 1]
+    for segment in rough:
+        for name in _of_jerk(segment, limits, objectives, machine):
+            raise PydanticCustomError(
+                "spline_too_rough",
+                "program/{position} is a spline of smoothness {value}, whose acceleration may "
+                "jump, but {name} speaks of jerk, which is infinite there. Take smoothness 2, or "
+                "leave {name} out.",
+                {"position": segment.index, "value": segment.free.smoothness
+                 if segment.free is not None else 0, "name": name},
+            )  # fmt: skip
+
+
+def _of_jerk(
+    segment: PlacedSegment,
+    limits: Iterable[tuple[str, Limit]],
+    objectives: Iterable[Objective],
+    machine: Machine,
+) -> Iterator[str]:
+    """Names of what has a row on the jerk of this segment, or makes its mean square small."""
+    for name, limit in limits:
+        if any(row.coefficients[JERK] != 0.0 for row in limit.rows(segment, machine)):
+            yield name
+    for objective in objectives:
+        rows = objective.rows(segment, machine, 1.0)
+        if objective.energy_order() == JERK or any(row.coefficients[JERK] != 0.0 for row in rows):
+            yield f"objective {objective.kind}"
