@@ -1,8 +1,8 @@
-"""The program's segments placed side by side on the cam: what each takes from its neighbours.
+"""The program's segments placed side by side on the cam, with the states at their junctions.
 
-At a joint, what one side asks for holds for both. What neither asks for is the one-sided value of
-the neighbour whose law has its own; a law that takes over (a boundary polynomial) rests where the
-neighbour has none to give, and two splines share what is left, as part of the answer.
+A state required on one side of a junction holds on both. Where none is required it is that of the
+neighbour whose law has one of its own; a law that matches its neighbours (a boundary polynomial)
+rests where the neighbour has none, and between two splines the state is part of the answer.
 """
 
 from __future__ import annotations
@@ -23,7 +23,7 @@ from synthesis.spec.program import Segment
 from synthesis.units import FULL_TURN, MotionUnits
 
 ANGLE_SUM_TOLERANCE_DEG = 1e-6
-SAME = 1e-9  # of lift/β^k: two values of s^(k) that agree
+SAME = 1e-9  # of lift/β^k: two values of s^(k) that differ by rounding
 BACKWARD = 1e-9  # of g': motion backwards that is rounding
 AT_REST = EndState(0.0, 0.0)
 
@@ -89,7 +89,7 @@ def placed(
     units: MotionUnits,
     least_smoothness: int = 0,
 ) -> tuple[PlacedSegment, ...]:
-    """The segments as segments, laws run between the states that the joints settle.
+    """The segments placed on the cam, their laws run between the states at the junctions.
 
     Args:
         program: the segments.
@@ -105,77 +105,68 @@ def placed(
         segment.place(i, angles[i], angles[i + 1] - angles[i], levels[i], units)
         for i, segment in enumerate(program)
     ]
-    turning = [i for i, placed_segment in enumerate(found) if placed_segment.angle > 0.0]
-    joints = [*pairwise(turning), (turning[-1], turning[0])]
-    for before, after in joints:
-        _share(found, before, after, units)
-    _take_over(program, found, joints)
+    turning = [i for i, segment in enumerate(found) if segment.angle > 0.0]
+    junctions = [*pairwise(turning), (turning[-1], turning[0])]
+    # A state required of one free law is required of its neighbour too.
+    for before, after in junctions:
+        _share_states(found, before, after, units)
+    # Laws that match their neighbours take over the states next to them, in the program's order.
+    _match_neighbours(program, found, junctions)
+    # Now all given laws are known: they must have the required states, and free laws must be able
+    # to. Where accelerations differ, a free law shares the velocity alone with its neighbour.
     for i in turning:
-        _check(program, found[i], units)
-    for before, after in joints:
-        _meet(program, found, before, after, units)
-    return tuple(_smoothed(placed_segment, least_smoothness) for placed_segment in found)
+        _check_states(program[i], found[i], units)
+    for before, after in junctions:
+        _join(program, found, before, after, units)
+    return tuple(
+        segment
+        if segment.free is None or segment.free.smoothness >= least_smoothness
+        else replace(segment, free=replace(segment.free, smoothness=least_smoothness))
+        for segment in found
+    )
 
 
-def _smoothed(segment: PlacedSegment, least: int) -> PlacedSegment:
-    if segment.free is None or segment.free.smoothness >= least:
-        return segment
-    return replace(segment, free=replace(segment.free, smoothness=least))
-
-
-def _share(found: list[PlacedSegment], before: int, after: int, units: MotionUnits) -> None:
-    """What one free side of a joint asks for is asked of the other too."""
+def _share_states(found: list[PlacedSegment], before: int, after: int, units: MotionUnits) -> None:
     left, right = found[before], found[after]
     if _differ(left.end_state.velocity, right.start_state.velocity, 1, left, right):
-        assert left.end_state.velocity is not None
-        assert right.start_state.velocity is not None
         raise _error(
-            units, "states_differ", units.to_wire(left.end_state.velocity, 1), after, "start",
+            units, "states_differ", (left.end_state.velocity, 1), after, "start",
             "{per_s} at the end of program/{other} meets {theirs} {per_s} at the start of "
             "program/{segment}: the velocity would jump. Ask for the same on both sides, or on "
             "one side only",
-            other=before, theirs=units.to_wire(right.start_state.velocity, 1),
+            other=before, theirs=(right.start_state.velocity, 1),
         )  # fmt: skip
-    at_end, at_start = (
-        left.end_state.filled_from(right.start_state),
-        right.start_state.filled_from(left.end_state),
-    )
-    if left.free is not None and at_end is not left.end_state:
-        found[before] = replace(left, end_state=at_end)
-    if right.free is not None and at_start is not right.start_state:
-        found[after] = replace(found[after], start_state=at_start)
+    if left.free is not None:
+        end_state = left.end_state.filled_from(right.start_state)
+        found[before] = replace(left, end_state=end_state)
+    if right.free is not None:
+        start_state = right.start_state.filled_from(left.end_state)
+        found[after] = replace(found[after], start_state=start_state)
 
 
-def _take_over(
-    program: Sequence[Segment], found: list[PlacedSegment], joints: Sequence[tuple[int, int]]
+def _match_neighbours(
+    program: Sequence[Segment], found: list[PlacedSegment], junctions: Sequence[tuple[int, int]]
 ) -> None:
-    """Laws that take their neighbours' values do so, in the order of the program."""
-    after, before = dict(joints), {b: a for a, b in joints}
+    after, before = dict(junctions), {b: a for a, b in junctions}
     waiting = {i for i in after if program[i].matched_derivatives}
     for i in sorted(waiting):
-        waiting_still = {k for k in waiting if k >= i}
-        start = _given(found[before[i]], found[before[i]].end_state, at_end=True,
-                       heard=before[i] not in waiting_still)  # fmt: skip
-        end = _given(found[after[i]], found[after[i]].start_state, at_end=False,
-                     heard=after[i] not in waiting_still)  # fmt: skip
-        placed = found[i]
-        found[i] = program[i].with_end_states(
-            placed, placed.start_state.filled_from(start), placed.end_state.filled_from(end)
-        )
+        start, end = found[before[i]].end_state, found[after[i]].start_state
+        if before[i] not in waiting:
+            start = _own_state(found[before[i]], start, at_start=False)
+        if after[i] not in waiting:
+            end = _own_state(found[after[i]], end, at_start=True)
+        held = found[i].start_state.filled_from(start), found[i].end_state.filled_from(end)
+        found[i] = program[i].with_end_states(found[i], *held)
+        waiting.remove(i)
 
 
-def _given(neighbour: PlacedSegment, asked: EndState, *, at_end: bool, heard: bool) -> EndState:
-    """s' and s'' that a neighbour brings to the joint: its law's own, else what is asked of it."""
-    if neighbour.law is None or not heard:
-        return asked
-    return _own(neighbour, at_end=at_end)
-
-
-def _own(segment: PlacedSegment, *, at_end: bool) -> EndState:
-    """s' and s'' just inside one end of a settled segment."""
-    if segment.law is not None and segment.law.is_constant:
+def _own_state(segment: PlacedSegment, otherwise: EndState, *, at_start: bool) -> EndState:
+    """s' and s'' that the law of a segment has at one end; ``otherwise`` where it is free."""
+    if segment.law is None:
+        return otherwise
+    if segment.law.is_constant:
         return AT_REST
-    _, v, a = segment.end_derivatives(2, at_start=not at_end)
+    _, v, a = segment.end_derivatives(2, at_start=at_start)
     return EndState(float(v), float(a))
 
 
@@ -188,56 +179,48 @@ def _differ(
     return abs(one - other) > SAME * max(scale, abs(one), abs(other))
 
 
-def _meet(
+def _join(
     program: Sequence[Segment],
     found: list[PlacedSegment],
     before: int,
     after: int,
     units: MotionUnits,
 ) -> None:
-    """Velocities asked for must be the neighbour's; how smoothly a free law can join follows."""
+    """Required velocities must be the neighbour's; how smoothly a free law can join follows."""
     left, right = found[before], found[after]
-    ours = left.end_state.filled_from(ANY_STATE if left.law is None else _own(left, at_end=True))
-    theirs = right.start_state.filled_from(
-        ANY_STATE if right.law is None else _own(right, at_end=False)
-    )
-    for i, end in ((before, "end"), (after, "start")):
-        both = ours.filled_from(theirs) if end == "end" else theirs.filled_from(ours)
-        _forwards(found[i], end, both, units)
-    asked = left.end_state.velocity is not None or right.start_state.velocity is not None
-    if asked and _differ(ours.velocity, theirs.velocity, 1, left, right):
-        late = right.start_state.velocity is None
+    ours = left.end_state.filled_from(_own_state(left, ANY_STATE, at_start=False))
+    theirs = right.start_state.filled_from(_own_state(right, ANY_STATE, at_start=True))
+    _check_forward(left, "end", ours.filled_from(theirs), units)
+    _check_forward(right, "start", theirs.filled_from(ours), units)
+    late = right.start_state.velocity is None
+    required = left.end_state.velocity is not None or not late
+    if required and _differ(ours.velocity, theirs.velocity, 1, left, right):
         at, end, other = (before, "end", after) if late else (after, "start", before)
         value, its = (ours, theirs) if late else (theirs, ours)
-        assert value.velocity is not None
-        assert its.velocity is not None
         raise _error(
-            units, "state_not_neighbours", units.to_wire(value.velocity, 1), at, end,
+            units, "state_not_neighbours", (value.velocity, 1), at, end,
             "{per_s} at the {end} of program/{segment} does not meet program/{other} ({law}), "
             "which has {theirs} {per_s} there. Leave the velocity out, or put a rise or return "
             "beside it that meets it: one with the law spline or polynomial_5",
-            other=other, theirs=units.to_wire(its.velocity, 1), law=program[other].law_name,
+            other=other, theirs=(its.velocity, 1), law=program[other].law_name,
         )  # fmt: skip
     if _differ(ours.acceleration, theirs.acceleration, 2, left, right):
-        found[before], found[after] = _rougher(left, 1), _rougher(right, 0)
+        for i, (at_start, at_end) in ((before, (4, 1)), (after, (1, 4))):
+            free = found[i].free
+            if free is not None:
+                first, last = free.end_continuity
+                shared = min(first, at_start), min(last, at_end)
+                found[i] = replace(found[i], free=replace(free, end_continuity=shared))
 
 
-def _rougher(segment: PlacedSegment, end: int) -> PlacedSegment:
-    """A free law that shares the velocity and no more at one end."""
-    if segment.free is None:
-        return segment
-    joins = (1, segment.free.end_continuity[1]) if end == 0 else (segment.free.end_continuity[0], 1)
-    return replace(segment, free=replace(segment.free, end_continuity=joins))
-
-
-def _forwards(segment: PlacedSegment, end: str, state: EndState, units: MotionUnits) -> None:
+def _check_forward(segment: PlacedSegment, end: str, state: EndState, units: MotionUnits) -> None:
     """A free law that may not move backwards cannot have a state that makes it."""
-    asked = segment.end_state if end == "end" else segment.start_state
+    required = segment.end_state if end == "end" else segment.start_state
     if segment.free is None:
         return
-    if state.velocity is None and asked.acceleration is not None:
+    if state.velocity is None and required.acceleration is not None:
         raise _error(
-            units, "acceleration_alone", units.to_wire(asked.acceleration, 2), segment.index, end,
+            units, "acceleration_alone", (required.acceleration, 2), segment.index, end,
             "{per_s2} at the {end} of program/{segment} is asked for without a velocity, between "
             "two splines. Give a velocity with it, or leave both out",
         )  # fmt: skip
@@ -245,50 +228,46 @@ def _forwards(segment: PlacedSegment, end: str, state: EndState, units: MotionUn
         return
     forward = 1.0 if segment.lift > 0.0 else -1.0
     scale = abs(segment.lift) / segment.angle
-    v, a = state.velocity, asked.acceleration
+    v, a = state.velocity, required.acceleration
     outward = forward if end == "start" else -forward
-    words = "at the {end} of program/{segment} makes the {kind} move backwards"
-    remedy = ". Turn its sign, or allow overshoot in the segment's law"
+    words = (
+        "at the {end} of program/{segment} makes the {kind} move backwards. Turn its sign, or "
+        "allow overshoot in the segment's law"
+    )
     if v is not None and v * forward < -SAME * scale:
         raise _error(
-            units, "state_backwards", units.to_wire(v, 1), segment.index, end,
-            "{per_s} " + words + remedy,
-            kind=segment.kind,
+            units, "state_backwards", (v, 1), segment.index, end,
+            "{per_s} " + words, kind=segment.kind,
         )  # fmt: skip
     if v is not None and a is not None and abs(v) <= SAME * scale and a * outward < 0.0:
         raise _error(
-            units, "state_backwards", units.to_wire(a, 2), segment.index, end,
-            "{per_s2} and no velocity " + words + remedy, kind=segment.kind,
+            units, "state_backwards", (a, 2), segment.index, end,
+            "{per_s2} and no velocity " + words, kind=segment.kind,
         )  # fmt: skip
 
 
-def _check(program: Sequence[Segment], placed: PlacedSegment, units: MotionUnits) -> None:
-    """A given law must have the states asked of it, and not move backwards because of them."""
-    segment = program[placed.index]
-    asked_of = placed.start_state.known + placed.end_state.known
-    if placed.law is None or not (
-        segment.matched_derivatives or any(v is not None for v in asked_of)
-    ):
+def _check_states(segment: Segment, placed: PlacedSegment, units: MotionUnits) -> None:
+    """A given law must have the states required of it, and not move backwards because of them."""
+    required = any(v is not None for v in placed.start_state.known + placed.end_state.known)
+    if placed.law is None or not (segment.matched_derivatives or required):
         return
-    for end, asked in (("start", placed.start_state), ("end", placed.end_state)):
-        own = _own(placed, at_end=end == "end")
+    for end, state in (("start", placed.start_state), ("end", placed.end_state)):
+        own = _own_state(placed, ANY_STATE, at_start=end == "start")
         for order, unit in ((1, "{per_s}"), (2, "{per_s2}")):
-            wanted, has = asked.known[order - 1], own.known[order - 1]
+            wanted, has = state.known[order - 1], own.known[order - 1]
             if _differ(wanted, has, order, placed, placed):
-                assert wanted is not None
-                assert has is not None
                 raise _error(
-                    units, "state_not_met", units.to_wire(wanted, order), placed.index, end,
+                    units, "state_not_met", (wanted, order), placed.index, end,
                     unit + " is asked for at the {end} of program/{segment}, but its law {law} "
                     "has {own} " + unit + " there. Laws between rests take equal velocities at "
                     "both ends and no acceleration; polynomial_5, polynomial_7 and spline take "
                     "any state",
-                    own=units.to_wire(has, order), law=segment.law_name,
+                    own=(has, order), law=segment.law_name,
                 )  # fmt: skip
-    least = _slowest(placed.law)
-    if least < -BACKWARD and not segment.may_reverse:
+    slowest = _slowest(placed.law)
+    if slowest < -BACKWARD and not segment.may_reverse:
         raise _error(
-            units, "law_backwards", units.to_wire(least * placed.lift / placed.angle, 1),
+            units, "law_backwards", (slowest * placed.lift / placed.angle, 1),
             placed.index, "law",
             "{per_s} is reached on program/{segment}: between these states its law {law} moves the "
             "{kind} backwards. Ask for other velocities, another angle or lift, or take "
@@ -303,16 +282,24 @@ def _slowest(law: Piecewise) -> float:
 
 
 def _error(
-    units: MotionUnits, name: Any, value: float, segment: int, end: str, words: str, **more: Any
+    units: MotionUnits,
+    name: Any,
+    value: tuple[float | None, int],
+    segment: int,
+    end: str,
+    words: str,
+    **more: Any,
 ) -> PydanticCustomError:
-    """The error with its wrong value first; ``segment`` and ``end`` say where it stands."""
-    rounded: dict[str, Any] = {
-        k: _digits(v) if isinstance(v, float) else v for k, v in more.items()
-    }
-    names = {"per_s": units.travel.derivative_unit(1), "per_s2": units.travel.derivative_unit(2)}
-    context = {"value": _digits(value), "segment": segment, "end": end, **rounded, **names}
+    """The error with its wrong value first.
+
+    Args:
+        value: a derivative per radian, and its order; as among ``more``.
+        segment, end: where it stands.
+    """
+    per_s, per_s2 = (units.travel.derivative_unit(order) for order in (1, 2))
+    context = {"value": value, "segment": segment, "end": end, **more}
+    for key, each in context.items():
+        if isinstance(each, tuple):
+            context[key] = float(f"{units.to_wire(*each):.9g}")
+    context |= {"per_s": per_s, "per_s2": per_s2}
     return PydanticCustomError(name, f"{{value}} {words}.", context)
-
-
-def _digits(value: float) -> float:
-    return float(f"{value:.9g}")
