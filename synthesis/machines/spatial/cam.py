@@ -1,17 +1,24 @@
-"""SpatialCam: a spatial cam with its motion and all dimensions given, and its walls."""
+"""SpatialCam: a spatial cam with its motion and all dimensions given, its walls and its frame.
+
+A wall is there at cam angles at which its roller meshes with the cam: by position, and between the
+end faces.
+"""
 
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
+from functools import cached_property
+from itertools import pairwise
 from typing import Literal
 
 import numpy as np
+from numpy.typing import NDArray
+from scipy.optimize import brentq
 
 from synthesis.catalogue.motion import Motion
 from synthesis.machines.spatial.machine import LEFT, Seat
-from synthesis.machines.spatial.meshing import Span, intervals_between_faces, mesh_intervals
 from synthesis.machines.spatial.spec import SpatialCamSpec
 from synthesis.numerics.geometry.swept_roller import (
     Contacts,
@@ -22,6 +29,15 @@ from synthesis.numerics.geometry.swept_roller import (
 )
 from synthesis.numerics.piecewise import Array
 from synthesis.units import FULL_TURN
+
+FRAME = (
+    "Fixed to the cam, right-handed, lengths in mm: z along the cam's axis, x at cam angle 0 "
+    "parallel to the axis of a roller at position 0, from the cam towards the roller."
+)
+Span = tuple[float, float]
+Inside = NDArray[np.bool_]
+SAMPLES = 33  # on every piece of the motion, between which crossings are sought
+PLACES = 5  # on the roller's axis, where a contact may lie between the end faces
 
 
 @dataclass(frozen=True)
@@ -90,6 +106,29 @@ class SpatialCam:
         along = dot(self.swept.axis.reshape(shape), point - self.swept.centre.reshape(shape))
         return np.asarray((along >= self.faces[0]) & (along <= self.faces[1]))
 
+    @cached_property
+    def axes(self) -> Array:
+        """(3, 3) directions of the files' frame in the machine's frame, by rows: x, y, z.
+
+        z is along the cam's axis, x at θ = 0 along the axis of a roller at q = 0, towards it. The
+        origin lies on the cam's axis: of a turret, at the foot of the common perpendicular.
+        """
+        swept = self.swept
+        away = swept.origin + swept.roller.middle * swept.along - swept.centre
+        along = np.copysign(1.0, np.dot(away, swept.along)) * swept.along
+        across = along - np.dot(along, swept.axis) * swept.axis
+        x = across / np.linalg.norm(across)
+        return np.stack([x, np.cross(swept.axis, x), swept.axis])
+
+    def frame_points(self, theta: Array, point: Array) -> Array:
+        """Points (3, n, …) of the machine's frame at θ (n,), in the files' frame [mm]."""
+        return np.asarray(np.tensordot(self.axes, self.swept.on_cam(theta, point), axes=1))
+
+    def frame_directions(self, theta: Array, direction: Array) -> Array:
+        """Directions (3, n, …) of the machine's frame at θ (n,), in the files' frame."""
+        centre = self.swept.centre.reshape((3,) + (1,) * (direction.ndim - 1))
+        return self.frame_points(theta, centre + direction)
+
     def surface(self, wall: Wall, theta: Array, rho: Array) -> tuple[Array, Array]:
         """Points [mm] and unit normals out of the material, in the cam's frame: (3, n, m) each."""
         swept = self.swept
@@ -117,3 +156,90 @@ def build_cam(spec: SpatialCamSpec, sizes: Mapping[str, float], motion: Motion) 
             if spans:
                 walls.append(Wall(seat, side, spans))
     return SpatialCam(swept, motion, tuple(walls), sizes, faces, machine.period)
+
+
+def mesh_intervals(motion: Motion, seat: Seat, mesh: Span, period: float) -> tuple[Span, ...]:
+    """Intervals of cam angle in one turn in which a roller meets the blank [rad].
+
+    Args:
+        mesh: range of q in mesh [rad or mm]. period: of q, after which a roller is back at its
+            place; may be infinite.
+    """
+    joints = [0.0, *(segment.end for segment in motion.segments)]
+    places = seat.start + motion.curve(np.linspace(0.0, FULL_TURN, SAMPLES * motion.curve.count))
+    around = _periods(float(places.min()), float(places.max()), mesh, period)
+    levels = [q - seat.start + shift for q in mesh for shift in around]
+    marks = sorted({*joints, *(t for level in levels for t in _level_crossings(motion, level))})
+
+    def within(middles: Array) -> Inside:
+        q = seat.start + motion.derivatives(middles, 0)[0]
+        rounds = np.array(around)[:, None]
+        return np.asarray(((q > mesh[0] + rounds) & (q < mesh[1] + rounds)).any(axis=0))
+
+    return _merge_intervals(marks, within)
+
+
+def intervals_between_faces(
+    swept: SweptRoller, motion: Motion, seat: Seat, side: int, span: Span, faces: Span
+) -> tuple[Span, ...]:
+    """The parts of an interval in which some contact of a wall lies between the end faces.
+
+    Args:
+        faces: their positions along the cam's axis from its centre [mm].
+    """
+    if all(math.isinf(face) for face in faces):
+        return (span,)
+    rho = np.linspace(swept.roller.inner, swept.roller.outer, PLACES)
+
+    def beyond(theta: Array) -> Array:
+        """Distance of the nearest contact beyond the end faces, negative between them, (n,)."""
+        q, q1, q2 = motion.derivatives(theta, 2)
+        point, _ = swept.contact_points(FollowerState(seat.start + q, q1, q2), rho, side)
+        along = dot(swept.axis.reshape(3, 1, 1), point - swept.centre.reshape(3, 1, 1))
+        return np.asarray(np.maximum(faces[0] - along, along - faces[1]).min(axis=1))
+
+    inner = [float(b) for b in motion.curve.breaks if span[0] < b < span[1]]
+    marks = [span[0], *inner, span[1]]
+    samples = np.unique(np.concatenate([np.linspace(a, b, SAMPLES) for a, b in pairwise(marks)]))
+    crossings = _crossings(lambda t: float(beyond(np.array([t]))[0]), samples, beyond(samples))
+    return _merge_intervals(
+        sorted({span[0], *crossings, span[1]}), lambda t: np.asarray(beyond(t) < 0.0)
+    )
+
+
+def _merge_intervals(marks: Sequence[float], within: Callable[[Array], Inside]) -> tuple[Span, ...]:
+    """Intervals between marks whose middles are within, merged where they meet."""
+    inside = within(np.array([0.5 * (a + b) for a, b in pairwise(marks)]))
+    spans: list[Span] = []
+    for (a, b), counts in zip(pairwise(marks), inside, strict=True):
+        if not counts:
+            continue
+        if spans and spans[-1][1] == a:
+            spans[-1] = (spans[-1][0], b)
+        else:
+            spans.append((a, b))
+    return tuple(spans)
+
+
+def _periods(low: float, high: float, mesh: Span, period: float) -> list[float]:
+    """Multiples of the period by which the mesh range may be met between two positions."""
+    if math.isinf(period):
+        return [0.0]
+    first, last = math.floor((low - mesh[1]) / period), math.ceil((high - mesh[0]) / period)
+    return [period * k for k in range(first, last + 1)]
+
+
+def _level_crossings(motion: Motion, level: float) -> Iterable[float]:
+    """Cam angles where the motion crosses a level; points of tangency may be missed."""
+    breaks = motion.curve.breaks
+    samples = np.unique(np.concatenate([np.linspace(a, b, SAMPLES) for a, b in pairwise(breaks)]))
+    return _crossings(
+        lambda t: float(motion.curve(t)) - level, samples, motion.curve(samples) - level
+    )
+
+
+def _crossings(of: Callable[[float], float], samples: Array, values: Array) -> Iterable[float]:
+    """Roots between samples of opposite sign."""
+    high = values > 0.0
+    changes = np.flatnonzero(high[1:] != high[:-1])
+    return [brentq(of, samples[i], samples[i + 1], xtol=1e-14) for i in changes]

@@ -1,4 +1,4 @@
-"""What machines around cylindrical cams share: the frame, the roller fields and their checks.
+"""Machines around cylindrical cams: a slide, an arm, a roller.
 
 Frame: the origin lies on the cam's axis, which is z; x points along the roller's axis, and ρ is the
 distance along it from the cam's axis. The follower moves towards larger z as q grows.
@@ -9,21 +9,37 @@ from __future__ import annotations
 import math
 from abc import ABC
 from collections.abc import Mapping, Sequence
-from typing import Annotated, ClassVar, Self
+from typing import Annotated, ClassVar, Literal, Self
 
 import numpy as np
 from pydantic import Field, model_validator
 from pydantic_core import PydanticCustomError
 
+from synthesis.catalogue.constraints import LinearInequality
 from synthesis.catalogue.ranges import Dimension, Range, ends
-from synthesis.machines.spatial import roller
-from synthesis.machines.spatial.machine import LEFT, RIGHT, Seat, SpatialMachine, six_digits
+from synthesis.machines.spatial.machine import (
+    LEFT,
+    RIGHT,
+    CrownRadius,
+    Seat,
+    SpatialMachine,
+    length,
+    six_digits,
+)
+from synthesis.machines.spatial.pressure_angle_constraints import (
+    ArmPressureAngle,
+    SizeConstraint,
+    critical_places,
+)
+from synthesis.machines.spatial.turret import DwellOn, Hand, MeshAngle, Rollers, TurretMachine
 from synthesis.numerics.geometry.charts import Chart, Drum
-from synthesis.numerics.geometry.swept_roller import Joint, Pivot, SweptRoller
+from synthesis.numerics.geometry.swept_roller import Guide, Joint, Pivot, SweptRoller
 from synthesis.numerics.piecewise import Array
+from synthesis.units import DEGREE, Travel
 
 CLOSURE = 1e-9  # mm or deg: rounding of a sum of lifts that closes after one turn
 X, Y, Z = np.eye(3)
+RIGHT_ANGLE = 0.5 * math.pi
 
 
 class CylindricalMachine(SpatialMachine, ABC):
@@ -34,13 +50,15 @@ class CylindricalMachine(SpatialMachine, ABC):
 
     cylinder_radius_mm: Dimension = None
     roller_radius_mm: Dimension = None
-    roller_width_mm: roller.RollerDepth
-    crown_radius_mm: roller.CrownRadius = None
+    roller_width_mm: Annotated[
+        float,
+        Field(gt=0.0, le=1e5, description="Roller's width, all of which reaches into the cam."),
+    ]
+    crown_radius_mm: CrownRadius = None
 
     @model_validator(mode="after")
     def _check_rollers(self) -> Self:
         width, largest = self.roller_width_mm, ends(self.cylinder_radius_mm)[1]
-        roller.check_crown(width, self.crown_radius_mm, self.roller_radius_mm)
         if width >= largest:
             raise PydanticCustomError(
                 "roller_reaches_axis",
@@ -69,9 +87,8 @@ class CylindricalMachine(SpatialMachine, ABC):
             joint, origin: what the follower moves on, and its roller's place at q = 0.
             hand: +1 where the cam turns about z as θ grows, −1 about −z.
         """
-        inner, radius = self.wall_radii(sizes)[0], sizes["roller_radius_mm"]
-        rolled = roller.roller_of(radius, inner, self.roller_width_mm, self.crown_radius_mm)
-        return SweptRoller(0.0 * X, Z, joint, origin, X, rolled, hand)
+        roller = self._roller(sizes, self.wall_radii(sizes)[0])
+        return SweptRoller(0.0 * X, Z, joint, origin, X, roller, hand)
 
     def _largest_offset(self, cylinder: float) -> float:
         """Largest distance of the roller's axis from the cam's at which it meets the cylinder."""
@@ -114,15 +131,11 @@ class CylindricalMachine(SpatialMachine, ABC):
 class CylindricalFollower(CylindricalMachine, ABC):
     """A follower that returns: one roller in a groove, or two rollers on both sides of a rib."""
 
-    roller_distance_mm: Annotated[
-        float | None,
-        Field(
-            gt=0.0,
-            le=1e6,
-            description="Distance between the axes of two rollers on both sides of a rib; left "
-            "out: one roller in a groove.",
-        ),
-    ] = None
+    roller_distance_mm: float | None = length(
+        "Distance between the axes of two rollers on both sides of a rib; left out: one roller "
+        "in a groove.",
+        None,
+    )
 
     @model_validator(mode="after")
     def _check_rib(self) -> Self:
@@ -175,3 +188,147 @@ def roller_seats(rest: float, spacing: float | None) -> tuple[Seat, ...]:
     if spacing is None:
         return (Seat(1, rest),)
     return Seat(1, rest + 0.5 * spacing, (LEFT,)), Seat(2, rest - 0.5 * spacing, (RIGHT,))
+
+
+class CylindricalTranslating(CylindricalFollower):
+    """A slide along the cam's axis; the roller's axis crosses the cam's at a right angle.
+
+    Frame as in ``cylindrical``; s is z of the roller, or of the midpoint between two rollers.
+    """
+
+    kind: Literal["cylindrical_translating"] = "cylindrical_translating"
+    title: ClassVar[str] = "cylindrical cam, follower on a slide"
+    travel: ClassVar[Travel] = Travel()
+
+    def swept_roller(self, sizes: Mapping[str, float], rotation: int) -> SweptRoller:
+        return self._swept(sizes, Guide(Z), 0.0 * Z, rotation)
+
+    def seats(self) -> tuple[Seat, ...]:
+        return roller_seats(0.0, self.roller_distance_mm)
+
+    def pressure_angle_rows(
+        self, sizes: Mapping[str, float], slope: float
+    ) -> tuple[LinearInequality, ...]:
+        """|s'| ≤ t (R − depth) at each critical depth, with t the remaining tan α there."""
+        return tuple(
+            LinearInequality((0.0, sign, 0.0, 0.0), (-left,), -left * (self.roller_width_mm - foot))
+            for foot, left in critical_places(self._roller(sizes, 0.0), slope)
+            for sign in (1.0, -1.0)
+        )
+
+
+class CylindricalOscillating(CylindricalFollower):
+    """A swinging arm; its pivot's axis and its roller's axis are perpendicular to the cam's.
+
+    Frame as in ``cylindrical``; the pivot is parallel to x, at y = pivot distance and z = 0. The
+    arm's angle is 0 where the arm is perpendicular to the cam's axis.
+    """
+
+    kind: Literal["cylindrical_oscillating"] = "cylindrical_oscillating"
+    title: ClassVar[str] = "cylindrical cam, follower on an arm"
+    travel: ClassVar[Travel] = Travel("deg", DEGREE)
+
+    arm_mm: float = length(
+        "Length of the arm: from the pivot to the roller, or to the midpoint between two."
+    )
+    pivot_distance_mm: float | None = length(
+        "Distance between the pivot's axis and the cam's; left out: the arm's length, so that the "
+        "axis of a single roller meets the cam's axis where the arm is perpendicular to it.",
+        None,
+    )
+    initial_angle_deg: Annotated[
+        float,
+        Field(
+            gt=-90.0,
+            lt=90.0,
+            description="Angle of the arm at the start of the program, measured from the "
+            "perpendicular to the cam's axis and growing with the motion. Minus half the swing "
+            "makes the swing symmetric.",
+        ),
+    ] = 0.0
+
+    def swept_roller(self, sizes: Mapping[str, float], rotation: int) -> SweptRoller:
+        return self._swept(sizes, *pivot(*self._lengths), rotation)
+
+    @property
+    def _lengths(self) -> tuple[float, float]:
+        """Pivot to roller, and pivot to the cam's axis [mm]."""
+        arm = math.hypot(self.arm_mm, 0.5 * (self.roller_distance_mm or 0.0))
+        return arm, self.pivot_distance_mm or self.arm_mm
+
+    def seats(self) -> tuple[Seat, ...]:
+        rest, distance = self.initial_angle_deg * DEGREE, self.roller_distance_mm
+        spacing = None if distance is None else 2.0 * math.atan2(0.5 * distance, self.arm_mm)
+        return roller_seats(rest, spacing)
+
+    def check_positions(self, lowest: float, highest: float) -> None:
+        super().check_positions(lowest, highest)
+        starts = [seat.start for seat in self.seats()]
+        least, most = min(starts) + lowest, max(starts) + highest
+        if least <= -RIGHT_ANGLE or most >= RIGHT_ANGLE:
+            raise PydanticCustomError(
+                "arm_along_cam",
+                "A roller on the arm swings from {least}° to {most}° about the perpendicular to "
+                "the cam's axis; at 90° the arm is parallel to the cam's axis and the cam cannot "
+                "drive it. Change initial_angle_deg, or reduce the swing.",
+                {"least": six_digits(least / DEGREE), "most": six_digits(most / DEGREE)},
+            )
+        self._check_offset(*self._lengths, (least, most))
+
+    @property
+    def can_be_sized(self) -> bool:
+        # The pressure angle of a crowned roller whose axis passes beside the cam's has no closed
+        # form in the motion and the cylinder's radius.
+        return self.crown_radius_mm is None
+
+    def length_scale(self, sizes: Mapping[str, float]) -> float:
+        return self._lengths[0]
+
+    def pressure_angle_curves(
+        self, sizes: Mapping[str, float], slope: float, rotation: int
+    ) -> tuple[SizeConstraint, ...]:
+        starts, place = tuple(seat.start for seat in self.seats()), (self.roller_width_mm, slope)
+        return (ArmPressureAngle("pressure_angle", starts, self._lengths[0], rotation, (place,)),)
+
+
+class CylindricalIndexer(TurretMachine, CylindricalMachine):
+    """A turret whose axis and rollers are perpendicular to the cam's axis, at a distance from it.
+
+    Frame as in ``cylindrical``; the turret's axis is parallel to x, at y = centre distance and
+    z = 0. A roller's angle is 0 where it is nearest to the cam's axis, seen along the turret's.
+    It is not sized yet: its rollers' axes pass beside the cam's, so that the pressure angle has no
+    closed form in the motion and the radius.
+    """
+
+    kind: Literal["cylindrical_indexer"] = "cylindrical_indexer"
+    title: ClassVar[str] = "cylindrical (barrel) indexer"
+    size_field: ClassVar[str] = ""
+
+    rollers: Rollers
+    hand: Hand = "right"
+    dwell_on: DwellOn = "rib"
+    turret_radius_mm: float = length("Radius of the circle through the rollers' axes.")
+    centre_distance_mm: float | None = length(
+        "Distance between the turret's axis and the cam's; left out: turret_radius_mm.", None
+    )
+    mesh_angle_deg: MeshAngle = None
+
+    @model_validator(mode="after")
+    def _check_turret(self) -> CylindricalIndexer:
+        self._check_offset(*self._lengths, (0.0,))
+        return self
+
+    def swept_roller(self, sizes: Mapping[str, float], rotation: int) -> SweptRoller:
+        return self._swept(sizes, *pivot(*self._lengths), self.thread_sign)
+
+    @property
+    def _lengths(self) -> tuple[float, float]:
+        """Turret's axis to the rollers, and to the cam's axis [mm]."""
+        return self.turret_radius_mm, self.centre_distance_mm or self.turret_radius_mm
+
+    def mesh_range(self, sizes: Mapping[str, float]) -> tuple[float, float]:
+        low, high = super().mesh_range(sizes)
+        radius, distance = self._lengths
+        lowest = distance - self._largest_offset(sizes["cylinder_radius_mm"])
+        leaves = math.acos(min(max(lowest / radius, -1.0), 1.0))
+        return max(low, -leaves), min(high, leaves)

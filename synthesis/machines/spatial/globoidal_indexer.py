@@ -11,22 +11,21 @@ from pydantic import Field, model_validator
 from pydantic_core import PydanticCustomError
 
 from synthesis.catalogue.ranges import Dimension, Range, ends
-from synthesis.machines.spatial import roller, turret
 from synthesis.machines.spatial.curvature_constraints import TurretWallRadius
-from synthesis.machines.spatial.machine import Seat, SpatialMachine
+from synthesis.machines.spatial.machine import CrownRadius, length, six_digits
 from synthesis.machines.spatial.pressure_angle_constraints import (
     SizeConstraint,
     TurretPressureAngle,
     turret_places,
 )
+from synthesis.machines.spatial.turret import DwellOn, Hand, MeshAngle, Rollers, TurretMachine
 from synthesis.numerics.geometry.charts import Chart, Torus
-from synthesis.numerics.geometry.swept_roller import Pivot, Roller, SweptRoller
-from synthesis.units import DEGREE, FULL_TURN, Travel
+from synthesis.numerics.geometry.swept_roller import Pivot, SweptRoller
 
 X, Y, Z = np.eye(3)
 
 
-class GloboidalIndexer(SpatialMachine):
+class GloboidalIndexer(TurretMachine):
     """A turret with radial rollers, its axis perpendicular to the cam's at the centre distance.
 
     Frame: origin on the turret's axis; x along the common perpendicular towards the cam's axis; z
@@ -37,29 +36,23 @@ class GloboidalIndexer(SpatialMachine):
 
     kind: Literal["globoidal_indexer"] = "globoidal_indexer"
     title: ClassVar[str] = "globoidal indexer"
-    travel: ClassVar[Travel] = Travel("deg", DEGREE)
-    period: ClassVar[float] = FULL_TURN
     size_field: ClassVar[str] = "centre_distance_mm"
     inner_end_field: ClassVar[str] = "roller_inner_mm"
 
-    rollers: turret.Rollers
-    hand: turret.Hand = "right"
-    dwell_on: turret.DwellOn = "rib"
+    rollers: Rollers
+    hand: Hand = "right"
+    dwell_on: DwellOn = "rib"
     centre_distance_mm: Dimension = None
     roller_radius_mm: Dimension = None
     roller_inner_mm: Dimension = None
-    roller_width_mm: roller.RollerWidth
-    crown_radius_mm: roller.CrownRadius = None
-    mesh_angle_deg: turret.MeshAngle = None
-    cam_width_mm: Annotated[
-        float | None,
-        Field(
-            gt=0.0,
-            le=1e6,
-            description="Length of the cam along its axis, between end faces at equal distances "
-            "from the common perpendicular; left out: as far as the rollers mesh.",
-        ),
-    ] = None
+    roller_width_mm: Annotated[float, Field(gt=0.0, le=1e5, description="Roller's width.")]
+    crown_radius_mm: CrownRadius = None
+    mesh_angle_deg: MeshAngle = None
+    cam_width_mm: float | None = length(
+        "Length of the cam along its axis, between end faces at equal distances from the common "
+        "perpendicular; left out: as far as the rollers mesh.",
+        None,
+    )
     bottom_clearance_mm: Annotated[
         float,
         Field(
@@ -71,12 +64,18 @@ class GloboidalIndexer(SpatialMachine):
 
     @model_validator(mode="after")
     def _check_dimensions(self) -> GloboidalIndexer:
-        roller.check_crown(self.roller_width_mm, self.crown_radius_mm, self.roller_radius_mm)
-        turret.check_overlap(self.rollers, self.roller_inner_mm, self.roller_radius_mm)
-        self._check_core()
-        return self
-
-    def _check_core(self) -> None:
+        # Rollers overlap that reach the plane midway between two neighbours.
+        inner, radius = ends(self.roller_inner_mm)[1], ends(self.roller_radius_mm)[0]
+        allowed = inner * math.tan(0.5 * self.spacing)
+        if radius >= allowed:
+            raise PydanticCustomError(
+                "rollers_overlap",
+                "{rollers} rollers of radius {radius} mm overlap on their turret: at "
+                "roller_inner_mm = {inner} the radius must be below {allowed} mm. Reduce "
+                "roller_radius_mm or rollers, or increase roller_inner_mm.",
+                {"radius": radius, "rollers": self.rollers, "inner": inner,
+                 "allowed": six_digits(allowed)},
+            )  # fmt: skip
         largest = ends(self.centre_distance_mm)[1]
         inner = max(0.0, ends(self.roller_inner_mm)[0])
         bottom = inner + self.roller_width_mm + self.bottom_clearance_mm
@@ -88,6 +87,7 @@ class GloboidalIndexer(SpatialMachine):
                 "Increase centre_distance_mm, or make the rollers shorter.",
                 {"distance": largest, "bottom": float(f"{bottom:.9g}")},
             )
+        return self
 
     def sizes(self) -> Mapping[str, float | Range | None]:
         names = ("centre_distance_mm", "roller_radius_mm", "roller_inner_mm")
@@ -100,13 +100,9 @@ class GloboidalIndexer(SpatialMachine):
             joint=Pivot(0.0 * X, Z),
             origin=0.0 * X,
             along=X,
-            roller=self._roller(sizes),
-            hand=turret.thread_sign(self.hand),
+            roller=self._roller(sizes, sizes["roller_inner_mm"]),
+            hand=self.thread_sign,
         )
-
-    def _roller(self, sizes: Mapping[str, float]) -> Roller:
-        radius, inner = sizes["roller_radius_mm"], sizes["roller_inner_mm"]
-        return roller.roller_of(radius, inner, self.roller_width_mm, self.crown_radius_mm)
 
     def dimensions(self, sizes: Mapping[str, float]) -> Mapping[str, float]:
         distance, inner = sizes["centre_distance_mm"], sizes["roller_inner_mm"]
@@ -123,9 +119,12 @@ class GloboidalIndexer(SpatialMachine):
         return {**sizes, **derived}
 
     def clearances(self, sizes: Mapping[str, float]) -> Mapping[str, float]:
-        inner, radius = sizes["roller_inner_mm"], sizes["roller_radius_mm"]
-        gap = turret.gap(self.rollers, inner, radius)
-        return {"core_radius": self.core(sizes), "roller_gap": gap}
+        return {"core_radius": self.core(sizes), "roller_gap": self._roller_gap(sizes)}
+
+    def _roller_gap(self, sizes: Mapping[str, float]) -> float:
+        """Distance between two neighbouring rollers at their inner ends [mm]."""
+        half, radius = 0.5 * self.spacing, sizes["roller_radius_mm"]
+        return 2.0 * (sizes["roller_inner_mm"] * math.sin(half) - radius * math.cos(half))
 
     def core(self, sizes: Mapping[str, float]) -> float:
         """Least radius of what the grooves leave of the cam around its axis [mm].
@@ -142,22 +141,12 @@ class GloboidalIndexer(SpatialMachine):
         half = math.inf if self.cam_width_mm is None else 0.5 * self.cam_width_mm
         return -half, half
 
-    def seats(self) -> tuple[Seat, ...]:
-        return turret.seats(self.rollers, self.dwell_on)
-
-    def mesh_range(self, sizes: Mapping[str, float]) -> tuple[float, float]:
-        return turret.mesh_range(self.rollers, self.mesh_angle_deg)
-
     def chart(self, sizes: Mapping[str, float]) -> Chart:
         return Torus(sizes["centre_distance_mm"])
 
-    def check_gain(self, gain: float) -> None:
-        turret.check_index(gain, self.rollers)
-
     def dwell_rib(self, sizes: Mapping[str, float]) -> float:
         # The distance is measured from a contact to the next roller, not to its contact.
-        gap = turret.gap(self.rollers, sizes["roller_inner_mm"], sizes["roller_radius_mm"])
-        return gap * math.cos(0.5 * turret.spacing(self.rollers))
+        return self._roller_gap(sizes) * math.cos(0.5 * self.spacing)
 
     def length_scale(self, sizes: Mapping[str, float]) -> float:
         return sizes["roller_inner_mm"] + self.roller_width_mm
@@ -166,24 +155,23 @@ class GloboidalIndexer(SpatialMachine):
         self, sizes: Mapping[str, float], slope: float, rotation: int
     ) -> tuple[SizeConstraint, ...]:
         length, first = self.length_scale(sizes), self.seats()[0].start
-        spacing = turret.spacing(self.rollers)
-        at = turret_places(self._roller(sizes), length, slope)
-        return (TurretPressureAngle("pressure_angle", first, spacing, length, at),)
+        at = turret_places(self._roller(sizes, sizes["roller_inner_mm"]), length, slope)
+        return (TurretPressureAngle("pressure_angle", first, self.spacing, length, at),)
 
     def wall_radius_curves(
         self, sizes: Mapping[str, float], least: float
     ) -> tuple[SizeConstraint, ...]:
-        rolled = self._roller(sizes)
-        if rolled.crown:
+        roller = self._roller(sizes, sizes["roller_inner_mm"])
+        if roller.crown:
             return ()
         return (
             TurretWallRadius(
                 "wall_radius",
                 first=self.seats()[0].start,
-                spacing=turret.spacing(self.rollers),
+                spacing=self.spacing,
                 length=self.length_scale(sizes),
-                radius=rolled.radius + least,
-                places=(rolled.inner, rolled.outer),
+                radius=roller.radius + least,
+                places=(roller.inner, roller.outer),
                 mesh=self.mesh_range(sizes)[1],
             ),
         )

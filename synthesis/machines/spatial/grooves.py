@@ -12,14 +12,13 @@ by Newton's method, vectorised over all rows and depths.
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 from synthesis.errors import InputError
 from synthesis.machines.spatial.cam import SpatialCam
-from synthesis.machines.spatial.cam_frame import CamFrame
 from synthesis.machines.spatial.machine import LEFT, RIGHT, Seat, SpatialMachine
 from synthesis.numerics.geometry.charts import Chart
 from synthesis.numerics.geometry.swept_roller import FollowerState, dot, norm
@@ -85,9 +84,8 @@ class GrooveSections:
 
     def to_chart(self, point: Array) -> tuple[Array, Array, Array]:
         """Angle about the cam's axis, depth and place across of points (3, …), machine's frame."""
-        swept = self.cam.swept
-        away = point - swept.centre.reshape((3,) + (1,) * (point.ndim - 1))
-        x, y, z = np.tensordot(CamFrame.of(swept).axes, away, axes=1)
+        away = point - self.cam.swept.centre.reshape((3,) + (1,) * (point.ndim - 1))
+        x, y, z = np.tensordot(self.cam.axes, away, axes=1)
         depth, across = self.chart.from_meridian(np.hypot(x, y), z)
         return np.arctan2(y, x), depth, across
 
@@ -250,6 +248,14 @@ class GrooveSections:
         angle, depth, across = self.to_chart(point)
         turn = theta - swept.hand * angle
         return _ChartContacts(turn, depth, self.chart.unwrap(across, place.q), found.regular[:, 0])
+
+
+def shifted(walls: NDArray[Any], shift: int, missing: float) -> NDArray[Any]:
+    """Walls (k, …) of the next turn by their numbers in this one; ``missing`` where none is."""
+    after, there = np.full_like(walls, missing), np.arange(len(walls)) + shift
+    known = (there >= 0) & (there < len(walls))
+    after[known] = walls[there[known]]
+    return after
 
 
 def _extend_straight(across: Array, sound: NDArray[np.bool_]) -> Array:

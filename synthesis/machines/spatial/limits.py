@@ -1,21 +1,22 @@
-"""Limits of spatial cams: those on walls and rollers, and the catalogue's on the motion.
+"""Limits and objectives of spatial cams; limits on the motion are the catalogue's.
 
 A new one is a class here and its name in the union.
 """
 
 from __future__ import annotations
 
-from abc import ABC, abstractmethod
+from abc import ABC
 from collections.abc import Sequence
 from math import tan
-from typing import Annotated, Any, ClassVar, Literal
+from typing import Annotated, Any, ClassVar, Literal, get_args
 
 from pydantic import Field
 
-from synthesis.catalogue.constraints import LinearInequality, NonconvexConstraint
+from synthesis.catalogue.constraints import AffineNorm, LinearInequality, NonconvexConstraint
 from synthesis.catalogue.limits.base import Claim, Limit, Machine
 from synthesis.catalogue.limits.derivatives import Acceleration, Jerk, Velocity
 from synthesis.catalogue.motion import PlacedSegment
+from synthesis.catalogue.objectives.base import Objective
 from synthesis.numerics.piecewise import Array
 from synthesis.units import DEGREE
 
@@ -30,12 +31,12 @@ class SpatialLimit(Limit, ABC):
 
     quantity: ClassVar[str]
     field: ClassVar[str]
-    upper: ClassVar[bool]
+    upper: ClassVar[bool] = False
 
     @property
-    @abstractmethod
     def bound(self) -> float:
         """The bound in the wire's unit."""
+        return float(getattr(self, self.field))
 
     def smooth_constraints(
         self, segment: PlacedSegment, machine: Machine, theta: Array, s: Any, z: Any
@@ -56,10 +57,6 @@ class SpatialPressureAngle(SpatialLimit):
     upper: ClassVar[bool] = True
 
     max_deg: Annotated[float, Field(gt=0.0, lt=90.0, description="Largest |pressure angle|.")]
-
-    @property
-    def bound(self) -> float:
-        return self.max_deg
 
     @property
     def bounds_size_below(self) -> bool:
@@ -85,16 +82,11 @@ class WallRadius(SpatialLimit):
     title: ClassVar[str] = "Wall radius"
     quantity: ClassVar[str] = "convex_radius"
     field: ClassVar[str] = "min_mm"
-    upper: ClassVar[bool] = False
 
     min_mm: Annotated[
         float,
         Field(ge=0.0, le=1e6, description="Smallest radius of curvature of a convex wall part."),
     ]
-
-    @property
-    def bound(self) -> float:
-        return self.min_mm
 
     def nonconvex(
         self, segment: PlacedSegment, machine: Machine
@@ -112,16 +104,55 @@ class RibThickness(SpatialLimit):
     title: ClassVar[str] = "Rib thickness"
     quantity: ClassVar[str] = "rib_thickness"
     field: ClassVar[str] = "min_mm"
-    upper: ClassVar[bool] = False
 
     min_mm: Annotated[float, Field(ge=0.0, le=1e6, description="Smallest rib thickness.")]
-
-    @property
-    def bound(self) -> float:
-        return self.min_mm
 
 
 AnySpatialLimit = Annotated[
     SpatialPressureAngle | WallRadius | RibThickness | Velocity | Acceleration | Jerk,
     Field(discriminator="kind"),
 ]
+
+
+class SpatialObjective(Objective, ABC):
+    """Minimise one dimension of the machine.
+
+    Attributes:
+        wire_name: field of the dimension.
+    """
+
+    quantity: ClassVar[str] = "size"
+
+    def norm(self, machine: Machine) -> AffineNorm:
+        return machine.follower.radius_norm()
+
+    def to_wire(self, value: float, machine: Machine) -> float:
+        return value
+
+    def from_wire(self, value: float, machine: Machine) -> float:
+        return value
+
+
+class CentreDistance(SpatialObjective):
+    """Minimise the distance between the turret's axis and the cam's."""
+
+    kind: Literal["centre_distance"] = "centre_distance"
+    title: ClassVar[str] = "Centre distance"
+    wire_name: ClassVar[str] = "centre_distance_mm"
+
+
+class CylinderRadius(SpatialObjective):
+    """Minimise the radius of the cylinder that the groove is cut into."""
+
+    kind: Literal["cylinder_radius"] = "cylinder_radius"
+    title: ClassVar[str] = "Cylinder radius"
+    wire_name: ClassVar[str] = "cylinder_radius_mm"
+
+
+AnySpatialObjective = Annotated[CentreDistance | CylinderRadius, Field(discriminator="kind")]
+OBJECTIVES: tuple[type[SpatialObjective], ...] = get_args(get_args(AnySpatialObjective)[0])
+
+
+def objective_of(dimension: str) -> SpatialObjective:
+    """The objective that minimises a dimension, by the name of its field."""
+    return next(kind for kind in OBJECTIVES if kind.wire_name == dimension).model_validate({})

@@ -10,20 +10,30 @@ import math
 from abc import ABC, abstractmethod
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import ClassVar, Self
+from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Self
 
-from pydantic import BaseModel, ConfigDict, model_validator
+from pydantic import BaseModel, ConfigDict, Field, model_validator
 from pydantic_core import PydanticCustomError
 
 from synthesis.catalogue.constraints import LinearInequality
-from synthesis.catalogue.ranges import Range, ends
+from synthesis.catalogue.ranges import Dimension, Range, ends
 from synthesis.machines.spatial.pressure_angle_constraints import SizeConstraint
 from synthesis.numerics.geometry.charts import Chart
-from synthesis.numerics.geometry.swept_roller import SweptRoller
+from synthesis.numerics.geometry.swept_roller import Roller, SweptRoller
 from synthesis.units import Travel
 
 LEFT, RIGHT = -1, 1
 LARGEST = 1e6  # mm: no machine has a larger dimension
+ROLLER_RADIUS = "roller_radius_mm"  # field of every machine
+
+CrownRadius = Annotated[
+    float | None,
+    Field(
+        gt=0.0,
+        le=1e7,
+        description="Radius of the crowned roller's outline; left out: a cylindrical roller.",
+    ),
+]
 
 
 @dataclass(frozen=True)
@@ -46,7 +56,6 @@ class SpatialMachine(BaseModel, ABC):
     Attributes:
         period: of q, after which a roller is back at its place [rad or mm]; infinite for none.
         size_field: field of the dimension that sizing minimises; empty: the machine is not sized.
-        radius_field: field of the rollers' radius.
         inner_end_field: field of the place of the rollers' inner ends; empty: no such dimension.
         developable: whether the cam's walls are cut by cylinders about the cam's axis.
     """
@@ -58,9 +67,13 @@ class SpatialMachine(BaseModel, ABC):
     travel: ClassVar[Travel]
     period: ClassVar[float] = math.inf
     size_field: ClassVar[str] = ""
-    radius_field: ClassVar[str] = "roller_radius_mm"
     inner_end_field: ClassVar[str] = ""
     developable: ClassVar[bool] = False
+
+    if TYPE_CHECKING:  # fields of every machine, declared by each at its place in the order
+        roller_radius_mm: Dimension
+        roller_width_mm: float
+        crown_radius_mm: CrownRadius
 
     @model_validator(mode="after")
     def _check_sizes(self) -> Self:
@@ -74,6 +87,25 @@ class SpatialMachine(BaseModel, ABC):
                     {"name": name, "given": high, "largest": LARGEST},
                 )
         return self
+
+    @model_validator(mode="after")
+    def _check_crown(self) -> Self:
+        crown, half = self.crown_radius_mm, 0.5 * self.roller_width_mm
+        if crown is None:
+            return self
+        if crown <= half or crown - math.sqrt(crown**2 - half**2) >= ends(self.roller_radius_mm)[1]:
+            raise PydanticCustomError(
+                "crown_too_round",
+                "With crown_radius_mm = {crown} the outline of a roller {width} mm wide meets the "
+                "roller's axis before its ends. Increase crown_radius_mm, or reduce the width.",
+                {"crown": crown, "width": self.roller_width_mm},
+            )
+        return self
+
+    def _roller(self, sizes: Mapping[str, float], inner: float) -> Roller:
+        """The roller whose inner end is at ρ = ``inner`` [mm]."""
+        outer = inner + self.roller_width_mm
+        return Roller(sizes[ROLLER_RADIUS], inner, outer, self.crown_radius_mm or 0.0)
 
     @abstractmethod
     def sizes(self) -> Mapping[str, float | Range | None]:
@@ -174,6 +206,11 @@ class SpatialMachine(BaseModel, ABC):
         () where no closed form is known: then the cam is enlarged until sampled walls keep it.
         """
         return ()
+
+
+def length(description: str, default: Any = ...) -> Any:
+    """A field with a length above 0 [mm]; required unless it has a default."""
+    return Field(default, gt=0.0, le=LARGEST, description=description)
 
 
 def six_digits(value: float) -> float:

@@ -47,11 +47,11 @@ from synthesis.catalogue.constraints import (
     PointInequalities,
     Vector,
 )
-from synthesis.machines.spatial.roller import critical_places
 from synthesis.numerics.geometry.swept_roller import Roller
 from synthesis.numerics.piecewise import Array
 
 RIGHT_ANGLE = 0.5 * pi
+PLACES = 17  # samples along a crowned roller; its profile is smooth, and the judge measures anyway
 UNREACHABLE = 1e9  # arm lengths: least radius where no cylinder keeps the limit even at rest
 LEAST_LEVER = 1e-9  # of t cos ψ ± χ sin ψ: below it the limit cannot be kept at any radius
 STEP = 1e-6  # of the arm's length: forward differences, error and cancellation both near 1e-6
@@ -184,6 +184,23 @@ class TurretPressureAngle(SizeConstraint):
         higher = known & (height > lowest)
         at_zero = height - slope * middle / self.length
         return np.where(higher, at_zero, lowest), np.where(higher, slope, 0.0)
+
+
+def critical_places(roller: Roller, slope: float) -> tuple[tuple[float, float], ...]:
+    """Places that decide the pressure angle: (foot on the axis [mm], tan α that is left there).
+
+    On a cylindrical roller that is the inner end. On a crowned one the contact at ρ has its foot at
+    ρ + r r', and its normal leans by r' more: 1 + tan² α = (1 + r'²)(1 + tan² α_foot).
+
+    Args:
+        roller: the roller. slope: tan α_max; where |r'| exceeds it, 0 is left.
+    """
+    if roller.crown == 0.0:
+        return ((roller.inner, slope),)
+    rho = np.linspace(roller.inner, roller.outer, PLACES)
+    radius, lean, _ = roller.profile(rho)
+    left = np.sqrt(np.maximum((1.0 + slope**2) / (1.0 + lean**2) - 1.0, 0.0))
+    return tuple(zip((rho + radius * lean).tolist(), left.tolist(), strict=True))
 
 
 def turret_places(roller: Roller, length: float, slope: float) -> tuple[tuple[float, float], ...]:

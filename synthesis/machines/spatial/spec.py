@@ -1,27 +1,45 @@
-"""SpatialCamSpec: the request body of a spatial cam."""
+"""SpatialCamSpec: the request body of a spatial cam, and when it has a best cam.
+
+A new machine is a class and its name here.
+"""
 
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from itertools import accumulate
 from typing import Annotated, Any
 
+import numpy as np
 from pydantic import BaseModel, ConfigDict, Field, model_validator
 from pydantic_core import PydanticCustomError
 
 from synthesis.catalogue.fields import CamRotation, CamSpeed, Name
+from synthesis.catalogue.limits import Limit
 from synthesis.catalogue.motion import PlacedSegment
 from synthesis.catalogue.ranges import Range, ends
-from synthesis.machines.spatial.limits import AnySpatialLimit
-from synthesis.machines.spatial.machines import AnyMachine
-from synthesis.machines.spatial.objectives import AnySpatialObjective
-from synthesis.machines.spatial.well_posedness import check_well_posed
+from synthesis.machines.spatial.cylindrical import (
+    CylindricalIndexer,
+    CylindricalOscillating,
+    CylindricalTranslating,
+)
+from synthesis.machines.spatial.globoidal_indexer import GloboidalIndexer
+from synthesis.machines.spatial.limits import (
+    AnySpatialLimit,
+    AnySpatialObjective,
+    SpatialPressureAngle,
+)
+from synthesis.machines.spatial.machine import ROLLER_RADIUS, SpatialMachine
 from synthesis.spec.program import Segment
 from synthesis.spec.schedule import angles_of, check_turn, check_units, placed
-from synthesis.units import MotionUnits, rad_per_s
+from synthesis.units import DEGREE, MotionUnits, rad_per_s
 
 MAX_SEGMENTS = 100
+MACHINES = (GloboidalIndexer, CylindricalTranslating, CylindricalOscillating, CylindricalIndexer)
+AnyMachine = Annotated[
+    GloboidalIndexer | CylindricalTranslating | CylindricalOscillating | CylindricalIndexer,
+    Field(discriminator="kind"),
+]
 
 
 class SpatialCamSpec(BaseModel):
@@ -133,3 +151,81 @@ class SpatialCamSpec(BaseModel):
         if any(low != high for low, high in both.values()):
             return None
         return {name: low for name, (low, _) in both.items()}
+
+
+def check_well_posed(machine: SpatialMachine, limits: Sequence[Limit], free_laws: bool) -> None:
+    """Refuse a spec whose minimum does not exist or is not bounded away from zero.
+
+    Args:
+        machine, limits: as in the spec. free_laws: whether some law is left free.
+
+    Raises:
+        PydanticCustomError: the machine is not sized, nothing bounds the cam from below, rollers
+            may vanish, or crowned rollers break the limit on the pressure angle even at rest.
+    """
+    ranges = {name: ends(given) for name, given in machine.sizes().items()}
+    free = [name for name, (low, high) in ranges.items() if low != high]
+    keeps_large = any(limit.bounds_size_below for limit in limits)
+    if not free and not free_laws:
+        return
+    if not machine.can_be_sized:
+        raise PydanticCustomError(
+            "machine_in_full",
+            "A {kind} of this form can be measured but not sized yet, and {what} is left free. "
+            "Give the number, or name the law.",
+            {"kind": machine.kind, "what": free[0] if free else "a law"},
+        )
+    if (free_laws or machine.size_field in free) and not keeps_large:
+        raise PydanticCustomError(
+            "nothing_keeps_large",
+            "{what} is left free, and no limit bounds the size of the cam from below. Add a limit "
+            "on pressure_angle, or give the number or the law.",
+            {"what": machine.size_field if machine.size_field in free else "A law"},
+        )
+    _check_rollers(machine, ranges)
+    _check_crown(machine, limits, ranges)
+
+
+def _check_rollers(machine: SpatialMachine, ranges: Mapping[str, tuple[float, float]]) -> None:
+    """Refuse rollers whose radius, or radius and inner end together, may go to zero."""
+    open_below = [name for name in ranges if name != machine.size_field and ranges[name][0] <= 0.0]
+    if machine.inner_end_field in open_below and ROLLER_RADIUS in open_below:
+        raise PydanticCustomError(
+            "rollers_vanish",
+            "{place} and {radius} are both left free without a min: the cam becomes smaller "
+            "without end as the rollers become smaller and move towards the turret's axis. Give "
+            "one of them a number or a min.",
+            {"place": machine.inner_end_field, "radius": ROLLER_RADIUS},
+        )
+    crowned = machine.swept_roller(dict.fromkeys(ranges, 1.0), 1).roller.crown > 0.0
+    if ROLLER_RADIUS in open_below and crowned:
+        raise PydanticCustomError(
+            "rollers_vanish",
+            "{radius} of crowned rollers is left free without a min: below a certain radius the "
+            "crown meets the roller's axis before its ends. Give it a number or a min.",
+            {"radius": ROLLER_RADIUS},
+        )
+
+
+def _check_crown(
+    machine: SpatialMachine,
+    limits: Sequence[Limit],
+    ranges: Mapping[str, tuple[float, float]],
+) -> None:
+    """Refuse a limit on the pressure angle that a crown's ends break even at rest."""
+    sizes = {name: low if low > 0.0 else 1.0 for name, (low, _) in ranges.items()}
+    # The largest |r'| is the tangent of the pressure angle that the roller's ends have at rest.
+    roller = machine.swept_roller(sizes, 1).roller
+    slope = float(np.max(np.abs(roller.profile(np.array([roller.inner, roller.outer]))[1])))
+    for position, limit in enumerate(limits):
+        if isinstance(limit, SpatialPressureAngle) and slope >= limit.max_slope:
+            raise PydanticCustomError(
+                "crown_leans",
+                "limits/{position} allows a pressure angle of at most {bound}°, but at the ends of "
+                "the crowned rollers it is larger even at rest. Increase crown_radius_mm, reduce "
+                "roller_width_mm, or raise the limit.",
+                {
+                    "position": position,
+                    "bound": float(f"{math.atan(limit.max_slope) / DEGREE:.9g}"),
+                },
+            )

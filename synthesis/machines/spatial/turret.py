@@ -1,16 +1,17 @@
-"""What turrets of indexing cams share: fields, positions of the rollers, and checks."""
+"""TurretMachine: what machines with an indexing turret share; positions of the turret's rollers."""
 
 from __future__ import annotations
 
 import math
-from typing import Annotated, Literal
+from abc import ABC
+from collections.abc import Mapping
+from typing import TYPE_CHECKING, Annotated, ClassVar, Literal
 
 from pydantic import Field
 from pydantic_core import PydanticCustomError
 
-from synthesis.catalogue.ranges import Dimension, ends
-from synthesis.machines.spatial.machine import Seat, six_digits
-from synthesis.units import DEGREE, FULL_TURN
+from synthesis.machines.spatial.machine import Seat, SpatialMachine
+from synthesis.units import DEGREE, FULL_TURN, Travel
 
 WHOLE = 1e-9  # of a spacing: rounding of a sum of lifts that is a whole number of rollers
 
@@ -34,82 +35,57 @@ MeshAngle = Annotated[
 ]
 
 
-def spacing(rollers: int) -> float:
-    """Angle from roller to roller [rad]."""
-    return FULL_TURN / rollers
+class TurretMachine(SpatialMachine, ABC):
+    """A turret that is indexed by a whole number of its rollers in each turn of the cam."""
 
+    travel: ClassVar[Travel] = Travel("deg", DEGREE)
+    period: ClassVar[float] = FULL_TURN
 
-def thread_sign(hand: Literal["left", "right"]) -> int:
-    """χ of a cam whose thread has this hand: +1 where it turns about its axis e, −1 about −e.
+    if TYPE_CHECKING:  # declared by each machine at its place in the order of fields
+        rollers: Rollers
+        hand: Hand
+        dwell_on: DwellOn
+        mesh_angle_deg: MeshAngle
 
-    e points the way the rollers move as q grows. A right-hand screw that turns about its axis and
-    is fixed along it moves its nut backwards, so that rollers moving along e need a cam that turns
-    about −e. Whether that is seen as ccw or cw depends on the side one looks from.
-    """
-    return -1 if hand == "right" else 1
+    @property
+    def spacing(self) -> float:
+        """Angle from roller to roller [rad]."""
+        return FULL_TURN / self.rollers
 
+    @property
+    def thread_sign(self) -> int:
+        """χ of the cam: +1 where it turns about its axis e, −1 about −e.
 
-def seats(rollers: int, dwell_on: Literal["rib", "groove"]) -> tuple[Seat, ...]:
-    """All rollers of a turret, each one spacing behind the one before."""
-    first = 0.5 * spacing(rollers) if dwell_on == "rib" else 0.0
-    return tuple(Seat(i + 1, first - i * spacing(rollers)) for i in range(rollers))
+        e points the way the rollers move as q grows. A right-hand screw that turns about its axis
+        and is fixed along it moves its nut backwards, so that rollers moving along e need a cam
+        that turns about −e. Whether that is seen as ccw or cw depends on the side one looks from.
+        """
+        return -1 if self.hand == "right" else 1
 
+    def seats(self) -> tuple[Seat, ...]:
+        """All rollers of the turret, each one spacing behind the one before."""
+        first = 0.5 * self.spacing if self.dwell_on == "rib" else 0.0
+        return tuple(Seat(i + 1, first - i * self.spacing) for i in range(self.rollers))
 
-def check_overlap(rollers: int, inner: Dimension, radius: Dimension) -> None:
-    """Refuse radial rollers that overlap even with their least radius at the largest inner end.
+    def mesh_range(self, sizes: Mapping[str, float]) -> tuple[float, float]:
+        if self.mesh_angle_deg is None:
+            most = min(1.5 * self.spacing, 0.5 * math.pi)
+        else:
+            most = self.mesh_angle_deg * DEGREE
+        return -most, most
 
-    Raises:
-        PydanticCustomError: two neighbours reach the plane midway between them.
-    """
-    largest, least = ends(inner)[1], ends(radius)[0]
-    allowed = largest * math.tan(0.5 * spacing(rollers))
-    if least >= allowed:
-        raise PydanticCustomError(
-            "rollers_overlap",
-            "{rollers} rollers of radius {radius} mm overlap on their turret: at roller_inner_mm = "
-            "{inner} the radius must be below {allowed} mm. Reduce roller_radius_mm or rollers, or "
-            "increase roller_inner_mm.",
-            {
-                "radius": least,
-                "rollers": rollers,
-                "inner": largest,
-                "allowed": six_digits(allowed),
-            },
-        )
-
-
-def gap(rollers: int, inner: float, radius: float) -> float:
-    """Distance between two neighbouring radial rollers at their inner ends [mm]."""
-    half = 0.5 * spacing(rollers)
-    return 2.0 * (inner * math.sin(half) - radius * math.cos(half))
-
-
-def mesh_range(rollers: int, mesh_angle_deg: float | None) -> tuple[float, float]:
-    """Positions between which rollers mesh with the cam [rad]; the angle as in ``MeshAngle``."""
-    if mesh_angle_deg is None:
-        most = min(1.5 * spacing(rollers), 0.5 * math.pi)
-    else:
-        most = mesh_angle_deg * DEGREE
-    return -most, most
-
-
-def check_index(gain: float, rollers: int) -> None:
-    """Refuse a gain in one turn [rad] that is zero or no whole number of roller spacings.
-
-    Raises:
-        PydanticCustomError: in the next turn no roller would stand where one stood in this turn.
-    """
-    steps = gain / spacing(rollers)
-    if round(steps) == 0 or abs(steps - round(steps)) > WHOLE:
-        raise PydanticCustomError(
-            "index_not_whole",
-            "The program turns the turret by {gain}° in one turn of the cam, which is {rollers} "
-            "times the {spacing}° between two of {count} rollers. Make the lifts of the "
-            "program sum to a whole number of spacings other than 0.",
-            {
-                "gain": float(f"{gain / DEGREE:.9g}"),
-                "rollers": float(f"{steps:.9g}"),
-                "spacing": float(f"{spacing(rollers) / DEGREE:.9g}"),
-                "count": rollers,
-            },
-        )
+    def check_gain(self, gain: float) -> None:
+        steps = gain / self.spacing
+        if round(steps) == 0 or abs(steps - round(steps)) > WHOLE:
+            raise PydanticCustomError(
+                "index_not_whole",
+                "The program turns the turret by {gain}° in one turn of the cam, which is "
+                "{rollers} times the {spacing}° between two of {count} rollers. Make the lifts of "
+                "the program sum to a whole number of spacings other than 0.",
+                {
+                    "gain": float(f"{gain / DEGREE:.9g}"),
+                    "rollers": float(f"{steps:.9g}"),
+                    "spacing": float(f"{self.spacing / DEGREE:.9g}"),
+                    "count": self.rollers,
+                },
+            )

@@ -13,8 +13,7 @@ from synthesis.errors import InputError
 from synthesis.machines.spatial.blank import Blank, BlankOptions
 from synthesis.machines.spatial.body import build_body
 from synthesis.machines.spatial.design import SpatialDesign
-from synthesis.machines.spatial.files.body_mesh import MeshOptions
-from synthesis.machines.spatial.files.body_stl import STL
+from synthesis.machines.spatial.files.body_mesh import STL, MeshOptions
 from synthesis.machines.spatial.grooves import GrooveSections
 from synthesis.machines.spatial.pipeline import synthesise_spatial
 from synthesis.machines.spatial.spec import SpatialCamSpec

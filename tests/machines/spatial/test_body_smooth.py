@@ -12,15 +12,13 @@ from numpy.typing import NDArray
 from synthesis.errors import InputError
 from synthesis.exporters.exporter import Made
 from synthesis.machines.spatial.blank import Blank, BlankOptions
-from synthesis.machines.spatial.body import build_body
+from synthesis.machines.spatial.body import build_body, triangulate
 from synthesis.machines.spatial.design import SpatialDesign
-from synthesis.machines.spatial.files.body_smooth import build_solid
-from synthesis.machines.spatial.files.body_step import STEP, FacetedOptions
+from synthesis.machines.spatial.files.body_step import STEP, FacetedOptions, build_solid
 from synthesis.machines.spatial.grooves import GrooveSections
 from synthesis.machines.spatial.solid.geometry import Cylinder, Line, SplineSurface
 from synthesis.machines.spatial.solid.sheets import NotSmooth
 from synthesis.machines.spatial.solid.shell import Shell
-from synthesis.machines.spatial.triangulation import triangulate
 from tests.exporters import kernel
 from tests.exporters.kernel import OCP
 from tests.machines.spatial.drums import INNER, designed
@@ -122,7 +120,7 @@ def test_faces_look_outwards_and_their_loops_run_counter_clockwise() -> None:
     """Kernels turn what looks inwards, and do not say so: the file's own faces are looked at."""
     design, bore = designed("slide in a groove"), 23.1
     asked = FacetedOptions(form="smooth", bore_mm=bore)
-    shell = build_solid(design, asked, 1e-3).shell
+    shell = build_solid(design, asked, 1e-3)[0]
     middle = np.mean(list(shell.vertices.values()), axis=0)
     share, holes = np.linspace(0.0, 1.0, 40), 0
     for face in shell.faces:
@@ -166,7 +164,7 @@ def test_what_it_is_stands_in_the_header(read: Read) -> None:
 def test_what_has_no_smooth_solid_is_faceted_and_says_so(monkeypatch: pytest.MonkeyPatch) -> None:
     design = designed("slide in a groove")
     near = FacetedOptions(tolerance_um=0.1, points_per_degree=0.2)
-    monkeypatch.setattr("synthesis.machines.spatial.solid.patches.MAX_LINES", 20)
+    monkeypatch.setattr("synthesis.machines.spatial.solid.sheets.MAX_LINES", 20)
     assert STEP.whole(design, near).told["Body"] == "faceted"
     asked = FacetedOptions(form="smooth", tolerance_um=0.1)
     with pytest.raises(

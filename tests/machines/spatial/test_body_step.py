@@ -12,13 +12,12 @@ from numpy.typing import NDArray
 
 from synthesis.errors import InputError
 from synthesis.exporters.exporter import Made
+from synthesis.machines.spatial.body import Mesh
 from synthesis.machines.spatial.files import body_step
 from synthesis.machines.spatial.files.body_mesh import BodyMesh
-from synthesis.machines.spatial.files.body_step import STEP, FacetedOptions
+from synthesis.machines.spatial.files.body_step import STEP, FacetedOptions, merge_planar_faces
 from synthesis.machines.spatial.pipeline import synthesise_spatial
-from synthesis.machines.spatial.planar_faces import merge_planar_faces
 from synthesis.machines.spatial.spec import SpatialCamSpec
-from synthesis.machines.spatial.triangulation import Mesh
 from tests.exporters import kernel
 from tests.exporters.kernel import OCP
 from tests.machines.spatial.drums import SAMPLES

@@ -10,15 +10,16 @@ import numpy as np
 import pytest
 
 from synthesis.errors import InputError
-from synthesis.machines.spatial.cutter_placement import (
+from synthesis.machines.spatial.design import SpatialDesign
+from synthesis.machines.spatial.files.cutter_path import (
+    CSV,
     STEP,
+    CutterOptions,
     CutterPoses,
     envelope_error,
     flank_poses,
     roller_poses,
 )
-from synthesis.machines.spatial.design import SpatialDesign
-from synthesis.machines.spatial.files.cutter_path import CSV, CutterOptions
 from tests.machines.spatial.drums import INNER, OUTER, RADIUS, SAMPLES, Array, designed
 
 THIN = 6.1

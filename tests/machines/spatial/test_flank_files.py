@@ -14,9 +14,7 @@ from numpy.typing import NDArray
 
 from synthesis.errors import InputError
 from synthesis.machines.spatial.design import SpatialDesign
-from synthesis.machines.spatial.files.flanks import patches
-from synthesis.machines.spatial.files.flanks_ibl import FLANKS
-from synthesis.machines.spatial.files.flanks_table import CSV, JSON
+from synthesis.machines.spatial.files.flanks import CSV, FLANKS, JSON, patches
 from synthesis.machines.spatial.pipeline import synthesise_spatial
 from synthesis.machines.spatial.spec import SpatialCamSpec
 from tests.machines.spatial.test_cam import body

@@ -15,15 +15,15 @@ from scipy.spatial import KDTree
 from synthesis.errors import Cancelled
 from synthesis.machines.spatial.cam import SpatialCam
 from synthesis.machines.spatial.design import SpatialDesign, SpatialExtreme
-from synthesis.machines.spatial.measuring import enclosure, measure, ribs
+from synthesis.machines.spatial.measuring import enclosure, measure, walls
+from synthesis.machines.spatial.measuring.enclosure import Prover
 from synthesis.machines.spatial.measuring.extremum import Extremum, to_wire
 from synthesis.machines.spatial.measuring.motion import (
     contact_counts,
     demand_extremes,
     follower_peaks,
 )
-from synthesis.machines.spatial.measuring.patches import PatchSet, patches
-from synthesis.machines.spatial.measuring.walls import Prover
+from synthesis.machines.spatial.measuring.patches import WallPoints, patches
 from synthesis.machines.spatial.pipeline import synthesise_spatial
 from synthesis.machines.spatial.spec import SpatialCamSpec
 from synthesis.numerics import clock
@@ -64,17 +64,16 @@ def test_the_judge_s_surface_says_what_contacts_say(name: str) -> None:
     for i, part in enumerate(parts):
         theta = part.low + (part.high - part.low) * rng.random(4)
         rho = roller.inner + (roller.outer - roller.inner) * rng.random(4)
-        at = models.at(enclosure.Boxes(np.full(4, i), theta, theta, rho, rho))
-        found = part.contacts(theta, rho)
+        at = enclosure.SweptAxis(models, enclosure.Boxes(np.full(4, i), theta, theta, rho, rho))
+        found = part.at(theta, rho).contacts
         steep = np.tan(np.diag(found.pressure_angle)) ** 2
         assert np.abs(enclosure.pressure(at).c0 - steep).max() < 1e-12
-        assert (
-            np.abs(enclosure.undercut(roller.radius)(at).c0 - np.diag(found.regular)).max() < 1e-12
-        )
+        undercut = enclosure.undercut(roller.radius)(at).c0
+        assert np.abs(undercut + np.diag(found.regular)).max() < 1e-12
         axis = tuple(cam.swept.axis)
         away = found.point - cam.swept.centre.reshape(3, 1, 1)
         along = np.diag(np.einsum("i,inm->nm", cam.swept.axis, away))
-        assert np.abs(enclosure.along(at, axis).c0 - along).max() < 1e-11 * roller.outer
+        assert np.abs(at.along(axis).c0 - along).max() < 1e-11 * roller.outer
 
 
 def test_places_on_several_walls_are_those_of_each(indexer: SpatialDesign) -> None:
@@ -84,16 +83,13 @@ def test_places_on_several_walls_are_those_of_each(indexer: SpatialDesign) -> No
     assert len({part.wall.side for part in parts}) == 2
     theta = np.array([part.low + (part.high - part.low) * rng.random(each) for part in parts])
     rho = rng.uniform(71.9, 102.4, (*theta.shape, 2))
-    together = PatchSet(cam, parts, each)
-    slips = together.contacts(theta.ravel(), rho.reshape(-1, 2)).slip
-    bends = together.curvatures(theta.ravel(), rho.reshape(-1, 2))
+    together = WallPoints(parts, theta, rho.reshape(-1, 2))
+    slips, bends = together.contacts.slip, together.curvatures
     for i, part in enumerate(parts):
         rows = slice(each * i, each * (i + 1))
-        one = part.contacts(theta[i], rho[i, 0])
-        assert slips[:, rows][:, :1] == pytest.approx(one.slip[:, :1], rel=1e-12)
-        assert bends[:, rows][:, :1] == pytest.approx(
-            part.curvatures(theta[i], rho[i, 0])[:, :1], rel=1e-9
-        )
+        one = part.at(theta[i], rho[i, 0])
+        assert slips[:, rows][:, :1] == pytest.approx(one.contacts.slip[:, :1], rel=1e-12)
+        assert bends[:, rows][:, :1] == pytest.approx(one.curvatures[:, :1], rel=1e-9)
 
 
 def test_the_largest_pressure_angle_is_that_of_the_closed_form(indexer: SpatialDesign) -> None:
@@ -116,7 +112,7 @@ def test_nothing_passes_a_proven_bound(indexer: SpatialDesign) -> None:
     steepest, flattest = 0.0, math.inf
     for part in patches(cam):
         theta = part.low + (part.high - part.low) * rng.random(60)
-        found = part.contacts(theta, rng.uniform(71.9, 102.4, 40))
+        found = part.at(theta, rng.uniform(71.9, 102.4, 40)).contacts
         there = cam.between_faces(found.point)
         steepest = max(steepest, float(found.pressure_angle[there].max(initial=0.0)))
         flattest = min(flattest, float(found.regular[there].min(initial=math.inf)))
@@ -169,7 +165,7 @@ def test_a_small_pressure_angle_is_proven_as_closely_as_a_large_one() -> None:
     cam = cam_of(spec)
     models = enclosure.Models(cam, list(patches(cam)))
     angle = math.atan(102.4 / (1e5 - 102.4))
-    found = enclosure.prove_extremum(models, enclosure.PRESSURE, Extremum(angle, math.nan, ""))
+    found = enclosure.prove_pressure_angle(models, Extremum(angle, math.nan, ""), None)
     assert angle <= found.limit < angle * (1.0 + 1e-6)
 
 
@@ -207,8 +203,8 @@ def test_radii_are_the_least_of_many(indexer: SpatialDesign) -> None:
     prove_convex_radius, prove_hollow_radius = 0.0, 0.0
     for part in patches(cam):
         theta, rho = np.linspace(part.low, part.high, 211), np.linspace(71.9, 102.4, 23)
-        there = cam.between_faces(part.contacts(theta, rho).point)
-        kappa = part.curvatures(theta, rho)
+        points = part.at(theta, rho)
+        there, kappa = cam.between_faces(points.contacts.point), points.curvatures
         prove_convex_radius = max(prove_convex_radius, float(kappa[0][there].max(initial=0.0)))
         prove_hollow_radius = max(prove_hollow_radius, float(-kappa[1][there].min(initial=0.0)))
     convex, concave = extreme(indexer, "convex_radius").value, extreme(indexer, "hollow_radius")
@@ -315,9 +311,9 @@ def test_ribs_that_rollers_cut_through_make_a_cam_infeasible() -> None:
     asked["program"][0] |= {"lift_deg": 45.0}
     spec = SpatialCamSpec(**asked)
     cam = cam_of(spec)
-    thinnest = ribs.thinnest(cam, list(patches(cam)), spec.machine.seats())
+    thinnest = walls.thinnest_rib(cam, list(patches(cam)), spec.machine.seats())
     assert thinnest is not None
-    rib = to_wire(ribs.RIB, thinnest, {})
+    rib = to_wire(walls.RIB, thinnest, {})
     assert not rib.holds
     assert rib.value is not None
     assert rib.value < 2.0 * 71.9 * math.sin(math.pi / 8.0) - 58.0 + 1e-9

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from synthesis.catalogue.constraints import MotionSizeBox
-from synthesis.machines.spatial.cylindrical_oscillating import CylindricalOscillating
+from synthesis.machines.spatial.cylindrical import CylindricalOscillating
 from synthesis.machines.spatial.machine import LEFT, RIGHT
 from synthesis.machines.spatial.pressure_angle_constraints import SizeConstraint
 from synthesis.machines.spatial.spec import SpatialCamSpec

@@ -15,28 +15,27 @@ from typing import Any
 from synthesis.exporters.exporter import FileFormat
 from synthesis.machines.spatial.design import SpatialDesign
 from synthesis.machines.spatial.files import (
+    body_mesh,
     body_step,
-    body_stl,
     cutter_path,
     developed,
     developed_svg,
-    flanks_ibl,
+    flanks,
     flanks_step,
-    flanks_table,
     motion,
     surfaces_json,
 )
-from synthesis.machines.spatial.machines import MACHINES
+from synthesis.machines.spatial.spec import MACHINES
 
 Format = FileFormat[SpatialDesign, Any]
 DEVELOPED: tuple[Format, ...] = (developed.JSON, developed.CSV, developed_svg.SVG)
 MOTION: tuple[Format, ...] = (motion.JSON, motion.CSV, motion.SVG)
 WHOLE: tuple[Format, ...] = (
-    flanks_ibl.FLANKS,
-    flanks_table.CSV,
-    flanks_table.JSON,
+    flanks.FLANKS,
+    flanks.CSV,
+    flanks.JSON,
     flanks_step.STEP,
-    body_stl.STL,
+    body_mesh.STL,
     body_step.STEP,
     surfaces_json.SURFACES,
 )

@@ -1,4 +1,4 @@
-"""The whole cam as a closed triangle mesh, from which files of the body are written."""
+"""The whole cam as a closed triangle mesh, and its STL file for viewing, printing and measuring."""
 
 from __future__ import annotations
 
@@ -6,14 +6,19 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Annotated
 
+import numpy as np
 from pydantic import Field
 
 from synthesis.errors import InputError
+from synthesis.exporters.exporter import FileFormat, Made
 from synthesis.machines.spatial.blank import Blank, BlankOptions
-from synthesis.machines.spatial.body import build_body, flank_error
+from synthesis.machines.spatial.body import Mesh, build_body, flank_error, triangulate
 from synthesis.machines.spatial.design import SpatialDesign
 from synthesis.machines.spatial.grooves import GrooveSections
-from synthesis.machines.spatial.triangulation import Mesh, triangulate
+
+MAX_TRIANGLES = 1_000_000  # of an STL file
+HEADER = 80  # bytes
+RECORD = np.dtype([("normal", "<f4", 3), ("corners", "<f4", (3, 3)), ("extra", "<u2")])
 
 Rows = Annotated[
     float, Field(ge=0.1, le=20.0, description="Rows of points per degree of cam angle.")
@@ -25,11 +30,7 @@ Levels = Annotated[
 
 @dataclass(frozen=True, kw_only=True)
 class MeshOptions(BlankOptions):
-    """As ``BlankOptions``, and how fine the mesh is.
-
-    Attributes:
-        points_per_degree: rows of points round the cam. depths: rows from a rib's top to the floor.
-    """
+    """As ``BlankOptions``, and how fine the mesh is."""
 
     points_per_degree: Rows = 1.0
     depths: Levels = 7
@@ -62,14 +63,6 @@ def mesh_body(design: SpatialDesign, options: MeshOptions, most: int) -> BodyMes
     Raises:
         InputError: there may be more (checked before anything is computed), or there is no body.
     """
-    _check(design, options, most)
-    cuts = GrooveSections.of(design.cam, design.spec.machine)
-    blank = Blank.of(cuts, options, options.depths)
-    body = build_body(cuts, blank, round(360.0 * options.points_per_degree))
-    return BodyMesh(triangulate(body), flank_error(cuts, body))
-
-
-def _check(design: SpatialDesign, options: MeshOptions, most: int) -> None:
     parts = design.spec.machine.chart(design.cam.sizes).parts
     grooves = len(design.walls) // 2 + 2
     columns = (grooves + 1) * 2 * (options.depths - 1 + parts)
@@ -82,3 +75,29 @@ def _check(design: SpatialDesign, options: MeshOptions, most: int) -> None:
             f"This may make {count:.2g} triangles; a file has at most {most}.",
             f"Request at most {fewer:.3g}, or fewer depths.",
         )
+    cuts = GrooveSections.of(design.cam, design.spec.machine)
+    blank = Blank.of(cuts, options, options.depths)
+    body = build_body(cuts, blank, round(360.0 * options.points_per_degree))
+    return BodyMesh(triangulate(body), flank_error(cuts, body))
+
+
+def _stl(design: SpatialDesign, options: MeshOptions) -> Made:
+    made = mesh_body(design, options, MAX_TRIANGLES)
+    corners = made.mesh.points[made.mesh.triangles]
+    records = np.zeros(len(corners), dtype=RECORD)
+    normal = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+    length = np.linalg.norm(normal, axis=1, keepdims=True)
+    records["normal"] = normal / np.where(length > 0.0, length, 1.0)
+    records["corners"] = corners
+    title = f"Camwright {design.engine_version}, {design.id}"
+    head = title.encode("ascii", "replace")[:HEADER].ljust(HEADER)
+    return Made(head + np.uint32(len(records)).tobytes() + records.tobytes(), made.told)
+
+
+STL = FileFormat(
+    "body.stl", "STL, the whole cam", "model/stl", ".stl", _stl, MeshOptions,
+    "The cam with its hub, cut from a turned blank, as a closed mesh in mm: for viewers, printing, "
+    "or a first look in CAD. The header Camwright-Surface-Error-Mm gives its distance from the "
+    "true surface.",
+    apart=True,
+)  # fmt: skip

@@ -1,4 +1,19 @@
-"""Path of a cylindrical cutter as a table: tip and axis at every cam angle, for 4 or 5 axes."""
+"""Cutter paths: poses of a cutter that machines the rollers' walls, and their file.
+
+A cutter of the roller's size moves as the roller does and machines both walls. One of radius Rc <
+Rr has to keep the distance Rc from the wall: its axis would have to lie on the curve c = p − Rc n
+through all contacts p, n the normal into the cam. The normal rotates along the roller's width (the
+wall is twisted), so that c is not straight and no such cutter machines the wall exactly. With the
+roller's axis direction u, the normal n in the middle, t = u × n, and τ from −1 to 1 over the width,
+a line
+
+    c(0) + a n + h τ (u + (b n + d t)/h)
+
+deviates by e(τ) = (a + b τ) n·n(τ) + d τ t·n(τ) − (c(τ) − c(0) − h τ u)·n(τ), to first order; a, b,
+d minimise the sum of squares of e. The tilt d, half of the twist, removes the error that grows with
+the square of the twist. The rest is measured: the deviation of the cutter's envelope from the wall,
+as the least distance of the wall's points from the moving axis, minus Rc.
+"""
 
 from __future__ import annotations
 
@@ -16,32 +31,101 @@ from synthesis.exporters.options import Options
 from synthesis.exporters.samples.columns import Column, joined
 from synthesis.exporters.tables.csv_table import table
 from synthesis.machines.spatial.cam import SpatialCam, Wall
-from synthesis.machines.spatial.cam_frame import CamFrame
-from synthesis.machines.spatial.cutter_placement import (
-    STEP,
-    CutterPoses,
-    envelope_error,
-    flank_poses,
-    roller_poses,
-)
 from synthesis.machines.spatial.design import SpatialDesign
-from synthesis.machines.spatial.files.flanks import chosen
-from synthesis.machines.spatial.files.options import MAX_ROWS, Density, Flank
+from synthesis.machines.spatial.files.flanks import Density, Flank, chosen, sample_angles
+from synthesis.numerics.geometry.swept_roller import cross, dot, norm
 from synthesis.numerics.piecewise import Array
 from synthesis.units import DEGREE
 
+PLACES = 9  # on the roller's axis
+STEP = 2e-3  # rad: to the neighbouring poses, between which the cutter is nearest (by a parabola)
+RANK = 1e-9  # of the largest singular value: smaller ones count as 0 in the least squares
 BOTH = 0  # side of a path that machines both walls
+
+
+@dataclass(frozen=True, eq=False)
+class CutterPoses:
+    """Poses of a cutter.
+
+    Attributes:
+        theta: (n,) cam angles [rad].
+        centre: (3, n) points of its axis at the middle of the roller's width, machine's frame [mm].
+        direction: (3, n) of its axis, away from the roller's ρ = 0.
+    """
+
+    theta: Array
+    centre: Array
+    direction: Array
+
+
+def roller_poses(cam: SpatialCam, which: Wall, theta: Array) -> CutterPoses:
+    """Poses of a cutter of the roller's own form, at cam angles (n,) [rad]."""
+    swept = cam.swept
+    q = cam.place(which.seat, theta).q
+    middle = swept.origin + swept.roller.middle * swept.along
+    centre = swept.joint.move_points(middle.reshape(3, 1, 1), q)[:, :, 0]
+    return CutterPoses(
+        theta, centre, swept.joint.turn_direction(swept.along.reshape(3, 1, 1), q)[:, :, 0]
+    )
+
+
+def flank_poses(cam: SpatialCam, which: Wall, theta: Array, radius: float) -> CutterPoses:
+    """Poses of a cylindrical cutter of this radius [mm] on one wall, at cam angles (n,) [rad]."""
+    roller = cam.swept.roller
+    tau = np.linspace(-1.0, 1.0, PLACES)
+    half = 0.5 * (roller.outer - roller.inner)
+    found = cam.contacts(which, theta, roller.middle + half * tau)
+    wanted = found.point - radius * found.normal
+    middle = PLACES // 2
+    u = roller_poses(cam, which, theta).direction
+    n = found.normal[:, :, middle]
+    n = n - dot(n, u) * u
+    n = n / norm(n)
+    t = cross(u, n)
+    on_n, on_t = (dot(each[:, :, None], found.normal) for each in (n, t))
+    columns = np.stack([on_n, tau * on_n, tau * on_t], axis=-1)
+    line = wanted[:, :, middle, None] + half * tau * u[:, :, None]
+    missed = dot(wanted - line, found.normal)
+    a, b, d = np.moveaxis(np.linalg.pinv(columns, rcond=RANK) @ missed[:, :, None], 1, 0)[..., 0]
+    direction = half * u + b * n + d * t
+    return CutterPoses(theta, wanted[:, :, middle] + a * n, direction / norm(direction))
+
+
+def envelope_error(
+    cam: SpatialCam,
+    which: Wall,
+    poses: tuple[CutterPoses, CutterPoses, CutterPoses],
+    radius: float,
+) -> Array:
+    """Deviation of the cutter's envelope from the wall: (n, m), positive where material is left.
+
+    Args:
+        poses: ``STEP`` before, at, and ``STEP`` after the same cam angles (n,).
+        radius: of the cutter [mm].
+    """
+    roller, swept = cam.swept.roller, cam.swept
+    theta = poses[1].theta
+    rho = np.linspace(roller.inner, roller.outer, PLACES)
+    point = swept.on_cam(theta, cam.contacts(which, theta, rho).point)
+    before, at, after = (_distance(cam, point, each) for each in poses)
+    bend = before + after - 2.0 * at
+    least = at - np.where(bend > 0.0, (after - before) ** 2 / (8.0 * np.abs(bend)), 0.0)
+    return np.asarray(least - radius)
+
+
+def _distance(cam: SpatialCam, point: Array, poses: CutterPoses) -> Array:
+    """Distance of points (3, n, m) of the cam from the cutter's axis."""
+    swept = cam.swept
+    centre = swept.on_cam(poses.theta, poses.centre[:, :, None])
+    far = poses.centre + poses.direction
+    direction = swept.on_cam(poses.theta, far[:, :, None]) - centre
+    away = point - centre
+    return norm(cross(away, direction + 0.0 * away))
 
 
 @dataclass(frozen=True, kw_only=True)
 class CutterOptions(Options):
-    """The cutter and the sampling of its path.
-
-    Attributes:
-        cutter_diameter_mm: of a cylindrical cutter; None: one of the roller's own form.
-        flank: a wall's name; "": all. frame: fixed to the cam, or to the machine.
-        points_per_degree: over the cam angle.
-    """
+    """The cutter and the sampling of its path; an empty ``flank`` stands for all."""
 
     cutter_diameter_mm: Annotated[
         float | None,
@@ -64,50 +148,24 @@ class CutterOptions(Options):
     points_per_degree: Density = 1.0
 
 
-@dataclass(frozen=True, eq=False)
-class Path:
-    """One pass of the cutter.
-
-    Attributes:
-        wall: the flank. side: its side, or BOTH. poses: of the cutter.
-        error: largest deviation from the flank [mm].
-    """
-
-    wall: Wall
-    side: int
-    poses: CutterPoses
-    error: float
-
-
-def paths(design: SpatialDesign, options: CutterOptions) -> list[Path]:
-    """The passes that machine the selected flanks.
-
-    Raises:
-        InputError: there is no such flank, the cutter is thicker than the roller, or there would
-            be too many points.
-    """
+def _csv(design: SpatialDesign, options: CutterOptions) -> Made:
     cam = design.cam
-    walls = chosen(cam, options.flank)
-    radius = _radius(cam, options)
+    walls, radius = chosen(cam, options.flank), _radius(cam, options)
     if radius is None:
         walls = list({wall.seat.number: wall for wall in walls}.values())
-    counts = [
-        max(2, math.ceil((b - a) / DEGREE * options.points_per_degree - 1e-9) + 1)
-        for wall in walls
-        for a, b in wall.spans
-    ]
-    if sum(counts) > MAX_ROWS:
-        raise InputError(
-            "/points_per_degree",
-            options.points_per_degree,
-            f"This makes {sum(counts)} points; a file has at most {MAX_ROWS}.",
-            f"Request at most {MAX_ROWS / sum(counts) * options.points_per_degree:.3g}.",
+    columns, errors = [], []
+    for wall, _, theta in sample_angles(walls, options.points_per_degree):
+        if radius is None:
+            columns.append(_columns(cam, wall, BOTH, roller_poses(cam, wall, theta), options))
+            errors.append(0.0)
+            continue
+        before, at, after = (
+            flank_poses(cam, wall, theta + step, radius) for step in (-STEP, 0.0, STEP)
         )
-    spans = [(wall, span) for wall in walls for span in wall.spans]
-    return [
-        _path(cam, wall, np.linspace(*span, count), radius)
-        for (wall, span), count in zip(spans, counts, strict=True)
-    ]
+        columns.append(_columns(cam, wall, wall.side, at, options))
+        error = envelope_error(cam, wall, (before, at, after), radius)
+        errors.append(float(np.max(np.abs(error))))
+    return Made(table(joined(columns)), {"Wall-Error-Mm": f"{max(errors):.3g}"})
 
 
 def _radius(cam: SpatialCam, options: CutterOptions) -> float | None:
@@ -129,32 +187,23 @@ def _radius(cam: SpatialCam, options: CutterOptions) -> float | None:
     return None if radius == roller.radius else radius
 
 
-def _path(cam: SpatialCam, wall: Wall, theta: Array, radius: float | None) -> Path:
-    if radius is None:
-        return Path(wall, BOTH, roller_poses(cam, wall, theta), 0.0)
-    before, at, after = (
-        flank_poses(cam, wall, theta + step, radius) for step in (-STEP, 0.0, STEP)
-    )
-    error = float(np.max(np.abs(envelope_error(cam, wall, (before, at, after), radius))))
-    return Path(wall, wall.side, at, error)
-
-
-def _columns(cam: SpatialCam, path: Path, options: CutterOptions) -> Sequence[Column]:
-    swept, poses = cam.swept, path.poses
-    frame = CamFrame.of(swept)
+def _columns(
+    cam: SpatialCam, wall: Wall, side: int, poses: CutterPoses, options: CutterOptions
+) -> Sequence[Column]:
+    swept = cam.swept
     # The tool axis points to the spindle, away from the cam's axis.
-    outwards = math.copysign(1.0, float(frame.axes[0] @ swept.along))
+    outwards = math.copysign(1.0, float(cam.axes[0] @ swept.along))
     tool = outwards * poses.direction
     tip = poses.centre - 0.5 * (swept.roller.outer - swept.roller.inner) * tool
     if options.frame == "cam":
-        tip = frame.points(poses.theta, tip[:, :, None])[:, :, 0]
-        tool = frame.directions(poses.theta, tool[:, :, None])[:, :, 0]
+        tip = cam.frame_points(poses.theta, tip[:, :, None])[:, :, 0]
+        tool = cam.frame_directions(poses.theta, tool[:, :, None])[:, :, 0]
     else:
-        tip, tool = frame.axes @ (tip - swept.centre[:, None]), frame.axes @ tool
+        tip, tool = cam.axes @ (tip - swept.centre[:, None]), cam.axes @ tool
     count = len(poses.theta)
     return [
-        Column("roller", "1", "number of the roller", np.full(count, path.wall.seat.number)),
-        Column("side", "1", "R: 1, L: -1, both flanks at once: 0", np.full(count, path.side)),
+        Column("roller", "1", "number of the roller", np.full(count, wall.seat.number)),
+        Column("side", "1", "R: 1, L: -1, both flanks at once: 0", np.full(count, side)),
         Column("theta_deg", "deg", "cam angle", poses.theta / DEGREE),
         Column("c_deg", "deg", "rotation of the cam about z", swept.hand * poses.theta / DEGREE),
         *(Column(f"{name}_mm", "mm", "tip of the cutter, at the roller's end", values)
@@ -162,12 +211,6 @@ def _columns(cam: SpatialCam, path: Path, options: CutterOptions) -> Sequence[Co
         *(Column(name, "1", "axis of the cutter, from its tip to the spindle", values)
           for name, values in zip("ijk", tool, strict=True)),
     ]  # fmt: skip
-
-
-def _csv(design: SpatialDesign, options: CutterOptions) -> Made:
-    found = paths(design, options)
-    data = table(joined([_columns(design.cam, path, options) for path in found]))
-    return Made(data, {"Wall-Error-Mm": f"{max(path.error for path in found):.3g}"})
 
 
 CSV = FileFormat(

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import Annotated, Any
@@ -18,7 +17,7 @@ from synthesis.exporters.tables.csv_table import table
 from synthesis.machines.spatial.cam import SpatialCam
 from synthesis.machines.spatial.design import SpatialDesign
 from synthesis.machines.spatial.development import WallCurve, axis_path, offset_errors, wall_curve
-from synthesis.machines.spatial.files.identification import origin
+from synthesis.machines.spatial.files.identification import json_file
 from synthesis.numerics.piecewise import Array
 from synthesis.units import DEGREE
 
@@ -180,15 +179,12 @@ def _csv(design: SpatialDesign, options: DevelopedOptions) -> Made:
 def _json(design: SpatialDesign, options: DevelopedOptions) -> Made:
     found, radius = unrolled(design, options), radius_of(design, options)
     body = {
-        "kind": "development",
-        "frame": FRAME,
-        "design": origin(design),
         "radius_mm": radius,
         "flat_offset_error_mm": error(found),
         "curves": [_curve(each, radius) for each in found],
     }
-    text = json.dumps(body, ensure_ascii=False, allow_nan=False, separators=(",", ":"))
-    return Made(text.encode(), metadata(found, radius))
+    data = json_file(design, "development", FRAME, body)
+    return Made(data, metadata(found, radius))
 
 
 def _curve(each: Unrolled, radius: float) -> dict[str, Any]:

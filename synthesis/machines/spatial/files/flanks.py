@@ -1,24 +1,87 @@
-"""Points on the flanks of a spatial cam, and the error of splines through them."""
+"""Points on the flanks of a spatial cam: grids, the error of splines through them, and their files.
+
+``flanks.csv`` and ``flanks.json`` are tables of contacts. ``flanks.ibl`` holds datum curves for
+Creo: a section for every flank, in it a curve for every depth, from the roller's inner end
+outwards, all with increasing cam angle; the format allows no comments and no names.
+"""
 
 from __future__ import annotations
 
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import Annotated, Any
 
 import numpy as np
+from pydantic import Field
 from scipy.interpolate import make_interp_spline
 
 from synthesis.errors import InputError
-from synthesis.machines.spatial.cam import SpatialCam, Wall
-from synthesis.machines.spatial.cam_frame import CamFrame
+from synthesis.exporters.exporter import FileFormat, Made, untold
+from synthesis.exporters.options import Decimals, Options
+from synthesis.exporters.samples.columns import Column, joined
+from synthesis.exporters.tables.csv_table import table
+from synthesis.machines.spatial.cam import FRAME, SpatialCam, Wall
 from synthesis.machines.spatial.design import SpatialDesign
-from synthesis.machines.spatial.files.options import MAX_ROWS, FlankOptions
+from synthesis.machines.spatial.files.identification import json_file
 from synthesis.numerics.geometry.swept_roller import Contacts
 from synthesis.numerics.piecewise import Array
 from synthesis.units import DEGREE
 
 CUBIC = 3
+MAX_ROWS = 200_000
+
+Density = Annotated[float, Field(gt=0.0, le=100.0, description="Points per degree of cam angle.")]
+Count = Annotated[
+    int | None,
+    Field(
+        ge=2,
+        le=36_001,
+        description="Points of every curve, evenly over the cam angle; overrides "
+        "points_per_degree.",
+    ),
+]
+Depths = Annotated[
+    int,
+    Field(
+        ge=2,
+        le=200,
+        description="Curves of a flank, evenly over the roller's width; the first and the last "
+        "are its edges.",
+    ),
+]
+Flank = Annotated[
+    str,
+    Field(
+        max_length=8,
+        description="Name of one flank, as in `2R`: of roller 2, on the side towards which the "
+        "follower moves as its travel grows. Left out: all flanks.",
+    ),
+]
+
+
+@dataclass(frozen=True, kw_only=True)
+class FlankOptions(Options):
+    """The flanks and the sampling of their points; an empty ``flank`` stands for all."""
+
+    flank: Flank = ""
+    points_per_degree: Density = 1.0
+    points: Count = None
+    depths: Depths = 2
+
+
+@dataclass(frozen=True, kw_only=True)
+class WrittenFlankOptions(FlankOptions):
+    """As ``FlankOptions``, and the decimals of a point file."""
+
+    decimals: Decimals = 10
+
+
+@dataclass(frozen=True, kw_only=True)
+class TableOptions(FlankOptions):
+    """As ``FlankOptions``, of more depths."""
+
+    depths: Depths = 5
 
 
 @dataclass(frozen=True, eq=False)
@@ -53,22 +116,49 @@ def patches(design: SpatialDesign, options: FlankOptions) -> list[Patch]:
         InputError: there is no such flank, or there would be too many points.
     """
     cam = design.cam
-    walls = chosen(cam, options.flank)
-    counts = [[_count(options, b - a) for a, b in wall.spans] for wall in walls]
-    _check(sum(map(sum, counts)), options)
     rho = np.linspace(cam.swept.roller.inner, cam.swept.roller.outer, options.depths)
+    walls = chosen(cam, options.flank)
+    sampled = sample_angles(walls, options.points_per_degree, options.points, options.depths)
+    return [patch(cam, wall, part, theta, rho) for wall, part, theta in sampled]
+
+
+def sample_angles(
+    walls: Sequence[Wall], density: float, points: int | None = None, depths: int = 1
+) -> list[tuple[Wall, int, Array]]:
+    """Cam angles over every interval of the walls, and the interval's number, from 1.
+
+    Args:
+        density: points per degree. points: of an interval, instead of the density.
+        depths: points of a file at each angle.
+
+    Raises:
+        InputError: a file would have too many points (checked before anything is computed).
+    """
+    spans = [(wall, part, span) for wall in walls for part, span in enumerate(wall.spans, 1)]
+    counts = [
+        points or max(2, math.ceil((b - a) / DEGREE * density - 1e-9) + 1) for _, _, (a, b) in spans
+    ]
+    rows = depths * sum(counts)
+    if rows > MAX_ROWS:
+        field, now = ("points", float(points)) if points else ("points_per_degree", density)
+        most = MAX_ROWS / rows * now
+        allowed = f"{math.floor(most)}" if points else f"{math.floor(1000 * most) / 1000:g}"
+        raise InputError(
+            f"/{field}", points or density,
+            f"With {depths} depths this makes {rows} points; a file has at most {MAX_ROWS}.",
+            f"Request at most {allowed}, fewer depths, or one flank at a time.",
+        )  # fmt: skip
     return [
-        patch(cam, wall, part, np.linspace(*span, count), rho)
-        for wall, each in zip(walls, counts, strict=True)
-        for part, (span, count) in enumerate(zip(wall.spans, each, strict=True), 1)
+        (wall, part, np.linspace(*span, count))
+        for (wall, part, span), count in zip(spans, counts, strict=True)
     ]
 
 
 def patch(cam: SpatialCam, wall: Wall, part: int, theta: Array, rho: Array) -> Patch:
     """A part of a flank at these cam angles and places."""
-    found, frame = cam.contacts(wall, theta, rho), CamFrame.of(cam.swept)
-    points = frame.points(theta, found.point)
-    normals = frame.directions(theta, -found.normal)
+    found = cam.contacts(wall, theta, rho)
+    points = cam.frame_points(theta, found.point)
+    normals = cam.frame_directions(theta, -found.normal)
     return Patch(wall, part, len(wall.spans), theta, rho, found, points, normals)
 
 
@@ -77,16 +167,15 @@ def spline_error(design: SpatialDesign, found: Sequence[Patch]) -> float:
 
     Measured along the flanks' normals, midway between the points.
     """
-    return max((_strays(design.cam, each) for each in found), default=0.0)
-
-
-def _strays(cam: SpatialCam, each: Patch) -> float:
-    middle = 0.5 * (each.theta[1:] + each.theta[:-1])
-    degree = min(CUBIC, len(each.theta) - 1)
-    spline = make_interp_spline(each.theta, each.points, k=degree, axis=1)
-    true = patch(cam, each.wall, each.part, middle, each.rho)
-    away = np.einsum("inm,inm->nm", spline(middle) - true.points, true.normals)
-    return float(np.max(np.abs(away)))
+    largest = 0.0
+    for each in found:
+        middle = 0.5 * (each.theta[1:] + each.theta[:-1])
+        degree = min(CUBIC, len(each.theta) - 1)
+        spline = make_interp_spline(each.theta, each.points, k=degree, axis=1)
+        true = patch(design.cam, each.wall, each.part, middle, each.rho)
+        away = np.einsum("inm,inm->nm", spline(middle) - true.points, true.normals)
+        largest = max(largest, float(np.max(np.abs(away))))
+    return largest
 
 
 def chosen(cam: SpatialCam, name: str) -> list[Wall]:
@@ -107,26 +196,95 @@ def chosen(cam: SpatialCam, name: str) -> list[Wall]:
     return walls
 
 
-def _count(options: FlankOptions, span: float) -> int:
-    if options.points is not None:
-        return options.points
-    return max(2, math.ceil(span / DEGREE * options.points_per_degree - 1e-9) + 1)
+def _ibl(design: SpatialDesign, options: WrittenFlankOptions) -> Made:
+    found, decimals = patches(design, options), options.decimals
+    row = " ".join(["%d", *[f"%.{decimals}f"] * 3]) + "\n"
+    lines = ["Open Arclength\n"]
+    for section, each in enumerate(found, 1):
+        lines.append(f"begin section ! {section}\n")
+        for curve, points in enumerate(np.moveaxis(each.points, 0, -1).swapaxes(0, 1), 1):
+            rounded = (np.round(points, decimals) + 0.0).tolist()
+            values = [v for n, point in enumerate(rounded, 1) for v in (n, *point)]
+            lines.append(f"begin curve ! {curve}\n" + row * len(rounded) % tuple(values))
+    told = {
+        "Sections": " ".join(each.name for each in found),
+        "Spline-Error-Mm": f"{spline_error(design, found):.3g}",
+    }
+    return Made("".join(lines).encode("ascii"), told)
 
 
-def _check(count: int, options: FlankOptions) -> None:
-    """Refuse too many points before anything is computed."""
-    rows = count * options.depths
-    if rows <= MAX_ROWS:
-        return
-    by, now = ("points", options.points) if options.points else (
-        "points_per_degree", options.points_per_degree
-    )  # fmt: skip
-    assert now is not None
-    most = MAX_ROWS / rows * now
-    allowed = f"{math.floor(most)}" if by == "points" else f"{math.floor(1000 * most) / 1000:g}"
-    raise InputError(
-        f"/{by}",
-        now,
-        f"With {options.depths} depths this makes {rows} points; a file has at most {MAX_ROWS}.",
-        f"Request at most {allowed}, fewer depths, or one flank at a time.",
-    )
+def _csv(design: SpatialDesign, options: TableOptions) -> bytes:
+    return table(joined([_columns(each) for each in patches(design, options)]))
+
+
+def _columns(each: Patch) -> list[Column]:
+    """A row for every point: all places at one cam angle, then the next angle."""
+    shape = each.points.shape[1:]
+    theta = np.broadcast_to(each.theta[:, None], shape).ravel()
+    rho = np.broadcast_to(each.rho, shape).ravel()
+    x, y, z = each.points.reshape(3, -1)
+    nx, ny, nz = each.normals.reshape(3, -1)
+    return [
+        Column("roller", "1", "number of the roller", np.full(len(rho), each.wall.seat.number)),
+        Column("side", "1", "1: R, -1: L", np.full(len(rho), each.wall.side)),
+        Column("theta_deg", "deg", "cam angle", theta / DEGREE),
+        Column("rho_mm", "mm", "place on the roller's axis", rho),
+        *(Column(f"{name}_mm", "mm", "point of the flank", values)
+          for name, values in zip("xyz", (x, y, z), strict=True)),
+        *(Column(f"normal_{name}", "1", "unit normal, out of the cam", values)
+          for name, values in zip("xyz", (nx, ny, nz), strict=True)),
+        Column(
+            "pressure_angle_deg", "deg", "between the normal and the roller's velocity",
+            each.contacts.pressure_angle.ravel() / DEGREE,
+        ),
+        Column(
+            "regular", "1", "area of the flank to that of the surface which the roller's axis "
+            "sweeps; 0 or less: undercut", each.contacts.regular.ravel(),
+        ),
+    ]  # fmt: skip
+
+
+def _json(design: SpatialDesign, options: TableOptions) -> bytes:
+    flanks = [_flank(each) for each in patches(design, options)]
+    return json_file(design, "flanks", FRAME, {"flanks": flanks})
+
+
+def _flank(each: Patch) -> dict[str, Any]:
+    return {
+        "name": each.name,
+        "roller": each.wall.seat.number,
+        "side": each.wall.letter,
+        "theta_deg": (each.theta / DEGREE).tolist(),
+        "rho_mm": each.rho.tolist(),
+        "points_mm": _rows(each.points),
+        "normals": _rows(each.normals),
+        "pressure_angle_deg": (each.contacts.pressure_angle / DEGREE).tolist(),
+        "regular": each.contacts.regular.tolist(),
+    }
+
+
+def _rows(points: Array) -> list[Any]:
+    """Nested lists by cam angle, then by place: x, y, z."""
+    return np.moveaxis(points, 0, -1).tolist()  # type: ignore[no-any-return]
+
+
+FLANKS = FileFormat(
+    "flanks.ibl", "Datum curves for Creo", "text/plain; charset=us-ascii", ".ibl",
+    _ibl, WrittenFlankOptions,
+    "Creo and Pro/ENGINEER: a section for every flank and in it a curve for every depth, of which "
+    "the first and the last are the flank's edges; make a boundary blend of them. The header "
+    "Camwright-Sections names the sections, Camwright-Spline-Error-Mm gives the deviation of cubic "
+    "splines through the points from the flanks.",
+)  # fmt: skip
+CSV = FileFormat(
+    "flanks.csv", "Contact lines, comma separated", "text/csv; charset=utf-8; header=present",
+    ".csv", untold(_csv), TableOptions,
+    "A row for every contact: cam angle, roller, side, place on the roller, point and normal of "
+    "the flank in the cam's frame, pressure angle.",
+)  # fmt: skip
+JSON = FileFormat(
+    "flanks.json", "Contact lines, as grids", "application/json",
+    ".json", untold(_json), TableOptions,
+    "Every flank as a grid over cam angle and place on the roller: points, normals, pressure "
+    "angles.",
+)  # fmt: skip

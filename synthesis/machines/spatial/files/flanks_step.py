@@ -12,18 +12,20 @@ from typing import Annotated
 
 import numpy as np
 from pydantic import Field
-from scipy.interpolate import NdBSpline, make_interp_spline
+from scipy.interpolate import NdBSpline
 
 from synthesis.errors import InputError
-from synthesis.exporters.curves.part21 import Entities, exchange_file, many, real, text
-from synthesis.exporters.curves.step_curve import FINEST, SCHEMA, axes, context, product
+from synthesis.exporters.curves.part21 import Entities, many, text
 from synthesis.exporters.exporter import FileFormat, Made
 from synthesis.exporters.options import Options
-from synthesis.machines.spatial.cam import SpatialCam, Wall
+from synthesis.machines.spatial.cam import Span, SpatialCam, Wall
 from synthesis.machines.spatial.design import SpatialDesign
-from synthesis.machines.spatial.files.flanks import chosen, patch
-from synthesis.machines.spatial.files.options import Flank
-from synthesis.machines.spatial.meshing import Span
+from synthesis.machines.spatial.files.flanks import Flank, Patch, chosen, patch
+from synthesis.machines.spatial.solid.geometry import (
+    interpolate_surface,
+    shape_file,
+    spline_surface,
+)
 from synthesis.numerics.piecewise import Array
 from synthesis.units import DEGREE
 
@@ -35,12 +37,7 @@ SHORT = 1e-6  # rad: splits nearer to each other are one
 
 @dataclass(frozen=True, kw_only=True)
 class SurfaceOptions(Options):
-    """The flanks and their tolerance.
-
-    Attributes:
-        flank: a wall's name; "": all.
-        tolerance_um: largest distance of a surface from its flank [µm].
-    """
+    """The flanks and their tolerance; an empty ``flank`` stands for all."""
 
     flank: Flank = ""
     tolerance_um: Annotated[
@@ -59,32 +56,16 @@ class Face:
     """A part of a flank.
 
     Attributes:
-        name: the flank's. knots: in cam angle [rad] and along the roller [mm], repeated ones too.
-        points: (n, m, 3) control points [mm]. error: measured distance from the flank [mm].
+        name: the flank's. spline: over cam angle [rad] and place along the roller [mm].
+        error: measured distance from the flank [mm].
     """
 
     name: str
-    knots: tuple[Array, Array]
-    points: Array
+    spline: NdBSpline
     error: float
 
 
-def faces(design: SpatialDesign, options: SurfaceOptions) -> list[Face]:
-    """The selected flanks, in smooth parts.
-
-    Raises:
-        InputError: there is no such flank, or the tolerance is not reached.
-    """
-    cam = design.cam
-    return [
-        _face(cam, wall, part, options.tolerance_um)
-        for wall in chosen(cam, options.flank)
-        for span in wall.spans
-        for part in _relaxables(cam, span)
-    ]
-
-
-def _relaxables(cam: SpatialCam, span: Span) -> list[Span]:
+def _smooth_parts(cam: SpatialCam, span: Span) -> list[Span]:
     """An interval split where the motion's derivatives may jump."""
     cuts = cam.motion.curve.breaks
     if len(cuts) > MANY:
@@ -94,92 +75,61 @@ def _relaxables(cam: SpatialCam, span: Span) -> list[Span]:
 
 
 def _face(cam: SpatialCam, wall: Wall, span: Span, tolerance_um: float) -> Face:
-    n, m = FIRST
-    roller = cam.swept.roller
+    """A part of a flank, interpolated on finer grids until it is within the tolerance."""
+    # Angles are moved inside the part, so that its ends belong to this piece of the motion.
+    tiny = 1e-12 * (span[1] - span[0])
+
+    def true(theta: Array, rho: Array) -> Patch:
+        return patch(cam, wall, 1, np.clip(theta, span[0] + tiny, span[1] - tiny), rho)
+
+    def distance(spline: NdBSpline, theta: Array, rho: Array) -> float:
+        places = np.stack(np.meshgrid(theta, rho, indexing="ij"), axis=-1)
+        there = true(theta, rho)
+        off = np.moveaxis(spline(places), -1, 0) - there.points
+        return float(np.max(np.abs(np.einsum("inm,inm->nm", off, there.normals))))
+
+    (n, m), roller = FIRST, cam.swept.roller
     while True:
         theta, rho = np.linspace(*span, n), np.linspace(roller.inner, roller.outer, m)
-        spline = _interpolated(theta, rho, _points(cam, wall, span, theta, rho))
-        errors = _errors(cam, wall, span, spline, theta, rho)
-        if max(errors) <= 1e-3 * tolerance_um:
-            return Face(wall.name, (spline.t[0], spline.t[1]), spline.c, max(errors))
+        points = np.moveaxis(true(theta, rho).points, 0, -1)
+        spline = interpolate_surface(theta, rho, points, DEGREES)
+        # The distance from the flank midway between lines of cam angle, and of places.
+        along = distance(spline, 0.5 * (theta[1:] + theta[:-1]), rho)
+        across = distance(spline, theta, 0.5 * (rho[1:] + rho[:-1]))
+        error = max(along, across)
+        if error <= 1e-3 * tolerance_um:
+            return Face(wall.name, spline, error)
         # Refine the direction with the larger error.
-        finer = (2 * n - 1, m) if errors[0] >= errors[1] else (n, 2 * m - 1)
+        finer = (2 * n - 1, m) if along >= across else (n, 2 * m - 1)
         if finer[0] > MAX_LINES[0] or finer[1] > MAX_LINES[1]:
             raise InputError(
                 "/tolerance_um",
                 tolerance_um,
                 f"Flank {wall.name} from {span[0] / DEGREE:.6g}° to {span[1] / DEGREE:.6g}° comes "
-                f"within {1e3 * max(errors):.3g} µm with {n} by {m} points, the most allowed.",
+                f"within {1e3 * error:.3g} µm with {n} by {m} points, the most allowed.",
                 "Increase tolerance_um, or use files of points.",
             )
         n, m = finer
 
 
-def _inside(span: Span, theta: Array) -> Array:
-    """Cam angles moved inside the part, so that its ends belong to this piece of the motion."""
-    tiny = 1e-12 * (span[1] - span[0])
-    return np.clip(theta, span[0] + tiny, span[1] - tiny)
-
-
-def _points(cam: SpatialCam, wall: Wall, span: Span, theta: Array, rho: Array) -> Array:
-    """Points of the flank (n, m, 3) [mm]."""
-    return np.moveaxis(patch(cam, wall, 1, _inside(span, theta), rho).points, 0, -1)
-
-
-def _interpolated(theta: Array, rho: Array, points: Array) -> NdBSpline:
-    by_theta = make_interp_spline(theta, points, k=DEGREES[0], axis=0)
-    by_rho = make_interp_spline(rho, by_theta.c, k=DEGREES[1], axis=1)
-    return NdBSpline((by_theta.t, by_rho.t), np.moveaxis(by_rho.c, 0, 1), DEGREES)
-
-
-def _errors(
-    cam: SpatialCam, wall: Wall, span: Span, spline: NdBSpline, theta: Array, rho: Array
-) -> tuple[float, float]:
-    """Largest distances midway between lines of cam angle, and between places on the roller."""
-    between = 0.5 * (theta[1:] + theta[:-1]), 0.5 * (rho[1:] + rho[:-1])
-    return (
-        _away(cam, wall, spline, between[0], rho),
-        _away(cam, wall, spline, _inside(span, theta), between[1]),
-    )
-
-
-def _away(cam: SpatialCam, wall: Wall, spline: NdBSpline, theta: Array, rho: Array) -> float:
-    true = patch(cam, wall, 1, theta, rho)
-    places = np.stack(np.meshgrid(theta, rho, indexing="ij"), axis=-1)
-    off = np.moveaxis(spline(places), -1, 0) - true.points
-    return float(np.max(np.abs(np.einsum("inm,inm->nm", off, true.normals))))
-
-
 def _flanks(design: SpatialDesign, options: SurfaceOptions) -> Made:
-    made = faces(design, options)
-    error = max(face.error for face in made)
-    data = Entities()
-    shared = context(data, max(error, FINEST))
-    name = text(f"flanks of {design.name or design.id}")
-    origin = data.add("CARTESIAN_POINT", "''", many(map(real, (0.0, 0.0, 0.0))))
-    placed = data.add("AXIS2_PLACEMENT_3D", "''", origin, *axes(data))
-    drawn = data.add("GEOMETRIC_SET", name, many([_surface(data, face) for face in made]))
-    shape = data.add(
-        "GEOMETRICALLY_BOUNDED_SURFACE_SHAPE_REPRESENTATION", name, many([placed, drawn]), shared
-    )
-    data.add("SHAPE_DEFINITION_REPRESENTATION", product(data, design), shape)
-    title = f"Flanks of a spatial cam, within {error:.2g} mm of the true ones"
-    told = {"Surface-Error-Mm": f"{error:.3g}", "Surfaces": str(len(made))}
-    return Made(exchange_file(design, title, SCHEMA, data.lines()), told)
-
-
-def _surface(data: Entities, face: Face) -> str:
-    rows = [
-        many([data.add("CARTESIAN_POINT", "''", many(map(real, point))) for point in row])
-        for row in face.points.tolist()
+    cam = design.cam
+    made = [
+        _face(cam, wall, part, options.tolerance_um)
+        for wall in chosen(cam, options.flank)
+        for span in wall.spans
+        for part in _smooth_parts(cam, span)
     ]
-    each = [np.unique(knots, return_counts=True) for knots in face.knots]
-    return data.add(
-        "B_SPLINE_SURFACE_WITH_KNOTS", text(face.name), *map(str, DEGREES), many(rows),
-        ".UNSPECIFIED.", ".F.", ".F.", ".F.",
-        *(many(map(str, times.tolist())) for _, times in each),
-        *(many(map(real, knots.tolist())) for knots, _ in each), ".UNSPECIFIED.",
-    )  # fmt: skip
+    error, name = max(face.error for face in made), f"flanks of {design.name or design.id}"
+
+    def write(data: Entities) -> str:
+        surfaces = [spline_surface(data, text(face.name), face.spline) for face in made]
+        return data.add("GEOMETRIC_SET", text(name), many(surfaces))
+
+    title = f"Flanks of a spatial cam, within {error:.2g} mm of the true ones"
+    kind = "GEOMETRICALLY_BOUNDED_SURFACE_SHAPE_REPRESENTATION"
+    told = {"Surface-Error-Mm": f"{error:.3g}", "Surfaces": str(len(made))}
+    return Made(shape_file(design, title, kind, write, error, name=name), told)
 
 
 STEP = FileFormat(

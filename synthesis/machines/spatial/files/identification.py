@@ -1,7 +1,8 @@
-"""Which cam a file belongs to: for JSON files, and as the heading of drawings."""
+"""What files of a spatial cam begin with: JSON files, and the heading of drawings."""
 
 from __future__ import annotations
 
+import json
 from typing import Any
 
 from synthesis.exporters.drawing import canvas as svg
@@ -21,6 +22,13 @@ def origin(design: SpatialDesign) -> dict[str, Any]:
         "rotation": design.rotation,
         "speed_rpm": design.speed_rpm,
     }
+
+
+def json_file(design: SpatialDesign, kind: str, frame: str, body: dict[str, Any]) -> bytes:
+    """A JSON file: its kind, the frame of its coordinates, its cam, then the body."""
+    whole = {"kind": kind, "frame": frame, "design": origin(design), **body}
+    text = json.dumps(whole, ensure_ascii=False, allow_nan=False, separators=(",", ":"))
+    return text.encode()
 
 
 def above(design: SpatialDesign, left: float, right: float, u: float) -> list[str]:

@@ -8,7 +8,6 @@ the first, but with its columns shifted (a turret has advanced by some rollers).
 from __future__ import annotations
 
 import base64
-import json
 from dataclasses import dataclass
 from typing import Annotated, Any
 
@@ -18,9 +17,9 @@ from pydantic import Field
 from synthesis.exporters.exporter import FileFormat, untold
 from synthesis.machines.spatial.blank import Blank, BlankOptions
 from synthesis.machines.spatial.body import Body, build_body
-from synthesis.machines.spatial.cam_frame import DESCRIPTION, CamFrame
+from synthesis.machines.spatial.cam import FRAME
 from synthesis.machines.spatial.design import SpatialDesign
-from synthesis.machines.spatial.files.identification import origin
+from synthesis.machines.spatial.files.identification import json_file
 from synthesis.machines.spatial.grooves import GrooveSections
 from synthesis.machines.spatial.machine import Seat
 from synthesis.numerics.piecewise import Array
@@ -50,16 +49,9 @@ def _surfaces(design: SpatialDesign, options: SurfaceOptions) -> bytes:
     blank = Blank.of(cuts, options, DEPTHS)
     parts = min(PARTS, blank.chart.parts)
     body = build_body(cuts, blank, round(360.0 * options.points_per_degree), parts)
-    body_and_follower = {
-        "kind": "surfaces",
-        "frame": DESCRIPTION,
-        "design": origin(design),
-        "body": _grid(body),
-        "follower": _follower(design),
-    }
-    return json.dumps(
-        body_and_follower, ensure_ascii=False, allow_nan=False, separators=(",", ":")
-    ).encode()
+    return json_file(
+        design, "surfaces", FRAME, {"body": _grid(body), "follower": _follower(design)}
+    )
 
 
 def _grid(body: Body) -> dict[str, Any]:
@@ -84,7 +76,7 @@ def _follower(design: SpatialDesign) -> dict[str, Any]:
     A point or direction is a + b cos q + c sin q + d q: rows a, b, c, d.
     """
     cam, machine = design.cam, design.spec.machine
-    swept, axes = cam.swept, CamFrame.of(cam.swept).axes
+    swept, axes = cam.swept, cam.axes
     theta = np.linspace(0.0, FULL_TURN, MOTION_ROWS)
     place = swept.joint.harmonics(swept.origin)
     place[0] -= swept.centre

@@ -1,11 +1,10 @@
 """Measuring: every quantity of a finished spatial cam, its extreme, where and how it is known.
 
 In: a SpatialCam and the bounds of its spec. Out: a ``SpatialExtreme`` for each quantity; the cam is
-accepted where all of them hold. Open ``walls`` first: pressure angle, undercut and wall radii over
-all contacts, found on grids. ``enclosure`` proves what was found for cylindrical rollers, by branch
-and bound with Taylor models; ``ribs`` measures the ribs between rollers; ``motion`` the follower's
-derivatives and the windows and points of the program; ``patches`` cuts walls where quantities are
-smooth; ``extremum`` holds quantities, extrema and bounds.
+accepted where all of them hold. Open ``walls`` first: pressure angle, undercut, wall radii and ribs
+over all contacts, found on samples of ``patches`` of walls. ``enclosure`` proves what was found for
+cylindrical rollers, by branch and bound with Taylor models. ``motion`` measures the follower's
+derivatives and the windows and points of the program; ``extremum`` holds quantities and bounds.
 """
 
 from __future__ import annotations
@@ -14,7 +13,7 @@ from collections.abc import Iterator, Mapping
 
 from synthesis.machines.spatial.cam import SpatialCam
 from synthesis.machines.spatial.design import SpatialExtreme
-from synthesis.machines.spatial.measuring import motion, ribs, walls
+from synthesis.machines.spatial.measuring import motion, walls
 from synthesis.machines.spatial.measuring.extremum import (
     Bound,
     Bounds,
@@ -53,10 +52,10 @@ def _all(
     spec: SpatialCamSpec, cam: SpatialCam, bounds: Bounds
 ) -> Iterator[tuple[Quantity, Extremum]]:
     parts = list(patches(cam))
-    yield from walls.extrema(cam, parts, spec.omega, bounds)
-    thinnest = ribs.thinnest(cam, parts, spec.machine.seats())
+    yield from walls.contact_extrema(cam, parts, spec.omega, bounds)
+    thinnest = walls.thinnest_rib(cam, parts, spec.machine.seats())
     if thinnest is not None:
-        yield ribs.RIB, thinnest
+        yield walls.RIB, thinnest
     for name, clearance in spec.machine.clearances(cam.sizes).items():
         positive = Quantity(name, "mm", largest=False, required=Bound(0.0))
         yield positive, Extremum(clearance, clearance, "closed form")

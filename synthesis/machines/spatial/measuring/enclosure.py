@@ -3,8 +3,7 @@
 Branch and bound over boxes of cam angle θ and place ρ on the roller's axis: on a box a quantity is
 a Taylor model in θ with ρ as an interval, and boxes whose bound is no worse than the extremum found
 by samples are pruned. The formulas are those of the surface P(θ, ρ) that the roller's axis sweeps
-in the
-turning cam: a ruled surface, P_ρ = u. With V = P_θ and n the normal, along u × V,
+in the turning cam: a ruled surface, P_ρ = u. With V = P_θ and n the normal, along u × V,
 
     tan²α = |n × w|² / (n·w)²,          w = dP/dq, the follower's way;
     W² = V² − (u·V)²,  F = u·V,  M = n·u_θ,  N = n·P_θθ,
@@ -36,6 +35,10 @@ from synthesis.numerics.piecewise import Array
 from synthesis.numerics.taylor import Taylor
 
 Vector = tuple[Any, Any, Any]
+Prover = Callable[["Models", Extremum, float | None], Extremum]
+"""From an extremum by samples and its bound to one with a proven limit, if that succeeds."""
+Enclosed = Callable[["SweptAxis"], Any]
+"""From the swept surface on boxes to a quantity to be maximised."""
 Splits = tuple[tuple[int, int], ...]
 ANGLES, PLACES = 40, 16  # boxes of the first level, of a wall in θ and in ρ
 # Parts of a split box in θ and ρ, in turn. Models are quadratic in θ but only intervals in ρ, so
@@ -68,85 +71,6 @@ def _sum(*terms: tuple[Any, Vector]) -> Vector:
 
 
 @dataclass(frozen=True, eq=False)
-class Swept:
-    """The surface that a roller's axis sweeps, on boxes; vectors in the machine's frame.
-
-    Attributes:
-        point: P from the cam's centre. u, w: the axis's direction, and dP/dq. v: P_θ.
-        lead: u·w. carried: J(P), the velocity of the cam there.
-        normal: u × v, not of unit length.
-        bends: makes P_θθ and u_θ, which not every quantity needs. roller: its radius.
-        side: (n,) whether the wall's normal is along ``normal`` or against it.
-    """
-
-    point: Vector
-    u: Vector
-    w: Vector
-    v: Vector
-    lead: Any
-    carried: Vector
-    normal: Vector
-    bends: Callable[[], tuple[Vector, Vector]]
-    roller: float
-    side: Array
-
-    @cached_property
-    def curved(self) -> tuple[Any, Any]:
-        """2H and K of the surface, with the wall's normal."""
-        bend, twist = self.bends()
-        square = dot(self.normal, self.normal)  # W², as u is a unit vector
-        f, m = dot(self.u, self.v), dot(self.normal, twist)
-        mean = self.side * (dot(self.normal, bend) - 2.0 * f * m) / (square * square.sqrt())
-        return mean, -(m * m) / (square * square)
-
-
-def along(at: Swept, axis: Vector) -> Any:
-    """Position of the contact along an axis through the cam's centre [mm]."""
-    square = dot(at.normal, at.normal)
-    return dot(at.point, axis) + at.roller * at.side * dot(at.normal, axis) / square.sqrt()
-
-
-def pressure(at: Swept) -> Any:
-    """tan²α.
-
-    n × w = (u·w) v − (v·w) u, and of v only the cam's part contributes to n·w: written so, nothing
-    large cancels where the angle is small.
-    """
-    across, along = dot(at.v, at.w), dot(cross(at.u, at.carried), at.w)
-    away = at.lead * at.lead * dot(at.v, at.v) - 2.0 * (at.lead * across) * dot(at.u, at.v)
-    return (across * across + away) / (along * along)
-
-
-def undercut(radius: float) -> Callable[[Swept], Any]:
-    """(1 − R κ1)(1 − R κ2) for a roller of this radius R on the same axis."""
-
-    def of(at: Swept) -> Any:
-        twice_mean, gauss = at.curved
-        return 1.0 - radius * twice_mean + radius**2 * gauss
-
-    return of
-
-
-@dataclass(frozen=True, eq=False)
-class Proof:
-    """How a quantity is enclosed.
-
-    Attributes:
-        of: the enclosed function of the swept surface. sign: +1 for its maximum, −1 for its
-            minimum.
-        into, back: from the quantity's value to the function's, and the inverse.
-    """
-
-    of: Callable[[Swept], Any]
-    sign: float
-    into: Callable[[float], float] = float
-    back: Callable[[float], float] = float
-
-
-PRESSURE = Proof(pressure, 1.0, lambda a: math.tan(a) ** 2, lambda t: math.atan(math.sqrt(t)))
-
-
-@dataclass(frozen=True, eq=False)
 class Boxes:
     """Boxes (n,): the patch, its cam angles and its places on the roller's axis."""
 
@@ -156,18 +80,15 @@ class Boxes:
     inner: Array
     outer: Array
 
-    def take(self, which: NDArray[np.intp]) -> Boxes:
-        """Some of the boxes."""
-        return Boxes(*(part[which] for part in vars(self).values()))
-
-    def split(self, counts: tuple[int, int]) -> Boxes:
-        """Each box cut into so many parts in θ and in ρ."""
-        theta = _cut(self.low, self.high, counts[0])
-        rho = _cut(self.inner, self.outer, counts[1])
-        wide = (len(self.low), *counts)
-        cut = (theta[:, :-1, None], theta[:, 1:, None], rho[:, None, :-1], rho[:, None, 1:])
-        patch = np.repeat(self.patch, counts[0] * counts[1])
-        return Boxes(patch, *(np.broadcast_to(part, wide).ravel() for part in cut))
+    def split(self, keep: NDArray[np.bool_], counts: tuple[int, int]) -> Boxes:
+        """Each box to ``keep`` (n,) cut into so many parts in θ and in ρ."""
+        patch, low, high, inner, outer = (part[keep] for part in vars(self).values())
+        theta, rho = _cut(low, high, counts[0]), _cut(inner, outer, counts[1])
+        parts = (theta[:, :-1, None], theta[:, 1:, None], rho[:, None, :-1], rho[:, None, 1:])
+        return Boxes(
+            np.repeat(patch, math.prod(counts)),
+            *(np.broadcast_to(part, (len(low), *counts)).ravel() for part in parts),
+        )
 
 
 def _cut(low: Array, high: Array, count: int) -> Array:
@@ -178,108 +99,165 @@ def _cut(low: Array, high: Array, count: int) -> Array:
 
 
 class Models:
-    """The swept surface of every patch on boxes."""
+    """What the swept surfaces of all patches of a cam share."""
 
     def __init__(self, cam: SpatialCam, parts: Sequence[Patch]) -> None:
         swept = cam.swept
-        self.cam, self.parts = cam, parts
-        self._jets = Jets(cam.motion.curve)
-        self._roller = swept.roller.radius
-        self._piece = np.array([part.piece for part in parts])
-        self._start = np.array([part.wall.seat.start for part in parts])
-        self._side = np.array([part.wall.side for part in parts])
-        self._origin = swept.joint.harmonics(swept.origin)
-        self._along = swept.joint.harmonics(swept.along, turning=True)
-        self._centre, self._hand = swept.centre, swept.hand
-        e = swept.axis
-        self._turn = swept.hand * np.array(
-            [[0.0, -e[2], e[1]], [e[2], 0.0, -e[0]], [-e[1], e[0], 0.0]]
-        )
+        self.cam, self.parts, self.jets = cam, parts, Jets(cam.motion.curve)
+        self.piece = np.array([part.piece for part in parts])
+        self.start = np.array([part.wall.seat.start for part in parts])
+        self.side = np.array([part.wall.side for part in parts])
+        self.origin = swept.joint.harmonics(swept.origin)
+        self.along = swept.joint.harmonics(swept.along, turning=True)
+        x, y, z = swept.axis
+        self.turn = swept.hand * np.array([[0.0, -z, y], [z, 0.0, -x], [-y, x, 0.0]])
         # Whether u × V points towards the side of growing q is decided by one contact.
-        patch, at = parts[0], np.array([0.5 * (parts[0].low + parts[0].high)])
-        rho = np.array([swept.roller.middle])
-        normal = patch.contacts(at, rho).normal[:, 0, 0]
-        box = Boxes(*(np.array([x]) for x in (0, at[0], at[0], rho[0], rho[0])))
-        alike = dot(self.at(box).normal, tuple(normal.tolist()))
-        self._side = self._side * patch.wall.side * (1 if float(alike.c0[0]) > 0.0 else -1)
-
-    def at(self, boxes: Boxes) -> Swept:
-        """Models on boxes."""
-        piece = self._piece[boxes.patch]
-        q, q1, q2 = self._jets.models(piece, boxes.low, boxes.high, 2)
-        q = q + self._start[boxes.patch]
-        none = np.zeros(len(piece))
-        # A little wider, for the rounding of its ends.
-        half = (0.5 + 1e-15) * (boxes.outer - boxes.inner)
-        rho = Taylor.of(0.5 * (boxes.inner + boxes.outer), none, none, half)
-        cos, sin = q.cos(), q.sin()
-        u, u1, u2 = self._moving(self._along, q, cos, sin)
-        o, o1, o2 = self._moving(self._origin, q, cos, sin)
-        p = _sum((1.0, o), (rho, u), (-1.0, tuple(self._centre)))
-        w, turned = _sum((1.0, o1), (rho, u1)), self._turned(p)
-        v = _sum((q1, w), (-1.0, turned))
-
-        def bends() -> tuple[Vector, Vector]:
-            w1, again = _sum((1.0, o2), (rho, u2)), self._turned(turned)
-            bend = _sum((q2, w), (q1 * q1, w1), (-2.0 * q1, self._turned(w)), (1.0, again))
-            return bend, _sum((q1, u1), (-1.0, self._turned(u)))
-
-        lead = dot(u, o1)  # u·u' is 0
-        return Swept(
-            p, u, w, v, lead, turned, cross(u, v), bends, self._roller, self._side[boxes.patch]
-        )
+        patch, rho = parts[0], np.array([swept.roller.middle])
+        at = np.array([0.5 * (patch.low + patch.high)])
+        normal = patch.at(at, rho).contacts.normal[:, 0, 0]
+        swept_axis = SweptAxis(self, Boxes(np.array([0]), at, at, rho, rho))
+        alike = dot(swept_axis.normal, tuple(normal.tolist()))
+        self.side = self.side * patch.wall.side * (1 if float(alike.c0[0]) > 0.0 else -1)
 
     @cached_property
-    def first(self) -> tuple[Boxes, Swept]:
-        """The first level's boxes over all patches and their models, shared by all quantities."""
-        roller = self.cam.swept.roller
-        boxes = _first(self.parts, np.linspace(roller.inner, roller.outer, PLACES + 1))
-        with np.errstate(all="ignore"):
-            return boxes, self.at(boxes)
+    def first(self) -> tuple[Boxes, SweptAxis]:
+        """The first level's boxes and their models, shared by all quantities.
 
-    def _moving(self, table: Array, q: Taylor, cos: Taylor, sin: Taylor) -> Sequence[Vector]:
-        """A point or direction of the follower and its derivatives by q."""
-        a, b, c, d = table
-        here = tuple(a[i] + b[i] * cos + c[i] * sin + d[i] * q for i in range(3))
-        first = tuple(c[i] * cos - b[i] * sin + d[i] for i in range(3))
-        second = tuple(-b[i] * cos - c[i] * sin for i in range(3))
-        return here, first, second
+        Each patch has its share of ``ANGLES`` boxes a wall in θ. Where the follower dwells the
+        contact is the same at every angle relative to the cam: one box.
+        """
+        parts, roller = self.parts, self.cam.swept.roller
+        angles = max(1, ANGLES * len({part.wall for part in parts}) // len(parts))
+        counts = np.array([1 if part.rests else angles for part in parts])
+        patch = np.repeat(np.arange(len(parts)), counts)
+        nth = np.arange(len(patch)) - np.repeat(np.cumsum(counts) - counts, counts)
+        start, end = np.array([(part.low, part.high) for part in parts]).T[:, patch]
+        step, last = (end - start) / counts[patch], nth + 1 == counts[patch]
+        low, high = start + nth * step, np.where(last, end, start + (nth + 1) * step)
+        edges = np.linspace(roller.inner, roller.outer, PLACES + 1)
+        cut = (patch[:, None], low[:, None], high[:, None], edges[:-1], edges[1:])
+        boxes = Boxes(*(part.ravel() for part in np.broadcast_arrays(*cut)))
+        with np.errstate(all="ignore"):
+            return boxes, SweptAxis(self, boxes)
+
+
+class SweptAxis:
+    """The surface that a roller's axis sweeps, on boxes; vectors in the machine's frame.
+
+    Attributes:
+        p: P from the cam's centre. u, w: the axis's direction, and dP/dq. v: P_θ.
+        lead: u·w. carried: J(P), the velocity of the cam there.
+        normal: u × v, not of unit length.
+        side: (n,) whether the wall's normal is along ``normal`` or against it.
+    """
+
+    def __init__(self, models: Models, boxes: Boxes) -> None:
+        self._models, self.side = models, models.side[boxes.patch]
+        piece = models.piece[boxes.patch]
+        q, self._q1, self._q2 = models.jets.models(piece, boxes.low, boxes.high, 2)
+        q = q + models.start[boxes.patch]
+        # A little wider, for the rounding of its ends.
+        half = (0.5 + 1e-15) * (boxes.outer - boxes.inner)
+        none = np.zeros(len(piece))
+        self._rho = rho = Taylor.of(0.5 * (boxes.inner + boxes.outer), none, none, half)
+        cos, sin = q.cos(), q.sin()
+        self.u, self._u1, self._u2 = _moving(models.along, q, cos, sin)
+        origin, o1, self._o2 = _moving(models.origin, q, cos, sin)
+        self.p = _sum((1.0, origin), (rho, self.u), (-1.0, tuple(models.cam.swept.centre)))
+        self.w, self.carried = _sum((1.0, o1), (rho, self._u1)), self._turned(self.p)
+        self.v = _sum((self._q1, self.w), (-1.0, self.carried))
+        self.lead = dot(self.u, o1)  # u·u' is 0
+        self.normal = cross(self.u, self.v)
+
+    @cached_property
+    def curved(self) -> tuple[Any, Any]:
+        """2H and K of the surface, with the wall's normal."""
+        q1, w1 = self._q1, _sum((1.0, self._o2), (self._rho, self._u2))
+        bend = _sum((self._q2, self.w), (q1 * q1, w1), (-2.0 * q1, self._turned(self.w)),
+                    (1.0, self._turned(self.carried)))  # fmt: skip
+        twist = _sum((q1, self._u1), (-1.0, self._turned(self.u)))
+        square = dot(self.normal, self.normal)  # W², as u is a unit vector
+        f, m = dot(self.u, self.v), dot(self.normal, twist)
+        mean = self.side * (dot(self.normal, bend) - 2.0 * f * m) / (square * square.sqrt())
+        return mean, -(m * m) / (square * square)
 
     def _turned(self, vector: Vector) -> Vector:
         """J of a vector."""
-        x, y, z = (dot(tuple(row), vector) for row in self._turn)
+        x, y, z = (dot(tuple(row), vector) for row in self._models.turn)
         return x, y, z
 
+    def along(self, axis: Vector) -> Any:
+        """Position of the contact along an axis through the cam's centre [mm]."""
+        square, radius = dot(self.normal, self.normal), self._models.cam.swept.roller.radius
+        return dot(self.p, axis) + radius * self.side * dot(self.normal, axis) / square.sqrt()
 
-def prove_extremum(
-    models: Models, proof: Proof, found: Extremum, allowed: float | None = None
-) -> Extremum:
-    """A found extremum with a proven limit; as it was where nothing could be proven.
+
+def _moving(table: Array, q: Taylor, cos: Taylor, sin: Taylor) -> Sequence[Vector]:
+    """A point or direction of the follower and its two derivatives by q, from its harmonics."""
+    a, b, c, d = table
+    here = tuple(a[i] + b[i] * cos + c[i] * sin + d[i] * q for i in range(3))
+    first = tuple(c[i] * cos - b[i] * sin + d[i] for i in range(3))
+    return here, first, tuple(-b[i] * cos - c[i] * sin for i in range(3))
+
+
+def pressure(at: SweptAxis) -> Any:
+    """tan²α.
+
+    n × w = (u·w) v − (v·w) u, and of v only the cam's part contributes to n·w: written so, nothing
+    large cancels where the angle is small.
+    """
+    across, along = dot(at.v, at.w), dot(cross(at.u, at.carried), at.w)
+    away = at.lead * at.lead * dot(at.v, at.v) - 2.0 * (at.lead * across) * dot(at.u, at.v)
+    return (across * across + away) / (along * along)
+
+
+def undercut(radius: float) -> Enclosed:
+    """−(1 − R κ1)(1 − R κ2) for a roller of this radius R on the same axis: positive: undercut."""
+
+    def of(at: SweptAxis) -> Any:
+        twice_mean, gauss = at.curved
+        return radius * twice_mean - 1.0 - radius**2 * gauss
+
+    return of
+
+
+def prove_pressure_angle(models: Models, found: Extremum, allowed: float | None) -> Extremum:
+    """The largest pressure angle [rad], enclosed as tan²α."""
+    goal = None if allowed is None else math.tan(allowed) ** 2
+    most = _prove_maximum(models, pressure, math.tan(found.value) ** 2, goal)
+    if not math.isfinite(most):
+        return found
+    return replace(found, limit=math.atan(math.sqrt(most)), evidence=EVIDENCE)
+
+
+def prove_regular(models: Models, found: Extremum, allowed: float | None) -> Extremum:
+    """The least ratio of areas, wall to swept surface."""
+    goal = None if allowed is None else -allowed
+    most = _prove_maximum(models, undercut(models.cam.swept.roller.radius), -found.value, goal)
+    return replace(found, limit=-most, evidence=EVIDENCE) if math.isfinite(most) else found
+
+
+def _prove_maximum(models: Models, of: Enclosed, best: float, allowed: float | None) -> float:
+    """A proven upper bound of a quantity, not below ``best``, which is reached by samples.
 
     Args:
-        models: of the patches. proof: how the quantity is enclosed. found: its extremum by samples.
         allowed: bound of the quantity. Where the quantity is nearly constant along an arc, a proof
             that it keeps the bound needs far fewer boxes than one that it stays at what was found.
     """
-    sign = proof.sign
-    best = sign * proof.into(found.value)
     enough = best + RELATIVE * max(abs(best), 1e-3)
-    most = upper_bound(models, proof, enough)
-    if allowed is not None and most > sign * proof.into(allowed):
-        room = NEAR * (sign * proof.into(allowed) - best)
-        most = upper_bound(models, proof, max(enough, best + room), SPARING)
-    if not math.isfinite(most):
-        return found
-    return replace(found, limit=proof.back(sign * max(most, best)), evidence=EVIDENCE)
+    most = upper_bound(models, of, enough)
+    if allowed is not None and most > allowed:
+        most = upper_bound(models, of, max(enough, best + NEAR * (allowed - best)), SPARING)
+    return max(most, best)
 
 
-def upper_bound(models: Models, proof: Proof, enough: float, splits: Splits = QUICK) -> float:
-    """A proven upper bound of a quantity times its sign; infinite if nothing is proven.
+def upper_bound(models: Models, of: Enclosed, enough: float, splits: Splits = QUICK) -> float:
+    """A proven upper bound of a quantity; infinite if nothing is proven.
 
     Args:
         enough: boxes with a bound up to this are not split. splits: of the others, in turn.
     """
-    search = _WallSearch(models, proof, enough, splits)
+    search = _WallSearch(models, of, enough, splits)
     with np.errstate(all="ignore"):
         search.run(models.first[0], Budget(MAX_LEVELS, MAX_BOXES, total=False))
     return float(search.proven)
@@ -288,8 +266,8 @@ def upper_bound(models: Models, proof: Proof, enough: float, splits: Splits = QU
 class _WallSearch(BoxSearch[Boxes]):
     """Branch and bound of one quantity over boxes of cam angle and place on the roller."""
 
-    def __init__(self, models: Models, proof: Proof, enough: float, splits: Splits) -> None:
-        self.models, self.proof, self.enough, self.splits = models, proof, enough, splits
+    def __init__(self, models: Models, of: Enclosed, enough: float, splits: Splits) -> None:
+        self.models, self.of, self.enough, self.splits = models, of, enough, splits
         self.level = 0
 
     @property
@@ -298,18 +276,21 @@ class _WallSearch(BoxSearch[Boxes]):
 
     def bound(self, boxes: Boxes) -> Array:
         # The first level is the same for all quantities, and its models are made once.
-        swept = self.models.first[1] if self.level == 0 else self.models.at(boxes)
+        swept = self.models.first[1] if self.level == 0 else SweptAxis(self.models, boxes)
         self.level += 1
-        high, low = _range(self.proof.of(swept))
-        bounds = high if self.proof.sign > 0.0 else -low
-        return np.where(_outside(self.models.cam, swept), -np.inf, bounds)
+        high, _ = _range(self.of(swept))
+        cam = self.models.cam
+        if all(math.isinf(face) for face in cam.faces):
+            return high
+        # Boxes that lie wholly beyond the end faces are of no interest.
+        most, least = _range(swept.along(tuple(cam.swept.axis)))
+        return np.where((most < cam.faces[0]) | (least > cam.faces[1]), -np.inf, high)
 
     def threshold(self) -> float:
         return self.enough
 
     def split(self, boxes: Boxes, keep: NDArray[np.bool_]) -> Boxes:
-        counts = self.splits[(self.level - 1) % len(self.splits)]
-        return boxes.take(np.flatnonzero(keep)).split(counts)
+        return boxes.split(keep, self.splits[(self.level - 1) % len(self.splits)])
 
 
 def _range(model: Taylor) -> tuple[Array, Array]:
@@ -319,30 +300,6 @@ def _range(model: Taylor) -> tuple[Array, Array]:
     return np.where(np.isfinite(high), high, np.inf), np.where(np.isfinite(low), low, -np.inf)
 
 
-def _outside(cam: SpatialCam, swept: Swept) -> Array:
-    """Boxes that lie wholly beyond the end faces."""
-    if all(math.isinf(face) for face in cam.faces):
-        return np.zeros(len(swept.side), dtype=bool)
-    high, low = _range(along(swept, tuple(cam.swept.axis)))
-    return np.asarray((high < cam.faces[0]) | (low > cam.faces[1]))
-
-
-def _first(parts: Sequence[Patch], edges: Array) -> Boxes:
-    """The first level: on each patch its share of ``ANGLES`` boxes a wall in θ.
-
-    Where the follower dwells the contact is the same at every angle relative to the cam: one box.
-    """
-    angles = max(1, ANGLES * len({part.wall for part in parts}) // len(parts))
-    counts = np.array([1 if part.rests else angles for part in parts])
-    patch = np.repeat(np.arange(len(parts)), counts)
-    nth = np.arange(len(patch)) - np.repeat(np.cumsum(counts) - counts, counts)
-    start, end = np.array([(part.low, part.high) for part in parts]).T[:, patch]
-    step, last = (end - start) / counts[patch], nth + 1 == counts[patch]
-    low, high = start + nth * step, np.where(last, end, start + (nth + 1) * step)
-    cut = (patch[:, None], low[:, None], high[:, None], edges[:-1], edges[1:])
-    return Boxes(*(part.ravel() for part in np.broadcast_arrays(*cut)))
-
-
 def prove_convex_radius(models: Models, found: Extremum, allowed: float | None) -> Extremum:
     """The least convex radius, with a proof that none is smaller.
 
@@ -350,26 +307,28 @@ def prove_convex_radius(models: Models, found: Extremum, allowed: float | None) 
     convex with the radius 1/κ1 − Rr and concave with 1/|κ2| + Rr. No convex radius is below r where
     a roller of radius R = Rr + r would not undercut: (1 − R κ1)(1 − R κ2) > 0 everywhere, which
     has no root and no division.
+
+    Args:
+        found, allowed: negated curvatures [1/mm].
     """
     return _claim_radius(models, found, allowed, 1.0)
 
 
 def prove_hollow_radius(models: Models, found: Extremum, allowed: float | None) -> Extremum:
-    """The least concave radius, with a proof that none is smaller.
+    """The least concave radius, as ``prove_convex_radius`` with R = Rr − r.
 
-    As for convex radii with R = Rr − r, a negative radius being one on the other side.
+    A negative radius R is one on the other side.
     """
     return _claim_radius(models, found, allowed, -1.0)
 
 
 def _claim_radius(models: Models, found: Extremum, allowed: float | None, sign: float) -> Extremum:
-    """``found`` and ``allowed`` are negated curvatures [1/mm]; unchanged if nothing is proven."""
+    """The largest radius below the one found that can be proven; unchanged where none can."""
     if found.value >= 0.0:
         return found
     radius, roller = -1.0 / found.value, models.cam.swept.roller.radius
     least = -math.inf if allowed is None else radius - NEAR * (radius + 1.0 / allowed)
     for claim in (max(radius * (1.0 - less), min(least, radius)) for less in CLAIMS):
-        proof = Proof(undercut(roller + sign * claim), -1.0)
-        if upper_bound(models, proof, 0.0) <= 0.0:
+        if upper_bound(models, undercut(roller + sign * claim), 0.0) <= 0.0:
             return replace(found, limit=-1.0 / claim, evidence=EVIDENCE)
     return found

@@ -1,12 +1,18 @@
-"""Patches: parts of walls on one piece of the motion each, where every quantity is smooth."""
+"""Patches of walls, their contacts, and the search for an extremum over them by samples.
+
+A patch is a part of a wall on one piece of the motion, where every quantity is smooth. All patches
+of a wall are sampled in one vectorised call, as laws may have a hundred pieces. Around the best
+samples ever finer grids follow. What the last of them gained, doubled, is the width of the result:
+a measurement of how far the true extremum may be away, not a proof.
+"""
 
 from __future__ import annotations
 
-from abc import ABC, abstractmethod
-from collections.abc import Iterator, Sequence
-from dataclasses import dataclass, field
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass
+from functools import cached_property
 from itertools import groupby
-from typing import Any, cast
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -16,157 +22,87 @@ from synthesis.numerics.geometry.swept_roller import Contacts, FollowerState
 from synthesis.numerics.piecewise import Array
 
 
-class ContactPlaces(ABC):
-    """Contacts of one or several patches, at their ends by the formulas of their own pieces."""
-
-    cam: SpatialCam
-
-    @abstractmethod
-    def place(self, theta: Array) -> FollowerState:
-        """Position of the roller at θ (n,)."""
-
-    @property
-    @abstractmethod
-    def side(self) -> int | Array:
-        """Side of the roller: one, or (n, 1), one for every angle."""
-
-    def points(self, theta: Array, rho: Array) -> Array:
-        """Contact points (3, n, m) in the machine's frame [mm].
-
-        Args:
-            theta: (n,) [rad]. rho: (m,), or (n, m) with other places at every angle [mm].
-        """
-        return self.cam.swept.contact_points(self.place(theta), rho, self.side)[0]
-
-    def contacts(self, theta: Array, rho: Array) -> Contacts:
-        """Contacts at the same places."""
-        return self.cam.swept.contacts(self.place(theta), rho, self.side)
-
-    def curvatures(self, theta: Array, rho: Array) -> Array:
-        """Principal curvatures at the same places, (2, n, m) [1/mm]."""
-        return self.cam.swept.curvatures(self.place(theta), rho, self.side)
-
-
 @dataclass(frozen=True, eq=False)
-class Patch(ContactPlaces):
+class Patch:
     """A part of a wall on one piece of the motion.
 
     Attributes:
-        piece: number of the piece, or one for every angle. low, high: ends [rad].
+        piece: number of the piece. low, high: ends [rad].
     """
 
     cam: SpatialCam
     wall: Wall
-    piece: int | NDArray[np.intp]
+    piece: int
     low: float
     high: float
 
-    def place(self, theta: Array) -> FollowerState:
-        return _placed(self.cam, self.wall.seat.start, np.full(len(theta), self.piece), theta)
-
-    @property
-    def side(self) -> int:
-        return self.wall.side
-
     @property
     def rests(self) -> bool:
-        """Whether the follower dwells on the whole patch; False for several pieces at once."""
-        curve, piece = self.cam.motion.curve, np.asarray(self.piece)
-        return bool(piece.ndim == 0 and not curve.poly[piece, 1:].any()
-                    and not curve.waves[piece, :, 0].any())  # fmt: skip
+        """Whether the follower dwells on the patch."""
+        curve = self.cam.motion.curve
+        return not (curve.poly[self.piece, 1:].any() or curve.waves[self.piece, :, 0].any())
+
+    def at(self, theta: Array, rho: Array) -> WallPoints:
+        """Contacts of the patch alone; arguments as in ``WallPoints``, with θ (n,)."""
+        return WallPoints((self,), theta[None], rho)
 
 
 @dataclass(frozen=True, eq=False)
-class PatchSet(ContactPlaces):
-    """Patches of any walls, each with ``each`` angles of its own."""
-
-    cam: SpatialCam
-    parts: Sequence[Patch]
-    each: int
-
-    def place(self, theta: Array) -> FollowerState:
-        start, piece = zip(
-            *((part.wall.seat.start, part.piece) for part in self.parts), strict=True
-        )
-        return _placed(
-            self.cam, np.repeat(start, self.each), np.repeat(piece, self.each), theta
-        )  # fmt: skip
-
-    @property
-    def side(self) -> Array:
-        return np.repeat([part.wall.side for part in self.parts], self.each)[:, None]
-
-
-def _placed(
-    cam: SpatialCam, start: float | Array, piece: NDArray[np.intp], theta: Array
-) -> FollowerState:
-    q, q1, q2 = (cam.motion.curve.at(theta, piece, order) for order in range(3))
-    return FollowerState(start + q, q1, q2)
-
-
-@dataclass(frozen=True, eq=False)
-class WholeWall(Patch):
-    """All patches of a wall at once, vectorised: laws may have a hundred pieces.
-
-    Contacts and curvatures are cached, as several quantities are sampled at the same places.
-    """
-
-    cache: dict[tuple[str, bytes], Any] = field(default_factory=dict)
-
-    def points(self, theta: Array, rho: Array) -> Array:
-        known = self.cache.get(("contacts", rho.tobytes()))
-        return super().points(theta, rho) if known is None else cast(Contacts, known).point
-
-    def contacts(self, theta: Array, rho: Array) -> Contacts:
-        key = "contacts", rho.tobytes()
-        if key not in self.cache:
-            self.cache[key] = super().contacts(theta, rho)
-        return cast(Contacts, self.cache[key])
-
-    def curvatures(self, theta: Array, rho: Array) -> Array:
-        key = "curvatures", rho.tobytes()
-        if key not in self.cache:
-            self.cache[key] = super().curvatures(theta, rho)
-        return cast(Array, self.cache[key])
-
-
-@dataclass(frozen=True, eq=False)
-class WallSamples:
-    """Sample angles on the patches of one wall.
+class WallPoints:
+    """Contacts of patches at sample angles, each by the formulas of its own piece of the motion.
 
     Attributes:
-        first: number of the first patch. together: all patches. theta: (patches, angles) [rad].
+        patches: k of them, of any walls. theta: (k, n) cam angles of each [rad].
+        rho: (m,) places on the roller's axis, or (k n, m) others at every angle [mm].
     """
 
-    first: int
-    together: WholeWall
+    patches: Sequence[Patch]
     theta: Array
+    rho: Array
 
-    def by_patch(self, values: Array) -> Iterator[Array]:
-        """Values (…, n, m) at all angles, split by patch: (…, angles, m) each."""
-        count, each = self.theta.shape
-        shape = (*values.shape[:-2], count, each, values.shape[-1])
-        yield from np.moveaxis(values.reshape(shape), -3, 0)
+    @property
+    def cam(self) -> SpatialCam:
+        """The cam."""
+        return self.patches[0].cam
 
+    @cached_property
+    def state(self) -> FollowerState:
+        """Position and derivatives of the rollers, (k n,) each."""
+        theta, curve = self.theta.ravel(), self.cam.motion.curve
+        piece = self._repeat([patch.piece for patch in self.patches])
+        q, q1, q2 = (curve.at(theta, piece, order) for order in range(3))
+        return FollowerState(self._repeat([p.wall.seat.start for p in self.patches]) + q, q1, q2)
 
-def sample_walls(parts: Sequence[Patch], angles: int, whole: int) -> Iterator[WallSamples]:
-    """Sample angles, wall by wall, in the order of the patches.
+    @property
+    def side(self) -> NDArray[Any]:
+        """(k n, 1) sides of the rollers."""
+        return self._repeat([patch.wall.side for patch in self.patches])[:, None]
 
-    Args:
-        parts: the patches, by wall. angles: at most on a patch.
-        whole: about, on a wall with many patches.
-    """
-    first = 0
-    for wall, group in groupby(parts, key=lambda patch: patch.wall):
-        own = list(group)
-        each = int(np.clip(whole // len(own), 1, angles))
-        low, high = np.array([(p.low, p.high) for p in own]).T[:, :, None]
-        share = np.linspace(0.0, 1.0, each) if each > 1 else np.array([0.5])
-        theta = low + (high - low) * share
-        piece = np.repeat([p.piece for p in own], each)
-        together = WholeWall(own[0].cam, wall, piece, own[0].low, own[-1].high)
-        yield WallSamples(first, together, theta)
-        first += len(own)
+    def _repeat(self, values: Sequence[float]) -> NDArray[Any]:
+        return np.repeat(values, self.theta.shape[1])
+
+    @cached_property
+    def contacts(self) -> Contacts:
+        """The contacts, by (k n, m)."""
+        return self.cam.swept.contacts(self.state, self.rho, self.side)
+
+    @cached_property
+    def curvatures(self) -> Array:
+        """Principal curvatures of the walls there, (2, k n, m) [1/mm]."""
+        return self.cam.swept.curvatures(self.state, self.rho, self.side)
+
+    @cached_property
+    def points(self) -> Array:
+        """Contact points (3, k n, m) in the machine's frame [mm]."""
+        if "contacts" in vars(self):
+            return self.contacts.point
+        return self.cam.swept.contact_points(self.state, self.rho, self.side)[0]
+
+    def between_faces(self, values: Array, otherwise: float) -> Array:
+        """Values (…, k n, m), replaced where the contact is beyond the end faces."""
+        if np.all(np.isinf(self.cam.faces)):
+            return values
+        return np.where(self.cam.between_faces(self.points), values, otherwise)
 
 
 def patches(cam: SpatialCam) -> Iterator[Patch]:
@@ -178,3 +114,96 @@ def patches(cam: SpatialCam) -> Iterator[Patch]:
                 low, high = max(start, breaks[piece]), min(end, breaks[piece + 1])
                 if high > low:
                     yield Patch(cam, wall, piece, float(low), float(high))
+
+
+def sample_walls(
+    parts: Sequence[Patch], rho: Array, angles: int, whole: int
+) -> Iterator[WallPoints]:
+    """Sample points of every wall, all its patches together, in the order of the patches.
+
+    Args:
+        parts: the patches, by wall. rho: (m,) places on the roller's axis [mm].
+        angles: at most on a patch. whole: about, on a wall with many patches.
+    """
+    for _, group in groupby(parts, key=lambda patch: patch.wall):
+        own = list(group)
+        each = int(np.clip(whole // len(own), 1, angles))
+        low, high = np.array([(patch.low, patch.high) for patch in own]).T[:, :, None]
+        share = np.linspace(0.0, 1.0, each) if each > 1 else np.array([0.5])
+        yield WallPoints(own, low + (high - low) * share, rho)
+
+
+@dataclass(frozen=True)
+class Grid:
+    """Refinement around samples: points in each direction, rounds, and shrinkage of a round."""
+
+    points: int
+    rounds: int
+    shrink: float
+
+
+@dataclass(frozen=True, eq=False)
+class Sample:
+    """The largest sampled value on a patch.
+
+    Attributes:
+        value: of the maximised function. patch: where.
+        at: (d,) coordinates, the last two of them θ [rad] and ρ [mm]. step: (d,) between samples.
+    """
+
+    value: float
+    patch: Patch
+    at: Array
+    step: Array
+
+
+def best_samples(points: WallPoints, values: Array, *others: Array) -> Iterator[Sample]:
+    """The best sample of every patch.
+
+    Args:
+        values: (…, k n, m) of the function that is maximised, at ``points``.
+        others: evenly spaced coordinates of the axes of ``values`` before those of the points.
+    """
+    count, each = points.theta.shape
+    split = values.reshape(*values.shape[:-2], count, each, values.shape[-1])
+    for patch, theta, own in zip(
+        points.patches, points.theta, np.moveaxis(split, -3, 0), strict=True
+    ):
+        where = np.unravel_index(int(np.argmax(own)), own.shape)
+        axes = (*others, theta, points.rho)
+        # One sample stands for the whole patch.
+        steps = [(axis[-1] - axis[0]) / (len(axis) - 1) for axis in (*others, points.rho)]
+        steps.insert(-1, (patch.high - patch.low) / max(each - 1, 1))
+        at = [axis[i] for axis, i in zip(axes, where, strict=True)]
+        yield Sample(float(own[where]), patch, np.array(at), np.array(steps))
+
+
+def refine(
+    values: Callable[[Array], Array], samples: Sequence[Sample], rho: Array, grid: Grid
+) -> tuple[Array, Array, Array]:
+    """Maximise a function around samples, all of them in one vectorised call a round.
+
+    Args:
+        values: from coordinates (b, d, g) to the function on their grids, (b, g, …, g).
+        samples: b of them. rho: (m,) sampled places on the roller's axis, whose ends bound ρ [mm].
+
+    Returns:
+        (b,) values, (b,) values that the true maxima do not exceed as far as refinement shows, and
+        (b, d) coordinates.
+    """
+    at, step = (np.stack([getattr(s, name) for s in samples]) for name in ("at", "step"))
+    value = np.array([sample.value for sample in samples])
+    low, high = np.full_like(at, -np.inf), np.full_like(at, np.inf)
+    low[:, -2:] = [(sample.patch.low, rho[0]) for sample in samples]
+    high[:, -2:] = [(sample.patch.high, rho[-1]) for sample in samples]
+    spots, share = np.arange(len(samples)), np.linspace(-1.0, 1.0, grid.points)
+    for _ in range(grid.rounds):
+        around = np.clip(at[..., None] + step[..., None] * share, low[..., None], high[..., None])
+        found = values(around).reshape(len(samples), -1)
+        best = np.argmax(found, axis=1)
+        where = np.stack(np.unravel_index(best, (grid.points,) * at.shape[1]), axis=1)
+        before, better = value, found[spots, best] > value
+        value = np.where(better, found[spots, best], value)
+        moved = np.take_along_axis(around, where[..., None], axis=2)[..., 0]
+        at, step = np.where(better[:, None], moved, at), grid.shrink * step
+    return value, value + 2.0 * (value - before), at

@@ -1,8 +1,12 @@
-"""Extrema over all contacts of all walls.
+"""Extrema over all contacts of all walls, and the thinnest rib between two of them.
 
-Every quantity is sampled on a grid of each patch, and refined around the best samples. What the
-last refinement gained is reported as the width: a measurement, not a proof. ``enclosure`` proves
-pressure angle, undercut and radii where rollers are cylindrical.
+Every quantity is sampled on each patch and refined around the best samples (``patches``).
+``enclosure`` proves pressure angle, undercut and radii where rollers are cylindrical.
+
+A rib stands between two consecutive rollers. At a point of the wall that one of them envelops, the
+rib is as thick as the least distance to the other roller over half a turn either way. Where the
+rollers' swept volumes overlap it is negative: the rib is cut through. The distance is to the roller
+as a solid of revolution about its axis; it uses no formula of contacts.
 """
 
 from __future__ import annotations
@@ -12,35 +16,44 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from synthesis.machines.spatial.cam import SpatialCam
-from synthesis.machines.spatial.measuring import enclosure
+from synthesis.machines.spatial.cam import SpatialCam, Wall
+from synthesis.machines.spatial.machine import LEFT, Seat
 from synthesis.machines.spatial.measuring.enclosure import (
-    PRESSURE,
     Models,
-    Proof,
-    prove_extremum,
-    undercut,
+    Prover,
+    prove_convex_radius,
+    prove_hollow_radius,
+    prove_pressure_angle,
+    prove_regular,
 )
 from synthesis.machines.spatial.measuring.extremum import Bound, Bounds, Extremum, Quantity, rounded
 from synthesis.machines.spatial.measuring.motion import first_jump
 from synthesis.machines.spatial.measuring.patches import (
-    ContactPlaces,
+    Grid,
     Patch,
-    PatchSet,
-    WallSamples,
+    Sample,
+    WallPoints,
+    best_samples,
+    refine,
     sample_walls,
 )
-from synthesis.numerics.geometry.swept_roller import cross, dot, norm
+from synthesis.numerics.geometry.swept_roller import cross, dot, norm, rotate
 from synthesis.numerics.piecewise import Array
-from synthesis.units import DEGREE
+from synthesis.units import DEGREE, FULL_TURN
 
 ANGLES, PLACES = 49, 5  # samples of a patch: cam angles, places
 WHOLE = 240  # about so many angles on a wall with many patches
 REFINED = 2  # patches that are refined
-GRID, ROUNDS, SHRINK = 11, 8, 0.25  # refinement: points a direction, rounds, shrinkage a round
+CLOSER = Grid(11, 8, 0.25)  # the last steps are 1e-5 of those between samples
 EVIDENCE = "measured on a grid of every smooth part of a wall, then closer"
-Values = Callable[[ContactPlaces, Array, Array], Array]
-Prover = Callable[[Models, Extremum, float | None], Extremum]
+
+RIB_ANGLES, RIB_PLACES, RIB_TURNS = 25, 3, 73  # samples; turns: angles of the other roller
+RIB_WHOLE, RIB_REFINED = 72, 3  # as WHOLE and REFINED
+RIB_CLOSER = Grid(7, 13, 0.4)
+RIB_EVIDENCE = (
+    "measured from points of each wall to the next roller, at every cam angle, then closer"
+)
+RIB = Quantity("rib_thickness", "mm", largest=False, required=Bound(0.0))
 
 
 @dataclass(frozen=True)
@@ -48,37 +61,40 @@ class ContactQuantity:
     """A quantity of contacts.
 
     Attributes:
-        kind: what is measured. of: its values (n, m) at θ (n,) and ρ, (m,) or (n, m).
+        kind: what is measured. of: its values at n angles by m places, (n, m).
         proof: how its extremum is proven; None: it is measured only.
     """
 
     kind: Quantity
-    of: Values
+    of: Callable[[WallPoints], Array]
     proof: Prover | None = None
 
 
-def _sliding(patch: ContactPlaces, theta: Array, rho: Array) -> Array:
+def _sliding(at: WallPoints) -> Array:
     """Sliding per radian, the roller turning so that its middle does not slide across [mm]."""
-    swept = patch.cam.swept
-    middle = np.full((*rho.shape[:-1], 1), swept.roller.middle)
-    both = np.concatenate([rho, middle], axis=-1)
-    found = patch.contacts(theta, both)
-    u = swept.joint.turn_direction(swept.along.reshape(3, 1, 1), patch.place(theta).q)
-    across = cross(u, found.normal)
+    swept = at.cam.swept
+    middle = np.full((*at.rho.shape[:-1], 1), swept.roller.middle)
+    both = replace(at, rho=np.concatenate([at.rho, middle], axis=-1))
+    slip, across = both.contacts.slip, _across(both)
     across = across / norm(across)
-    radius = swept.roller.profile(both)[0]
-    spin = dot(across, found.slip)[:, -1:] / swept.roller.radius
-    return norm(found.slip - spin * radius * across)[:, :-1]
+    spin = dot(across, slip)[:, -1:] / swept.roller.radius
+    return norm(slip - spin * swept.roller.profile(both.rho)[0] * across)[:, :-1]
 
 
-def _spin(patch: ContactPlaces, theta: Array, rho: Array) -> Array:
+def _spin(at: WallPoints) -> Array:
     """Speed at which the roller turns then, relative to the cam's."""
-    swept = patch.cam.swept
-    found = patch.contacts(theta, np.array([swept.roller.middle]))
-    u = swept.joint.turn_direction(swept.along.reshape(3, 1, 1), patch.place(theta).q)
-    across = cross(u, found.normal)
-    rate = np.abs(dot(across, found.slip)) / norm(across) / swept.roller.radius
-    return rate + 0.0 * rho
+    roller = at.cam.swept.roller
+    middle = replace(at, rho=np.array([roller.middle]))
+    across = _across(middle)
+    rate = np.abs(dot(across, middle.contacts.slip)) / norm(across) / roller.radius
+    return rate + 0.0 * at.rho
+
+
+def _across(at: WallPoints) -> Array:
+    """Directions (3, n, m) across the roller's axis and the wall's normal."""
+    swept = at.cam.swept
+    u = swept.joint.turn_direction(swept.along.reshape(3, 1, 1), at.state.q)
+    return cross(u, at.contacts.normal)
 
 
 def _radius(curvature: float) -> float:
@@ -88,83 +104,69 @@ def _radius(curvature: float) -> float:
     return -1.0 / curvature if curvature < 0.0 else np.inf
 
 
-def _prove_pressure_angle(models: Models, found: Extremum, allowed: float | None) -> Extremum:
-    return prove_extremum(models, PRESSURE, found, allowed)
-
-
-def _prove_regular(models: Models, found: Extremum, allowed: float | None) -> Extremum:
-    return prove_extremum(
-        models, Proof(undercut(models.cam.swept.roller.radius), -1.0), found, allowed
-    )
-
-
 PRESSURE_ANGLE = ContactQuantity(
     Quantity("pressure_angle", "deg", True, lambda v: v / DEGREE, lambda v: v * DEGREE),
-    lambda p, theta, rho: p.contacts(theta, rho).pressure_angle,
-    _prove_pressure_angle,
+    lambda at: at.contacts.pressure_angle,
+    prove_pressure_angle,
 )
 UNDERCUT = ContactQuantity(
     Quantity("undercut", "1", False, required=Bound(0.0)),
-    lambda p, theta, rho: p.contacts(theta, rho).regular,
-    _prove_regular,
+    lambda at: at.contacts.regular,
+    prove_regular,
 )
+# Measured as negated curvatures, which are finite where a wall is flat.
 RADII = (
     ContactQuantity(
         Quantity("convex_radius", "mm", False, _radius, lambda radius: -1.0 / radius),
-        lambda p, theta, rho: -p.curvatures(theta, rho)[0],
-        enclosure.prove_convex_radius,
+        lambda at: -at.curvatures[0],
+        prove_convex_radius,
     ),
     ContactQuantity(
         Quantity("hollow_radius", "mm", False, _radius, lambda radius: -1.0 / radius),
-        lambda p, theta, rho: p.curvatures(theta, rho)[1],
-        enclosure.prove_hollow_radius,
+        lambda at: at.curvatures[1],
+        prove_hollow_radius,
     ),
 )
-CORNER = Extremum(
-    -np.inf,
-    -np.inf,
-    "the velocity jumps there: walls cross on one side and leave a gap on the other",
-)
+CORNER = "the velocity jumps there: walls cross on one side and leave a gap on the other"
 NO_RADIUS = Extremum(-np.inf, -np.inf, "a wall is undercut: there is no such radius")
 
 
 def _speeds(omega: float) -> Sequence[ContactQuantity]:
     """Speeds of a cam that turns at ω [rad/s]."""
     rpm = omega * 60.0 / (2.0 * np.pi)
+    contact, sliding = (
+        Quantity(name, "mm/s", True, lambda value: value * omega)
+        for name in ("contact_speed", "sliding_speed")
+    )
     return (
-        ContactQuantity(
-            Quantity("contact_speed", "mm/s", True, lambda value: value * omega),
-            lambda p, theta, rho: norm(p.contacts(theta, rho).slip),
-        ),
-        ContactQuantity(
-            Quantity("sliding_speed", "mm/s", True, lambda value: value * omega), _sliding
-        ),
+        ContactQuantity(contact, lambda at: norm(at.contacts.slip)),
+        ContactQuantity(sliding, _sliding),
         ContactQuantity(Quantity("roller_speed", "rpm", True, lambda value: value * rpm), _spin),
     )
 
 
-def extrema(
+def contact_extrema(
     cam: SpatialCam, parts: Sequence[Patch], omega: float, bounds: Bounds
 ) -> Iterator[tuple[Quantity, Extremum]]:
-    """The extremum of every quantity over all patches."""
+    """The extremum of every quantity of contacts over all patches."""
     if not parts:
         return
     rho = np.linspace(cam.swept.roller.inner, cam.swept.roller.outer, PLACES)
-    grids = list(sample_walls(parts, ANGLES, WHOLE))
+    walls = list(sample_walls(parts, rho, ANGLES, WHOLE))
     # The proof is for ruled surfaces: the contacts of a crowned roller are not offsets of one.
     models = None if cam.swept.roller.crown > 0.0 else Models(cam, parts)
 
     def over(quantity: ContactQuantity) -> Extremum:
         bound = bounds.get(quantity.kind.name, quantity.kind.required)
         allowed = None if bound is None else quantity.kind.from_wire(bound.value)
-        found = _extreme(quantity, parts, grids, rho)
+        found = _extremum(quantity, walls, rho)
         if models is None or quantity.proof is None or not np.isfinite(found.value):
             return found
         return quantity.proof(models, found, allowed)
 
     yield PRESSURE_ANGLE.kind, over(PRESSURE_ANGLE)
     corner = first_jump(cam.motion.curve, 1)
-    area = over(UNDERCUT) if corner is None else replace(CORNER, theta=corner)
+    area = over(UNDERCUT) if corner is None else Extremum(-np.inf, -np.inf, CORNER, corner)
     yield UNDERCUT.kind, area
     for radius in RADII:
         yield radius.kind, over(radius) if area.value > 0.0 else NO_RADIUS
@@ -172,60 +174,91 @@ def extrema(
         yield speed.kind, over(speed)
 
 
-def _extreme(
-    quantity: ContactQuantity, parts: Sequence[Patch], walls: Sequence[WallSamples], rho: Array
-) -> Extremum:
+def _extremum(quantity: ContactQuantity, walls: Sequence[WallPoints], rho: Array) -> Extremum:
     """The extremum over all patches, sampled wall by wall."""
     sign = 1.0 if quantity.kind.largest else -1.0
-    seen = [
-        (part, theta, values)
-        for wall in walls
-        for part, theta, values in zip(
-            parts[wall.first :],
-            wall.theta,
-            wall.by_patch(sign * _values(quantity, wall.together, wall.theta.ravel(), rho)),
-            strict=False,
+
+    def values(at: WallPoints) -> Array:
+        """To be maximised; −∞ beyond the end faces."""
+        return at.between_faces(sign * quantity.of(at), -np.inf)
+
+    samples = [sample for wall in walls for sample in best_samples(wall, values(wall))]
+    best = sorted(samples, key=lambda each: -rounded(each.value))[:REFINED]
+    parts = [sample.patch for sample in best]
+
+    def on_grids(at: Array) -> Array:
+        theta, rho = at[:, 0], np.repeat(at[:, 1], at.shape[2], axis=0)
+        return values(WallPoints(parts, theta, rho))
+
+    value, limit, at = refine(on_grids, best, rho, CLOSER)
+    first = max(range(len(best)), key=lambda i: rounded(float(value[i])))
+    theta, place = at[first].tolist()
+    return Extremum(
+        sign * float(value[first]), sign * float(limit[first]), EVIDENCE, theta,
+        parts[first].wall, place,
+    )  # fmt: skip
+
+
+def thinnest_rib(cam: SpatialCam, parts: Sequence[Patch], seats: Sequence[Seat]) -> Extremum | None:
+    """The least rib thickness; None where the cam has no ribs."""
+    rho = np.linspace(cam.swept.roller.inner, cam.swept.roller.outer, RIB_PLACES)
+    offset = np.linspace(-0.5 * FULL_TURN, 0.5 * FULL_TURN, RIB_TURNS)
+    samples: list[tuple[Seat, Sample]] = []
+    for wall in sample_walls(parts, rho, RIB_ANGLES, RIB_WHOLE):
+        other = _behind(wall.patches[0].wall, seats, cam.period)
+        if other is not None:
+            thickness = _rib_thickness(wall, other, offset)
+            samples += [(other, each) for each in best_samples(wall, -thickness, offset)]
+    if not samples:
+        return None
+    best = sorted(samples, key=lambda each: -rounded(each[1].value))[:RIB_REFINED]
+
+    def on_grids(at: Array) -> Array:
+        return np.stack(
+            [
+                -_rib_thickness(each.patch.at(theta, rho), other, offset)
+                for (other, each), (offset, theta, rho) in zip(best, at, strict=True)
+            ]
         )
-    ]
-    best = sorted(seen, key=lambda each: -rounded(each[2].max()))[:REFINED]
-    return max(_refine(quantity, sign, best, rho), key=lambda each: rounded(sign * each.value))
+
+    value, limit, at = refine(on_grids, [each for _, each in best], rho, RIB_CLOSER)
+    first = max(range(len(best)), key=lambda i: rounded(float(value[i])))
+    _, theta, place = at[first].tolist()
+    return Extremum(
+        -float(value[first]), -float(limit[first]), RIB_EVIDENCE, theta,
+        best[first][1].patch.wall, place,
+    )  # fmt: skip
 
 
-def _values(quantity: ContactQuantity, patch: ContactPlaces, theta: Array, rho: Array) -> Array:
-    """Values (n, m); beyond the end faces the worst value, which is no extremum."""
-    values = quantity.of(patch, theta, rho)
-    cam = patch.cam
-    if np.all(np.isinf(cam.faces)):
-        return values
-    inside = cam.between_faces(patch.points(theta, rho))
-    return np.where(inside, values, -np.inf if quantity.kind.largest else np.inf)
+def _behind(wall: Wall, seats: Sequence[Seat], period: float) -> Seat | None:
+    """The roller on the other side of the rib behind a wall; None where no roller bounds it."""
+    ordered = sorted(seats, key=lambda seat: seat.start)
+    step = -1 if wall.side == LEFT else 1
+    periods, at = divmod(ordered.index(wall.seat) + step, len(ordered))
+    if len(ordered) < 2 or (periods and np.isinf(period)):
+        return None
+    lag = periods * period if periods else 0.0
+    return replace(ordered[at], start=ordered[at].start + lag)
 
 
-def _refine(
-    quantity: ContactQuantity, sign: float, best: Sequence[tuple[Patch, Array, Array]], rho: Array
-) -> Sequence[Extremum]:
-    """Refine the best samples, each on its own patch; all of them in one vectorised call."""
-    parts, spots = [part for part, *_ in best], np.arange(len(best))
-    n, m = np.array([np.unravel_index(np.argmax(values), values.shape) for *_, values in best]).T
-    theta, value = np.array([(a[i], v[i, j]) for (_, a, v), i, j in zip(best, n, m, strict=True)]).T
-    place, long = rho[m], (rho[-1] - rho[0]) / (len(rho) - 1)
-    low, high = np.array([(part.low, part.high) for part in parts]).T[:, :, None]
-    wide = (high - low) / np.array([[max(len(angles) - 1, 1)] for _, angles, _ in best])
-    grid, before = np.linspace(-1.0, 1.0, GRID), value
-    together = PatchSet(parts[0].cam, parts, GRID)
-    for _ in range(ROUNDS):
-        around = np.clip(theta[:, None] + wide * grid, low, high)
-        along = np.clip(place[:, None] + long * grid, rho[0], rho[-1])
-        each = np.repeat(along, GRID, axis=0)
-        found = sign * _values(quantity, together, around.ravel(), each)
-        found = found.reshape(len(best), -1)
-        at = np.argmax(found, axis=1)
-        n, m = np.divmod(at, GRID)
-        before, better = value, found[spots, at] > value
-        value = np.where(better, found[spots, at], value)
-        theta = np.where(better, around[spots, n], theta)
-        place = np.where(better, along[spots, m], place)
-        wide, long = SHRINK * wide, SHRINK * long
-    limit = value + 2.0 * (value - before)
-    told = zip(parts, *np.stack([sign * value, sign * limit, theta, place]).tolist(), strict=True)
-    return [Extremum(v, l, EVIDENCE, t, part.wall, r) for part, v, l, t, r in told]
+def _rib_thickness(wall: WallPoints, other: Seat, offset: Array) -> Array:
+    """Distance of a wall's points from another roller, ``offset`` (k,) later: (k, n, m) [mm].
+
+    Negative inside the roller; infinite where the wall is beyond the end faces.
+    """
+    cam, swept, points = wall.cam, wall.cam.swept, wall.points
+    centre = swept.centre.reshape(3, 1, 1)
+    # The wall's points as the cam carries them on, seen along the other roller's axis.
+    away = points.reshape(3, 1, -1) - centre
+    moved = rotate(away, swept.hand * offset, swept.axis) + centre
+    theta = (np.repeat(wall.theta.ravel(), points.shape[2]) + offset[:, None]).ravel()
+    turns = np.floor(theta / FULL_TURN)
+    q = other.start + cam.motion.derivatives(theta, 0)[0] + cam.gain * turns
+    u = swept.joint.turn_direction(swept.along.reshape(3, 1, 1), q)
+    foot = moved.reshape(3, -1, 1) - swept.joint.move_points(swept.origin.reshape(3, 1, 1), q)
+    roller, along = swept.roller, dot(u, foot)
+    within = np.clip(along, roller.inner, roller.outer)
+    beyond = np.abs(along - within)
+    over = norm(foot - along * u) - roller.profile(within)[0]
+    found = np.where(beyond > 0.0, np.hypot(beyond, np.maximum(over, 0.0)), over)
+    return wall.between_faces(found.reshape(-1, *points.shape[1:]), np.inf)

@@ -14,6 +14,7 @@ from typing import Any
 
 from synthesis.catalogue.ranges import Range, ends
 from synthesis.design.design import Conflict, Relaxation
+from synthesis.machines.spatial.machine import ROLLER_RADIUS
 from synthesis.machines.spatial.sizing.size_cam import SizingResult, size_cam
 from synthesis.machines.spatial.spec import SpatialCamSpec
 from synthesis.numerics import clock
@@ -82,7 +83,7 @@ def _dimensions(spec: SpatialCamSpec) -> Iterator[_Relaxable]:
     sizes = spec.machine.sizes()
     for name in sorted(sizes, key=lambda name: name != spec.machine.size_field):
         low, high = ends(sizes[name])
-        upper = name != spec.machine.radius_field
+        upper = name != ROLLER_RADIUS
         end = high if upper else low
         if not isfinite(end) or end <= 0.0:
             continue

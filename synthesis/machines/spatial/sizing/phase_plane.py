@@ -24,12 +24,13 @@ from bisect import bisect_right
 from collections.abc import Sequence
 from dataclasses import dataclass
 from math import inf, isfinite, sqrt
+from typing import cast
 
 import numpy as np
 from scipy.optimize import brentq
 
 from synthesis.catalogue.motion import PlacedSegment
-from synthesis.machines.spatial.sizing.problem import size_constraints
+from synthesis.machines.spatial.pressure_angle_constraints import SizeConstraint
 from synthesis.numerics.piecewise import Array
 from synthesis.optimise.conic.law_bounds import LawBounds
 from synthesis.optimise.conic.program import ConicModel
@@ -115,8 +116,8 @@ class PhasePlane:
         sense = 1.0 if self.segment.lift > 0.0 else -1.0
         s = self.segment.s_start + sense * p
         limit = np.full(len(p), self.caps.velocity)
-        for constraint in size_constraints(self.problem, self.segment):
-            limit = np.minimum(limit, constraint.max_speed(s, size, sense))
+        for curve in self.problem.curved_limits_on(self.segment):
+            limit = np.minimum(limit, cast(SizeConstraint, curve).max_speed(s, size, sense))
         return limit
 
     def profile(self, size: float) -> SpeedProfile | None:

@@ -13,8 +13,8 @@ from synthesis.catalogue.followers.closures import SINGLE_FLANK, Closure
 from synthesis.catalogue.followers.sizing import SizeDomain
 from synthesis.catalogue.limits import Limit, Machine
 from synthesis.catalogue.motion import EndState, PlacedSegment
+from synthesis.machines.spatial.limits import SpatialObjective
 from synthesis.machines.spatial.machine import SpatialMachine
-from synthesis.machines.spatial.objectives import SpatialObjective
 from synthesis.machines.spatial.pressure_angle_constraints import SizeConstraint
 from synthesis.optimise.problem.problem import Problem
 from synthesis.units import Travel
@@ -122,11 +122,6 @@ def inner_approximation(problem: Problem) -> Problem:
     """The same problem with inner rows: every point of its programs keeps the limits."""
     follower = replace(cast(SpatialFollower, problem.machine.follower), inner=True)
     return replace(problem, machine=replace(problem.machine, follower=cast(Follower, follower)))
-
-
-def size_constraints(problem: Problem, segment: PlacedSegment) -> tuple[SizeConstraint, ...]:
-    """The constraints on a segment that are not linear."""
-    return cast(tuple[SizeConstraint, ...], tuple(problem.curved_limits_on(segment)))
 
 
 def _as_length(segment: PlacedSegment, scale: float) -> PlacedSegment:

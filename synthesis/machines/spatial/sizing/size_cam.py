@@ -8,13 +8,15 @@
 4. The rollers grow as far as that leaves room for.
 
 Steps 3 and 4 are outside of the program and the bound: walls have no closed form except the convex
-radius on a turret, which enters step 2 where the first cam breaks it.
+radius on a turret, which enters step 2 where the first cam breaks it. A larger cam and smaller
+rollers ease all that walls and ribs have to keep, so that the least size and the largest rollers
+are roots of monotone functions. Samples are checked quickly; ``measuring`` judges the result.
 """
 
 from __future__ import annotations
 
 import time
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from math import inf
 
@@ -23,26 +25,21 @@ from scipy.optimize import brentq
 
 from synthesis.catalogue.motion import Motion, PlacedSegment
 from synthesis.catalogue.ranges import ends
-from synthesis.machines.spatial.limits import AnySpatialLimit, WallRadius
-from synthesis.machines.spatial.machine import LARGEST, SpatialMachine
-from synthesis.machines.spatial.objectives import objective_of
+from synthesis.machines.spatial.cam import build_cam
+from synthesis.machines.spatial.limits import AnySpatialLimit, WallRadius, objective_of
+from synthesis.machines.spatial.machine import LARGEST, ROLLER_RADIUS, SpatialMachine
+from synthesis.machines.spatial.measuring.patches import patches, sample_walls
+from synthesis.machines.spatial.measuring.walls import thinnest_rib
 from synthesis.machines.spatial.sizing.problem import formulate_problem
 from synthesis.machines.spatial.sizing.sequential_convex import minimise_size
-from synthesis.machines.spatial.sizing.wall_requirements import (
-    WallRequirements,
-    enlarge_cam,
-    enlarge_rollers,
-)
 from synthesis.machines.spatial.spec import SpatialCamSpec
-from synthesis.numerics.bspline import SplineSpace
-from synthesis.numerics.piecewise import Array
 from synthesis.optimise import driver
 from synthesis.optimise.conic.semi_infinite import most_violated
 from synthesis.optimise.parameters.table_smoothing import Tables
-from synthesis.optimise.problem.grid import SplineLaw
 from synthesis.optimise.problem.problem import Problem
 from synthesis.optimise.recovery.candidate import Candidate
 from synthesis.optimise.recovery.closed_form import closed_form_size
+from synthesis.optimise.recovery.junction_repair import Splines
 from synthesis.optimise.state.solve_state import SolveState, Stage
 
 SMALLEST = 1e-3  # mm: a radius or an inner end without a least value
@@ -52,11 +49,15 @@ TIGHTENED_MARGIN = 20.0  # tightenings: the same where limits have been tightene
 RIB_MARGIN = 2e-5  # relative: ribs at rest keep this for what samples of ribs in motion miss
 SLACK = 0.02  # of the tolerance: the size gives it up, so that the judge resolves less
 ROUNDING = 1e-12  # relative: accuracy of the size of given laws
-WALL_QUANTITY = "convex_radius"  # quantity of limits on walls
+WALL_QUANTITY, RIB_QUANTITY = "convex_radius", "rib_thickness"  # quantities of limits on walls
+ANGLES, PLACES = 240, 3  # samples of a wall: cam angles, and places along the roller
+NEIGHBOURS, REFINEMENTS = 9, 5  # around the lowest sample; each refinement quarters the interval
+WALL_ACCURACY, RIB_ACCURACY = 1e-7, 1e-4  # relative, of a size that is enlarged for walls, for ribs
+FIRST_STEP = 0.02  # relative, of a size that is enlarged; doubled until it is enough
+ROLLER_MARGIN = 1e-3  # of the ratio of areas: what larger rollers leave for what samples miss
 
 Sizes = Mapping[str, float]
 Ranges = Mapping[str, tuple[float, float]]
-Splines = Mapping[int, tuple[SplineSpace, Array]]
 
 
 @dataclass(eq=False)
@@ -110,7 +111,7 @@ def size_cam(
     result = SizingResult(tables.segments, dict(tables.splines), list(tables.stages))
     ranges = {name: ends(given) for name, given in spec.machine.sizes().items()}
     # 1. The smallest rollers.
-    rib = strictest_minimum(spec.limits, "rib_thickness")
+    rib = strictest_minimum(spec.limits, RIB_QUANTITY)
     rollers = smallest_rollers(spec.machine, ranges, rib)
     if rollers is None:
         result.why, result.proven = "rollers leave no rib of that thickness at rest", True
@@ -206,45 +207,13 @@ def _size_of_given_laws(problem: Problem, result: SizingResult) -> float | None:
 
 def _adopt_laws(result: SizingResult, problem: Problem, cam: Candidate) -> None:
     """Take the laws of a cam over into the program, in its own unit."""
-    laws: dict[int, SplineLaw] = {
-        segment.index: law for segment, law in zip(problem.free, cam.laws, strict=True)
-    }
+    laws = {segment.index: law for segment, law in zip(problem.free, cam.laws, strict=True)}
     result.segments = tuple(
         segment.with_law(laws[segment.index].curve()) if segment.index in laws else segment
         for segment in result.segments
     )
-    result.splines = {
-        **result.splines,
-        **{index: (law.space, law.coefficients) for index, law in laws.items()},
-    }
-
-
-def _enlarge_for_walls(
-    spec: SpatialCamSpec,
-    result: SizingResult,
-    sizes: Sizes,
-    ranges: Ranges,
-    tighten: float,
-    *,
-    ribs: bool,
-) -> None:
-    """Enlarge the cam until walls and ribs are sound, then the rollers."""
-    began, machine = time.perf_counter(), spec.machine
-    rib = strictest_minimum(spec.limits, "rib_thickness")
-    radius = strictest_minimum(spec.limits, WALL_QUANTITY)
-    margin = max(SAMPLING_MARGIN, TIGHTENED_MARGIN * tighten)
-    required = WallRequirements(spec, result.motion, radius, rib, margin)
-    high = min(ranges[machine.size_field][1], LARGEST)
-    enlarged = enlarge_cam(required, sizes, high, ribs=ribs)
-    if enlarged is None:
-        result.why, result.walls_failed = "no cam so small has sound walls and ribs", True
-        return
-    growth = enlarged[machine.size_field] / sizes[machine.size_field] - 1.0
-    largest = _largest_radius(machine, enlarged, ranges, rib)
-    result.sizes = enlarge_rollers(required, enlarged, largest)
-    note = f"grown by {growth:.3g} for walls and ribs" if growth > 0.0 else ""
-    seconds = time.perf_counter() - began
-    result.stages.append(Stage("walls", "sampled", "none", 1, 0, 0, seconds, "solved", note))
+    chosen = {index: (law.space, law.coefficients) for index, law in laws.items()}
+    result.splines = {**result.splines, **chosen}
 
 
 def strictest_minimum(limits: Sequence[AnySpatialLimit], quantity: str) -> float:
@@ -281,9 +250,125 @@ def smallest_rollers(machine: SpatialMachine, ranges: Ranges, rib: float) -> Siz
     return {**rollers, place: min(root * (1.0 + CLEAR), high)}
 
 
+def _enlarge_for_walls(
+    spec: SpatialCamSpec,
+    result: SizingResult,
+    sizes: Sizes,
+    ranges: Ranges,
+    tighten: float,
+    *,
+    ribs: bool,
+) -> None:
+    """Enlarge the cam as little as walls, and ribs, need, then the rollers."""
+    began, machine = time.perf_counter(), spec.machine
+    rib = strictest_minimum(spec.limits, RIB_QUANTITY)
+    radius = strictest_minimum(spec.limits, WALL_QUANTITY)
+    margin = max(SAMPLING_MARGIN, TIGHTENED_MARGIN * tighten)
+    required = WallRequirements(spec, result.motion, radius, rib, margin)
+    name, enlarged = machine.size_field, sizes
+    high = min(ranges[name][1], LARGEST)
+    wanted = [(required.wall_margin, WALL_ACCURACY), (required.rib_margin, RIB_ACCURACY)]
+    for margin_of, accuracy in wanted if ribs else wanted[:1]:
+        larger = _enlarge(margin_of, enlarged, name, high, accuracy)
+        if larger is None:
+            result.why, result.walls_failed = "no cam so small has sound walls and ribs", True
+            return
+        enlarged = larger
+    growth = enlarged[name] / sizes[name] - 1.0
+    largest = _largest_radius(machine, enlarged, ranges, rib)
+    result.sizes = _enlarge_rollers(required, enlarged, largest)
+    note = f"grown by {growth:.3g} for walls and ribs" if growth > 0.0 else ""
+    seconds = time.perf_counter() - began
+    result.stages.append(Stage("walls", "sampled", "none", 1, 0, 0, seconds, "solved", note))
+
+
+@dataclass(frozen=True, eq=False)
+class WallRequirements:
+    """What walls and ribs have to keep, for one motion.
+
+    Walls are neither undercut nor rounder than allowed where a roller larger by the least convex
+    radius would not undercut them.
+
+    Attributes:
+        radius: least convex radius of walls [mm]. rib: least thickness of ribs [mm].
+        margin: kept in all of it, relative, for what samples may miss.
+    """
+
+    spec: SpatialCamSpec
+    motion: Motion
+    radius: float
+    rib: float
+    margin: float
+
+    def wall_margin(self, sizes: Sizes) -> float:
+        """The least clearance if one is negative, else the least ratio of areas; less ``margin``.
+
+        The ratio is that of walls to the surface which the axis of a larger roller sweeps.
+        """
+        machine = self.spec.machine
+        unit, clearances = sizes[machine.size_field], machine.clearances(sizes).values()
+        least = min((clearance / unit for clearance in clearances), default=inf)
+        if least <= 0.0:
+            return least - self.margin
+        cam = build_cam(self.spec, sizes, self.motion)
+        roller = cam.swept.roller
+        crown = roller.crown + self.radius if roller.crown else 0.0
+        larger = replace(roller, radius=roller.radius + self.radius, crown=crown)
+        offset = replace(cam, swept=replace(cam.swept, roller=larger))
+        rho = np.linspace(roller.inner, roller.outer, PLACES)
+        least, lowest = inf, None
+        for wall in sample_walls(list(patches(offset)), rho, ANGLES, ANGLES):
+            values = wall.between_faces(wall.contacts.regular, inf)
+            at, k = np.unravel_index(int(np.argmin(values)), values.shape)
+            if values[at, k] < least:
+                least, lowest = float(values[at, k]), (wall, int(at), rho[[k]])
+        if lowest is None:
+            return inf
+        # Between the neighbours of the lowest sample the least value is found by ever finer ones.
+        wall, sample, place = lowest
+        each = wall.theta.shape[1]
+        patch, theta = wall.patches[sample // each], wall.theta.flat[sample]
+        step = (patch.high - patch.low) / max(each - 1, 1)
+        for _ in range(REFINEMENTS):
+            around = np.clip(
+                theta + step * np.linspace(-1.0, 1.0, NEIGHBOURS), patch.low, patch.high
+            )
+            values = patch.at(around, place).contacts.regular[:, 0]
+            theta, step = around[np.argmin(values)], 0.25 * step
+        return min(least, float(np.min(values))) - self.margin
+
+    def rib_margin(self, sizes: Sizes) -> float:
+        """Thickness of the thinnest rib beyond the least one, relative, less ``margin``; slow."""
+        cam = build_cam(self.spec, sizes, self.motion)
+        found = thinnest_rib(cam, list(patches(cam)), self.spec.machine.seats())
+        if found is None:
+            return inf
+        return (found.limit - self.rib) / sizes[self.spec.machine.size_field] - self.margin
+
+
+def _enlarge(
+    margin_of: Callable[[Sizes], float], sizes: Sizes, name: str, largest: float, accuracy: float
+) -> Sizes | None:
+    """The sizes with one enlarged until a margin is ≥ 0; None where none up to the largest does."""
+
+    def margin(size: float) -> float:
+        return margin_of({**sizes, name: size})
+
+    at = low = sizes[name]
+    step = FIRST_STEP * low
+    if margin(low) >= 0.0:
+        return sizes
+    while at < largest:
+        at, before = min(low + step, largest), at
+        if margin(at) >= 0.0:
+            return {**sizes, name: _feasible_root(margin, before, at, accuracy)}
+        step *= 2.0
+    return None
+
+
 def _largest_radius(machine: SpatialMachine, sizes: Sizes, ranges: Ranges, rib: float) -> float:
     """The largest radius of the rollers that leaves ribs at rest [mm]."""
-    name = machine.radius_field
+    name = ROLLER_RADIUS
     low, high = sizes[name], min(ranges[name][1], LARGEST)
 
     def margin(radius: float) -> float:
@@ -292,3 +377,30 @@ def _largest_radius(machine: SpatialMachine, sizes: Sizes, ranges: Ranges, rib: 
     if high <= low or margin(high) >= 0.0:
         return max(low, high)
     return float(brentq(margin, low, high)) * (1.0 - CLEAR) if margin(low) > 0.0 else low
+
+
+def _enlarge_rollers(required: WallRequirements, sizes: Sizes, largest: float) -> Sizes:
+    """The sizes with rollers enlarged as far as walls allow, up to a largest radius [mm]."""
+    name = ROLLER_RADIUS
+    low, more = sizes[name], max(ROLLER_MARGIN - required.margin, 0.0)
+
+    def margin(less: float) -> float:
+        return required.wall_margin({**sizes, name: largest - less}) - more
+
+    if largest <= low * (1.0 + ROLLER_MARGIN) or margin(largest - low) < 0.0:
+        return sizes
+    less = 0.0
+    if margin(0.0) < 0.0:
+        less = _feasible_root(margin, 0.0, largest - low, WALL_ACCURACY)
+    return {**sizes, name: largest - less}
+
+
+def _feasible_root(
+    margin: Callable[[float], float], low: float, high: float, accuracy: float
+) -> float:
+    """Where the margin becomes positive, on the positive side."""
+    step = accuracy * high
+    root = float(brentq(margin, low, high, xtol=step, rtol=1e-12))
+    while margin(root) < 0.0 and root < high:
+        root = min(root + step, high)
+    return root

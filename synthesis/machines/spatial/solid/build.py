@@ -9,7 +9,6 @@ from itertools import groupby
 import numpy as np
 
 from synthesis.machines.spatial.solid import geometry
-from synthesis.machines.spatial.solid.patches import fit_patch
 from synthesis.machines.spatial.solid.sheets import (
     HIGH,
     IN,
@@ -18,6 +17,7 @@ from synthesis.machines.spatial.solid.sheets import (
     Piece,
     Stop,
     WallSheets,
+    fit_patch,
 )
 from synthesis.machines.spatial.solid.shell import Key, Shell
 from synthesis.numerics.geometry.charts import Chart

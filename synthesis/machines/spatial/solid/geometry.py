@@ -1,15 +1,18 @@
-"""Curves and surfaces of a boundary representation: points, normals, and STEP entities."""
+"""Curves and surfaces of a boundary representation: points, normals, STEP entities and files."""
 
 from __future__ import annotations
 
 import math
 from abc import ABC, abstractmethod
+from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.interpolate import BSpline, NdBSpline
+from scipy.interpolate import BSpline, NdBSpline, make_interp_spline
 
-from synthesis.exporters.curves.part21 import Entities, many, real
+from synthesis.exporters.curves.part21 import Entities, exchange_file, many, real, text
+from synthesis.exporters.curves.step_curve import FINEST, SCHEMA, axes, context, product
+from synthesis.machines.spatial.design import SpatialDesign
 from synthesis.numerics.piecewise import Array
 
 UP = np.array([0.0, 0.0, 1.0])
@@ -169,14 +172,26 @@ class SplineSurface(Surface):
         return np.asarray(np.cross(along, down))
 
     def to_step(self, data: Entities) -> str:
-        rows = [many([point(data, each) for each in row]) for row in self.spline.c]
-        each = [np.unique(knots, return_counts=True) for knots in self.spline.t]
-        return data.add(
-            "B_SPLINE_SURFACE_WITH_KNOTS", "''", *map(str, self.spline.k), many(rows),
-            ".UNSPECIFIED.", ".F.", ".F.", ".F.",
-            *(many(map(str, times.tolist())) for _, times in each),
-            *(many(map(real, knots.tolist())) for knots, _ in each), ".UNSPECIFIED.",
-        )  # fmt: skip
+        return spline_surface(data, "''", self.spline)
+
+
+def interpolate_surface(u: Array, v: Array, points: Array, degrees: tuple[int, int]) -> NdBSpline:
+    """The tensor product of B-splines through points (n, m, 3) at u (n,) and v (m,)."""
+    by_u = make_interp_spline(u, points, k=degrees[0], axis=0)
+    by_v = make_interp_spline(v, by_u.c, k=degrees[1], axis=1)
+    return NdBSpline((by_u.t, by_v.t), np.moveaxis(by_v.c, 0, 1), degrees)
+
+
+def spline_surface(data: Entities, name: str, spline: NdBSpline) -> str:
+    """Writes a tensor product of B-splines."""
+    rows = [many([point(data, each) for each in row]) for row in spline.c]
+    each = [np.unique(knots, return_counts=True) for knots in spline.t]
+    return data.add(
+        "B_SPLINE_SURFACE_WITH_KNOTS", name, *map(str, spline.k), many(rows),
+        ".UNSPECIFIED.", ".F.", ".F.", ".F.",
+        *(many(map(str, times.tolist())) for _, times in each),
+        *(many(map(real, knots.tolist())) for knots, _ in each), ".UNSPECIFIED.",
+    )  # fmt: skip
 
 
 def point(data: Entities, place: Array) -> str:
@@ -198,3 +213,29 @@ def placement(data: Entities, origin: Array, axis: Array, x: Array) -> str:
 def upright(data: Entities) -> str:
     """Writes the cam's own frame."""
     return placement(data, np.zeros(3), UP, np.array([1.0, 0.0, 0.0]))
+
+
+def shape_file(
+    design: SpatialDesign,
+    title: str,
+    kind: str,
+    write: Callable[[Entities], str],
+    error: float = FINEST,
+    meaning: str = "largest distance from the true curve",
+    name: str = "",
+) -> bytes:
+    """A STEP AP242 file with one shape.
+
+    Args:
+        title: for people. kind: entity of the shape's representation.
+        write: writes the shape; returns the reference.
+        error: uncertainty of the shape [mm], and its meaning. name: of the shape; "": the cam's.
+    """
+    data = Entities()
+    shared = context(data, max(error, FINEST), meaning)
+    label = text(name or design.name or f"cam {design.id}")
+    origin = data.add("CARTESIAN_POINT", "''", many(map(real, (0.0, 0.0, 0.0))))
+    placed = data.add("AXIS2_PLACEMENT_3D", "''", origin, *axes(data))
+    shape = data.add(kind, label, many([placed, write(data)]), shared)
+    data.add("SHAPE_DEFINITION_REPRESENTATION", product(data, design), shape)
+    return exchange_file(design, title, SCHEMA, data.lines())

@@ -1,8 +1,14 @@
-"""The walls of a body in sectors: where they lie, and where they leave the blank.
+"""The walls of a body in sectors: where they lie and leave the blank, and B-splines through them.
 
 A sector lies between two lines, half-planes through the cam's axis at which no wall crosses an end
 of the blank. Walls are numbered across the blank: 2g and 2g + 1 are those of groove g. Along a
 sector a wall is a sequence of pieces, each below the blank, in it, or above it.
+
+A piece in the blank becomes a B-spline surface whose boundary curves are the edges of the faces. It
+extends from one stop to the other at every depth: u along the turn, v from the rib's top to the
+floor, both from 0 to 1. It is interpolated on a grid that is refined until the surface is within
+the tolerance of the wall midway between the grid lines. The lines of depth are the same for all
+pieces, so that neighbours share the curve between them to the bit.
 """
 
 from __future__ import annotations
@@ -14,13 +20,15 @@ from itertools import pairwise
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.interpolate import BSpline, NdBSpline
 from scipy.optimize import elementwise
 
 from synthesis.machines.spatial.blank import Blank
-from synthesis.machines.spatial.grooves import GrooveSections
+from synthesis.machines.spatial.grooves import GrooveSections, shifted
 from synthesis.machines.spatial.machine import LEFT, RIGHT, Seat
+from synthesis.machines.spatial.solid.geometry import interpolate_surface
 from synthesis.numerics.piecewise import Array
-from synthesis.units import FULL_TURN
+from synthesis.units import DEGREE, FULL_TURN
 
 ROWS = 360  # at which walls are sampled
 PREFERRED = 60  # rows of a sector, where there is a line to end it
@@ -28,6 +36,9 @@ WIDEST = 300  # rows of a sector: closed faces around the axis are not made
 PAD = 2  # rows between a line and a wall's exit from the blank
 LEVELS = 5  # depths at which walls are sampled
 MAX_STEP = 0.3  # rad: between exits of a wall at neighbouring depths
+CUBIC = 3
+FIRST_STEP = 5.0 * DEGREE  # between lines of a piece's first grid
+MAX_LINES = 1025  # of a grid along the turn
 LOW, IN, HIGH = -1, 0, 1
 TURNS = FULL_TURN * np.arange(2 * ROWS) / ROWS  # of the rows over two turns [rad]
 
@@ -63,20 +74,23 @@ class Piece:
 
 
 @dataclass(frozen=True, eq=False)
-class WallStates:
-    """Sampled states of the walls.
+class WallSheets:
+    """All walls of a body.
 
     Attributes:
-        states: (walls, rows of two turns, depths): LOW, IN or HIGH.
+        cuts, blank: of the cam.
+        states: (walls, rows of two turns, depths) at samples: LOW, IN or HIGH.
         shift: wall w after a turn is wall w + shift.
     """
 
+    cuts: GrooveSections
+    blank: Blank
     states: NDArray[np.int64]
     shift: int
 
     @classmethod
-    def of(cls, cuts: GrooveSections, blank: Blank) -> WallStates:
-        """The states at some depths of a blank.
+    def of(cls, cuts: GrooveSections, blank: Blank) -> WallSheets:
+        """The walls with their states at some depths of the blank.
 
         Raises:
             NotSmooth: a rib or groove has no width somewhere.
@@ -91,38 +105,13 @@ class WallStates:
         if np.any(inside & (np.clip(walls[1:], low, high) <= np.clip(walls[:-1], low, high))):
             raise NotSmooth("a rib ends where the grooves beside it meet")
         shift = 2 * found.shift
-        after = np.full_like(states, HIGH if shift > 0 else LOW)
-        for i in range(max(0, -shift), min(len(states), len(states) - shift)):
-            after[i] = states[i + shift]
-        return cls(np.concatenate([states, after], axis=1), shift)
-
-
-@dataclass(frozen=True, eq=False)
-class WallSheets:
-    """All walls of a body.
-
-    Attributes:
-        cuts, blank: of the cam. seen: states of its walls.
-    """
-
-    cuts: GrooveSections
-    blank: Blank
-    seen: WallStates
+        after = shifted(states, shift, HIGH if shift > 0 else LOW)
+        return cls(cuts, blank, np.concatenate([states, after], axis=1), shift)
 
     @cached_property
     def seats(self) -> list[Seat]:
         """The rollers of the grooves, in order."""
         return self.cuts.seats()
-
-    @property
-    def states(self) -> NDArray[np.int64]:
-        """As in ``WallStates``."""
-        return self.seen.states
-
-    @property
-    def shift(self) -> int:
-        """As in ``WallStates``."""
-        return self.seen.shift
 
     @cached_property
     def lines(self) -> list[int]:
@@ -186,12 +175,12 @@ class WallSheets:
             end = LOW if LOW in (a, b) else HIGH
             if IN not in (a, b):
                 raise NotSmooth("a wall crosses the whole blank at once")
-            stops.append(Stop(("out", j, wall, k), self._feasible_root(wall, end, bracket)))
+            stops.append(Stop(("out", j, wall, k), self._crossing(wall, end, bracket)))
         stops.append(self.line(j + 1))
         for state, (start, stop) in zip(names[0], pairwise(stops), strict=True):
             yield Piece(wall, state, start, stop)
 
-    def _feasible_root(self, wall: int, end: int, bracket: tuple[float, float]) -> Array:
+    def _crossing(self, wall: int, end: int, bracket: tuple[float, float]) -> Array:
         """Cam angle at which a wall crosses an end of the blank, at every depth [rad]."""
         edge = self.blank.low if end == LOW else self.blank.high
         depth = self.blank.depth
@@ -236,3 +225,77 @@ def _runs(states: NDArray[np.int64]) -> tuple[list[int], list[int]]:
     """Run-length encoding: the states, and the rows at which each but the first starts."""
     changes = np.flatnonzero(np.diff(states)) + 1
     return [int(states[0]), *(int(states[i]) for i in changes)], changes.tolist()
+
+
+@dataclass(frozen=True, eq=False)
+class WallPatch:
+    """A piece of a wall.
+
+    Attributes:
+        surface: over u and v in [0, 1]. error: measured distance from the wall [mm].
+    """
+
+    surface: NdBSpline
+    error: float
+
+    def along(self, level: int) -> BSpline:
+        """Its edge at the rib's top (0) or at the floor (−1), over u."""
+        return BSpline(self.surface.t[0], self.surface.c[:, level], CUBIC)
+
+    def down(self, end: int) -> BSpline:
+        """Its edge at its start (0) or end (−1), over v."""
+        return BSpline(self.surface.t[1], self.surface.c[end], CUBIC)
+
+
+def fit_patch(sheets: WallSheets, piece: Piece, tolerance: float, stride: int) -> WallPatch:
+    """A piece of a wall within a tolerance [mm].
+
+    Args:
+        stride: every so many depths of the blank are compared, and every other one of these is
+            interpolated.
+
+    Raises:
+        TooCoarse: it takes more depths. NotSmooth: or too many lines along the turn.
+    """
+    first, last = piece.first.turn, piece.last.turn
+    count = max(5, int(np.ceil(np.max(last - first) / FIRST_STEP)) + 1)
+    depth = sheets.blank.depth[::stride]
+    v = (depth - depth[0]) / (depth[-1] - depth[0])
+    while count <= MAX_LINES:
+        u = np.linspace(0.0, 1.0, 2 * count - 1)
+        true = _points(sheets, piece, u, stride)
+        surface = interpolate_surface(u[::2], v[::2], true[::2, ::2], (CUBIC, CUBIC))
+        away = _deviation(surface, u, v, true)
+        error = float(np.max(away))
+        if error <= tolerance:
+            return WallPatch(surface, error)
+        if np.max(away[::2]) > tolerance:
+            raise TooFewDepths(f"a wall is approximated to {np.max(away[::2]):.2g} mm only")
+        count = 2 * count - 1
+    raise NotSmooth(f"a wall is approximated to {error:.2g} mm only")
+
+
+def cluster_at_ends(first: float, last: float, count: int) -> Array:
+    """Depths clustered at both ends (Chebyshev spacing), where walls bend most."""
+    return first + (last - first) * 0.5 * (1.0 - np.cos(np.linspace(0.0, np.pi, count)))
+
+
+def _deviation(surface: NdBSpline, u: Array, v: Array, true: Array) -> Array:
+    """Distances from the wall: along its normal inside, in any direction on the edges."""
+    places = np.stack(np.meshgrid(u, v, indexing="ij"), axis=-1)
+    off = surface(places) - true
+    normal = np.cross(surface(places, nu=(1, 0)), surface(places, nu=(0, 1)))
+    away = np.abs(np.sum(off * normal, axis=-1)) / np.linalg.norm(normal, axis=-1)
+    whole = np.linalg.norm(off, axis=-1)
+    away[:, [0, -1]], away[[0, -1]] = whole[:, [0, -1]], whole[[0, -1]]
+    return np.asarray(away)
+
+
+def _points(sheets: WallSheets, piece: Piece, u: Array, stride: int) -> Array:
+    """Points (n, m, 3) of the wall in the cam's frame, at every so many depths [mm]."""
+    first, last = piece.first.turn[::stride], piece.last.turn[::stride]
+    turn = first + u[:, None] * (last - first)
+    turn[-1] = last
+    depth = np.broadcast_to(sheets.blank.depth[::stride], turn.shape)
+    across = sheets.across(piece.wall, turn.ravel(), depth.ravel()).reshape(turn.shape)
+    return np.moveaxis(sheets.points(turn, depth, across), 0, -1)

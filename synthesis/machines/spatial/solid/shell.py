@@ -12,13 +12,15 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from synthesis.machines.spatial.solid.geometry import Curve, Surface
+from synthesis.exporters.curves.part21 import Entities, many
+from synthesis.machines.spatial.solid.geometry import Curve, Surface, point
 from synthesis.machines.spatial.solid.sheets import NotSmooth
 from synthesis.numerics.piecewise import Array
 
 Key = tuple[object, ...]
 Run = tuple[Key, bool]  # an edge, and whether it is traversed in its own direction
-SHARES = np.linspace(0.0, 1.0, 33)[:-1]
+SHARES = np.linspace(0.0, 1.0, 33)[:-1]  # of an edge, whose points give a loop's area
+FLAG = {True: ".T.", False: ".F."}
 
 
 @dataclass(frozen=True, eq=False)
@@ -117,3 +119,27 @@ class Shell:
         runs = [run for face in self.faces for loop in face.loops for run in loop]
         if len(set(runs)) != len(runs) or len(runs) != 2 * len(self.edges):
             raise NotSmooth("the shell is not closed")
+
+    def to_step(self, data: Entities) -> str:
+        """Write the CLOSED_SHELL with all its entities; returns the reference."""
+        corners = {
+            key: data.add("VERTEX_POINT", "''", point(data, place))
+            for key, place in self.vertices.items()
+        }
+        edges = {
+            key: data.add("EDGE_CURVE", "''", corners[edge.first], corners[edge.last],
+                          edge.curve.to_step(data), ".T.")
+            for key, edge in self.edges.items()
+        }  # fmt: skip
+        faces = []
+        for face in self.faces:
+            bounds = []
+            for i, loop in enumerate(face.loops):
+                runs = [data.add("ORIENTED_EDGE", "''", "*", "*", edges[key], FLAG[along])
+                        for key, along in loop]  # fmt: skip
+                ring = data.add("EDGE_LOOP", "''", many(runs))
+                kind = "FACE_BOUND" if i else "FACE_OUTER_BOUND"
+                bounds.append(data.add(kind, "''", ring, ".T."))
+            surface, sense = face.surface.to_step(data), FLAG[face.outwards]
+            faces.append(data.add("ADVANCED_FACE", "''", many(bounds), surface, sense))
+        return data.add("CLOSED_SHELL", "''", many(faces))
