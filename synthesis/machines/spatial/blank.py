@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from typing import Annotated
 
 import numpy as np
@@ -26,12 +26,7 @@ Clearance = Annotated[float, Field(ge=0.0, le=1e4)]
 
 @dataclass(frozen=True, kw_only=True)
 class BlankOptions(Options):
-    """The body that the grooves are cut into.
-
-    Attributes:
-        bore_mm: diameter of a bore; None: none. width_mm: between flat ends; None: as far as the
-            rollers mesh. tip_clearance_mm, end_clearance_mm: of ribs and floor.
-    """
+    """The body that the grooves are cut into."""
 
     bore_mm: Bore = None
     width_mm: Annotated[
@@ -68,7 +63,7 @@ class Blank:
     depth: Array
     low: Array
     high: Array
-    bore: float = field(default=0.0)
+    bore: float = 0.0
 
     @classmethod
     def of(

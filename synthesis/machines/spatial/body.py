@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from synthesis.machines.spatial.blank import Blank
-from synthesis.machines.spatial.grooves import Grooves, GrooveSections, shifted
+from synthesis.machines.spatial.grooves import GrooveSections, shifted
 from synthesis.numerics.geometry.swept_roller import cross, dot, norm
 from synthesis.numerics.piecewise import Array
 from synthesis.units import FULL_TURN
@@ -77,29 +77,18 @@ def build_body(cuts: GrooveSections, blank: Blank, rows: int, parts: int | None 
     """
     turn = np.linspace(0.0, FULL_TURN, rows + 1)
     grooves = cuts.grooves(turn[:-1], blank.depth)
-    kept = _meeting_blank(blank, grooves)
-    ribs = rib_bounds(blank, *_closed_walls(grooves, kept))
-    outline = _OutlineBuilder(blank, ribs, blank.chart.parts if parts is None else parts)
-    radius, height = outline.build()
-    hand = cuts.cam.swept.hand
-    return Body(blank, turn, kept, ribs, radius, height, tuple(outline.strips), hand)
-
-
-def _meeting_blank(blank: Blank, grooves: Grooves) -> slice:
-    """The grooves without the first and the last that never meet the blank."""
+    # Grooves at either side that never meet the blank are left out.
     met = np.any((grooves.high > blank.low) & (grooves.low < blank.high), axis=(1, 2))
-    return slice(int(np.argmax(met)), len(met) - int(np.argmax(met[::-1])))
-
-
-def _closed_walls(grooves: Grooves, kept: slice) -> tuple[Array, Array]:
-    """Both walls of the grooves (k, n + 1, m), with the first row repeated as the last."""
-    shift = grooves.shift
-    missing = np.inf if shift > 0 else -np.inf
+    kept = slice(int(np.argmax(met)), len(met) - int(np.argmax(met[::-1])))
+    # The first row is repeated as the last, where each groove has become another.
+    shift, missing = grooves.shift, np.inf if grooves.shift > 0 else -np.inf
     low, high = (
         np.concatenate([walls[kept], shifted(walls[kept, :1], shift, missing)], axis=1)
         for walls in (grooves.low, grooves.high)
     )
-    return low, high
+    ribs = rib_bounds(blank, low, high)
+    radius, height, strips = _outline(blank, ribs, blank.chart.parts if parts is None else parts)
+    return Body(blank, turn, kept, ribs, radius, height, strips, cuts.cam.swept.hand)
 
 
 def rib_bounds(blank: Blank, low: Array, high: Array) -> Array:
@@ -153,61 +142,40 @@ def flank_error(cuts: GrooveSections, body: Body) -> float:
     return max(chord, float(np.max(wide)), float(np.max(away, where=whole, initial=0.0)))
 
 
-class _OutlineBuilder:
-    """Collects the columns of all outlines, from the lower face to the upper."""
+def _outline(blank: Blank, ribs: Array, parts: int) -> tuple[Array, Array, tuple[Strip, ...]]:
+    """Radius and height (n, c) of all columns, from the lower face to the upper; their strips."""
+    columns: list[tuple[Array, Array]] = []  # depth (c,) and place across (n, c)
+    strips: list[Strip] = []
 
-    def __init__(self, blank: Blank, ribs: Array, parts: int) -> None:
-        self.blank, self.ribs, self.count = blank, ribs, parts
-        self.strips: list[Strip] = []
-        self.depths: list[Array] = []
-        self.places: list[Array] = []
+    def count() -> int:
+        return 1 + sum(len(depth) for depth, _ in columns)  # the bore is column 0
 
-    def build(self) -> tuple[Array, Array]:
-        """Radius and height of all columns."""
-        starts, ends = self.ribs
-        up, down = self.blank.depth[::-1], self.blank.depth
-        for k, (start, end) in enumerate(zip(starts, ends, strict=True)):
-            if k:
-                self._add_between_walls("floor", ends[k - 1, :, -1], start[:, -1], float(down[-1]))
-            self._add_wall("wall", up, start[:, ::-1], rising=True)
-            self._add_between_walls("top", start[:, 0], end[:, 0], float(down[0]))
-            self._add_wall("wall", down, end)
-        place = np.concatenate(self.places, axis=1)
-        depth = np.broadcast_to(np.concatenate(self.depths), place.shape)
-        radius, height = self.blank.chart.meridian(depth, place)
-        return self._add_hub(radius, height)
+    def add_wall(depth: Array, place: Array, *, rising: bool = False) -> None:
+        columns.append((depth, place))
+        strips.append(Strip("wall", count() - len(depth), count() - 1, rising))
 
-    def _add_hub(self, radius: Array, height: Array) -> tuple[Array, Array]:
-        """With a column of the bore at either end; the outline closes through the bore."""
-        count = radius.shape[1]
-        self.strips = [
-            Strip("face", 0, 1),
-            *(Strip(s.kind, s.first + 1, s.last + 1, s.rising) for s in self.strips),
-            Strip("face", count, count + 1),
-            Strip("bore", count + 1, 0),
-        ]
-        bore = np.full((len(radius), 1), self.blank.bore)
-        low, high = (np.full_like(bore, face) for face in self.blank.heights)
-        return np.hstack([bore, radius, bore]), np.hstack([low, height, high])
+    def add_between(kind: str, start: Array, end: Array, depth: float) -> None:
+        """Columns between two walls; the first and the last of the strip are the walls' own."""
+        first, share = count() - 1, np.arange(1, parts) / parts
+        place = start[:, None] + (end - start)[:, None] * share
+        columns.append((np.full(len(share), depth), place))
+        strips.append(Strip(kind, first, count()))
 
-    def _add_wall(self, kind: str, depth: Array, place: Array, *, rising: bool = False) -> None:
-        """Columns down or up a wall."""
-        first = self._columns
-        self.depths.append(depth)
-        self.places.append(place)
-        self.strips.append(Strip(kind, first, self._columns - 1, rising))
-
-    def _add_between_walls(self, kind: str, start: Array, end: Array, depth: float) -> None:
-        """Columns between two walls; the first and the last are the walls' own."""
-        first = self._columns - 1
-        parts = np.arange(1, self.count) / self.count
-        self.depths.append(np.full(len(parts), depth))
-        self.places.append(start[:, None] + (end - start)[:, None] * parts)
-        self.strips.append(Strip(kind, first, self._columns))
-
-    @property
-    def _columns(self) -> int:
-        return sum(len(depth) for depth in self.depths)
+    up, down = blank.depth[::-1], blank.depth
+    for k, (start, end) in enumerate(zip(*ribs, strict=True)):
+        if k:
+            add_between("floor", ribs[1][k - 1, :, -1], start[:, -1], float(down[-1]))
+        add_wall(up, start[:, ::-1], rising=True)
+        add_between("top", start[:, 0], end[:, 0], float(down[0]))
+        add_wall(down, end)
+    place = np.concatenate([place for _, place in columns], axis=1)
+    depth = np.concatenate([depth for depth, _ in columns])
+    radius, height = blank.chart.meridian(np.broadcast_to(depth, place.shape), place)
+    # The hub: a column of the bore at either end; the outline closes through the bore.
+    last, bore = count(), np.full((len(radius), 1), blank.bore)
+    hub = [Strip("face", 0, 1), *strips, Strip("face", last - 1, last), Strip("bore", last, 0)]
+    low, high = (np.full_like(bore, face) for face in blank.heights)
+    return np.hstack([bore, radius, bore]), np.hstack([low, height, high]), tuple(hub)
 
 
 @dataclass(frozen=True, eq=False)

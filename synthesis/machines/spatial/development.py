@@ -49,6 +49,11 @@ class WallCurve:
     z: Array
     rho: Array
 
+    @property
+    def name(self) -> str:
+        """Name of the wall, or number of the roller whose axis it is."""
+        return f"{self.seat.number}{'L' if self.side < 0 else 'R' if self.side else ''}"
+
     def plane(self, radius: float) -> Array:
         """(2, n) unrolled [mm]."""
         return np.stack([radius * self.phi, self.z])

@@ -12,7 +12,8 @@ by Newton's method, vectorised over all rows and depths.
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any, NamedTuple
+from functools import cached_property
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -21,7 +22,7 @@ from synthesis.errors import InputError
 from synthesis.machines.spatial.cam import SpatialCam
 from synthesis.machines.spatial.machine import LEFT, RIGHT, Seat, SpatialMachine
 from synthesis.numerics.geometry.charts import Chart
-from synthesis.numerics.geometry.swept_roller import FollowerState, dot, norm
+from synthesis.numerics.geometry.swept_roller import dot, norm
 from synthesis.numerics.piecewise import Array
 from synthesis.units import DEGREE, FULL_TURN
 
@@ -48,15 +49,6 @@ class Grooves:
     low: Array
     high: Array
     shift: int
-
-
-class _ChartContacts(NamedTuple):
-    """Contacts (n,) in chart coordinates, and whether the wall is regular there."""
-
-    turn: Array
-    depth: Array
-    across: Array
-    regular: Array
 
 
 @dataclass(frozen=True, eq=False)
@@ -92,18 +84,20 @@ class GrooveSections:
     def axes(self, rho: float) -> Array:
         """Points at ρ on all rollers' axes over the turn, while in mesh: (3, n, 1) [mm]."""
         swept = self.cam.swept
-        q = np.concatenate([self._integrate_speed(seat) for seat in self.machine.seats()])
-        return swept.joint.move_points((swept.origin + rho * swept.along).reshape(3, 1, 1), q)
+        start = (swept.origin + rho * swept.along).reshape(3, 1, 1)
+        return swept.joint.move_points(start, self._mesh_positions)
 
     def directions(self) -> Array:
         """Directions of these axes, (3, n, 1)."""
-        q = np.concatenate([self._integrate_speed(seat) for seat in self.machine.seats()])
-        return self.cam.swept.joint.turn_direction(self.cam.swept.along.reshape(3, 1, 1), q)
+        swept = self.cam.swept
+        return swept.joint.turn_direction(swept.along.reshape(3, 1, 1), self._mesh_positions)
 
-    def _integrate_speed(self, seat: Seat) -> Array:
-        q = self.cam.place(seat, np.linspace(0.0, FULL_TURN, SAMPLES)).q
-        return np.asarray(np.append(q[(q >= self.mesh[0]) & (q <= self.mesh[1])],
-                                    [end for end in self.mesh if np.isfinite(end)]))  # fmt: skip
+    @cached_property
+    def _mesh_positions(self) -> Array:
+        """Positions q of all rollers over the turn while in mesh, and the ends of the mesh."""
+        q = np.concatenate([self._positions(seat) for seat in self.machine.seats()])
+        inside = q[(q >= self.mesh[0]) & (q <= self.mesh[1])]
+        return np.append(inside, [end for end in self.mesh if np.isfinite(end)])
 
     def grooves(self, turn: Array, depth: Array) -> Grooves:
         """The grooves at rows ``turn`` (n,) [rad] and ``depth`` (m,) [mm].
@@ -116,7 +110,10 @@ class GrooveSections:
             np.stack([self._wall(seat, side, turn, depth) for seat in seats])
             for side in (LEFT, RIGHT)
         )
-        return Grooves(low, high, self._shift([seat.start for seat in seats]))
+        shift = 0
+        if len(seats) > 1:  # the rollers by which the follower advances in a turn
+            shift = round(self.cam.gain / (seats[1].start - seats[0].start))
+        return Grooves(low, high, shift)
 
     def seats(self) -> list[Seat]:
         """All rollers that come near the blank, those of other turns included, by position."""
@@ -140,25 +137,23 @@ class GrooveSections:
         far = FAR * (most - least)
         return np.asarray((q > least - far) & (q < most + far))
 
-    def _shift(self, starts: list[float]) -> int:
-        """Number of rollers by which the follower advances in a turn."""
-        if len(starts) < 2:
-            return 0
-        return round(self.cam.gain / (starts[1] - starts[0]))
-
     def _wall(self, seat: Seat, side: int, turn: Array, depth: Array) -> Array:
         """Places across of a wall, (n, m)."""
         t, d = (each.ravel() for each in np.meshgrid(turn, depth, indexing="ij"))
         if side not in seat.sides:
             return np.full((len(turn), len(depth)), side * np.inf)
-        q = self.cam.place(seat, t).q
+        q, shape = self.cam.place(seat, t).q, (len(turn), len(depth))
         across = np.where(q > self.mesh[1], np.inf, -np.inf)
         sound = np.full(len(t), True)
         near = self._near(q)
         if np.any(near):
             across[near], sound[near] = self.walls(seat, side, t[near], d[near])
-        shape = len(turn), len(depth)
-        return _extend_straight(across.reshape(shape), sound.reshape(shape))
+        # Below the rollers' ends nothing touches the wall: it is constant in depth where longer
+        # rollers would undercut it.
+        wall, regular = across.reshape(shape), sound.reshape(shape)
+        for k in range(1, len(depth)):
+            wall[:, k] = np.where(regular[:, k], wall[:, k], wall[:, k - 1])
+        return wall
 
     def walls(self, seat: Seat, side: int, t: Array, d: Array) -> tuple[Array, NDArray[np.bool_]]:
         """Places across in rows t at depths d (n,), and where they are on a regular wall.
@@ -167,35 +162,48 @@ class GrooveSections:
             InputError: as ``grooves``.
         """
         with np.errstate(all="ignore"):  # divergence far from the blank is handled below
-            found, wrong = self._newton(seat, side, t, d)
+            theta, rho, across, solved = self._newton(seat, side, t, d)
+            touched = self._contact_places(rho)[:, None]
+            found = self.cam.swept.contacts(self.cam.place(seat, theta), touched, side)
         q = self.cam.place(seat, t).q
-        solved = wrong < NO_ROOT
         met = (q > self.mesh[0]) & (q < self.mesh[1])
-        bad = met & ~(solved & (found.regular > 0.0))
+        bad = met & ~(solved & (found.regular[:, 0] > 0.0))
         ends = np.array([self.cam.swept.roller.inner, self.cam.swept.roller.outer])
         reached = d <= np.max(self.chart.depth_of_place(ends))
         self._check(t, d, bad & reached, side)
         away = np.where(q > np.clip(0.0, *self.mesh), np.inf, -np.inf)
-        return np.where(solved, found.across, away), ~bad
+        return np.where(solved, across, away), ~bad
 
-    def _newton(self, seat: Seat, side: int, t: Array, d: Array) -> tuple[_ChartContacts, Array]:
-        """The contacts in rows t at depths d (n,) by Newton's method, and their residuals."""
+    def _newton(
+        self, seat: Seat, side: int, t: Array, d: Array
+    ) -> tuple[Array, Array, Array, NDArray[np.bool_]]:
+        """The contacts in rows t at depths d (n,): θ, ρ, place across, and which were found."""
         theta, rho = t.copy(), self.chart.depth_of_place(d)
         size = float(np.max(np.abs(d)))
+
+        def partials(by_theta: float, by_rho: float) -> tuple[Array, Array]:
+            """Derivatives of row and depth by θ, or by ρ, by central differences."""
+            after = self._chart_point(seat, side, theta + by_theta, rho + by_rho)
+            before = self._chart_point(seat, side, theta - by_theta, rho - by_rho)
+            step = 2.0 * (by_theta + by_rho)
+            return (after[0] - before[0]) / step, (after[1] - before[1]) / step
+
         for _ in range(MAX_ITERATIONS):
-            found = self._chart_contacts(seat, side, theta, rho)
-            turned, sunk = found.turn - t, found.depth - d
+            turn, depth, across = self._chart_point(seat, side, theta, rho)
+            turned, sunk = turn - t, depth - d
             if np.nanmax(np.abs([turned, sunk]), initial=0.0) < CONVERGED:
                 break
-            a, c = self._partials(seat, side, theta, rho, DIFFERENCE, 0.0)
-            b, e = self._partials(seat, side, theta, rho, 0.0, DIFFERENCE)
+            (a, c), (b, e) = partials(DIFFERENCE, 0.0), partials(0.0, DIFFERENCE)
             det = a * e - b * c
+            last = theta, rho
             theta = theta - np.clip((turned * e - b * sunk) / det, -MAX_TURN, MAX_TURN)
             rho = rho - np.clip((a * sunk - turned * c) / det, -MAX_PLACE * size, MAX_PLACE * size)
+        else:
+            theta, rho = last
         wrong = np.maximum(np.abs(turned), np.abs(sunk))
         # Beyond a quarter of a turn it is the contact of the opposite half-plane.
         here = np.isfinite(wrong) & (np.abs(theta - t) < 0.25 * FULL_TURN)
-        return found, np.where(here, wrong, np.inf)
+        return theta, rho, across, here & (wrong < NO_ROOT)
 
     def _check(self, t: Array, d: Array, bad: NDArray[np.bool_], side: int) -> None:
         """Refuse walls that are not a graph over turn and depth."""
@@ -213,15 +221,6 @@ class GrooveSections:
             "flanks' points are available as they are.",
         )
 
-    def _partials(
-        self, seat: Seat, side: int, theta: Array, rho: Array, turn: float, along: float
-    ) -> tuple[Array, Array]:
-        """Derivatives of row and depth by θ, or by ρ, by central differences."""
-        after = self._chart_contacts(seat, side, theta + turn, rho + along)
-        before = self._chart_contacts(seat, side, theta - turn, rho - along)
-        step = 2.0 * (turn + along)
-        return (after.turn - before.turn) / step, (after.depth - before.depth) / step
-
     def _contact_places(self, rho: Array) -> Array:
         """Places on the rollers' axes where walls are contacts; if straight, up to their ends."""
         if not self.straight:
@@ -230,24 +229,26 @@ class GrooveSections:
         deep = roller.outer if self.chart.depth_of_place(np.array(1.0)) > 0.0 else roller.inner
         return np.minimum(rho, deep) if deep == roller.outer else np.maximum(rho, deep)
 
-    def _axis_step(self, place: FollowerState, rho: Array, normal: Array) -> Array:
-        """Displacement (3, n) of a contact at ρ along the roller's profile, per unit of ρ."""
-        swept = self.cam.swept
-        axis = swept.joint.turn_direction(swept.along.reshape(3, 1, 1), place.q)[:, :, 0]
-        outwards = normal - dot(normal, axis) * axis
-        return np.asarray(axis + swept.roller.profile(rho)[1] * outwards / norm(outwards))
-
-    def _chart_contacts(self, seat: Seat, side: int, theta: Array, rho: Array) -> _ChartContacts:
-        swept = self.cam.swept
-        place = self.cam.place(seat, theta)
-        touched = self._contact_places(rho)
-        found = swept.contacts(place, touched[:, None], side)
-        point = found.point[:, :, 0]
+    def _chart_point(
+        self, seat: Seat, side: int, theta: Array, rho: Array
+    ) -> tuple[Array, Array, Array]:
+        """Row, depth and place across (n,) of the wall at θ and ρ (n,)."""
+        swept, place, touched = (
+            self.cam.swept,
+            self.cam.place(seat, theta),
+            self._contact_places(rho),
+        )
+        points, normals = swept.contact_points(place, touched[:, None], side)
+        point = points[:, :, 0]
         if self.straight:
-            point = point + (rho - touched) * self._axis_step(place, touched, found.normal[:, :, 0])
+            # Beyond the roller's end the wall goes on along the tangent of the roller's profile.
+            normal = normals[:, :, 0]
+            axis = swept.joint.turn_direction(swept.along.reshape(3, 1, 1), place.q)[:, :, 0]
+            outwards = normal - dot(normal, axis) * axis
+            along = axis + swept.roller.profile(touched)[1] * outwards / norm(outwards)
+            point = point + (rho - touched) * along
         angle, depth, across = self.to_chart(point)
-        turn = theta - swept.hand * angle
-        return _ChartContacts(turn, depth, self.chart.unwrap(across, place.q), found.regular[:, 0])
+        return theta - swept.hand * angle, depth, self.chart.unwrap(across, place.q)
 
 
 def shifted(walls: NDArray[Any], shift: int, missing: float) -> NDArray[Any]:
@@ -256,13 +257,3 @@ def shifted(walls: NDArray[Any], shift: int, missing: float) -> NDArray[Any]:
     known = (there >= 0) & (there < len(walls))
     after[known] = walls[there[known]]
     return after
-
-
-def _extend_straight(across: Array, sound: NDArray[np.bool_]) -> Array:
-    """Walls (n, m), constant in depth below the rollers' ends where longer rollers would undercut.
-
-    Nothing touches them there.
-    """
-    for k in range(1, across.shape[1]):
-        across[:, k] = np.where(sound[:, k], across[:, k], across[:, k - 1])
-    return across

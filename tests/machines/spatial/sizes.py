@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from typing import Any
 
-from synthesis.machines.spatial.limits import objective_of
 from synthesis.machines.spatial.sizing.problem import formulate_problem
 from synthesis.machines.spatial.spec import SpatialCamSpec
 from synthesis.optimise.problem.problem import Problem
@@ -43,14 +42,6 @@ def globoidal(
 def problem_of(body: dict[str, Any]) -> Problem:
     """The question that the formulations see, its rollers given."""
     spec = SpatialCamSpec.model_validate(body)
-    machine = spec.machine
-    sizes = {name: float(v) for name, v in machine.sizes().items() if isinstance(v, float)}
-    return formulate_problem(
-        machine,
-        spec.placed_segments(),
-        spec.omega,
-        spec.limits,
-        objective_of(machine.size_field),
-        sizes,
-        spec.rotation_sign,
-    )
+    given = spec.machine.sizes().items()
+    sizes = {name: float(value) for name, value in given if isinstance(value, float)}
+    return formulate_problem(spec, spec.placed_segments(), spec.limits, sizes)

@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from functools import cached_property
 from typing import Annotated, Any
 
 import numpy as np
@@ -33,11 +34,7 @@ FRAME = (
 
 @dataclass(frozen=True, kw_only=True)
 class DevelopedOptions(Options):
-    """The cylinder and the sampling.
-
-    Attributes:
-        radius_mm: of the cylinder; None: the cam's. points_per_degree: over the cam angle.
-    """
+    """The cylinder and the sampling."""
 
     radius_mm: Annotated[
         float | None,
@@ -53,28 +50,37 @@ class DevelopedOptions(Options):
 
 
 @dataclass(frozen=True, eq=False)
-class Unrolled:
-    """A curve and its departure from the offset drawn in the plane.
+class Development:
+    """The walls and the paths of the rollers' axes on a cylinder, in continuous runs.
 
     Attributes:
-        line: the curve. departure: (n,) [mm]; NaN on the path of a roller's axis.
+        radius: of the cylinder [mm].
+        curves: each with its departure (n,) from the offset drawn in the plane [mm], NaN on the
+            path of a roller's axis.
     """
 
-    line: WallCurve
-    departure: Array
+    radius: float
+    curves: list[tuple[WallCurve, Array]]
 
-    @property
-    def name(self) -> str:
-        """Name of the wall, or number of the roller whose axis it is."""
-        letter = {1: "R", 0: "", -1: "L"}[self.line.side]
-        return f"{self.line.seat.number}{letter}"
+    @cached_property
+    def error(self) -> float | None:
+        """Largest departure [mm]; None where the drawing has no point near any wall."""
+        values = np.concatenate([np.abs(departure) for _, departure in self.curves])
+        known = values[~np.isnan(values)]
+        return float(known.max()) if len(known) else None
+
+    def file(self, data: bytes) -> Made:
+        """A file of it with its metadata."""
+        known = {} if self.error is None else {"Flat-Offset-Error-Mm": f"{self.error:.3g}"}
+        return Made(data, {"Radius-Mm": f"{self.radius:.9g}", **known})
 
 
-def radius_of(design: SpatialDesign, options: DevelopedOptions) -> float:
-    """Radius of the cylinder that is unrolled [mm].
+def develop(design: SpatialDesign, options: DevelopedOptions) -> Development:
+    """Paths of all rollers' axes and all walls.
 
     Raises:
-        InputError: the cam has none, or the roller does not reach this one.
+        InputError: the cam has no such cylinder, the roller does not reach it, or all rollers pass
+            beside it.
     """
     span = design.spec.machine.wall_radii(design.dimensions)
     if span is None:
@@ -83,69 +89,49 @@ def radius_of(design: SpatialDesign, options: DevelopedOptions) -> float:
             f"The cam of a {design.spec.machine.title} has no development on a cylinder.",
             "Request files of its flanks.",
         )  # fmt: skip
-    radius = span[1] if options.radius_mm is None else options.radius_mm
-    if not span[0] <= radius <= span[1]:
+    inner, outer = span
+    radius = outer if options.radius_mm is None else options.radius_mm
+    if not inner <= radius <= outer:
         raise InputError(
             "/radius_mm", radius,
-            f"The roller reaches into the cam from {span[1]:.9g} to {span[0]:.9g} mm of its axis.",
+            f"The roller reaches into the cam from {outer:.9g} to {inner:.9g} mm of its axis.",
             "Choose a radius between these.",
         )  # fmt: skip
-    return radius
-
-
-def unrolled(design: SpatialDesign, options: DevelopedOptions) -> list[Unrolled]:
-    """Paths of all rollers' axes and all walls, in continuous runs.
-
-    Raises:
-        InputError: as ``radius_of``, and where rollers pass beside the cylinder.
-    """
-    cam, radius = design.cam, radius_of(design, options)
-    span = design.spec.machine.wall_radii(design.dimensions)
-    assert span is not None  # or radius_of had refused
-    found = list(_lines(cam, radius, span[1], options.points_per_degree / DEGREE))
-    if not any(each.line.side for each in found):
+    curves = list(_curves(design.cam, radius, outer, options.points_per_degree / DEGREE))
+    if not any(line.side for line, _ in curves):
         raise InputError(
             "/radius_mm", radius, "All rollers pass beside the cylinder of this radius.",
-            f"Choose a larger one, up to {span[1]:.9g}.",
+            f"Choose a larger one, up to {outer:.9g}.",
         )  # fmt: skip
-    return found
+    return Development(radius, curves)
 
 
-def _lines(cam: SpatialCam, radius: float, drawn: float, density: float) -> Iterator[Unrolled]:
+def _curves(
+    cam: SpatialCam, radius: float, drawn: float, density: float
+) -> Iterator[tuple[WallCurve, Array]]:
     pathed = set()
-    for each in cam.walls:
-        for start, end in each.spans:
+    for wall in cam.walls:
+        for start, end in wall.spans:
             theta = np.linspace(start, end, max(2, int(np.ceil((end - start) * density)) + 1))
-            if (each.seat, start) not in pathed:
-                pathed.add((each.seat, start))
-                axis = axis_path(cam, each.seat, theta, radius)
+            if (wall.seat, start) not in pathed:
+                pathed.add((wall.seat, start))
+                axis = axis_path(cam, wall.seat, theta, radius)
                 yield from _runs(axis, np.full(len(theta), np.nan))
-            line = wall_curve(cam, each, theta, radius)
+            line = wall_curve(cam, wall, theta, radius)
             yield from _runs(line, offset_errors(cam, line, drawn, radius))
 
 
-def _runs(line: WallCurve, departure: Array) -> Iterator[Unrolled]:
+def _runs(line: WallCurve, departure: Array) -> Iterator[tuple[WallCurve, Array]]:
     """The continuous runs in which the roller reaches the cylinder."""
     there = np.flatnonzero(~np.isnan(line.z))
     for run in np.split(there, np.flatnonzero(np.diff(there) > 1) + 1):
         if len(run) > 1:
-            part = WallCurve(
-                line.seat, line.side, line.theta[run], line.phi[run], line.z[run], line.rho[run]
-            )
-            yield Unrolled(part, departure[run])
+            parts = {name: getattr(line, name)[run] for name in ("theta", "phi", "z", "rho")}
+            yield replace(line, **parts), departure[run]
 
 
-def error(found: list[Unrolled]) -> float | None:
-    """Largest departure [mm]; None where the drawing has no point near any wall."""
-    values = np.concatenate([np.abs(each.departure) for each in found])
-    known = values[~np.isnan(values)]
-    return float(known.max()) if len(known) else None
-
-
-def _columns(each: Unrolled, radius: float) -> list[Column]:
-    line = each.line
+def _columns(line: WallCurve, departure: Array, radius: float) -> list[Column]:
     count = len(line.theta)
-    departure = np.where(np.isnan(each.departure), 0.0, each.departure)
     return [
         Column("roller", "1", "number of the roller", np.full(count, line.seat.number)),
         Column("side", "1", "R: 1, L: -1, path of its axis: 0", np.full(count, line.side)),
@@ -158,40 +144,30 @@ def _columns(each: Unrolled, radius: float) -> list[Column]:
             "departure_mm",
             "mm",
             "of the true wall from the offset in the plane; 0 where that has no point near it",
-            departure,
+            np.where(np.isnan(departure), 0.0, departure),
         ),
     ]
 
 
-def metadata(found: list[Unrolled], radius: float) -> dict[str, str]:
-    """Metadata of a file."""
-    worst = error(found)
-    known = {} if worst is None else {"Flat-Offset-Error-Mm": f"{worst:.3g}"}
-    return {"Radius-Mm": f"{radius:.9g}", **known}
-
-
 def _csv(design: SpatialDesign, options: DevelopedOptions) -> Made:
-    found, radius = unrolled(design, options), radius_of(design, options)
-    columns = joined([_columns(each, radius) for each in found])
-    return Made(table(columns), metadata(found, radius))
+    found = develop(design, options)
+    return found.file(table(joined([_columns(*each, found.radius) for each in found.curves])))
 
 
 def _json(design: SpatialDesign, options: DevelopedOptions) -> Made:
-    found, radius = unrolled(design, options), radius_of(design, options)
+    found = develop(design, options)
     body = {
-        "radius_mm": radius,
-        "flat_offset_error_mm": error(found),
-        "curves": [_curve(each, radius) for each in found],
+        "radius_mm": found.radius,
+        "flat_offset_error_mm": found.error,
+        "curves": [_curve(*each, found.radius) for each in found.curves],
     }
-    data = json_file(design, "development", FRAME, body)
-    return Made(data, metadata(found, radius))
+    return found.file(json_file(design, "development", FRAME, body))
 
 
-def _curve(each: Unrolled, radius: float) -> dict[str, Any]:
-    columns = {column.name: column.values.tolist() for column in _columns(each, radius)[2:]}
-    if each.line.side == 0:
-        del columns["departure_mm"]
-    return {"name": each.name, "roller": each.line.seat.number, "side": each.line.side, **columns}
+def _curve(line: WallCurve, departure: Array, radius: float) -> dict[str, Any]:
+    columns = _columns(line, departure, radius)[2 : None if line.side else -1]
+    values = {column.name: column.values.tolist() for column in columns}
+    return {"name": line.name, "roller": line.seat.number, "side": line.side, **values}
 
 
 PURPOSE = (

@@ -17,14 +17,8 @@ from synthesis.exporters.drawing.picture_options import Colours
 from synthesis.exporters.exporter import FileFormat, Made
 from synthesis.exporters.figures.profile import ratio, shown_at
 from synthesis.machines.spatial.design import SpatialDesign
-from synthesis.machines.spatial.files.developed import (
-    DevelopedOptions,
-    Unrolled,
-    error,
-    metadata,
-    radius_of,
-    unrolled,
-)
+from synthesis.machines.spatial.development import WallCurve
+from synthesis.machines.spatial.files.developed import DevelopedOptions, Development, develop
 from synthesis.machines.spatial.files.identification import above
 from synthesis.numerics.piecewise import Array
 from synthesis.units import FULL_TURN
@@ -38,11 +32,7 @@ MARGIN = 0.08  # of the drawn height, above and below
 
 @dataclass(frozen=True, kw_only=True)
 class DrawnOptions(DevelopedOptions):
-    """As ``DevelopedOptions``, and how the drawing looks.
-
-    Attributes:
-        theme: its colours.
-    """
+    """As ``DevelopedOptions``, and the colours of the drawing."""
 
     theme: Colours = "auto"
 
@@ -83,27 +73,27 @@ class _Plane:
 
 
 def _svg(design: SpatialDesign, options: DrawnOptions) -> Made:
-    found, radius = unrolled(design, options), radius_of(design, options)
-    levels = np.concatenate([each.line.z for each in found])
+    found = develop(design, options)
+    levels = np.concatenate([line.z for line, _ in found.curves])
     room = MARGIN * float(np.ptp(levels))
-    u = FULL_TURN * radius / (SHEET - LEFT - RIGHT)
+    u = FULL_TURN * found.radius / (SHEET - LEFT - RIGHT)
     low, high = float(levels.min()) - room, float(levels.max()) + room
-    plane = _Plane(radius, low, high, design.cam.swept.hand, u)
+    plane = _Plane(found.radius, low, high, design.cam.swept.hand, u)
     width, height = SHEET * u, (HEADER + FOOTER) * u + plane.height
     scale = shown_at(width)
+    lines = [line for line, _ in found.curves]
     body = [
         *above(design, LEFT * u, width - RIGHT * u, u),
-        *_clipped(plane, [*_grooves(plane, found), *_curves(plane, found)]),
+        *_clipped(plane, [*_grooves(plane, lines), *_curves(plane, lines)]),
         *_axes(plane),
         *_legend(plane, found, scale),
     ]
     title = f"Unrolled walls of {design.name or design.id}"
     shown = (
-        f"The cylinder of radius {radius:.9g} mm about the cam's axis, unrolled as seen from "
+        f"The cylinder of radius {found.radius:.9g} mm about the cam's axis, unrolled as seen from "
         "outside with the axis upwards. One unit of the coordinates is 1 mm of the cylinder."
     )
-    data = svg.document(width, height, u, title, shown, body, scale, options.theme)
-    return Made(data, metadata(found, radius))
+    return found.file(svg.document(width, height, u, title, shown, body, scale, options.theme))
 
 
 def _clipped(plane: _Plane, body: list[str]) -> list[str]:
@@ -115,39 +105,32 @@ def _clipped(plane: _Plane, body: list[str]) -> list[str]:
     return [inner, *body, "</svg>"]
 
 
-def _rounds(phi: Array) -> Iterator[float]:
-    """Shifts by whole turns that show every part of a curve once."""
+def _paths(
+    plane: _Plane, kind: str, phi: Array, z: Array, *, closed: bool = False
+) -> Iterator[str]:
+    """A curve, shifted by whole turns so that every part of it is shown once."""
     first = math.floor(float(phi.min()) / FULL_TURN + INVISIBLE)
     last = math.floor(float(phi.max()) / FULL_TURN - INVISIBLE)
     for k in range(first, last + 1):
-        yield -k * FULL_TURN
+        x, y = plane.x(phi - k * FULL_TURN), plane.y(z)
+        yield svg.path(kind, svg.steps(x, y, 3, closed=closed))
 
 
-def _grooves(plane: _Plane, found: list[Unrolled]) -> list[str]:
+def _grooves(plane: _Plane, lines: list[WallCurve]) -> Iterator[str]:
     """Grooves and ribs: the areas between two walls over the same cam angles."""
-    body = []
-    walls = [each.line for each in found if each.line.side]
-    for one in walls:
-        for other in walls:
+    for one in (line for line in lines if line.side > 0):
+        for other in (line for line in lines if line.side < 0):
             alike = one.seat == other.seat or len(one.seat.sides) == 1  # a groove, or a rib
-            if alike and one.side > 0 > other.side and np.array_equal(one.theta, other.theta):
+            if alike and np.array_equal(one.theta, other.theta):
                 phi = np.concatenate([one.phi, other.phi[::-1]])
                 z = np.concatenate([one.z, other.z[::-1]])
                 kind = "rest" if one.seat == other.seat else "body"
-                for shift in _rounds(phi):
-                    steps = svg.steps(plane.x(phi + shift), plane.y(z), 3, closed=True)
-                    body.append(svg.path(kind, steps))
-    return body
+                yield from _paths(plane, kind, phi, z, closed=True)
 
 
-def _curves(plane: _Plane, found: list[Unrolled]) -> list[str]:
-    body = []
-    for each in found:
-        kind = "line outline" if each.line.side else "line pitch"
-        for shift in _rounds(each.line.phi):
-            x, y = plane.x(each.line.phi + shift), plane.y(each.line.z)
-            body.append(svg.path(kind, svg.steps(x, y, 3)))
-    return body
+def _curves(plane: _Plane, lines: list[WallCurve]) -> Iterator[str]:
+    for line in lines:
+        yield from _paths(plane, "line outline" if line.side else "line pitch", line.phi, line.z)
 
 
 def _axes(plane: _Plane) -> list[str]:
@@ -170,11 +153,11 @@ def _axes(plane: _Plane) -> list[str]:
     return [*body, svg.text("label", left - 1.6 * u, top - 1.4 * u, "z, mm", "end")]
 
 
-def _legend(plane: _Plane, found: list[Unrolled], scale: float) -> list[str]:
+def _legend(plane: _Plane, found: Development, scale: float) -> list[str]:
     u = plane.u
     top, left = HEADER * u + plane.height + 13.0 * u, LEFT * u
     middle = left + 0.5 * plane.width
-    walls = ", ".join(dict.fromkeys(each.name for each in found if each.line.side))
+    walls = ", ".join(dict.fromkeys(line.name for line, _ in found.curves if line.side))
     lines = [
         ("line outline", f"walls {walls}"),
         ("line pitch", "path of the roller's axis"),
@@ -185,7 +168,7 @@ def _legend(plane: _Plane, found: list[Unrolled], scale: float) -> list[str]:
         body.append(svg.line(kind, left, y, left + 11.0 * u, y))
         name = svg.shortened(meaning, middle - left - 15.0 * u, svg.LABEL * u)
         body.append(svg.text("label", left + 13.0 * u, y + u, name))
-    worst = error(found)
+    worst = found.error
     remarks = [
         f"radius {svg.figure(plane.radius, 6)} mm, seen from outside, {ratio(scale)}",
         "" if worst is None else f"offset drawn in the plane: error {svg.figure(worst, 3)} mm",

@@ -13,9 +13,10 @@ from synthesis.catalogue.followers.closures import SINGLE_FLANK, Closure
 from synthesis.catalogue.followers.sizing import SizeDomain
 from synthesis.catalogue.limits import Limit, Machine
 from synthesis.catalogue.motion import EndState, PlacedSegment
-from synthesis.machines.spatial.limits import SpatialObjective
+from synthesis.machines.spatial.limits import objective_of
 from synthesis.machines.spatial.machine import SpatialMachine
 from synthesis.machines.spatial.pressure_angle_constraints import SizeConstraint
+from synthesis.machines.spatial.spec import SpatialCamSpec
 from synthesis.optimise.problem.problem import Problem
 from synthesis.units import Travel
 
@@ -89,33 +90,27 @@ class SpatialFollower:
 
 
 def formulate_problem(
-    machine: SpatialMachine,
+    spec: SpatialCamSpec,
     segments: Sequence[PlacedSegment],
-    omega: float,
     limits: Sequence[Limit],
-    objective: SpatialObjective,
     sizes: Mapping[str, float],
-    rotation: int,
 ) -> Problem:
     """The optimisation problem with every dimension given but the minimised one.
 
     Args:
-        machine: the machine around the cam.
-        segments: the program placed on the cam [rad or mm].
-        omega: cam speed ω [rad/s].
-        limits: limits on motion and size.
-        objective: names the minimised dimension.
-        sizes: the other dimensions, by field [mm].
-        rotation: +1 where the cam turns ccw, −1 where it turns cw.
+        spec: machine, speed and rotation. segments: the program placed on the cam [rad or mm].
+        limits: limits on motion and size. sizes: the other dimensions, by field [mm].
     """
+    machine = spec.machine
     scale = machine.length_scale(sizes)
     placed = tuple(_as_length(segment, scale) for segment in segments if segment.angle > 0.0)
     stroke = max(abs(segment.lift) for segment in placed)
-    follower = SpatialFollower(machine, sizes, scale, FARTHEST * max(stroke, scale), rotation)
-    around = Machine(cast(Follower, follower), omega)
+    largest = FARTHEST * max(stroke, scale)
+    follower = SpatialFollower(machine, sizes, scale, largest, spec.rotation_sign)
     return Problem(
-        placed, around, tuple(limits), follower.size_domain((0.0, inf)), objective, stroke
-    )
+        placed, Machine(cast(Follower, follower), spec.omega), tuple(limits),
+        follower.size_domain((0.0, inf)), objective_of(machine.size_field), stroke,
+    )  # fmt: skip
 
 
 def inner_approximation(problem: Problem) -> Problem:

@@ -26,7 +26,7 @@ from scipy.optimize import brentq
 from synthesis.catalogue.motion import Motion, PlacedSegment
 from synthesis.catalogue.ranges import ends
 from synthesis.machines.spatial.cam import build_cam
-from synthesis.machines.spatial.limits import AnySpatialLimit, WallRadius, objective_of
+from synthesis.machines.spatial.limits import AnySpatialLimit, WallRadius
 from synthesis.machines.spatial.machine import LARGEST, ROLLER_RADIUS, SpatialMachine
 from synthesis.machines.spatial.measuring.patches import patches, sample_walls
 from synthesis.machines.spatial.measuring.walls import thinnest_rib
@@ -145,19 +145,10 @@ def _solve_laws_and_size(
     spec: SpatialCamSpec, result: SizingResult, rollers: Sizes, deadline: float, tighten: float
 ) -> float | None:
     """The smallest size under limits on pressure angle and motion, and the laws for it."""
-    machine = spec.machine
     # Windows and points of the program are limits of single segments.
     demands = [d for i, segment in enumerate(spec.program) for d in segment.segment_bounds(i)]
     limits = [*(limit for limit in spec.limits if limit.quantity != WALL_QUANTITY), *demands]
-    problem = formulate_problem(
-        machine,
-        result.segments,
-        spec.omega,
-        limits,
-        objective_of(machine.size_field),
-        rollers,
-        spec.rotation_sign,
-    )
+    problem = formulate_problem(spec, result.segments, limits, rollers)
     walls = WallRadius(min_mm=strictest_minimum(spec.limits, WALL_QUANTITY))
     with_walls = replace(problem, limits=(*problem.limits, walls))
     if not problem.free:
