@@ -1,134 +1,162 @@
-"""The optimal value of specs near that of a design: estimated by multipliers, and solved again."""
+"""The optimal value of specs near that of a design: estimated by multipliers, and solved again.
+
+The laws that are compared are splines on the design's own knots, and tables as they were smoothed.
+"""
 
 from __future__ import annotations
 
-from abc import ABC, abstractmethod
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from math import inf
 
-from synthesis.optimise.conic.program import ConicModel
+import numpy as np
+
+from synthesis.design.design import Design
+from synthesis.numerics.bspline import SplineSpace
+from synthesis.numerics.piecewise import Array
+from synthesis.optimise.conic.program import NO_TIGHTENING, ConicModel, formulate
+from synthesis.optimise.conic.tangent_cuts import Region
 from synthesis.optimise.dual_bound.bound import in_core_units
 from synthesis.optimise.heuristics.perturbed_optimum import (
     ConvexOptimum,
     NonlinearOptimum,
     PerturbedOptimum,
 )
-from synthesis.optimise.problem.problem import Problem
+from synthesis.optimise.problem.grid import SplineLaw, grid_through
+from synthesis.optimise.problem.problem import Problem, formulate_problem
 from synthesis.optimise.recovery.candidate import objective_value
 from synthesis.spec.design_spec import DesignSpec
-from synthesis.studies.sensitivity.fixed_knots import FixedKnots
 
 LEVEL_STEP = 1e-3  # relative: finite step of the excess by the trial level
 SECANTS = 4  # steps to the level without excess; each gains several digits
 LEVEL_ACCURACY = 1e-9  # relative: of that level
-CONVEX_METHOD = "multipliers of the cone program"
-LOCAL_METHOD = "multipliers of IPOPT's local optimum"
+METHODS = (
+    ("multipliers of the cone program", True),
+    ("multipliers of IPOPT's local optimum", False),
+)
 
 
-class PerturbedDesign(ABC):
-    """A finished design as the optimum of its problem.
+@dataclass(frozen=True, eq=False)
+class FixedKnots:
+    """Splines on the knots of a design, by the index of their segment.
 
     Attributes:
-        method: how its multipliers are known. noise: relative error of values.
+        laws: of the design. tables: indices of the laws that smooth a table and are given.
+        size: the size variables of the design [mm].
+    """
+
+    laws: dict[int, SplineLaw]
+    tables: frozenset[int]
+    size: tuple[float, ...]
+
+    @staticmethod
+    def of(design: Design, spec: DesignSpec) -> FixedKnots:
+        """The knots of a finished design."""
+        laws, tables = dict[int, SplineLaw](), set[int]()
+        for placed, segment in zip(spec.placed_segments(), design.motion, strict=True):
+            if segment.spline is None:
+                continue
+            space = SplineSpace(segment.spline.degree, np.array(segment.spline.knots))
+            laws[placed.index] = SplineLaw(space, np.array(segment.spline.coefficients))
+            if placed.table is not None:
+                tables.add(placed.index)
+        return FixedKnots(laws, frozenset(tables), tuple(design.size))
+
+    def formulate(self, spec: DesignSpec) -> Problem:
+        """The problem of a spec's first objective."""
+        segments = [
+            segment.with_law(self.laws[segment.index].curve())
+            if segment.index in self.tables
+            else segment
+            for segment in spec.placed_segments()
+        ]
+        return formulate_problem(spec, spec.objectives()[0], (), segments)
+
+    def program(self, problem: Problem, level: float = 0.0) -> tuple[ConicModel, int]:
+        """The conic program on these knots, and how many of its last limits are the objective.
+
+        Args:
+            problem: the problem. level: trial level of a fractional objective [core units].
+        """
+        grids = [
+            grid_through(segment, self.laws[segment.index].space.breaks) for segment in problem.free
+        ]
+        model = formulate(problem, grids, level, NO_TIGHTENING, Region())
+        # An objective that is a limit on its level has no rows in the program but a smooth form.
+        extra = problem.objective.equivalent_limits(level, problem.machine)
+        limited = replace(problem, limits=(*problem.limits, *extra))
+        return replace(model, problem=limited), len(extra)
+
+    def start(self, model: ConicModel) -> Array:
+        """The design as a point of a program."""
+        return model.point([self.laws[s.index] for s in model.problem.free], self.size)
+
+
+@dataclass(frozen=True, eq=False)
+class PerturbedDesign:
+    """A finished design as the optimum of its problem.
+
+    A fractional objective is not minimised by one program: programs minimise the excess over a
+    trial level, and the optimal value is the level without excess.
+
+    Attributes:
+        method: how its multipliers are known. knots: the laws that are compared.
+        problem: with the design's first objective. optimum: of its program, or of the excess.
+        core_value: of the objective [core units].
+        fall: decrease of the excess per unit of the level; None: the objective is not fractional.
     """
 
     method: str
-    noise: float
+    knots: FixedKnots
+    problem: Problem
+    optimum: PerturbedOptimum
+    core_value: float
+    fall: float | None = None
 
     @property
-    @abstractmethod
+    def noise(self) -> float:
+        """Relative error of values."""
+        return self.optimum.noise
+
+    @property
     def value(self) -> float:
         """The objective on the wire."""
+        return self.problem.objective.to_wire(self.core_value, self.problem.machine)
 
-    @abstractmethod
+    def _program(self, problem: Problem) -> ConicModel:
+        return self.knots.program(problem, 0.0 if self.fall is None else self.core_value)[0]
+
     def estimate(self, spec: DesignSpec) -> float | None:
         """The optimal value of a near spec to first order, by multipliers.
 
         None where the spec's program has another form.
         """
+        problem = self.knots.formulate(spec)
+        model = self._program(problem)
+        moved = self.optimum.moved(model)
+        if moved is None:
+            return None
+        if self.fall is None:
+            value = in_core_units(model, moved)
+        else:  # implicit differentiation: the level rises by what the excess gains, over its fall
+            value = self.core_value + (moved - self.optimum.value) / self.fall
+        return problem.objective.to_wire(value, problem.machine)
 
-    @abstractmethod
     def remains_optimal(self, spec: DesignSpec) -> bool:
         """Whether the optimum is known to keep every limit of another spec, at the same value."""
+        return self.optimum.stays(self._program(self.knots.formulate(spec)))
 
-    @abstractmethod
     def solve(self, spec: DesignSpec, deadline: float) -> float | None:
         """The optimal value of a near spec by solving; None where nothing fits."""
-
-
-@dataclass(frozen=True, eq=False)
-class _DirectObjective(PerturbedDesign):
-    """An objective that one program minimises."""
-
-    method: str
-    knots: FixedKnots
-    optimum: PerturbedOptimum
-    plan: ConicModel
-
-    @property
-    def noise(self) -> float:  # type: ignore[override]
-        return self.optimum.noise
-
-    @property
-    def value(self) -> float:
-        return _on_wire(self.plan, self.optimum.value)
-
-    def estimate(self, spec: DesignSpec) -> float | None:
-        plan, _ = self.knots.program(self.knots.formulate(spec))
-        value = self.optimum.moved(plan)
-        return None if value is None else _on_wire(plan, value)
-
-    def remains_optimal(self, spec: DesignSpec) -> bool:
-        return self.optimum.stays(self.knots.program(self.knots.formulate(spec))[0])
-
-    def solve(self, spec: DesignSpec, deadline: float) -> float | None:
-        plan, _ = self.knots.program(self.knots.formulate(spec))
-        optimum = self.optimum.again(plan, deadline)
-        return None if optimum is None else _on_wire(plan, optimum.value)
-
-
-@dataclass(frozen=True, eq=False)
-class _FractionalObjective(PerturbedDesign):
-    """A fractional objective: programs minimise the excess over a trial level.
-
-    The optimal value is the level without excess.
-
-    Attributes:
-        level: that level [core units]. fall: decrease of the excess per unit of the level.
-    """
-
-    method: str
-    knots: FixedKnots
-    optimum: PerturbedOptimum
-    problem: Problem
-    level: float
-    fall: float
-
-    @property
-    def noise(self) -> float:  # type: ignore[override]
-        return self.optimum.noise
-
-    @property
-    def value(self) -> float:
-        return self.problem.objective.to_wire(self.level, self.problem.machine)
-
-    def estimate(self, spec: DesignSpec) -> float | None:
         problem = self.knots.formulate(spec)
-        excess = self.optimum.moved(self.knots.program(problem, self.level)[0])
-        if excess is None:
-            return None
-        # Implicit differentiation: the level rises by what the excess gains, over its fall.
-        level = self.level + (excess - self.optimum.value) / self.fall
-        return problem.objective.to_wire(level, problem.machine)
-
-    def remains_optimal(self, spec: DesignSpec) -> bool:
-        return self.optimum.stays(self.knots.program(self.knots.formulate(spec), self.level)[0])
-
-    def solve(self, spec: DesignSpec, deadline: float) -> float | None:
-        problem = self.knots.formulate(spec)
-        level = _find_level(self.knots, problem, self.optimum, (self.level, self.fall), deadline)
-        return None if level is None else problem.objective.to_wire(level, problem.machine)
+        if self.fall is not None:
+            guess = (self.core_value, self.fall)
+            value = _find_level(self.knots, problem, self.optimum, guess, deadline)
+        else:
+            model = self._program(problem)
+            optimum = self.optimum.again(model, deadline)
+            value = None if optimum is None else in_core_units(model, optimum.value)
+        return None if value is None else problem.objective.to_wire(value, problem.machine)
 
 
 def perturbed_designs(
@@ -141,58 +169,48 @@ def perturbed_designs(
         deadline: ``time.monotonic()`` at which to stop.
     """
     problem = knots.formulate(spec)
-    make = _fractional_objective if problem.objective.quasiconvex else _direct_objective
-    for method, convex in ((CONVEX_METHOD, True), (LOCAL_METHOD, False)):
-        if convex and problem.has_curved_limits:
-            continue
-        design = make(knots, problem, method, deadline, convex=convex)
-        if design is not None:
-            yield design
-
-
-def _direct_objective(
-    knots: FixedKnots, problem: Problem, method: str, deadline: float, *, convex: bool
-) -> PerturbedDesign | None:
-    plan, _ = knots.program(problem)
-    optimum = _optimum(knots, plan, 0, deadline, convex=convex)
-    return None if optimum is None else _DirectObjective(method, knots, optimum, plan)
+    for method, convex in METHODS:
+        if problem.objective.quasiconvex:
+            design = _fractional_objective(knots, problem, method, deadline, convex=convex)
+            if design is not None:
+                yield design
+        else:
+            model, _ = knots.program(problem)
+            optimum = _optimum(knots, model, 0, deadline, convex=convex)
+            if optimum is not None:
+                value = in_core_units(model, optimum.value)
+                yield PerturbedDesign(method, knots, problem, optimum, value)
 
 
 def _optimum(
-    knots: FixedKnots, plan: ConicModel, relaxed: int, deadline: float, *, convex: bool
+    knots: FixedKnots, model: ConicModel, relaxed: int, deadline: float, *, convex: bool
 ) -> PerturbedOptimum | None:
-    if convex:
-        return None if plan.problem.has_curved_limits else ConvexOptimum.sought(plan, deadline)
-    return NonlinearOptimum.sought(plan, knots.start(plan), relaxed, deadline)
+    if not convex:
+        return NonlinearOptimum.sought(model, knots.start(model), relaxed, deadline)
+    return None if model.problem.has_curved_limits else ConvexOptimum.sought(model, deadline)
 
 
 def _fractional_objective(
     knots: FixedKnots, problem: Problem, method: str, deadline: float, *, convex: bool
 ) -> PerturbedDesign | None:
-    # The excess at the design's own level and a little above gives its fall.
     segments = [s.with_law(knots.laws[s.index].curve()) for s in problem.free]
     level = objective_value(problem.with_laws(segments), knots.size)
-    optima: list[PerturbedOptimum] = []
-    for trial in (level, level * (1.0 + LEVEL_STEP)):
-        plan, relaxed = knots.program(problem, trial)
-        optimum = (
-            optima[0].again(plan, deadline)
-            if optima
-            else _optimum(knots, plan, relaxed, deadline, convex=convex)
-        )
-        if optimum is None:
-            return None
-        optima.append(optimum)
-    fall = (optima[0].value - optima[1].value) / (LEVEL_STEP * level)
-    if fall <= 0.0:
+    model, relaxed = knots.program(problem, level)
+    first = _optimum(knots, model, relaxed, deadline, convex=convex)
+    if first is None:
         return None
-    best = _find_level(knots, problem, optima[0], (level, fall), deadline)
+    # The excess at the design's own level and a little above gives its fall.
+    above = first.again(knots.program(problem, level * (1.0 + LEVEL_STEP))[0], deadline)
+    if above is None or above.value >= first.value:
+        return None
+    fall = (first.value - above.value) / (LEVEL_STEP * level)
+    best = _find_level(knots, problem, first, (level, fall), deadline)
     if best is None:
         return None
-    optimum = optima[0].again(knots.program(problem, best)[0], deadline)
+    optimum = first.again(knots.program(problem, best)[0], deadline)
     if optimum is None:
         return None
-    return _FractionalObjective(method, knots, optimum, problem, best, fall)
+    return PerturbedDesign(method, knots, problem, optimum, best, fall)
 
 
 def _find_level(
@@ -213,9 +231,3 @@ def _find_level(
         if abs(step) <= LEVEL_ACCURACY * level:
             break
     return level
-
-
-def _on_wire(plan: ConicModel, value: float) -> float:
-    """A program's objective on the wire."""
-    problem = plan.problem
-    return problem.objective.to_wire(in_core_units(plan, value), problem.machine)

@@ -3,20 +3,23 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Iterable, Iterator
+from collections.abc import Sequence
 from math import inf
 
 from synthesis.design.analysis import Sensitivities, Sensitivity
 from synthesis.design.design import Design
 from synthesis.numerics import clock
-from synthesis.studies.sensitivity.derivatives import Derivatives, differentiate
-from synthesis.studies.sensitivity.fixed_knots import FixedKnots
-from synthesis.studies.sensitivity.perturbation import PerturbedDesign, perturbed_designs
-from synthesis.studies.sensitivity.spec_numbers import (
-    ChosenNumber,
-    SpecNumber,
+from synthesis.studies.sensitivity.derivatives import (
+    Derivatives,
+    Number,
     chosen_numbers,
+    differentiate,
     spec_numbers,
+)
+from synthesis.studies.sensitivity.perturbation import (
+    FixedKnots,
+    PerturbedDesign,
+    perturbed_designs,
 )
 
 SAME_CAM = 2e-3  # relative, beside the tolerance: a local optimum this near is the design itself
@@ -39,31 +42,31 @@ def sensitivities(design: Design, deadline: float = inf) -> Sensitivities:
     """
     proof = design.certificate
     if not design.motion or not proof.certified or proof.value is None:
-        return _sorted(design, [], [], "there is no certified cam")
+        return _answer(design, [], [], "there is no certified cam")
     spec = design.resolved_spec.without_deferred()
     # The design must be the optimum of a program on its own knots.
     allowed = (SAME_CAM + design.spec.tolerance) * abs(proof.value)
     optima = perturbed_designs(FixedKnots.of(design, spec), spec, deadline)
     optimum = next((each for each in optima if abs(each.value - proof.value) <= allowed), None)
     if optimum is None:
-        return _sorted(
+        return _answer(
             design, [], [],
             "not known: the best that a local search finds on the design's own knots is another "
             "cam, as where a profile that crosses itself was made larger",
         )  # fmt: skip
     # Chosen numbers are held fixed, which is exact where the objective is stationary in them.
     kinks = [each for each in chosen_numbers(design) if not _is_stationary(optimum, each, deadline)]
-    known, unconfirmed = list[Sensitivity](), list[str]()
+    known, unconfirmed = list[tuple[Number, Derivatives]](), list[str]()
     for number in spec_numbers(design.resolved_spec):
         each = None if clock.now() >= deadline else differentiate(optimum, number, deadline)
         if each is None or (each.steepest > 0.0 and kinks):
             unconfirmed.append(number.pointer)
         else:
-            known.append(_sensitivity(number, each, proof.objective))
-    return _sorted(design, known, unconfirmed, _evidence(optimum, kinks))
+            known.append((number, each))
+    return _answer(design, known, unconfirmed, _evidence(optimum, kinks))
 
 
-def _is_stationary(optimum: PerturbedDesign, number: ChosenNumber, deadline: float) -> bool:
+def _is_stationary(optimum: PerturbedDesign, number: Number, deadline: float) -> bool:
     """Whether a chosen number does not move when limits change by little.
 
     Where the objective is level in it, or where it is held at an end of its range.
@@ -72,14 +75,14 @@ def _is_stationary(optimum: PerturbedDesign, number: ChosenNumber, deadline: flo
     if derivatives is None:
         return False
     level = LEVEL * abs(optimum.value) / number.size
-    low, high = number.ends
+    low, high = number.range
     near = AT_END * number.size
     held = (derivatives.more or 0.0) > 0.0 and number.value <= low + near
     held = held or ((derivatives.less or 0.0) < 0.0 and number.value >= high - near)
     return held or (len(derivatives.sides) == 2 and derivatives.steepest <= level)
 
 
-def _evidence(optimum: PerturbedDesign, kinks: list[ChosenNumber]) -> str:
+def _evidence(optimum: PerturbedDesign, kinks: Sequence[Number]) -> str:
     evidence = (
         f"{optimum.method} on the design's own knots, confirmed by solving again with each number "
         "a thousandth larger and smaller"
@@ -92,77 +95,68 @@ def _evidence(optimum: PerturbedDesign, kinks: list[ChosenNumber]) -> str:
     return evidence
 
 
-def _sensitivity(number: SpecNumber, derivatives: Derivatives, objective: str) -> Sensitivity:
-    smooth = derivatives.more == derivatives.less
-    return Sensitivity(
-        field=number.pointer,
-        requested=number.value,
-        per_unit=derivatives.more if smooth else None,
-        per_unit_more=derivatives.more,
-        per_unit_less=derivatives.less,
-        sentence=describe(number, derivatives, objective),
-    )
-
-
-def _sorted(
-    design: Design, found: Iterable[Sensitivity], unconfirmed: list[str], evidence: str
+def _answer(
+    design: Design,
+    known: Sequence[tuple[Number, Derivatives]],
+    unconfirmed: list[str],
+    evidence: str,
 ) -> Sensitivities:
     """The answer, with the most expensive limit first."""
-
-    def weight(each: Sensitivity) -> float:
-        sides = [abs(side) for side in (each.per_unit_more, each.per_unit_less) if side is not None]
-        return max(sides, default=0.0) * max(abs(each.requested), 1.0)
-
+    objective = design.certificate.objective
+    costs = sorted(known, key=lambda each: -each[1].steepest * max(abs(each[0].value), 1.0))
     return Sensitivities(
-        objective=design.certificate.objective,
+        objective=objective,
         value=design.certificate.value,
-        sensitivities=sorted(found, key=lambda each: -weight(each)),
+        sensitivities=[
+            Sensitivity(
+                field=number.pointer,
+                requested=number.value,
+                per_unit=each.more if each.more == each.less else None,
+                per_unit_more=each.more,
+                per_unit_less=each.less,
+                sentence=describe(number, each, objective),
+            )
+            for number, each in costs
+        ],
         unconfirmed=unconfirmed,
         evidence=evidence,
     )
 
 
-def describe(number: SpecNumber, derivatives: Derivatives, objective: str) -> str:
+def describe(number: Number, derivatives: Derivatives, objective: str) -> str:
     """A sentence: 1 deg more in /limits/0/rise_deg makes base_radius 0.8 mm smaller."""
-    if derivatives.more == derivatives.less == 0.0:
+    more, less = derivatives.more, derivatives.less
+    if more == less == 0.0:
         return f"{number.pointer} has no influence"
-    one = derivatives.more if derivatives.more == derivatives.less else None
-    if one is not None:
-        return f"{_step(number)} more in {number.pointer} makes {_change(number, one, objective)}"
-    sides = "; ".join(_sides(number, derivatives, objective))
-    return f"{number.pointer} is at a kink: {sides}"
-
-
-def _sides(number: SpecNumber, derivatives: Derivatives, objective: str) -> Iterator[str]:
-    for way, sign, slope in (("more", 1.0, derivatives.more), ("less", -1.0, derivatives.less)):
+    # One unit, or one per cent of a large number.
+    parts = reversed(number.pointer.split("/"))
+    step = f"1 {next((unit for part in parts if (unit := _split_unit(part)[1])), '')}"
+    step = "1 %" if abs(number.value) >= LARGE else step
+    if more is not None and more == less:
+        return f"{step} more in {number.pointer} makes {_change(number, more, objective)}"
+    sides = []
+    for way, slope in (("more", more), ("less", None if less is None else -less)):
         if slope is None:
-            yield f"{way} has no cam near this one"
+            sides.append(f"{way} has no cam near this one")
         elif slope == 0.0:
-            yield f"{way} changes nothing"
+            sides.append(f"{way} changes nothing")
         else:
-            yield f"{_step(number)} {way} makes {_change(number, sign * slope, objective)}"
+            sides.append(f"{step} {way} makes {_change(number, slope, objective)}")
+    return f"{number.pointer} is at a kink: {'; '.join(sides)}"
 
 
-def _step(number: SpecNumber) -> str:
-    """One unit, or one per cent of a large number."""
-    if abs(number.value) >= LARGE:
-        return "1 %"
-    unit = next((unit for part in reversed(number.path) if (unit := _split_unit(part)[1])), "")
-    return f"1 {unit}"
-
-
-def _change(number: SpecNumber, slope: float, objective: str) -> str:
+def _change(number: Number, slope: float, objective: str) -> str:
     name, unit = _split_unit(objective)
     change = slope if abs(number.value) < LARGE else 0.01 * slope * abs(number.value)
     way = "larger" if change > 0.0 else "smaller"
     return f"{name} {abs(change):.4g} {unit} {way}"
 
 
-def _split_unit(field: str | int) -> tuple[str, str]:
+def _split_unit(field: str) -> tuple[str, str]:
     """A field's name without its unit, and the unit: max and mm/s³ of max_mm_per_s3."""
-    match = UNIT.fullmatch(str(field))
+    match = UNIT.fullmatch(field)
     if match is None:
-        return str(field), ""
+        return field, ""
     power = {"2": "²", "3": "³"}.get(match["power"] or "", "")
     unit = match["unit"].replace("hz", "Hz")
     return match["name"], unit + (f"/s{power}" if match["per"] else "")

@@ -1,16 +1,19 @@
-"""Axes: the fields of the base spec that a sweep changes, and their values."""
+"""Axes, the fields of the base spec that a sweep changes, and plans that combine their values."""
 
 from __future__ import annotations
 
 import math
 from abc import ABC, abstractmethod
+from collections.abc import Callable, Sequence
 from typing import Annotated, Any, Literal, Self
 
-from pydantic import BaseModel, ConfigDict, Field, JsonValue, model_validator
+from pydantic import Field, JsonValue, model_validator
 from pydantic_core import PydanticCustomError
 
-MAX_VALUES = 100_000
-MAX_ALSO = 100
+from synthesis.catalogue.fields import FiniteModel
+
+MAX_VALUES = 100_000  # of an axis, and items of a Latin hypercube
+MAX_LINKED = 100
 
 Pointer = Annotated[
     str,
@@ -20,35 +23,32 @@ Pointer = Annotated[
         "`/limits/0/rise_deg` or `/program/0/law/kind`.",
     ),
 ]
+End = Annotated[float, Field(ge=-1e12, le=1e12)]
+ItemValues = Callable[[int], list[JsonValue]]
 
 
-class SweepAxis(BaseModel, ABC):
+class SweepAxis(FiniteModel, ABC):
     """An axis of any kind: the field, and fields that change with it."""
 
-    model_config = ConfigDict(frozen=True, extra="forbid", allow_inf_nan=False)
-
     pointer: Pointer
-    linked_pointers: Annotated[
-        list[Pointer],
-        Field(max_length=MAX_ALSO, description="Fields that take the same value, such as the "
-              "return's lift along with the rise's."),
-    ] = []  # fmt: skip
-    balance_pointer: Annotated[
-        Pointer | None,
-        Field(
-            description="Field that compensates, so that its sum with the others stays as in the "
-            "base: such as the dwell that completes 360°."
-        ),
-    ] = None
+    linked_pointers: list[Pointer] = Field(
+        [],
+        max_length=MAX_LINKED,
+        description="Fields that take the same value, such as the return's lift along with the "
+        "rise's.",
+    )
+    balance_pointer: Pointer | None = Field(
+        None,
+        description="Field that compensates, so that its sum with the others stays as in the "
+        "base: such as the dwell that completes 360°.",
+    )
 
     @property
-    def fields(self) -> list[str]:
-        """Every field of the base that the axis changes."""
-        return [
-            self.pointer,
-            *self.linked_pointers,
-            *([] if self.balance_pointer is None else [self.balance_pointer]),
-        ]
+    def fields(self) -> list[tuple[str, str]]:
+        """Every field of the base that the axis changes, with the name of its pointer."""
+        fields = [("pointer", self.pointer)]
+        fields += [("linked_pointers", each) for each in self.linked_pointers]
+        return fields + [("balance_pointer", each) for each in (self.balance_pointer,) if each]
 
     @property
     @abstractmethod
@@ -56,13 +56,13 @@ class SweepAxis(BaseModel, ABC):
         """Number of values; None: as many as the plan needs."""
 
     @property
-    @abstractmethod
     def numeric(self) -> bool:
         """Whether all of its values are numbers."""
+        return True
 
-    @abstractmethod
     def shortened(self) -> Self:
         """The same axis without a long list of values."""
+        return self
 
     @abstractmethod
     def at(self, index: int, size: int) -> JsonValue:
@@ -77,10 +77,9 @@ class ListAxis(SweepAxis):
     """Values in a list: numbers, names, or whole objects such as a law."""
 
     kind: Literal["list"]
-    values: Annotated[
-        list[JsonValue],
-        Field(min_length=1, max_length=MAX_VALUES, description="The values, in order."),
-    ]
+    values: list[JsonValue] = Field(
+        min_length=1, max_length=MAX_VALUES, description="The values, in order."
+    )
 
     @property
     def size(self) -> int | None:
@@ -103,27 +102,18 @@ class ListAxis(SweepAxis):
 class Interval(SweepAxis):
     """Numbers from start to stop, both included; spacing by the kind."""
 
-    start: Annotated[float, Field(ge=-1e12, le=1e12, description="First value.")]
-    stop: Annotated[float, Field(ge=-1e12, le=1e12, description="Last value.")]
-    count: Annotated[
-        int | None,
-        Field(
-            ge=1,
-            le=MAX_VALUES,
-            description="Number of values; left out in a Latin hypercube, which has its own count.",
-        ),
-    ] = None
+    start: End = Field(description="First value.")
+    stop: End = Field(description="Last value.")
+    count: int | None = Field(
+        None,
+        ge=1,
+        le=MAX_VALUES,
+        description="Number of values; left out in a Latin hypercube, which has its own count.",
+    )
 
     @property
     def size(self) -> int | None:
         return self.count
-
-    @property
-    def numeric(self) -> bool:
-        return True
-
-    def shortened(self) -> Self:
-        return self
 
     def at(self, index: int, size: int) -> JsonValue:
         if index == 0 or size == 1:
@@ -168,11 +158,103 @@ def _twelve_digits(value: float) -> float:
     return float(f"{value:.12g}")
 
 
-def _pointer_parts(pointer: str) -> list[str]:
-    """The reference tokens of a JSON pointer; none where it is no pointer."""
-    if not pointer.startswith("/"):
-        return []
-    return [part.replace("~1", "/").replace("~0", "~") for part in pointer.split("/")[1:]]
+class Plan(FiniteModel, ABC):
+    """Which values are combined in an item."""
+
+    kind: str
+
+    @abstractmethod
+    def size(self, axes: Sequence[SweepAxis]) -> int:
+        """Number of items.
+
+        Raises:
+            PydanticCustomError: the axes do not suit the plan.
+        """
+
+    @abstractmethod
+    def item_values(self, axes: Sequence[SweepAxis]) -> ItemValues:
+        """Maps an item's number, from 0, to the values of the axes; deterministic."""
+
+
+class GridPlan(Plan):
+    """Full factorial: all combinations; the last axis changes fastest."""
+
+    kind: Literal["grid"] = "grid"
+
+    def size(self, axes: Sequence[SweepAxis]) -> int:
+        return math.prod(_counts(axes))
+
+    def item_values(self, axes: Sequence[SweepAxis]) -> ItemValues:
+        counts = _counts(axes)
+
+        def values_of(number: int) -> list[JsonValue]:
+            values: list[JsonValue] = []
+            for axis, count in zip(reversed(axes), reversed(counts), strict=True):
+                number, index = divmod(number, count)
+                values.insert(0, axis.at(index, count))
+            return values
+
+        return values_of
+
+
+class RowsPlan(Plan):
+    """Item i takes value i of every axis."""
+
+    kind: Literal["rows"]
+
+    def size(self, axes: Sequence[SweepAxis]) -> int:
+        counts = _counts(axes)
+        for position, count in enumerate(counts):
+            if count != counts[0]:
+                raise PydanticCustomError(
+                    "axes_of_unequal_length",
+                    "axes/{position} has {count} values, but axes/0 has {first}; in the plan rows "
+                    "all axes have the same number. Give as many, or choose the plan grid.",
+                    {"position": position, "count": count, "first": counts[0]},
+                )
+        return counts[0]
+
+    def item_values(self, axes: Sequence[SweepAxis]) -> ItemValues:
+        size = self.size(axes)
+        return lambda number: [axis.at(number, size) for axis in axes]
+
+
+class LatinHypercubePlan(Plan):
+    """Latin hypercube: each axis is divided into ``count`` parts, each of them used once."""
+
+    kind: Literal["latin_hypercube"]
+    count: int = Field(ge=1, le=MAX_VALUES, description="Number of items.")
+    seed: int = Field(
+        0, ge=0, le=2**32 - 1, description="Seed: the same seed gives the same items."
+    )
+
+    def size(self, axes: Sequence[SweepAxis]) -> int:
+        return self.count
+
+    def item_values(self, axes: Sequence[SweepAxis]) -> ItemValues:
+        from scipy.stats import qmc  # slow to import, and most sweeps do without
+
+        shares = qmc.LatinHypercube(len(axes), rng=self.seed).random(self.count).tolist()
+        return lambda number: [
+            axis.between(share) for axis, share in zip(axes, shares[number], strict=True)
+        ]
+
+
+AnyPlan = Annotated[GridPlan | RowsPlan | LatinHypercubePlan, Field(discriminator="kind")]
+
+
+def _counts(axes: Sequence[SweepAxis]) -> list[int]:
+    counts = []
+    for position, axis in enumerate(axes):
+        if axis.size is None:
+            raise PydanticCustomError(
+                "axis_without_count",
+                "axes/{position} has no count; only a Latin hypercube does without one. Give a "
+                "count.",
+                {"position": position},
+            )
+        counts.append(axis.size)
+    return counts
 
 
 def locate(document: Any, pointer: str) -> tuple[Any, str | int]:
@@ -181,8 +263,11 @@ def locate(document: Any, pointer: str) -> tuple[Any, str | int]:
     Raises:
         LookupError: there is no such field; its argument says what there is instead.
     """
-    at, parts = document, _pointer_parts(pointer)
-    for depth, part in enumerate(parts):
+    # The pointer's reference tokens; none where it is no pointer.
+    parts = pointer.split("/")[1:] if pointer.startswith("/") else []
+    at = document
+    for depth, token in enumerate(parts):
+        part = token.replace("~1", "/").replace("~0", "~")
         where = "/" + "/".join(parts[:depth]) if depth else "the base"
         if isinstance(at, dict):
             if part not in at:

@@ -5,68 +5,82 @@ from __future__ import annotations
 import copy
 import json
 from functools import cached_property
-from typing import Annotated, Any
+from typing import Any
 
-from pydantic import BaseModel, ConfigDict, Field, JsonValue, model_validator
+from pydantic import Field, JsonValue, model_validator
 from pydantic_core import PydanticCustomError
 
+from synthesis.catalogue.fields import FiniteModel, Name
 from synthesis.catalogue.objectives import AnyObjective
 from synthesis.design.identity import identity
 from synthesis.spec.design_spec import DesignSpec
-from synthesis.studies.sweeps.axes import Axis, locate
-from synthesis.studies.sweeps.plans import AnyPlan, GridPlan, ItemValues, LatinHypercubePlan
+from synthesis.studies.sweeps.axes import (
+    AnyPlan,
+    Axis,
+    GridPlan,
+    ItemValues,
+    LatinHypercubePlan,
+    locate,
+)
 
 MAX_AXES = 20
 
 
-class SweepSpec(BaseModel):
+class SweepSpec(FiniteModel):
     """Many designs: the base with other values of some fields."""
 
-    model_config = ConfigDict(frozen=True, extra="forbid", allow_inf_nan=False)
-
-    name: Annotated[str, Field(max_length=200, description="Shown in lists and file names.")] = ""
-    base: Annotated[DesignSpec, Field(description="The design that is varied.")]
-    axes: Annotated[
-        list[Axis],
-        Field(min_length=1, max_length=MAX_AXES, description="Fields to vary, and their values."),
-    ]
-    plan: Annotated[AnyPlan, Field(description="How the axes are combined.")] = GridPlan()
-    quantities: Annotated[
-        list[AnyObjective],
-        Field(max_length=10, description="Further objectives to measure on every design, besides "
-              "the dimensions and the base's own objectives, for trade-offs."),
-    ] = []  # fmt: skip
-    warm_start: Annotated[
-        bool,
-        Field(
-            description="Where curvature decides, a design's local search begins where that of "
-            "the item before has ended, in chains of eight items: a quarter less time. Values may "
-            "then differ from those of the same spec alone, within the gap that is told; such a "
-            "design names the other one in started_from and has an id of its own.",
-        ),
-    ] = False
+    name: Name = Field("", description="Shown in lists and file names.")
+    base: DesignSpec = Field(description="The design that is varied.")
+    axes: list[Axis] = Field(
+        min_length=1, max_length=MAX_AXES, description="Fields to vary, and their values."
+    )
+    plan: AnyPlan = Field(GridPlan(), description="How the axes are combined.")
+    quantities: list[AnyObjective] = Field(
+        [],
+        max_length=10,
+        description="Further objectives to measure on every design, besides the dimensions and the "
+        "base's own objectives, for trade-offs.",
+    )
+    warm_start: bool = Field(
+        False,
+        description="Where curvature decides, a design's local search begins where that of "
+        "the item before has ended, in chains of eight items: a quarter less time. Values may "
+        "then differ from those of the same spec alone, within the gap that is told; such a "
+        "design names the other one in started_from and has an id of its own.",
+    )
 
     @model_validator(mode="after")
     def _check_fields(self) -> SweepSpec:
-        document, taken = self.document, dict[tuple[str, ...], int]()
+        set_by = dict[tuple[str, ...], int]()
         for position, axis in enumerate(self.axes):
-            names = [
-                "pointer",
-                *("linked_pointers" for _ in axis.linked_pointers),
-                "balance_pointer",
-            ]
-            for name, field in zip(names, axis.fields, strict=False):
+            for name, field in axis.fields:
+                wrong = {"value": field, "position": position, "name": name}
                 try:
-                    holder, key = locate(document, field)
+                    holder, key = locate(self.document, field)
                 except LookupError as error:
                     raise PydanticCustomError(
                         "axis_leads_nowhere",
                         "{value} is not a field of the base: {there}. Name an existing field.",
-                        {"value": field, "there": str(error), "position": position, "name": name},
+                        {**wrong, "there": str(error)},
                     ) from None
-                if axis.balance_pointer is not None:
-                    _check_number(holder[key], field, position, name)
-                _check_unique(tuple(field.split("/")), field, taken, position, name)
+                # In JSON a boolean is no number, though in Python it is.
+                if axis.balance_pointer is not None and type(holder[key]) not in (int, float):
+                    raise PydanticCustomError(
+                        "balance_needs_numbers",
+                        "{value} is not a number in the base and cannot be balanced. Give a number "
+                        "there, or leave balance out.",
+                        wrong,
+                    )
+                # No field may be set twice, nor lie inside one that is set.
+                parts = tuple(field.split("/"))
+                for other, by in set_by.items():
+                    if all(a == b for a, b in zip(other, parts, strict=False)):
+                        raise PydanticCustomError(
+                            "axes_share_a_field",
+                            "{value} is also set by axes/{other}. Leave one of the two out.",
+                            {**wrong, "other": by},
+                        )
+                set_by[parts] = position
         return self
 
     @model_validator(mode="after")
@@ -113,32 +127,6 @@ class SweepSpec(BaseModel):
                 holder, key = locate(document, axis.balance_pointer)
                 holder[key] = float(f"{holder[key] - moved:.12g}")
         return document
-
-
-def _check_number(value: Any, field: str, position: int, name: str) -> None:
-    """Refuse to balance a field that is not a number."""
-    if isinstance(value, bool) or not isinstance(value, int | float):
-        raise PydanticCustomError(
-            "balance_needs_numbers",
-            "{value} is not a number in the base and cannot be balanced. Give a number there, or "
-            "leave balance out.",
-            {"value": field, "position": position, "name": name},
-        )
-
-
-def _check_unique(
-    parts: tuple[str, ...], field: str, taken: dict[tuple[str, ...], int], position: int, name: str
-) -> None:
-    """Refuse a field that another axis sets, or that is inside one that is set."""
-    for other, by in taken.items():
-        shorter = min(len(other), len(parts))
-        if other[:shorter] == parts[:shorter]:
-            raise PydanticCustomError(
-                "axes_share_a_field",
-                "{value} is also set by axes/{other}. Leave one of the two out.",
-                {"value": field, "other": by, "position": position, "name": name},
-            )
-    taken[parts] = position
 
 
 def sweep_id(spec: SweepSpec) -> str:

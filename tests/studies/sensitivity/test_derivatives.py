@@ -10,15 +10,13 @@ from typing import Any
 
 import pytest
 
-from synthesis.studies.sensitivity.derivatives import Derivatives, differentiate
-from synthesis.studies.sensitivity.perturbation import PerturbedDesign
-from synthesis.studies.sensitivity.spec_numbers import Number
+from synthesis.studies.sensitivity.derivatives import Derivatives, Number, differentiate
 
 AT = 3.7
 
 
 @dataclass(frozen=True)
-class Known(PerturbedDesign):
+class Known:
     """A function in place of a cam; ``tangent``: what multipliers say of its slope."""
 
     best: Callable[[float], float | None]
@@ -42,14 +40,7 @@ class Known(PerturbedDesign):
         return self.best(spec.at)
 
 
-class Moved(Number):
-    """The number of which it is a function."""
-
-    value = AT
-    size = AT
-
-    def at(self, value: float) -> Any:
-        return SimpleNamespace(at=value)
+NUMBER = Number("/number", AT, AT, lambda value: SimpleNamespace(at=value))
 
 
 @pytest.mark.parametrize(
@@ -67,7 +58,7 @@ class Moved(Number):
 def test_slopes_of_known_functions(
     best: Callable[[float], float | None], tangent: float, expected: tuple[float, ...] | None
 ) -> None:
-    found = differentiate(Known(best, tangent), Moved(), inf)
+    found = differentiate(Known(best, tangent), NUMBER, inf)
     if expected is None:
         assert found is None
         return
@@ -80,6 +71,6 @@ def test_curvature_is_no_corner() -> None:
     # bent so that a thousandth tells the sides 5 % apart: a fifth of that step decides
     bend = 0.05 / (2e-3 * AT)
     found = differentiate(
-        Known(lambda p: 50.0 + (p - AT) + 0.5 * bend * (p - AT) ** 2, 1.0), Moved(), inf
+        Known(lambda p: 50.0 + (p - AT) + 0.5 * bend * (p - AT) ** 2, 1.0), NUMBER, inf
     )
     assert found == Derivatives(pytest.approx(1.0), pytest.approx(1.0))
