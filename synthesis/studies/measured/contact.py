@@ -19,29 +19,13 @@ from numpy.typing import NDArray
 from synthesis.catalogue.followers.base import Follower
 from synthesis.errors import InputError
 from synthesis.numerics.piecewise import Array
+from synthesis.studies.measured.answer import UnreachedHollow
 from synthesis.studies.measured.outline import Outline
-from synthesis.units import FULL_TURN
+from synthesis.studies.measured.spec import MeasuredCam
+from synthesis.units import DEGREE, FULL_TURN
 
 LEVEL: Final = 1e-9  # of the position: rounding; so little below the envelope counts as on it
 CHUNK: Final = 256  # points compared at a time, to bound memory
-
-
-@dataclass(frozen=True)
-class Bridge:
-    """A hollow that the follower spans without touching its bottom.
-
-    Attributes:
-        angle: cam angle at which it touches both sides [rad].
-        hollow: least concave radius of the profile in between [mm]; None: none is concave.
-        gap: largest distance between follower and profile there [mm].
-        x, y: the profile point farthest from the follower [mm].
-    """
-
-    angle: float
-    hollow: float | None
-    gap: float
-    x: float
-    y: float
 
 
 @dataclass(frozen=True, eq=False)
@@ -50,22 +34,23 @@ class FollowerPath:
 
     Attributes:
         theta: (n,) increasing over one turn [rad]. position: (n,) as ``Follower.posture`` [mm].
-        bridges: hollows that it does not touch.
+        hollows: those whose bottom it does not touch, in the order of their angles.
     """
 
     theta: Array
     position: Array
-    bridges: tuple[Bridge, ...]
+    hollows: list[UnreachedHollow]
 
 
-def follow_outline(outline: Outline, follower: Follower, tolerance: float) -> FollowerPath:
+def follow_outline(outline: Outline, cam: MeasuredCam) -> FollowerPath:
     """Move the follower over the outline.
 
-    Gaps up to the tolerance [mm] are ignored: they may come from the measurement.
+    Gaps up to the cam's tolerance are ignored: they may come from the measurement.
 
     Raises:
         InputError: the follower does not reach the cam.
     """
+    follower = cam.follower
     centre = outline.point + follower.roller_radius * outline.normal
     theta, position = follower.pose(centre, outline.normal)
     lost = ~np.isfinite(theta + position)
@@ -81,15 +66,12 @@ def follow_outline(outline: Outline, follower: Follower, tolerance: float) -> Fo
             "Check the follower's dimensions and the sense of rotation.",
         )  # fmt: skip
     below = _covered(theta, position)
-    bridges = [
-        _bridge(run, outline, theta, (position, centre), follower) for run in _cyclic_runs(below)
-    ]
-    turned, height = np.mod(theta[~below], FULL_TURN), position[~below]
-    order = np.argsort(turned, kind="stable")
-    real = (bridge for bridge in bridges if bridge.gap > tolerance)
-    return FollowerPath(
-        turned[order], height[order], tuple(sorted(real, key=lambda each: each.angle))
-    )
+    hollows = [_hollow(run, outline, theta, position, cam) for run in cyclic_runs(below)]
+    hollows = [hollow for hollow in hollows if hollow.gap_mm > cam.tolerance_mm]
+    wrapped, height = np.mod(theta[~below], FULL_TURN), position[~below]
+    order = np.argsort(wrapped, kind="stable")
+    hollows.sort(key=lambda hollow: hollow.angle_deg)
+    return FollowerPath(wrapped[order], height[order], hollows)
 
 
 def _unreachable(
@@ -99,7 +81,7 @@ def _unreachable(
     x, y = outline.point[:, int(np.argmax(lost))]
     where = "at no cam angle does it touch the profile"
     if not lost.all():
-        run = max(_cyclic_runs(lost), key=len)
+        run = max(cyclic_runs(lost), key=len)
         ends = theta[[run[0] - 1, (run[-1] + 1) % len(theta)]]
         first, last = np.degrees(np.mod(ends, FULL_TURN))
         x, y = outline.point[:, run[len(run) // 2]]
@@ -143,26 +125,24 @@ def _covered(theta: Array, position: Array) -> NDArray[np.bool_]:
     return below
 
 
-def _cyclic_runs(below: NDArray[np.bool_]) -> list[NDArray[np.intp]]:
+def cyclic_runs(mask: NDArray[np.bool_]) -> list[NDArray[np.intp]]:
     """Indices of each cyclic run of True."""
-    if not below.any():
-        return []
-    start = int(np.argmin(below))  # an index outside of all runs
-    order = (start + np.arange(len(below))) % len(below)
-    edges = np.flatnonzero(np.diff(below[order].astype(int)))
-    if len(edges) % 2:
-        edges = np.append(edges, len(below) - 1)
-    return [order[a + 1 : b + 1] for a, b in edges.reshape(-1, 2)]
+    if mask.all():
+        return [np.arange(len(mask))]
+    starts = np.flatnonzero(mask & ~np.roll(mask, 1)).tolist()
+    lengths = [int(np.argmin(np.roll(mask, -start))) for start in starts]
+    return [(a + np.arange(n)) % len(mask) for a, n in zip(starts, lengths, strict=True)]
 
 
-def _resting_place(
-    run: NDArray[np.intp], theta: Array, position: Array, centre: Array
-) -> tuple[float, Array]:
-    """Where the follower touches both sides of a hollow: θ [rad] and its centre (2,) [mm].
+def _hollow(
+    run: NDArray[np.intp], outline: Outline, theta: Array, position: Array, cam: MeasuredCam
+) -> UnreachedHollow:
+    """The hollow between two points of contact, at the indices of a run.
 
-    The intersection of the tangents to the two branches, between the last points touched.
+    The follower touches both sides of it at the intersection of the tangents to the two branches,
+    between the last points touched.
     """
-    n = len(theta)
+    n, follower = len(theta), cam.follower
     one, two = (run[0] - 1) % n, (run[-1] + 1) % n
     before, after = (one - 1) % n, (two + 1) % n
     gap = math.remainder(float(theta[two] - theta[one]), FULL_TURN)
@@ -173,30 +153,27 @@ def _resting_place(
     if rising != falling:
         share = (position[two] - position[one] - falling * gap) / (rising - falling)
     share = min(max(share, 0.0), gap)
-    along = (centre[:, one] - centre[:, before]) / back
-    return float(theta[one] + share), centre[:, one] + share * along
-
-
-def _step(angle: float) -> float:
-    """The angle between neighbouring points, within ±180° and not zero."""
-    return math.remainder(angle, FULL_TURN) or 1e-300
-
-
-def _bridge(
-    run: NDArray[np.intp],
-    outline: Outline,
-    theta: Array,
-    postures: tuple[Array, Array],
-    follower: Follower,
-) -> Bridge:
-    """The hollow between two points of contact."""
-    angle, centre = _resting_place(run, theta, *postures)
+    angle = float(theta[one] + share)
+    # The centre of the follower there, along the tangent of its path.
+    last, previous = (
+        outline.point[:, k] + follower.roller_radius * outline.normal[:, k] for k in (one, before)
+    )
+    centre = last + share * (last - previous) / back
     up = np.array([math.sin(angle), math.cos(angle)])
     inward = follower.clearance(outline.point[:, run] - centre[:, None], up)
     deepest = int(np.argmax(inward))
     bend = float(np.min(outline.bend[run]))
     x, y = outline.point[:, run[deepest]]
-    return Bridge(
-        angle % FULL_TURN, -1.0 / bend if bend < 0.0 else None, float(inward[deepest]),
-        float(x), float(y),
-    )  # fmt: skip
+    return UnreachedHollow(
+        angle_deg=angle % FULL_TURN / DEGREE,
+        hollow_radius_mm=-1.0 / bend if bend < 0.0 else None,
+        roller_radius_mm=follower.roller_radius,
+        gap_mm=float(inward[deepest]),
+        x_mm=cam.mirror * float(x),
+        y_mm=float(y),
+    )
+
+
+def _step(angle: float) -> float:
+    """The angle between neighbouring points, within ±180° and not zero."""
+    return math.remainder(angle, FULL_TURN) or 1e-300

@@ -46,7 +46,8 @@ def fit_motion(path: FollowerPath, tolerance: float) -> FittedMotion:
     Where the follower touches both sides of a hollow its velocity jumps, and the spline may have a
     kink.
     """
-    kinks = np.unique(np.round([bridge.angle for bridge in path.bridges], 6))
+    angles = np.array([math.radians(hollow.angle_deg) for hollow in path.hollows])
+    kinks = np.unique(np.round(angles, 6))
     kinks = kinks[kinks < FULL_TURN]
     values = path.position[:, None]
     for count in KNOT_COUNTS:
@@ -122,27 +123,19 @@ def find_dwells(motion: Motion, tolerance: float) -> list[tuple[float, float, fl
 
 
 def _longest_runs(s: Array, width: float) -> NDArray[np.intp]:
-    """(n,) number of following samples that stay within a width, by a sliding minimum/maximum."""
-    n, end = len(s), 0
-    low, high = [0], [0]  # monotone queues of indices
-    reach = np.zeros(n, dtype=np.intp)
-    for start in range(n):
-        if end < start:
-            end, low, high = start, [start], [start]
-        while end + 1 < n:
-            new = s[end + 1]
-            if max(s[high[0]], new) - min(s[low[0]], new) > width:
-                break
-            end += 1
-            while low and s[low[-1]] >= new:
-                low.pop()
-            while high and s[high[-1]] <= new:
-                high.pop()
-            low.append(end)
-            high.append(end)
-        reach[start] = end - start
-        if low and low[0] == start:
-            low.pop(0)
-        if high and high[0] == start:
-            high.pop(0)
-    return reach
+    """(n,) number of following samples that stay within a width, by doubling."""
+    # Extremes of 2^k samples from each one on.
+    lows, highs = [s], [s]
+    while 2 ** len(lows) <= len(s):
+        half = 2 ** (len(lows) - 1)
+        lows.append(np.minimum(lows[-1][:-half], lows[-1][half:]))
+        highs.append(np.maximum(highs[-1][:-half], highs[-1][half:]))
+    # Runs grow by the largest powers of two that keep them within the width.
+    low, high, end = s, s, np.arange(len(s)) + 1
+    for k in reversed(range(len(lows))):
+        at = np.where(end + 2**k <= len(s), end, 0)
+        lower, upper = np.minimum(low, lows[k][at]), np.maximum(high, highs[k][at])
+        grows = (at > 0) & (upper - lower <= width)
+        low, high = np.where(grows, lower, low), np.where(grows, upper, high)
+        end = end + 2**k * grows
+    return end - 1 - np.arange(len(s))

@@ -6,7 +6,6 @@ from dataclasses import dataclass
 from typing import Final
 
 import numpy as np
-from numpy.typing import NDArray
 
 from synthesis.errors import InputError
 from synthesis.numerics.periodic_spline import PeriodicSpline, fit_smoothing
@@ -128,36 +127,30 @@ def first_crossing(ring: Array) -> tuple[float, float] | None:
 
     Blocks of sides are compared by their bounding boxes first, so that long rings are cheap.
     """
-    start, end = ring, np.roll(ring, -1, axis=0)
-    firsts = np.arange(0, len(ring), BLOCK)
-    low = np.minimum.reduceat(np.minimum(start, end), firsts)
-    high = np.maximum.reduceat(np.maximum(start, end), firsts)
+    n, ends = len(ring), np.roll(ring, -1, axis=0)
+    sides = ends - ring
+    firsts = np.arange(0, n, BLOCK)
+    low = np.minimum.reduceat(np.minimum(ring, ends), firsts)
+    high = np.maximum.reduceat(np.maximum(ring, ends), firsts)
     meet = np.all((low[:, None] <= high) & (low <= high[:, None]), axis=2)
     for a, b in np.argwhere(np.triu(meet)):
-        i, j = (np.arange(k * BLOCK, min((k + 1) * BLOCK, len(ring))) for k in (a, b))
-        found = _first_crossing_between(start, end, i, j)
-        if found is not None:
-            return found
+        i, j = (np.arange(k * BLOCK, min((k + 1) * BLOCK, n)) for k in (a, b))
+        # p + t r = q + w s, for every side i and every side j that is not its neighbour.
+        p, r = ring[i][:, None], sides[i][:, None]
+        s, to = sides[j][None], ring[j][None] - p
+        across = _cross(r, s)
+        apart = (j[None] - i[:, None]) % n
+        proper = (apart > 1) & (apart < n - 1) & (across != 0.0)
+        safe = np.where(proper, across, 1.0)
+        t, w = _cross(to, s) / safe, _cross(to, r) / safe
+        hits = np.argwhere(proper & (t >= 0.0) & (t <= 1.0) & (w >= 0.0) & (w <= 1.0))
+        if len(hits):
+            k, m = hits[0]
+            x, y = p[k, 0] + t[k, m] * r[k, 0]
+            return float(x), float(y)
     return None
 
 
-def _first_crossing_between(
-    start: Array, end: Array, i: NDArray[np.intp], j: NDArray[np.intp]
-) -> tuple[float, float] | None:
-    """A crossing of a side i with a side j; neighbours do not count."""
-    n = len(start)
-    p, r = start[i][:, None], (end - start)[i][:, None]
-    q, s = start[j][None], (end - start)[j][None]
-    across = r[..., 0] * s[..., 1] - r[..., 1] * s[..., 0]
-    to = q - p
-    apart = (j[None] - i[:, None]) % n
-    proper = (apart > 1) & (apart < n - 1) & (across != 0.0)
-    safe = np.where(proper, across, 1.0)
-    t = (to[..., 0] * s[..., 1] - to[..., 1] * s[..., 0]) / safe
-    w = (to[..., 0] * r[..., 1] - to[..., 1] * r[..., 0]) / safe
-    hit = proper & (t >= 0.0) & (t <= 1.0) & (w >= 0.0) & (w <= 1.0)
-    if not hit.any():
-        return None
-    a, b = np.unravel_index(int(np.argmax(hit)), hit.shape)
-    x, y = p[a, 0] + t[a, b] * r[a, 0]
-    return float(x), float(y)
+def _cross(a: Array, b: Array) -> Array:
+    """z component of the cross product of vectors (…, 2)."""
+    return np.asarray(a[..., 0] * b[..., 1] - a[..., 1] * b[..., 0])
