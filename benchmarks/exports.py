@@ -20,7 +20,6 @@ from synthesis.exporters import (
     SOLID_FORMATS,
     ExactOptions,
     Exporter,
-    Made,
     form,
 )  # fmt: skip
 from tests.exporters.nearest import away
@@ -44,15 +43,15 @@ def run(effort: Effort = FULL) -> Section:
         for part, formats in PARTS.items()
         for name, exporter in formats.items()
     }
-    made: dict[str, Made] = {}
+    made: dict[str, bytes] = {}
     calls: dict[str, Call] = {
-        name: (lambda n=name, e=exporter, o=options: made.update({n: e.make(design, o)}))
+        name: (lambda n=name, e=exporter, o=options: made.update({n: e.write(design, o)}))
         for name, (exporter, options) in files.items()
     }
     times = in_turns(calls, effort.repeats(25), effort.warm_up(2))
-    told = {name: _told(each) for name, each in made.items()}
+    told = {name: _told(*each, design) for name, each in files.items()}
     rows = [
-        (f"`{name}`", str(times[name]), f"{len(made[name].data) / 1024:.0f} KiB", told[name])
+        (f"`{name}`", str(times[name]), f"{len(made[name]) / 1024:.0f} KiB", told[name])
         for name in files
     ]
     table = Table(("file", ">time", ">size", ">told"), rows)
@@ -63,8 +62,8 @@ def run(effort: Effort = FULL) -> Section:
     return Section("Files", TEXT, [table, _exact(design, effort)], front)
 
 
-def _told(made: Made) -> str:
-    error = made.told.get("Curve-Error-Mm")
+def _told(exporter: Exporter[Any], options: Any, design: Design) -> str:
+    error = exporter.content(design, options).metadata.get("Curve-Error-Mm")
     return f"{error} mm" if error else "–"
 
 

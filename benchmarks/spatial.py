@@ -8,7 +8,7 @@ from benchmarks.effort import FULL, Effort
 from benchmarks.section import Section, Table
 from benchmarks.timing import Call, in_turns
 from service.contract.examples import SPATIAL_CAMS, examples
-from synthesis.exporters import Made
+from synthesis.exporters import FileContent
 from synthesis.machines.spatial.files.body_step import STEP, FacetedOptions
 from synthesis.machines.spatial.pipeline import synthesise_spatial
 from synthesis.machines.spatial.spec import SpatialCamSpec
@@ -87,14 +87,14 @@ def _solids(effort: Effort) -> Table:
     """Time and error of solids as files."""
     names, asked = effort.some(SOLIDS), FacetedOptions()
     designs = {name: synthesise_spatial(given(name)) for name in names}
-    made: dict[str, Made] = {}
+    made: dict[str, FileContent] = {}
     calls: dict[str, Call] = {
-        name: lambda name=name, design=design: made.update({name: STEP.whole(design, asked)})
+        name: lambda name=name, design=design: made.update({name: STEP.content(design, asked)})
         for name, design in designs.items()
     }
     times, rows = in_turns(calls, effort.repeats(2), effort.warm_up(0)), []
     for name in names:
-        data, facts = made[name].data, made[name].told
+        data, facts = made[name].data, made[name].metadata
         size, error = len(data) / 1e6, 1e3 * float(facts["Surface-Error-Mm"])
         told = (facts["Body"], facts["Faces"], f"{error:.2f} µm", f"{size:.2f} MB")
         rows.append((name, *told, str(times[name])))

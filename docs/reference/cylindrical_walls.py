@@ -89,7 +89,7 @@ def cutters(found: SpatialDesign) -> None:
         made = CSV.make(found, CutterOptions(cutter_diameter_mm=diameter))
         less = roller.radius - 0.5 * diameter
         upright, wrapped = 1.0 - cos(inner - middle), 1.0 - cos(inner) / cos(outer)
-        rows.append((f"{diameter:.0f}", f"{1e3 * float(made.told['Wall-Error-Mm']):.2f}",
+        rows.append((f"{diameter:.0f}", f"{1e3 * float(made.metadata['Wall-Error-Mm']):.2f}",
                      f"{1e3 * less * upright:.1f}", f"{1e3 * less * wrapped:.0f}"))  # fmt: skip
     table(*rows, first="--:")
 

@@ -71,7 +71,7 @@ def _design_files(design: Design) -> dict[str, bytes]:
             for stem, curve in profiles(design).items():
                 if profile.placeable or stem == "profile":  # a drawing shows every flank
                     files[f"{stem}.{name}"] = profile.write(
-                        design, profile.adapted(ProfileOptions(curve=curve))
+                        design, profile.options_like(ProfileOptions(curve=curve))
                     )
         for name, motion in _default(MOTION_FORMATS):
             files[f"motion.{name}"] = motion.write(design, motion.options())
@@ -83,7 +83,7 @@ def _design_files(design: Design) -> dict[str, bytes]:
 
 def _default(formats: Mapping[str, Exporter[Any]]) -> list[tuple[str, Exporter[Any]]]:
     """The formats that are written without being named."""
-    return [(name, each) for name, each in formats.items() if each.usual]
+    return [(name, each) for name, each in formats.items() if each.by_default]
 
 
 def cam_set(

@@ -70,7 +70,7 @@ def _spatial_files(found: SpatialDesign) -> dict[str, bytes]:
     if found.status == "infeasible":
         return files
     for name in formats_of(found.machine):
-        if FORMATS[name].usual:
+        if FORMATS[name].by_default:
             files[name] = FORMATS[name].write(found, FORMATS[name].options())
     return files
 
@@ -107,7 +107,7 @@ def linkage(
         from synthesis.machines.linkages.files import LINKAGE_FILES
 
         for file in LINKAGE_FILES[kind].values():
-            if file.usual and file.suits(found):
+            if file.by_default and file.suits(found):
                 files[file.name] = file.write(found, file.options())
     save(files, out_dir)
     report_files(files, out_dir)
@@ -153,7 +153,7 @@ def respond(
         from synthesis.machines.dynamics.files import TRAIN_FILES
 
         files = {"train-response.json": json_of(found)}
-        made = (file for file in TRAIN_FILES if file.usual)
+        made = (file for file in TRAIN_FILES if file.by_default)
         files |= {file.name: file.write(found, file.options()) for file in made}
         save(files, out_dir)
         report_files(files, out_dir)

@@ -16,7 +16,13 @@ from service.wire.errors import ProblemType
 from service.workers.tasks import solve_cam_set
 from synthesis.design.cam_set import CamSet, set_id
 from synthesis.design.design import Status
-from synthesis.exporters import MOTION_FORMATS, PROFILE_FORMATS, Made, MotionOptions, ProfileOptions
+from synthesis.exporters import (
+    MOTION_FORMATS,
+    PROFILE_FORMATS,
+    FileContent,
+    MotionOptions,
+    ProfileOptions,
+)
 from synthesis.exporters.bundle import MEDIA_TYPE, BundleOptions, bundle
 from synthesis.exporters.diagrams.timing import timing_diagram
 from synthesis.exporters.options import ChordTolerance
@@ -97,13 +103,13 @@ class BundleQuery(BaseModel):
         )
 
 
-def _file(write: Callable[[CamSet, Any], bytes], body: bytes, options: Any) -> Made:
+def _file(write: Callable[[CamSet, Any], bytes], body: bytes, options: Any) -> FileContent:
     cams = CamSet.model_validate_json(body)
     if not cams.has_cams:
         raise ProblemType.NOTHING_FITS(
             "No cam of this set fits its limits: see conflict in the designs."
         )
-    return Made(write(cams, options))
+    return FileContent(write(cams, options))
 
 
 CAM_SETS = Resource(

@@ -17,7 +17,7 @@ from service.workers.tasks import (
 )
 from synthesis.design.design import Status
 from synthesis.design.identity import question_id
-from synthesis.exporters import Made
+from synthesis.exporters import FileContent
 from synthesis.exporters.exporter import FileFormat
 from synthesis.machines.dynamics import TrainResponse, TrainSpec
 from synthesis.machines.dynamics.files import TRAIN_FILES
@@ -81,11 +81,11 @@ SPATIAL_CAMS = Resource(
 )
 
 
-def _linkage_file(linkage: Linkage, file: LinkageFile, body: bytes, options: Any) -> Made:
+def _linkage_file(linkage: Linkage, file: LinkageFile, body: bytes, options: Any) -> FileContent:
     found = linkage.answer.model_validate_json(body)
     if not linkage.summary(found):
         raise ProblemType.NOTHING_FITS("No lengths keep these wishes: see conflict in the answer.")
-    return Made(file.write(found, options))
+    return FileContent(file.write(found, options))
 
 
 def _linkages(linkage: Linkage) -> Resource:
@@ -118,8 +118,8 @@ def _linkages(linkage: Linkage) -> Resource:
 LINKAGE_RESOURCES = tuple(_linkages(linkage) for linkage in LINKAGES.values())
 
 
-def _train_file(file: FileFormat[TrainResponse, Any], body: bytes, options: Any) -> Made:
-    return file.whole(TrainResponse.model_validate_json(body), options)
+def _train_file(file: FileFormat[TrainResponse, Any], body: bytes, options: Any) -> FileContent:
+    return file.content(TrainResponse.model_validate_json(body), options)
 
 
 TRAIN_RESPONSES = Resource(

@@ -16,7 +16,7 @@ from service.wire.errors import ProblemType
 from service.wire.pages import in_utc
 from service.workers.tasks import Task, links_to
 from synthesis.design.design import Status
-from synthesis.exporters import Made, form
+from synthesis.exporters import FileContent, form
 from synthesis.exporters.exporter import FileFormat
 
 StatusOrNone = Annotated[Status | None, Field(description="What came out; null until it is done.")]
@@ -77,7 +77,7 @@ class ResourceFile:
     title: str
     media_type: str
     query: type[BaseModel]
-    make: Callable[[bytes, Any], Made]
+    make: Callable[[bytes, Any], FileContent]
     purpose: str = ""
     options_of: Callable[[Any], Any] = _unchanged
     in_worker: bool = False
@@ -88,7 +88,7 @@ class ResourceFile:
 def file_of(
     exporter: FileFormat[Any, Any],
     path: str,
-    make: Callable[[bytes, Any], Made],
+    make: Callable[[bytes, Any], FileContent],
     prefix: str = "",
     **more: Any,
 ) -> ResourceFile:
@@ -100,7 +100,7 @@ def file_of(
     fields: dict[str, Any] = {
         "title": exporter.title,
         "purpose": exporter.purpose,
-        "in_worker": exporter.apart,
+        "in_worker": exporter.in_worker,
         "download_name": path,
     }
     return ResourceFile(

@@ -16,7 +16,7 @@ from service.state import Parts, State
 from service.storage.store import AnswerRow
 from service.wire.etag import not_modified, tag_of
 from service.wire.ranges import IN_PARTS
-from synthesis.exporters import Made
+from synthesis.exporters import FileContent
 
 T = TypeVar("T")
 Handler = Callable[..., Awaitable[Response]]
@@ -98,11 +98,13 @@ async def send_file(
     if known is not None:
         return known
     make = partial(file.make, body, options)
-    made: Made = await (in_worker(parts, make) if file.in_worker else asyncio.to_thread(make))
+    made: FileContent = await (
+        in_worker(parts, make) if file.in_worker else asyncio.to_thread(make)
+    )
     name = file.download_name
     if resource.marks_broken_limits and row.status in BROKEN_LIMITS:
         name = f"not-certified-{name}"
-    metadata = {f"Camwright-{key}": value for key, value in made.told.items()}
+    metadata = {f"Camwright-{key}": value for key, value in made.metadata.items()}
     return Response(
         made.data,
         headers={

@@ -21,7 +21,7 @@ from synthesis.exporters import (
     PROFILE_FORMATS,
     SOLID_FORMATS,
     Exporter,
-    Made,
+    FileContent,
     Options,
 )
 from synthesis.exporters.exporter import FileFormat
@@ -227,30 +227,32 @@ def design_sensitivities(design: bytes, budget_s: float) -> bytes:
     return found.model_dump_json().encode()
 
 
-def design_file(exporter: Exporter[Any], design: bytes, options: Any) -> Made:
+def design_file(exporter: Exporter[Any], design: bytes, options: Any) -> FileContent:
     """A file of a finished design."""
     finished = Design.model_validate_json(design)
     if not (finished.motion or exporter.without_cam):
         raise ProblemType.NOTHING_FITS(
             "No cam fits these limits: see conflict in the design for what would."
         )
-    return exporter.whole(finished, options)
+    return exporter.content(finished, options)
 
 
-def analysis_picture(name: str, analysis: bytes, options: Options) -> Made:
+def analysis_picture(name: str, analysis: bytes, options: Options) -> FileContent:
     """A picture of an analysed cam. A table's law is smoothed for it again, by a solver."""
     from synthesis.studies.analyse import as_design
 
     found = Analysis.model_validate_json(analysis)
-    return Made(DRAWINGS[name].write(as_design(found), options))
+    return FileContent(DRAWINGS[name].write(as_design(found), options))
 
 
-def spatial_file(exporter: FileFormat[SpatialDesign, Any], design: bytes, options: Any) -> Made:
+def spatial_file(
+    exporter: FileFormat[SpatialDesign, Any], design: bytes, options: Any
+) -> FileContent:
     """A file of a finished spatial cam."""
     finished = SpatialDesign.model_validate_json(design)
     if not finished.motion:
         raise ProblemType.NOTHING_FITS("No cam fits these limits, so that there is none to draw.")
-    return exporter.whole(finished, options)
+    return exporter.content(finished, options)
 
 
 def warm_up() -> None:

@@ -22,7 +22,7 @@ from synthesis.exporters.diagrams import contact, motion
 from synthesis.exporters.drawing.picture_options import PictureOptions
 from synthesis.exporters.drives import codesys, kollmorgen, plain, rockwell, sew, twincat
 from synthesis.exporters.drives import fidelity_json as drive_fidelity
-from synthesis.exporters.exporter import Exporter, Made
+from synthesis.exporters.exporter import Exporter, FileContent
 from synthesis.exporters.fidelity import fidelity_json
 from synthesis.exporters.figures import profile
 from synthesis.exporters.machining import grinding, milling
@@ -111,8 +111,8 @@ __all__ = [
     "DrawingOptions",
     "ExactOptions",
     "Exporter",
+    "FileContent",
     "JsonOptions",
-    "Made",
     "MotionOptions",
     "Options",
     "PictureOptions",

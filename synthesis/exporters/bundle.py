@@ -151,7 +151,7 @@ def _files_of(cam: MountedCam, options: BundleOptions) -> Iterator[tuple[str, by
 
 
 def _file(exporter: Exporter[Any], design: Design, options: Options) -> bytes:
-    return exporter.write(design, exporter.adapted(options))
+    return exporter.write(design, exporter.options_like(options))
 
 
 def _curves(cam: MountedCam, wanted: CurveName) -> dict[str, CurveName]:

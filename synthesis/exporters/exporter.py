@@ -1,4 +1,4 @@
-"""What every file format promises."""
+"""A file format: what it is called, what may be chosen, and how its file is made."""
 
 from __future__ import annotations
 
@@ -10,85 +10,78 @@ from synthesis.design.design import Design
 from synthesis.exporters.options import Options
 
 Subject = TypeVar("Subject")
-Wanted = TypeVar("Wanted", bound=Options)
+Choice = TypeVar("Choice", bound=Options)
 
 
 @dataclass(frozen=True)
-class Made:
+class FileContent:
     """A file.
 
     Attributes:
         data: its bytes.
-        told: what is known of it and does not stand in it, or not for all to read: how far it is
-            from the true curve. In words that serve as HTTP headers: ``Curve-Error-Mm``.
+        metadata: facts about the file, how far it is from the true curve for example, by the names
+            of the HTTP headers that carry them: ``Curve-Error-Mm``.
     """
 
     data: bytes
-    told: Mapping[str, str] = field(default_factory=dict)
+    metadata: Mapping[str, str] = field(default_factory=dict)
 
 
 @dataclass(frozen=True)
-class FileFormat(Generic[Subject, Wanted]):
+class FileFormat(Generic[Subject, Choice]):
     """A file format of some subject. The same subject and options give the same bytes.
 
     Attributes:
         name: as in ``profile.{name}``. title: for people.
         media_type: for HTTP. extension: of the file, with its dot.
-        make: subject and options to the file; InputError where there is no cam to write.
+        make: subject and options to the file, as bytes alone where there is no metadata;
+            InputError where there is no cam to write.
         options: what may be chosen; all of it has a default.
         purpose: what it is for, in a sentence; "" where the title says it.
-        usual: whether it is written where nobody says which formats are wanted.
-        apart: whether it loads so much that a service has it made by a worker.
-        measured: what is told of a file besides and takes time to find; None: nothing.
+        by_default: whether it is written where no formats are named.
+        in_worker: whether it loads so much that a service has a worker make it.
+        measure: further metadata that takes time to compute; None: there is none.
     """
 
     name: str
     title: str
     media_type: str
     extension: str
-    make: Callable[[Subject, Wanted], Made]
-    options: type[Wanted]
+    make: Callable[[Subject, Choice], FileContent | bytes]
+    options: type[Choice]
     purpose: str = ""
-    usual: bool = True
-    apart: bool = False
-    measured: Callable[[Subject, Wanted], Mapping[str, str]] | None = None
+    by_default: bool = True
+    in_worker: bool = False
+    measure: Callable[[Subject, Choice], Mapping[str, str]] | None = None
 
-    def whole(self, subject: Subject, options: Wanted) -> Made:
-        """The file with all that is told of it."""
+    def content(self, subject: Subject, options: Choice) -> FileContent:
+        """The file with all of its metadata."""
         made = self.make(subject, options)
-        more = {} if self.measured is None else self.measured(subject, options)
-        return Made(made.data, {**made.told, **more})
+        data, metadata = (made, {}) if isinstance(made, bytes) else (made.data, made.metadata)
+        measured = {} if self.measure is None else self.measure(subject, options)
+        return FileContent(data, {**metadata, **measured})
 
-    def write(self, subject: Subject, options: Wanted) -> bytes:
+    def write(self, subject: Subject, options: Choice) -> bytes:
         """The file's bytes."""
-        return self.make(subject, options).data
+        made = self.make(subject, options)
+        return made if isinstance(made, bytes) else made.data
 
-    def adapted(self, given: Options) -> Wanted:
-        """This format's options with what they share with another's and is not left open there."""
-        own = {each.name for each in fields(self.options)}
-        shared = {each.name: getattr(given, each.name) for each in fields(given)}
-        told = {name: value for name, value in shared.items() if value is not None}
-        return self.options(**{name: value for name, value in told.items() if name in own})
+    def options_like(self, given: Options) -> Choice:
+        """This format's options with the values of another's that both have and are not None."""
+        names = {each.name for each in fields(self.options)} & {each.name for each in fields(given)}
+        values = {name: getattr(given, name) for name in names}
+        return self.options(**{name: v for name, v in values.items() if v is not None})
 
 
 @dataclass(frozen=True)
-class Exporter(FileFormat[Design, Wanted]):
+class Exporter(FileFormat[Design, Choice]):
     """A file format of a design.
 
     Attributes:
         placeable: whether a profile's points follow ``turn_deg`` and ``z_mm``.
-        without_cam: whether it has something to write where no cam was found.
+        without_cam: whether there is a file of a design that found no cam.
         the rest as of ``FileFormat``.
     """
 
     placeable: bool = True
     without_cam: bool = False
-
-
-def untold(write: Callable[[Subject, Wanted], bytes]) -> Callable[[Subject, Wanted], Made]:
-    """A file of which nothing is told."""
-
-    def make(subject: Subject, options: Wanted) -> Made:
-        return Made(write(subject, options))
-
-    return make

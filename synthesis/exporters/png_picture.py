@@ -14,7 +14,7 @@ from synthesis.exporters.drawing.picture_options import (
     PixelOptions,
 )
 from synthesis.exporters.drawing.raster import rasterised
-from synthesis.exporters.exporter import Exporter, untold
+from synthesis.exporters.exporter import Exporter
 from synthesis.exporters.figures.profile import PROFILE
 
 
@@ -23,9 +23,9 @@ def _painted(name: str, drawing: Exporter[Any], options: type[Any]) -> Exporter[
         return rasterised(drawing.write(design, options(theme=wanted.theme)), wanted.width_px)
 
     return Exporter(
-        f"{name}.png", f"{drawing.title}, pixels", "image/png", ".png", untold(write), PixelOptions,
-        "Needs the optional part plots; without it the answer is 501.", usual=False,
-        apart=True,
+        f"{name}.png", f"{drawing.title}, pixels", "image/png", ".png", write, PixelOptions,
+        "Needs the optional part plots; without it the answer is 501.", by_default=False,
+        in_worker=True,
     )  # fmt: skip
 
 

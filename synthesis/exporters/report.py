@@ -24,7 +24,7 @@ from synthesis.exporters.drawing.picture_options import (
     DiagramOptions,
     PictureOptions,
 )
-from synthesis.exporters.exporter import Exporter, untold
+from synthesis.exporters.exporter import Exporter
 from synthesis.exporters.figures.profile import PROFILE
 from synthesis.exporters.options import Options, ProfileOptions
 from synthesis.exporters.samples.cam import profiles
@@ -56,7 +56,7 @@ def report_with(
         return html.page(f"{name}: report", html.asset("report.css"), body, options.theme)
 
     return Exporter(
-        "report.html", "Report to print", "text/html; charset=utf-8", ".html", untold(write),
+        "report.html", "Report to print", "text/html; charset=utf-8", ".html", write,
         PictureOptions, "What was asked, found and proven, with drawings and hashes of the files.",
         without_cam=True,
     )  # fmt: skip
@@ -219,15 +219,15 @@ def _written(
 ) -> Iterator[tuple[str, bytes]]:
     for stem, curve in profiles(design).items():
         for name, profile in profile_formats.items():
-            if profile.usual and (profile.placeable or stem == "profile"):
+            if profile.by_default and (profile.placeable or stem == "profile"):
                 yield f"{stem}.{name}", _file(profile, design, ProfileOptions(curve=curve))
     for name, motion in motion_formats.items():
-        if motion.usual:
+        if motion.by_default:
             yield f"motion.{name}", _file(motion, design, motion.options())
 
 
 def _file(exporter: Exporter[Any], design: Design, options: Options) -> bytes:
-    return exporter.write(design, exporter.adapted(options))
+    return exporter.write(design, exporter.options_like(options))
 
 
 def _section(title: str, content: str, kind: str = "") -> str:

@@ -217,7 +217,7 @@ def test_a_drawing_of_arcs(cam, truth) -> None:
             on = np.abs(turn) <= 2.0 * np.arctan(abs(bulge)) + 1e-9
             off = np.where(on, np.abs(np.abs(place - centre) - abs(a - centre)), np.inf)
         least = np.minimum(least, off)
-    error = float(made.told["Curve-Error-Mm"])
+    error = float(made.metadata["Curve-Error-Mm"])
     assert 0.2 * error < np.max(least) <= error <= 2e-3
 
 

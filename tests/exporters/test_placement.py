@@ -18,7 +18,9 @@ TURN, Z = -63.7, 12.125
 
 def loaded(design: Design, options: ProfileOptions) -> np.ndarray:
     return np.loadtxt(
-        io.BytesIO(PROFILE_FORMATS["txt"].write(design, PROFILE_FORMATS["txt"].adapted(options)))
+        io.BytesIO(
+            PROFILE_FORMATS["txt"].write(design, PROFILE_FORMATS["txt"].options_like(options))
+        )
     )
 
 
@@ -52,7 +54,7 @@ def test_tables_and_point_files_agree(cam: Design) -> None:
     tables = PROFILE_FORMATS["json"]
     columns = {
         column["name"]: column
-        for column in json.loads(tables.write(cam, tables.adapted(options)))["columns"]
+        for column in json.loads(tables.write(cam, tables.options_like(options)))["columns"]
     }
     assert columns["x_mm"]["values"] == rows["x_mm"].tolist()
     assert columns["z_mm"]["values"] == rows["z_mm"].tolist()

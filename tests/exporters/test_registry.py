@@ -107,4 +107,4 @@ SAMPLED = [name for name, each in PROFILE_FORMATS.items() if issubclass(each.opt
 def test_a_tolerance_beyond_all_points(name: str, p1: Design) -> None:
     exporter = PROFILE_FORMATS[name]
     with pytest.raises(InputError, match=r"36000 points|no straight line|Rounding alone"):
-        exporter.write(p1, exporter.adapted(ProfileOptions(tolerance_um=1e-4)))
+        exporter.write(p1, exporter.options_like(ProfileOptions(tolerance_um=1e-4)))

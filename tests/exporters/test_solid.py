@@ -129,8 +129,8 @@ def test_the_same_bytes_and_the_design_s_own_header(unspecial: Design) -> None:
     assert first.data == again.data
     assert unspecial.id.encode() in first.data.partition(b"DATA;")[0]
     assert b"PRODUCT('unspecial','unspecial'" in first.data
-    assert float(first.told["Curve-Error-Mm"]) <= 1e-6
-    assert float(first.told["Volume-Mm3"]) == blank(unspecial, SolidOptions()).volume
+    assert float(first.metadata["Curve-Error-Mm"]) <= 1e-6
+    assert float(first.metadata["Volume-Mm3"]) == blank(unspecial, SolidOptions()).volume
 
 
 @pytest.mark.parametrize(

@@ -20,4 +20,4 @@ def written(exporter: Exporter[Any], design: Design) -> bytes:
     with pytest.raises(InputError, match="cutter_diameter_mm"):
         exporter.write(design, exporter.options())
     cutter = ProfileOptions(curve="cutter", cutter_diameter_mm=8.0)
-    return exporter.write(design, exporter.adapted(cutter))
+    return exporter.write(design, exporter.options_like(cutter))

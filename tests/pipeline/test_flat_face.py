@@ -126,7 +126,7 @@ def test_every_format_is_written(rotation: str) -> None:
     for exporter in PROFILE_FORMATS.values():
         assert len(written(exporter, design)) > 1000
         cutter = {"curve": "cutter", "cutter_diameter_mm": 8.0}
-        other = exporter.adapted(ProfileOptions(points_per_degree=2.5, **cutter))
+        other = exporter.options_like(ProfileOptions(points_per_degree=2.5, **cutter))
         assert len(exporter.write(design, other)) > 1000
     for exporter in MOTION_FORMATS.values():
         assert len(exporter.write(design, exporter.options())) > 1000

@@ -9,7 +9,7 @@ import json
 
 from synthesis.design.design import Design
 from synthesis.exporters.animations.animation_page import tag, told_part
-from synthesis.exporters.exporter import Exporter, untold
+from synthesis.exporters.exporter import Exporter
 from synthesis.exporters.figures.machine import Stage
 from synthesis.exporters.options import Options
 from synthesis.exporters.samples.cam import Cam
@@ -44,5 +44,5 @@ def _scene(design: Design, options: Options) -> bytes:
 
 DATA = Exporter(
     "animation.json", "Shapes and positions of cam and follower", "application/json", ".json",
-    untold(_scene), Options, "For pages that show the machine their own way.", usual=False,
+    _scene, Options, "For pages that show the machine their own way.", by_default=False,
 )  # fmt: skip

@@ -15,7 +15,7 @@ from synthesis.exporters.drawing import canvas as svg
 from synthesis.exporters.drawing import html
 from synthesis.exporters.drawing.picture_options import PictureOptions
 from synthesis.exporters.drawing.theme import Theme, style
-from synthesis.exporters.exporter import Exporter, untold
+from synthesis.exporters.exporter import Exporter
 from synthesis.exporters.figures.machine import Moving
 from synthesis.exporters.samples.cam import Cam
 from synthesis.numerics.piecewise import Array
@@ -133,5 +133,5 @@ def _json(data: object) -> str:
 
 PAGE = Exporter(
     "animation.html", "Animation to play, stop and read", "text/html; charset=utf-8", ".html",
-    untold(_page), PictureOptions, "One file that needs no network; by mouse, touch and keys.",
+    _page, PictureOptions, "One file that needs no network; by mouse, touch and keys.",
 )  # fmt: skip

@@ -17,7 +17,7 @@ from synthesis.exporters.animations.scene import TURN_S, Scene
 from synthesis.exporters.drawing import canvas as svg
 from synthesis.exporters.drawing.picture_options import PictureOptions
 from synthesis.exporters.drawing.theme import Theme
-from synthesis.exporters.exporter import Exporter, untold
+from synthesis.exporters.exporter import Exporter
 from synthesis.exporters.figures.machine import Moving
 
 FRAMES = 240
@@ -90,6 +90,6 @@ def _frames(part: Moving, decimals: int) -> Iterator[str]:
 
 
 ANIMATION = Exporter(
-    "animation.svg", "Animation of cam and follower", "image/svg+xml", ".svg", untold(_animation),
+    "animation.svg", "Animation of cam and follower", "image/svg+xml", ".svg", _animation,
     PictureOptions, "For a document or a web page; no script.",
 )  # fmt: skip

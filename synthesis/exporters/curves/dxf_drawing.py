@@ -16,7 +16,7 @@ import numpy as np
 from synthesis.design.design import Design
 from synthesis.exporters.curves.contour import Contour
 from synthesis.exporters.curves.exact_options import DrawingOptions
-from synthesis.exporters.exporter import Exporter, Made
+from synthesis.exporters.exporter import Exporter, FileContent
 from synthesis.exporters.options import CurveName, is_cutter, is_pitch
 from synthesis.exporters.samples.cam import Cam
 from synthesis.exporters.samples.cutting import chosen
@@ -36,7 +36,7 @@ MILLIMETRES = 4
 PLANE = 8  # a spline's flag
 
 
-def _profile(design: Design, options: DrawingOptions) -> Made:
+def _profile(design: Design, options: DrawingOptions) -> FileContent:
     page = _page(design)
     space, errors = page.modelspace(), []
     for curve, cam in _curves(design, options):
@@ -50,7 +50,7 @@ def _profile(design: Design, options: DrawingOptions) -> Made:
     page.header.custom_vars.append("Largest distance from the true curves in mm", error)
     sheet = io.StringIO()
     page.write(sheet)
-    return Made(sheet.getvalue().encode("utf-8"), {"Curve-Error-Mm": error})
+    return FileContent(sheet.getvalue().encode("utf-8"), {"Curve-Error-Mm": error})
 
 
 def _page(design: Design) -> Any:
@@ -121,5 +121,5 @@ PROFILE = Exporter(
     DrawingOptions,
     purpose="Drawing for CAD and CAM: the cam's curves as splines, or as arcs without corners, "
     "on layers CAM_PROFILE, PITCH_CURVE, CUTTER_PATH, BASE_CIRCLE and BORE, in mm.",
-    usual=False,
+    by_default=False,
 )

@@ -10,7 +10,7 @@ from synthesis.design.design import Design
 from synthesis.exporters.curves.exact import ExactCurve, exact_curve, facts
 from synthesis.exporters.curves.exact_options import ExactOptions
 from synthesis.exporters.curves.part21 import real
-from synthesis.exporters.exporter import Exporter, Made
+from synthesis.exporters.exporter import Exporter, FileContent
 
 NO_TIME = "19800101.000000"  # the same design, the same bytes: no clock
 TEXT, DATA = 72, 64  # columns
@@ -19,7 +19,7 @@ MILLIMETRES, IGES_5_3, ISO = 2, 11, 0
 FINEST = 1e-7  # smallest distance that a reader has to tell apart [mm]
 
 
-def _profile(design: Design, options: ExactOptions) -> Made:
+def _profile(design: Design, options: ExactOptions) -> FileContent:
     curve = exact_curve(design, options)
     told = _ascii(
         f"Cam curve {curve.name} of design {design.id}, made by Camwright {design.engine_version}, "
@@ -35,7 +35,9 @@ def _profile(design: Design, options: ExactOptions) -> Made:
         for letter, part in (("S", start), ("G", whole), ("D", directory), ("P", data))
     )
     end = _records([f"{counts:<{TEXT}}"], "T")
-    return Made("".join((*start, *whole, *directory, *data, *end)).encode("ascii"), facts(curve))
+    return FileContent(
+        "".join((*start, *whole, *directory, *data, *end)).encode("ascii"), facts(curve)
+    )
 
 
 def _globals(design: Design, curve: ExactCurve) -> list[str]:
@@ -112,7 +114,7 @@ PROFILE = Exporter(
     ".igs",
     _profile,
     ExactOptions,
-    usual=False,
+    by_default=False,
     purpose="For CAD systems that read no STEP: one closed B-spline curve (entity 126) within "
     "tolerance_um of the true curve, in mm.",
 )

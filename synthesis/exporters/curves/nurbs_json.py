@@ -7,7 +7,7 @@ import json
 from synthesis.design.design import Design
 from synthesis.exporters.curves.exact import exact_curve, facts
 from synthesis.exporters.curves.exact_options import ExactOptions
-from synthesis.exporters.exporter import Exporter, Made
+from synthesis.exporters.exporter import Exporter, FileContent
 from synthesis.exporters.tables.json_table import origin
 
 MEANING = (
@@ -19,7 +19,7 @@ MEANING = (
 )
 
 
-def _profile(design: Design, options: ExactOptions) -> Made:
+def _profile(design: Design, options: ExactOptions) -> FileContent:
     curve = exact_curve(design, options)
     spline = curve.spline
     body = {
@@ -40,7 +40,7 @@ def _profile(design: Design, options: ExactOptions) -> Made:
         "control_points_mm": curve.points.tolist(),
     }
     text = json.dumps(body, ensure_ascii=False, allow_nan=False, separators=(",", ":"))
-    return Made(text.encode() + b"\n", facts(curve))
+    return FileContent(text.encode() + b"\n", facts(curve))
 
 
 PROFILE = Exporter(
@@ -50,7 +50,7 @@ PROFILE = Exporter(
     ".nurbs.json",
     _profile,
     ExactOptions,
-    usual=False,
+    by_default=False,
     purpose="Degree, knots and control points of the exact curve, for programs: with its error, "
     "length and the area it encloses.",
 )

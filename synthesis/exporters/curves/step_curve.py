@@ -6,13 +6,13 @@ from synthesis.design.design import Design
 from synthesis.exporters.curves.exact import ExactCurve, exact_curve, facts
 from synthesis.exporters.curves.exact_options import ExactOptions
 from synthesis.exporters.curves.part21 import Entities, Told, exchange_file, many, real, text
-from synthesis.exporters.exporter import Exporter, Made
+from synthesis.exporters.exporter import Exporter, FileContent
 
 SCHEMA = "AP242_MANAGED_MODEL_BASED_3D_ENGINEERING_MIM_LF { 1 0 10303 442 1 1 4 }"
 FINEST = 1e-7  # uncertainty that a reader may work with [mm]; below, kernels cannot
 
 
-def _profile(design: Design, options: ExactOptions) -> Made:
+def _profile(design: Design, options: ExactOptions) -> FileContent:
     curve = exact_curve(design, options)
     data = Entities()
     shared = context(data, max(curve.spline.error, FINEST))
@@ -25,7 +25,7 @@ def _profile(design: Design, options: ExactOptions) -> Made:
     )
     data.add("SHAPE_DEFINITION_REPRESENTATION", product(data, design), shape)
     title = f"Cam curve {curve.name}, within {curve.spline.error:.2g} mm of the true curve"
-    return Made(exchange_file(design, title, SCHEMA, data.lines()), facts(curve))
+    return FileContent(exchange_file(design, title, SCHEMA, data.lines()), facts(curve))
 
 
 def _spline(data: Entities, curve: ExactCurve) -> str:
@@ -98,7 +98,7 @@ PROFILE = Exporter(
     ".step",
     _profile,
     ExactOptions,
-    usual=False,
+    by_default=False,
     purpose="Master geometry for CAD: one closed B-spline curve within tolerance_um of the true "
     "curve, in mm, as wireframe.",
 )

@@ -22,7 +22,7 @@ from synthesis.exporters.diagrams.plot import NOWHERE, Plot, radii
 from synthesis.exporters.diagrams.readings import Bound, Ends, Trace, claimed
 from synthesis.exporters.diagrams.sheet import DRAWN_PER_DEGREE, sheet
 from synthesis.exporters.drawing.picture_options import PictureOptions
-from synthesis.exporters.exporter import Exporter, untold
+from synthesis.exporters.exporter import Exporter
 from synthesis.exporters.options import MotionOptions
 from synthesis.exporters.samples.cam import Cam
 from synthesis.exporters.samples.sampling import in_degrees, table_rows
@@ -149,7 +149,7 @@ def _infinite(theta: Array, sign: Array) -> Trace:
 
 
 CONTACT = Exporter(
-    "contact.svg", "Pressure angle and profile radius", "image/svg+xml", ".svg", untold(_contact),
+    "contact.svg", "Pressure angle and profile radius", "image/svg+xml", ".svg", _contact,
     PictureOptions, "Diagrams over the cam angle, of every roller's path and every flank; with a "
     "load contact force, Hertz pressure and torque, too.",
 )  # fmt: skip

@@ -17,7 +17,7 @@ from synthesis.exporters.diagrams.readings import (
 from synthesis.exporters.diagrams.sheet import DRAWN_PER_DEGREE, sheet
 from synthesis.exporters.drawing import canvas as svg
 from synthesis.exporters.drawing.picture_options import DiagramOptions
-from synthesis.exporters.exporter import Exporter, untold
+from synthesis.exporters.exporter import Exporter
 from synthesis.exporters.options import MotionOptions
 from synthesis.exporters.samples.cam import Cam
 from synthesis.exporters.samples.turn import Turn
@@ -51,6 +51,4 @@ def motion_plot(
     )
 
 
-MOTION = Exporter(
-    "svg", "Diagrams of the motion", "image/svg+xml", ".svg", untold(_motion), DiagramOptions
-)
+MOTION = Exporter("svg", "Diagrams of the motion", "image/svg+xml", ".svg", _motion, DiagramOptions)

@@ -8,7 +8,7 @@ from __future__ import annotations
 from synthesis.design.design import Design
 from synthesis.exporters.drives.fidelity import drive_told
 from synthesis.exporters.drives.table import DriveOptions, drive_table, each_point, headline
-from synthesis.exporters.exporter import Exporter, untold
+from synthesis.exporters.exporter import Exporter
 
 XYVA = 3  # byType of a cam by points with velocity and acceleration
 
@@ -33,7 +33,8 @@ def _motion(design: Design, options: DriveOptions) -> bytes:
 
 MOTION = Exporter(
     "codesys.st", "Electronic cam: CODESYS XYVA", "text/plain; charset=us-ascii", ".codesys.st",
-    untold(_motion), DriveOptions,
-    "CODESYS SoftMotion and what is built on it: paste into a global variable list.", usual=False,
-    measured=drive_told,
+    _motion, DriveOptions,
+    "CODESYS SoftMotion and what is built on it: paste into a global variable list.",
+    by_default=False,
+    measure=drive_told,
 )  # fmt: skip

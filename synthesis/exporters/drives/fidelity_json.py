@@ -5,7 +5,7 @@ from __future__ import annotations
 from synthesis.design.design import Design
 from synthesis.exporters.drives.fidelity import drive_fidelity
 from synthesis.exporters.drives.table import DriveOptions, drive_table
-from synthesis.exporters.exporter import Exporter, untold
+from synthesis.exporters.exporter import Exporter
 from synthesis.exporters.fidelity.fidelity_json import fidelity_file
 
 
@@ -16,8 +16,8 @@ def _motion(design: Design, options: DriveOptions) -> bytes:
 
 MOTION = Exporter(
     "fidelity.json", "What drives make of a table's rows", "application/json", ".fidelity.json",
-    untold(_motion), DriveOptions,
+    _motion, DriveOptions,
     "Before a table goes to a drive: what linear, cubic and quintic interpolation of its rounded "
     "rows do to displacement, velocity and acceleration.",
-    usual=False,
+    by_default=False,
 )  # fmt: skip

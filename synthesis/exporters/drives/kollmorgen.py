@@ -9,7 +9,7 @@ from __future__ import annotations
 from synthesis.design.design import Design
 from synthesis.exporters.drives.fidelity import drive_told
 from synthesis.exporters.drives.table import DriveOptions, drive_rows, drive_table
-from synthesis.exporters.exporter import Exporter, untold
+from synthesis.exporters.exporter import Exporter
 
 
 def _motion(design: Design, options: DriveOptions) -> bytes:
@@ -19,8 +19,8 @@ def _motion(design: Design, options: DriveOptions) -> bytes:
 
 MOTION = Exporter(
     "kollmorgen.csv", "Electronic cam: Kollmorgen KAS", "text/csv; charset=us-ascii; header=absent",
-    ".kollmorgen.csv", untold(_motion), DriveOptions,
+    ".kollmorgen.csv", _motion, DriveOptions,
     "Kollmorgen KAS IDE, Import Cam Profile: set its scales to the turn and to the stroke.",
-    usual=False,
-    measured=drive_told,
+    by_default=False,
+    measure=drive_told,
 )  # fmt: skip

@@ -8,7 +8,7 @@ from __future__ import annotations
 from synthesis.design.design import Design
 from synthesis.exporters.drives.fidelity import drive_told
 from synthesis.exporters.drives.table import DriveOptions, drive_rows, drive_table
-from synthesis.exporters.exporter import Exporter, untold
+from synthesis.exporters.exporter import Exporter
 
 
 def _motion(design: Design, options: DriveOptions) -> bytes:
@@ -17,7 +17,7 @@ def _motion(design: Design, options: DriveOptions) -> bytes:
 
 MOTION = Exporter(
     "cam.csv", "Electronic cam: master;slave", "text/csv; charset=us-ascii; header=absent",
-    ".cam.csv", untold(_motion), DriveOptions,
-    "Any drive whose tool imports pairs of positions.", usual=False,
-    measured=drive_told,
+    ".cam.csv", _motion, DriveOptions,
+    "Any drive whose tool imports pairs of positions.", by_default=False,
+    measure=drive_told,
 )  # fmt: skip

@@ -8,7 +8,7 @@ from __future__ import annotations
 from synthesis.design.design import Design
 from synthesis.exporters.drives.fidelity import drive_told
 from synthesis.exporters.drives.table import DriveOptions, drive_rows, drive_table, headline
-from synthesis.exporters.exporter import Exporter, untold
+from synthesis.exporters.exporter import Exporter
 
 CUBIC = 1
 
@@ -29,7 +29,8 @@ def _motion(design: Design, options: DriveOptions) -> bytes:
 
 MOTION = Exporter(
     "rockwell.st", "Electronic cam: Rockwell Logix CAM array", "text/plain; charset=us-ascii",
-    ".rockwell.st", untold(_motion), DriveOptions,
-    "Rockwell Logix: a routine in structured text that fills a CAM array for MCCP.", usual=False,
-    measured=drive_told,
+    ".rockwell.st", _motion, DriveOptions,
+    "Rockwell Logix: a routine in structured text that fills a CAM array for MCCP.",
+    by_default=False,
+    measure=drive_told,
 )  # fmt: skip

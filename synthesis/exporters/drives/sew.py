@@ -5,7 +5,7 @@ from __future__ import annotations
 from synthesis.design.design import Design
 from synthesis.exporters.drives.fidelity import drive_told
 from synthesis.exporters.drives.table import DriveOptions, drive_rows, drive_table
-from synthesis.exporters.exporter import Exporter, untold
+from synthesis.exporters.exporter import Exporter
 
 
 def _motion(design: Design, options: DriveOptions) -> bytes:
@@ -16,6 +16,6 @@ def _motion(design: Design, options: DriveOptions) -> bytes:
 
 MOTION = Exporter(
     "sew.txt", "Electronic cam: SEW curve point table", "text/plain; charset=us-ascii", ".sew.txt",
-    untold(_motion), DriveOptions, "SEW MOVI-C controllers, curve point table.", usual=False,
-    measured=drive_told,
+    _motion, DriveOptions, "SEW MOVI-C controllers, curve point table.", by_default=False,
+    measure=drive_told,
 )  # fmt: skip

@@ -9,7 +9,7 @@ from __future__ import annotations
 from synthesis.design.design import Design
 from synthesis.exporters.drives.fidelity import drive_told
 from synthesis.exporters.drives.table import DriveOptions, drive_table, each_point, headline
-from synthesis.exporters.exporter import Exporter, untold
+from synthesis.exporters.exporter import Exporter
 
 POINT = (
     "        (PointIndex := {n}, FunctionType := MOTIONFUNCTYPE_POLYNOM5_MM, "
@@ -33,8 +33,8 @@ def _motion(design: Design, options: DriveOptions) -> bytes:
 
 MOTION = Exporter(
     "twincat.st", "Electronic cam: TwinCAT motion function", "text/plain; charset=us-ascii",
-    ".twincat.st", untold(_motion), DriveOptions,
+    ".twincat.st", _motion, DriveOptions,
     "Beckhoff TwinCAT NC Camming: paste into a global variable list, then MC_CamTableSelect.",
-    usual=False,
-    measured=drive_told,
+    by_default=False,
+    measure=drive_told,
 )  # fmt: skip

@@ -8,7 +8,7 @@ from dataclasses import asdict
 from typing import Any
 
 from synthesis.design.design import Design
-from synthesis.exporters.exporter import Exporter, untold
+from synthesis.exporters.exporter import Exporter
 from synthesis.exporters.fidelity.block import fidelity_block
 from synthesis.exporters.options import Options, PointOptions
 from synthesis.exporters.samples.cutting import chosen
@@ -35,8 +35,8 @@ def fidelity_file(design: Design, options: Options, found: Mapping[str, Any]) ->
 
 PROFILE = Exporter(
     "fidelity.json", "What readers make of the points", "application/json", ".fidelity.json",
-    untold(_profile), PointOptions,
+    _profile, PointOptions,
     "Before a point file goes to CAD: what straight lines and periodic, not-a-knot and natural "
     "splines through its rounded points do to the form and to the follower's acceleration.",
-    usual=False,
+    by_default=False,
 )  # fmt: skip

@@ -16,7 +16,7 @@ from synthesis.design.design import Design
 from synthesis.exporters.drawing import canvas as svg
 from synthesis.exporters.drawing.heading import TURNS, heading
 from synthesis.exporters.drawing.picture_options import CamDrawingOptions
-from synthesis.exporters.exporter import Exporter, untold
+from synthesis.exporters.exporter import Exporter
 from synthesis.exporters.figures.cam_figure import BELOW, Scene, shapes
 from synthesis.exporters.figures.labels import labels
 from synthesis.exporters.samples.cam import Cam
@@ -151,7 +151,7 @@ PROFILE = Exporter(
     "Drawing of the cam",
     "image/svg+xml",
     ".svg",
-    untold(_profile),
+    _profile,
     CamDrawingOptions,
     placeable=False,
 )

@@ -16,7 +16,7 @@ from pydantic import Field
 
 from synthesis.design.design import Design
 from synthesis.errors import InputError
-from synthesis.exporters.exporter import Exporter, untold
+from synthesis.exporters.exporter import Exporter
 from synthesis.exporters.machining.program import (
     Feed,
     LineNumbers,
@@ -120,8 +120,8 @@ def _profile(design: Design, options: GrindingOptions) -> bytes:
 
 PROFILE = Exporter(
     "grinding.nc", "Program for grinding, C and X", "text/plain; charset=us-ascii", ".grinding.nc",
-    untold(_profile), GrindingOptions,
+    _profile, GrindingOptions,
     "Cam grinding: pairs of the cam's angle and the wheel's distance, feed constant along the "
     "profile.",
-    usual=False,
+    by_default=False,
 )  # fmt: skip

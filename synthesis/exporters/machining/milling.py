@@ -15,7 +15,7 @@ from pydantic import Field
 
 from synthesis.design.design import Design
 from synthesis.errors import InputError
-from synthesis.exporters.exporter import Exporter, untold
+from synthesis.exporters.exporter import Exporter
 from synthesis.exporters.fidelity.measure import straight_form
 from synthesis.exporters.machining.lead import Lead, checked, leads
 from synthesis.exporters.machining.program import (
@@ -176,8 +176,8 @@ def _leads(cam: Cam, written: Written, path: Array, options: MillingOptions) -> 
 
 PROFILE = Exporter(
     "nc", "Program for milling, X and Y", "text/plain; charset=us-ascii", ".nc",
-    untold(_profile), MillingOptions,
+    _profile, MillingOptions,
     "Milling, wire erosion, lasers: path of the tool's centre (curve=cutter and its diameter), "
     "feed constant along the profile.",
-    usual=False,
+    by_default=False,
 )  # fmt: skip

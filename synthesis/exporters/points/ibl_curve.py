@@ -13,7 +13,7 @@ from typing import Annotated
 from pydantic import Field
 
 from synthesis.design.design import Design
-from synthesis.exporters.exporter import Exporter, untold
+from synthesis.exporters.exporter import Exporter
 from synthesis.exporters.fidelity.told import fidelity_told
 from synthesis.exporters.options import PointOptions
 from synthesis.exporters.points.rows import point_rows
@@ -58,7 +58,7 @@ def _profile(design: Design, options: IblOptions) -> bytes:
 
 PROFILE = Exporter(
     "ibl", "Datum curve for Creo", "text/plain; charset=us-ascii", ".ibl",
-    untold(_profile), IblOptions,
-    "Creo and Pro/ENGINEER: Get Data, Import, or a datum curve from a file.", usual=False,
-    measured=fidelity_told,
+    _profile, IblOptions,
+    "Creo and Pro/ENGINEER: Get Data, Import, or a datum curve from a file.", by_default=False,
+    measure=fidelity_told,
 )  # fmt: skip

@@ -11,7 +11,7 @@ import numpy as np
 
 from synthesis.design.design import Design
 from synthesis.errors import InputError
-from synthesis.exporters.exporter import Exporter, untold
+from synthesis.exporters.exporter import Exporter
 from synthesis.exporters.fidelity.told import fidelity_told
 from synthesis.exporters.options import PointOptions
 from synthesis.exporters.points.rows import point_rows
@@ -39,7 +39,7 @@ def _profile(design: Design, options: PointOptions) -> bytes:
 
 
 PROFILE = Exporter(
-    "sldcrv", "Curve for SOLIDWORKS", "text/plain; charset=us-ascii", ".sldcrv", untold(_profile),
-    PointOptions, "SOLIDWORKS: Insert, Curve, Curve Through XYZ Points.", usual=False,
-    measured=fidelity_told,
+    "sldcrv", "Curve for SOLIDWORKS", "text/plain; charset=us-ascii", ".sldcrv", _profile,
+    PointOptions, "SOLIDWORKS: Insert, Curve, Curve Through XYZ Points.", by_default=False,
+    measure=fidelity_told,
 )  # fmt: skip

@@ -10,7 +10,7 @@ No header.
 from __future__ import annotations
 
 from synthesis.design.design import Design
-from synthesis.exporters.exporter import Exporter, untold
+from synthesis.exporters.exporter import Exporter
 from synthesis.exporters.fidelity.told import fidelity_told
 from synthesis.exporters.options import PointOptions
 from synthesis.exporters.points.rows import point_rows
@@ -26,7 +26,7 @@ def _profile(design: Design, options: PointOptions) -> bytes:
 
 PROFILE = Exporter(
     "txt", "Points x y z for CAD", "text/plain; charset=us-ascii", ".txt",
-    untold(_profile), PointOptions,
+    _profile, PointOptions,
     "Curve through points in most CAD systems and in coordinate measuring machines.",
-    measured=fidelity_told,
+    measure=fidelity_told,
 )  # fmt: skip

@@ -11,7 +11,7 @@ import io
 import xlsxwriter
 
 from synthesis.design.design import Design
-from synthesis.exporters.exporter import Exporter, untold
+from synthesis.exporters.exporter import Exporter
 from synthesis.exporters.fidelity.told import fidelity_told
 from synthesis.exporters.options import PointOptions
 from synthesis.exporters.samples.cutting import chosen
@@ -39,7 +39,8 @@ def _profile(design: Design, options: PointOptions) -> bytes:
 
 PROFILE = Exporter(
     "xlsx", "Points for Inventor",
-    "application/vnd.openxmlformats-officedocument.spreadsheetml.sheet", ".xlsx", untold(_profile),
-    PointOptions, "Autodesk Inventor: Import Points in a sketch. Any spreadsheet.", usual=False,
-    measured=fidelity_told,
+    "application/vnd.openxmlformats-officedocument.spreadsheetml.sheet", ".xlsx", _profile,
+    PointOptions, "Autodesk Inventor: Import Points in a sketch. Any spreadsheet.",
+    by_default=False,
+    measure=fidelity_told,
 )  # fmt: skip

@@ -8,14 +8,14 @@ from synthesis.design.design import Design
 from synthesis.errors import ExtraMissing
 from synthesis.exporters.curves.part21 import exchange_file, text
 from synthesis.exporters.curves.step_curve import SCHEMA
-from synthesis.exporters.exporter import Exporter, Made
+from synthesis.exporters.exporter import Exporter, FileContent
 from synthesis.exporters.solids.blank import blank
 from synthesis.exporters.solids.solid_options import SolidOptions
 
 EXTRA = "cad"
 
 
-def _solid(design: Design, options: SolidOptions) -> Made:
+def _solid(design: Design, options: SolidOptions) -> FileContent:
     planned = blank(design, options)
     if find_spec("OCP") is None:
         raise ExtraMissing("A solid", EXTRA)
@@ -24,7 +24,7 @@ def _solid(design: Design, options: SolidOptions) -> Made:
     lines = data_lines(solid(planned), text(design.name or f"cam {design.id}"))
     title = f"Cam, flanks within {planned.error:.2g} mm of the true curve"
     told = {"Curve-Error-Mm": f"{planned.error:.3g}", "Volume-Mm3": repr(planned.volume)}
-    return Made(exchange_file(design, title, SCHEMA, lines), told)
+    return FileContent(exchange_file(design, title, SCHEMA, lines), told)
 
 
 SOLID = Exporter(
@@ -37,6 +37,6 @@ SOLID = Exporter(
     purpose="The finished cam for CAD: a plate, a ring or a grooved disc with bore, keyway by "
     "DIN 6885-1 and hub, in mm. Needs the optional part `cad` on the workers; without it the "
     "answer is 501.",
-    usual=False,
-    apart=True,
+    by_default=False,
+    in_worker=True,
 )

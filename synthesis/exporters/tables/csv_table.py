@@ -10,7 +10,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from synthesis.design.design import Design
-from synthesis.exporters.exporter import Exporter, untold
+from synthesis.exporters.exporter import Exporter
 from synthesis.exporters.fidelity.told import table_fidelity_told
 from synthesis.exporters.options import MotionOptions, ProfileOptions
 from synthesis.exporters.samples.cam import Cam
@@ -59,6 +59,6 @@ def _motion(design: Design, options: MotionOptions) -> bytes:
 
 _TITLE, _MEDIA = "Table, comma separated", "text/csv; charset=utf-8; header=present"
 PROFILE = Exporter(
-    "csv", _TITLE, _MEDIA, ".csv", untold(_profile), ProfileOptions, measured=table_fidelity_told
+    "csv", _TITLE, _MEDIA, ".csv", _profile, ProfileOptions, measure=table_fidelity_told
 )
-MOTION = Exporter("csv", _TITLE, _MEDIA, ".csv", untold(_motion), MotionOptions)
+MOTION = Exporter("csv", _TITLE, _MEDIA, ".csv", _motion, MotionOptions)

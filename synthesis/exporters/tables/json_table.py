@@ -11,7 +11,7 @@ import numpy as np
 from pydantic import Field
 
 from synthesis.design.design import Design
-from synthesis.exporters.exporter import Exporter, untold
+from synthesis.exporters.exporter import Exporter
 from synthesis.exporters.fidelity.block import fidelity_block
 from synthesis.exporters.fidelity.told import MOST, unrounded
 from synthesis.exporters.options import CurveOptions, MotionOptions
@@ -135,5 +135,5 @@ def _text(body: dict[str, Any]) -> bytes:
 
 
 _TITLE, _MEDIA = "Columns with units and metadata", "application/json"
-PROFILE = Exporter("json", _TITLE, _MEDIA, ".json", untold(_profile), JsonOptions)
-MOTION = Exporter("json", _TITLE, _MEDIA, ".json", untold(_motion), MotionOptions)
+PROFILE = Exporter("json", _TITLE, _MEDIA, ".json", _profile, JsonOptions)
+MOTION = Exporter("json", _TITLE, _MEDIA, ".json", _motion, MotionOptions)

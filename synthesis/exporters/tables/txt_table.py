@@ -7,7 +7,7 @@ s, v, a, j at the given speed [mm or deg, s], s', s'', s''' [mm or deg, rad], si
 from __future__ import annotations
 
 from synthesis.design.design import Design
-from synthesis.exporters.exporter import Exporter, untold
+from synthesis.exporters.exporter import Exporter
 from synthesis.exporters.options import MotionOptions
 from synthesis.exporters.samples.cam import Cam
 from synthesis.exporters.samples.columns import motion_columns
@@ -20,6 +20,4 @@ def _motion(design: Design, options: MotionOptions) -> bytes:
 
 
 _TITLE = "Table, space separated, no header: the columns of csv in their order"
-MOTION = Exporter(
-    "txt", _TITLE, "text/plain; charset=us-ascii", ".txt", untold(_motion), MotionOptions
-)
+MOTION = Exporter("txt", _TITLE, "text/plain; charset=us-ascii", ".txt", _motion, MotionOptions)

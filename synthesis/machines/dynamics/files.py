@@ -19,7 +19,7 @@ from synthesis.exporters.diagrams.sheet import sheet
 from synthesis.exporters.drawing import canvas as svg
 from synthesis.exporters.drawing.heading import BOLD
 from synthesis.exporters.drawing.theme import Theme
-from synthesis.exporters.exporter import FileFormat, untold
+from synthesis.exporters.exporter import FileFormat
 from synthesis.exporters.options import Options
 from synthesis.exporters.samples.columns import Column, joined
 from synthesis.exporters.tables.csv_table import table
@@ -223,7 +223,7 @@ def _file(
 ) -> FileFormat[TrainResponse, Any]:
     extension = f".{name.partition('.')[2]}"
     media = {".csv": "text/csv; charset=utf-8; header=present", ".svg": "image/svg+xml"}[extension]
-    return FileFormat(name, title, media, extension, untold(write), options, purpose, **more)
+    return FileFormat(name, title, media, extension, write, options, purpose, **more)
 
 
 TRAIN_FILES: tuple[FileFormat[TrainResponse, Any], ...] = (
@@ -243,6 +243,6 @@ TRAIN_FILES: tuple[FileFormat[TrainResponse, Any], ...] = (
         "polydyne.csv", _polydyne_csv, RowOptions, "The cam motion for a given output motion",
         "A polydyne cam: its motion makes the last mass move as the spec's cam would have it, "
         "exactly, at one speed. It takes 2n + 1 continuous derivatives of that motion for n "
-        "masses, and no dampers in the links; 422 says what is missing.", usual=False,
+        "masses, and no dampers in the links; 422 says what is missing.", by_default=False,
     ),
 )  # fmt: skip

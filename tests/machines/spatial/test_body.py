@@ -82,8 +82,8 @@ class Read:
 def cam(request: pytest.FixtureRequest) -> tuple[SpatialDesign, dict[str, Any], Read, float]:
     spec, options = CAMS[request.param]
     design = made(spec)
-    file = STL.whole(design, MeshOptions(**COARSE, **options))
-    return design, options, Read(file.data), float(file.told["Surface-Error-Mm"])
+    file = STL.content(design, MeshOptions(**COARSE, **options))
+    return design, options, Read(file.data), float(file.metadata["Surface-Error-Mm"])
 
 
 def rollers_clear(design: SpatialDesign, points: Array) -> Array:
@@ -174,7 +174,7 @@ def test_the_volume_is_that_of_its_slices() -> None:
     spec, options = CAMS["groove"]
     design = made(spec)
     fine = {"points_per_degree": 0.7, "depths": 7}
-    file = STL.whole(design, MeshOptions(**fine, **options))
+    file = STL.content(design, MeshOptions(**fine, **options))
     sizes = design.dimensions
     reach, radius = sizes["cylinder_radius_mm"], sizes["roller_radius_mm"]
     root = reach - 13.9 - 1.0
@@ -190,7 +190,7 @@ def test_the_volume_is_that_of_its_slices() -> None:
     groove = 0.5 * (reach - root) * float(weight @ cut)
     whole = math.pi * (reach**2 - 11.55**2) * width
     assert Read(file.data).volume == pytest.approx(whole - groove, rel=1e-3)
-    assert Read(file.data).volume == pytest.approx(float(file.told["Volume-Mm3"]), rel=1e-6)
+    assert Read(file.data).volume == pytest.approx(float(file.metadata["Volume-Mm3"]), rel=1e-6)
 
 
 @pytest.mark.parametrize(

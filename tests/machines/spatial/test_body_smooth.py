@@ -10,7 +10,7 @@ import pytest
 from numpy.typing import NDArray
 
 from synthesis.errors import InputError
-from synthesis.exporters.exporter import Made
+from synthesis.exporters.exporter import FileContent
 from synthesis.machines.spatial.blank import Blank, BlankOptions
 from synthesis.machines.spatial.body import build_body, triangulate
 from synthesis.machines.spatial.design import SpatialDesign
@@ -40,7 +40,7 @@ class Read:
 
     name: str
     design: SpatialDesign
-    file: Made
+    file: FileContent
     shape: Any
 
     @property
@@ -53,7 +53,7 @@ class Read:
 def read(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFactory) -> Read:
     name = request.param
     design = made(CAMS[GLOBOIDAL][0]) if name == GLOBOIDAL else designed(name)
-    file = STEP.whole(design, FacetedOptions(**ASKED[name]))
+    file = STEP.content(design, FacetedOptions(**ASKED[name]))
     return Read(name, design, file, kernel.shape(file.data, ".step", tmp_path_factory.mktemp("s")))
 
 
@@ -147,30 +147,30 @@ def test_faces_look_outwards_and_their_loops_run_counter_clockwise() -> None:
         else:
             assert normal[2] * (place[2] - middle[2]) > 0.0
     assert holes == 2
-    lines = STEP.whole(design, asked).data.splitlines()
+    lines = STEP.content(design, asked).data.splitlines()
     senses = [line.endswith(b".T.);") for line in lines if b"=ADVANCED_FACE(" in line]
     assert senses == [face.outwards for face in shell.faces]
 
 
 def test_what_it_is_stands_in_the_header(read: Read) -> None:
     head = read.file.data.partition(b"DATA;")[0].decode()
-    assert read.file.told["Body"] == "smooth"
-    error = float(read.file.told["Surface-Error-Mm"])
+    assert read.file.metadata["Body"] == "smooth"
+    error = float(read.file.metadata["Surface-Error-Mm"])
     assert 0.0 < error <= read.tolerance
     assert f"a solid of its true surfaces, walls within {error:.3g} mm" in head
-    assert read.file.data.count(b"=ADVANCED_FACE(") == int(read.file.told["Faces"])
+    assert read.file.data.count(b"=ADVANCED_FACE(") == int(read.file.metadata["Faces"])
 
 
 def test_what_has_no_smooth_solid_is_faceted_and_says_so(monkeypatch: pytest.MonkeyPatch) -> None:
     design = designed("slide in a groove")
     near = FacetedOptions(tolerance_um=0.1, points_per_degree=0.2)
     monkeypatch.setattr("synthesis.machines.spatial.solid.sheets.MAX_LINES", 20)
-    assert STEP.whole(design, near).told["Body"] == "faceted"
+    assert STEP.content(design, near).metadata["Body"] == "faceted"
     asked = FacetedOptions(form="smooth", tolerance_um=0.1)
     with pytest.raises(
         InputError, match=r"no smooth solid: a wall is approximated to .* mm"
     ) as told:
-        STEP.whole(design, asked)
+        STEP.content(design, asked)
     assert told.value.field == "/form"
 
 

@@ -11,7 +11,7 @@ import pytest
 from numpy.typing import NDArray
 
 from synthesis.errors import InputError
-from synthesis.exporters.exporter import Made
+from synthesis.exporters.exporter import FileContent
 from synthesis.machines.spatial.body import Mesh
 from synthesis.machines.spatial.files import body_step
 from synthesis.machines.spatial.files.body_mesh import BodyMesh
@@ -43,12 +43,12 @@ CAMS: dict[str, tuple[SpatialCamSpec, dict[str, Any]]] = {
 
 
 @pytest.fixture(scope="module", params=CAMS)
-def file(request: pytest.FixtureRequest) -> Made:
+def file(request: pytest.FixtureRequest) -> FileContent:
     spec, asked = CAMS[request.param]
-    return STEP.whole(synthesise_spatial(spec), FacetedOptions(**asked))
+    return STEP.content(synthesise_spatial(spec), FacetedOptions(**asked))
 
 
-def test_a_kernel_reads_one_sound_closed_solid(file: Made, tmp_path: Path) -> None:
+def test_a_kernel_reads_one_sound_closed_solid(file: FileContent, tmp_path: Path) -> None:
     read = kernel.shape(file.data, ".step", tmp_path)
     assert read.ShapeType() == OCP.TopAbs.TopAbs_ShapeEnum.TopAbs_SOLID
     assert OCP.BRepCheck.BRepCheck_Analyzer(read).IsValid()
@@ -58,13 +58,13 @@ def test_a_kernel_reads_one_sound_closed_solid(file: Made, tmp_path: Path) -> No
     assert not shells.More()
     told = OCP.GProp.GProp_GProps()
     OCP.BRepGProp.BRepGProp.VolumeProperties_s(read, told)
-    assert told.Mass() == pytest.approx(float(file.told["Volume-Mm3"]), rel=1e-9)
+    assert told.Mass() == pytest.approx(float(file.metadata["Volume-Mm3"]), rel=1e-9)
 
 
 class Read:
     """The entities of a faceted solid, by the file's own numbers."""
 
-    def __init__(self, file: Made) -> None:
+    def __init__(self, file: FileContent) -> None:
         rows = re.findall(r"^#(\d+)=(\w+)\('',(.*)\);$", file.data.decode(), re.MULTILINE)
         self.given = {int(number): (kind, given) for number, kind, given in rows}
 
@@ -86,14 +86,14 @@ class Read:
         return found
 
 
-def test_every_edge_is_run_once_each_way(file: Made) -> None:
+def test_every_edge_is_run_once_each_way(file: FileContent) -> None:
     loops = [loop for _, each in Read(file).faces() for loop in each]
     ends = [pair for loop in loops for pair in zip(loop, [*loop[1:], loop[0]], strict=True)]
     assert len(set(ends)) == len(ends)
     assert {(b, a) for a, b in ends} == set(ends)
 
 
-def test_faces_look_outwards(file: Made) -> None:
+def test_faces_look_outwards(file: FileContent) -> None:
     """Kernels turn what looks inwards, and do not say so: the file's own volume is not."""
     read, volume = Read(file), 0.0
     for normal, loops in read.faces():
@@ -103,11 +103,11 @@ def test_faces_look_outwards(file: Made) -> None:
         assert area @ normal == pytest.approx(np.linalg.norm(area), rel=1e-6)
         assert areas[0] @ normal >= area @ normal  # holes run the other way
         volume += float(area @ points[0][0]) / 3.0
-    assert volume == pytest.approx(float(file.told["Volume-Mm3"]), rel=1e-9)
+    assert volume == pytest.approx(float(file.metadata["Volume-Mm3"]), rel=1e-9)
 
 
-def test_what_is_flat_across_the_axis_is_one_face(file: Made) -> None:
-    faces, triangles = (int(file.told[name]) for name in ("Faces", "Triangles"))
+def test_what_is_flat_across_the_axis_is_one_face(file: FileContent) -> None:
+    faces, triangles = (int(file.metadata[name]) for name in ("Faces", "Triangles"))
     assert file.data.count(b"=FACE_SURFACE(") == faces < 0.99 * triangles
     assert file.data.count(b"=FACE_BOUND(") == 2  # the bore in either end
 
@@ -135,11 +135,11 @@ def test_a_plane_with_a_hole(triangles: list[tuple[int, ...]], faces: int, way: 
         assert (set(outer), set(hole)) == ({0, 1, 2, 3}, {4, 5, 6})
 
 
-def test_the_header_says_what_it_is(file: Made) -> None:
+def test_the_header_says_what_it_is(file: FileContent) -> None:
     head = file.data.partition(b"DATA;")[0].decode()
     assert "faceted" in head
     assert "flanks.step" in head
-    assert f"{file.told['Surface-Error-Mm']} mm measured to the true surface" in head
+    assert f"{file.metadata['Surface-Error-Mm']} mm measured to the true surface" in head
 
 
 def test_a_file_too_large_is_refused_before_it_is_made() -> None:

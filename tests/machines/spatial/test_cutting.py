@@ -34,7 +34,7 @@ def read(design: SpatialDesign, options: CutterOptions) -> tuple[dict[str, Array
     made = CSV.make(design, options)
     rows = list(csv.DictReader(io.StringIO(made.data.decode())))
     columns = {name: np.array([float(row[name]) for row in rows]) for name in rows[0]}
-    return columns, float(made.told["Wall-Error-Mm"])
+    return columns, float(made.metadata["Wall-Error-Mm"])
 
 
 def lines(columns: dict[str, Array], here: Array) -> tuple[Array, Array]:

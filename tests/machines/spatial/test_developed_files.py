@@ -33,7 +33,7 @@ def test_the_table_holds_every_wall_and_its_roller_s_path(design: SpatialDesign)
     walls = {(wall.roller, {"L": -1, "R": 1}[wall.side]) for wall in design.walls}
     assert found == walls | {(roller, 0) for roller, _ in walls}
     worst = max(abs(float(row["departure_mm"])) for row in rows)
-    assert made.told["Flat-Offset-Error-Mm"] == f"{worst:.3g}"
+    assert made.metadata["Flat-Offset-Error-Mm"] == f"{worst:.3g}"
     for row in rows[::17]:
         arc = math.radians(float(row["angle_deg"])) * OUTER
         assert float(row["arc_mm"]) == pytest.approx(arc, abs=1e-9)

@@ -67,9 +67,9 @@ def seen_by_roller(points: Array, theta: Array, roller: int) -> tuple[Array, Arr
 
 
 def test_every_point_lies_on_its_roller(design: SpatialDesign) -> None:
-    made = FLANKS.whole(design, FLANKS.options(points=41, depths=3))
+    made = FLANKS.content(design, FLANKS.options(points=41, depths=3))
     sections = read_ibl(made.data.decode("ascii"))
-    names = made.told["Sections"].split()
+    names = made.metadata["Sections"].split()
     assert len(sections) == len(names) == len(set(names))
     spans = {wall.name: wall.arcs for wall in design.walls}
     for name, section in zip(names, sections, strict=True):
@@ -81,7 +81,7 @@ def test_every_point_lies_on_its_roller(design: SpatialDesign) -> None:
             assert away == pytest.approx(SIZES["radius"], abs=1e-9)
             assert along == pytest.approx(place, abs=1e-9)
             assert np.all(across > 0.0) == (flank[-1] == "R")
-    assert 0.0 < float(made.told["Spline-Error-Mm"]) < 0.1
+    assert 0.0 < float(made.metadata["Spline-Error-Mm"]) < 0.1
 
 
 def test_tables_tell_the_same(design: SpatialDesign) -> None:
@@ -110,7 +110,7 @@ def test_tables_tell_the_same(design: SpatialDesign) -> None:
 
 def test_the_error_of_a_spline_falls_with_the_fourth_power(design: SpatialDesign) -> None:
     errors = [
-        float(FLANKS.whole(design, FLANKS.options(points=count)).told["Spline-Error-Mm"])
+        float(FLANKS.content(design, FLANKS.options(points=count)).metadata["Spline-Error-Mm"])
         for count in (61, 121)
     ]
     assert 8.0 < errors[0] / errors[1] < 40.0

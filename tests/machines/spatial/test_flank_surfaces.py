@@ -26,7 +26,7 @@ def cam() -> SpatialDesign:
 
 
 def test_a_kernel_reads_surfaces_that_touch_the_rollers(cam: SpatialDesign, tmp_path: Path) -> None:
-    file = STEP.whole(cam, SurfaceOptions(tolerance_um=TOLERANCE))
+    file = STEP.content(cam, SurfaceOptions(tolerance_um=TOLERANCE))
     faces = OCP.TopExp.TopExp_Explorer(
         kernel.shape(file.data, ".step", tmp_path), OCP.TopAbs.TopAbs_ShapeEnum.TopAbs_FACE
     )
@@ -46,14 +46,14 @@ def test_a_kernel_reads_surfaces_that_touch_the_rollers(cam: SpatialDesign, tmp_
         assert np.all(across > 0.0) == (name[-1] == "R")
         faces.Next()
         read += 1
-    assert read == int(file.told["Surfaces"])
+    assert read == int(file.metadata["Surfaces"])
     assert not faces.More()
-    assert float(file.told["Surface-Error-Mm"]) <= 1e-3 * TOLERANCE
+    assert float(file.metadata["Surface-Error-Mm"]) <= 1e-3 * TOLERANCE
 
 
 def test_a_finer_tolerance_brings_them_nearer(cam: SpatialDesign) -> None:
     told = [
-        float(STEP.whole(cam, SurfaceOptions(tolerance_um=each)).told["Surface-Error-Mm"])
+        float(STEP.content(cam, SurfaceOptions(tolerance_um=each)).metadata["Surface-Error-Mm"])
         for each in (1.0, 0.01)
     ]
     assert told[1] <= 1e-5 < told[0] <= 1e-3

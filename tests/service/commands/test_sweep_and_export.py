@@ -146,7 +146,7 @@ def test_export_writes_what_the_core_does(tmp_path: Path, fixed: Design, kept: b
     for name in ("csv", "txt"):
         known = PROFILE_FORMATS[name]
         content = (tmp_path / "files" / f"pitch.{name}").read_bytes()
-        assert content == known.write(fixed, known.adapted(expected))
+        assert content == known.write(fixed, known.options_like(expected))
     asked = ["export", file, "--part", "motion", "--format", "svg", "--out", str(tmp_path)]
     assert runner.invoke(cli.app, asked).exit_code == 0
     drawn = MOTION_FORMATS["svg"].write(fixed, DiagramOptions())

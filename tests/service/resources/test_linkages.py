@@ -118,7 +118,7 @@ def test_the_command_writes_what_the_service_has(client: httpx2.Client, tmp_path
         said = CliRunner().invoke(cli.app, words)
         assert said.exit_code == 0, said.output
         assert "feasible, stroke_mm 545.455, quick_return_ratio 1.85876" in said.stdout
-    names = {name for name, file in LINKAGE_FILES[kind].items() if file.usual}
+    names = {name for name, file in LINKAGE_FILES[kind].items() if file.by_default}
     assert {each.name for each in (tmp_path / "here").iterdir()} == {"linkage.json", *names}
     for name in names:
         here, there = ((tmp_path / folder / name).read_bytes() for folder in ("here", "there"))

@@ -40,10 +40,10 @@ def test_a_file_is_what_the_library_writes(
     assert got.headers["content-type"] == exporter.media_type
     part = name.removesuffix(exporter.extension)
     assert f'filename="P4-{part}{exporter.extension}"' in got.headers["content-disposition"]
-    made = exporter.whole(SpatialDesign.model_validate(answer), exporter.options(**asked))
+    made = exporter.content(SpatialDesign.model_validate(answer), exporter.options(**asked))
     assert got.content == made.data
-    told = {key: got.headers[f"camwright-{key}"] for key in made.told}
-    assert told == dict(made.told)
+    told = {key: got.headers[f"camwright-{key}"] for key in made.metadata}
+    assert told == dict(made.metadata)
     known = {"If-None-Match": got.headers["etag"]}
     assert client.get(answer["links"][name], params=asked, headers=known).status_code == 304
 

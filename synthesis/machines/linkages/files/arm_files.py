@@ -17,7 +17,6 @@ from synthesis.exporters.diagrams.plot import curve_plot
 from synthesis.exporters.drawing import canvas as svg
 from synthesis.exporters.drawing.heading import two_lines
 from synthesis.exporters.drawing.picture_options import PictureOptions
-from synthesis.exporters.exporter import untold
 from synthesis.exporters.figures.parts import placed
 from synthesis.exporters.options import Options
 from synthesis.machines.linkages.arm import PalletisingArm
@@ -197,11 +196,11 @@ def _rounded(values: Iterable[float]) -> list[float]:
 
 
 FILES = by_name(
-    LinkageFile("workspace.csv", "Border of the workspace", CSV, ".csv", untold(_border), Options,
+    LinkageFile("workspace.csv", "Border of the workspace", CSV, ".csv", _border, Options,
                 "A row for each arc, in order, in the plane of radius r and level z."),
-    LinkageFile("poses.csv", "Table of the poses", CSV, ".csv", untold(_poses), Options,
+    LinkageFile("poses.csv", "Table of the poses", CSV, ".csv", _poses, Options,
                 "A row for each posture that reaches a pose."),
-    LinkageFile("workspace.svg", "Workspace from the side", SVG, ".svg", untold(_workspace),
+    LinkageFile("workspace.svg", "Workspace from the side", SVG, ".svg", _workspace,
                 PictureOptions,
                 "Borders are drawn as true arcs, with the arm in every reachable pose."),
     *animation_files(

@@ -30,7 +30,7 @@ from synthesis.exporters.drawing import canvas as svg
 from synthesis.exporters.drawing.heading import two_lines
 from synthesis.exporters.drawing.picture_options import PictureOptions
 from synthesis.exporters.drawing.theme import lines
-from synthesis.exporters.exporter import FileFormat, untold
+from synthesis.exporters.exporter import FileFormat
 from synthesis.exporters.figures.machine import Moving, Tag
 from synthesis.exporters.figures.parts import Box, placed, scale_in
 from synthesis.exporters.options import Options
@@ -70,10 +70,10 @@ def animation_files(
         return paged(scene(found, PAGE_FRAMES), options.theme)
 
     return (
-        LinkageFile("animation.svg", "Animation", SVG, ".svg", untold(picture), PictureOptions,
+        LinkageFile("animation.svg", "Animation", SVG, ".svg", picture, PictureOptions,
                     purpose),
         LinkageFile("animation.html", "Animation to play, stop and read",
-                    "text/html; charset=utf-8", ".html", untold(page), PictureOptions,
+                    "text/html; charset=utf-8", ".html", page, PictureOptions,
                     "One file that needs no network; by mouse, touch and keys."),
     )  # fmt: skip
 
@@ -81,8 +81,8 @@ def animation_files(
 def animation_data(write: Callable[[Any, Options], bytes], title: str) -> LinkageFile:
     """The animation as JSON, which ``scene_json`` makes; written only where it is asked for."""
     return LinkageFile(
-        "animation.json", title, "application/json", ".json", untold(write), Options,
-        "For pages that show the machine their own way.", usual=False,
+        "animation.json", title, "application/json", ".json", write, Options,
+        "For pages that show the machine their own way.", by_default=False,
     )  # fmt: skip
 
 

@@ -16,7 +16,6 @@ from synthesis.exporters.diagrams.sheet import FOOTER, GAP, HEIGHT, LEFT, RIGHT,
 from synthesis.exporters.drawing import canvas as svg
 from synthesis.exporters.drawing.heading import TURNS, two_lines
 from synthesis.exporters.drawing.picture_options import PictureOptions
-from synthesis.exporters.exporter import untold
 from synthesis.exporters.figures.machine import Moving, Tag
 from synthesis.exporters.figures.parts import Box
 from synthesis.exporters.options import MotionOptions, Options
@@ -206,18 +205,18 @@ def _data(found: SixBarShaper, options: Options) -> bytes:
 
 
 FILES = by_name(
-    LinkageFile("motion.csv", "Table of the motion", CSV, ".csv", untold(motion_csv),
+    LinkageFile("motion.csv", "Table of the motion", CSV, ".csv", motion_csv,
                 MotionOptions),
     LinkageFile("motion.json", "Table of the motion, with units and meanings", "application/json",
-                ".json", untold(motion_json), MotionOptions),
+                ".json", motion_json, MotionOptions),
     LinkageFile(
         "cam.json", "Question for a cam that moves its follower as the ram", "application/json",
-        ".json", untold(cam_spec), CamOptions,
+        ".json", cam_spec, CamOptions,
         "A body for POST /v1/designs: the ram's motion as a table, a translating roller and a "
         "limit on the pressure angle, to be edited as needed.",
         suits=lambda found: not found.spec.acceleration_rad_per_s2,
     ),
-    LinkageFile("motion.svg", "Diagrams of the motion", SVG, ".svg", untold(_motion),
+    LinkageFile("motion.svg", "Diagrams of the motion", SVG, ".svg", _motion,
                 PictureOptions,
                 "The quick stroke is shaded; a line stands at every dead centre."),
     *animation_files(_scene, "For a document or a web page; no script."),

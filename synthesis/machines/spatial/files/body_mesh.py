@@ -10,7 +10,7 @@ import numpy as np
 from pydantic import Field
 
 from synthesis.errors import InputError
-from synthesis.exporters.exporter import FileFormat, Made
+from synthesis.exporters.exporter import FileContent, FileFormat
 from synthesis.machines.spatial.blank import Blank, BlankOptions
 from synthesis.machines.spatial.body import Mesh, build_body, flank_error, triangulate
 from synthesis.machines.spatial.design import SpatialDesign
@@ -48,7 +48,7 @@ class BodyMesh:
     error: float
 
     @property
-    def told(self) -> Mapping[str, str]:
+    def metadata(self) -> Mapping[str, str]:
         """Metadata of every file of a body."""
         return {
             "Surface-Error-Mm": f"{self.error:.3g}",
@@ -81,7 +81,7 @@ def mesh_body(design: SpatialDesign, options: MeshOptions, most: int) -> BodyMes
     return BodyMesh(triangulate(body), flank_error(cuts, body))
 
 
-def _stl(design: SpatialDesign, options: MeshOptions) -> Made:
+def _stl(design: SpatialDesign, options: MeshOptions) -> FileContent:
     made = mesh_body(design, options, MAX_TRIANGLES)
     corners = made.mesh.points[made.mesh.triangles]
     records = np.zeros(len(corners), dtype=RECORD)
@@ -91,7 +91,7 @@ def _stl(design: SpatialDesign, options: MeshOptions) -> Made:
     records["corners"] = corners
     title = f"Camwright {design.engine_version}, {design.id}"
     head = title.encode("ascii", "replace")[:HEADER].ljust(HEADER)
-    return Made(head + np.uint32(len(records)).tobytes() + records.tobytes(), made.told)
+    return FileContent(head + np.uint32(len(records)).tobytes() + records.tobytes(), made.metadata)
 
 
 STL = FileFormat(
@@ -99,5 +99,5 @@ STL = FileFormat(
     "The cam with its hub, cut from a turned blank, as a closed mesh in mm: for viewers, printing, "
     "or a first look in CAD. The header Camwright-Surface-Error-Mm gives its distance from the "
     "true surface.",
-    apart=True,
+    in_worker=True,
 )  # fmt: skip

@@ -22,7 +22,7 @@ from scipy.sparse.csgraph import connected_components
 from synthesis.errors import InputError
 from synthesis.exporters.curves.part21 import Entities, many, real, text
 from synthesis.exporters.curves.step_curve import FINEST
-from synthesis.exporters.exporter import FileFormat, Made
+from synthesis.exporters.exporter import FileContent, FileFormat
 from synthesis.machines.spatial.blank import Blank, BlankOptions
 from synthesis.machines.spatial.body import Mesh, Whole
 from synthesis.machines.spatial.design import SpatialDesign
@@ -66,7 +66,7 @@ class FacetedOptions(MeshOptions):
     depths: Levels = 4
 
 
-def _body(design: SpatialDesign, options: FacetedOptions) -> Made:
+def _body(design: SpatialDesign, options: FacetedOptions) -> FileContent:
     if options.form == "faceted":
         return _faceted(design, options)
     try:
@@ -80,7 +80,7 @@ def _body(design: SpatialDesign, options: FacetedOptions) -> Made:
         ) from None  # fmt: skip
 
 
-def _smooth(design: SpatialDesign, options: BlankOptions, tolerance: float) -> Made:
+def _smooth(design: SpatialDesign, options: BlankOptions, tolerance: float) -> FileContent:
     shell, largest = build_solid(design, options, tolerance)
 
     def write(data: Entities) -> str:
@@ -91,7 +91,7 @@ def _smooth(design: SpatialDesign, options: BlankOptions, tolerance: float) -> M
     title = f"Spatial cam, a solid of its true surfaces, walls within {error} mm"
     told = {"Body": "smooth", "Surface-Error-Mm": error, "Faces": str(len(shell.faces))}
     kind = "ADVANCED_BREP_SHAPE_REPRESENTATION"
-    return Made(shape_file(design, title, kind, write, largest), told)
+    return FileContent(shape_file(design, title, kind, write, largest), told)
 
 
 def build_solid(
@@ -115,7 +115,7 @@ def build_solid(
     raise AssertionError
 
 
-def _faceted(design: SpatialDesign, options: FacetedOptions) -> Made:
+def _faceted(design: SpatialDesign, options: FacetedOptions) -> FileContent:
     made = mesh_body(design, options, MAX_TRIANGLES)
     thin = thinnest(made.mesh)
     if thin < FINEST:
@@ -135,12 +135,12 @@ def _faceted(design: SpatialDesign, options: FacetedOptions) -> Made:
         return data.add("FACETED_BREP", text(design.name or f"cam {design.id}"), shell)
 
     title = (
-        f"Spatial cam, faceted: flat faces, {made.told['Surface-Error-Mm']} mm measured to the "
+        f"Spatial cam, faceted: flat faces, {made.metadata['Surface-Error-Mm']} mm measured to the "
         "true surface; the smooth walls are in flanks.step"
     )
-    told = {"Body": "faceted", **made.told, "Faces": str(len(facets))}
+    told = {"Body": "faceted", **made.metadata, "Faces": str(len(facets))}
     kind, meaning = "FACETED_BREP_SHAPE_REPRESENTATION", "points nearer to each other are one"
-    return Made(shape_file(design, title, kind, write, meaning=meaning), told)
+    return FileContent(shape_file(design, title, kind, write, meaning=meaning), told)
 
 
 def _face(data: Entities, facet: Facet, points: list[str]) -> str:
@@ -252,6 +252,6 @@ STEP = FileFormat(
     "One closed solid in mm, bounded by the cam's true surfaces within tolerance_um; where that is "
     "not possible, the body of body.stl in flat faces. The file's header, Camwright-Body and "
     "Camwright-Surface-Error-Mm say which it is and its distance from the true surface.",
-    usual=False,
-    apart=True,
+    by_default=False,
+    in_worker=True,
 )  # fmt: skip

@@ -26,7 +26,7 @@ import numpy as np
 from pydantic import Field
 
 from synthesis.errors import InputError
-from synthesis.exporters.exporter import FileFormat, Made
+from synthesis.exporters.exporter import FileContent, FileFormat
 from synthesis.exporters.options import Options
 from synthesis.exporters.samples.columns import Column, joined
 from synthesis.exporters.tables.csv_table import table
@@ -148,7 +148,7 @@ class CutterOptions(Options):
     points_per_degree: Density = 1.0
 
 
-def _csv(design: SpatialDesign, options: CutterOptions) -> Made:
+def _csv(design: SpatialDesign, options: CutterOptions) -> FileContent:
     cam = design.cam
     walls, radius = chosen(cam, options.flank), _radius(cam, options)
     if radius is None:
@@ -165,7 +165,7 @@ def _csv(design: SpatialDesign, options: CutterOptions) -> Made:
         columns.append(_columns(cam, wall, wall.side, at, options))
         error = envelope_error(cam, wall, (before, at, after), radius)
         errors.append(float(np.max(np.abs(error))))
-    return Made(table(joined(columns)), {"Wall-Error-Mm": f"{max(errors):.3g}"})
+    return FileContent(table(joined(columns)), {"Wall-Error-Mm": f"{max(errors):.3g}"})
 
 
 def _radius(cam: SpatialCam, options: CutterOptions) -> float | None:

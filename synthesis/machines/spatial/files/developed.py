@@ -11,7 +11,7 @@ import numpy as np
 from pydantic import Field
 
 from synthesis.errors import InputError
-from synthesis.exporters.exporter import FileFormat, Made
+from synthesis.exporters.exporter import FileContent, FileFormat
 from synthesis.exporters.options import Options
 from synthesis.exporters.samples.columns import Column, joined
 from synthesis.exporters.tables.csv_table import table
@@ -69,10 +69,10 @@ class Development:
         known = values[~np.isnan(values)]
         return float(known.max()) if len(known) else None
 
-    def file(self, data: bytes) -> Made:
+    def file(self, data: bytes) -> FileContent:
         """A file of it with its metadata."""
         known = {} if self.error is None else {"Flat-Offset-Error-Mm": f"{self.error:.3g}"}
-        return Made(data, {"Radius-Mm": f"{self.radius:.9g}", **known})
+        return FileContent(data, {"Radius-Mm": f"{self.radius:.9g}", **known})
 
 
 def develop(design: SpatialDesign, options: DevelopedOptions) -> Development:
@@ -149,12 +149,12 @@ def _columns(line: WallCurve, departure: Array, radius: float) -> list[Column]:
     ]
 
 
-def _csv(design: SpatialDesign, options: DevelopedOptions) -> Made:
+def _csv(design: SpatialDesign, options: DevelopedOptions) -> FileContent:
     found = develop(design, options)
     return found.file(table(joined([_columns(*each, found.radius) for each in found.curves])))
 
 
-def _json(design: SpatialDesign, options: DevelopedOptions) -> Made:
+def _json(design: SpatialDesign, options: DevelopedOptions) -> FileContent:
     found = develop(design, options)
     body = {
         "radius_mm": found.radius,

@@ -14,7 +14,7 @@ import numpy as np
 
 from synthesis.exporters.drawing import canvas as svg
 from synthesis.exporters.drawing.picture_options import Colours
-from synthesis.exporters.exporter import FileFormat, Made
+from synthesis.exporters.exporter import FileContent, FileFormat
 from synthesis.exporters.figures.profile import ratio, shown_at
 from synthesis.machines.spatial.design import SpatialDesign
 from synthesis.machines.spatial.development import WallCurve
@@ -72,7 +72,7 @@ class _Plane:
         return np.asarray(HEADER * self.u + self.high - z)
 
 
-def _svg(design: SpatialDesign, options: DrawnOptions) -> Made:
+def _svg(design: SpatialDesign, options: DrawnOptions) -> FileContent:
     found = develop(design, options)
     levels = np.concatenate([line.z for line, _ in found.curves])
     room = MARGIN * float(np.ptp(levels))

@@ -17,7 +17,7 @@ from pydantic import Field
 from scipy.interpolate import make_interp_spline
 
 from synthesis.errors import InputError
-from synthesis.exporters.exporter import FileFormat, Made, untold
+from synthesis.exporters.exporter import FileContent, FileFormat
 from synthesis.exporters.options import Decimals, Options
 from synthesis.exporters.samples.columns import Column, joined
 from synthesis.exporters.tables.csv_table import table
@@ -196,7 +196,7 @@ def chosen(cam: SpatialCam, name: str) -> list[Wall]:
     return walls
 
 
-def _ibl(design: SpatialDesign, options: WrittenFlankOptions) -> Made:
+def _ibl(design: SpatialDesign, options: WrittenFlankOptions) -> FileContent:
     found, decimals = patches(design, options), options.decimals
     row = " ".join(["%d", *[f"%.{decimals}f"] * 3]) + "\n"
     lines = ["Open Arclength\n"]
@@ -210,7 +210,7 @@ def _ibl(design: SpatialDesign, options: WrittenFlankOptions) -> Made:
         "Sections": " ".join(each.name for each in found),
         "Spline-Error-Mm": f"{spline_error(design, found):.3g}",
     }
-    return Made("".join(lines).encode("ascii"), told)
+    return FileContent("".join(lines).encode("ascii"), told)
 
 
 def _csv(design: SpatialDesign, options: TableOptions) -> bytes:
@@ -278,13 +278,13 @@ FLANKS = FileFormat(
 )  # fmt: skip
 CSV = FileFormat(
     "flanks.csv", "Contact lines, comma separated", "text/csv; charset=utf-8; header=present",
-    ".csv", untold(_csv), TableOptions,
+    ".csv", _csv, TableOptions,
     "A row for every contact: cam angle, roller, side, place on the roller, point and normal of "
     "the flank in the cam's frame, pressure angle.",
 )  # fmt: skip
 JSON = FileFormat(
     "flanks.json", "Contact lines, as grids", "application/json",
-    ".json", untold(_json), TableOptions,
+    ".json", _json, TableOptions,
     "Every flank as a grid over cam angle and place on the roller: points, normals, pressure "
     "angles.",
 )  # fmt: skip

@@ -16,7 +16,7 @@ from scipy.interpolate import NdBSpline
 
 from synthesis.errors import InputError
 from synthesis.exporters.curves.part21 import Entities, many, text
-from synthesis.exporters.exporter import FileFormat, Made
+from synthesis.exporters.exporter import FileContent, FileFormat
 from synthesis.exporters.options import Options
 from synthesis.machines.spatial.cam import Span, SpatialCam, Wall
 from synthesis.machines.spatial.design import SpatialDesign
@@ -112,7 +112,7 @@ def _face(cam: SpatialCam, wall: Wall, span: Span, tolerance_um: float) -> Face:
         n, m = finer
 
 
-def _flanks(design: SpatialDesign, options: SurfaceOptions) -> Made:
+def _flanks(design: SpatialDesign, options: SurfaceOptions) -> FileContent:
     cam = design.cam
     made = [
         _face(cam, wall, part, options.tolerance_um)
@@ -129,7 +129,7 @@ def _flanks(design: SpatialDesign, options: SurfaceOptions) -> Made:
     title = f"Flanks of a spatial cam, within {error:.2g} mm of the true ones"
     kind = "GEOMETRICALLY_BOUNDED_SURFACE_SHAPE_REPRESENTATION"
     told = {"Surface-Error-Mm": f"{error:.3g}", "Surfaces": str(len(made))}
-    return Made(shape_file(design, title, kind, write, error, name=name), told)
+    return FileContent(shape_file(design, title, kind, write, error, name=name), told)
 
 
 STEP = FileFormat(

@@ -9,7 +9,7 @@ from synthesis.exporters.diagrams.motion import motion_plot
 from synthesis.exporters.diagrams.readings import QUANTITIES
 from synthesis.exporters.diagrams.sheet import DRAWN_PER_DEGREE, LEFT, RIGHT, WIDTH, Moved, stacked
 from synthesis.exporters.drawing.picture_options import DiagramOptions
-from synthesis.exporters.exporter import FileFormat, untold
+from synthesis.exporters.exporter import FileFormat
 from synthesis.exporters.options import MotionOptions
 from synthesis.exporters.samples.columns import Column, motion_columns
 from synthesis.exporters.samples.turn import Turn
@@ -59,13 +59,13 @@ def _svg(design: SpatialDesign, options: DiagramOptions) -> bytes:
 PURPOSE = "The follower's displacement, velocity, acceleration and jerk over the cam angle."
 JSON = FileFormat(
     "motion.json", "Motion, columns with units and metadata", "application/json", ".json",
-    untold(_json), MotionOptions, PURPOSE,
+    _json, MotionOptions, PURPOSE,
 )  # fmt: skip
 CSV = FileFormat(
     "motion.csv", "Motion, comma separated", "text/csv; charset=utf-8; header=present", ".csv",
-    untold(_csv), MotionOptions, PURPOSE,
+    _csv, MotionOptions, PURPOSE,
 )  # fmt: skip
 SVG = FileFormat(
-    "motion.svg", "Diagrams of the motion", "image/svg+xml", ".svg", untold(_svg), DiagramOptions,
+    "motion.svg", "Diagrams of the motion", "image/svg+xml", ".svg", _svg, DiagramOptions,
     PURPOSE,
 )  # fmt: skip

@@ -14,7 +14,7 @@ from typing import Annotated, Any
 import numpy as np
 from pydantic import Field
 
-from synthesis.exporters.exporter import FileFormat, untold
+from synthesis.exporters.exporter import FileFormat
 from synthesis.machines.spatial.blank import Blank, BlankOptions
 from synthesis.machines.spatial.body import Body, build_body
 from synthesis.machines.spatial.cam import FRAME
@@ -100,7 +100,7 @@ def _rounded(values: Array) -> list[Any]:
 
 SURFACES = FileFormat(
     "surfaces.json", "Surfaces for an animated 3D view", "application/json", ".json",
-    untold(_surfaces), SurfaceOptions,
+    _surfaces, SurfaceOptions,
     "The cam's body as a grid of points, the rollers, the axis or guide on which they move, and "
     "their positions at every cam angle: what the studio draws.",
 )  # fmt: skip
