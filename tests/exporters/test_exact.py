@@ -196,6 +196,17 @@ def test_one_curve_of_a_drawing_alone(unspecial: Design) -> None:
     assert [each.dxf.layer for each in page.modelspace()] == ["PITCH_CURVE"]
 
 
+def test_the_order_of_classes_is_that_of_their_names(p1: Design) -> None:
+    names = [
+        each.dxf.name for each in dxf(PROFILE_FORMATS["dxf"].write(p1, DrawingOptions())).classes
+    ]
+    drawn = [
+        name for name in names if name in ("ACDBPLACEHOLDER", "LAYOUT", "MATERIAL", "MLEADERSTYLE")
+    ]
+    assert len(drawn) > 1
+    assert drawn == sorted(drawn)
+
+
 def test_a_drawing_of_arcs(cam, truth) -> None:
     options = DrawingOptions(form="arcs", companions=False, tolerance_um=2.0)
     made = PROFILE_FORMATS["dxf"].make(cam, options)

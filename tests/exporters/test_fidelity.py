@@ -16,7 +16,7 @@ from scipy.optimize import minimize_scalar
 
 from synthesis import Design, DesignSpec, synthesise
 from synthesis.exporters import PROFILE_FORMATS, PointOptions, ProfileOptions
-from synthesis.exporters.fidelity.riding import Touched, ride
+from synthesis.exporters.fidelity.riding import CurveSamples, follower_motion
 from synthesis.exporters.samples.cam import Cam
 from tests.exporters.test_flanks import CLOSURES, asked
 from tests.exporters.test_points import away, points
@@ -133,8 +133,8 @@ def test_on_the_true_curve_the_follower_moves_as_designed(
     at = cam.at(theta)
     (x, y), mirror = cam.place(at), -1.0 if rotation == "cw" else 1.0
     bend = at.curvature / (1.0 - at.curvature * cam.gap)
-    known = Touched(mirror * x, y, at.normal_y, -mirror * at.normal_x, bend)
-    found = ride(cam, known, theta + 0.005 * np.cos(5.0 * theta))
+    known = CurveSamples(mirror * x, y, at.normal_y, -mirror * at.normal_x, bend)
+    found = follower_motion(cam, known, theta + 0.005 * np.cos(5.0 * theta))
     np.testing.assert_allclose(found.theta, theta, rtol=0.0, atol=1e-12)
     for order, values in enumerate((found.s, found.v, found.a)):
         right = at.s[order]
@@ -260,3 +260,12 @@ def test_the_page_on_files_tells_what_is_measured() -> None:
             told_part = None if text == "infinite" else float(text.removesuffix(" %")) / 100.0
             assert part == (told_part and pytest.approx(told_part, rel=0.1))
         assert found["polyline"]["form_um"] == pytest.approx(float(straight), rel=0.05)
+
+
+def test_a_cutter_round_a_cam_of_an_oscillating_face() -> None:
+    """The face touches the profile; the cutter's path is as far from it as the cutter is large."""
+    file = Path(__file__).parents[2] / "openapi" / "examples" / "oscillating-flat-face.json"
+    design = synthesise(DesignSpec.model_validate(json.loads(file.read_text())["value"]))
+    for diameter in (6.0, 400.0):
+        path = told(design, points=720, curve="cutter", cutter_diameter_mm=diameter)["periodic"]
+        assert path["acceleration_part"] < 2e-3

@@ -20,7 +20,7 @@ from synthesis.exporters.exporter import Exporter, FileContent
 from synthesis.exporters.options import CurveName, is_cutter, is_pitch
 from synthesis.exporters.samples.cam import Cam
 from synthesis.exporters.samples.cutting import chosen
-from synthesis.exporters.samples.placement import turned
+from synthesis.exporters.samples.sampling import turned
 from synthesis.numerics.geometry.biarcs import fit_biarcs
 from synthesis.numerics.geometry.closed_spline import fit_closed_spline
 
@@ -48,6 +48,9 @@ def _profile(design: Design, options: DrawingOptions) -> FileContent:
         _circle(space, "BORE", 0.5 * options.bore_mm, options)
     error = f"{max(errors):.3g}"
     page.header.custom_vars.append("Largest distance from the true curves in mm", error)
+    # ezdxf takes the classes of what is drawn from a set, whose order differs between processes
+    for kind in sorted(page.entitydb.dxf_types_in_use()):
+        page.classes.add_class(kind)
     sheet = io.StringIO()
     page.write(sheet)
     return FileContent(sheet.getvalue().encode("utf-8"), {"Curve-Error-Mm": error})

@@ -12,7 +12,7 @@ from synthesis.exporters.curves.contour import Contour
 from synthesis.exporters.curves.exact_options import ExactOptions
 from synthesis.exporters.options import CurveName
 from synthesis.exporters.samples.cutting import chosen
-from synthesis.exporters.samples.placement import turned
+from synthesis.exporters.samples.sampling import turned
 from synthesis.numerics.geometry.closed_spline import ClosedSpline, fit_closed_spline
 from synthesis.numerics.piecewise import Array
 

@@ -8,7 +8,7 @@ from synthesis.design.design import Design
 from synthesis.exporters.curves.exact import exact_curve, facts
 from synthesis.exporters.curves.exact_options import ExactOptions
 from synthesis.exporters.exporter import Exporter, FileContent
-from synthesis.exporters.tables.json_table import origin
+from synthesis.exporters.tables.formats import origin
 
 MEANING = (
     "A clamped B-spline in the cam's frame, no weights: its parameter is the arc length in mm, its "

@@ -1,1 +1,7 @@
-"""What the readers of a file make of its points: of the form, and of the follower's motion."""
+"""What CAD systems and controls make of a curve's written points, and what that does to a follower.
+
+In: a cam's curve and the points of it as a file holds them. Out: for every way of interpolation the
+greatest deviation of form, velocity and acceleration, as JSON or as a line for a header. Open
+``measure`` first: interpolants and deviations; ``riding`` is the kinematics of a follower on a
+curve known by its points, tangents and curvatures; ``report`` has words and formats.
+"""

@@ -1,54 +1,121 @@
-"""How far a curve through written points is from the cam, and what that does to the follower."""
+"""How far a curve through written points is from the cam, and what that does to the follower.
+
+CAD systems join the points of a file by straight lines or pass a cubic spline of two continuous
+derivatives through them, with the length of the chords as its parameter (Creo names it in its file,
+``arclength``; de Boor; Piegl and Tiller, The NURBS Book, 9.2.1). They differ in the end conditions:
+
+    periodic     a closed curve has no ends
+    not-a-knot   the third derivative is continuous across the second and the last but one point
+    natural      the curve is straight at its ends: wrong, unless the cam is
+"""
 
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Literal
 
 import numpy as np
+from scipy.interpolate import BSpline, CubicSpline, make_interp_spline
 
 from synthesis.catalogue.followers.flat_face import flat_face
-from synthesis.exporters.fidelity.readers import CUBIC, ReaderName, Reading, reading
-from synthesis.exporters.fidelity.riding import Ridden, Touched, ride
+from synthesis.exporters.fidelity.riding import CurveSamples, FollowerMotion, follower_motion
 from synthesis.exporters.samples.cam import Cam
 from synthesis.exporters.samples.sampling import Written, in_degrees
 from synthesis.numerics.piecewise import Array
 from synthesis.units import DEGREE, FULL_TURN
 
+ReaderName = Literal["polyline", "periodic", "not-a-knot", "natural"]
+CUBIC: tuple[ReaderName, ...] = ("periodic", "not-a-knot", "natural")
 BETWEEN = np.array([0.0, 0.2, 0.4, 0.5, 0.6, 0.8, 1.0])  # of each interval, where it is measured
-ROUNDS = 2  # of Newton's method
-CORNER = (0.0, 0.5, 1.0)  # parts of the turn of the normal at a corner
+NEWTON_STEPS = 2  # from the same fraction of an interval to the foot of the normal
+CORNER = (0.0, 0.5, 1.0)  # fractions of the rotation of the normal at a corner
 SHARP = 1e12  # curvature of a corner [1/mm]
 
 
 @dataclass(frozen=True)
-class Worst:
+class Deviation:
     """A greatest deviation, in the unit of what deviates, and the cam angle where it is [deg]."""
 
     value: float
     angle_deg: float
 
+    @classmethod
+    def of(cls, error: Array, theta: Array) -> Deviation:
+        """The greatest of errors (n,) at cam angles (n,) [rad]."""
+        at = int(np.argmax(np.abs(error)))
+        return cls(float(np.abs(error[at])), float(in_degrees(theta[at] % FULL_TURN)))
+
 
 @dataclass(frozen=True)
 class Fidelity:
-    """What a reader makes of the points.
+    """How true a reader's curve is.
 
     Attributes:
         reader: how it draws the curve.
         form: greatest distance of the curve from the true one, along its normal [mm].
         velocity, acceleration: greatest error of the follower's s' and s'' [mm per radian];
             infinite where the velocity jumps.
-        corner: angle in which the curve's two ends meet, whose jerk is not counted [rad].
+        corner: angle between the curve's two ends, whose jerk is not counted [rad].
     """
 
     reader: ReaderName
-    form: Worst
-    velocity: Worst
-    acceleration: Worst
+    form: Deviation
+    velocity: Deviation
+    acceleration: Deviation
     corner: float = 0.0
 
 
+@dataclass(frozen=True, eq=False)
+class Interpolant:
+    """One turn of the curve that a reader draws.
+
+    Attributes:
+        spline: chord length to points and their derivatives.
+        knots: (n + 1,) the parameter at the points, the first one's again at the end.
+        first: index of the point it begins with: not 0 where some points are repeated.
+    """
+
+    spline: CubicSpline | BSpline
+    knots: Array
+    first: int
+
+    @classmethod
+    def through(cls, points: Array, repeated: int, reader: ReaderName) -> Interpolant:
+        """The curve through points.
+
+        Args:
+            points: (n, 2) of a ring, no two neighbours the same [mm].
+            repeated: how many more there are past the first point's repetition. A curve that is
+                not closed is used from the middle of these on: its ends are away from both sides.
+        """
+        if reader == "periodic":
+            repeated = 0
+        all_points = np.vstack([points, points[: repeated + 1]])
+        steps = np.hypot(*np.diff(all_points, axis=0).T)
+        knots = np.concatenate([[0.0], np.cumsum(steps)])
+        first = repeated // 2
+        used = knots[first : first + len(points) + 1]
+        return cls(interpolate(knots, all_points, reader), used, first)
+
+    def __call__(self, parameter: Array, order: int = 0) -> Array:
+        """The points (2, k), or a derivative of them, at parameters (k,)."""
+        return np.asarray(self.spline(parameter, order), dtype=float).T
+
+    @property
+    def probes(self) -> Array:
+        """Parameters at which each interval is measured, from its first point on."""
+        return (self.knots[:-1, None] + BETWEEN * np.diff(self.knots)[:, None]).ravel()
+
+
+def interpolate(knots: Array, values: Array, reader: ReaderName) -> CubicSpline | BSpline:
+    """A reader's interpolant of values (n,) or (n, d) at given parameters (n,)."""
+    if reader == "polyline":
+        return make_interp_spline(knots, values, k=1)
+    return CubicSpline(knots, values, bc_type=reader)
+
+
 def fidelities(cam: Cam, written: Written, turn_deg: float, overlap: int) -> list[Fidelity]:
-    """What every reader makes of the points.
+    """How true the curve of every reader is.
 
     Args:
         cam: the cam and the curve. written: the points as they stand in the file.
@@ -58,18 +125,19 @@ def fidelities(cam: Cam, written: Written, turn_deg: float, overlap: int) -> lis
     theta, points = _clockwise(cam, written, turn_deg)
     probes = _between(theta)
     true = _true(cam, probes)
-    curves = [reading(points, overlap, reader) for reader in CUBIC]
-    return [_polyline(cam, reading(points, 0, "polyline"), theta, probes, true)] + [
-        _measured(cam, curve, probes, true) for curve in curves
+    curves = [(reader, Interpolant.through(points, overlap, reader)) for reader in CUBIC]
+    return [
+        _polyline(cam, Interpolant.through(points, 0, "polyline"), theta, probes, true),
+        *(_smooth(cam, reader, curve, probes, true) for reader, curve in curves),
     ]
 
 
-def straight_form(cam: Cam, written: Written, turn_deg: float) -> float:
+def polyline_form(cam: Cam, written: Written, turn_deg: float) -> float:
     """Greatest distance of straight lines between the points from the curve [mm]."""
     theta, points = _clockwise(cam, written, turn_deg)
     probes = _between(theta)
-    curve = reading(points, 0, "polyline")
-    return _form(curve, _parameters(curve), probes, _true(cam, probes)).value
+    curve = Interpolant.through(points, 0, "polyline")
+    return _form(curve, curve.probes, probes, _true(cam, probes)).value
 
 
 def _between(theta: Array) -> Array:
@@ -90,71 +158,60 @@ def _clockwise(cam: Cam, written: Written, turn_deg: float) -> tuple[Array, Arra
     return theta, points
 
 
-def _true(cam: Cam, theta: Array) -> Touched:
+def _true(cam: Cam, theta: Array) -> CurveSamples:
     at = cam.at(theta % FULL_TURN)
     x, y = cam.place(at)
     mirror = -1.0 if cam.rotation == "cw" else 1.0
     # the curve runs clockwise: its direction is the outward normal turned to the right
-    return Touched(mirror * x, y, at.normal_y, -mirror * at.normal_x, at.curvature)
+    return CurveSamples(mirror * x, y, at.normal_y, -mirror * at.normal_x, at.curvature)
 
 
-def _parameters(curve: Reading) -> Array:
-    """Of the places where each interval is measured, in the order of the reader's own points."""
-    return (curve.knots[:-1, None] + BETWEEN * np.diff(curve.knots)[:, None]).ravel()
-
-
-def _measured(cam: Cam, curve: Reading, probes: Array, true: Touched) -> Fidelity:
+def _smooth(
+    cam: Cam, reader: ReaderName, curve: Interpolant, probes: Array, true: CurveSamples
+) -> Fidelity:
+    """Of a spline: its tangents and curvatures give the follower's motion on it."""
     shift = -curve.first * len(BETWEEN)
-    near = np.roll(probes, shift)
-    parameter = _parameters(curve)
+    near, parameter = np.roll(probes, shift), curve.probes
     (x, y), (dx, dy), (sx, sy) = (curve(parameter, order) for order in range(3))
     speed = np.hypot(dx, dy)
-    bend = (dy * sx - dx * sy) / speed**3
-    ridden = ride(cam, Touched(x, y, dx / speed, dy / speed, bend), near)
-    form = _form(curve, parameter, near, _rolled(true, shift))
-    return Fidelity(curve.reader, form, *_motion(cam, ridden), _corner(curve))
-
-
-def _corner(curve: Reading) -> float:
+    curvature = (dy * sx - dx * sy) / speed**3
+    samples = CurveSamples(x, y, dx / speed, dy / speed, curvature)
+    rolled = CurveSamples(*(np.roll(values, shift) for values in true))
+    form = _form(curve, parameter, near, rolled)
     (ax, bx), (ay, by) = curve(curve.knots[[0, -1]], 1)
-    return float(abs(np.arctan2(ax * by - ay * bx, ax * bx + ay * by)))
+    corner = float(abs(np.arctan2(ax * by - ay * bx, ax * bx + ay * by)))
+    return Fidelity(reader, form, *_motion(cam, follower_motion(cam, samples, near)), corner)
 
 
-def _rolled(true: Touched, shift: int) -> Touched:
-    each = (true.x, true.y, true.tx, true.ty, true.bend)
-    return Touched(*(np.roll(values, shift) for values in each))
-
-
-def _form(curve: Reading, parameter: Array, theta: Array, true: Touched) -> Worst:
-    """Where the normals of the true curve meet the reader's."""
-    for _ in range(ROUNDS):
+def _form(curve: Interpolant, parameter: Array, theta: Array, true: CurveSamples) -> Deviation:
+    """Distances along the true normals: Newton's method finds where these meet the curve."""
+    for _ in range(NEWTON_STEPS):
         (x, y), (dx, dy) = curve(parameter), curve(parameter, 1)
         ahead = (x - true.x) * true.tx + (y - true.y) * true.ty
         parameter = parameter - ahead / (dx * true.tx + dy * true.ty)
     x, y = curve(parameter)
-    return _worst((y - true.y) * true.tx - (x - true.x) * true.ty, theta)
+    return Deviation.of((y - true.y) * true.tx - (x - true.x) * true.ty, theta)
 
 
-def _motion(cam: Cam, ridden: Ridden) -> tuple[Worst, Worst]:
-    true = cam.motion.derivatives(ridden.theta % FULL_TURN, 2)
+def _motion(cam: Cam, on_curve: FollowerMotion) -> tuple[Deviation, Deviation]:
+    """Errors of velocity and acceleration; where the true velocity jumps the latter is infinite."""
+    theta = on_curve.theta
+    true = cam.motion.derivatives(theta % FULL_TURN, 2)
     jumps = len(cam.joints.breaking(1)) > 0
     with np.errstate(invalid="ignore"):
-        error = np.where(np.isfinite(ridden.a), np.abs(ridden.a - true[2]), np.inf)
-    acceleration = _worst(np.full_like(error, np.inf) if jumps else error, ridden.theta)
-    return _worst(ridden.v - true[1], ridden.theta), acceleration
+        error = np.where(np.isfinite(on_curve.a), np.abs(on_curve.a - true[2]), np.inf)
+    acceleration = Deviation.of(np.full_like(error, np.inf) if jumps else error, theta)
+    return Deviation.of(on_curve.v - true[1], theta), acceleration
 
 
-def _worst(error: Array, theta: Array) -> Worst:
-    at = int(np.argmax(np.abs(error)))
-    return Worst(float(np.abs(error[at])), float(in_degrees(theta[at] % FULL_TURN)))
-
-
-def _polyline(cam: Cam, curve: Reading, theta: Array, probes: Array, true: Touched) -> Fidelity:
+def _polyline(
+    cam: Cam, curve: Interpolant, theta: Array, probes: Array, true: CurveSamples
+) -> Fidelity:
     """A roller rolls along each line and round each corner that stands out.
 
     In a corner that does not stand out, as under a flat face and of a path, the velocity jumps.
     """
-    form = _form(curve, _parameters(curve), probes, true)
+    form = _form(curve, curve.probes, probes, true)
     points, step = curve(curve.knots[:-1]), np.diff(curve(curve.knots), axis=1)
     after = np.append(theta[1:], theta[0] + FULL_TURN)
     direction = step / np.hypot(*step)
@@ -163,18 +220,19 @@ def _polyline(cam: Cam, curve: Reading, theta: Array, probes: Array, true: Touch
         direction[0] * before[1] - direction[1] * before[0], np.sum(direction * before, axis=0)
     )  # to the right, where the corner stands out
     straight = np.zeros(len(theta))
-    lines = [(points, direction, straight, theta), (points + step, direction, straight, after)]
+    # samples: both ends of every line, and round corners a vertex with its tangent turning
+    parts = [(points, direction, straight, theta), (points + step, direction, straight, after)]
     rounds = cam.gap > 0.0 and flat_face(cam.follower) is None and bool(np.all(sharp >= 0.0))
     if rounds:
         corner = np.full(len(theta), SHARP)
-        lines += [(points, _turned(before, part * sharp), corner, theta) for part in CORNER]
-    ridden = [
-        ride(cam, Touched(at[0], at[1], along[0], along[1], bend), near)
-        for at, along, bend, near in lines
-    ]
-    velocity, acceleration = _motion(cam, _joined(ridden))
+        parts += [(points, _turned(before, part * sharp), corner, theta) for part in CORNER]
+    (x, y), (tx, ty), curvature, near = (
+        np.concatenate(each, axis=-1) for each in zip(*parts, strict=True)
+    )
+    samples = CurveSamples(x, y, tx, ty, curvature)
+    velocity, acceleration = _motion(cam, follower_motion(cam, samples, near))
     if not rounds:
-        acceleration = Worst(float("inf"), velocity.angle_deg)
+        acceleration = Deviation(float("inf"), velocity.angle_deg)
     return Fidelity("polyline", form, velocity, acceleration)
 
 
@@ -182,8 +240,3 @@ def _turned(direction: Array, angle: Array) -> Array:
     """Unit vectors (2, n) turned to the right."""
     (x, y), cos, sin = direction, np.cos(angle), np.sin(angle)
     return np.stack([x * cos + y * sin, y * cos - x * sin])
-
-
-def _joined(ridden: list[Ridden]) -> Ridden:
-    parts = zip(*((r.theta, r.s, r.v, r.a) for r in ridden), strict=True)
-    return Ridden(*(np.concatenate(values) for values in parts))

@@ -16,7 +16,7 @@ from pydantic import Field
 from synthesis.design.design import Design
 from synthesis.errors import InputError
 from synthesis.exporters.exporter import Exporter
-from synthesis.exporters.fidelity.measure import straight_form
+from synthesis.exporters.fidelity.measure import polyline_form
 from synthesis.exporters.machining.lead import Lead, checked, leads
 from synthesis.exporters.machining.program import (
     Feed,
@@ -36,8 +36,7 @@ from synthesis.exporters.machining.program import (
 from synthesis.exporters.options import PointOptions
 from synthesis.exporters.samples.cam import Cam
 from synthesis.exporters.samples.cutting import chosen
-from synthesis.exporters.samples.placement import turned
-from synthesis.exporters.samples.sampling import Written, written_points
+from synthesis.exporters.samples.sampling import Written, turned, written_points
 from synthesis.numerics.piecewise import Array
 from synthesis.units import FULL_TURN
 
@@ -102,7 +101,7 @@ def _profile(design: Design, options: MillingOptions) -> bytes:
     path = whole_path(written, options)
     arcs = _leads(cam, written, path, options) if options.lead_mm > 0.0 else []
     start = arcs[0].start if arcs else path[0]
-    off = 1e3 * straight_form(cam, written, options.turn_deg)
+    off = 1e3 * polyline_form(cam, written, options.turn_deg)
     blocks = [
         *heading(design, options, len(path)),
         remark(tool(cam, options)),

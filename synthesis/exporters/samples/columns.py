@@ -1,4 +1,4 @@
-"""The columns of tables: one list for every tabular format."""
+"""The columns of tables, for every tabular format: curve, motion, forces."""
 
 from __future__ import annotations
 
@@ -8,10 +8,12 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
+from synthesis.catalogue.followers.flank import labelled
+from synthesis.catalogue.forces.history import ForceHistory, history
+from synthesis.design.design import Design
 from synthesis.exporters.options import CurveOptions, MotionOptions, is_cutter, is_pitch
 from synthesis.exporters.samples.cam import Cam
-from synthesis.exporters.samples.placement import placed
-from synthesis.exporters.samples.sampling import Rows, motion_rows, table_rows
+from synthesis.exporters.samples.sampling import Rows, motion_rows, placed, table_rows
 from synthesis.exporters.samples.turn import Turn
 from synthesis.numerics.piecewise import Array
 from synthesis.units import DEGREE
@@ -42,17 +44,22 @@ def profile_columns(cam: Cam, options: CurveOptions) -> list[Column]:
     rows = table_rows(cam, options)
     at = cam.at(rows.theta, rows.left)
     x, y = placed(cam, options, at)
-    which = _which(options)
-    if options.turn_deg == 0.0:
-        frame = f"{which}, in the cam's frame"
+    if is_cutter(options.curve):
+        curve = f"path of the centre of a cutter of {options.cutter_diameter_mm:.12g} mm diameter"
     else:
-        frame = f"{which}, turned by {options.turn_deg:.12g}° from the cam's frame"
+        curve = "pitch curve" if is_pitch(options.curve) else "profile"
+    place = f"turned by {options.turn_deg:.12g}° from" if options.turn_deg else "in"
+    frame = f"{curve}, {place} the cam's frame"
+    axial = []
+    if options.z_mm is not None:
+        z = np.full(len(rows.theta), options.z_mm)
+        axial.append(Column("z_mm", "mm", "position along the axis", z))
     return [
         _angle(rows),
         *_physical(at.s, cam),
         Column("x_mm", "mm", frame, x),
         Column("y_mm", "mm", frame, y),
-        *_axial(rows, options.z_mm),
+        *axial,
         Column(
             "pressure_angle_deg", "deg",
             "signed; positive where the cam pushes against a rise", at.pressure_angle / DEGREE,
@@ -69,24 +76,11 @@ def profile_columns(cam: Cam, options: CurveOptions) -> list[Column]:
     ]  # fmt: skip
 
 
-def _which(options: CurveOptions) -> str:
-    if is_cutter(options.curve):
-        return f"path of the centre of a cutter of {options.cutter_diameter_mm:.12g} mm diameter"
-    return "pitch curve" if is_pitch(options.curve) else "profile"
-
-
 def motion_columns(turn: Turn, options: MotionOptions) -> list[Column]:
     """The follower's motion at the given speed, and per radian of cam angle."""
     rows = motion_rows(turn, options.count)
     s = turn.derivatives(rows.theta, rows.left)
     return [_angle(rows), *_physical(s, turn), *_per_radian(s, turn), _side(rows)]
-
-
-def _axial(rows: Rows, z_mm: float | None) -> list[Column]:
-    """z, where it is asked for."""
-    if z_mm is None:
-        return []
-    return [Column("z_mm", "mm", "position along the axis", np.full(len(rows.theta), z_mm))]
 
 
 def _angle(rows: Rows) -> Column:
@@ -99,22 +93,22 @@ def _side(rows: Rows) -> Column:
 
 
 def _physical(s: Array, turn: Turn) -> list[Column]:
-    told = ("displacement from the lowest position", "velocity", "acceleration", "jerk")
+    meanings = ("displacement from the lowest position", "velocity", "acceleration", "jerk")
     return [
-        Column(named(letter, unit), unit, told[order], s[order] * turn.rate(order))
-        for order, letter in enumerate("svaj")
+        Column(named(letter, unit), unit, meaning, s[order] * turn.rate(order))
+        for order, (letter, meaning) in enumerate(zip("svaj", meanings, strict=True))
         for unit in [turn.travel.derivative_unit(order)]
     ]
 
 
 def _per_radian(s: Array, turn: Turn) -> list[Column]:
-    told = ("first", "second", "third")
+    names = (("ds", "first"), ("d2s", "second"), ("d3s", "third"))
     return [
         Column(
-            named(letter, unit), unit, f"{told[order - 1]} derivative of s by the cam angle",
+            named(letter, unit), unit, f"{count} derivative of s by the cam angle",
             s[order] / turn.travel.per_unit,
         )
-        for order, letter in enumerate(("ds", "d2s", "d3s"), start=1)
+        for order, (letter, count) in enumerate(names, start=1)
         for unit in [turn.travel.derivative_unit(order).replace("/s", "/rad")]
     ]  # fmt: skip
 
@@ -122,3 +116,68 @@ def _per_radian(s: Array, turn: Turn) -> list[Column]:
 def named(letter: str, unit: str) -> str:
     """A column's name: ``a_mm_per_s2`` for a in mm/s²."""
     return f"{letter}_{unit}".replace("/", "_per_").translate(POWERS)
+
+
+@dataclass(frozen=True, eq=False)
+class ForceSamples:
+    """What the cam of a design bears, at rows.
+
+    Attributes:
+        right, left: forces as limits from the right and from the left.
+    """
+
+    rows: Rows
+    right: ForceHistory
+    left: ForceHistory
+
+    @classmethod
+    def of(cls, design: Design, cam: Cam, options: MotionOptions) -> ForceSamples | None:
+        """The forces at the rows of a table; None where the spec has no load."""
+        machine = design.completed_spec.machine()
+        if machine.load is None:
+            return None
+        rows = table_rows(cam, options)
+        right, left = (
+            history(
+                machine.follower, machine.load, machine.omega, cam.motion, cam.size, rows.theta,
+                side,
+            )
+            for side in ("right", "left")
+        )  # fmt: skip
+        return cls(rows, right, left)
+
+    def value(self, name: str, flank: str | None = None) -> Array:
+        """A force, by its name in ``ForceHistory``, at every row, from the side the row is of."""
+        left, right = getattr(self.left, name), getattr(self.right, name)
+        if flank is not None:
+            left, right = left[flank], right[flank]
+        return np.asarray(np.where(self.rows.left, left, right))
+
+
+def force_columns(design: Design, cam: Cam, options: MotionOptions) -> list[Column]:
+    """Columns of forces for tables of the motion; none where the spec has no load."""
+    forces = ForceSamples.of(design, cam, options)
+    if forces is None:
+        return []
+    return [
+        Column(
+            "drive_n", "N", "force that the cam gives along the motion",
+            forces.value("drive"),
+        ),
+        Column("torque_n_m", "N m", "torque on the camshaft", forces.value("torque")),
+        *(
+            Column(
+                f"{labelled('contact_force', name)}_n", "N",
+                "force along the common normal; negative where the flank does not touch",
+                forces.value("contact", name),
+            )
+            for name in forces.right.contact
+        ),
+        *(
+            Column(
+                f"{labelled('hertz_pressure', name)}_mpa", "MPa", "Hertz pressure",
+                forces.value("pressure", name),
+            )
+            for name in forces.right.pressure
+        ),
+    ]  # fmt: skip

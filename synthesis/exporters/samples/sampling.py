@@ -19,7 +19,6 @@ from synthesis.errors import InputError
 from synthesis.exporters.options import CurveOptions, PointOptions, Sampled
 from synthesis.exporters.samples.cam import Cam
 from synthesis.exporters.samples.chords import COARSEST, chord_angles
-from synthesis.exporters.samples.placement import placed
 from synthesis.exporters.samples.turn import Mask, Turn
 from synthesis.numerics.piecewise import Array
 from synthesis.units import DEGREE, FULL_TURN
@@ -190,3 +189,19 @@ def _ring_angles(cam: Cam, count: float, chord_mm: float | None, start: float) -
         grid = (seam + _uniform(count)) % FULL_TURN
         theta = _merged(grid, marks, CROWDED * FULL_TURN / len(grid))
     return np.roll(theta, -int(np.searchsorted(theta, seam)))
+
+
+def placed(cam: Cam, options: CurveOptions, at: CamProfile) -> tuple[Array, Array]:
+    """x and y of the cam's curve [mm], turned by the options' angle to its place on a shaft."""
+    return turned(options.turn_deg, *cam.place(at))
+
+
+def turned(degrees: float, x: Array, y: Array) -> tuple[Array, Array]:
+    """Turned about the cam's axis, counter-clockwise positive; exact at quarters of a turn."""
+    if degrees == 0.0:
+        return x, y
+    quarters, rest = divmod(degrees, 90.0)
+    cos, sin = math.cos(math.radians(rest)), math.sin(math.radians(rest))
+    for _ in range(int(quarters) % 4):
+        cos, sin = -sin, cos
+    return cos * x - sin * y, sin * x + cos * y

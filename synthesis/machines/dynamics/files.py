@@ -22,7 +22,7 @@ from synthesis.exporters.drawing.theme import Theme
 from synthesis.exporters.exporter import FileFormat
 from synthesis.exporters.options import Options
 from synthesis.exporters.samples.columns import Column, joined
-from synthesis.exporters.tables.csv_table import table
+from synthesis.exporters.tables.formats import csv_table
 from synthesis.machines.dynamics.polydyne import polydyne
 from synthesis.machines.dynamics.report import TrainResponse, output_acceleration
 from synthesis.machines.dynamics.response import (
@@ -90,7 +90,7 @@ def _response_csv(found: TrainResponse, options: ResponseOptions) -> bytes:
     chain, omega = found.spec.train.chain(), rad_per_s(options.of(found))
     steps = _steps(found, options.points_per_degree)
     turns = from_rest(chain, steps, omega, options.turns) or [steady(chain, steps, omega)]
-    return table(joined([_columns(k, turn) for k, turn in enumerate(turns)]))
+    return csv_table(joined([_columns(k, turn) for k, turn in enumerate(turns)]))
 
 
 def _columns(number: int, turn: Response) -> list[Column]:
@@ -116,7 +116,7 @@ def _polydyne_csv(found: TrainResponse, options: RowOptions) -> bytes:
     omega, motion = rad_per_s(options.of(found)), found.cam.curve
     theta = _steps(found, options.points_per_degree).theta
     s = polydyne(found.spec.train.chain(), motion, omega, theta)
-    return table(
+    return csv_table(
         [
             Column("angle_deg", "deg", "cam angle", theta / DEGREE),
             Column("output_mm", "mm", "motion of the last mass", motion.derivatives(theta, 0)[0]),

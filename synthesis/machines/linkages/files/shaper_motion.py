@@ -13,7 +13,7 @@ from pydantic import Field
 from synthesis.errors import InputError
 from synthesis.exporters.options import MotionOptions, Options
 from synthesis.exporters.samples.columns import Column
-from synthesis.exporters.tables.csv_table import table
+from synthesis.exporters.tables.formats import csv_table
 from synthesis.machines.linkages.shaper import SixBarShaper
 from synthesis.machines.linkages.shaper.mechanism import Drive, Motion, Shaper, angle
 from synthesis.numerics.piecewise import Array
@@ -93,7 +93,7 @@ def motion_table(found: SixBarShaper, options: MotionOptions) -> list[Column]:
 
 def motion_csv(found: SixBarShaper, options: MotionOptions) -> bytes:
     """The motion, comma separated."""
-    return table(motion_table(found, options))
+    return csv_table(motion_table(found, options))
 
 
 def motion_json(found: SixBarShaper, options: MotionOptions) -> bytes:

@@ -14,7 +14,7 @@ from synthesis.errors import InputError
 from synthesis.exporters.exporter import FileContent, FileFormat
 from synthesis.exporters.options import Options
 from synthesis.exporters.samples.columns import Column, joined
-from synthesis.exporters.tables.csv_table import table
+from synthesis.exporters.tables.formats import csv_table
 from synthesis.machines.spatial.cam import SpatialCam
 from synthesis.machines.spatial.design import SpatialDesign
 from synthesis.machines.spatial.development import WallCurve, axis_path, offset_errors, wall_curve
@@ -151,7 +151,7 @@ def _columns(line: WallCurve, departure: Array, radius: float) -> list[Column]:
 
 def _csv(design: SpatialDesign, options: DevelopedOptions) -> FileContent:
     found = develop(design, options)
-    return found.file(table(joined([_columns(*each, found.radius) for each in found.curves])))
+    return found.file(csv_table(joined([_columns(*each, found.radius) for each in found.curves])))
 
 
 def _json(design: SpatialDesign, options: DevelopedOptions) -> FileContent:

@@ -13,8 +13,7 @@ from synthesis.exporters.exporter import FileFormat
 from synthesis.exporters.options import MotionOptions
 from synthesis.exporters.samples.columns import Column, motion_columns
 from synthesis.exporters.samples.turn import Turn
-from synthesis.exporters.tables.csv_table import table
-from synthesis.exporters.tables.json_table import columned
+from synthesis.exporters.tables.formats import csv_table, json_table
 from synthesis.machines.spatial.design import SpatialDesign
 from synthesis.machines.spatial.files.identification import above, origin
 
@@ -28,7 +27,7 @@ def _columns(design: SpatialDesign, options: MotionOptions) -> Sequence[Column]:
 
 
 def _csv(design: SpatialDesign, options: MotionOptions) -> bytes:
-    return table(_columns(design, options))
+    return csv_table(_columns(design, options))
 
 
 def _json(design: SpatialDesign, options: MotionOptions) -> bytes:
@@ -40,7 +39,7 @@ def _json(design: SpatialDesign, options: MotionOptions) -> bytes:
         "sampling": asdict(options),
         "rows": len(columns[0].values),
     }
-    return columned(body, columns)
+    return json_table(body, columns)
 
 
 def _svg(design: SpatialDesign, options: DiagramOptions) -> bytes:

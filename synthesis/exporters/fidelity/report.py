@@ -1,0 +1,129 @@
+"""Fidelity in words: a block of JSON, a line for a header, and ``profile.fidelity.json``."""
+
+from __future__ import annotations
+
+import json
+import math
+from collections.abc import Mapping
+from dataclasses import asdict, fields
+from typing import Any
+
+import numpy as np
+
+from synthesis.design.design import Design
+from synthesis.exporters.exporter import Exporter
+from synthesis.exporters.fidelity.measure import Deviation, fidelities
+from synthesis.exporters.options import CurveOptions, Options, PointOptions
+from synthesis.exporters.samples.cam import Cam
+from synthesis.exporters.samples.columns import named
+from synthesis.exporters.samples.cutting import chosen
+from synthesis.exporters.samples.sampling import Written, written_points
+from synthesis.units import DEGREE, FULL_TURN
+
+METHOD = (
+    "Each reader's curve through the written points, cubic splines over the chords' lengths. form: "
+    "greatest distance from the true curve along its normal. velocity, acceleration: greatest "
+    "error of the motion of a follower that rolls or slides on the reader's curve, derived from "
+    "its position, direction and curvature; part: of the true peak; null: infinite, as the "
+    "velocity jumps. seam_corner: angle in which the ends of a curve that is not periodic meet; "
+    "the knock there is not counted."
+)
+PEAK_ANGLES = 3600  # cam angles at which the true peak is taken
+ALL_DECIMALS = 15  # decimals of a coordinate in mm: all that a double has
+MAX_ROWS = 7200  # points for which fidelity is computed without being requested
+DERIVATIVES = ("displacement", "velocity", "acceleration")
+
+
+def fidelity_block(cam: Cam, written: Written, options: PointOptions) -> dict[str, Any]:
+    """How true the curve of every reader is, in the units of the wire."""
+    theta = np.union1d(FULL_TURN * np.arange(PEAK_ANGLES) / PEAK_ANGLES, cam.joints.theta)
+    peaks = np.max(np.abs(cam.motion.derivatives(theta, 2)), axis=1)
+    readers = [
+        {
+            "reader": each.reader,
+            "form_um": four_digits(1e3 * each.form.value),
+            "form_at_deg": each.form.angle_deg,
+            **deviation_fields(cam, 1, each.velocity, peaks[1]),
+            **deviation_fields(cam, 2, each.acceleration, peaks[2]),
+            "seam_corner_deg": four_digits(each.corner / DEGREE),
+        }
+        for each in fidelities(cam, written, options.turn_deg, options.overlap_points)
+    ]
+    return {
+        "points": len(written.points),
+        "decimals": options.decimals,
+        "overlap_points": options.overlap_points,
+        "method": METHOD,
+        "readers": readers,
+    }
+
+
+def deviation_fields(cam: Cam, order: int, found: Deviation, peak: float) -> dict[str, Any]:
+    """Of a derivative of s: its error in the unit of the wire, where, and as part of its peak."""
+    name = DERIVATIVES[order]
+    return {
+        named(name, cam.travel.derivative_unit(order)): four_digits(found.value * cam.rate(order)),
+        f"{name}_at_deg": found.angle_deg,
+        f"{name}_part": four_digits(found.value / max(peak, np.finfo(float).tiny)),
+    }
+
+
+def four_digits(value: float) -> float | None:
+    """Four digits, which is more than an error deserves; None where it is infinite."""
+    return float(f"{value:.4g}") if math.isfinite(value) else None
+
+
+def percentage(part: float | None) -> str:
+    """A part of a peak for people."""
+    return "infinite" if part is None else f"{100.0 * part:.3g} %"
+
+
+def fidelity_header(design: Design, options: PointOptions) -> Mapping[str, str]:
+    """Fidelity of a point file in a line of ASCII; of very many points where to ask for it."""
+    cam = chosen(design, options)
+    written = written_points(cam, options)
+    if len(written.points) > MAX_ROWS:
+        return {"Fidelity": f"more than {MAX_ROWS} points: ask for profile.fidelity.json"}
+    lines = [
+        f"{each['reader']}: form {each['form_um']:.3g} um, acceleration "
+        f"{percentage(each['acceleration_part'])}"
+        for each in fidelity_block(cam, written, options)["readers"]
+    ]
+    return {"Fidelity": "; ".join(lines)}
+
+
+def table_fidelity_header(design: Design, options: CurveOptions) -> Mapping[str, str]:
+    """The same of a table, whose numbers have all their digits."""
+    return fidelity_header(design, as_points(options))
+
+
+def as_points(options: CurveOptions) -> PointOptions:
+    """The points of a table as those of a point file: once round, not rounded."""
+    shared = {each.name: getattr(options, each.name) for each in fields(CurveOptions)}
+    return PointOptions(decimals=ALL_DECIMALS, **shared)
+
+
+def fidelity_file(design: Design, options: Options, body: Mapping[str, Any]) -> bytes:
+    """A report of fidelity, with the design and the options that it belongs to."""
+    head = {
+        "kind": "fidelity",
+        "design": {"id": design.id, "name": design.name, "engine_version": design.engine_version},
+        "sampling": asdict(options),
+    }
+    text = json.dumps({**head, **body}, ensure_ascii=False, allow_nan=False, indent=1)
+    return text.encode() + b"\n"
+
+
+def _profile(design: Design, options: PointOptions) -> bytes:
+    cam = chosen(design, options)
+    block = fidelity_block(cam, written_points(cam, options), options)
+    return fidelity_file(design, options, block)
+
+
+PROFILE = Exporter(
+    "fidelity.json", "What readers make of the points", "application/json", ".fidelity.json",
+    _profile, PointOptions,
+    "Before a point file goes to CAD: what straight lines and periodic, not-a-knot and natural "
+    "splines through its rounded points do to the form and to the follower's acceleration.",
+    by_default=False,
+)  # fmt: skip

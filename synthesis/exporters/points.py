@@ -1,0 +1,147 @@
+"""Points of a curve for CAD systems: plain text, IBL (Creo), SLDCRV (SOLIDWORKS), XLSX (Inventor).
+
+In: a design and ``PointOptions``: which curve, how dense, where it begins, how it ends. Out: rows
+of x, y and z in mm with fixed decimals; z is the cam's position along its shaft, or 0. The points
+are a ring: whether its first point is repeated at the end is what readers of each format expect,
+unless it is said. The seam lies in the middle of the longest dwell, where the natural end of a CAD
+spline does least harm. What splines through the points do to form and acceleration is metadata.
+"""
+
+from __future__ import annotations
+
+import datetime
+import io
+from dataclasses import dataclass, replace
+from typing import Annotated
+
+import numpy as np
+import xlsxwriter
+from pydantic import Field
+
+from synthesis.design.design import Design
+from synthesis.errors import InputError
+from synthesis.exporters.exporter import Exporter
+from synthesis.exporters.fidelity.report import fidelity_header
+from synthesis.exporters.options import PointOptions
+from synthesis.exporters.samples.cutting import chosen
+from synthesis.exporters.samples.sampling import in_degrees, written_points
+from synthesis.numerics.piecewise import Array
+
+NO_CLOCK = datetime.datetime(1980, 1, 1, tzinfo=datetime.UTC)  # the same bytes at any time
+MIN_DISTANCE_MM = 0.01  # of two points; SOLIDWORKS refuses nearer ones
+
+
+@dataclass(frozen=True)
+class IblOptions(PointOptions):
+    """As ``PointOptions``, and the cam's second face.
+
+    Attributes:
+        width_mm: if given, a second section lies so far above the first along the axis.
+    """
+
+    width_mm: Annotated[
+        float | None,
+        Field(
+            gt=0.0,
+            le=1e6,
+            description="Width of the cam: its curve once more, so far above the first, as a "
+            "second section for a blend.",
+        ),
+    ] = None
+
+
+def _points(design: Design, options: PointOptions, closed: bool) -> Array:
+    """The points (n, 2), the first one repeated at the end if ``closed``, unless it is said."""
+    return written_points(chosen(design, options), options).ended(options, closed)
+
+
+def _rows(points: Array, options: PointOptions, row: str, numbered: bool = False) -> bytes:
+    """A row for each point, with {x}, {y}, {z} where these stand, and {n}, from 1 on."""
+    places = options.decimals
+    z = round(options.z_mm or 0.0, places) + 0.0
+    number = f"%.{places}f"
+    pattern = row.format(n="%d", x=number, y=number, z=f"{z:.{places}f}")
+    values = points.ravel().tolist()
+    if numbered:
+        values = [v for n, (x, y) in enumerate(points.tolist(), 1) for v in (n, x, y)]
+    return (pattern * len(points) % tuple(values)).encode("ascii")
+
+
+def _txt(design: Design, options: PointOptions) -> bytes:
+    """No header; the last point joins the first."""
+    return _rows(_points(design, options, closed=False), options, "{x} {y} {z}\n")
+
+
+def _ibl(design: Design, options: IblOptions) -> bytes:
+    """Sections of numbered rows; nothing but the layout may stand in it: no comments.
+
+    ``closed`` joins the last point to the first by itself; with points past the end the curve is
+    ``open``.
+    """
+    points = _points(design, options, closed=False)
+    ended = options.overlap_points > 0 or options.closed is not None
+    levels = [options]
+    if options.width_mm is not None:
+        levels.append(replace(options, z_mm=(options.z_mm or 0.0) + options.width_mm))
+    sections = [
+        f"begin section ! {k}\nbegin curve ! {k}\n".encode()
+        + _rows(points, level, "{n} {x} {y} {z}\n", numbered=True)
+        for k, level in enumerate(levels, start=1)
+    ]
+    return f"{'open' if ended else 'closed'}\narclength\n".encode() + b"".join(sections)
+
+
+def _sldcrv(design: Design, options: PointOptions) -> bytes:
+    """Units after each number, tabs between, CRLF; closed by the first point at the end."""
+    written = written_points(chosen(design, options), options)
+    steps = np.hypot(*(np.roll(written.points, -1, axis=0) - written.points).T)
+    if steps.min() < MIN_DISTANCE_MM:
+        at = in_degrees(written.theta[int(np.argmin(steps))])
+        density = "points" if options.tolerance_um is None else "tolerance_um"
+        raise InputError(
+            f"/{density}", getattr(options, density),
+            f"SOLIDWORKS takes no points nearer to each other than {MIN_DISTANCE_MM} mm; at cam "
+            f"angle {at:.6g}° there would be {steps.min():.3g} mm between two.",
+            "Ask for fewer points.",
+        )  # fmt: skip
+    return _rows(written.ended(options, closed=True), options, "{x}mm\t{y}mm\t{z}mm\r\n")
+
+
+def _xlsx(design: Design, options: PointOptions) -> bytes:
+    """A1 holds the unit; below it stand X, Y and Z in the columns A, B and C."""
+    points = _points(design, options, closed=True)
+    z = round(options.z_mm or 0.0, options.decimals) + 0.0
+    packed = io.BytesIO()
+    book = xlsxwriter.Workbook(packed, {"in_memory": True})
+    book.set_properties({"created": NO_CLOCK})
+    sheet = book.add_worksheet("points")
+    sheet.write_string(0, 0, "mm")
+    for row, (x, y) in enumerate(points.tolist(), start=1):
+        for column, value in enumerate((x, y, z)):
+            sheet.write_number(row, column, value)
+    book.close()
+    return packed.getvalue()
+
+
+ASCII = "text/plain; charset=us-ascii"
+TXT = Exporter(
+    "txt", "Points x y z for CAD", ASCII, ".txt", _txt, PointOptions,
+    "Curve through points in most CAD systems and in coordinate measuring machines.",
+    measure=fidelity_header,
+)  # fmt: skip
+IBL = Exporter(
+    "ibl", "Datum curve for Creo", ASCII, ".ibl", _ibl, IblOptions,
+    "Creo and Pro/ENGINEER: Get Data, Import, or a datum curve from a file.", by_default=False,
+    measure=fidelity_header,
+)  # fmt: skip
+SLDCRV = Exporter(
+    "sldcrv", "Curve for SOLIDWORKS", ASCII, ".sldcrv", _sldcrv, PointOptions,
+    "SOLIDWORKS: Insert, Curve, Curve Through XYZ Points.", by_default=False,
+    measure=fidelity_header,
+)  # fmt: skip
+XLSX = Exporter(
+    "xlsx", "Points for Inventor",
+    "application/vnd.openxmlformats-officedocument.spreadsheetml.sheet", ".xlsx", _xlsx,
+    PointOptions, "Autodesk Inventor: Import Points in a sketch. Any spreadsheet.",
+    by_default=False, measure=fidelity_header,
+)  # fmt: skip

@@ -1,1 +1,0 @@
-"""Points for the curve import of CAD systems."""

@@ -1,0 +1,190 @@
+"""Columns as CSV, as JSON with units and metadata, and as plain rows of numbers."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Sequence
+from dataclasses import asdict, dataclass
+from typing import Annotated, Any
+
+import numpy as np
+from pydantic import Field
+
+from synthesis.design.design import Design
+from synthesis.exporters.exporter import Exporter
+from synthesis.exporters.fidelity.report import (
+    MAX_ROWS,
+    as_points,
+    fidelity_block,
+    table_fidelity_header,
+)
+from synthesis.exporters.options import CurveOptions, MotionOptions, ProfileOptions
+from synthesis.exporters.samples.cam import Cam
+from synthesis.exporters.samples.columns import (
+    Column,
+    force_columns,
+    motion_columns,
+    profile_columns,
+)
+from synthesis.exporters.samples.cutting import chosen
+from synthesis.exporters.samples.sampling import in_degrees, written_points
+from synthesis.exporters.tables.shortest import WIDTH, Whole, joined, written
+from synthesis.numerics.piecewise import Array
+
+BLOCK = 1024  # rows at once: memory that stays in the cache is not fetched anew
+FRAME = (
+    "Cam-fixed, right-handed, lengths in mm: origin on the cam's axis, which is z; at cam angle 0 "
+    "the machine's frame, y along the follower of an upward slide. Seen with z towards the viewer "
+    "the cam turns {turns}; the rows run round it {runs}.{placed}"
+)
+TURNED = " The points are turned from there by {turn:.12g}° about z, counter-clockwise positive."
+
+
+def csv_table(columns: Sequence[Column]) -> bytes:
+    """A header row with units in the names, then numbers; UTF-8, LF, dot decimals."""
+    header = ",".join(column.name for column in columns)
+    rows = len(columns[0].values)
+    parts = [header.encode(), b"\n"]
+    for start in range(0, rows, BLOCK):
+        values = [column.values[start : start + BLOCK] for column in columns]
+        parts.append(_csv_rows(values))
+    return b"".join(parts)
+
+
+def _csv_rows(values: Sequence[Array | Whole]) -> bytes:
+    real = [k for k, each in enumerate(values) if each.dtype.kind == "f"]
+    rows = len(values[0])
+    cells = np.full((rows, len(values), WIDTH + 1), ord(","), dtype=np.uint8)
+    numbers = np.column_stack([values[k] for k in real]).ravel()
+    texts = written(np.asarray(numbers, dtype=float))
+    cells[:, real, :-1] = texts.reshape(rows, len(real), WIDTH)
+    for k, each in enumerate(values):
+        if k not in real:
+            cells[:, k, :-1] = written(each)
+    cells[:, -1, -1] = ord("\n")
+    return joined(cells)
+
+
+def json_table(body: dict[str, Any], columns: Sequence[Column]) -> bytes:
+    """A document with the columns at its end."""
+    inside = b",".join(_json_column(column) for column in columns)
+    return _compact(body)[:-1] + b',"columns":[' + inside + b"]}\n"
+
+
+def _json_column(column: Column) -> bytes:
+    head = {
+        "name": column.name,
+        "unit": column.unit,
+        "type": "integer" if column.values.dtype.kind == "i" else "number",
+        "meaning": column.meaning,
+    }
+    cells = np.full((len(column.values), WIDTH + 1), ord(","), dtype=np.uint8)
+    # JSON has no infinity: null where the value is infinite
+    cells[:, :-1] = written(column.values, infinite="null")
+    return _compact(head)[:-1] + b',"values":[' + joined(cells)[:-1] + b"]}"
+
+
+def _compact(body: dict[str, Any]) -> bytes:
+    return json.dumps(body, ensure_ascii=False, allow_nan=False, separators=(",", ":")).encode()
+
+
+@dataclass(frozen=True)
+class JsonOptions(CurveOptions):
+    """As ``ProfileOptions``, and what else stands in the file.
+
+    Attributes:
+        fidelity: whether it is said what readers make of the curve's points.
+    """
+
+    fidelity: Annotated[
+        bool,
+        Field(
+            description="Say what straight lines and splines through the curve's points, taken "
+            "once round as for point files and not rounded, do to the form and to the follower's "
+            f"acceleration. Left out of more than {MAX_ROWS} points."
+        ),
+    ] = True
+
+
+def origin(design: Design) -> dict[str, Any]:
+    """Which design a file is of, and whether it is certified."""
+    return {
+        "id": design.id,
+        "name": design.name,
+        "engine_version": design.engine_version,
+        "status": design.status,
+        "certified": design.certificate.certified,
+    }
+
+
+def _json_profile(design: Design, options: JsonOptions) -> bytes:
+    cam = chosen(design, options)
+    turns = ("counter-clockwise", "clockwise")
+    turns = turns if design.rotation == "ccw" else turns[::-1]
+    placed = TURNED.format(turn=options.turn_deg) if options.turn_deg else ""
+    head = {
+        "kind": "profile",
+        "curve": options.curve,
+        "frame": FRAME.format(turns=turns[0], runs=turns[1], placed=placed),
+        "seam_deg": float(in_degrees(np.array(cam.seam))),
+    }
+    if options.fidelity:
+        unrounded = as_points(options)
+        points = written_points(cam, unrounded)
+        if len(points.theta) <= MAX_ROWS:
+            head["fidelity"] = fidelity_block(cam, points, unrounded)
+    return _json_file(design, head, asdict(options), profile_columns(cam, options))
+
+
+def _json_motion(design: Design, options: MotionOptions) -> bytes:
+    segments = [segment.model_dump(mode="json", exclude_none=True) for segment in design.motion]
+    head = {"kind": "motion", "segments": segments}
+    return _json_file(design, head, asdict(options), _motion_and_forces(design, options))
+
+
+def _json_file(
+    design: Design, head: dict[str, Any], sampling: dict[str, Any], columns: Sequence[Column]
+) -> bytes:
+    body = {
+        **head,
+        "design": origin(design),
+        "rotation": design.rotation,
+        "speed_rpm": design.speed_rpm,
+        "follower": design.follower,
+        "dimensions": design.dimensions,
+        "sampling": sampling,
+        "rows": len(columns[0].values),
+    }
+    return json_table(body, columns)
+
+
+def _motion_and_forces(design: Design, options: MotionOptions) -> list[Column]:
+    cam = Cam.of(design)
+    return [*motion_columns(cam, options), *force_columns(design, cam, options)]
+
+
+def _csv_profile(design: Design, options: ProfileOptions) -> bytes:
+    return csv_table(profile_columns(chosen(design, options), options))
+
+
+def _csv_motion(design: Design, options: MotionOptions) -> bytes:
+    return csv_table(_motion_and_forces(design, options))
+
+
+def _txt_motion(design: Design, options: MotionOptions) -> bytes:
+    """For programs that read bare numbers: `numpy.loadtxt`, a spreadsheet's text import."""
+    columns = [column.values.tolist() for column in motion_columns(Cam.of(design), options)]
+    rows = zip(*columns, strict=True)
+    return "".join(" ".join(map(repr, row)) + "\n" for row in rows).encode("ascii")
+
+
+CSV = "Table, comma separated", "text/csv; charset=utf-8; header=present", ".csv"
+JSON = "Columns with units and metadata", "application/json", ".json"
+CSV_PROFILE = Exporter("csv", *CSV, _csv_profile, ProfileOptions, measure=table_fidelity_header)
+CSV_MOTION = Exporter("csv", *CSV, _csv_motion, MotionOptions)
+JSON_PROFILE = Exporter("json", *JSON, _json_profile, JsonOptions)
+JSON_MOTION = Exporter("json", *JSON, _json_motion, MotionOptions)
+TXT_MOTION = Exporter(
+    "txt", "Table, space separated, no header: the columns of csv in their order",
+    "text/plain; charset=us-ascii", ".txt", _txt_motion, MotionOptions,
+)  # fmt: skip
