@@ -197,12 +197,10 @@ def test_one_curve_of_a_drawing_alone(unspecial: Design) -> None:
 
 
 def test_the_order_of_classes_is_that_of_their_names(p1: Design) -> None:
-    names = [
-        each.dxf.name for each in dxf(PROFILE_FORMATS["dxf"].write(p1, DrawingOptions())).classes
-    ]
-    drawn = [
-        name for name in names if name in ("ACDBPLACEHOLDER", "LAYOUT", "MATERIAL", "MLEADERSTYLE")
-    ]
+    """A set has another order in every process: the bytes would differ."""
+    page = dxf(PROFILE_FORMATS["dxf"].write(p1, DrawingOptions()))
+    names = [each.dxf.name for each in page.classes]
+    drawn = [name for name in names if name in ("ACDBPLACEHOLDER", "LAYOUT", "MATERIAL")]
     assert len(drawn) > 1
     assert drawn == sorted(drawn)
 
