@@ -14,7 +14,7 @@ from synthesis.catalogue.followers.base import paths
 from synthesis.catalogue.followers.flank import Flank, labelled, profile_radius_measure
 from synthesis.catalogue.followers.kinematics import TracePoint
 from synthesis.catalogue.followers.sizing import prime_radius
-from synthesis.catalogue.limits.base import Machine, scaling, segment_indices
+from synthesis.catalogue.limits.base import scaling, segment_indices
 from synthesis.certify.motion_checks import DERIVATIVES
 from synthesis.certify.quantities import QUANTITIES, MeasuredCam, Quantity
 from synthesis.certify.self_intersection import deepest_interference
@@ -45,11 +45,6 @@ class CurveAnalysis:
 
     cam: MeasuredCam
 
-    @property
-    def machine(self) -> Machine:
-        """The machine around the cam."""
-        return self.cam.machine
-
     # -- results -----------------------------------------------------------------------------
 
     def summaries(self) -> list[CurveSummary]:
@@ -57,8 +52,8 @@ class CurveAnalysis:
         found, degrees = list[CurveSummary](), scaling(1.0 / DEGREE)
         for order, name in enumerate(DERIVATIVES[:4]):
             unit, to_wire = (
-                self.machine.derivative_unit(order),
-                scaling(self.machine.wire_factor(order)),
+                self.cam.machine.derivative_unit(order),
+                scaling(self.cam.machine.wire_factor(order)),
             )
             found.append(self._summary(name, "turn", QUANTITIES[name], unit, to_wire))
         for path in self._paths:
@@ -80,7 +75,10 @@ class CurveAnalysis:
         """Every jump of s, s', s'' and of the curvature, in the order of the cam angle."""
         found, junctions = [], set()
         for order in range(3):
-            unit, to_wire = self.machine.derivative_unit(order), self.machine.wire_factor(order)
+            unit, to_wire = (
+                self.cam.machine.derivative_unit(order),
+                self.cam.machine.wire_factor(order),
+            )
             for junction in self._discontinuities(order).tolist():
                 before, after = (
                     side[order] * to_wire for side in self.cam.motion.one_sided_values(junction)
@@ -98,7 +96,7 @@ class CurveAnalysis:
         """Where the profile is undercut or has a cusp; of several flanks the worst."""
         if not self._has_curvature:
             return self._face_undercut()
-        each = map(self._roller_undercut, self.machine.follower.flanks)
+        each = map(self._roller_undercut, self.cam.machine.follower.flanks)
         found = [undercut for undercut in each if undercut is not None]
         return max(found, key=lambda undercut: undercut.excess_mm, default=None)
 
@@ -147,7 +145,7 @@ class CurveAnalysis:
         """Where the profile's radius under a flat face is not positive."""
         _, quantity, _ = self._bending
         least = self._extreme(quantity, self._everywhere, -1)
-        cusp = CUSP * prime_radius(self.machine.follower, self.cam.size)
+        cusp = CUSP * prime_radius(self.cam.machine.follower, self.cam.size)
         if least.value > cusp:
             return None
         return Undercut(
@@ -161,7 +159,7 @@ class CurveAnalysis:
     @cached_property
     def _paths(self) -> Mapping[str, TracePoint]:
         """The traced curves."""
-        return paths(self.machine.follower)
+        return paths(self.cam.machine.follower)
 
     @cached_property
     def _has_curvature(self) -> bool:
@@ -169,7 +167,7 @@ class CurveAnalysis:
 
         Under a flat face it does not.
         """
-        follower = self.machine.follower
+        follower = self.cam.machine.follower
         measure = profile_radius_measure(follower.flanks[0], 0.0, follower.always_convex)
         return measure is None or QUANTITIES[measure.quantity] is CURVATURE
 
@@ -206,7 +204,7 @@ class CurveAnalysis:
         A flank at the signed distance D from the traced curve has the radius ρ − D where it is
         convex, ρ + D where it is concave (see ``catalogue/followers/flank.py``).
         """
-        for flank in self.machine.follower.flanks:
+        for flank in self.cam.machine.follower.flanks:
             if flank.path != path:
                 continue
             ends = (curvature.largest, curvature.smallest)

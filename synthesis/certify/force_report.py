@@ -248,9 +248,8 @@ class _LoadedCam:
 
     def _lift_off_speed(self) -> float | None:
         """The lowest speed at which the drive vanishes somewhere [rpm]."""
-        inside = self._grid
-        negative = maximise_between(lambda x: -self._critical_speed(x), inside[:, 0], inside[:, -1])
-        least = -negative
+        low, high = self._grid[:, 0], self._grid[:, -1]
+        least = -maximise_between(lambda x, _: -self._critical_speed(x), low, high)[0]
         return least * PER_MINUTE if least <= HIGHEST_SPEED * self.cam.machine.omega else None
 
     def _critical_speed(self, theta: Array) -> Array:

@@ -230,9 +230,10 @@ def backward_travel(motion: PiecewiseMotion, pieces: Indices) -> tuple[Array, Ar
         lower and upper ends, one per segment of the motion (0 where no piece is asked about), and
         the number of intervals examined.
     """
-    search = _BackwardTravel(motion)
-    breaks = motion.curve.breaks
-    search.run(Boxes.on(pieces, breaks[pieces], breaks[pieces + 1]), BACKWARD_BUDGET)
+    search, breaks = _BackwardTravel(motion), motion.curve.breaks
+    whole = np.ones(motion.curve.count, dtype=np.intp)
+    boxes = Boxes.from_spans(pieces, breaks[pieces], breaks[pieces + 1], whole)
+    search.run(boxes, BACKWARD_BUDGET)
     return search.least, search.most, search.intervals
 
 

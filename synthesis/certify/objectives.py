@@ -135,7 +135,8 @@ def root_mean_square(jets: Jets, order: int) -> Enclosure:
     curve = jets.curve
     count = WAVE_NODES if curve.waves.shape[1] else curve.poly.shape[1]
     x, weights = gauss_points(curve.breaks, count)
-    value, rounding = jets.at(np.repeat(np.arange(curve.count), count), x.ravel(), order)
+    piece = np.repeat(np.arange(curve.count), count)
+    value, rounding = (row[order] for row in jets.derivatives(piece, x.ravel()))
     total = float(weights.ravel() @ (value * value))
     error = float(weights.ravel() @ (rounding * (2.0 * np.abs(value) + rounding)))
     error += QUADRATURE_ROUNDING * total + _truncation(curve, order, count)

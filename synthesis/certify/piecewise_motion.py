@@ -131,8 +131,7 @@ class PiecewiseMotion:
         """The whole turn in equal intervals of each piece, none wider than ``widest`` [rad]."""
         breaks, pieces = self.curve.breaks, np.arange(self.curve.count)
         parts = np.maximum(np.ceil(self._lengths / widest - 1e-9), 1.0).astype(np.intp)
-        nothing = np.zeros((0, len(pieces)), dtype=bool)
-        return Boxes.from_spans(pieces, breaks[:-1], breaks[1:], parts, nothing)
+        return Boxes.from_spans(pieces, breaks[:-1], breaks[1:], parts)
 
     @cached_property
     def _lengths(self) -> Array:

@@ -71,7 +71,7 @@ class ProfileModels:
         continued from interval to interval.
         """
         tx, ty = self.tangent
-        return _range(self.theta - ty.arctan2(tx))
+        return _range(self.theta - np.arctan2(ty, tx))
 
     def polar_range(self) -> tuple[Array, Array]:
         """Lower and upper end of the polar angle on the cam of every point of the roller [rad].
@@ -80,7 +80,7 @@ class ProfileModels:
         the axis: seen from there, a circle of radius R at distance r fills ± arcsin R/r.
         """
         px, py = self.p
-        low, high = _range(py.arctan2(px) - self.theta)
+        low, high = _range(np.arctan2(py, px) - self.theta)
         square = px * px + py * py
         least = square.mignitude() - ROUNDING * square.mag
         nearest = np.sqrt(np.where(least > 0.0, least, np.nan))

@@ -8,7 +8,6 @@ state (z − s, z'). The optimiser integrates against a kernel instead; neither 
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from math import exp, hypot, sqrt
 from typing import Final
 
@@ -16,8 +15,9 @@ import numpy as np
 
 from synthesis.catalogue.constraints import VibrationBound
 from synthesis.certify.piecewise_motion import PiecewiseMotion
+from synthesis.numerics.boxes import Boxes
 from synthesis.numerics.enclosure import Enclosure
-from synthesis.numerics.piecewise import Array, Indices
+from synthesis.numerics.piecewise import Array
 from synthesis.units import FULL_TURN
 
 STEP: Final = 0.5  # largest phase of the oscillator, or of a law's sinusoid, in one step [rad]
@@ -27,51 +27,35 @@ ROUNDINGS: Final = 64.0  # of the largest term of a step, in the sum of its seri
 FINAL_ROUNDINGS: Final = 8.0  # of the amplitude, from the last state
 
 
-@dataclass(frozen=True, eq=False)
-class _Steps:
-    """A run divided into steps (n,): cam angle at its start [rad], piece, length [rad]."""
-
-    theta: Array
-    piece: Indices
-    length: Array
-
-
 def residual_amplitude(motion: PiecewiseMotion, run: VibrationBound) -> Enclosure:
     """The amplitude at the end of a run, and the cam angle there."""
     nu, zeta = run.frequency, run.damping
     damped = nu * sqrt(1.0 - zeta**2)
-    steps = _divided(motion, run)
+    steps = _steps(motion, run)
     forced, missed, scale = _step_responses(motion, run, steps)
     state, error = np.zeros(2), 0.0  # z − s and z'; error of ν |z − s| + |z'|
-    for k, length in enumerate(steps.length):
+    for k, length in enumerate(steps.hi - steps.lo):
         state = _free_response(run, float(length)) @ state + forced[:, k]
         # the energy of a free vibration never grows, so neither do errors of earlier steps
         rounding = scale[k] + nu * abs(state[0]) + abs(state[1])
         error += missed[k] + ROUNDINGS * UNIT_ROUNDOFF * rounding
     value = hypot(state[0], (state[1] + zeta * nu * state[0]) / damped)
     blur = float(2.0 * error / damped + FINAL_ROUNDINGS * UNIT_ROUNDOFF * value)
-    angle = (steps.theta[-1] + steps.length[-1]) % FULL_TURN
-    return Enclosure(value, max(value - blur, 0.0), value + blur, float(angle))
+    angle = float(steps.hi[-1]) % FULL_TURN
+    return Enclosure(value, max(value - blur, 0.0), value + blur, angle)
 
 
-def _divided(motion: PiecewiseMotion, run: VibrationBound) -> _Steps:
+def _steps(motion: PiecewiseMotion, run: VibrationBound) -> Boxes:
     """Equal steps of each piece, none longer than ``STEP`` of the fastest oscillation on it."""
-    theta, piece, length = [], [], []
-    for index in run.run:
-        for k in motion.pieces_of([index]).tolist():
-            low, high = motion.curve.breaks[k], motion.curve.breaks[k + 1]
-            waves = float(np.max(np.abs(motion.curve.waves[k, :, 1]), initial=0.0))
-            fastest = max(run.frequency, waves)
-            count = max(int(np.ceil(fastest * (high - low) / STEP)), 1)
-            ends = np.linspace(low, high, count + 1)
-            theta.append(ends[:-1])
-            length.append(np.diff(ends))
-            piece.append(np.full(count, k))
-    return _Steps(np.concatenate(theta), np.concatenate(piece), np.concatenate(length))
+    breaks, waves = motion.curve.breaks, np.abs(motion.curve.waves[:, :, 1])
+    fastest = np.maximum(run.frequency, waves.max(axis=1, initial=0.0))
+    counts = np.maximum(np.ceil(fastest * np.diff(breaks) / STEP), 1.0).astype(np.intp)
+    pieces = np.concatenate([motion.pieces_of([index]) for index in run.run])
+    return Boxes.from_spans(pieces, breaks[pieces], breaks[pieces + 1], counts)
 
 
 def _step_responses(
-    motion: PiecewiseMotion, run: VibrationBound, steps: _Steps
+    motion: PiecewiseMotion, run: VibrationBound, steps: Boxes
 ) -> tuple[Array, Array, Array]:
     """State at the end of every step that starts at rest on the motion, z = s and z' = 0.
 
@@ -79,9 +63,9 @@ def _step_responses(
         (2, n) z − s and z' there; (n,) bounds of the remainder; (n,) size of the largest terms.
         The last two are norms ν |z − s| + |z'|.
     """
-    nu, zeta, h = run.frequency, run.damping, steps.length
+    nu, zeta, h = run.frequency, run.damping, steps.hi - steps.lo
     # Taylor coefficients of s times h^k, without s at the start of the step
-    derivatives = motion.curve.jet(steps.theta, steps.piece, ORDER + 1)
+    derivatives = motion.curve.jet(steps.lo, steps.piece, ORDER + 1)
     s = np.zeros_like(derivatives)
     factor = np.ones_like(h)
     for k in range(1, ORDER + 2):
@@ -102,15 +86,14 @@ def _step_responses(
     return forced, missed, scale + _cancellation(motion, steps, nu)
 
 
-def _cancellation(motion: PiecewiseMotion, steps: _Steps, nu: float) -> Array:
+def _cancellation(motion: PiecewiseMotion, steps: Boxes, nu: float) -> Array:
     """Size of the terms whose sums are the coefficients of s (n,), as ν |z| + |z'|."""
-    away = np.abs(steps.theta - motion.curve.origins[steps.piece]) + steps.length
-    found, factor = np.zeros_like(steps.length), np.ones_like(steps.length)
+    h = steps.hi - steps.lo
+    away = np.abs(steps.lo - motion.curve.origins[steps.piece]) + h
+    found, factor = np.zeros_like(h), np.ones_like(h)
     for k in range(1, ORDER):
-        factor = factor * steps.length / k
-        found += (
-            motion.curve.bound_derivative(steps.piece, away, k) * factor * (nu + k / steps.length)
-        )
+        factor = factor * h / k
+        found += motion.curve.bound_derivative(steps.piece, away, k) * factor * (nu + k / h)
     return found
 
 

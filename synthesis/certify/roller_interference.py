@@ -113,7 +113,7 @@ def nearest_far_pair(profile: OffsetProfile) -> NearestPair:
         # 2. exclude pairs in different directions, then near pairs, by groups of intervals
         groups = _Groups.of(len(intervals))
         excluded = groups.disjoint_polar_ranges(*models.polar_range())
-        excluded |= groups.within_half_turn(low, high, groups.longest_arc(~excluded))
+        excluded |= groups.within_half_turn(low, high)
         # 3. branch and bound on the pairs that are left
         pairs = _Pairs(intervals, *groups.interval_pairs(~excluded))
         return _Search(profile).nearest(pairs)
@@ -152,22 +152,13 @@ class _Groups:
         first = np.arange(0, intervals, math.ceil(intervals / MAX_GROUPS))
         return cls(first, np.diff(np.append(first, intervals)))
 
-    def longest_arc(self, pairs: Mask) -> int:
-        """Number of groups on the longest of the shorter arcs between these pairs, with its ends.
-
-        Longer arcs need not be examined for near pairs.
-        """
-        count, index = len(self.first), np.flatnonzero(pairs)
-        between = np.abs(index % count - index // count)
-        return int(np.max(np.minimum(between, count - between), initial=0)) + 1
-
-    def within_half_turn(self, low: Array, high: Array, longest: int) -> Mask:
-        """Near pairs: along an arc of at most ``longest`` groups the tangent turns less than π."""
+    def within_half_turn(self, low: Array, high: Array) -> Mask:
+        """Near pairs: along one of the arcs between them the tangent turns less than π."""
         # neighbours share a point: their angles there differ by a corner, less than half a turn
         (bottom, top), turn = self._continued(low, high)
         count = len(self.first)
         start = np.arange(count)[:, None]
-        arcs = start + np.arange(longest)
+        arcs = start + np.arange(count)
         bottom, top = (np.concatenate([each, each + turn])[arcs] for each in (bottom, top))
         turning = np.maximum.accumulate(top, axis=1) - np.minimum.accumulate(bottom, axis=1)
         forward = np.zeros((count, count), dtype=bool)
@@ -199,10 +190,8 @@ class _Groups:
 
     def interval_pairs(self, chosen: Mask) -> tuple[Indices, Indices]:
         """Pairs of intervals in these pairs of groups: on the profile, on the roller's path."""
-        if not chosen.any():  # as a rule: saves the large table below
-            return np.zeros(0, dtype=np.intp), np.zeros(0, dtype=np.intp)
-        each = np.repeat(np.repeat(chosen, self.counts, axis=0), self.counts, axis=1)
-        profile, roller = np.nonzero(each)
+        owner = np.arange(len(self.first)).repeat(self.counts)
+        profile, roller = np.nonzero(chosen[owner][:, owner])
         return profile, roller
 
 

@@ -22,20 +22,21 @@ class Boxes:
         return len(self.lo)
 
     @classmethod
-    def on(cls, piece: Indices, lo: Array, hi: Array) -> Boxes:
-        """Boxes for no question."""
-        return cls(piece, lo, hi, np.zeros((0, len(lo)), dtype=bool))
-
-    @classmethod
     def from_spans(
-        cls, pieces: Indices, first: Array, last: Array, counts: Indices, asked: Mask
+        cls,
+        pieces: Indices,
+        first: Array,
+        last: Array,
+        counts: Indices,
+        asked: Mask | None = None,
     ) -> Boxes:
         """Spans [first, last], each on one piece, cut into equal parts.
 
         Args:
             pieces, first, last: (k,). counts: of every piece, into how many boxes.
-            asked: (questions, k).
+            asked: (questions, k); None: boxes for no question.
         """
+        asked = np.zeros((0, len(pieces)), dtype=bool) if asked is None else asked
         parts = np.where(last > first, counts[pieces], 1)
         step = (last - first) / parts
         owner, nth, behind = _counted(parts)

@@ -82,7 +82,7 @@ class Extremum:
     """The extreme of a function that is nearest to its bound, or farthest beyond it.
 
     Attributes:
-        extreme: its enclosure. Of a maximum, ``upper`` bounds f everywhere and ``lower`` is
+        enclosure: of the extreme. Of a maximum, ``upper`` bounds f everywhere and ``lower`` is
             reached; of a minimum, the other way round. Infinite where nothing could be proven.
         side: +1 if it is a maximum, −1 if a minimum.
         boxes: on how many boxes the question was looked at.
@@ -91,42 +91,6 @@ class Extremum:
     enclosure: Enclosure
     side: int
     boxes: int
-
-
-@dataclass(frozen=True, eq=False)
-class _Points:
-    """One point (k,) each for some of the questions."""
-
-    question: Indices
-    piece: Indices
-    at: Array
-
-    def boxes(self, questions: int) -> Boxes:
-        """The same as boxes of no width."""
-        return Boxes(
-            self.piece, self.at, self.at, np.arange(questions)[:, None] == self.question
-        )  # fmt: skip
-
-
-NONE: Final = np.zeros(0, dtype=np.intp)
-NOWHERE: Final = _Points(NONE, NONE, np.zeros(0))
-
-
-@dataclass(frozen=True, eq=False)
-class _View:
-    """What the models say of boxes.
-
-    Attributes:
-        boxes: all of them. live: (q,) the questions that are asked there.
-        model: (q, n) of the functions that these ask for.
-        excess: (q, n) how far each question's function may exceed a bound, up to ± the model's
-            remainder; −inf where it is not asked for.
-    """
-
-    boxes: Boxes
-    live: Indices
-    model: Taylor
-    excess: Array
 
 
 class _ExtremumSearch(BoxSearch[Boxes]):
@@ -141,7 +105,9 @@ class _ExtremumSearch(BoxSearch[Boxes]):
         self, models: Models, questions: Sequence[ExtremumQuery], enough: Sequence[float] | None
     ) -> None:
         count = len(questions)
-        self.models, self.points = models, NOWHERE
+        nowhere, empty = np.zeros(0, dtype=np.intp), np.zeros(0)
+        self.models = models
+        self.points = Boxes(nowhere, empty, empty, np.zeros((count, 0), dtype=bool))
         spare = [0.0 if enough is None else enough[q.function] for q in questions]
         self.lower, self.upper, self.relative, self.absolute = np.array(
             [
@@ -169,8 +135,8 @@ class _ExtremumSearch(BoxSearch[Boxes]):
         upper, lower = self.upper[live][:, None], self.lower[live][:, None]
         return np.asarray(np.maximum(high - upper, lower - low))
 
-    def look(self, boxes: Boxes, values: Values) -> tuple[_Points, Array]:
-        """Where each extreme seems to be; and where to cut boxes beside those that seem to be."""
+    def look(self, boxes: Boxes, values: Values) -> tuple[Boxes, Array]:
+        """Points where extremes seem to be, and where to cut the boxes beside them."""
         closely = self.closely
         wanted, slot = self._functions(closely)
 
@@ -182,7 +148,11 @@ class _ExtremumSearch(BoxSearch[Boxes]):
         bounds = ExcessBounds(self.lower[closely], self.upper[closely])
         asked = Boxes(boxes.piece, boxes.lo, boxes.hi, boxes.active[closely])
         seen = locate_extrema(asked, heights, bounds)
-        return _Points(closely[seen.question], seen.piece, seen.at), seen.cuts
+        return self._points_of(closely[seen.question], seen.piece, seen.at), seen.cuts
+
+    def _points_of(self, question: Indices, piece: Indices, at: Array) -> Boxes:
+        """Points (k,), one for each of some questions, as boxes of no width."""
+        return Boxes(piece, at, at, np.arange(len(self.best))[:, None] == question)
 
     def bound(self, boxes: Boxes) -> Array:
         """The largest excess that is possible on each box, −inf where not asked: (questions, n).
@@ -190,8 +160,7 @@ class _ExtremumSearch(BoxSearch[Boxes]):
         First the points that looked best on the level before are evaluated, together with the
         boxes: what their functions reach there are the incumbents.
         """
-        points = self.points
-        both = boxes.append(points.boxes(len(self.best)))
+        both, question = boxes.append(self.points), self.points.active.argmax(axis=0)
         live = np.flatnonzero(both.active.any(axis=1))
         wanted, slot = self._functions(live)
         each = self.models(both.piece, both.lo, both.hi, wanted)
@@ -199,11 +168,11 @@ class _ExtremumSearch(BoxSearch[Boxes]):
         high, low = model.range()
         excess = np.where(both.active[live], self._excess(live, high, low), -np.inf)
         self.boxes += both.active.sum(axis=1)
-        row, column = np.searchsorted(live, points.question), np.arange(len(boxes), len(both))
+        row, column = np.searchsorted(live, question), np.arange(len(boxes), len(both))
         blur = model.rem[row, column]
         sure = np.where(blur < UNBOUNDED, excess[row, column] - blur, -np.inf)
-        self._note(points, high[row, column], sure, blur)
-        self.view = _View(both, live, model, excess)
+        self._note(question, self.points.lo, high[row, column], sure, blur)
+        self.view = both, live, model, excess
         possible = np.full((len(self.best), len(boxes)), -np.inf)
         possible[live] = (excess + model.rem)[:, : len(boxes)]
         return possible
@@ -218,30 +187,29 @@ class _ExtremumSearch(BoxSearch[Boxes]):
         return np.where(enough < np.inf, self.best + enough, np.inf)[:, None]
 
     def split(self, boxes: Boxes, keep: Mask) -> Boxes:
-        self.points = self.leaders(self.view)
+        self.points = self.leaders()
         # into many where there are few: a round costs much, whatever its boxes
         still = boxes.keep(keep)
         return still.split(max(FEWEST_PARTS, min(MOST_PARTS, ROUND // len(still))))
 
-    def _note(self, points: _Points, value: Array, sure: Array, blur: Array) -> None:
+    def _note(self, question: Indices, at: Array, value: Array, sure: Array, blur: Array) -> None:
         """Keep what was reached at points: values, their excess over a bound, their roundings."""
         # by more than roundings, or these would choose among equal extremes
-        better = sure - blur > self.best[points.question]
-        q, value = points.question[better], value[better]
-        self.best[q], self.value[q], self.angle[q] = sure[better], value, points.at[better]
+        better = sure - blur > self.best[question]
+        q, value = question[better], value[better]
+        self.best[q], self.value[q], self.angle[q] = sure[better], value, at[better]
         self.blur[q] = blur[better]
         self.above[q] = value - self.upper[q] >= self.lower[q] - value
 
-    def leaders(self, view: _View) -> _Points:
+    def leaders(self) -> Boxes:
         """Where the model of the box that looks best has its extreme, question by question."""
-        known = view.model.rem < UNBOUNDED
-        leader = np.argmax(np.where(known, view.excess, -np.inf), axis=1)
-        model = view.model.take(np.arange(len(leader)), leader)
+        boxes, live, model, excess = self.view
+        leader = np.argmax(np.where(model.rem < UNBOUNDED, excess, -np.inf), axis=1)
+        model, box = model.take(np.arange(len(leader)), leader), boxes.take(leader)
         (high, low), (t_high, t_low) = model.range(), model.extreme_places()
-        above = high - self.upper[view.live] >= self.lower[view.live] - low
-        piece, lo, hi = (part[leader] for part in (view.boxes.piece, view.boxes.lo, view.boxes.hi))
-        where = 0.5 * (lo + hi) + np.where(above, t_high, t_low) * 0.5 * (hi - lo)
-        return _Points(view.live, piece, np.clip(where, lo, hi))
+        above = high - self.upper[live] >= self.lower[live] - low
+        where = 0.5 * (box.lo + box.hi) + np.where(above, t_high, t_low) * 0.5 * (box.hi - box.lo)
+        return self._points_of(live, box.piece, np.clip(where, box.lo, box.hi))
 
     def answers(self) -> list[Extremum]:
         """What is known of each question."""
@@ -296,8 +264,8 @@ def enclose(
             boxes = boxes.cut_at(cuts)
         if not search.run(boxes, budget):
             # the points that look best on the boxes left open are incumbents too
-            search.points = search.leaders(search.view)
-            search.bound(boxes.take(NONE))
+            search.points = search.leaders()
+            search.bound(boxes.take(np.zeros(0, dtype=np.intp)))
     return search.answers()
 
 

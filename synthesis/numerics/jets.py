@@ -56,13 +56,6 @@ class Jets:
             error = error + np.sum(np.abs(amplitude) * spread, axis=-1)
         return exact, error
 
-    def at(self, piece: Indices, x: Array, order: int) -> tuple[Array, Array]:
-        """f^(order)(x) and a bound of its rounding, (n,) each."""
-        value, error = self.derivatives(piece, x)
-        if order >= self.rows:
-            return np.zeros_like(x), np.zeros_like(x)
-        return value[order], error[order]
-
     def models(self, piece: Indices, lo: Array, hi: Array, highest: int) -> tuple[Taylor, ...]:
         """f, f', …, f^(highest) on the boxes [lo, hi], each inside its (closed) piece.
 

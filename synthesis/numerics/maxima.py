@@ -11,16 +11,11 @@ from math import perm
 
 import numpy as np
 
-from synthesis.numerics.piecewise import Array, Piecewise
-
-SAMPLES = 24
+from synthesis.numerics.piecewise import Array, Indices, Piecewise
 
 
 def maximise(curve: Piecewise, coefficients: Sequence[float]) -> tuple[float, float]:
     """Largest value of Σ_k coefficients[k] f^(k) over the closed pieces, and where.
-
-    Every piece is sampled; around each sample that is not below its neighbours Newton's method
-    finds the stationary point, kept only within the neighbours.
 
     Returns:
         value and x.
@@ -32,36 +27,12 @@ def maximise(curve: Piecewise, coefficients: Sequence[float]) -> tuple[float, fl
         curve, weights = curve.combine_derivatives(coefficients), [(0, 1.0)]
         if curve.poly.shape[1] <= 4:
             return _of_cubics(curve)
-    samples = SAMPLES if curve.waves.shape[1] or curve.poly.shape[1] > 6 else 5
-    left, width = curve.breaks[:-1], np.diff(curve.breaks)
-    step = np.linspace(0.0, 1.0, samples)
-    x: Array = (left[:, None] + width[:, None] * step).ravel()
-    piece = np.repeat(np.arange(curve.count), samples)
 
-    def combined(at: Array, on: np.ndarray, highest: int) -> list[Array]:
-        f = curve.jet(at, on, weights[-1][0] + highest)
-        return [sum(c * f[k + raised] for k, c in weights) for raised in range(highest + 1)]
+    def combined(x: Array, piece: Indices) -> Array:
+        f = curve.jet(x.ravel(), np.repeat(piece, x.shape[1]), weights[-1][0])
+        return np.asarray(sum(c * f[k] for k, c in weights)).reshape(x.shape)
 
-    (value,) = combined(x, piece, 0)
-    best = int(np.argmax(value))
-    spread = float(value[best] - value.min())
-    # a stationary point between two samples can top its neighbours by no more than their spread
-    table = value.reshape(curve.count, samples)
-    rough = np.max(np.abs(table[:, 1:] - table[:, :-1]), axis=1) + 1e-15 * spread
-    keep = np.repeat(table.max(axis=1) + rough >= value[best], samples)
-    y, on = x[keep], piece[keep]
-    half = (width[on] / (samples - 1)) if samples > 1 else width[on]
-    low, high = np.maximum(y - half, left[on]), np.minimum(y + half, left[on] + width[on])
-    with np.errstate(divide="ignore", invalid="ignore"):
-        for _ in range(4):
-            _, slope, bend = combined(y, on, 2)
-            move = np.where(bend < 0.0, -slope / bend, 0.0)
-            y = np.minimum(np.maximum(y + move, low), high)
-    (refined,) = combined(y, on, 0)
-    top = int(np.argmax(refined))
-    if refined[top] > value[best]:
-        return float(refined[top]), float(y[top])
-    return float(value[best]), float(x[best])
+    return maximise_between(combined, curve.breaks[:-1], curve.breaks[1:])
 
 
 def _of_cubics(curve: Piecewise) -> tuple[float, float]:
@@ -80,7 +51,7 @@ def maximise_all(
 ) -> list[Array]:
     """The largest values of several combinations of each of several functions.
 
-    As ``peak`` finds them; polynomials up to the third degree are worked out together.
+    As ``maximise`` finds them; polynomials up to the third degree are worked out together.
 
     Args:
         asked: functions, each with (k, 4) coefficients.
@@ -103,7 +74,7 @@ def _cubic(curve: Piecewise) -> bool:
 
 
 def _summits(asked: Sequence[tuple[Piecewise, Sequence[Sequence[float]]]]) -> list[Array]:
-    """``heights`` of polynomials up to the third degree."""
+    """``maximise_all`` of polynomials up to the third degree."""
     if not asked:
         return []
     first = list(accumulate((len(rows) * curve.count for curve, rows in asked), initial=0))
@@ -149,8 +120,9 @@ def quadratic_roots(a: Array, b: Array, c: Array) -> tuple[Array, Array]:
         return half / a, c / half
 
 
-FAN = np.linspace(-1.0, 1.0, 17)
-ZOOMS = 9  # each narrows the place of a peak eightfold
+SAMPLES = 33  # on an interval
+FAN = np.linspace(-1.0, 1.0, 17)  # places about the highest sample, in steps between samples
+ZOOMS = 4  # each narrows the place of a peak eightfold; then a parabola is exact to rounding
 
 
 def maximise_formula(curve: Piecewise, formula: Callable[[Array], Array], highest: int) -> float:
@@ -159,30 +131,48 @@ def maximise_formula(curve: Piecewise, formula: Callable[[Array], Array], highes
     Args:
         formula: from (highest + 1, n) values to (n,).
     """
-    piece = np.arange(curve.count)
 
-    def at(x: Array) -> Array:
+    def at(x: Array, piece: Indices) -> Array:
         f = curve.jet(x.ravel(), np.repeat(piece, x.shape[1]), highest)
         return np.asarray(formula(f)).reshape(x.shape)
 
-    return maximise_between(at, curve.breaks[:-1], curve.breaks[1:])
+    return maximise_between(at, curve.breaks[:-1], curve.breaks[1:])[0]
 
 
-def maximise_between(function: Callable[[Array], Array], low: Array, high: Array) -> float:
-    """Largest value of a function over several intervals.
+def maximise_between(
+    function: Callable[[Array, Indices], Array], low: Array, high: Array
+) -> tuple[float, float]:
+    """Largest value of a function over several intervals, and where it is.
 
-    Every interval is sampled, and its largest value is closed in on between its neighbours; two
-    peaks of one whose heights differ by less than sampling shows are not told apart.
+    Every interval is sampled, and the largest value is closed in on between its neighbours; two
+    peaks of an interval whose heights differ by less than sampling shows are not told apart.
 
     Args:
-        function: values at points (n, k), k on each interval. low, high: (n,) ends.
+        function: values at points (n, k), k on each of n intervals, whose indices (n,) are given.
+        low, high: ends of the intervals.
     """
-    rows, reach, best = np.arange(len(low)), (high - low) / 64.0, np.zeros(0)
-    x = low[:, None] + (high - low)[:, None] * np.linspace(0.0, 1.0, 65)
+    which, reach = np.arange(len(low)), (high - low) / (SAMPLES - 1)
+    x = low[:, None] + (high - low)[:, None] * np.linspace(0.0, 1.0, SAMPLES)
+    x[:, -1] = high
+    value = function(x, which)
+    # a stationary point between two samples tops them by no more than their difference, as a rule:
+    # intervals that cannot hold the largest value by that are left out
+    with np.errstate(invalid="ignore"):
+        top, steps = value.max(axis=1), np.abs(np.diff(value, axis=1)).max(axis=1)
+        which = np.flatnonzero(~(top + steps < top.max()))
+    x, value, rows = x[which], value[which], np.arange(len(which))
+    low, high, reach = (each[which][:, None] for each in (low, high, reach))
     for _ in range(ZOOMS):
-        value = function(x)
-        top = np.argmax(value, axis=1)
-        best = value[rows, top]
-        x = np.clip(x[rows, top][:, None] + reach[:, None] * FAN, low[:, None], high[:, None])
-        reach = reach / 8.0
-    return float(np.max(best))
+        best = x[rows, value.argmax(axis=1)][:, None]
+        x = np.clip(best + reach * FAN, low, high)
+        value, reach = function(x, which), reach / 8.0
+    # the vertex of the parabola through the highest and its neighbours: closer than by comparing
+    # values, which near a peak differ by less than their roundings
+    middle = np.clip(value.argmax(axis=1), 1, len(FAN) - 2)
+    before, here, after = (value[rows, middle + k] for k in (-1, 0, 1))
+    with np.errstate(divide="ignore", invalid="ignore"):
+        shift = np.clip(0.5 * (after - before) / (2.0 * here - before - after), -1.0, 1.0)
+    vertex = np.clip(x[rows, middle][:, None] + np.nan_to_num(shift)[:, None] * reach, low, high)
+    x, value = np.hstack([vertex, x]), np.hstack([function(vertex, which), value])
+    place = np.unravel_index(value.argmax(), value.shape)
+    return float(value[place]), float(x[place])

@@ -18,7 +18,7 @@ What does not move is a number, not a model: a model times 0 is the number 0, so
 parts of a formula cost next to nothing. (Functions are finite even where their models say nothing.)
 
 Where a model cannot be formed (a divisor that may vanish on the box) the remainder is inf or nan;
-evaluate under ``np.errstate(all="ignore")`` and ask ``finite``.
+evaluate under ``np.errstate(all="ignore")``.
 """
 
 from __future__ import annotations
@@ -30,7 +30,7 @@ from typing import Any, ClassVar, Final
 
 import numpy as np
 
-from synthesis.numerics.piecewise import Array, Indices, Mask
+from synthesis.numerics.piecewise import Array, Indices
 
 ROUNDING: Final = 2.0**-48
 
@@ -235,15 +235,6 @@ class Taylor(UfuncDispatch):
         rem = np.abs(slope) * self.rem + 0.5 * np.abs(here) * square + step**3 / 6.0
         rem = rem + ROUNDING * (1.0 + self.mag + step * step)
         return Taylor.of(here, slope * a1, slope * a2 - 0.5 * here * a1 * a1, rem)
-
-    def arctan2(self, x: Taylor | float) -> Taylor:
-        """The angle of (x, f) [rad], continued steadily from its value at the box's centre."""
-        return _angle(self, x)
-
-    def is_finite(self) -> Mask:
-        """Where the model says something."""
-        finite: Mask = np.isfinite(self.c0 + self.c1 + self.c2 + self.rem)
-        return finite
 
     def take(self, *which: Indices) -> Taylor:
         """Some of the models."""

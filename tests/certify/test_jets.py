@@ -69,7 +69,7 @@ def test_it_is_the_same_function(law):
     x = 0.5 * (law.breaks[1:] + law.breaks[:-1])
     piece = np.arange(law.count)
     for order in range(5):
-        value, error = jets.at(piece, x, order)
+        value, error = (row[order] for row in jets.derivatives(piece, x))
         scale = 1e-12 * (1.0 + np.abs(value))
         np.testing.assert_array_less(np.abs(value - law.at(x, piece, order)), error + scale)
 

@@ -15,7 +15,7 @@ from synthesis.certify import certificate, certify
 from synthesis.certify.piecewise_motion import PiecewiseMotion
 from synthesis.certify.profile_models import OffsetProfile
 from synthesis.certify.quantities import MeasuredCam
-from synthesis.certify.roller_interference import NearestPair, _Groups, nearest_far_pair
+from synthesis.certify.roller_interference import NearestPair, nearest_far_pair
 from synthesis.certify.self_intersection import clear_flanks, roller_clearances
 from synthesis.design.design import Extreme
 from tests.certify.cams import motion_of
@@ -98,26 +98,6 @@ def test_brute_force_sees_crossing_and_sound_cams_alike() -> None:
             R = min(R, 0.97 * sharpest(motion, e, s0))
         told.append(agree(motion, e, math.sqrt((base + R) ** 2 - e * e), R))
     assert 6 <= sum(told) <= 18
-
-
-@pytest.mark.parametrize("seed", range(6))
-def test_arcs_no_longer_than_needed_say_the_same_of_these_pairs(seed: int) -> None:
-    rng = np.random.default_rng(seed)
-    groups, count = _Groups.of(41), 41
-    heading = np.cumsum(rng.uniform(-0.2, 0.5, count)) % 6.0
-    low, high = heading - 0.1, heading + rng.uniform(0.1, 0.4, count)
-    index = np.arange(count)
-    between = np.abs(index - index[:, None])
-    pairs = np.minimum(between, count - between) <= rng.integers(3, 15)
-    longest = groups.longest_arc(pairs)
-    assert longest == np.max(np.minimum(between, count - between)[pairs]) + 1
-    short, full = (
-        groups.within_half_turn(low, high, longest),
-        groups.within_half_turn(low, high, count),
-    )
-    assert not np.any(short & ~full)
-    beside = (index - index[:, None]) % count < longest
-    np.testing.assert_array_equal(short[beside | beside.T], full[beside | beside.T])
 
 
 @pytest.mark.parametrize(

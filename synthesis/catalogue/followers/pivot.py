@@ -85,9 +85,10 @@ class PivotedFollower(Follower, ABC):
 
     def displacement_measure(self, z: Vector) -> MeasuredBound:
         l, start, (low, high) = self.reference, self.initial_angle(z), self.swing_range
+        lowest = l * (low - start)  # where the wire's value is the range's end without rounding
         return MeasuredBound(
-            "displacement", l * (low - start), l * (high - start),
-            lambda s: (start + s / l) / DEGREE, "deg",
+            "displacement", lowest, l * (high - start),
+            lambda s: (low + (s - lowest) / l) / DEGREE, "deg",
         )  # fmt: skip
 
     # -- geometry ----------------------------------------------------------------------------
