@@ -59,8 +59,8 @@ class FreeLaw:
 
     Attributes:
         smoothness: number of continuous derivatives inside. overshoot: may it move backwards.
-        joins: how many derivatives it shares with its neighbours at its start and at its end;
-            fewer than the smoothness where the required state is not the neighbour's.
+        end_continuity: how many derivatives it shares with its neighbours at start and end; fewer
+            than the smoothness where the required state is not the neighbour's.
         knots: x in (0, 1) where it must be free to bend: ends of windows, points on the way.
     """
 
@@ -102,7 +102,7 @@ class PlacedSegment:
             s = s_start + unit · g((θ − start)/β); None while it is free.
         free: what a free law must satisfy; None where the law is given.
         start_state, end_state: required states at its two ends.
-        readings: the table that it has to follow, None where it follows none.
+        table: the table that it has to follow, None where it follows none.
     """
 
     index: int
@@ -181,6 +181,10 @@ class PlacedSegment:
         return np.asarray(value)
 
 
+Segments = Sequence[PlacedSegment]
+"""The segments of one turn, in order."""
+
+
 @lru_cache(maxsize=1024)
 def _at_ends(law: Piecewise) -> Array:
     """g and its derivatives, more than any joint asks for, at both ends: (2, 6)."""
@@ -205,7 +209,7 @@ class Motion:
     curve: Piecewise
 
     @classmethod
-    def of(cls, segments: Sequence[PlacedSegment]) -> Motion:
+    def of(cls, segments: Segments) -> Motion:
         """Join segments whose laws are known; those of zero angle contribute no piece."""
         return cls(tuple(segments), concatenate([s.placed() for s in segments if s.angle > 0.0]))
 

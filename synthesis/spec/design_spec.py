@@ -165,8 +165,7 @@ class DesignSpec(BaseModel):
                     "Remove it, or choose another follower.",
                     {"position": position, "limit": limit.kind, "kind": self.follower.kind},
                 )
-            limit.check(self.follower)
-            limit.check_motion(self.placed_segments(), self.machine())
+            limit.check(self.placed_segments(), self.machine())
         return self
 
     @model_validator(mode="after")
@@ -174,7 +173,7 @@ class DesignSpec(BaseModel):
         if self.load is not None:
             self.load.check_against(self.follower, self.placed_segments())
         for position, one in enumerate([*self.limits, *self.objectives()]):
-            one.check_load(self.load, self.follower, self.placed_segments(), position)
+            one.check_load(self.placed_segments(), self.machine(), position)
         return self
 
     @model_validator(mode="after")

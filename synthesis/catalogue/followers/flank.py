@@ -107,14 +107,20 @@ def profile_radius_measure(flank: Flank, least: float, always_convex: bool) -> M
     """
     if always_convex:
         return MeasuredBound("face_radius", least, None, float)
-    side, distance, smallest = flank.side, flank.distance, flank.distance + least
-    if smallest <= 0.0:
-        return None
+    return curvature_measure(flank, least, 1) if flank.distance + least > 0.0 else None
+
+
+def curvature_measure(flank: Flank, least: float, sign: int) -> MeasuredBound:
+    """Radius of a flank ≥ least [mm] where it is convex (sign +1) or hollow (−1).
+
+    With c the sign that is c σκ ≤ 1/(least + c D), and the radius is 1/(c σκ) − c D.
+    """
+    side, distance = sign * flank.side, sign * flank.distance
+    sharpest = side / (least + distance)
 
     def to_wire(curvature: float) -> float | None:
-        convex = side * curvature
-        return 1.0 / convex - distance if convex > 0.0 else None
+        bend = side * curvature
+        return 1.0 / bend - distance if bend > 0.0 else None
 
-    sharpest = side / smallest
     low, high = (None, sharpest) if side > 0 else (sharpest, None)
     return MeasuredBound("pitch_curvature", low, high, to_wire)

@@ -14,7 +14,7 @@ What a limit does not state in one form is an empty tuple there. Two rules make 
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 from typing import Any, ClassVar
 
@@ -28,8 +28,9 @@ from synthesis.catalogue.constraints import (
 )
 from synthesis.catalogue.followers.base import Follower
 from synthesis.catalogue.followers.curvature_bound import CurvatureBound
-from synthesis.catalogue.forces import Load, ReducedLoad
-from synthesis.catalogue.motion import PlacedSegment
+from synthesis.catalogue.followers.flank import labelled
+from synthesis.catalogue.forces import ReducedLoad
+from synthesis.catalogue.motion import PlacedSegment, Segments
 from synthesis.numerics.piecewise import Array
 
 
@@ -69,10 +70,10 @@ class Claim:
         to_wire: monotone map from the core's unit to the wire's; None where the wire has no value.
         field: the field of the spec that sets it, as in ``limits/pressure_angle/rise_deg``.
         path: name of the traced curve that is measured, among the follower's ``paths``.
-        part: first and last x, in [0, 1], of these segments where it must hold; None: all along.
-        exact: the quantity has one value there; the bounds leave no more than rounding.
+        interval: first and last x, in [0, 1], of these segments where it must hold; None: all.
+        equality: the quantity has one value there; the bounds leave no more than rounding.
         flank: name of the flank that is measured, where it is not the first.
-        rings: what is left where runs of these segments end; the largest of it is measured.
+        vibration: of the runs that end with these segments; the largest amplitude is measured.
     """
 
     limit: str
@@ -135,26 +136,16 @@ class Limit(BaseModel, ABC):
 
     # -- refusals --------------------------------------------------------------------------------
 
-    def check(self, follower: Follower) -> None:
-        """Refuse a bound that no cam of such a follower can keep."""
+    def check(self, segments: Segments, machine: Machine) -> None:
+        """Refuse a bound that no cam of such a follower can keep, or of which no motion speaks."""
         return None
 
-    def check_load(
-        self,
-        load: Load | None,
-        follower: Follower,
-        segments: Sequence[PlacedSegment],
-        position: int,
-    ) -> None:
+    def check_load(self, segments: Segments, machine: Machine, position: int) -> None:
         """Refuse a bound on a force for which the load is missing or incomplete.
 
         Args:
             position: index of the limit in the spec, for the message.
         """
-        return None
-
-    def check_motion(self, segments: Sequence[PlacedSegment], machine: Machine) -> None:
-        """Refuse a bound that has no meaning for such a program at such a speed."""
         return None
 
     # -- the forms -------------------------------------------------------------------------------
@@ -163,15 +154,11 @@ class Limit(BaseModel, ABC):
         """Linear inequalities on one segment; where the limit is not linear, those it implies."""
         return ()
 
-    def norm_bounds(
-        self, segments: Sequence[PlacedSegment], machine: Machine
-    ) -> tuple[NormBounds, ...]:
+    def norm_bounds(self, segments: Segments, machine: Machine) -> tuple[NormBounds, ...]:
         """Bounds of norms of the size variables."""
         return ()
 
-    def vibration_bounds(
-        self, segments: Sequence[PlacedSegment], machine: Machine
-    ) -> tuple[VibrationBound, ...]:
+    def vibration_bounds(self, segments: Segments, machine: Machine) -> tuple[VibrationBound, ...]:
         """Bounds of residual amplitudes after runs of segments."""
         return ()
 
@@ -208,13 +195,42 @@ class Limit(BaseModel, ABC):
         return self
 
     @abstractmethod
-    def claims(self, segments: Sequence[PlacedSegment], machine: Machine) -> tuple[Claim, ...]:
+    def claims(self, segments: Segments, machine: Machine) -> tuple[Claim, ...]:
         """The bounds that the certificate has to show on the finished cam."""
+
+    def _claim(
+        self,
+        segments: Segments,
+        bounds: tuple[float | None, float | None],
+        field: str,
+        unit: str,
+        *,
+        name: str = "",
+        label: str = "",
+        quantity: str = "",
+        to_wire: Callable[[float], float | None] = float,
+        indices: tuple[int, ...] | None = None,
+        **more: Any,
+    ) -> Claim:
+        """A claim of this limit.
+
+        Args:
+            bounds: lower and upper, in core units. field: of the limit, that sets them.
+            name, quantity: of the claim and of what is measured, where not the limit's kind.
+            label: of the flank or path that it is about.
+            indices: of the segments; None: all that have an extent.
+            more: as of a ``Claim``.
+        """
+        return Claim(
+            labelled(name or self.kind, label), quantity or self.kind,
+            segment_indices(segments) if indices is None else indices, *bounds, unit,
+            to_wire, f"{self.kind}/{field}", **more,
+        )  # fmt: skip
 
 
 def all_claims(
     limits: Iterable[Limit],
-    segments: Sequence[PlacedSegment],
+    segments: Segments,
     machine: Machine,
     size: tuple[float, ...],
 ) -> list[Claim]:
@@ -245,7 +261,7 @@ def shifting(amount: float) -> Callable[[float], float]:
     return lambda value: value - amount
 
 
-def segment_indices(segments: Sequence[PlacedSegment], *kinds: str) -> tuple[int, ...]:
+def segment_indices(segments: Segments, *kinds: str) -> tuple[int, ...]:
     """Indices of the segments that move so and have an extent (of all if nothing is named)."""
     wanted = set(kinds)
     return tuple(

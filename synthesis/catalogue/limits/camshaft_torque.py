@@ -2,16 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from typing import Annotated, Any, ClassVar, Literal
 
 from pydantic import Field
 
 from synthesis.catalogue.followers.kinematics import pressure_angle_sine_cosine
 from synthesis.catalogue.forces.reduced import MILLI
-from synthesis.catalogue.limits.base import Claim, Machine, scaling, segment_indices
+from synthesis.catalogue.limits.base import Claim, Machine
 from synthesis.catalogue.limits.force import ForceLimit, drive, load_of, transmission
-from synthesis.catalogue.motion import PlacedSegment
+from synthesis.catalogue.motion import PlacedSegment, Segments
 from synthesis.numerics.piecewise import Array
 
 
@@ -36,10 +35,5 @@ class CamshaftTorque(ForceLimit):
         grip = transmission(flank.trace, segment, machine, s, z)
         return power * cosine - grip, -power * cosine - grip
 
-    def claims(self, segments: Sequence[PlacedSegment], machine: Machine) -> tuple[Claim, ...]:
-        return (
-            Claim(
-                self.kind, self.kind, segment_indices(segments), -self.max_n_m, self.max_n_m, "N m",
-                scaling(1.0), f"{self.kind}/max_n_m",
-            ),
-        )  # fmt: skip
+    def claims(self, segments: Segments, machine: Machine) -> tuple[Claim, ...]:
+        return (self._claim(segments, (-self.max_n_m, self.max_n_m), "max_n_m", "N m"),)

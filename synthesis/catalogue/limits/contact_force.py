@@ -2,17 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Sequence
 from typing import Annotated, Any, ClassVar, Literal
 
 from pydantic import Field, model_validator
 from pydantic_core import PydanticCustomError
 
 from synthesis.catalogue.constraints import LinearInequality
-from synthesis.catalogue.followers.base import Follower
-from synthesis.catalogue.followers.flank import Flank, labelled
-from synthesis.catalogue.forces import Load
-from synthesis.catalogue.limits.base import Claim, Machine, scaling, segment_indices
+from synthesis.catalogue.followers.flank import labelled
+from synthesis.catalogue.limits.base import Claim, Machine, scaling
 from synthesis.catalogue.limits.force import (
     SMALL,
     ForceLimit,
@@ -21,7 +18,7 @@ from synthesis.catalogue.limits.force import (
     push_sign,
     transmission,
 )
-from synthesis.catalogue.motion import PlacedSegment
+from synthesis.catalogue.motion import PlacedSegment, Segments
 from synthesis.numerics.piecewise import Array
 
 
@@ -70,15 +67,9 @@ class ContactForce(ForceLimit):
     def rows_incomplete(self) -> bool:
         return self.max_n is not None or bool(self.min_n)
 
-    def check_load(
-        self,
-        load: Load | None,
-        follower: Follower,
-        segments: Sequence[PlacedSegment],
-        position: int,
-    ) -> None:
-        super().check_load(load, follower, segments, position)
-        if load is not None and self.min_n is not None and load.pushed_both_ways(follower):
+    def check_load(self, segments: Segments, machine: Machine, position: int) -> None:
+        super().check_load(segments, machine, position)
+        if self.min_n is not None and load_of(machine).pushed_both_ways:
             raise PydanticCustomError(
                 "never_floats",
                 "limits/{position} asks for contact_force ≥ {value} N, but this closure pushes the "
@@ -87,23 +78,22 @@ class ContactForce(ForceLimit):
             )
 
     def rows(self, segment: PlacedSegment, machine: Machine) -> tuple[LinearInequality, ...]:
-        return tuple(self._rows(segment, machine))
-
-    def _rows(self, segment: PlacedSegment, machine: Machine) -> Iterator[LinearInequality]:
-        load, most = load_of(machine), _grip(machine)
-        by = load.coefficients(machine.omega)
+        load, most, found = load_of(machine), _max_transmission(machine), list[LinearInequality]()
+        s, v, a, j = load.coefficients(machine.omega)
         for flank in machine.follower.flanks:
             if push_sign(flank, machine) < 0:
                 continue
-            least, largest = sorted(flank.side * p for p in load.process_range(segment))
-            still, name = flank.side * load.constant_force, labelled(self.kind, flank.name)
+            side, name = flank.side, labelled(self.kind, flank.name)
+            drive = side * s, side * v, side * a, side * j
+            less = -side * s, -side * v, -side * a, -side * j
+            constant = side * load.constant_force
+            least, largest = sorted(side * p for p in load.process_range(segment))
             if self.max_n is not None and most is not None:
-                upper = most * self.max_n - still - least
-                yield LinearInequality(_scaled(by, flank.side), (), upper, source=f"{name}_max")
+                upper = most * self.max_n - constant - least
+                found.append(LinearInequality(drive, (), upper, source=f"{name}_max"))
             if self.min_n is not None:
-                yield LinearInequality(
-                    _scaled(by, -flank.side), (), still + largest, source=f"{name}_min"
-                )
+                found.append(LinearInequality(less, (), constant + largest, source=f"{name}_min"))
+        return tuple(found)
 
     def smooth_constraints(
         self, segment: PlacedSegment, machine: Machine, theta: Array, s: Any, z: Any
@@ -123,40 +113,24 @@ class ContactForce(ForceLimit):
                 found.append((self.min_n * grip - pressed) / natural)
         return tuple(found)
 
-    def claims(self, segments: Sequence[PlacedSegment], machine: Machine) -> tuple[Claim, ...]:
-        everywhere, found = segment_indices(segments), list[Claim]()
-        for flank in machine.follower.flanks:
-            name, to_wire = labelled(self.kind, flank.name), scaling(float(flank.side))
-            for end, value in (("min", self.min_n), ("max", self.max_n)):
-                if value is None:
-                    continue
-                low, high = _ends(flank, end, value)
-                found.append(
-                    Claim(
-                        f"{name}_{end}", "contact_force", everywhere, low, high, "N", to_wire,
-                        f"{self.kind}/{end}_n", flank.path, flank=flank.name,
-                    )
-                )  # fmt: skip
-        return tuple(found)
+    def claims(self, segments: Segments, machine: Machine) -> tuple[Claim, ...]:
+        # N is measured positive towards the first flank; on the other side its bounds change ends.
+        return tuple(
+            self._claim(
+                segments, (bound, None) if (end == "min") == (flank.side > 0) else (None, bound),
+                f"{end}_n", "N", name=f"{labelled(self.kind, flank.name)}_{end}",
+                to_wire=scaling(float(flank.side)), path=flank.path, flank=flank.name,
+            )
+            for flank in machine.follower.flanks
+            for end, value in (("min", self.min_n), ("max", self.max_n))
+            if value is not None
+            for bound in [flank.side * value]
+        )  # fmt: skip
 
 
-def _ends(flank: Flank, end: str, value: float) -> tuple[float | None, float | None]:
-    """Lower and upper bound of N in the sense in which it is measured, + on the first side."""
-    bound = flank.side * value
-    return (bound, None) if (end == "min") == (flank.side > 0) else (None, bound)
-
-
-def _scaled(
-    by: tuple[float, float, float, float], factor: int
-) -> tuple[float, float, float, float]:
-    s, v, a, j = (factor * each for each in by)
-    return s, v, a, j
-
-
-def _grip(machine: Machine) -> float | None:
+def _max_transmission(machine: Machine) -> float | None:
     """The largest that λ cos α − friction can be; None where that is not known beforehand."""
-    follower, load = machine.follower, load_of(machine)
+    follower, friction = machine.follower, load_of(machine).friction
     if follower.always_convex and follower.travel.unit == "deg":
         return None
-    friction: Callable[[float], Any] | None = load.friction.effective if load.friction else None
-    return 1.0 if friction is None else float((1.0 + friction(0.0) ** 2) ** 0.5)
+    return 1.0 if friction is None else float((1.0 + friction.effective(0.0) ** 2) ** 0.5)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator
 from dataclasses import replace
 from typing import Annotated, Any, ClassVar, Literal
 
@@ -11,8 +11,8 @@ from pydantic import Field
 from synthesis.catalogue.constraints import LinearInequality
 from synthesis.catalogue.followers.base import Follower
 from synthesis.catalogue.followers.flank import Flank
-from synthesis.catalogue.limits.base import Claim, Limit, Machine, segment_indices, shifting
-from synthesis.catalogue.motion import PlacedSegment
+from synthesis.catalogue.limits.base import Claim, Limit, Machine, shifting
+from synthesis.catalogue.motion import PlacedSegment, Segments
 from synthesis.numerics.piecewise import Array
 
 
@@ -53,21 +53,14 @@ class CounterBaseRadius(Limit):
             found.append((least * least - square) / (least * least + square))
         return tuple(found)
 
-    def claims(self, segments: Sequence[PlacedSegment], machine: Machine) -> tuple[Claim, ...]:
+    def claims(self, segments: Segments, machine: Machine) -> tuple[Claim, ...]:
         return tuple(
-            Claim(
-                limit=self.kind,
-                quantity="pitch_radius",
-                segments=segment_indices(segments),
-                lower=flank.distance + self.min_mm,
-                upper=None,
-                unit="mm",
-                to_wire=shifting(flank.distance),
-                field=f"{self.kind}/min_mm",
-                path=flank.path,
+            self._claim(
+                segments, (flank.distance + self.min_mm, None), "min_mm", "mm",
+                quantity="pitch_radius", to_wire=shifting(flank.distance), path=flank.path,
             )
             for flank in _counters(machine)
-        )
+        )  # fmt: skip
 
 
 def _counters(machine: Machine) -> Iterator[Flank]:

@@ -2,16 +2,16 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator
 from dataclasses import replace
 from typing import Annotated, Any, ClassVar, Literal
 
 from pydantic import Field
 
 from synthesis.catalogue.followers.curvature_bound import CurvatureBound
-from synthesis.catalogue.followers.flank import Flank, labelled
-from synthesis.catalogue.limits.base import Claim, Limit, Machine, segment_indices
-from synthesis.catalogue.motion import PlacedSegment
+from synthesis.catalogue.followers.flank import Flank, curvature_measure, labelled
+from synthesis.catalogue.limits.base import Claim, Limit, Machine
+from synthesis.catalogue.motion import PlacedSegment, Segments
 from synthesis.numerics.piecewise import Array
 
 
@@ -59,23 +59,12 @@ class CutterRadius(Limit):
             found.append(-(bend / speed_squared + speed) / (speed + radius))
         return tuple(found)
 
-    def claims(self, segments: Sequence[PlacedSegment], machine: Machine) -> tuple[Claim, ...]:
+    def claims(self, segments: Segments, machine: Machine) -> tuple[Claim, ...]:
         return tuple(
-            _claim(flank, radius, segment_indices(segments))
-            for flank, radius in self._hollows(machine)
-        )
-
-
-def _claim(flank: Flank, radius: float, everywhere: tuple[int, ...]) -> Claim:
-    """The flank's sharpest hollow lets the cutter in."""
-    side, distance, sharpest = flank.side, flank.distance, -flank.side / radius
-
-    def to_wire(curvature: float) -> float | None:
-        bend = side * curvature
-        return distance - 1.0 / bend if bend < 0.0 else None
-
-    low, high = (sharpest, None) if side > 0 else (None, sharpest)
-    return Claim(
-        labelled("cutter_radius", flank.name), "pitch_curvature", everywhere, low, high, "mm",
-        to_wire, "cutter_radius/radius_mm", flank.path,
-    )  # fmt: skip
+            self._claim(
+                segments, (found.lower, found.upper), "radius_mm", "mm", label=flank.name,
+                quantity=found.quantity, to_wire=found.to_wire, path=flank.path,
+            )
+            for flank, _ in self._hollows(machine)
+            for found in [curvature_measure(flank, self.radius_mm, -1)]
+        )  # fmt: skip

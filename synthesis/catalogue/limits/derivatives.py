@@ -3,15 +3,14 @@
 from __future__ import annotations
 
 from abc import ABC
-from collections.abc import Sequence
 from typing import Annotated, ClassVar, Literal, Self
 
 from pydantic import Field, model_validator
 from pydantic_core import PydanticCustomError
 
 from synthesis.catalogue.constraints import LinearInequality, derivative
-from synthesis.catalogue.limits.base import Claim, Limit, Machine, scaling, segment_indices
-from synthesis.catalogue.motion import PlacedSegment
+from synthesis.catalogue.limits.base import Claim, Limit, Machine, scaling
+from synthesis.catalogue.motion import PlacedSegment, Segments
 
 Largest = Annotated[float, Field(gt=0.0, le=1e30)] | None
 
@@ -71,14 +70,10 @@ class DerivativeLimit(TravelLimit, ABC):
         )
         return up, down
 
-    def claims(self, segments: Sequence[PlacedSegment], machine: Machine) -> tuple[Claim, ...]:
-        factor = machine.wire_factor(self.order)
-        largest, path = self.bound / factor, f"{self.kind}/{self.field}"
-        claim = Claim(
-            self.kind, self.kind, segment_indices(segments), -largest, largest,
-            machine.derivative_unit(self.order), scaling(factor), path,
-        )  # fmt: skip
-        return (claim,)
+    def claims(self, segments: Segments, machine: Machine) -> tuple[Claim, ...]:
+        factor, unit = machine.wire_factor(self.order), machine.derivative_unit(self.order)
+        bounds = -self.bound / factor, self.bound / factor
+        return (self._claim(segments, bounds, self.field, unit, to_wire=scaling(factor)),)
 
 
 class Velocity(DerivativeLimit):

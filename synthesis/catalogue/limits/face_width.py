@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator
 from dataclasses import replace
 from typing import Annotated, ClassVar, Literal
 
@@ -12,8 +12,8 @@ from pydantic_core import PydanticCustomError
 from synthesis.catalogue.constraints import LinearInequality, NonconvexConstraint
 from synthesis.catalogue.followers.base import Follower
 from synthesis.catalogue.followers.flat_face import FlatFaceFollower, flat_face
-from synthesis.catalogue.limits.base import Claim, Limit, Machine, scaling, segment_indices
-from synthesis.catalogue.motion import PlacedSegment
+from synthesis.catalogue.limits.base import Claim, Limit, Machine, scaling
+from synthesis.catalogue.motion import PlacedSegment, Segments
 
 Width = Annotated[float, Field(gt=0.0, le=1e9)]
 
@@ -91,24 +91,22 @@ class FaceWidth(Limit):
             for constraint in face.contact_constraints(end, reach)
         )
 
-    def claims(self, segments: Sequence[PlacedSegment], machine: Machine) -> tuple[Claim, ...]:
-        everywhere, found = segment_indices(segments), list[Claim]()
+    def claims(self, segments: Segments, machine: Machine) -> tuple[Claim, ...]:
+        found = list[Claim]()
         if self.width_mm is not None:
-            half = 0.5 * self.width_mm
+            half, field = 0.5 * self.width_mm, "width_mm"
             found.append(
-                Claim(
-                    "face_width", "contact", everywhere, -half, half, "mm", scaling(2.0),
-                    "face_width/width_mm",
+                self._claim(
+                    segments, (-half, half), field, "mm", quantity="contact", to_wire=scaling(2.0)
                 )
-            )  # fmt: skip
+            )
         for end, reach in self._ends():
             # left counts the other way; near is where the face begins
             quantity = "contact_left" if end == "left" else "contact"
-            low, high = (reach, None) if end == "near" else (None, reach)
+            bounds = (reach, None) if end == "near" else (None, reach)
             found.append(
-                Claim(
-                    f"face_{end}", quantity, everywhere, low, high, "mm", scaling(1.0),
-                    f"face_width/{end}_mm",
+                self._claim(
+                    segments, bounds, f"{end}_mm", "mm", name=f"face_{end}", quantity=quantity
                 )
-            )  # fmt: skip
+            )
         return tuple(found)

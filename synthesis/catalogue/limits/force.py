@@ -3,18 +3,16 @@
 from __future__ import annotations
 
 from abc import ABC
-from collections.abc import Sequence
 from typing import Any, ClassVar
 
 import numpy as np
 from pydantic_core import PydanticCustomError
 
-from synthesis.catalogue.followers.base import Follower
 from synthesis.catalogue.followers.flank import Flank
 from synthesis.catalogue.followers.kinematics import TracePoint, pressure_angle_sine_cosine
-from synthesis.catalogue.forces import Load, ReducedLoad
+from synthesis.catalogue.forces import ReducedLoad
 from synthesis.catalogue.limits.base import Limit, Machine
-from synthesis.catalogue.motion import PlacedSegment
+from synthesis.catalogue.motion import PlacedSegment, Segments
 from synthesis.numerics.piecewise import Array
 
 SMALL = 1e-300  # keeps a quotient finite where its denominator may be 0
@@ -25,14 +23,8 @@ class ForceLimit(Limit, ABC):
 
     needs_load: ClassVar[bool] = True
 
-    def check_load(
-        self,
-        load: Load | None,
-        follower: Follower,
-        segments: Sequence[PlacedSegment],
-        position: int,
-    ) -> None:
-        if load is None:
+    def check_load(self, segments: Segments, machine: Machine, position: int) -> None:
+        if machine.load is None:
             raise PydanticCustomError(
                 "limit_needs_load",
                 "limits/{position} is {limit}, but the spec gives no load on the follower. "

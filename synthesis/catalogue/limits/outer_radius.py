@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator
 from dataclasses import replace
 from typing import Annotated, Any, ClassVar, Literal
 
@@ -10,11 +10,11 @@ from pydantic import Field
 from pydantic_core import PydanticCustomError
 
 from synthesis.catalogue.constraints import LinearInequality, NonconvexConstraint, NormBounds
-from synthesis.catalogue.followers.base import Follower, paths
+from synthesis.catalogue.followers.base import paths
 from synthesis.catalogue.followers.flank import edge_offset, labelled
 from synthesis.catalogue.followers.kinematics import TracePoint
-from synthesis.catalogue.limits.base import Claim, Limit, Machine, segment_indices, shifting
-from synthesis.catalogue.motion import PlacedSegment
+from synthesis.catalogue.limits.base import Claim, Limit, Machine, shifting
+from synthesis.catalogue.motion import PlacedSegment, Segments
 from synthesis.numerics.piecewise import Array
 
 
@@ -30,8 +30,8 @@ class OuterRadius(Limit):
     title: ClassVar[str] = "Largest radius of the profile"
     max_mm: Annotated[float, Field(gt=0.0, le=1e9, description="Largest radius of the profile.")]
 
-    def check(self, follower: Follower) -> None:
-        alone = follower.without_free_counter()
+    def check(self, segments: Segments, machine: Machine) -> None:
+        alone = machine.follower.without_free_counter()
         for path in paths(alone):
             gap = edge_offset(alone.flanks, path)
             if self.max_mm + gap <= 0.0:
@@ -43,9 +43,7 @@ class OuterRadius(Limit):
                     {"value": self.max_mm, "gap": -gap},
                 )
 
-    def norm_bounds(
-        self, segments: Sequence[PlacedSegment], machine: Machine
-    ) -> tuple[NormBounds, ...]:
+    def norm_bounds(self, segments: Segments, machine: Machine) -> tuple[NormBounds, ...]:
         highest = max(segment.max_displacement for segment in segments)
         return tuple(
             NormBounds(
@@ -86,21 +84,14 @@ class OuterRadius(Limit):
                 found.append((x * x + y * y) / (self.max_mm + gap) ** 2 - 1.0)
         return tuple(found)
 
-    def claims(self, segments: Sequence[PlacedSegment], machine: Machine) -> tuple[Claim, ...]:
+    def claims(self, segments: Segments, machine: Machine) -> tuple[Claim, ...]:
         return tuple(
-            Claim(
-                labelled("outer_radius", path),
-                "pitch_radius",
-                segment_indices(segments),
-                None,
-                self.max_mm + gap,
-                "mm",
-                shifting(gap),
-                "outer_radius/max_mm",
-                path,
+            self._claim(
+                segments, (None, self.max_mm + gap), "max_mm", "mm", label=path,
+                quantity="pitch_radius", to_wire=shifting(gap), path=path,
             )
             for path, trace, gap in _edges(machine)
-        )
+        )  # fmt: skip
 
 
 def _overshoots(segment: PlacedSegment) -> bool:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import replace
 from math import inf, tan
 from typing import Annotated, Any, ClassVar, Literal
@@ -15,7 +14,7 @@ from synthesis.catalogue.followers.base import paths
 from synthesis.catalogue.followers.flank import labelled
 from synthesis.catalogue.followers.kinematics import pressure_angle_sine_cosine
 from synthesis.catalogue.limits.base import Claim, Limit, Machine, scaling, segment_indices
-from synthesis.catalogue.motion import PlacedSegment, Sense
+from synthesis.catalogue.motion import PlacedSegment, Segments, Sense
 from synthesis.numerics.piecewise import Array
 from synthesis.units import DEGREE
 
@@ -70,13 +69,11 @@ class PressureAngle(Limit):
     def smooth_constraints(
         self, segment: PlacedSegment, machine: Machine, theta: Array, s: Any, z: Any
     ) -> tuple[Any, ...]:
-        """What is curved, and of counter rollers that say nothing in rows |n × g| ≤ t n · g."""
-        curves = self.nonconvex(segment, machine)
-        companions = machine.follower.active_closure.counter_paths
-        found: list[Any] = [value for curve in curves for value in curve.excess(s, z)]
-        limits = [self._largest(kind) for kind in segment.senses] if companions else []
+        """What is curved, and of counter rollers that have no rows: |n × g| ≤ t n · g."""
+        found = list(super().smooth_constraints(segment, machine, theta, s, z))
+        limits = (self._largest(kind) for kind in segment.senses)
         slope = min((tan(largest) for largest in limits if largest is not None), default=inf)
-        for label in companions:
+        for label in machine.follower.active_closure.counter_paths:
             path = paths(machine.follower)[label]
             if slope == inf or path.pressure_angle_rows(slope):
                 continue
@@ -94,22 +91,15 @@ class PressureAngle(Limit):
             for curve in machine.follower.pressure_angle_constraints(tan(largest))
         )
 
-    def claims(self, segments: Sequence[PlacedSegment], machine: Machine) -> tuple[Claim, ...]:
+    def claims(self, segments: Segments, machine: Machine) -> tuple[Claim, ...]:
         kinds: tuple[Sense, ...] = ("rise", "return", "dwell")
         return tuple(
-            Claim(
-                labelled(f"pressure_angle_{kind}", path),
-                "pressure_angle",
-                moving,
-                -largest,
-                largest,
-                "deg",
-                scaling(1.0 / DEGREE),
-                f"pressure_angle/{kind}_deg",
-                path,
+            self._claim(
+                segments, (-largest, largest), f"{kind}_deg", "deg", name=f"pressure_angle_{kind}",
+                label=path, to_wire=scaling(1.0 / DEGREE), path=path, indices=moving,
             )
             for path in paths(machine.follower)
             for kind in kinds
             if (largest := self._largest(kind)) is not None
             and (moving := segment_indices(segments, kind))
-        )
+        )  # fmt: skip

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import replace
 from typing import Annotated, Any, ClassVar, Literal
 
@@ -11,8 +10,8 @@ from pydantic import Field
 from synthesis.catalogue.constraints import LinearInequality, NonconvexConstraint
 from synthesis.catalogue.followers.curvature_bound import CurvatureBound
 from synthesis.catalogue.followers.flank import labelled, profile_radius_measure
-from synthesis.catalogue.limits.base import Claim, Limit, Machine, segment_indices
-from synthesis.catalogue.motion import PlacedSegment
+from synthesis.catalogue.limits.base import Claim, Limit, Machine
+from synthesis.catalogue.motion import PlacedSegment, Segments
 from synthesis.numerics.piecewise import Array
 
 
@@ -66,11 +65,9 @@ class ProfileRadius(Limit):
     def smooth_constraints(
         self, segment: PlacedSegment, machine: Machine, theta: Array, s: Any, z: Any
     ) -> tuple[Any, ...]:
-        curves = self.nonconvex(segment, machine)
-        if curves:
-            return tuple(value for curve in curves for value in curve.excess(s, z))
-        if self.rows(segment, machine):
-            return ()
+        curved = super().smooth_constraints(segment, machine, theta, s, z)
+        if curved or self.rows(segment, machine):
+            return curved
         found = []
         for flank in machine.follower.flanks:
             smallest = flank.distance + self.min_mm
@@ -80,23 +77,13 @@ class ProfileRadius(Limit):
                 found.append(flank.side * smallest * numerator / speed_squared**1.5 - 1.0)
         return tuple(found)
 
-    def claims(self, segments: Sequence[PlacedSegment], machine: Machine) -> tuple[Claim, ...]:
-        measures = (
-            (flank, profile_radius_measure(flank, self.min_mm, machine.follower.always_convex))
-            for flank in machine.follower.flanks
-        )
+    def claims(self, segments: Segments, machine: Machine) -> tuple[Claim, ...]:
+        convex = machine.follower.always_convex
         return tuple(
-            Claim(
-                labelled("profile_radius", flank.name),
-                found.quantity,
-                segment_indices(segments),
-                found.lower,
-                found.upper,
-                "mm",
-                found.to_wire,
-                "profile_radius/min_mm",
-                flank.path,
+            self._claim(
+                segments, (found.lower, found.upper), "min_mm", "mm", label=flank.name,
+                quantity=found.quantity, to_wire=found.to_wire, path=flank.path,
             )
-            for flank, found in measures
-            if found is not None
-        )
+            for flank in machine.follower.flanks
+            if (found := profile_radius_measure(flank, self.min_mm, convex)) is not None
+        )  # fmt: skip

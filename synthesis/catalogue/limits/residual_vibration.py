@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from typing import Annotated, ClassVar, Literal
 
 from pydantic import Field
@@ -11,11 +10,11 @@ from pydantic_core import PydanticCustomError
 from synthesis.catalogue.constraints import VibrationBound
 from synthesis.catalogue.limits.base import Claim, Machine, scaling
 from synthesis.catalogue.limits.derivatives import TravelLimit
-from synthesis.catalogue.motion import PlacedSegment
+from synthesis.catalogue.motion import Segments
 from synthesis.units import FULL_TURN
 
 SPARE = 1e-9  # of the stroke: what rounding leaves of an amplitude that is to be none
-PER_TURN = (0.01, 5000.0)  # swings of the train in one turn of the cam
+PER_TURN = (0.01, 5000.0)  # swings of the train in one turn: fewer or more are wrong units
 Amplitude = Annotated[float, Field(ge=0.0, le=1e30)] | None
 
 
@@ -46,7 +45,7 @@ class ResidualVibration(TravelLimit):
     )
     max_deg: Amplitude = Field(None, description="The same of an arm.")
 
-    def check_motion(self, segments: Sequence[PlacedSegment], machine: Machine) -> None:
+    def check(self, segments: Segments, machine: Machine) -> None:
         swings = self.natural_frequency_hz * FULL_TURN / machine.omega
         if not PER_TURN[0] <= swings <= PER_TURN[1]:
             raise PydanticCustomError(
@@ -65,9 +64,7 @@ class ResidualVibration(TravelLimit):
                 {},
             )
 
-    def vibration_bounds(
-        self, segments: Sequence[PlacedSegment], machine: Machine
-    ) -> tuple[VibrationBound, ...]:
+    def vibration_bounds(self, segments: Segments, machine: Machine) -> tuple[VibrationBound, ...]:
         frequency = self.natural_frequency_hz * FULL_TURN / machine.omega
         largest = self.bound / machine.wire_factor(0)
         return tuple(
@@ -75,21 +72,20 @@ class ResidualVibration(TravelLimit):
             for run in runs_between_dwells(segments)
         )
 
-    def claims(self, segments: Sequence[PlacedSegment], machine: Machine) -> tuple[Claim, ...]:
-        rings = self.vibration_bounds(segments, machine)
-        moving = tuple(sorted(index for ring in rings for index in ring.run))
+    def claims(self, segments: Segments, machine: Machine) -> tuple[Claim, ...]:
+        bounds = self.vibration_bounds(segments, machine)
+        moving = tuple(sorted(index for bound in bounds for index in bound.run))
         levels = [level for s in segments for level in (s.s_start, s.s_end)]
         spare = SPARE * (max(levels) - min(levels)) if self.bound == 0.0 else 0.0
-        to_wire = machine.wire_factor(0)
-        claim = Claim(
-            self.kind, self.kind, moving, None, self.bound / to_wire + spare,
-            machine.derivative_unit(0), scaling(to_wire), f"{self.kind}/{self.field}",
-            vibration=rings,
+        factor, unit = machine.wire_factor(0), machine.derivative_unit(0)
+        claim = self._claim(
+            segments, (None, self.bound / factor + spare), self.field, unit,
+            to_wire=scaling(factor), indices=moving, vibration=bounds,
         )  # fmt: skip
         return (claim,)
 
 
-def runs_between_dwells(segments: Sequence[PlacedSegment]) -> tuple[tuple[int, ...], ...]:
+def runs_between_dwells(segments: Segments) -> tuple[tuple[int, ...], ...]:
     """Indices of the segments between two dwells, run by run in the order of their dwells.
 
     None where there is no dwell. Segments of no angle do not count.

@@ -3,16 +3,13 @@
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
-from collections.abc import Sequence
 from typing import ClassVar
 
 from pydantic import BaseModel, ConfigDict
 
 from synthesis.catalogue.constraints import AffineNorm, LinearInequality
-from synthesis.catalogue.followers.base import Follower
-from synthesis.catalogue.forces import Load
 from synthesis.catalogue.limits.base import Limit, Machine
-from synthesis.catalogue.motion import PlacedSegment
+from synthesis.catalogue.motion import PlacedSegment, Segments
 
 
 class Objective(BaseModel, ABC):
@@ -25,7 +22,7 @@ class Objective(BaseModel, ABC):
         title: for people.
         quantity: what ``certify`` measures, in core units (mm, per radian, tan α).
         wire_name: name of its value on the wire, with the unit; see ``name_on_wire``.
-        fractional: its rows hold for one trial ``level`` at a time (quasi-convex).
+        quasiconvex: its rows hold for one trial ``level`` at a time (quasi-convex).
     """
 
     model_config = ConfigDict(frozen=True, extra="forbid")
@@ -36,13 +33,7 @@ class Objective(BaseModel, ABC):
     wire_name: ClassVar[str]
     quasiconvex: ClassVar[bool] = False
 
-    def check_load(
-        self,
-        load: Load | None,
-        follower: Follower,
-        segments: Sequence[PlacedSegment],
-        position: int,
-    ) -> None:
+    def check_load(self, segments: Segments, machine: Machine, position: int) -> None:
         """Refuse an objective about forces for which the load is missing or incomplete."""
         return None
 
@@ -61,7 +52,7 @@ class Objective(BaseModel, ABC):
 
         Args:
             segment: where. machine: the machine.
-            level: trial value, only of use where ``fractional``: there the rows bound by P how
+            level: trial value, only of use where ``quasiconvex``: there the rows bound by P how
                 much the trial level is exceeded.
         """
         return ()

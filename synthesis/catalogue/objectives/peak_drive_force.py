@@ -2,16 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
 from typing import ClassVar, Literal
 
 from pydantic_core import PydanticCustomError
 
 from synthesis.catalogue.constraints import LinearInequality
-from synthesis.catalogue.followers import Follower
-from synthesis.catalogue.forces import Load
 from synthesis.catalogue.limits.base import Machine
-from synthesis.catalogue.motion import PlacedSegment
+from synthesis.catalogue.motion import PlacedSegment, Segments
 from synthesis.catalogue.objectives.base import Objective
 from synthesis.units import DEGREE
 
@@ -29,23 +26,16 @@ class PeakDriveForce(Objective):
     quantity: ClassVar[str] = "drive_force"
     wire_name: ClassVar[str] = "peak_drive_force_n"
 
-    def check_load(
-        self,
-        load: Load | None,
-        follower: Follower,
-        segments: Sequence[PlacedSegment],
-        position: int,
-    ) -> None:
-        if load is None:
+    def check_load(self, segments: Segments, machine: Machine, position: int) -> None:
+        if machine.load is None:
             raise PydanticCustomError(
                 "objective_needs_load",
                 "peak_drive_force is to be small, but the spec gives no load on the follower. "
                 "Give load, or choose another objective.",
                 {},
             )
-        process = load.reduced(follower, 1.0)
         for segment in segments:
-            low, high = process.process_range(segment)
+            low, high = machine.load.process_range(segment)
             if segment.kind != "dwell" and segment.angle > 0.0 and low != high:
                 raise PydanticCustomError(
                     "process_not_steady",
@@ -59,17 +49,14 @@ class PeakDriveForce(Objective):
     def rows(
         self, segment: PlacedSegment, machine: Machine, level: float
     ) -> tuple[LinearInequality, ...]:
-        return tuple(self._rows(segment, machine))
-
-    def _rows(self, segment: PlacedSegment, machine: Machine) -> Iterator[LinearInequality]:
-        load = machine.load
+        load, found = machine.load, list[LinearInequality]()
         assert load is not None
         s, v, a, j = load.coefficients(machine.omega)
         for side in (1, -1) if load.pushed_both_ways else (load.side,):
             process = max(side * end for end in load.process_range(segment))
-            still = side * load.constant_force + process
-            by = (side * s, side * v, side * a, side * j)
-            yield LinearInequality(by, (), -still, level=-1.0, source=self.kind)
+            upper, drive = -(side * load.constant_force + process), (side * s, side * v, side * a)
+            found.append(LinearInequality((*drive, side * j), (), upper, -1.0, self.kind))
+        return tuple(found)
 
     def name_on_wire(self, machine: Machine) -> str:
         return self.wire_name if machine.follower.travel.unit == "mm" else "peak_drive_moment_n_m"
