@@ -3,28 +3,24 @@
 from __future__ import annotations
 
 import json
-from dataclasses import replace
 from typing import Any
 
 import numpy as np
 
 from synthesis.design.design import Design
-from synthesis.exporters.animations.panels import DIAGRAMS, MACHINE, Panels, cam_scene
-from synthesis.exporters.animations.scene import Scene, reading
+from synthesis.exporters.animations.cam_scene import cam_scene
+from synthesis.exporters.animations.scene import DIAGRAMS, MACHINE, Scene
 from synthesis.exporters.drawing import canvas as svg
 from synthesis.exporters.drawing import html
 from synthesis.exporters.drawing.picture_options import PictureOptions
 from synthesis.exporters.drawing.theme import Theme, style
 from synthesis.exporters.exporter import Exporter
 from synthesis.exporters.figures.machine import Moving
-from synthesis.exporters.samples.cam import Cam
 from synthesis.numerics.piecewise import Array
-from synthesis.units import DEGREE
 
 FRAMES = 720
 STRAIGHT = 1e-9  # what departs less from a straight line is one
 SHOWN_RPM = 8  # speed on the screen at first
-Reading = dict[str, Any]
 
 CONTROLS = f"""<div class="controls" role="group" aria-label="Controls">
 <button type="button" id="play">Pause</button>
@@ -41,9 +37,7 @@ step by 1&#176;, with <kbd>Shift</kbd> by 10&#176;, <kbd>Home</kbd> goes to 0&#1
 
 
 def _page(design: Design, options: PictureOptions) -> bytes:
-    panels = Panels.of(design, FRAMES)
-    scene = cam_scene(design, FRAMES, panels)
-    return paged(replace(scene, readings=_readings(design, panels)), options.theme)
+    return paged(cam_scene(design, FRAMES), options.theme)
 
 
 def paged(scene: Scene, theme: Theme) -> bytes:
@@ -87,27 +81,6 @@ def _told(scene: Scene) -> str:
         for title, name, unit in rows
     ]
     return "<dl>" + "".join(told) + "</dl>"
-
-
-def _readings(design: Design, panels: Panels) -> list[Reading]:
-    """Numbers that follow the motion, over one turn."""
-    cam, machine = Cam.of(design), panels.stage.mechanism
-    s = cam.motion.derivatives(machine.theta, 2)
-    curve = machine.contacts[0].curve
-    named = [
-        ("s", "Displacement", cam.travel.derivative_unit(0), machine.s),
-        ("v", "Velocity", cam.travel.derivative_unit(1), s[1] * cam.rate(1)),
-        ("a", "Acceleration", cam.travel.derivative_unit(2), s[2] * cam.rate(2)),
-        ("alpha", "Pressure angle", "deg", curve.pressure_angle / DEGREE),
-        ("radius", "Profile radius", "mm", curve.radius),
-    ]
-    return [_reading(name, title, unit, values) for name, title, unit, values in named]
-
-
-def _reading(name: str, title: str, unit: str, values: Array) -> Reading:
-    finite = np.abs(values[np.isfinite(values) & (np.abs(values) < 1e6)])
-    size = float(np.median(finite)) if name == "radius" else float(finite.max(initial=0.0))
-    return reading(name, title, unit, values, size)
 
 
 def told_part(part: Moving, decimals: int) -> dict[str, Any]:

@@ -12,8 +12,8 @@ from dataclasses import replace
 import numpy as np
 
 from synthesis.design.design import Design
-from synthesis.exporters.animations.panels import DIAGRAMS, EDGE, MACHINE, cam_scene
-from synthesis.exporters.animations.scene import TURN_S, Scene
+from synthesis.exporters.animations.cam_scene import cam_scene
+from synthesis.exporters.animations.scene import DIAGRAMS, EDGE, MACHINE, TURN_S, Scene
 from synthesis.exporters.drawing import canvas as svg
 from synthesis.exporters.drawing.picture_options import PictureOptions
 from synthesis.exporters.drawing.theme import Theme

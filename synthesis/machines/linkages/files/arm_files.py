@@ -11,8 +11,7 @@ from typing import Any
 import numpy as np
 
 from synthesis.exporters.animations.animation_page import tag
-from synthesis.exporters.animations.panels import EDGE
-from synthesis.exporters.animations.scene import TURN_S, Scene
+from synthesis.exporters.animations.scene import EDGE, TURN_S, Scene
 from synthesis.exporters.diagrams.plot import curve_plot
 from synthesis.exporters.drawing import canvas as svg
 from synthesis.exporters.drawing.heading import two_lines

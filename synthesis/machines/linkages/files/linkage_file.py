@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -12,26 +12,22 @@ import numpy as np
 from synthesis.exporters.animations.animation_page import FRAMES as PAGE_FRAMES
 from synthesis.exporters.animations.animation_page import paged
 from synthesis.exporters.animations.animation_svg import FRAMES, drawn
-from synthesis.exporters.animations.panels import (
+from synthesis.exporters.animations.scene import (
     DIAGRAMS,
     EDGE,
-    GAP,
-    HEIGHT,
-    LEFT,
     MACHINE,
-    RIGHT,
-    TOP,
+    Body,
+    Scene,
+    reading,
+    traced_diagrams,
 )
-from synthesis.exporters.animations.scene import Body, Scene, grouped, reading
-from synthesis.exporters.diagrams.diagram import Frame, diagram, ranged
+from synthesis.exporters.diagrams.diagram import Frame
 from synthesis.exporters.diagrams.plot import Plot
-from synthesis.exporters.diagrams.sheet import angle_axis
-from synthesis.exporters.drawing import canvas as svg
 from synthesis.exporters.drawing.heading import two_lines
 from synthesis.exporters.drawing.picture_options import PictureOptions
 from synthesis.exporters.drawing.theme import lines
 from synthesis.exporters.exporter import FileFormat
-from synthesis.exporters.figures.machine import Moving, Tag
+from synthesis.exporters.figures.machine import Moving
 from synthesis.exporters.figures.parts import Box, placed, scale_in
 from synthesis.exporters.options import Options
 from synthesis.numerics.piecewise import Array
@@ -120,31 +116,8 @@ def linkage_scene(
         grounds: background of a diagram. texts: other fields of the scene.
     """
     extent, parts, shapes = machine
-    plots = [replace(plot, ends=()) for plot in plots]
-    frames = [
-        ranged(Frame(LEFT, TOP + k * (HEIGHT + GAP), DIAGRAMS[0] - LEFT - RIGHT, HEIGHT), plot)
-        for k, plot in enumerate(plots)
-    ]
-    across = frames[0].x(plots[0].curve.degrees)
-    bottom = frames[-1].top + frames[-1].height
-    # A cursor over all diagrams, and a point on each.
-    shown = {"cursor": (0.0 * across, svg.line("phase", 0.0, TOP, 0.0, bottom))}
-    for k, (frame, plot) in enumerate(zip(frames, plots, strict=True)):
-        shown[f"dot{k}"] = frame.y(plot.curve.values), svg.circle("mark", 0.0, 0.0, 1.3)
-    points = [
-        Moving(part, "shift", np.stack([across, height], axis=1))
-        for part, (height, _) in shown.items()
-    ]
-
-    def diagrams(tag: Tag) -> list[str]:
-        body: list[str] = []
-        for frame, plot in zip(frames, plots, strict=True):
-            body += [*grounds(frame), *diagram(plot, frame)]
-        body += angle_axis(frames[-1], every=60, name=texts["shaft"])
-        for part, (_, shape) in shown.items():
-            body += grouped(part, tag, points, [shape])
-        return body
-
+    first, values = plots[0].curve, [plot.curve.values for plot in plots]
+    points, diagrams = traced_diagrams(plots, first.degrees, values, grounds, texts["shaft"])
     name = found.name.strip() or title
     return Scene(
         name=name,

@@ -1,0 +1,101 @@
+"""A cam in motion: the machine, two diagrams with moving points, and numbers that follow."""
+
+from __future__ import annotations
+
+from functools import partial
+
+import numpy as np
+
+from synthesis.design.design import Design
+from synthesis.exporters.animations.scene import (
+    DIAGRAMS,
+    EDGE,
+    GAP,
+    HEIGHT,
+    MACHINE,
+    TOP,
+    Reading,
+    Scene,
+    lasting,
+    reading,
+    traced_diagrams,
+)
+from synthesis.exporters.diagrams.contact import DRAWN, pressure_plot
+from synthesis.exporters.diagrams.motion import motion_plot
+from synthesis.exporters.diagrams.readings import QUANTITIES, bounds
+from synthesis.exporters.diagrams.sheet import grounds
+from synthesis.exporters.drawing import canvas as svg
+from synthesis.exporters.drawing.heading import about, heading
+from synthesis.exporters.drawing.theme import lines
+from synthesis.exporters.figures.machine import Stage
+from synthesis.exporters.samples.cam import Cam
+from synthesis.numerics.piecewise import Array
+from synthesis.units import DEGREE
+
+LEGEND = (
+    ("line circle", "base circle"),
+    ("line pitch", "path of the roller's centre"),
+    ("line normal", "common normal"),
+    ("line front", "follower is driven this way"),
+)
+
+
+def cam_scene(design: Design, count: int) -> Scene:
+    """A cam in motion, at ``count`` + 1 angles."""
+    cam, shaft = Cam.of(design), "Cam angle"
+    stage = Stage.of(cam, design.dimensions["base_radius_mm"], count)
+    machine = stage.mechanism
+    pressure_angle = machine.contacts[0].curve.pressure_angle / DEGREE
+    points, diagrams = traced_diagrams(
+        (
+            motion_plot(cam, QUANTITIES[0], DRAWN, bounds(design, QUANTITIES[0])),
+            pressure_plot(design, cam),
+        ),
+        machine.theta / DEGREE,
+        (machine.s, pressure_angle),
+        partial(grounds, design.motion),
+        shaft,
+    )
+    s = cam.motion.derivatives(machine.theta, 2)
+    units = [cam.travel.derivative_unit(order) for order in range(3)]
+    return Scene(
+        name=design.name.strip(),
+        about=about(design),
+        key=design.id,
+        heading=heading(design, EDGE, EDGE + MACHINE[0] + DIAGRAMS[0], 1.0),
+        shaft=shaft,
+        titles=("Cam and follower", "Displacement and pressure angle"),
+        described="The cam turns, the follower with its roller moves, and points run on its "
+        "diagrams.",
+        machine=partial(stage.placed, *MACHINE),
+        diagrams=lambda tag: [*diagrams(tag), *_legend(stage)],
+        moving=[part for part in (*stage.moving(), *points) if part.moves],
+        readings=[
+            _reading("s", "Displacement", units[0], machine.s),
+            _reading("v", "Velocity", units[1], s[1] * cam.rate(1)),
+            _reading("a", "Acceleration", units[2], s[2] * cam.rate(2)),
+            _reading("alpha", "Pressure angle", "deg", pressure_angle),
+            _reading("radius", "Profile radius", "mm", machine.contacts[0].curve.radius),
+        ],
+        decimals=stage.decimals,
+        # The unit of widths is the sheet's, while its mm are the cam's.
+        rules="".join(lines(1.0 / stage.scale(*MACHINE), ".camwright .mechanism")),
+        footer=lasting(60.0 / design.speed_rpm),
+    )
+
+
+def _reading(name: str, title: str, unit: str, values: Array) -> Reading:
+    finite = np.abs(values[np.isfinite(values) & (np.abs(values) < 1e6)])
+    size = float(np.median(finite)) if name == "radius" else float(finite.max(initial=0.0))
+    return reading(name, title, unit, values, size)
+
+
+def _legend(stage: Stage) -> list[str]:
+    """Kinds of lines in two columns; without a roller there is no path of its centre."""
+    rows = [row for row in LEGEND if stage.prime > 0.0 or row[0] != "line pitch"]
+    top = TOP + 2.0 * HEIGHT + GAP + 14.5
+    body = []
+    for k, (kind, told) in enumerate(rows):
+        x, y = 4.0 + (k % 2) * 0.5 * DIAGRAMS[0], top + (k // 2) * 5.0
+        body += [svg.line(kind, x, y, x + 9.0, y), svg.text("tick", x + 11.0, y + 0.9, told)]
+    return body
