@@ -168,7 +168,7 @@ def solve_spatial_cam(spec: bytes, budget_s: float) -> Answer:
 
 def compute_train_response(spec: bytes, budget_s: float) -> Answer:
     """Compute a follower train's response to its cam."""
-    from synthesis.studies.train_response import respond
+    from synthesis.machines.dynamics.report import respond
 
     started = time.monotonic()
     found = respond(TrainSpec.model_validate_json(spec), deadline=started + budget_s)

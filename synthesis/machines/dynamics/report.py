@@ -15,6 +15,7 @@ from synthesis.catalogue.limits.residual_vibration import runs_between_dwells
 from synthesis.catalogue.motion import Motion
 from synthesis.design.design import Design
 from synthesis.design.identity import engine_version, question_id
+from synthesis.errors import InputError
 from synthesis.machines.dynamics.chain import Chain
 from synthesis.machines.dynamics.floating import Flight, simulate_flights
 from synthesis.machines.dynamics.response import (
@@ -150,6 +151,26 @@ class TrainOnCam:
 
 
 _steps = lru_cache(maxsize=4)(Steps.of)
+
+
+def respond(spec: TrainSpec, *, deadline: float | None = None) -> TrainResponse:
+    """The response of an elastic train to a cam; what the cam leaves free is designed first.
+
+    ``deadline`` is a ``time.monotonic()``; the cam's own budget counts as well.
+
+    Raises:
+        InputError: no cam keeps its limits, so that there is no motion.
+        TimeBudgetExceeded, SolverFailed: as for the design of the cam.
+    """
+    from synthesis.pipeline.synthesise import synthesise  # loads solvers, not needed for the types
+
+    design = synthesise(spec.cam, deadline=deadline)
+    if not design.motion:
+        raise InputError(
+            "/cam", spec.cam.name, "No cam keeps these limits, so that there is no motion.",
+            "POST it to /v1/designs: conflict says which limits contradict and what would help.",
+        )  # fmt: skip
+    return report_response(spec, design)
 
 
 def report_response(spec: TrainSpec, design: Design) -> TrainResponse:

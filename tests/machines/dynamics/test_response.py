@@ -19,9 +19,9 @@ from synthesis.certify.residual_vibration import residual_amplitude
 from synthesis.machines.dynamics import TrainSpec
 from synthesis.machines.dynamics.chain import Chain
 from synthesis.machines.dynamics.files import TRAIN_FILES
+from synthesis.machines.dynamics.report import respond
 from synthesis.machines.dynamics.response import Steps, from_rest, phi, residual_spectrum, steady
 from synthesis.numerics.piecewise import Array
-from synthesis.studies.train_response import respond
 from synthesis.units import DEGREE
 from tests.machines.dynamics.test_residual_limit import FIRST, LIFT, spec
 

@@ -19,7 +19,7 @@ from service import cli
 from service.client import Client
 from service.contract.examples import TRAINS, examples
 from synthesis.machines.dynamics import TrainSpec
-from synthesis.studies.train_response import respond
+from synthesis.machines.dynamics.report import respond
 from tests.service.conftest import Running
 from tests.service.resources.test_designs import wait_for
 

@@ -9,13 +9,12 @@ and ``global_search`` (branch and bound).
 
 from __future__ import annotations
 
-from synthesis.machines.linkages.linkage import Linkage
 from synthesis.machines.linkages.shaper.answer import SixBarShaper
 from synthesis.machines.linkages.shaper.sizing import size_shaper
 from synthesis.machines.linkages.shaper.spec import ShaperSpec
 from synthesis.machines.linkages.shaper.turn_analysis import analyse_shaper
 
-__all__ = ["LINKAGE", "ShaperSpec", "SixBarShaper", "analyse_or_size_shaper"]
+__all__ = ["ShaperSpec", "SixBarShaper", "analyse_or_size_shaper"]
 
 
 def analyse_or_size_shaper(spec: ShaperSpec, deadline: float | None = None) -> SixBarShaper:
@@ -28,23 +27,3 @@ def analyse_or_size_shaper(spec: ShaperSpec, deadline: float | None = None) -> S
     if spec.free:
         return size_shaper(spec, deadline)
     return analyse_shaper(spec, {name: low for name, (low, _) in spec.length_ranges().items()})
-
-
-def _summary(shaper: SixBarShaper) -> dict[str, float]:
-    if shaper.stroke_mm is None or shaper.quick_return is None:
-        return {}
-    return {"stroke_mm": shaper.stroke_mm, "quick_return_ratio": shaper.quick_return.ratio}
-
-
-LINKAGE = Linkage(
-    name="six-bar-shapers",
-    noun="six-bar shaper",
-    title="Analyse or size a six-bar shaper",
-    purpose="Dead centres in closed form, stroke, quick-return ratio, transmission angle and the "
-    "extremes of velocities and accelerations with proven enclosures. Lengths left free as "
-    "`{min, max}` are chosen for a stroke and a quick-return ratio that are wanted.",
-    spec=ShaperSpec,
-    answer=SixBarShaper,
-    solve=analyse_or_size_shaper,
-    summary=_summary,
-)
