@@ -18,8 +18,9 @@ from typing import Any
 
 from synthesis.exporters import drives, png_picture, points
 from synthesis.exporters.animations import animation_json, animation_page, animation_svg
-from synthesis.exporters.curves import dxf_drawing, iges_curve, nurbs_json, step_curve
-from synthesis.exporters.curves.exact_options import DrawingOptions, ExactOptions
+from synthesis.exporters.curves import dxf, exact, iges, step
+from synthesis.exporters.curves.dxf import DrawingOptions
+from synthesis.exporters.curves.exact import ExactOptions
 from synthesis.exporters.diagrams import contact, motion
 from synthesis.exporters.drawing.picture_options import PictureOptions
 from synthesis.exporters.exporter import Exporter, FileContent
@@ -58,10 +59,10 @@ PROFILE_FORMATS = _registry(
     milling.PROFILE,
     grinding.PROFILE,
     fidelity.PROFILE,
-    dxf_drawing.PROFILE,
-    step_curve.PROFILE,
-    iges_curve.PROFILE,
-    nurbs_json.PROFILE,
+    dxf.PROFILE,
+    step.PROFILE,
+    iges.PROFILE,
+    exact.NURBS_JSON,
 )
 SOLID_FORMATS = _registry(solid_step.SOLID)
 MOTION_FORMATS = _registry(

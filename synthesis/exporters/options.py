@@ -74,6 +74,9 @@ Axial = Annotated[
         "left out), and a column z_mm of tables.",
     ),
 ]
+BoreDiameter = Annotated[
+    float | None, Field(gt=0.0, le=1e6, description="Diameter of the bore around the cam's axis.")
+]
 Decimals = Annotated[int, Field(ge=0, le=15, description="Decimals of a coordinate in mm.")]
 
 

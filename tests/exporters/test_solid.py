@@ -12,11 +12,9 @@ import pytest
 from synthesis import Design, synthesise
 from synthesis.errors import ExtraMissing, InputError
 from synthesis.exporters import SOLID_FORMATS
-from synthesis.exporters.curves.exact import exact_curve
-from synthesis.exporters.curves.exact_options import ExactOptions
+from synthesis.exporters.curves.exact import ExactCurve, ExactOptions
 from synthesis.exporters.solids import solid_step
-from synthesis.exporters.solids.blank import blank
-from synthesis.exporters.solids.keyway import Bore, bore_of
+from synthesis.exporters.solids.blank import blank, bore, bores
 from synthesis.exporters.solids.solid_options import SolidOptions
 from tests.exporters.kernel import OCP, shape
 from tests.exporters.test_flanks import CLOSURES, asked
@@ -104,7 +102,7 @@ def test_a_grooved_disc(cams, tmp_path: Path) -> None:
     groove = (outer.holes[0].area - inner.outside.area) * 4.7
     assert planned.volume == pytest.approx(disc - groove, rel=1e-12)
     # Steiner: a band of constant width about a curve
-    pitch = exact_curve(cams["groove"], ExactOptions(curve="pitch")).spline.length
+    pitch = ExactCurve.of(cams["groove"], ExactOptions(curve="pitch")).spline.length
     assert groove == pytest.approx(4.7 * 14.5 * pitch, rel=1e-7)
 
 
@@ -112,8 +110,8 @@ def test_a_ring_keeps_its_rim(cams, tmp_path: Path) -> None:
     body = made(cams["ring"], tmp_path, thickness_mm=6.1)
     (slab,) = blank(cams["ring"], SolidOptions(thickness_mm=6.1)).slabs
     largest = slab.holes[0].radii[1]
-    assert slab.outside.radius == pytest.approx(largest + 4.3, rel=1e-9)
-    expected = (math.pi * slab.outside.radius**2 - slab.holes[0].area) * 6.1
+    assert slab.outside.radii[1] == pytest.approx(largest + 4.3, rel=1e-9)
+    expected = (math.pi * slab.outside.radii[1] ** 2 - slab.holes[0].area) * 6.1
     assert volume(body) == pytest.approx(expected, rel=1e-8)
 
 
@@ -169,5 +167,7 @@ def test_without_its_extra_it_says_how_to_get_it(unspecial: Design, monkeypatch)
 @pytest.mark.parametrize("diameter", [6.5, 12.0, 38.0, 229.0])
 def test_keyways_by_the_standard(diameter: float) -> None:
     width, depth = {6.5: (2, 1.0), 12.0: (4, 1.8), 38.0: (10, 3.3), 229.0: (50, 11.4)}[diameter]
-    assert bore_of(diameter, True, None, None, 0.0) == Bore(0.5 * diameter, width, depth, 0.0)
-    assert bore_of(diameter, True, 3.0, None, 90.0).width == 3.0
+    for given in ({}, {"keyway_width_mm": 3.0}):
+        options = SolidOptions(bore_mm=diameter, keyway=True, keyway_deg=0.0, **given)
+        wide = given.get("keyway_width_mm", width)
+        assert bores(options) == [bore(0.5 * diameter, wide, depth, 0.0)]

@@ -1,20 +1,59 @@
-"""Curves of a cam as B-splines within a stated distance of the true curve, placed as asked."""
+"""A curve of a cam as a B-spline within a tolerance of the true curve, placed; and as JSON."""
 
 from __future__ import annotations
 
+import json
 from dataclasses import dataclass, replace
+from typing import Annotated
 
 import numpy as np
 from numpy.typing import NDArray
+from pydantic import Field
 
 from synthesis.design.design import Design
 from synthesis.exporters.curves.contour import Contour
-from synthesis.exporters.curves.exact_options import ExactOptions
-from synthesis.exporters.options import CurveName
+from synthesis.exporters.exporter import Exporter, FileContent
+from synthesis.exporters.options import CurveName, PlacedCurve
 from synthesis.exporters.samples.cutting import chosen
 from synthesis.exporters.samples.sampling import turned
+from synthesis.exporters.tables.formats import origin
 from synthesis.numerics.geometry.closed_spline import ClosedSpline, fit_closed_spline
 from synthesis.numerics.piecewise import Array
+
+MIN_ERROR_UM = 1e-6  # finest tolerance: rounding of coordinates is not much smaller
+FINEST = 1e-7  # smallest distance that a reader may have to tell apart [mm]; kernels cannot below
+MEANING = (
+    "A clamped B-spline in the cam's frame, no weights: its parameter is the arc length in mm, its "
+    "last control point is its first. Inner knots stand once where it has four continuous "
+    "derivatives, three times where curvature is continuous, four times where curvature jumps, "
+    "five times at a corner. error_mm is the largest distance from the true curve, along its "
+    "normal, measured on every piece."
+)
+
+
+@dataclass(frozen=True, kw_only=True)
+class ExactOptions(PlacedCurve):
+    """Which curve, and how near to the true one.
+
+    Attributes:
+        tolerance_um: largest distance from the true curve, along its normal [µm].
+        the rest as of ``PlacedCurve``.
+    """
+
+    tolerance_um: Annotated[
+        float,
+        Field(
+            ge=MIN_ERROR_UM,
+            le=1e3,
+            description="Largest distance of the spline from the true curve, along its normal "
+            "[µm]. What is reached is told in the header Camwright-Curve-Error-Mm.",
+        ),
+    ] = 1e-3
+
+    @property
+    def tolerance_mm(self) -> float:
+        """The tolerance [mm]."""
+        return 1e-3 * self.tolerance_um
 
 
 @dataclass(frozen=True, eq=False)
@@ -29,6 +68,19 @@ class ExactCurve:
     spline: ClosedSpline
     z: float
 
+    @classmethod
+    def of(cls, design: Design, options: ExactOptions) -> ExactCurve:
+        """The curve that the options name.
+
+        Raises:
+            InputError: there is no cam, no such curve, it crosses itself, or the tolerance is too
+                fine.
+        """
+        spline = fit_closed_spline(Contour.of(chosen(design, options)), options.tolerance_mm)
+        x, y = turned(options.turn_deg, *spline.points.T)
+        placed = replace(spline, points=np.column_stack([x, y]))
+        return cls(options.curve, placed, options.z_mm or 0.0)
+
     @property
     def points(self) -> Array:
         """Control points (n, 3) [mm]."""
@@ -41,23 +93,39 @@ class ExactCurve:
         knots, times = np.unique(self.spline.knots, return_counts=True)
         return knots, times
 
-
-def exact_curve(design: Design, options: ExactOptions) -> ExactCurve:
-    """The curve that is asked for.
-
-    Raises:
-        InputError: there is no cam, no such curve, it crosses itself, or the tolerance is too fine.
-    """
-    spline = fit_closed_spline(Contour.of(chosen(design, options)), options.tolerance_mm)
-    x, y = turned(options.turn_deg, *spline.points.T)
-    placed = replace(spline, points=np.column_stack([x, y]))
-    return ExactCurve(options.curve, placed, options.z_mm or 0.0)
+    def file(self, data: bytes) -> FileContent:
+        """A file of the curve, with how true it is and how large."""
+        error, count = f"{self.spline.error:.3g}", str(len(self.spline.points))
+        return FileContent(data, {"Curve-Error-Mm": error, "Curve-Control-Points": count})
 
 
-def facts(curve: ExactCurve) -> dict[str, str]:
-    """What is told beside the file: how true it is, and how large."""
+def _json(design: Design, options: ExactOptions) -> FileContent:
+    curve = ExactCurve.of(design, options)
     spline = curve.spline
-    return {
-        "Curve-Error-Mm": f"{spline.error:.3g}",
-        "Curve-Control-Points": str(len(spline.points)),
+    body = {
+        "kind": "exact_curve",
+        "curve": curve.name,
+        "meaning": MEANING,
+        "design": origin(design),
+        "tolerance_mm": options.tolerance_mm,
+        "error_mm": spline.error,
+        "length_mm": spline.length,
+        "enclosed_area_mm2": spline.area,
+        "nodes": spline.nodes,
+        "turn_deg": options.turn_deg,
+        "degree": spline.degree,
+        "closed": True,
+        "rational": False,
+        "knots_mm": spline.knots.tolist(),
+        "control_points_mm": curve.points.tolist(),
     }
+    text = json.dumps(body, ensure_ascii=False, allow_nan=False, separators=(",", ":"))
+    return curve.file(text.encode() + b"\n")
+
+
+NURBS_JSON = Exporter(
+    "nurbs.json", "Exact curve as B-spline", "application/json", ".nurbs.json", _json, ExactOptions,
+    "Degree, knots and control points of the exact curve, for programs: with its error, length and "
+    "the area it encloses.",
+    by_default=False,
+)  # fmt: skip

@@ -7,48 +7,82 @@ disc      a groove between two flanks in one side of a round disc
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import Any, NamedTuple
 
 import numpy as np
 
-from synthesis.catalogue.followers.flank import Flank
 from synthesis.design.design import Design
 from synthesis.errors import InputError
-from synthesis.exporters.curves.exact import ExactCurve, exact_curve
-from synthesis.exporters.curves.exact_options import ExactOptions
+from synthesis.exporters.curves.exact import ExactCurve, ExactOptions
 from synthesis.exporters.options import CurveName
 from synthesis.exporters.samples.cam import Cam
-from synthesis.exporters.solids.keyway import Bore, bore_of
-from synthesis.exporters.solids.outline import Circle, Outline, Pen
 from synthesis.exporters.solids.solid_options import SolidOptions
 
 NO_RIM = 0.1  # of the largest radius: wall of a ring or a disc where the design says none
+SEARCHED = 7201  # places of a flank at which its least and largest radius are taken
+# Bores over … up to … [mm], width of the key, depth of the keyway in the hub beyond the bore.
+STANDARD = (
+    (6.0, 8.0, 2.0, 1.0), (8.0, 10.0, 3.0, 1.4), (10.0, 12.0, 4.0, 1.8), (12.0, 17.0, 5.0, 2.3),
+    (17.0, 22.0, 6.0, 2.8), (22.0, 30.0, 8.0, 3.3), (30.0, 38.0, 10.0, 3.3),
+    (38.0, 44.0, 12.0, 3.3), (44.0, 50.0, 14.0, 3.8), (50.0, 58.0, 16.0, 4.3),
+    (58.0, 65.0, 18.0, 4.4), (65.0, 75.0, 20.0, 4.9), (75.0, 85.0, 22.0, 5.4),
+    (85.0, 95.0, 25.0, 5.4), (95.0, 110.0, 28.0, 6.4), (110.0, 130.0, 32.0, 7.4),
+    (130.0, 150.0, 36.0, 8.4), (150.0, 170.0, 40.0, 9.4), (170.0, 200.0, 45.0, 10.4),
+    (200.0, 230.0, 50.0, 11.4),
+)  # fmt: skip
 
 
-@dataclass(frozen=True, eq=False)
-class Edge(Outline):
-    """A flank as the edge of a slab."""
+class Stroke(NamedTuple):
+    """A part of an outline, by what draws it, and that method's arguments: see ``body.Edges``."""
 
-    curve: ExactCurve
-
-    @property
-    def area(self) -> float:
-        return self.curve.spline.area
-
-    def draw(self, pen: Pen) -> None:
-        pen.spline(self.curve)
-
-    @property
-    def radii(self) -> tuple[float, float]:
-        """Smallest and largest distance from the axis [mm]."""
-        spline = self.curve.spline
-        where = np.linspace(spline.knots[0], spline.knots[-1], 7201)
-        radius = np.hypot(*spline.at(where).T)
-        return float(radius.min()), float(radius.max())
+    method: str
+    arguments: tuple[Any, ...]
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True)
+class Outline:
+    """A closed line around the axis.
+
+    Attributes:
+        area: within it [mm²]. radii: smallest and largest distance from the axis [mm].
+        strokes: that follow one another. error: largest distance from what it stands for [mm].
+    """
+
+    area: float
+    radii: tuple[float, float]
+    strokes: tuple[Stroke, ...]
+    error: float = 0.0
+
+
+def circle(radius: float) -> Outline:
+    """A circle about the axis [mm]."""
+    return Outline(math.pi * radius**2, (radius, radius), (Stroke("circle", (radius,)),))
+
+
+def bore(radius: float, width: float, depth: float, direction: float) -> Outline:
+    """A bore around the axis with a keyway.
+
+    Args:
+        radius: [mm]. width: of the keyway. depth: beyond the bore's radius.
+        direction: in which it lies from the axis [rad].
+    """
+    half, top = 0.5 * width, radius + depth
+    shoulder = math.sqrt(radius**2 - 0.25 * width**2)  # where the sides begin, along the keyway
+    cos, sin = math.cos(direction), math.sin(direction)
+    places = ((shoulder, half), (shoulder, -half), (top, -half), (top, half))
+    a, b, c, d = ((cos * u - sin * v, sin * u + cos * v) for u, v in places)
+    # the circle, and the keyway less what of it is the circle's
+    within = half * shoulder + radius * radius * math.asin(half / radius)
+    area = math.pi * radius * radius + (width * top - within)
+    lines = [Stroke("line", ends) for ends in ((b, c), (c, d), (d, a))]
+    strokes = (Stroke("arc", (radius, a, b)), *lines)
+    return Outline(area, (radius, math.hypot(half, top)), strokes)
+
+
+@dataclass(frozen=True)
 class Slab:
     """What lies within an outline and outside others, between two heights [mm]."""
 
@@ -64,12 +98,9 @@ class Slab:
         return area * (self.high - self.low)
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True)
 class Blank:
-    """All slabs of a cam; they touch, and together are one body.
-
-    ``error``: of its flanks [mm].
-    """
+    """All slabs of a cam; they touch, and together are one body. ``error``: of its flanks [mm]."""
 
     slabs: tuple[Slab, ...]
     error: float
@@ -87,32 +118,35 @@ def blank(design: Design, options: SolidOptions) -> Blank:
         InputError: there is no cam, or bore, hub or wall do not fit it.
     """
     cam = Cam.of(design, _exact(options, options.curve))
-    within, around = (_edge(design, options, cam, side) for side in (1, -1))
-    bore = _bore(options)
+    rim = max(flank.rim for flank in cam.follower.flanks if flank.path == cam.flank.path)
+    edges = {
+        flank.side: _edge(design, options, flank.name or "profile")  # type: ignore[arg-type]
+        for flank in reversed(cam.follower.flanks)
+        if flank.path == cam.flank.path
+    }
+    within, around = edges.get(1), edges.get(-1)
+    error = max(edge.error for edge in edges.values())
+    holes = bores(options)
     low = options.z_mm or 0.0
     high = low + options.thickness_mm
-    edges = [edge for edge in (within, around) if edge is not None]
-    error = max(edge.curve.spline.error for edge in edges)
+    hub = []
+    if options.hub_diameter_mm is not None and options.hub_length_mm is not None:
+        below = low - options.hub_length_mm
+        hub.append(Slab(circle(0.5 * options.hub_diameter_mm), holes, below, low))
     if within is not None:
-        _check_room(options, bore, within.radii[0])
+        _check_room(options, holes, within.radii[0])
     if around is None:
         assert within is not None
         _refuse(options, ("outer_diameter_mm", "groove_depth_mm"), "a plate, with nothing round it")
-        return Blank((Slab(within, bore, low, high), *_hub(options, bore, low)), error)
-    wall = Circle(_outer_radius(options, cam, around))
+        return Blank((Slab(within, holes, low, high), *hub), error)
+    wall = circle(_outer_radius(options, around.radii[1], rim))
     if within is None:
         shaft = ("bore_mm", "hub_diameter_mm", "groove_depth_mm")
         _refuse(options, shaft, "a ring, with no material around its axis and no groove")
         return Blank((Slab(wall, [around], low, high),), error)
-    depth = options.groove_depth_mm or 0.5 * options.thickness_mm
-    floor = high - depth
-    slabs = (
-        Slab(wall, bore, low, floor),
-        Slab(within, bore, floor, high),
-        Slab(wall, [around], floor, high),
-        *_hub(options, bore, low),
-    )
-    return Blank(slabs, error)
+    floor = high - (options.groove_depth_mm or 0.5 * options.thickness_mm)
+    sides = Slab(within, holes, floor, high), Slab(wall, [around], floor, high)
+    return Blank((Slab(wall, holes, low, floor), *sides, *hub), error)
 
 
 def _exact(options: SolidOptions, curve: CurveName) -> ExactOptions:
@@ -121,38 +155,41 @@ def _exact(options: SolidOptions, curve: CurveName) -> ExactOptions:
     )
 
 
-def _edge(design: Design, options: SolidOptions, cam: Cam, side: int) -> Edge | None:
-    """The flank of this cam that lies on a side of its pitch curve."""
-    for flank in _flanks(cam):
-        if flank.side == side:
-            name: CurveName = flank.name or "profile"  # type: ignore[assignment]
-            return Edge(exact_curve(design, _exact(options, name)))
-    return None
+def _edge(design: Design, options: SolidOptions, name: CurveName) -> Outline:
+    """A flank as the edge of a slab."""
+    curve = ExactCurve.of(design, _exact(options, name))
+    spline = curve.spline
+    radius = np.hypot(*spline.at(np.linspace(spline.knots[0], spline.knots[-1], SEARCHED)).T)
+    ends = float(radius.min()), float(radius.max())
+    return Outline(spline.area, ends, (Stroke("spline", (curve,)),), spline.error)
 
 
-def _flanks(cam: Cam) -> list[Flank]:
-    return [each for each in cam.follower.flanks if each.path == cam.flank.path]
-
-
-def _bore(options: SolidOptions) -> list[Bore]:
-    if options.bore_mm is None:
+def bores(options: SolidOptions) -> list[Outline]:
+    """The bore if there is one, its keyway by DIN 6885-1 (as ISO 773) where no size is given."""
+    diameter, width, depth = options.bore_mm, options.keyway_width_mm, options.keyway_depth_mm
+    if diameter is None:
         return []
-    direction = options.keyway_deg + options.turn_deg
-    return [
-        bore_of(
-            options.bore_mm, options.keyway, options.keyway_width_mm, options.keyway_depth_mm,
-            direction,
-        )
-    ]  # fmt: skip
+    if not options.keyway:
+        return [circle(0.5 * diameter)]
+    if width is None or depth is None:
+        sizes = [row[2:] for row in STANDARD if row[0] < diameter <= row[1]]
+        if not sizes:
+            raise InputError(
+                "/bore_mm", diameter, "DIN 6885-1 has keys for bores above 6 and up to 230 mm.",
+                "Give keyway_width_mm and keyway_depth_mm.",
+            )  # fmt: skip
+        width, depth = width or sizes[0][0], depth or sizes[0][1]
+    if width >= diameter:
+        raise InputError(
+            "/keyway_width_mm", width,
+            f"The keyway must be narrower than the bore, {diameter:g} mm.",
+            "Make it narrower, or the bore wider.",
+        )  # fmt: skip
+    direction = math.radians(options.keyway_deg + options.turn_deg)
+    return [bore(0.5 * diameter, width, depth, direction)]
 
 
-def _hub(options: SolidOptions, bore: list[Bore], low: float) -> list[Slab]:
-    if options.hub_diameter_mm is None or options.hub_length_mm is None:
-        return []
-    return [Slab(Circle(0.5 * options.hub_diameter_mm), bore, low - options.hub_length_mm, low)]
-
-
-def _check_room(options: SolidOptions, bore: list[Bore], room: float) -> None:
+def _check_room(options: SolidOptions, holes: list[Outline], room: float) -> None:
     """Bore and keyway within the hub, both within the cam's smallest radius."""
     hub = options.hub_diameter_mm
     if hub is not None and 0.5 * hub >= room:
@@ -162,10 +199,10 @@ def _check_room(options: SolidOptions, bore: list[Bore], room: float) -> None:
             f"Make it smaller than {2.0 * room:.6g} mm.",
         )  # fmt: skip
     room = room if hub is None else 0.5 * hub
-    if bore and bore[0].reach >= room:
+    if holes and holes[0].radii[1] >= room:
         raise InputError(
             "/bore_mm", options.bore_mm,
-            f"The bore{' with its keyway' * bool(bore[0].width)} reaches {bore[0].reach:.6g} mm "
+            f"The bore{' with its keyway' * options.keyway} reaches {holes[0].radii[1]:.6g} mm "
             f"from the axis, where the cam or its hub has {room:.6g} mm at its narrowest.",
             "Take a smaller bore or hub, or ask for a larger base radius.",
         )  # fmt: skip
@@ -179,10 +216,9 @@ def _refuse(options: SolidOptions, names: Sequence[str], kind: str) -> None:
             raise InputError(f"/{name}", value, f"The cam is {kind}.", "Leave it out.")
 
 
-def _outer_radius(options: SolidOptions, cam: Cam, around: Edge) -> float:
-    largest = around.radii[1]
+def _outer_radius(options: SolidOptions, largest: float, rim: float) -> float:
+    """Of a ring or disc whose outer flank reaches so far [mm]."""
     if options.outer_diameter_mm is None:
-        rim = max(flank.rim for flank in _flanks(cam))
         return largest + (rim or NO_RIM * largest)
     if 0.5 * options.outer_diameter_mm <= largest:
         raise InputError(

@@ -8,7 +8,6 @@ from __future__ import annotations
 
 import re
 import tempfile
-from collections.abc import Iterable
 from functools import reduce
 from itertools import pairwise
 from pathlib import Path
@@ -38,10 +37,9 @@ from OCP.TopExp import TopExp_Explorer
 
 from synthesis.errors import SolverFailed
 from synthesis.exporters.curves.exact import ExactCurve
-from synthesis.exporters.solids.blank import Blank, Slab
-from synthesis.exporters.solids.outline import Outline, Place
-from synthesis.numerics.piecewise import Array
+from synthesis.exporters.solids.blank import Blank, Outline, Slab
 
+Place = tuple[float, float]
 FACES = 24  # that a flank is cut into
 UP = gp_Dir(0.0, 0.0, 1.0)
 MARK = "the-cam"
@@ -51,7 +49,7 @@ KERNEL = "OpenCASCADE"
 def solid(blank: Blank) -> Any:
     """The body; SolverFailed where the kernel makes none that is sound."""
     slabs = [_prism(slab) for slab in blank.slabs]
-    shape = reduce(_fused, slabs)
+    shape = reduce(lambda one, other: BRepAlgoAPI_Fuse(one, other).Shape(), slabs)
     if len(slabs) > 1:
         merging = ShapeUpgrade_UnifySameDomain(shape, True, True, False)
         merging.Build()
@@ -86,10 +84,6 @@ def data_lines(body: Any, name: str) -> list[str]:
     return re.sub(rf"'{MARK}[ \d]*'", lambda _: name, data).splitlines()
 
 
-def _fused(one: Any, other: Any) -> Any:
-    return BRepAlgoAPI_Fuse(one, other).Shape()
-
-
 def _prism(slab: Slab) -> Any:
     floor = gp_Pln(gp_Pnt(0.0, 0.0, slab.low), UP)
     made = BRepBuilderAPI_MakeFace(floor, _wire(slab.outside, slab.low), True)
@@ -101,31 +95,36 @@ def _prism(slab: Slab) -> Any:
 
 
 def _wire(outline: Outline, z: float) -> Any:
-    pen = KernelPen(z)
-    outline.draw(pen)
+    edges = Edges(z)
+    for stroke in outline.strokes:
+        getattr(edges, stroke.method)(*stroke.arguments)
     made = BRepBuilderAPI_MakeWire()
-    for edge in pen.edges:
+    for edge in edges.made:
         made.Add(edge)
     return made.Wire()
 
 
-class KernelPen:
-    """Strokes as edges at a height [mm]."""
+class Edges:
+    """Strokes of an outline as edges at a height; places are (x, y) [mm]."""
 
     def __init__(self, z: float) -> None:
-        self.z, self.edges = z, list[Any]()
+        self.z, self.made = z, list[Any]()
 
     def circle(self, radius: float) -> None:
+        """About the axis."""
         self._add(self._circle(radius))
 
     def arc(self, radius: float, start: Place, end: Place) -> None:
+        """About the axis, counter-clockwise."""
         ends = self._point(start), self._point(end)
         self._add(GC_MakeArcOfCircle(self._circle(radius), *ends, True).Value())
 
     def line(self, start: Place, end: Place) -> None:
+        """Straight."""
         self._add(self._point(start), self._point(end))
 
     def spline(self, curve: ExactCurve) -> None:
+        """Closed; cut at its corners, and evenly over its knots."""
         knots, times = curve.knots
         points = curve.points + np.array([0.0, 0.0, self.z])
         degree = curve.spline.degree
@@ -135,26 +134,21 @@ class KernelPen:
             _filled(Array1_int, times.tolist()),
             degree,
         )
-        for start, end in _parts(knots, times, degree):
+        even = np.linspace(0, len(knots) - 1, FACES + 1).round().astype(int)
+        cuts = np.union1d(even, np.flatnonzero(times >= degree))
+        for start, end in pairwise(knots[cuts].tolist()):
             part = whole.Copy()
             part.Segment(start, end)
             self._add(part)
 
     def _add(self, *geometry: Any) -> None:
-        self.edges.append(BRepBuilderAPI_MakeEdge(*geometry).Edge())
+        self.made.append(BRepBuilderAPI_MakeEdge(*geometry).Edge())
 
     def _point(self, place: Place) -> Any:
         return gp_Pnt(*place, self.z)
 
     def _circle(self, radius: float) -> Any:
         return gp_Circ(gp_Ax2(gp_Pnt(0.0, 0.0, self.z), UP), radius)
-
-
-def _parts(knots: Array, times: Any, degree: int) -> Iterable[tuple[float, float]]:
-    """Where a curve is cut: at its corners, and evenly over its knots."""
-    even = np.linspace(0, len(knots) - 1, FACES + 1).round().astype(int)
-    cuts = np.union1d(even, np.flatnonzero(times >= degree))
-    return pairwise(knots[cuts].tolist())
 
 
 def _filled(kind: Any, values: list[Any]) -> Any:

@@ -8,8 +8,7 @@ from typing import Annotated, Literal
 from pydantic import Field
 
 from synthesis.errors import InputError
-from synthesis.exporters.curves.exact_options import Bore
-from synthesis.exporters.options import Axial, Options, Turn
+from synthesis.exporters.options import Axial, BoreDiameter, Options, Turn
 
 Length = Annotated[float | None, Field(gt=0.0, le=1e6)]
 
@@ -42,7 +41,7 @@ class SolidOptions(Options):
             "[µm]. What is reached is told in the header Camwright-Curve-Error-Mm.",
         ),
     ] = 1e-3
-    bore_mm: Bore = None
+    bore_mm: BoreDiameter = None
     keyway: Annotated[bool, Field(description="A keyway in the bore, by DIN 6885-1.")] = False
     keyway_width_mm: Annotated[
         Length, Field(description="Width of the keyway; left out: by the bore.")

@@ -6,37 +6,27 @@ from importlib.util import find_spec
 
 from synthesis.design.design import Design
 from synthesis.errors import ExtraMissing
-from synthesis.exporters.curves.part21 import exchange_file, text
-from synthesis.exporters.curves.step_curve import SCHEMA
+from synthesis.exporters.curves.step import exchange_file, text
 from synthesis.exporters.exporter import Exporter, FileContent
 from synthesis.exporters.solids.blank import blank
 from synthesis.exporters.solids.solid_options import SolidOptions
-
-EXTRA = "cad"
 
 
 def _solid(design: Design, options: SolidOptions) -> FileContent:
     planned = blank(design, options)
     if find_spec("OCP") is None:
-        raise ExtraMissing("A solid", EXTRA)
+        raise ExtraMissing("A solid", "cad")
     from synthesis.exporters.solids.body import data_lines, solid
 
     lines = data_lines(solid(planned), text(design.name or f"cam {design.id}"))
     title = f"Cam, flanks within {planned.error:.2g} mm of the true curve"
-    told = {"Curve-Error-Mm": f"{planned.error:.3g}", "Volume-Mm3": repr(planned.volume)}
-    return FileContent(exchange_file(design, title, SCHEMA, lines), told)
+    facts = {"Curve-Error-Mm": f"{planned.error:.3g}", "Volume-Mm3": repr(planned.volume)}
+    return FileContent(exchange_file(design, title, lines), facts)
 
 
 SOLID = Exporter(
-    "step",
-    "STEP AP242, solid",
-    "model/step",
-    ".step",
-    _solid,
-    SolidOptions,
-    purpose="The finished cam for CAD: a plate, a ring or a grooved disc with bore, keyway by "
-    "DIN 6885-1 and hub, in mm. Needs the optional part `cad` on the workers; without it the "
-    "answer is 501.",
-    by_default=False,
-    in_worker=True,
-)
+    "step", "STEP AP242, solid", "model/step", ".step", _solid, SolidOptions,
+    "The finished cam for CAD: a plate, a ring or a grooved disc with bore, keyway by DIN 6885-1 "
+    "and hub, in mm. Needs the optional part `cad` on the workers; without it the answer is 501.",
+    by_default=False, in_worker=True,
+)  # fmt: skip

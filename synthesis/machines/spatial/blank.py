@@ -10,8 +10,7 @@ import numpy as np
 from pydantic import Field
 
 from synthesis.errors import InputError
-from synthesis.exporters.curves.exact_options import Bore
-from synthesis.exporters.options import Options
+from synthesis.exporters.options import BoreDiameter, Options
 from synthesis.machines.spatial.grooves import GrooveSections
 from synthesis.numerics.geometry.charts import Chart
 from synthesis.numerics.geometry.swept_roller import cross, dot, norm
@@ -28,7 +27,7 @@ Clearance = Annotated[float, Field(ge=0.0, le=1e4)]
 class BlankOptions(Options):
     """The body that the grooves are cut into."""
 
-    bore_mm: Bore = None
+    bore_mm: BoreDiameter = None
     width_mm: Annotated[
         float | None,
         Field(

@@ -20,8 +20,8 @@ from scipy.sparse import coo_array
 from scipy.sparse.csgraph import connected_components
 
 from synthesis.errors import InputError
-from synthesis.exporters.curves.part21 import Entities, many, real, text
-from synthesis.exporters.curves.step_curve import FINEST
+from synthesis.exporters.curves.exact import FINEST
+from synthesis.exporters.curves.step import Entities, many, real, shape_file, text
 from synthesis.exporters.exporter import FileContent, FileFormat
 from synthesis.machines.spatial.blank import Blank, BlankOptions
 from synthesis.machines.spatial.body import Mesh, Whole
@@ -29,7 +29,6 @@ from synthesis.machines.spatial.design import SpatialDesign
 from synthesis.machines.spatial.files.body_mesh import Levels, MeshOptions, Rows, mesh_body
 from synthesis.machines.spatial.grooves import GrooveSections
 from synthesis.machines.spatial.solid.build import Builder
-from synthesis.machines.spatial.solid.geometry import shape_file
 from synthesis.machines.spatial.solid.sheets import (
     NotSmooth,
     TooFewDepths,

@@ -15,7 +15,7 @@ from pydantic import Field
 from scipy.interpolate import NdBSpline
 
 from synthesis.errors import InputError
-from synthesis.exporters.curves.part21 import Entities, many, text
+from synthesis.exporters.curves.step import Entities, many, shape_file, text
 from synthesis.exporters.exporter import FileContent, FileFormat
 from synthesis.exporters.options import Options
 from synthesis.machines.spatial.cam import Span, SpatialCam, Wall
@@ -23,7 +23,6 @@ from synthesis.machines.spatial.design import SpatialDesign
 from synthesis.machines.spatial.files.flanks import Flank, Patch, chosen, patch
 from synthesis.machines.spatial.solid.geometry import (
     interpolate_surface,
-    shape_file,
     spline_surface,
 )
 from synthesis.numerics.piecewise import Array

@@ -4,15 +4,12 @@ from __future__ import annotations
 
 import math
 from abc import ABC, abstractmethod
-from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
 from scipy.interpolate import BSpline, NdBSpline, make_interp_spline
 
-from synthesis.exporters.curves.part21 import Entities, exchange_file, many, real, text
-from synthesis.exporters.curves.step_curve import FINEST, SCHEMA, axes, context, product
-from synthesis.machines.spatial.design import SpatialDesign
+from synthesis.exporters.curves.step import Entities, many, real
 from synthesis.numerics.piecewise import Array
 
 UP = np.array([0.0, 0.0, 1.0])
@@ -213,29 +210,3 @@ def placement(data: Entities, origin: Array, axis: Array, x: Array) -> str:
 def upright(data: Entities) -> str:
     """Writes the cam's own frame."""
     return placement(data, np.zeros(3), UP, np.array([1.0, 0.0, 0.0]))
-
-
-def shape_file(
-    design: SpatialDesign,
-    title: str,
-    kind: str,
-    write: Callable[[Entities], str],
-    error: float = FINEST,
-    meaning: str = "largest distance from the true curve",
-    name: str = "",
-) -> bytes:
-    """A STEP AP242 file with one shape.
-
-    Args:
-        title: for people. kind: entity of the shape's representation.
-        write: writes the shape; returns the reference.
-        error: uncertainty of the shape [mm], and its meaning. name: of the shape; "": the cam's.
-    """
-    data = Entities()
-    shared = context(data, max(error, FINEST), meaning)
-    label = text(name or design.name or f"cam {design.id}")
-    origin = data.add("CARTESIAN_POINT", "''", many(map(real, (0.0, 0.0, 0.0))))
-    placed = data.add("AXIS2_PLACEMENT_3D", "''", origin, *axes(data))
-    shape = data.add(kind, label, many([placed, write(data)]), shared)
-    data.add("SHAPE_DEFINITION_REPRESENTATION", product(data, design), shape)
-    return exchange_file(design, title, SCHEMA, data.lines())

@@ -12,7 +12,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from synthesis.exporters.curves.part21 import Entities, many
+from synthesis.exporters.curves.step import Entities, many
 from synthesis.machines.spatial.solid.geometry import Curve, Surface, point
 from synthesis.machines.spatial.solid.sheets import NotSmooth
 from synthesis.numerics.piecewise import Array

@@ -8,16 +8,23 @@ from __future__ import annotations
 
 import io
 from collections.abc import Iterator
-from dataclasses import replace
-from typing import Any
+from dataclasses import dataclass, replace
+from typing import Annotated, Any, Literal
 
 import numpy as np
+from pydantic import Field
 
 from synthesis.design.design import Design
 from synthesis.exporters.curves.contour import Contour
-from synthesis.exporters.curves.exact_options import DrawingOptions
+from synthesis.exporters.curves.exact import MIN_ERROR_UM
 from synthesis.exporters.exporter import Exporter, FileContent
-from synthesis.exporters.options import CurveName, is_cutter, is_pitch
+from synthesis.exporters.options import (
+    BoreDiameter,
+    CurveName,
+    PlacedCurve,
+    is_cutter,
+    is_pitch,
+)
 from synthesis.exporters.samples.cam import Cam
 from synthesis.exporters.samples.cutting import chosen
 from synthesis.exporters.samples.sampling import turned
@@ -34,18 +41,62 @@ LAYERS = {
 }
 MILLIMETRES = 4
 PLANE = 8  # a spline's flag
+ARCS_UM = 1.0  # tolerance of arcs where none is given
+
+
+@dataclass(frozen=True, kw_only=True)
+class DrawingOptions(PlacedCurve):
+    """What a drawing for CAD and CAM shows.
+
+    Attributes:
+        form: how the curves are drawn. tolerance_um: how near; None: as the form is used.
+        companions: whether more is drawn than the curve asked for.
+        bore_mm: diameter of the bore. the rest as of ``PlacedCurve``.
+    """
+
+    form: Annotated[
+        Literal["spline", "arcs"],
+        Field(
+            description="One SPLINE of degree 5 a curve, for CAD; or a polyline of arcs that meet "
+            "without a corner, for controls and saws that know no spline."
+        ),
+    ] = "spline"
+    tolerance_um: Annotated[
+        float | None,
+        Field(
+            ge=MIN_ERROR_UM,
+            le=1e3,
+            description="Largest distance from the true curve, along its normal [µm]. Left out: "
+            "0.001 for splines, 1 for arcs. What is reached is told in the header "
+            "Camwright-Curve-Error-Mm.",
+        ),
+    ] = None
+    companions: Annotated[
+        bool,
+        Field(
+            description="Draw all of the cam, each kind on its own layer: every flank, rollers' "
+            "paths, base circle, bore. Otherwise the one curve alone."
+        ),
+    ] = True
+    bore_mm: BoreDiameter = None
+
+    @property
+    def tolerance_mm(self) -> float:
+        """The tolerance [mm]."""
+        default = ARCS_UM if self.form == "arcs" else 1e-3
+        return 1e-3 * (default if self.tolerance_um is None else self.tolerance_um)
 
 
 def _profile(design: Design, options: DrawingOptions) -> FileContent:
     page = _page(design)
     space, errors = page.modelspace(), []
     for curve, cam in _curves(design, options):
-        errors.append(_drawn(space, curve, cam, options))
-    if options.companions:
-        radius = design.dimensions["base_radius_mm"]
-        _circle(space, "BASE_CIRCLE", radius, options)
+        errors.append(_draw(space, curve, cam, options))
+    circles = {"BASE_CIRCLE": design.dimensions["base_radius_mm"]} if options.companions else {}
     if options.bore_mm is not None:
-        _circle(space, "BORE", 0.5 * options.bore_mm, options)
+        circles["BORE"] = 0.5 * options.bore_mm
+    for layer, radius in circles.items():
+        space.add_circle((0.0, 0.0, options.z_mm or 0.0), radius, dxfattribs={"layer": layer})
     error = f"{max(errors):.3g}"
     page.header.custom_vars.append("Largest distance from the true curves in mm", error)
     # ezdxf takes the classes of what is drawn from a set, whose order differs between processes
@@ -72,13 +123,13 @@ def _page(design: Design) -> Any:
 
 
 def _curves(design: Design, options: DrawingOptions) -> Iterator[tuple[CurveName, Cam]]:
-    """The curve that is asked for, and what is drawn beside it."""
-    asked = chosen(design, options)
-    yield options.curve, asked
+    """The curve that the options name, and what is drawn beside it."""
+    wanted = chosen(design, options)
+    yield options.curve, wanted
     if not options.companions:
         return
-    shown = {(asked.flank.path, asked.gap)}
-    for flank in asked.flanks():
+    shown = {(wanted.flank.path, wanted.gap)}
+    for flank in wanted.flanks():
         for curve, cam in (("profile", flank), ("pitch", replace(flank, gap=0.0))):
             place = cam.flank.path, cam.gap
             if place not in shown:
@@ -86,9 +137,10 @@ def _curves(design: Design, options: DrawingOptions) -> Iterator[tuple[CurveName
                 yield curve, cam  # type: ignore[misc]
 
 
-def _drawn(space: Any, curve: CurveName, cam: Cam, options: DrawingOptions) -> float:
+def _draw(space: Any, curve: CurveName, cam: Cam, options: DrawingOptions) -> float:
     """One curve on its layer; how far it is from the true one [mm]."""
-    attributes: dict[str, Any] = {"layer": _layer(curve)}
+    layer = "CUTTER_PATH" if is_cutter(curve) else "CAM_PROFILE"
+    attributes: dict[str, Any] = {"layer": "PITCH_CURVE" if is_pitch(curve) else layer}
     z = options.z_mm or 0.0
     if options.form == "arcs":
         arcs = fit_biarcs(Contour.of(cam, every=False), options.tolerance_mm)
@@ -105,24 +157,9 @@ def _drawn(space: Any, curve: CurveName, cam: Cam, options: DrawingOptions) -> f
     return spline.error
 
 
-def _layer(curve: CurveName) -> str:
-    if is_pitch(curve):
-        return "PITCH_CURVE"
-    return "CUTTER_PATH" if is_cutter(curve) else "CAM_PROFILE"
-
-
-def _circle(space: Any, layer: str, radius: float, options: DrawingOptions) -> None:
-    space.add_circle((0.0, 0.0, options.z_mm or 0.0), radius, dxfattribs={"layer": layer})
-
-
 PROFILE = Exporter(
-    "dxf",
-    "DXF, exact curves on layers",
-    "image/vnd.dxf",
-    ".dxf",
-    _profile,
-    DrawingOptions,
-    purpose="Drawing for CAD and CAM: the cam's curves as splines, or as arcs without corners, "
-    "on layers CAM_PROFILE, PITCH_CURVE, CUTTER_PATH, BASE_CIRCLE and BORE, in mm.",
+    "dxf", "DXF, exact curves on layers", "image/vnd.dxf", ".dxf", _profile, DrawingOptions,
+    "Drawing for CAD and CAM: the cam's curves as splines, or as arcs without corners, on layers "
+    "CAM_PROFILE, PITCH_CURVE, CUTTER_PATH, BASE_CIRCLE and BORE, in mm.",
     by_default=False,
-)
+)  # fmt: skip

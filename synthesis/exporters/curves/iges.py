@@ -7,37 +7,31 @@ Records of 80 columns: 72 (64 of parameters) of text, a section's letter, a numb
 from __future__ import annotations
 
 from synthesis.design.design import Design
-from synthesis.exporters.curves.exact import ExactCurve, exact_curve, facts
-from synthesis.exporters.curves.exact_options import ExactOptions
-from synthesis.exporters.curves.part21 import real
+from synthesis.exporters.curves.exact import FINEST, ExactCurve, ExactOptions
+from synthesis.exporters.curves.step import real
 from synthesis.exporters.exporter import Exporter, FileContent
 
 NO_TIME = "19800101.000000"  # the same design, the same bytes: no clock
 TEXT, DATA = 72, 64  # columns
 SPLINE = 126
 MILLIMETRES, IGES_5_3, ISO = 2, 11, 0
-FINEST = 1e-7  # smallest distance that a reader has to tell apart [mm]
 
 
 def _profile(design: Design, options: ExactOptions) -> FileContent:
-    curve = exact_curve(design, options)
-    told = _ascii(
+    curve = ExactCurve.of(design, options)
+    sentence = _ascii(
         f"Cam curve {curve.name} of design {design.id}, made by Camwright {design.engine_version}, "
         f"within {curve.spline.error:.2g} mm of the true curve"
     )
-    start = _records(_lines([told[i : i + TEXT] for i in range(0, len(told), TEXT)]), "S")
-    whole = _records(_lines(_packed(_globals(design, curve), TEXT)), "G")
+    start = _records([sentence[i : i + TEXT] for i in range(0, len(sentence), TEXT)], "S")
+    whole = _records(_packed(_globals(design, curve), TEXT), "G")
     parameters = _packed(_parameters(curve), DATA)
     data = _records([f"{line:<{DATA}}{1:>8}" for line in parameters], "P")
     directory = _records(_directory(curve, len(data)), "D")
-    counts = "".join(
-        f"{letter}{len(part):>7}"
-        for letter, part in (("S", start), ("G", whole), ("D", directory), ("P", data))
-    )
-    end = _records([f"{counts:<{TEXT}}"], "T")
-    return FileContent(
-        "".join((*start, *whole, *directory, *data, *end)).encode("ascii"), facts(curve)
-    )
+    sections = {"S": start, "G": whole, "D": directory, "P": data}
+    counts = "".join(f"{letter}{len(lines):>7}" for letter, lines in sections.items())
+    lines = [*start, *whole, *directory, *data, *_records([counts], "T")]
+    return curve.file("".join(lines).encode("ascii"))
 
 
 def _globals(design: Design, curve: ExactCurve) -> list[str]:
@@ -89,12 +83,8 @@ def _packed(values: list[str], width: int) -> list[str]:
     return [*lines, line]
 
 
-def _lines(lines: list[str]) -> list[str]:
-    return [f"{line:<{TEXT}}" for line in lines]
-
-
 def _records(lines: list[str], letter: str) -> list[str]:
-    return [f"{line}{letter}{k:>7}\n" for k, line in enumerate(lines, start=1)]
+    return [f"{line:<{TEXT}}{letter}{k:>7}\n" for k, line in enumerate(lines, start=1)]
 
 
 def _string(value: str) -> str:
@@ -108,13 +98,8 @@ def _ascii(value: str) -> str:
 
 
 PROFILE = Exporter(
-    "igs",
-    "IGES 5.3, exact curve",
-    "model/iges",
-    ".igs",
-    _profile,
-    ExactOptions,
+    "igs", "IGES 5.3, exact curve", "model/iges", ".igs", _profile, ExactOptions,
+    "For CAD systems that read no STEP: one closed B-spline curve (entity 126) within tolerance_um "
+    "of the true curve, in mm.",
     by_default=False,
-    purpose="For CAD systems that read no STEP: one closed B-spline curve (entity 126) within "
-    "tolerance_um of the true curve, in mm.",
-)
+)  # fmt: skip
