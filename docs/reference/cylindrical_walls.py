@@ -13,8 +13,8 @@ from docs.reference.tables import table
 from synthesis import SpatialCamSpec, synthesise_spatial
 from synthesis.machines.spatial.cam import SpatialCam
 from synthesis.machines.spatial.design import SpatialDesign
-from synthesis.machines.spatial.development import offset_errors, wall_curve
 from synthesis.machines.spatial.files.cutter_path import CSV, CutterOptions
+from synthesis.machines.spatial.files.developed import offset_errors, wall_curve
 
 EXAMPLE = Path(__file__).resolve().parents[2] / (
     "openapi/examples/spatial-cams/cylindrical-groove.json"

@@ -1,10 +1,9 @@
 """Spatial cams: rollers whose axes are not parallel to the cam's (globoidal and cylindrical cams).
 
 In: a SpatialCamSpec. Out: a SpatialDesign and its files. Open ``pipeline`` first. ``spec`` and
-``design`` are the request and response; ``machine`` is what every machine provides, with one file
-for each (``globoidal_indexer``, ``cylindrical_*``). Sizing (``sizing``) chooses laws and dimensions
-under ``limits``, whose nonlinear ones are ``pressure_angle_constraints`` and
-``curvature_constraints``; ``measuring`` judges the cam. ``cam`` holds its walls, the envelopes of
-the rollers; ``grooves``, ``body``, ``triangulation`` and ``solid`` make bodies of them, ``files``
-writes them.
+``design`` are the request and response; ``machine`` is what every machine provides, with those
+machines in ``globoidal_indexer`` and ``cylindrical``. Sizing (``sizing``) chooses laws and
+dimensions under ``limits``, whose nonlinear ones are ``size_constraints``; ``measuring`` judges the
+cam. ``cam`` holds its walls, the envelopes of the rollers; ``grooves``, ``blank``, ``body`` and
+``solid`` make bodies of them, ``files`` writes them.
 """

@@ -16,22 +16,26 @@ from pydantic import Field, model_validator
 from pydantic_core import PydanticCustomError
 
 from synthesis.catalogue.constraints import LinearInequality
-from synthesis.catalogue.ranges import Dimension, Range, ends
+from synthesis.catalogue.ranges import Dimension, ends
 from synthesis.machines.spatial.machine import (
     LEFT,
     RIGHT,
     CrownRadius,
+    DwellOn,
+    Hand,
+    MeshAngle,
+    Rollers,
     Seat,
     SpatialMachine,
+    TurretMachine,
     length,
     six_digits,
 )
-from synthesis.machines.spatial.pressure_angle_constraints import (
+from synthesis.machines.spatial.size_constraints import (
     ArmPressureAngle,
     SizeConstraint,
     critical_places,
 )
-from synthesis.machines.spatial.turret import DwellOn, Hand, MeshAngle, Rollers, TurretMachine
 from synthesis.numerics.geometry.charts import Chart, Drum
 from synthesis.numerics.geometry.swept_roller import Guide, Joint, Pivot, SweptRoller
 from synthesis.numerics.piecewise import Array
@@ -45,6 +49,7 @@ RIGHT_ANGLE = 0.5 * math.pi
 class CylindricalMachine(SpatialMachine, ABC):
     """A machine whose grooves are cut into a cylinder; frame as in this module."""
 
+    size_fields: ClassVar[tuple[str, ...]] = ("cylinder_radius_mm", "roller_radius_mm")
     size_field: ClassVar[str] = "cylinder_radius_mm"
     developable: ClassVar[bool] = True
 
@@ -67,9 +72,6 @@ class CylindricalMachine(SpatialMachine, ABC):
                 {"width": width, "radius": largest},
             )
         return self
-
-    def sizes(self) -> Mapping[str, float | Range | None]:
-        return {name: getattr(self, name) for name in ("cylinder_radius_mm", "roller_radius_mm")}
 
     def chart(self, sizes: Mapping[str, float]) -> Chart:
         return Drum()
@@ -212,7 +214,7 @@ class CylindricalTranslating(CylindricalFollower):
         """|s'| ≤ t (R − depth) at each critical depth, with t the remaining tan α there."""
         return tuple(
             LinearInequality((0.0, sign, 0.0, 0.0), (-left,), -left * (self.roller_width_mm - foot))
-            for foot, left in critical_places(self._roller(sizes, 0.0), slope)
+            for foot, left in critical_places(self._roller(sizes, 0.0), slope, 0.0)
             for sign in (1.0, -1.0)
         )
 

@@ -10,15 +10,23 @@ import numpy as np
 from pydantic import Field, model_validator
 from pydantic_core import PydanticCustomError
 
-from synthesis.catalogue.ranges import Dimension, Range, ends
-from synthesis.machines.spatial.curvature_constraints import TurretWallRadius
-from synthesis.machines.spatial.machine import CrownRadius, length, six_digits
-from synthesis.machines.spatial.pressure_angle_constraints import (
+from synthesis.catalogue.ranges import Dimension, ends
+from synthesis.machines.spatial.machine import (
+    CrownRadius,
+    DwellOn,
+    Hand,
+    MeshAngle,
+    Rollers,
+    TurretMachine,
+    length,
+    six_digits,
+)
+from synthesis.machines.spatial.size_constraints import (
     SizeConstraint,
     TurretPressureAngle,
-    turret_places,
+    TurretWallRadius,
+    critical_places,
 )
-from synthesis.machines.spatial.turret import DwellOn, Hand, MeshAngle, Rollers, TurretMachine
 from synthesis.numerics.geometry.charts import Chart, Torus
 from synthesis.numerics.geometry.swept_roller import Pivot, SweptRoller
 
@@ -36,6 +44,9 @@ class GloboidalIndexer(TurretMachine):
 
     kind: Literal["globoidal_indexer"] = "globoidal_indexer"
     title: ClassVar[str] = "globoidal indexer"
+    size_fields: ClassVar[tuple[str, ...]] = (
+        "centre_distance_mm", "roller_radius_mm", "roller_inner_mm",
+    )  # fmt: skip
     size_field: ClassVar[str] = "centre_distance_mm"
     inner_end_field: ClassVar[str] = "roller_inner_mm"
 
@@ -88,10 +99,6 @@ class GloboidalIndexer(TurretMachine):
                 {"distance": largest, "bottom": float(f"{bottom:.9g}")},
             )
         return self
-
-    def sizes(self) -> Mapping[str, float | Range | None]:
-        names = ("centre_distance_mm", "roller_radius_mm", "roller_inner_mm")
-        return {name: getattr(self, name) for name in names}
 
     def swept_roller(self, sizes: Mapping[str, float], rotation: int) -> SweptRoller:
         return SweptRoller(
@@ -155,8 +162,10 @@ class GloboidalIndexer(TurretMachine):
         self, sizes: Mapping[str, float], slope: float, rotation: int
     ) -> tuple[SizeConstraint, ...]:
         length, first = self.length_scale(sizes), self.seats()[0].start
-        at = turret_places(self._roller(sizes, sizes["roller_inner_mm"]), length, slope)
-        return (TurretPressureAngle("pressure_angle", first, self.spacing, length, at),)
+        roller = self._roller(sizes, sizes["roller_inner_mm"])
+        critical = critical_places(roller, slope, roller.outer)
+        places = tuple((foot, foot / (length * left)) for foot, left in critical)
+        return (TurretPressureAngle("pressure_angle", first, self.spacing, length, places),)
 
     def wall_radius_curves(
         self, sizes: Mapping[str, float], least: float

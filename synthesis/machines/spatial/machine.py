@@ -1,4 +1,6 @@
-"""SpatialMachine: what specs, measurement and sizing ask of every machine around a spatial cam.
+"""SpatialMachine and TurretMachine: what every machine around a spatial cam answers.
+
+Specs, measurement, sizing and files ask it.
 
 Symbols: q the follower's position [rad or mm], θ the cam angle, ρ the place on a roller's axis, α
 the pressure angle. ``sizes`` maps names of dimension fields to numbers in mm throughout.
@@ -10,21 +12,22 @@ import math
 from abc import ABC, abstractmethod
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Self
+from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Literal, Self
 
 from pydantic import BaseModel, ConfigDict, Field, model_validator
 from pydantic_core import PydanticCustomError
 
 from synthesis.catalogue.constraints import LinearInequality
 from synthesis.catalogue.ranges import Dimension, Range, ends
-from synthesis.machines.spatial.pressure_angle_constraints import SizeConstraint
+from synthesis.machines.spatial.size_constraints import SizeConstraint
 from synthesis.numerics.geometry.charts import Chart
 from synthesis.numerics.geometry.swept_roller import Roller, SweptRoller
-from synthesis.units import Travel
+from synthesis.units import DEGREE, FULL_TURN, Travel
 
 LEFT, RIGHT = -1, 1
 LARGEST = 1e6  # mm: no machine has a larger dimension
 ROLLER_RADIUS = "roller_radius_mm"  # field of every machine
+WHOLE = 1e-9  # of a spacing: rounding of a sum of lifts that is a whole number of rollers
 
 CrownRadius = Annotated[
     float | None,
@@ -32,6 +35,26 @@ CrownRadius = Annotated[
         gt=0.0,
         le=1e7,
         description="Radius of the crowned roller's outline; left out: a cylindrical roller.",
+    ),
+]
+
+
+Rollers = Annotated[int, Field(ge=3, le=64, description="Rollers on the turret.")]
+Hand = Annotated[Literal["left", "right"], Field(description="Hand of the cam's thread.")]
+DwellOn = Annotated[
+    Literal["rib", "groove"],
+    Field(
+        description="What lies on the common perpendicular while the turret dwells: a rib "
+        "between two rollers, or a groove with one roller in it."
+    ),
+]
+MeshAngle = Annotated[
+    float | None,
+    Field(
+        gt=0.0,
+        le=90.0,
+        description="Largest angle from the common perpendicular at which a roller meshes with "
+        "the cam; left out: 1.5 roller spacings, at most 90°.",
     ),
 ]
 
@@ -55,7 +78,8 @@ class SpatialMachine(BaseModel, ABC):
 
     Attributes:
         period: of q, after which a roller is back at its place [rad or mm]; infinite for none.
-        size_field: field of the dimension that sizing minimises; empty: the machine is not sized.
+        size_fields: fields of the dimensions that may be left free.
+        size_field: field of the one that sizing minimises; empty: the machine is not sized.
         inner_end_field: field of the place of the rollers' inner ends; empty: no such dimension.
         developable: whether the cam's walls are cut by cylinders about the cam's axis.
     """
@@ -66,6 +90,7 @@ class SpatialMachine(BaseModel, ABC):
     title: ClassVar[str]
     travel: ClassVar[Travel]
     period: ClassVar[float] = math.inf
+    size_fields: ClassVar[tuple[str, ...]]
     size_field: ClassVar[str] = ""
     inner_end_field: ClassVar[str] = ""
     developable: ClassVar[bool] = False
@@ -107,9 +132,9 @@ class SpatialMachine(BaseModel, ABC):
         outer = inner + self.roller_width_mm
         return Roller(sizes[ROLLER_RADIUS], inner, outer, self.crown_radius_mm or 0.0)
 
-    @abstractmethod
     def sizes(self) -> Mapping[str, float | Range | None]:
         """Dimensions that may be left free, by field name [mm]."""
+        return {name: getattr(self, name) for name in self.size_fields}
 
     @abstractmethod
     def swept_roller(self, sizes: Mapping[str, float], rotation: int) -> SweptRoller:
@@ -206,6 +231,62 @@ class SpatialMachine(BaseModel, ABC):
         () where no closed form is known: then the cam is enlarged until sampled walls keep it.
         """
         return ()
+
+
+class TurretMachine(SpatialMachine, ABC):
+    """A turret that is indexed by a whole number of its rollers in each turn of the cam."""
+
+    travel: ClassVar[Travel] = Travel("deg", DEGREE)
+    period: ClassVar[float] = FULL_TURN
+
+    if TYPE_CHECKING:  # declared by each machine at its place in the order of fields
+        rollers: Rollers
+        hand: Hand
+        dwell_on: DwellOn
+        mesh_angle_deg: MeshAngle
+
+    @property
+    def spacing(self) -> float:
+        """Angle from roller to roller [rad]."""
+        return FULL_TURN / self.rollers
+
+    @property
+    def thread_sign(self) -> int:
+        """χ of the cam: +1 where it turns about its axis e, −1 about −e.
+
+        e points the way the rollers move as q grows. A right-hand screw that turns about its axis
+        and is fixed along it moves its nut backwards, so that rollers moving along e need a cam
+        that turns about −e. Whether that is seen as ccw or cw depends on the side one looks from.
+        """
+        return -1 if self.hand == "right" else 1
+
+    def seats(self) -> tuple[Seat, ...]:
+        """All rollers of the turret, each one spacing behind the one before."""
+        first = 0.5 * self.spacing if self.dwell_on == "rib" else 0.0
+        return tuple(Seat(i + 1, first - i * self.spacing) for i in range(self.rollers))
+
+    def mesh_range(self, sizes: Mapping[str, float]) -> tuple[float, float]:
+        if self.mesh_angle_deg is None:
+            most = min(1.5 * self.spacing, 0.5 * math.pi)
+        else:
+            most = self.mesh_angle_deg * DEGREE
+        return -most, most
+
+    def check_gain(self, gain: float) -> None:
+        steps = gain / self.spacing
+        if round(steps) == 0 or abs(steps - round(steps)) > WHOLE:
+            raise PydanticCustomError(
+                "index_not_whole",
+                "The program turns the turret by {gain}° in one turn of the cam, which is "
+                "{rollers} times the {spacing}° between two of {count} rollers. Make the lifts of "
+                "the program sum to a whole number of spacings other than 0.",
+                {
+                    "gain": float(f"{gain / DEGREE:.9g}"),
+                    "rollers": float(f"{steps:.9g}"),
+                    "spacing": float(f"{self.spacing / DEGREE:.9g}"),
+                    "count": self.rollers,
+                },
+            )
 
 
 def length(description: str, default: Any = ...) -> Any:

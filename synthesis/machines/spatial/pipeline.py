@@ -12,7 +12,7 @@ takes extremes over whole walls.
 from __future__ import annotations
 
 import time
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import asdict
 from math import inf, isfinite
 from typing import TYPE_CHECKING, Any
@@ -61,17 +61,9 @@ def synthesise_spatial(spec: SpatialCamSpec, *, deadline: float | None = None) -
         )
     tables = smooth_tables(spec.placed_segments(), stop)
     sizes = spec.given_sizes()
-    if not spec.given:
-        return _size_and_measure(spec, tables, stop, started)
-    assert sizes is not None
-    cam = build_cam(spec, sizes, Motion.of(tables.segments))
-    return answer(spec, cam, tables.segments, tables.splines, [], started)
-
-
-def _size_and_measure(
-    spec: SpatialCamSpec, tables: Tables, stop: float, started: float
-) -> SpatialDesign:
-    """Size the cam, with limits tightened more and more until the measured cam keeps them."""
+    if sizes is not None and not spec.has_free_law:
+        cam = build_cam(spec, sizes, Motion.of(tables.segments))
+        return answer(spec, cam, tables.segments, tables.splines, [], started)
     # Imported on demand: cams that are given in full need no optimiser.
     from synthesis.machines.spatial.sizing.size_cam import size_cam
 
@@ -82,23 +74,17 @@ def _size_and_measure(
         stages += [StageReport(**asdict(stage)) for stage in result.stages]
         if result.sizes is None:
             return _infeasible(spec, tables, result, stages, stop, started)
+        value = result.sizes[spec.machine.size_field]
+        proof = Certificate(
+            certified=False, objective=spec.machine.size_field, value=value,
+            lower_bound=result.lower, bound_valid_for=result.valid_for,
+            gap=max(value - result.lower, 0.0) / value,
+        )  # fmt: skip
         cam = build_cam(spec, result.sizes, result.motion)
-        proof = _certificate(spec, result.sizes, result)
         design = answer(spec, cam, result.segments, result.splines, stages, started, proof)
         if design.status != "infeasible" or clock.now() >= stop:
             break
     return design
-
-
-def _certificate(
-    spec: SpatialCamSpec, sizes: Mapping[str, float], result: SizingResult
-) -> Certificate:
-    name, lower = spec.machine.size_field, result.lower
-    value = sizes[name]
-    return Certificate(
-        certified=False, objective=name, value=value, lower_bound=lower,
-        bound_valid_for=result.valid_for, gap=max(value - lower, 0.0) / value,
-    )  # fmt: skip
 
 
 def _infeasible(
@@ -119,8 +105,8 @@ def _infeasible(
         bound_valid_for=result.valid_for, gap=None,
     )  # fmt: skip
     return SpatialDesign(
-        **_head(spec), status="infeasible", dimensions={}, motion=[], walls=[], extremes=[],
-        certificate=no_cam, conflict=conflict, report=_report(stages, started),
+        **_head(spec, stages, started), status="infeasible", dimensions={}, motion=[], walls=[],
+        extremes=[], certificate=no_cam, conflict=conflict,
     )  # fmt: skip
 
 
@@ -137,15 +123,21 @@ def answer(
     extremes = measure(spec, cam, bounds(spec))
     holds = all(extreme.holds for extreme in extremes)
     within = certificate.gap is not None and certificate.gap <= spec.tolerance
+    walls = [
+        SpatialWall(
+            name=wall.name, roller=wall.seat.number, side=wall.letter,
+            arcs=[Arc(start_deg=a / DEGREE, end_deg=b / DEGREE) for a, b in wall.spans],
+        )
+        for wall in cam.walls
+    ]  # fmt: skip
     return SpatialDesign(
-        **_head(spec),
+        **_head(spec, stages, started),
         status="infeasible" if not holds else "optimal" if within else "feasible",
         dimensions=dict(spec.machine.dimensions(cam.sizes)),
         motion=segment_motions(spec.program, spec.machine.travel, segments, splines),
-        walls=_walls(cam),
+        walls=walls,
         extremes=extremes,
         certificate=certificate.model_copy(update={"certified": holds}),
-        report=_report(stages, started),
     )
 
 
@@ -159,26 +151,11 @@ def bounds(spec: SpatialCamSpec) -> dict[str, Bound]:
     return tightest
 
 
-def _head(spec: SpatialCamSpec) -> dict[str, Any]:
-    """The fields that every answer begins with."""
+def _head(spec: SpatialCamSpec, stages: Sequence[StageReport], started: float) -> dict[str, Any]:
+    """The fields that every answer has from its spec and its making."""
     return {
         "id": spatial_design_id(spec), "name": spec.name, "engine_version": engine_version(),
         "rotation": spec.rotation, "speed_rpm": spec.speed_rpm, "machine": spec.machine.kind,
         "spec": spec,
+        "report": Report(stages=list(stages), seconds=time.perf_counter() - started),
     }  # fmt: skip
-
-
-def _report(stages: Sequence[StageReport], started: float) -> Report:
-    return Report(stages=list(stages), seconds=time.perf_counter() - started)
-
-
-def _walls(cam: SpatialCam) -> list[SpatialWall]:
-    return [
-        SpatialWall(
-            name=wall.name,
-            roller=wall.seat.number,
-            side=wall.letter,
-            arcs=[Arc(start_deg=a / DEGREE, end_deg=b / DEGREE) for a, b in wall.spans],
-        )
-        for wall in cam.walls
-    ]

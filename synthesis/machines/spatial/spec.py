@@ -102,9 +102,7 @@ class SpatialCamSpec(BaseModel):
                 {"objective": objective.kind, "kind": self.machine.kind,
                  "own": sought.removesuffix("_mm") or "none"},
             )  # fmt: skip
-        check_well_posed(
-            self.machine, self.limits, any(s.law_is_free for s in self.placed_segments())
-        )
+        check_well_posed(self.machine, self.limits, self.has_free_law)
         return self
 
     @property
@@ -140,10 +138,9 @@ class SpatialCamSpec(BaseModel):
                     yield f"/program/{position}/{name}", value.model_dump()
 
     @property
-    def given(self) -> bool:
-        """Whether every law and every dimension is given."""
-        free = any(segment.law_is_free for segment in self.placed_segments())
-        return not free and self.given_sizes() is not None
+    def has_free_law(self) -> bool:
+        """Whether some motion law is left free."""
+        return any(segment.law_is_free for segment in self.placed_segments())
 
     def given_sizes(self) -> Mapping[str, float] | None:
         """The machine's dimensions by field [mm]; None where one is left free."""

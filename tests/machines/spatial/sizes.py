@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Any
 
-from synthesis.machines.spatial.sizing.problem import formulate_problem
+from synthesis.machines.spatial.sizing.sequential_convex import formulate_problem
 from synthesis.machines.spatial.spec import SpatialCamSpec
 from synthesis.optimise.problem.problem import Problem
 

@@ -16,9 +16,13 @@ from synthesis.machines.spatial.body import build_body, triangulate
 from synthesis.machines.spatial.design import SpatialDesign
 from synthesis.machines.spatial.files.body_step import STEP, FacetedOptions, build_solid
 from synthesis.machines.spatial.grooves import GrooveSections
-from synthesis.machines.spatial.solid.geometry import Cylinder, Line, SplineSurface
-from synthesis.machines.spatial.solid.sheets import NotSmooth
-from synthesis.machines.spatial.solid.shell import Shell
+from synthesis.machines.spatial.solid.geometry import (
+    Cylinder,
+    Line,
+    NotSmooth,
+    Shell,
+    SplineSurface,
+)
 from tests.exporters import kernel
 from tests.exporters.kernel import OCP
 from tests.machines.spatial.drums import INNER, designed

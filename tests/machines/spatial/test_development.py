@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from scipy.spatial import KDTree
 
-from synthesis.machines.spatial.development import axis_path, offset_errors, wall_curve
+from synthesis.machines.spatial.files.developed import axis_path, offset_errors, wall_curve
 from tests.machines.spatial.drums import OUTER, RADIUS, SAMPLES, Array, least_gap
 
 DEEP = 50.9

@@ -20,8 +20,8 @@ from synthesis.machines.spatial.measuring.enclosure import Prover
 from synthesis.machines.spatial.measuring.extremum import Extremum, to_wire
 from synthesis.machines.spatial.measuring.motion import (
     contact_counts,
-    demand_extremes,
     follower_peaks,
+    segment_bound_extremes,
 )
 from synthesis.machines.spatial.measuring.patches import WallPoints, patches
 from synthesis.machines.spatial.pipeline import synthesise_spatial
@@ -362,7 +362,8 @@ def test_windows_and_points_are_looked_at() -> None:
     }  # fmt: skip
     spec = SpatialCamSpec(**asked, speed_rpm=SPEED)
     found = {
-        kind.name: to_wire(kind, each, {}) for kind, each in demand_extremes(spec, cam_of(spec))
+        kind.name: to_wire(kind, each, {})
+        for kind, each in segment_bound_extremes(spec, cam_of(spec))
     }
     assert {each.field for each in found.values()} == {
         "program/0/points/0/travel_deg", "program/0/windows/0/velocity_deg_per_s/max"

@@ -11,7 +11,7 @@ import pytest
 from synthesis.catalogue.constraints import MotionSizeBox
 from synthesis.machines.spatial.cylindrical import CylindricalOscillating
 from synthesis.machines.spatial.machine import LEFT, RIGHT
-from synthesis.machines.spatial.pressure_angle_constraints import SizeConstraint
+from synthesis.machines.spatial.size_constraints import SizeConstraint
 from synthesis.machines.spatial.spec import SpatialCamSpec
 from synthesis.numerics.geometry.swept_roller import FollowerState
 from tests.machines.spatial.sizes import globoidal, pressure_angle

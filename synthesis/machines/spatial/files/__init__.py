@@ -1,4 +1,4 @@
-"""Files of a spatial cam, one format a module; a new one is a module and its name here.
+"""Files of a spatial cam; a new format is a module and its name here.
 
 In: a SpatialDesign and the options of a format. Out: bytes with metadata. ``flanks*`` are points
 and surfaces of the flanks, ``body*`` the whole cam as mesh or solid, ``developed*`` the development
@@ -29,19 +29,11 @@ from synthesis.machines.spatial.spec import MACHINES
 
 Format = FileFormat[SpatialDesign, Any]
 DEVELOPED: tuple[Format, ...] = (developed.JSON, developed.CSV, developed_svg.SVG)
-MOTION: tuple[Format, ...] = (motion.JSON, motion.CSV, motion.SVG)
-WHOLE: tuple[Format, ...] = (
-    flanks.FLANKS,
-    flanks.CSV,
-    flanks.JSON,
-    flanks_step.STEP,
-    body_mesh.STL,
-    body_step.STEP,
-    surfaces_json.SURFACES,
-)
-FORMATS: Mapping[str, Format] = MappingProxyType(
-    {each.name: each for each in (*MOTION, *DEVELOPED, *WHOLE, cutter_path.CSV)}
-)
+_ALL: tuple[Format, ...] = (
+    motion.JSON, motion.CSV, motion.SVG, *DEVELOPED, flanks.FLANKS, flanks.CSV, flanks.JSON,
+    flanks_step.STEP, body_mesh.STL, body_step.STEP, surfaces_json.SURFACES, cutter_path.CSV,
+)  # fmt: skip
+FORMATS: Mapping[str, Format] = MappingProxyType({each.name: each for each in _ALL})
 """Every format by the name of its file."""
 
 _DEVELOPABLE = {each.model_fields["kind"].default for each in MACHINES if each.developable}

@@ -29,13 +29,12 @@ from synthesis.machines.spatial.design import SpatialDesign
 from synthesis.machines.spatial.files.body_mesh import Levels, MeshOptions, Rows, mesh_body
 from synthesis.machines.spatial.grooves import GrooveSections
 from synthesis.machines.spatial.solid.build import Builder
+from synthesis.machines.spatial.solid.geometry import NotSmooth, Shell
 from synthesis.machines.spatial.solid.sheets import (
-    NotSmooth,
     TooFewDepths,
     WallSheets,
     cluster_at_ends,
 )
-from synthesis.machines.spatial.solid.shell import Shell
 from synthesis.numerics.piecewise import Array
 
 DEPTHS = 65  # of a smooth solid, from the ribs' tops to the floor

@@ -17,8 +17,12 @@ from synthesis.exporters.drawing.picture_options import Colours
 from synthesis.exporters.exporter import FileContent, FileFormat
 from synthesis.exporters.figures.profile import ratio, shown_at
 from synthesis.machines.spatial.design import SpatialDesign
-from synthesis.machines.spatial.development import WallCurve
-from synthesis.machines.spatial.files.developed import DevelopedOptions, Development, develop
+from synthesis.machines.spatial.files.developed import (
+    DevelopedOptions,
+    Development,
+    WallCurve,
+    develop,
+)
 from synthesis.machines.spatial.files.identification import above
 from synthesis.numerics.piecewise import Array
 from synthesis.units import FULL_TURN

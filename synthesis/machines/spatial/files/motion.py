@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import asdict
 
 from synthesis.exporters.diagrams.motion import motion_plot
@@ -11,7 +10,7 @@ from synthesis.exporters.diagrams.sheet import DRAWN_PER_DEGREE, LEFT, RIGHT, WI
 from synthesis.exporters.drawing.picture_options import DiagramOptions
 from synthesis.exporters.exporter import FileFormat
 from synthesis.exporters.options import MotionOptions
-from synthesis.exporters.samples.columns import Column, motion_columns
+from synthesis.exporters.samples.columns import motion_columns
 from synthesis.exporters.samples.turn import Turn
 from synthesis.exporters.tables.formats import csv_table, json_table
 from synthesis.machines.spatial.design import SpatialDesign
@@ -22,16 +21,12 @@ def _turn(design: SpatialDesign) -> Turn:
     return Turn(design.curve, design.spec.machine.travel, design.spec.omega)
 
 
-def _columns(design: SpatialDesign, options: MotionOptions) -> Sequence[Column]:
-    return motion_columns(_turn(design), options)
-
-
 def _csv(design: SpatialDesign, options: MotionOptions) -> bytes:
-    return csv_table(_columns(design, options))
+    return csv_table(motion_columns(_turn(design), options))
 
 
 def _json(design: SpatialDesign, options: MotionOptions) -> bytes:
-    columns = _columns(design, options)
+    columns = motion_columns(_turn(design), options)
     body = {
         "kind": "motion",
         "segments": [each.model_dump(mode="json", exclude_none=True) for each in design.motion],

@@ -61,4 +61,4 @@ def _all(
         yield positive, Extremum(clearance, clearance, "closed form")
     yield from motion.contact_counts(cam)
     yield from motion.follower_peaks(cam, spec.machine.travel, spec.omega)
-    yield from motion.demand_extremes(spec, cam)
+    yield from motion.segment_bound_extremes(spec, cam)

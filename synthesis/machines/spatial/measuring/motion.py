@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
+from functools import partial
+from operator import mul
 
 import numpy as np
 
@@ -28,19 +30,14 @@ def follower_peaks(
     """Largest |velocity|, |acceleration| and |jerk| of the follower [units per rad^k]."""
     curve = cam.motion.curve
     for order, name in enumerate(NAMES, start=1):
-        quantity = Quantity(
-            name, travel.derivative_unit(order), True, _multiply(travel.wire_factor(order, omega))
-        )
+        unit, rate = travel.derivative_unit(order), travel.wire_factor(order, omega)
+        quantity = Quantity(name, unit, True, partial(mul, rate))
         if order > 1 and (at := first_jump(curve, order - 1)) is not None:
             yield quantity, Extremum(np.inf, np.inf, f"{NAMES[order - 2]} jumps there", at)
             continue
         both = [maximise(curve, [0.0] * order + [sign]) for sign in (1.0, -1.0)]
         value, theta = max(both, key=lambda each: rounded(each[0]))
         yield quantity, Extremum(value, value, STATIONARY, theta)
-
-
-def _multiply(rate: float) -> Callable[[float], float]:
-    return lambda value: value * rate
 
 
 def first_jump(curve: Piecewise, order: int) -> float | None:
@@ -79,47 +76,42 @@ def contact_counts(cam: SpatialCam) -> Iterator[tuple[Quantity, Extremum]]:
     yield Quantity("contacts_mean", "1", largest=False), Extremum(mean, mean, evidence)
 
 
-def demand_extremes(spec: SpatialCamSpec, cam: SpatialCam) -> Iterator[tuple[Quantity, Extremum]]:
-    """The extremes that windows and points of the program bound."""
-    for placed, segment in zip(cam.motion.segments, spec.program, strict=True):
-        for demand in segment.segment_bounds(placed.index):
-            yield from _bounded_sides(demand, placed, spec)
-
-
-def _bounded_sides(
-    demand: SegmentBound, segment: PlacedSegment, spec: SpatialCamSpec
+def segment_bound_extremes(
+    spec: SpatialCamSpec, cam: SpatialCam
 ) -> Iterator[tuple[Quantity, Extremum]]:
-    """The largest and the least value over a window or at a point, each if it is bounded."""
+    """The extremes that windows and points of the program bound, each side if it is bounded."""
     travel = spec.machine.travel
-    rate = travel.wire_factor(demand.order, spec.omega)
-    size = abs(segment.lift) / segment.angle**demand.order * rate
-    rounding = EXACT * size if demand.equality else 0.0
-    for bound, largest in ((demand.max, True), (demand.min, False)):
-        if bound is None:
-            continue
-        end = "max" if largest else "min"
-        name = demand.name if demand.name.endswith(end) else f"{demand.name}_{end}"
-        required = Bound(bound + (rounding if largest else -rounding), demand.field)
-        unit = travel.derivative_unit(demand.order)
-        value, theta = _extreme(demand, segment, rate, largest)
-        yield (
-            Quantity(name, unit, largest, required=required),
-            Extremum(value, value, STATIONARY, theta),
-        )
+    for placed, segment in zip(cam.motion.segments, spec.program, strict=True):
+        for limit in segment.segment_bounds(placed.index):
+            rate = travel.wire_factor(limit.order, spec.omega)
+            unit = travel.derivative_unit(limit.order)
+            size = abs(placed.lift) / placed.angle**limit.order * rate
+            rounding = EXACT * size if limit.equality else 0.0
+            for bound, largest in ((limit.max, True), (limit.min, False)):
+                if bound is None:
+                    continue
+                end = "max" if largest else "min"
+                name = limit.name if limit.name.endswith(end) else f"{limit.name}_{end}"
+                allowed = Bound(bound + (rounding if largest else -rounding), limit.field)
+                value, theta = _extreme(limit, placed, rate, largest)
+                yield (
+                    Quantity(name, unit, largest, required=allowed),
+                    Extremum(value, value, STATIONARY, theta),
+                )
 
 
 def _extreme(
-    demand: SegmentBound, segment: PlacedSegment, rate: float, largest: bool
+    limit: SegmentBound, segment: PlacedSegment, rate: float, largest: bool
 ) -> tuple[float, float]:
     """The extreme on the wire, and where [rad].
 
     A travel is measured from the start of its segment, in the segment's direction.
     """
-    order = demand.order
+    order = limit.order
     back = order == TRAVEL and segment.lift < 0.0
     factor = -rate if back else rate
     start = factor * segment.s_start if order == TRAVEL else 0.0
-    low, high = (segment.start + x * segment.angle for x in demand.interval)
+    low, high = (segment.start + x * segment.angle for x in limit.interval)
     curve = segment.placed()
     sign = 1.0 if largest == (factor > 0.0) else -1.0
     if low == high:

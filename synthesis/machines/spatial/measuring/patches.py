@@ -8,7 +8,7 @@ a measurement of how far the true extremum may be away, not a proof.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from itertools import groupby
@@ -18,6 +18,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from synthesis.machines.spatial.cam import SpatialCam, Wall
+from synthesis.machines.spatial.measuring.extremum import Extremum, rounded
 from synthesis.numerics.geometry.swept_roller import Contacts, FollowerState
 from synthesis.numerics.piecewise import Array
 
@@ -134,12 +135,19 @@ def sample_walls(
 
 
 @dataclass(frozen=True)
-class Grid:
-    """Refinement around samples: points in each direction, rounds, and shrinkage of a round."""
+class Refinement:
+    """How the best samples are refined.
 
+    Attributes:
+        kept: patches. points: in each direction around a sample. rounds: of ever finer grids.
+        shrink: of the steps from round to round. evidence: how the extremum is known.
+    """
+
+    kept: int
     points: int
     rounds: int
     shrink: float
+    evidence: str
 
 
 @dataclass(frozen=True, eq=False)
@@ -179,31 +187,39 @@ def best_samples(points: WallPoints, values: Array, *others: Array) -> Iterator[
 
 
 def refine(
-    values: Callable[[Array], Array], samples: Sequence[Sample], rho: Array, grid: Grid
-) -> tuple[Array, Array, Array]:
-    """Maximise a function around samples, all of them in one vectorised call a round.
+    values: Callable[[Sequence[Patch], Array], Array],
+    samples: Iterable[Sample],
+    rho: Array,
+    how: Refinement,
+    sign: float,
+) -> Extremum:
+    """Maximise a function around the best samples, all of them in one vectorised call a round.
 
     Args:
-        values: from coordinates (b, d, g) to the function on their grids, (b, g, …, g).
-        samples: b of them. rho: (m,) sampled places on the roller's axis, whose ends bound ρ [mm].
-
-    Returns:
-        (b,) values, (b,) values that the true maxima do not exceed as far as refinement shows, and
-        (b, d) coordinates.
+        values: from b patches and coordinates (b, d, g) to the function on their grids,
+            (b, g, …, g).
+        samples: of all patches. rho: (m,) sampled places, whose ends bound ρ [mm].
+        sign: of the measured quantity in the function.
     """
-    at, step = (np.stack([getattr(s, name) for s in samples]) for name in ("at", "step"))
-    value = np.array([sample.value for sample in samples])
+    best = sorted(samples, key=lambda each: -rounded(each.value))[: how.kept]
+    parts = [sample.patch for sample in best]
+    at, step = (np.stack([getattr(each, name) for each in best]) for name in ("at", "step"))
+    value = np.array([sample.value for sample in best])
     low, high = np.full_like(at, -np.inf), np.full_like(at, np.inf)
-    low[:, -2:] = [(sample.patch.low, rho[0]) for sample in samples]
-    high[:, -2:] = [(sample.patch.high, rho[-1]) for sample in samples]
-    spots, share = np.arange(len(samples)), np.linspace(-1.0, 1.0, grid.points)
-    for _ in range(grid.rounds):
+    low[:, -2:] = [(part.low, rho[0]) for part in parts]
+    high[:, -2:] = [(part.high, rho[-1]) for part in parts]
+    spots, share = np.arange(len(best)), np.linspace(-1.0, 1.0, how.points)
+    for _ in range(how.rounds):
         around = np.clip(at[..., None] + step[..., None] * share, low[..., None], high[..., None])
-        found = values(around).reshape(len(samples), -1)
-        best = np.argmax(found, axis=1)
-        where = np.stack(np.unravel_index(best, (grid.points,) * at.shape[1]), axis=1)
-        before, better = value, found[spots, best] > value
-        value = np.where(better, found[spots, best], value)
+        found = values(parts, around).reshape(len(best), -1)
+        top = np.argmax(found, axis=1)
+        where = np.stack(np.unravel_index(top, (how.points,) * at.shape[1]), axis=1)
+        before, better = value, found[spots, top] > value
+        value = np.where(better, found[spots, top], value)
         moved = np.take_along_axis(around, where[..., None], axis=2)[..., 0]
-        at, step = np.where(better[:, None], moved, at), grid.shrink * step
-    return value, value + 2.0 * (value - before), at
+        at, step = np.where(better[:, None], moved, at), how.shrink * step
+    first = max(range(len(best)), key=lambda i: rounded(float(value[i])))
+    *_, theta, place = at[first].tolist()
+    most = float(value[first])
+    limit = most + 2.0 * (most - float(before[first]))
+    return Extremum(sign * most, sign * limit, how.evidence, theta, parts[first].wall, place)

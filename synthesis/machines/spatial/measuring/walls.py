@@ -13,6 +13,8 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
+from functools import partial
+from operator import mul
 
 import numpy as np
 
@@ -26,11 +28,11 @@ from synthesis.machines.spatial.measuring.enclosure import (
     prove_pressure_angle,
     prove_regular,
 )
-from synthesis.machines.spatial.measuring.extremum import Bound, Bounds, Extremum, Quantity, rounded
+from synthesis.machines.spatial.measuring.extremum import Bound, Bounds, Extremum, Quantity
 from synthesis.machines.spatial.measuring.motion import first_jump
 from synthesis.machines.spatial.measuring.patches import (
-    Grid,
     Patch,
+    Refinement,
     Sample,
     WallPoints,
     best_samples,
@@ -43,16 +45,17 @@ from synthesis.units import DEGREE, FULL_TURN
 
 ANGLES, PLACES = 49, 5  # samples of a patch: cam angles, places
 WHOLE = 240  # about so many angles on a wall with many patches
-REFINED = 2  # patches that are refined
-CLOSER = Grid(11, 8, 0.25)  # the last steps are 1e-5 of those between samples
-EVIDENCE = "measured on a grid of every smooth part of a wall, then closer"
+# The last steps are 1e-5 of those between samples.
+CLOSER = Refinement(
+    2, 11, 8, 0.25, "measured on a grid of every smooth part of a wall, then closer"
+)
 
 RIB_ANGLES, RIB_PLACES, RIB_TURNS = 25, 3, 73  # samples; turns: angles of the other roller
-RIB_WHOLE, RIB_REFINED = 72, 3  # as WHOLE and REFINED
-RIB_CLOSER = Grid(7, 13, 0.4)
-RIB_EVIDENCE = (
-    "measured from points of each wall to the next roller, at every cam angle, then closer"
-)
+RIB_WHOLE = 72  # as WHOLE
+RIB_CLOSER = Refinement(
+    3, 7, 13, 0.4,
+    "measured from points of each wall to the next roller, at every cam angle, then closer",
+)  # fmt: skip
 RIB = Quantity("rib_thickness", "mm", largest=False, required=Bound(0.0))
 
 
@@ -133,15 +136,13 @@ NO_RADIUS = Extremum(-np.inf, -np.inf, "a wall is undercut: there is no such rad
 
 def _speeds(omega: float) -> Sequence[ContactQuantity]:
     """Speeds of a cam that turns at ω [rad/s]."""
-    rpm = omega * 60.0 / (2.0 * np.pi)
-    contact, sliding = (
-        Quantity(name, "mm/s", True, lambda value: value * omega)
-        for name in ("contact_speed", "sliding_speed")
-    )
+    per_second, rpm = partial(mul, omega), partial(mul, omega * 60.0 / (2.0 * np.pi))
     return (
-        ContactQuantity(contact, lambda at: norm(at.contacts.slip)),
-        ContactQuantity(sliding, _sliding),
-        ContactQuantity(Quantity("roller_speed", "rpm", True, lambda value: value * rpm), _spin),
+        ContactQuantity(
+            Quantity("contact_speed", "mm/s", True, per_second), lambda at: norm(at.contacts.slip)
+        ),
+        ContactQuantity(Quantity("sliding_speed", "mm/s", True, per_second), _sliding),
+        ContactQuantity(Quantity("roller_speed", "rpm", True, rpm), _spin),
     )
 
 
@@ -182,52 +183,34 @@ def _extremum(quantity: ContactQuantity, walls: Sequence[WallPoints], rho: Array
         """To be maximised; −∞ beyond the end faces."""
         return at.between_faces(sign * quantity.of(at), -np.inf)
 
-    samples = [sample for wall in walls for sample in best_samples(wall, values(wall))]
-    best = sorted(samples, key=lambda each: -rounded(each.value))[:REFINED]
-    parts = [sample.patch for sample in best]
+    def on_grids(parts: Sequence[Patch], at: Array) -> Array:
+        return values(WallPoints(parts, at[:, 0], np.repeat(at[:, 1], at.shape[2], axis=0)))
 
-    def on_grids(at: Array) -> Array:
-        theta, rho = at[:, 0], np.repeat(at[:, 1], at.shape[2], axis=0)
-        return values(WallPoints(parts, theta, rho))
-
-    value, limit, at = refine(on_grids, best, rho, CLOSER)
-    first = max(range(len(best)), key=lambda i: rounded(float(value[i])))
-    theta, place = at[first].tolist()
-    return Extremum(
-        sign * float(value[first]), sign * float(limit[first]), EVIDENCE, theta,
-        parts[first].wall, place,
-    )  # fmt: skip
+    samples = (sample for wall in walls for sample in best_samples(wall, values(wall)))
+    return refine(on_grids, samples, rho, CLOSER, sign)
 
 
 def thinnest_rib(cam: SpatialCam, parts: Sequence[Patch], seats: Sequence[Seat]) -> Extremum | None:
     """The least rib thickness; None where the cam has no ribs."""
     rho = np.linspace(cam.swept.roller.inner, cam.swept.roller.outer, RIB_PLACES)
     offset = np.linspace(-0.5 * FULL_TURN, 0.5 * FULL_TURN, RIB_TURNS)
-    samples: list[tuple[Seat, Sample]] = []
+    others = {wall: _behind(wall, seats, cam.period) for wall in cam.walls}
+    samples: list[Sample] = []
     for wall in sample_walls(parts, rho, RIB_ANGLES, RIB_WHOLE):
-        other = _behind(wall.patches[0].wall, seats, cam.period)
+        other = others[wall.patches[0].wall]
         if other is not None:
-            thickness = _rib_thickness(wall, other, offset)
-            samples += [(other, each) for each in best_samples(wall, -thickness, offset)]
-    if not samples:
-        return None
-    best = sorted(samples, key=lambda each: -rounded(each[1].value))[:RIB_REFINED]
+            samples += best_samples(wall, -_rib_thickness(wall, other, offset), offset)
 
-    def on_grids(at: Array) -> Array:
+    def on_grids(parts: Sequence[Patch], at: Array) -> Array:
         return np.stack(
             [
-                -_rib_thickness(each.patch.at(theta, rho), other, offset)
-                for (other, each), (offset, theta, rho) in zip(best, at, strict=True)
+                -_rib_thickness(part.at(theta, rho), other, offset)
+                for part, (offset, theta, rho) in zip(parts, at, strict=True)
+                if (other := others[part.wall]) is not None
             ]
         )
 
-    value, limit, at = refine(on_grids, [each for _, each in best], rho, RIB_CLOSER)
-    first = max(range(len(best)), key=lambda i: rounded(float(value[i])))
-    _, theta, place = at[first].tolist()
-    return Extremum(
-        -float(value[first]), -float(limit[first]), RIB_EVIDENCE, theta,
-        best[first][1].patch.wall, place,
-    )  # fmt: skip
+    return refine(on_grids, samples, rho, RIB_CLOSER, -1.0) if samples else None
 
 
 def _behind(wall: Wall, seats: Sequence[Seat], period: float) -> Seat | None:

@@ -15,7 +15,7 @@ from typing import Any
 from synthesis.catalogue.ranges import Range, ends
 from synthesis.design.design import Conflict, Relaxation
 from synthesis.machines.spatial.machine import ROLLER_RADIUS
-from synthesis.machines.spatial.sizing.size_cam import SizingResult, size_cam
+from synthesis.machines.spatial.sizing.size_cam import Sizes, SizingResult, size_cam
 from synthesis.machines.spatial.spec import SpatialCamSpec
 from synthesis.numerics import clock
 from synthesis.optimise.parameters.table_smoothing import Tables
@@ -36,18 +36,15 @@ class _Relaxable:
     """One number of the spec that may be in the way.
 
     Attributes:
-        field: its path in the spec. name, text, unit: for people. value: as given.
+        relaxation: what is reported of it. text: the bound, for people.
         upper: whether a larger value is easier.
-        place: position among the limits, or the machine's field.
+        changed: the spec with another value, not validated again.
     """
 
-    field: str
-    name: str
+    relaxation: Relaxation
     text: str
-    unit: str
-    value: float
     upper: bool
-    place: int | str
+    changed: Callable[[float], SpatialCamSpec]
 
 
 def diagnose(spec: SpatialCamSpec, tables: Tables, result: SizingResult, stop: float) -> Conflict:
@@ -58,12 +55,19 @@ def diagnose(spec: SpatialCamSpec, tables: Tables, result: SizingResult, stop: f
         stop: ``clock.now()`` after which nothing more is tried.
     """
     until = min(stop, clock.now() + DIAGNOSIS_S)
-    numbers = [*_dimensions(spec), *_limits(spec)]
-    # Where walls failed, sizing must include them; otherwise existence of laws and size decides.
-    existence_only = not result.walls_failed
-    relaxations = [
-        _relax(spec, tables, number, until, existence_only=existence_only) for number in numbers
-    ]
+    # Cams that only show that there is one need no small gap.
+    coarse = spec.model_copy(update={"tolerance": max(spec.tolerance, COARSE_TOLERANCE)})
+    minimised = spec.machine.size_field
+    names = sorted(spec.machine.sizes(), key=lambda name: name != minimised)
+    numbers = [number for name in names for number in _dimension(coarse, name)]
+    numbers += [_limit(coarse, position) for position in range(len(spec.limits))]
+
+    def sized(changed: SpatialCamSpec) -> Sizes | None:
+        # Where walls failed, sizing must include them; otherwise laws and size alone decide.
+        existence_only = not result.walls_failed
+        return size_cam(changed, tables, until, existence_only=existence_only).sizes
+
+    relaxations = [_relax(number, sized, minimised, until) for number in numbers]
     binding = [
         number.text
         for number, each in zip(numbers, relaxations, strict=True)
@@ -78,95 +82,87 @@ def diagnose(spec: SpatialCamSpec, tables: Tables, result: SizingResult, stop: f
     )
 
 
-def _dimensions(spec: SpatialCamSpec) -> Iterator[_Relaxable]:
-    """Ends of the machine's dimensions, that of the minimised one first."""
-    sizes = spec.machine.sizes()
-    for name in sorted(sizes, key=lambda name: name != spec.machine.size_field):
-        low, high = ends(sizes[name])
-        upper = name != ROLLER_RADIUS
-        end = high if upper else low
-        if not isfinite(end) or end <= 0.0:
-            continue
-        tail = "" if low == high else "/max" if upper else "/min"
-        sign = "=" if low == high else "≤" if upper else "≥"
-        title = name.removesuffix("_mm")
-        text = f"{title.replace('_', ' ')} {sign} {end:.6g} mm"
-        yield _Relaxable(f"machine/{name}{tail}", title, text, "mm", end, upper, name)
+def _dimension(spec: SpatialCamSpec, name: str) -> Iterator[_Relaxable]:
+    """The end of a dimension's range that may be in the way, if it has that end."""
+    low, high = ends(spec.machine.sizes()[name])
+    upper = name != ROLLER_RADIUS
+    end = high if upper else low
+    if not isfinite(end) or end <= 0.0:
+        return
+
+    def changed(value: float) -> SpatialCamSpec:
+        least, most = (low, value) if upper else (value, high)
+        wider: Any = Range(
+            min=least if isfinite(low) else None, max=most if isfinite(high) else None
+        )
+        return spec.model_copy(update={"machine": spec.machine.model_copy(update={name: wider})})
+
+    tail, sign = ("", "=") if low == high else ("/max", "≤") if upper else ("/min", "≥")
+    title = name.removesuffix("_mm")
+    text = f"{title.replace('_', ' ')} {sign} {end:.6g} mm"
+    yield _Relaxable(_request(title, f"machine/{name}{tail}", "mm", end), text, upper, changed)
 
 
-def _limits(spec: SpatialCamSpec) -> Iterator[_Relaxable]:
-    """Bounds of the limits."""
-    for position, limit in enumerate(spec.limits):
-        unit = limit.field.partition("_")[2].replace("_per_", "/").replace("s2", "s²")
-        unit = unit.replace("s3", "s³")
-        sign = "≤" if limit.upper else "≥"
-        text = f"{limit.kind.replace('_', ' ')} {sign} {limit.bound:.6g} {unit}"
-        field = f"limits/{position}/{limit.field}"
-        yield _Relaxable(field, limit.kind, text, unit, limit.bound, limit.upper, position)
+def _limit(spec: SpatialCamSpec, position: int) -> _Relaxable:
+    """The bound of a limit."""
+    limit = spec.limits[position]
 
-
-def _with_value(spec: SpatialCamSpec, number: _Relaxable, value: float) -> SpatialCamSpec:
-    """The spec with another value of the number, not validated again."""
-    tolerance = max(spec.tolerance, COARSE_TOLERANCE)
-    if isinstance(number.place, int):
+    def changed(value: float) -> SpatialCamSpec:
         limits = list(spec.limits)
-        limit = limits[number.place]
-        limits[number.place] = limit.model_copy(update={limit.field: value})
-        return spec.model_copy(update={"limits": limits, "tolerance": tolerance})
-    low, high = ends(spec.machine.sizes()[number.place])
-    wider: Any = Range(
-        min=(low if number.upper else value) if isfinite(low) else None,
-        max=(value if number.upper else high) if isfinite(high) else None,
-    )
-    machine = spec.machine.model_copy(update={number.place: wider})
-    return spec.model_copy(update={"machine": machine, "tolerance": tolerance})
+        limits[position] = limit.model_copy(update={limit.field: value})
+        return spec.model_copy(update={"limits": limits})
+
+    unit = limit.field.partition("_")[2].replace("_per_", "/")
+    unit = unit.replace("s2", "s²").replace("s3", "s³")
+    sign = "≤" if limit.upper else "≥"
+    text = f"{limit.kind.replace('_', ' ')} {sign} {limit.bound:.6g} {unit}"
+    field = f"limits/{position}/{limit.field}"
+    return _Relaxable(_request(limit.kind, field, unit, limit.bound), text, limit.upper, changed)
+
+
+def _request(name: str, field: str, unit: str, value: float) -> Relaxation:
+    return Relaxation(limit=name, field=field, unit=unit, requested=value, needed=None, note=ALONE)
 
 
 def _relax(
-    spec: SpatialCamSpec, tables: Tables, number: _Relaxable, until: float, *, existence_only: bool
+    number: _Relaxable,
+    sized: Callable[[SpatialCamSpec], Sizes | None],
+    minimised: str,
+    until: float,
 ) -> Relaxation:
-    """What one number alone would have to be."""
+    """What one number alone would have to be, as far as time allows.
 
-    def relaxation(needed: float | None, note: str) -> Relaxation:
-        return Relaxation(limit=number.name, field=number.field, unit=number.unit,
-                          requested=number.value, needed=needed, note=note)  # fmt: skip
-
-    def sized_with(value: float) -> SizingResult:
-        changed = _with_value(spec, number, value)
-        return size_cam(changed, tables, until, existence_only=existence_only)
-
-    far = number.value * FARTHEST if number.upper else number.value / FARTHEST
-    if number.unit == "deg" and number.upper:
+    Args:
+        sized: dimensions of a cam, or None. minimised: field of the dimension that is minimised.
+    """
+    asked = number.relaxation
+    value = asked.requested
+    far = value * FARTHEST if number.upper else value / FARTHEST
+    if asked.unit == "deg" and number.upper:
         far = WIDEST_DEG
     if clock.now() >= until:
-        return relaxation(None, LATE)
-    widest = sized_with(far)
-    if widest.sizes is None:
-        return relaxation(None, ALONE)
-    # The minimised dimension is its own answer; any other number is found by bisection.
-    if number.place == spec.machine.size_field:
-        return relaxation(widest.sizes[number.place] * (1.0 + ACCURACY), FOUND)
-    needed = _least_change(
-        lambda value: sized_with(value).sizes is not None, number.value, far, until
-    )
-    return relaxation(needed, FOUND)
-
-
-def _least_change(fits: Callable[[float], bool], value: float, far: float, until: float) -> float:
-    """The feasible value nearest to a given one as far as time allows; ``far`` is feasible."""
+        return asked.model_copy(update={"note": LATE})
+    widest = sized(number.changed(far))
+    if widest is None:
+        return asked
+    # The minimised dimension is its own answer.
+    if asked.field.startswith(f"machine/{minimised}"):
+        found = {"needed": widest[minimised] * (1.0 + ACCURACY), "note": FOUND}
+        return asked.model_copy(update=found)
+    # Any other number: larger and larger changes until one is enough, then bisection.
     bad, good, step = value, far, FIRST_STEP
     while clock.now() < until:
         at = value * (1.0 + step) if far > value else value / (1.0 + step)
         if (at - far) * (value - far) <= 0.0:
             break
-        if fits(at):
+        if sized(number.changed(at)) is not None:
             good = at
             break
         bad, step = at, 3.0 * step
     while clock.now() < until and abs(good - bad) > ACCURACY * abs(good):
         middle = 0.5 * (bad + good)
-        if fits(middle):
+        if sized(number.changed(middle)) is not None:
             good = middle
         else:
             bad = middle
-    return good
+    return asked.model_copy(update={"needed": good, "note": FOUND})

@@ -30,7 +30,7 @@ import numpy as np
 from scipy.optimize import brentq
 
 from synthesis.catalogue.motion import PlacedSegment
-from synthesis.machines.spatial.pressure_angle_constraints import SizeConstraint
+from synthesis.machines.spatial.size_constraints import SizeConstraint
 from synthesis.numerics.piecewise import Array
 from synthesis.optimise.conic.law_bounds import LawBounds
 from synthesis.optimise.conic.program import ConicModel

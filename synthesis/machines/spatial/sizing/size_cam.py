@@ -30,8 +30,7 @@ from synthesis.machines.spatial.limits import AnySpatialLimit, WallRadius
 from synthesis.machines.spatial.machine import LARGEST, ROLLER_RADIUS, SpatialMachine
 from synthesis.machines.spatial.measuring.patches import patches, sample_walls
 from synthesis.machines.spatial.measuring.walls import thinnest_rib
-from synthesis.machines.spatial.sizing.problem import formulate_problem
-from synthesis.machines.spatial.sizing.sequential_convex import minimise_size
+from synthesis.machines.spatial.sizing.sequential_convex import formulate_problem, minimise_size
 from synthesis.machines.spatial.spec import SpatialCamSpec
 from synthesis.optimise import driver
 from synthesis.optimise.conic.semi_infinite import most_violated

@@ -9,21 +9,21 @@ from itertools import groupby
 import numpy as np
 
 from synthesis.machines.spatial.solid import geometry
+from synthesis.machines.spatial.solid.geometry import Key, NotSmooth, Shell
 from synthesis.machines.spatial.solid.sheets import (
     HIGH,
     IN,
     LOW,
-    NotSmooth,
     Piece,
     Stop,
     WallSheets,
     fit_patch,
 )
-from synthesis.machines.spatial.solid.shell import Key, Shell
-from synthesis.numerics.geometry.charts import Chart
 from synthesis.numerics.piecewise import Array
 
 BLANK_ENDS = (LOW, HIGH)
+TOP, ROOT = 0, -1  # depths of the blank
+STEP = 1e-4  # mm or rad: to a neighbouring point, for a direction out of the body
 
 
 @dataclass(frozen=True, eq=False)
@@ -101,25 +101,23 @@ class Builder:
         x, y, z = place
         chart, turn = self.sheets.blank.chart, np.arctan2(y, x)
         depth, across = chart.from_meridian(np.hypot(x, y), z)
-        step = 1e-4
-        ends = [chart.points(turn, depth, across + sign * step) for sign in (-1.0, 1.0)]
-        way = ends[1] - ends[0]
-        return np.asarray(way / np.linalg.norm(way))
-
-    def _arc(self, first: Key, last: Key, turn: tuple[float, float], end: int, level: int) -> Key:
-        """The edge along an end of the blank: an arc about the axis."""
-        radius, height = self._end(end, level)
-        hand = self.sheets.hand
-        x, y = np.array([1.0, 0.0, 0.0]), np.array([0.0, -float(hand), 0.0])
-        curve = geometry.Circle(height * geometry.UP, x, y, radius, *turn)
-        return self.shell.join(("arc", end, level, first, last), first, last, curve)
+        low, high = (chart.points(turn, depth, across + off) for off in (-STEP, STEP))
+        return np.asarray((high - low) / np.linalg.norm(high - low))
 
     def _end(self, end: int, level: int) -> tuple[float, float]:
         """Radius and height of an end of the blank at a level [mm]."""
         blank = self.sheets.blank
-        across = (blank.low if end == LOW else blank.high)[level]
-        radius, height = blank.chart.meridian(blank.depth[level], across)
+        radius, height = blank.chart.meridian(blank.depth[level], self.sheets.end(end)[level])
         return float(radius), float(height)
+
+    def _border(self, first: Stop, last: Stop, end: int, level: int) -> Key:
+        """The edge of a region along an end of the blank: an arc about the axis."""
+        start, stop = (self._corner(each, None, end, level) for each in (first, last))
+        radius, height = self._end(end, level)
+        y = np.array([0.0, -float(self.sheets.hand), 0.0])
+        turn = float(first.turn[level]), float(last.turn[level])
+        curve = geometry.Circle(height * geometry.UP, geometry.X, y, radius, *turn)
+        return self.shell.join(("arc", end, level, start, stop), start, stop, curve)
 
     def _lift(self, stop: Stop, span: Span, level: int) -> list[Key]:
         """The edge across the body at a sector line; none where the span ends in a point."""
@@ -128,20 +126,23 @@ class Builder:
         low, high = span.states
         first = self._corner(stop, span.low, low, level)
         last = self._corner(stop, span.high, high, level)
-        curve = self._meridian(stop, (first, last), (low, high), level)
+        # Corners on walls exist already.
+        start, end = (
+            self._place(key) if state == IN else float(self.sheets.end(state)[level])
+            for key, state in ((first, low), (last, high))
+        )
+        chart, depth = self.sheets.blank.chart, float(self.sheets.blank.depth[level])
+        angle = -self.sheets.hand * float(stop.turn[level])
+        ring = chart.torus_radii(depth)
+        curve: geometry.Curve
+        if ring is None:
+            ends = (chart.points(np.array(angle), np.array(depth), np.array(at))
+                    for at in (start, end))  # fmt: skip
+            curve = geometry.Line(*ends)
+        else:
+            away = np.array([np.cos(angle), np.sin(angle), 0.0])
+            curve = geometry.Circle(ring[0] * away, -away, geometry.UP, ring[1], start, end)
         return [self.shell.join(("lift", first, last), first, last, curve)]
-
-    def _meridian(self, stop: Stop, corners: tuple[Key, Key], states: tuple[int, int],
-                  level: int) -> geometry.Curve:  # fmt: skip
-        """The curve between two corners at a sector line; corners on walls exist already."""
-        blank = self.sheets.blank
-        ends = [
-            self._place(key) if state == IN
-            else float((blank.low if state == LOW else blank.high)[level])
-            for key, state in zip(corners, states, strict=True)
-        ]  # fmt: skip
-        angle, depth = -self.sheets.hand * float(stop.turn[level]), float(blank.depth[level])
-        return _across(blank.chart, angle, depth, *ends)
 
     def _place(self, corner: Key) -> float:
         """Place across of a vertex."""
@@ -166,17 +167,19 @@ class Builder:
         turn = np.array(0.5 * (run[0].first.turn[level] + run[-1].last.turn[level]))
         corners = {key for edge in edges for key in self.shell.ends(edge)}
         across = np.array(np.mean([self._place(key) for key in corners]))
-        depth = float(self.sheets.blank.depth[level])
-        place, deeper = (self.sheets.points(turn, np.array(d), across)
-                         for d in (depth, depth + 1e-4))  # fmt: skip
-        surface = _oriented(self.sheets.blank.chart, depth)
-        self.shell.add(surface, edges, place, (place - deeper) / 1e-4)
-
-    def _border(self, first: Stop, last: Stop, end: int, level: int) -> Key:
-        """The edge of a region at an end of the blank."""
-        start, stop = (self._corner(each, None, end, level) for each in (first, last))
-        turn = float(first.turn[level]), float(last.turn[level])
-        return self._arc(start, stop, turn, end, level)
+        chart, depth = self.sheets.blank.chart, float(self.sheets.blank.depth[level])
+        place, deeper = (
+            self.sheets.points(turn, np.array(d), across) for d in (depth, depth + STEP)
+        )
+        # The turned surface of one depth is a torus or a cylinder.
+        ring = chart.torus_radii(depth)
+        surface: geometry.Surface
+        if ring is None:
+            radius, _ = chart.meridian(np.array(depth), np.array(0.0))
+            surface = geometry.Cylinder(float(radius))
+        else:
+            surface = geometry.Ring(*ring)
+        self.shell.add(surface, edges, place, (place - deeper) / STEP)
 
     # -- ends ---------------------------------------------------------------------------------
 
@@ -202,25 +205,23 @@ class Builder:
             ends = (self._on_end(float(stop.turn[0]), end, level) for level in (TOP, ROOT))
             edges.append(self.shell.join(("edge", top, root), top, root, geometry.Line(*ends)))
         middle = len(first.turn) // 2
-        turn = 0.5 * float(first.turn[middle] + last.turn[middle])
-        blank = self.sheets.blank
-        across = (blank.low if end == LOW else blank.high)[middle]
-        place = self.sheets.points(np.array(turn), blank.depth[middle], across)
+        turn = np.array(0.5 * float(first.turn[middle] + last.turn[middle]))
+        depth, across = self.sheets.blank.depth[middle], self.sheets.end(end)[middle]
+        place = self.sheets.points(turn, depth, across)
         out = end * self._across_direction(place)
-        self.shell.add(self._end_surface(end, out), edges, place, out)
+        # A section is a plane, a cylinder or a cone about the axis.
+        (r0, z0), (r1, z1) = self._end(end, TOP), self._end(end, ROOT)
+        surface: geometry.Surface = geometry.Cone(z0, r0, (r1 - r0) / (z1 - z0 or np.inf))
+        if abs(z1 - z0) < 1e-9 * abs(r1 - r0):
+            surface = geometry.Plane(z0, int(np.sign(out[2])))
+        elif abs(r1 - r0) < 1e-9 * abs(z1 - z0):
+            surface = geometry.Cylinder(r0)
+        self.shell.add(surface, edges, place, out)
 
     def _on_end(self, turn: float, end: int, level: int) -> Array:
         radius, height = self._end(end, level)
         angle = -self.sheets.hand * turn
         return np.array([radius * np.cos(angle), radius * np.sin(angle), height])
-
-    def _end_surface(self, end: int, out: Array) -> geometry.Surface:
-        (r0, z0), (r1, z1) = self._end(end, TOP), self._end(end, ROOT)
-        if abs(z1 - z0) < 1e-9 * abs(r1 - r0):
-            return geometry.Plane(z0, int(np.sign(out[2])))
-        if abs(r1 - r0) < 1e-9 * abs(z1 - z0):
-            return geometry.Cylinder(r0)
-        return geometry.Cone(z0, r0, (r1 - r0) / (z1 - z0))
 
     def _hub(self) -> None:
         bore = self.sheets.blank.bore
@@ -247,35 +248,16 @@ class Builder:
             self.shell.add(geometry.Cylinder(bore), [*sides, *rims], place, out)
 
     def _bore(self, end: int) -> list[Key]:
-        centre = self._end(end, ROOT)[1] * geometry.UP
-        x, y = np.array([1.0, 0.0, 0.0]), np.array([0.0, 1.0, 0.0])
-        return [self.shell.join(("bore", end, "half", half), ("bore", end, half),
-                                ("bore", end, 1 - half),
-                                geometry.Circle(centre, x, y, self.sheets.blank.bore,
-                                                half * np.pi, (half + 1) * np.pi))
-                for half in (0, 1)]  # fmt: skip
-
-
-def _oriented(chart: Chart, depth: float) -> geometry.Surface:
-    """The turned surface of one depth: a torus or a cylinder."""
-    ring = chart.torus_radii(depth)
-    if ring is None:
-        return geometry.Cylinder(float(chart.meridian(np.array(depth), np.array(0.0))[0]))
-    return geometry.Ring(*ring)
-
-
-def _across(chart: Chart, angle: float, depth: float, first: float, last: float) -> geometry.Curve:
-    """The curve across the body at one depth, at an angle about the cam's axis [rad]."""
-    ring = chart.torus_radii(depth)
-    if ring is None:
-        ends = (chart.points(np.array(angle), np.array(depth), np.array(at))
-                for at in (first, last))  # fmt: skip
-        return geometry.Line(*ends)
-    away = np.array([np.cos(angle), np.sin(angle), 0.0])
-    return geometry.Circle(ring[0] * away, -away, geometry.UP, ring[1], first, last)
-
-
-TOP, ROOT = 0, -1  # depths of the blank
+        centre, radius = self._end(end, ROOT)[1] * geometry.UP, self.sheets.blank.bore
+        y = np.array([0.0, 1.0, 0.0])
+        halves = (
+            geometry.Circle(centre, geometry.X, y, radius, half * np.pi, (half + 1) * np.pi)
+            for half in (0, 1)
+        )
+        return [
+            self.shell.join(("bore", end, "half", k), ("bore", end, k), ("bore", end, 1 - k), curve)
+            for k, curve in enumerate(halves)
+        ]
 
 
 @dataclass(frozen=True, eq=False)
@@ -314,7 +296,11 @@ def pairs(sheets: WallSheets, level: int) -> Iterator[tuple[int, int]]:
 
 def spans(sheets: WallSheets, j: int, low: int, high: int, level: int) -> Iterator[Span]:
     """The spans between two walls in a sector, cut where either enters or leaves the blank."""
-    lows, highs = _of(sheets, j, low), _of(sheets, j, high)
+    # Below the first wall and above the last there are no pieces.
+    lows, highs = (
+        [*sheets.pieces[j][wall]] if 0 <= wall < len(sheets.states) else [None]
+        for wall in (low, high)
+    )
     first, end = sheets.line(j), sheets.line(j + 1)
     a = b = 0
     while True:
@@ -324,17 +310,8 @@ def spans(sheets: WallSheets, j: int, low: int, high: int, level: int) -> Iterat
         yield Span(lows[a], highs[b], first, last)
         if last is end:
             return
-        a, b = a + _ends(lows[a], last), b + _ends(highs[b], last)
-        first = last
-
-
-def _of(sheets: WallSheets, j: int, wall: int) -> list[Piece | None]:
-    """A wall's pieces; none below the first wall and above the last."""
-    return [*sheets.pieces[j][wall]] if 0 <= wall < len(sheets.states) else [None]
-
-
-def _ends(piece: Piece | None, stop: Stop) -> bool:
-    return piece is not None and piece.last is stop
+        low_ends, high_ends = (p is not None and p.last is last for p in (lows[a], highs[b]))
+        first, a, b = last, a + low_ends, b + high_ends
 
 
 def runs(spans: Iterable[Span]) -> Iterator[list[Span]]:

@@ -26,7 +26,7 @@ from scipy.optimize import elementwise
 from synthesis.machines.spatial.blank import Blank
 from synthesis.machines.spatial.grooves import GrooveSections, shifted
 from synthesis.machines.spatial.machine import LEFT, RIGHT, Seat
-from synthesis.machines.spatial.solid.geometry import interpolate_surface
+from synthesis.machines.spatial.solid.geometry import NotSmooth, interpolate_surface
 from synthesis.numerics.piecewise import Array
 from synthesis.units import DEGREE, FULL_TURN
 
@@ -41,10 +41,6 @@ FIRST_STEP = 5.0 * DEGREE  # between lines of a piece's first grid
 MAX_LINES = 1025  # of a grid along the turn
 LOW, IN, HIGH = -1, 0, 1
 TURNS = FULL_TURN * np.arange(2 * ROWS) / ROWS  # of the rows over two turns [rad]
-
-
-class NotSmooth(Exception):
-    """The body has no smooth boundary; the message says why."""
 
 
 class TooFewDepths(NotSmooth):
@@ -182,8 +178,7 @@ class WallSheets:
 
     def _crossing(self, wall: int, end: int, bracket: tuple[float, float]) -> Array:
         """Cam angle at which a wall crosses an end of the blank, at every depth [rad]."""
-        edge = self.blank.low if end == LOW else self.blank.high
-        depth = self.blank.depth
+        edge, depth = self.end(end), self.blank.depth
 
         def off(turn: Array, index: Array) -> Array:
             i = index.astype(int)
@@ -198,6 +193,10 @@ class WallSheets:
         if np.max(np.abs(np.diff(found.x))) > MAX_STEP:
             raise NotSmooth("a wall follows the end of the blank")
         return np.asarray(found.x)
+
+    def end(self, state: int) -> Array:
+        """Places across (m,) of an end of the blank, LOW or HIGH."""
+        return self.blank.low if state == LOW else self.blank.high
 
     def points(self, turn: Array, depth: Array, across: Array) -> Array:
         """Points (3, …) of the cam's frame [mm]."""
