@@ -87,9 +87,9 @@ def _smooth(design: SpatialDesign, options: BlankOptions, tolerance: float) -> F
 
     error = f"{largest:.3g}"
     title = f"Spatial cam, a solid of its true surfaces, walls within {error} mm"
-    told = {"Body": "smooth", "Surface-Error-Mm": error, "Faces": str(len(shell.faces))}
+    metadata = {"Body": "smooth", "Surface-Error-Mm": error, "Faces": str(len(shell.faces))}
     kind = "ADVANCED_BREP_SHAPE_REPRESENTATION"
-    return FileContent(shape_file(design, title, kind, write, largest), told)
+    return FileContent(shape_file(design, title, kind, write, largest), metadata)
 
 
 def build_solid(
@@ -136,9 +136,9 @@ def _faceted(design: SpatialDesign, options: FacetedOptions) -> FileContent:
         f"Spatial cam, faceted: flat faces, {made.metadata['Surface-Error-Mm']} mm measured to the "
         "true surface; the smooth walls are in flanks.step"
     )
-    told = {"Body": "faceted", **made.metadata, "Faces": str(len(facets))}
+    metadata = {"Body": "faceted", **made.metadata, "Faces": str(len(facets))}
     kind, meaning = "FACETED_BREP_SHAPE_REPRESENTATION", "points nearer to each other are one"
-    return FileContent(shape_file(design, title, kind, write, meaning=meaning), told)
+    return FileContent(shape_file(design, title, kind, write, meaning=meaning), metadata)
 
 
 def _face(data: Entities, facet: Facet, points: list[str]) -> str:

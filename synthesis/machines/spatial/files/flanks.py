@@ -206,11 +206,11 @@ def _ibl(design: SpatialDesign, options: WrittenFlankOptions) -> FileContent:
             rounded = (np.round(points, decimals) + 0.0).tolist()
             values = [v for n, point in enumerate(rounded, 1) for v in (n, *point)]
             lines.append(f"begin curve ! {curve}\n" + row * len(rounded) % tuple(values))
-    told = {
+    metadata = {
         "Sections": " ".join(each.name for each in found),
         "Spline-Error-Mm": f"{spline_error(design, found):.3g}",
     }
-    return FileContent("".join(lines).encode("ascii"), told)
+    return FileContent("".join(lines).encode("ascii"), metadata)
 
 
 def _csv(design: SpatialDesign, options: TableOptions) -> bytes:

@@ -127,8 +127,8 @@ def _flanks(design: SpatialDesign, options: SurfaceOptions) -> FileContent:
 
     title = f"Flanks of a spatial cam, within {error:.2g} mm of the true ones"
     kind = "GEOMETRICALLY_BOUNDED_SURFACE_SHAPE_REPRESENTATION"
-    told = {"Surface-Error-Mm": f"{error:.3g}", "Surfaces": str(len(made))}
-    return FileContent(shape_file(design, title, kind, write, error, name=name), told)
+    metadata = {"Surface-Error-Mm": f"{error:.3g}", "Surfaces": str(len(made))}
+    return FileContent(shape_file(design, title, kind, write, error, name=name), metadata)
 
 
 STEP = FileFormat(
