@@ -111,12 +111,18 @@ class AffineNorm:
 
     def lower_bound(self, bounds: Sequence[tuple[float, float]]) -> float:
         """A lower bound of the norm over a box of size variables, by interval arithmetic."""
-        least = []
-        for row, m in zip(self.matrix, self.shift, strict=True):
-            ends = [sorted((a * low, a * high)) for a, (low, high) in zip(row, bounds, strict=True)]
-            low, high = (m + sum(end[k] for end in ends) for k in (0, 1))
-            least.append(max(low, -high, 0.0))
-        return math.hypot(*least)
+        rows = zip(self.matrix, self.shift, strict=True)
+        ranges = [affine_range(row, m, bounds) for row, m in rows]
+        return math.hypot(*(max(low, -high, 0.0) for low, high in ranges))
+
+
+def affine_range(
+    row: Vector, constant: float, bounds: Sequence[tuple[float, float]]
+) -> tuple[float, float]:
+    """Smallest and largest row · z + constant over a box of z."""
+    ends = [sorted((a * low, a * high)) for a, (low, high) in zip(row, bounds, strict=True)]
+    least, most = (constant + sum(end[k] for end in ends) for k in (0, 1))
+    return least, most
 
 
 @dataclass(frozen=True)
@@ -150,6 +156,35 @@ class NormBounds:
         half = sum(a * b for a, b in zip(here, step, strict=True))
         left = half * half + square * (radius**2 - sum(a * a for a in here))
         return (math.sqrt(left) - half) / square if left >= 0.0 else 0.0
+
+
+@dataclass(frozen=True)
+class SizeDomain:
+    """Domain of the size variables.
+
+    Attributes:
+        bounds: (lower, upper) of every size variable, finite.
+        norm_bounds: second-order cones that bound them further.
+        min_norm: smallest value of ``radius_norm``: reverse convex, so that bounds and cones
+            contain points that break it.
+    """
+
+    bounds: tuple[tuple[float, float], ...]
+    norm_bounds: tuple[NormBounds, ...]
+    min_norm: float
+
+
+def enlarged(z: Vector, amount: float) -> Vector:
+    """z with its last variable larger by ``amount``, which eases every geometric limit."""
+    return (*z[:-1], z[-1] + amount)
+
+
+def max_enlargement(
+    z: Vector, bounds: Sequence[tuple[float, float]], norms: Sequence[NormBounds]
+) -> float:
+    """The largest amount by which ``enlarged`` keeps z within bounds and norms; 0 if none."""
+    steps = [bounds[-1][1] - z[-1], *(norm.growth_to_upper(z) for norm in norms)]
+    return max(min(steps), 0.0)
 
 
 # -- of the motion over several segments -----------------------------------------------------------
@@ -295,24 +330,14 @@ class SlideCoordinates:
 
     def offset_range(self, sizes: Sequence[tuple[float, float]]) -> tuple[float, float]:
         """Smallest and largest e over a box of sizes."""
-        return self._static_range(2, sizes)
-
-    def _static_range(
-        self, which: int, sizes: Sequence[tuple[float, float]]
-    ) -> tuple[float, float]:
-        """Range of the part of X, u or e without motion, over a box of sizes."""
-        ends = [
-            sorted((a * low, a * high))
-            for a, (low, high) in zip(self.size_factors[which], sizes, strict=True)
-        ]
-        least, most = (self.constants[which] + sum(end[k] for end in ends) for k in (0, 1))
-        return least, most
+        return affine_range(self.size_factors[2], self.constants[2], sizes)
 
     def motion_bounds(
         self, low: Array, high: Array, sizes: Sequence[tuple[float, float]]
     ) -> tuple[Array, Array]:
         """Bounds of s and s', (2, n) each, implied by a box (3, n) of X, u, e and one of sizes."""
-        static = [self._static_range(which, sizes) for which in (0, 1)]
+        # What of X and u does not come from the motion lies in a range; the motion is the rest.
+        static = [affine_range(self.size_factors[k], self.constants[k], sizes) for k in (0, 1)]
         ends = np.stack(
             [
                 np.stack([low[k] - most, high[k] - least]) * self.sign

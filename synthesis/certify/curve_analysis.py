@@ -10,10 +10,9 @@ from typing import Final, get_args
 
 import numpy as np
 
-from synthesis.catalogue.followers.base import paths
+from synthesis.catalogue.followers.base import paths, prime_radius
 from synthesis.catalogue.followers.flank import Flank, labelled, profile_radius_measure
 from synthesis.catalogue.followers.kinematics import TracePoint
-from synthesis.catalogue.followers.sizing import prime_radius
 from synthesis.catalogue.limits.base import scaling, segment_indices
 from synthesis.certify.motion_checks import DERIVATIVES
 from synthesis.certify.quantities import QUANTITIES, MeasuredCam, Quantity

@@ -6,10 +6,9 @@ import math
 from typing import Final
 
 from synthesis.catalogue.followers import Follower
-from synthesis.catalogue.followers.base import paths
+from synthesis.catalogue.followers.base import paths, prime_radius
 from synthesis.catalogue.followers.flank import labelled
 from synthesis.catalogue.followers.kinematics import TracePoint
-from synthesis.catalogue.followers.sizing import prime_radius
 from synthesis.catalogue.ranges import ends
 from synthesis.certify.quantities import MeasuredCam, Size, TracedPoint, pressure_angle
 from synthesis.design.design import Extreme

@@ -9,8 +9,7 @@ from typing import Final
 
 import numpy as np
 
-from synthesis.catalogue.followers.base import paths
-from synthesis.catalogue.followers.sizing import prime_radius
+from synthesis.catalogue.followers.base import paths, prime_radius
 from synthesis.catalogue.limits.base import Machine, segment_indices
 from synthesis.catalogue.motion import Motion
 from synthesis.certify.force_quantities import quantity_of

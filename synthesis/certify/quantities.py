@@ -15,10 +15,8 @@ from typing import Any
 
 import numpy as np
 
-from synthesis.catalogue.followers.base import paths
-from synthesis.catalogue.followers.flat_face import flat_face
+from synthesis.catalogue.followers.base import flat_face, paths, prime_radius
 from synthesis.catalogue.followers.kinematics import TracePoint, Vector2
-from synthesis.catalogue.followers.sizing import prime_radius
 from synthesis.catalogue.limits.base import Claim, Machine
 from synthesis.catalogue.motion import Motion
 from synthesis.certify.piecewise_motion import Jump, PiecewiseMotion

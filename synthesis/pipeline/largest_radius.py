@@ -18,8 +18,8 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 from math import inf
 
+from synthesis.catalogue.constraints import enlarged
 from synthesis.catalogue.followers import AnyFollower
-from synthesis.catalogue.followers.sizing import enlarged
 from synthesis.catalogue.objectives.base_radius import BaseRadius
 from synthesis.catalogue.ranges import Range, ends
 from synthesis.certify import certify_size

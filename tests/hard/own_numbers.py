@@ -17,7 +17,7 @@ from copy import deepcopy
 from dataclasses import dataclass
 
 from synthesis import DesignSpec, synthesise
-from synthesis.catalogue.followers.sizing import enlarged
+from synthesis.catalogue.constraints import enlarged
 from synthesis.certify import certify, certify_size
 from synthesis.design.design import Design
 from synthesis.errors import TimeBudgetExceeded

@@ -19,7 +19,6 @@ of one cosine that is concave up to 90° and convex beyond.
 
 from __future__ import annotations
 
-from collections.abc import Iterator
 from dataclasses import dataclass
 from itertools import product
 from math import atan, hypot, pi
@@ -74,14 +73,10 @@ class FreePivotPressureAngle(NonconvexConstraint):
     def relax(
         self, box: MotionSizeBox, about: tuple[Array, Vector] | None
     ) -> tuple[PointInequalities, ...]:
-        return tuple(self._inequalities(box, about))
-
-    def _inequalities(
-        self, box: MotionSizeBox, about: tuple[Array, Vector] | None
-    ) -> Iterator[PointInequalities]:
         low, high = box.s_min / self.arm, box.s_max / self.arm
-        if not np.all(np.isfinite(high - low)) or max(map(_width, box.sizes)) > WIDE * self.arm:
-            return
+        widest = max(b - a for a, b in box.sizes)
+        if not np.all(np.isfinite(high - low)) or widest > WIDE * self.arm:
+            return ()
         if about is None:
             size = tuple(0.5 * (a + b) for a, b in box.sizes)
             swings = [low + share * (high - low) for share in ENDS]
@@ -92,16 +87,16 @@ class FreePivotPressureAngle(NonconvexConstraint):
         # cosine by a plane above it over the whole box leaves a linear, implied inequality.
         corners = tuple(product(*box.sizes))
         reach, alpha = hypot(1.0, self.slope), atan(self.slope)
-        none, one = np.zeros_like(low), np.ones_like(low)
+        none, one, found = np.zeros_like(low), np.ones_like(low), list[PointInequalities]()
         for sign, turn in ((1.0, -alpha), (-1.0, alpha - pi)):
             for phi in swings:
                 above = majorant_plane(turn, corners, (low, high), (phi, size))
                 # sign (l + σ s') ≤ D' d cos(ψ + turn)
                 steep = -reach * above.along / self.arm
                 rows = np.stack([steep, sign * self.sense * one, none, none])
-                yield PointInequalities(
-                    rows, -reach * above.size, reach * above.height - sign * self.arm
-                )
+                upper = reach * above.height - sign * self.arm
+                found.append(PointInequalities(rows, -reach * above.size, upper))
+        return tuple(found)
 
 
 @dataclass(frozen=True)
@@ -155,12 +150,7 @@ class FixedPivotPressureAngle(NonconvexConstraint):
     def relax(
         self, box: MotionSizeBox, about: tuple[Array, Vector] | None
     ) -> tuple[PointInequalities, ...]:
-        return tuple(self._inequalities(box, about))
-
-    def _inequalities(
-        self, box: MotionSizeBox, about: tuple[Array, Vector] | None
-    ) -> Iterator[PointInequalities]:
-        ((w_low, w_high),) = box.sizes
+        ((w_low, w_high),), found = box.sizes, list[PointInequalities]()
         low = np.clip((box.s_min + w_low) / self.arm, 0.0, pi)
         high = np.clip((box.s_max + w_high) / self.arm, 0.0, pi)
         for sign, turn in ((1.0, -self._angle), (-1.0, pi - self._angle)):
@@ -182,7 +172,8 @@ class FixedPivotPressureAngle(NonconvexConstraint):
                 one, none = np.ones_like(v), np.zeros_like(v)
                 coefficients = np.stack([steep, sign * self.sense * one, none, none])
                 upper = self._reach * (value + slope * turn) - sign * self.arm
-                yield PointInequalities(coefficients, steep[None, :], upper)
+                found.append(PointInequalities(coefficients, steep[None, :], upper))
+        return tuple(found)
 
     def _active_range(self, sign: float, box: MotionSizeBox, ends: Array) -> Array:
         """The part of a range of v over which a row has to hold, s' being bounded.
@@ -229,7 +220,3 @@ class ConcaveHull:
         convex = (v >= self.touch) & (self.high - self.touch > 1e-9)
         slope = np.where(convex, chord, -np.sin(at))
         return np.cos(at) - slope * at, slope
-
-
-def _width(ends: tuple[float, float]) -> float:
-    return ends[1] - ends[0]

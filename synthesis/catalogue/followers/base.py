@@ -1,7 +1,7 @@
 """The base of every follower family: given dimensions, size variables, and the cam's curves.
 
 What particular consumers ask is elsewhere: ``outline`` (drawings), ``closures`` (counter rollers of
-conjugate cams), ``flat_face`` (contact on a face).
+conjugate cams). At the end are the bases of followers with a roller and with a flat face.
 """
 
 from __future__ import annotations
@@ -14,15 +14,23 @@ from typing import Any, ClassVar, Self
 import numpy as np
 from pydantic import BaseModel, ConfigDict
 
+from synthesis.catalogue.constraints import (
+    AffineNorm,
+    LinearInequality,
+    NonconvexConstraint,
+    SizeDomain,
+    Vector,
+)
 from synthesis.catalogue.followers.closures import SINGLE_FLANK, Closure
 from synthesis.catalogue.followers.flank import Flank, MeasuredBound
-from synthesis.catalogue.followers.kinematics import TracePoint
+from synthesis.catalogue.followers.kinematics import TracePoint, Vector2
 from synthesis.catalogue.followers.link import Link
-from synthesis.catalogue.followers.sizing import SizedFollower
-from synthesis.catalogue.motion import Motion
+from synthesis.catalogue.motion import Motion, Segments
+from synthesis.catalogue.ranges import Range
 from synthesis.errors import InputError
 from synthesis.units import MILLIMETRES, Travel
 
+Ends = tuple[float, float]  # of a range, open ones infinite
 MIN_PRIME_RADIUS_RATIO = 1e-3  # of the base radius: smallest prime radius inside a ring
 
 
@@ -43,16 +51,15 @@ class FixableDimension:
     low: float
     high: float
     unit: float
-    value_in: Callable[[tuple[float, ...]], float]
+    value_in: Callable[[Vector], float]
     fixed_at: Callable[[float], Follower]
-    full_size: Callable[[float, tuple[float, ...]], tuple[float, ...]]
+    full_size: Callable[[float, Vector], Vector]
 
 
-class Follower(BaseModel, TracePoint, SizedFollower, ABC):
+class Follower(BaseModel, TracePoint, ABC):
     """A follower family: a bare mechanism that traces a curve on the cam, and its size.
 
-    ``TracePoint`` is its kinematics, ``SizedFollower`` its sizing. Symbols and frames as in
-    ``kinematics``.
+    ``TracePoint`` is its kinematics; symbols and frames as there.
 
     Attributes:
         kind: name on the wire. title: name for people.
@@ -110,17 +117,85 @@ class Follower(BaseModel, TracePoint, SizedFollower, ABC):
             degree: π/180 in that arithmetic.
         """
 
+    # -- the size --------------------------------------------------------------------------------
+
+    @abstractmethod
+    def size_domain(self, base_radius: Ends) -> SizeDomain:
+        """Domain of z for base radii between two ends."""
+
+    @abstractmethod
+    def radius_norm(self) -> AffineNorm:
+        """The norm of z that grows with the prime radius Rp, or Rp itself: minimised for size."""
+
+    def radius_from_norm(self, value: float) -> float:
+        """Rp where ``radius_norm`` has this value: a monotone map."""
+        return value
+
+    @abstractmethod
+    def enlarged_to(self, z: Vector, radius: float) -> Vector:
+        """z with its last variable enlarged until ``radius_norm`` is at least ``radius``."""
+
+    def adjustable_dimensions(self) -> Mapping[str, float | Range | None]:
+        """Dimensions that the size variables determine where they are left free: field, value."""
+        return {}
+
+    def searched_dimensions(self, base_radius: Ends) -> Mapping[str, tuple[float | Range, Ends]]:
+        """Dimensions that an outer search varies where they are left free.
+
+        Args:
+            base_radius: ends of the requested base radius [mm], open ones infinite.
+
+        Returns:
+            by field: the requested value, and the ends [mm] between which a cam can exist at all.
+        """
+        return {}
+
+    @property
+    def reason_without_minimum(self) -> str:
+        """Why its cam can shrink to a point while only undercut is excluded; "" if it cannot."""
+        return ""
+
+    def check_dimensions(self, base_radius: Ends, segments: Segments) -> None:
+        """Refuse dimensions with which no base radius between two ends [mm] works.
+
+        Args:
+            segments: the program placed on the cam, displacements from the lowest position.
+        """
+        return None
+
+    def feasible_base_radii(self, base_radius: Ends, stroke: float) -> Ends:
+        """The part of a range of base radii at which the follower can move through a stroke."""
+        return base_radius
+
+    # -- constraints: () where the follower does not state the limit in this form ------------------
+
+    def pressure_angle_constraints(self, slope: float) -> tuple[NonconvexConstraint, ...]:
+        """|tan α| ≤ slope where it is not linear in s, s' and z together."""
+        return ()
+
+    def profile_radius_rows(self, least: float) -> tuple[LinearInequality, ...]:
+        """Radius of the convex profile ≥ least, linear in s to s'' and z."""
+        return ()
+
+    def profile_radius_constraints(self, least: float) -> tuple[NonconvexConstraint, ...]:
+        """Radius of the convex profile ≥ least where its half-planes of the size are known."""
+        return ()
+
+    def outer_radius_constraints(self, largest: float) -> tuple[NonconvexConstraint, ...]:
+        """Largest radius of the traced curve ≤ largest where ``outer_radius_norm`` is None."""
+        return ()
+
     # -- dimensions ------------------------------------------------------------------------------
 
     @abstractmethod
-    def dimensions(self, z: tuple[float, ...]) -> Mapping[str, float]:
+    def dimensions(self, z: Vector) -> Mapping[str, float]:
         """The cam's dimensions as named on the wire [mm, deg]."""
 
-    def motion_dimensions(self, motion: Motion, z: tuple[float, ...]) -> Mapping[str, float]:
+    def motion_dimensions(self, motion: Motion, z: Vector) -> Mapping[str, float]:
         """Dimensions that depend on the finished motion too [mm]."""
         return {}
 
-    def displacement_measure(self, z: tuple[float, ...]) -> MeasuredBound | None:
+    def displacement_measure(self, z: Vector) -> MeasuredBound | None:
         """Bounds of the displacement that the mechanism can reach; None where all are reached."""
         return None
 
@@ -153,7 +228,7 @@ class Follower(BaseModel, TracePoint, SizedFollower, ABC):
             "Take a translating follower, or a roller on an arm.",
         )  # fmt: skip
 
-    def size_at_lowest(self, position: float) -> tuple[float, ...]:
+    def size_at_lowest(self, position: float) -> Vector:
         """The size z of a cam whose lowest position is this one [mm]; see ``pose``."""
         raise NotImplementedError
 
@@ -185,7 +260,7 @@ class RollerFollower(Follower, ABC):
         same = closure is self.closure or closure == self.closure
         return self if same else self.model_copy(update={"closure": closure})
 
-    def prime_radii(self, base_radius: tuple[float, float]) -> tuple[float, float]:
+    def prime_radii(self, base_radius: Ends) -> Ends:
         """Prime radii of base radii between two ends; inside a ring any positive one is a cam."""
         low, high = (
             max(radius + base_gap(self), MIN_PRIME_RADIUS_RATIO * radius) for radius in base_radius
@@ -194,6 +269,46 @@ class RollerFollower(Follower, ABC):
 
     def clearance(self, away: Any, up: Any) -> Any:
         return np.hypot(away[0], away[1]) - self.roller_radius
+
+
+class FlatFaceFollower(Follower, ABC):
+    """A follower with a flat face. Its trace point is the contact point.
+
+    Attributes:
+        face_ends: names of the two ends of the face, as in the limit on its width: the first lies
+            against the direction of ``face_axis``, the second along it.
+    """
+
+    always_convex: ClassVar[bool] = True
+    face_ends: ClassVar[tuple[str, str]]
+
+    @property
+    def roller_radius(self) -> float:
+        return 0.0
+
+    @abstractmethod
+    def face_normal_rate(self, s: Any, z: Any) -> Vector2:
+        """Rate at which the face's unit normal n turns as seen from the cam: n' + J n."""
+
+    @abstractmethod
+    def face_axis(self, s: Any, z: Any) -> tuple[Vector2, Vector2]:
+        """The point of the face from which reach is measured, and the unit vector along it."""
+
+    def contact_rows(self, first: float, second: float) -> tuple[LinearInequality, ...]:
+        """Contact within ``first`` and ``second`` of the reference point, towards the two ends.
+
+        One inequality for each end; () where contact is not linear in motion and size.
+        """
+        return ()
+
+    def contact_constraints(self, end: str, reach: float) -> tuple[NonconvexConstraint, ...]:
+        """Contact on the inner side of an end at ``reach``, where it is not linear."""
+        return ()
+
+
+def flat_face(follower: TracePoint) -> FlatFaceFollower | None:
+    """The follower as one with a flat face; None where it has rollers."""
+    return follower if isinstance(follower, FlatFaceFollower) else None
 
 
 def paths(follower: Follower) -> Mapping[str, TracePoint]:
@@ -205,3 +320,8 @@ def base_gap(follower: Follower) -> float:
     """Prime radius less base radius [mm]: negative where the cam is touched from inside."""
     first = follower.without_free_counter().flanks[0]
     return first.side * first.distance
+
+
+def prime_radius(follower: Follower, z: Vector) -> float:
+    """Rp at a size: the distance of the trace point from the cam's axis at the lowest position."""
+    return follower.radius_from_norm(follower.radius_norm().value(z))

@@ -36,12 +36,12 @@ from synthesis.catalogue.constraints import (
     LinearInequality,
     NonconvexConstraint,
     NormBounds,
+    SizeDomain,
 )
-from synthesis.catalogue.followers.flat_face import FlatFaceFollower
+from synthesis.catalogue.followers.base import FlatFaceFollower
 from synthesis.catalogue.followers.kinematics import Vector2
 from synthesis.catalogue.followers.link import Face, Link
 from synthesis.catalogue.followers.pivot import PivotDirection, PivotedFollower, PivotSense
-from synthesis.catalogue.followers.sizing import SizeDomain
 from synthesis.catalogue.followers.swinging_face import (
     RIGHT_ANGLE,
     LeastPivotDistance,

@@ -29,6 +29,7 @@ from synthesis.catalogue.constraints import (
     LinearInequality,
     NonconvexConstraint,
     NormBounds,
+    SizeDomain,
     Vector,
 )
 from synthesis.catalogue.followers.arm_pressure_angle import (
@@ -48,7 +49,6 @@ from synthesis.catalogue.followers.flank import edge_offset
 from synthesis.catalogue.followers.kinematics import TracePoint, Vector2
 from synthesis.catalogue.followers.link import Link
 from synthesis.catalogue.followers.pivot import PivotDirection, PivotedFollower, PivotSense
-from synthesis.catalogue.followers.sizing import SizeDomain
 from synthesis.catalogue.motion import Motion, PlacedSegment
 from synthesis.catalogue.ranges import ArmLength, Dimension, Range, ends
 from synthesis.numerics.geometry.plane import enclosed_angle, third_side

@@ -5,8 +5,7 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 
-from synthesis.catalogue.followers.base import Follower
-from synthesis.catalogue.followers.flat_face import flat_face
+from synthesis.catalogue.followers.base import Follower, flat_face
 from synthesis.catalogue.motion import Motion
 
 Point = tuple[float, float]

@@ -27,11 +27,10 @@ import numpy as np
 from pydantic import Field, field_validator
 from pydantic_core import PydanticCustomError
 
-from synthesis.catalogue.constraints import AffineNorm, LinearInequality
-from synthesis.catalogue.followers.flat_face import FlatFaceFollower
+from synthesis.catalogue.constraints import AffineNorm, LinearInequality, SizeDomain
+from synthesis.catalogue.followers.base import FlatFaceFollower
 from synthesis.catalogue.followers.kinematics import Vector2
 from synthesis.catalogue.followers.link import Face, Link
-from synthesis.catalogue.followers.sizing import SizeDomain
 from synthesis.catalogue.motion import Motion
 from synthesis.numerics.maxima import maximise
 from synthesis.units import DEGREE

@@ -20,6 +20,7 @@ from synthesis.catalogue.constraints import (
     LinearInequality,
     NormBounds,
     PressureTerm,
+    SizeDomain,
     SlideCoordinates,
 )
 from synthesis.catalogue.followers.base import RollerFollower, base_gap
@@ -28,7 +29,6 @@ from synthesis.catalogue.followers.conjugate import SlideClosure
 from synthesis.catalogue.followers.curvature_bound import CurvatureBound
 from synthesis.catalogue.followers.kinematics import Vector2
 from synthesis.catalogue.followers.link import Link
-from synthesis.catalogue.followers.sizing import SizeDomain
 from synthesis.catalogue.motion import Motion, PlacedSegment
 from synthesis.catalogue.ranges import Dimension, Range, ends
 

@@ -10,8 +10,7 @@ from pydantic import Field, model_validator
 from pydantic_core import PydanticCustomError
 
 from synthesis.catalogue.constraints import LinearInequality, NonconvexConstraint
-from synthesis.catalogue.followers.base import Follower
-from synthesis.catalogue.followers.flat_face import FlatFaceFollower, flat_face
+from synthesis.catalogue.followers.base import FlatFaceFollower, Follower, flat_face
 from synthesis.catalogue.limits.base import Claim, Limit, Machine, scaling
 from synthesis.catalogue.motion import PlacedSegment, Segments
 

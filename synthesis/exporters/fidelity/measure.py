@@ -17,7 +17,7 @@ from typing import Literal
 import numpy as np
 from scipy.interpolate import BSpline, CubicSpline, make_interp_spline
 
-from synthesis.catalogue.followers.flat_face import flat_face
+from synthesis.catalogue.followers.base import flat_face
 from synthesis.exporters.fidelity.riding import CurveSamples, FollowerMotion, follower_motion
 from synthesis.exporters.samples.cam import Cam
 from synthesis.exporters.samples.sampling import Written, in_degrees

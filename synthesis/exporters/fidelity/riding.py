@@ -22,7 +22,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from synthesis.catalogue.followers.flat_face import flat_face
+from synthesis.catalogue.followers.base import flat_face
 from synthesis.exporters.samples.cam import Cam
 from synthesis.numerics.geometry.plane import to_cam
 from synthesis.numerics.piecewise import Array

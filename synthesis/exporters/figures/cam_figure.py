@@ -7,8 +7,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from synthesis.catalogue.followers.base import prime_radius
 from synthesis.catalogue.followers.outline import follower_outline
-from synthesis.catalogue.followers.sizing import prime_radius
 from synthesis.catalogue.profile import CamProfile
 from synthesis.design.design import Design
 from synthesis.exporters.drawing import canvas as svg

@@ -14,7 +14,7 @@ from typing import Literal
 
 import numpy as np
 
-from synthesis.catalogue.followers.sizing import prime_radius
+from synthesis.catalogue.followers.base import prime_radius
 from synthesis.catalogue.profile import CamProfile
 from synthesis.exporters.drawing import canvas as svg
 from synthesis.exporters.figures.link import GUIDE, face_ends, holders, plate, stem_length, wheel

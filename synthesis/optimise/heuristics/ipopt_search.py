@@ -15,7 +15,7 @@ from math import inf
 
 import numpy as np
 
-from synthesis.catalogue.followers.sizing import enlarged
+from synthesis.catalogue.constraints import enlarged
 from synthesis.numerics import clock
 from synthesis.numerics.piecewise import Array
 from synthesis.numerics.solvers.ipopt import StartingPoint, solve

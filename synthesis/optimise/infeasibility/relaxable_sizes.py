@@ -6,8 +6,8 @@ from collections.abc import Iterator
 from dataclasses import replace
 from math import inf
 
+from synthesis.catalogue.constraints import enlarged
 from synthesis.catalogue.followers.base import base_gap
-from synthesis.catalogue.followers.sizing import enlarged
 from synthesis.catalogue.ranges import ends
 from synthesis.optimise.infeasibility.relaxable import Relaxable, RelaxableRange, RelaxableValue
 from synthesis.optimise.problem.problem import Problem

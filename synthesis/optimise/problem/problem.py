@@ -12,11 +12,12 @@ from synthesis.catalogue.constraints import (
     LinearInequality,
     NonconvexConstraint,
     NormBounds,
+    SizeDomain,
     VibrationBound,
+    max_enlargement,
 )
 from synthesis.catalogue.followers import Follower
 from synthesis.catalogue.followers.base import base_gap
-from synthesis.catalogue.followers.sizing import SizeDomain, max_enlargement
 from synthesis.catalogue.limits import Limit, Machine
 from synthesis.catalogue.motion import PlacedSegment
 from synthesis.catalogue.objectives import Objective

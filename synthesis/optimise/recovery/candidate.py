@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from math import sqrt
 
-from synthesis.catalogue.followers.sizing import enlarged
+from synthesis.catalogue.constraints import enlarged
 from synthesis.optimise.conic.linear_rows import row_excess
 from synthesis.optimise.problem.grid import SplineLaw, law_curves
 from synthesis.optimise.problem.mean_square import mean_square

@@ -10,8 +10,8 @@ from itertools import pairwise
 import numpy as np
 from numpy.typing import NDArray
 
+from synthesis.catalogue.constraints import enlarged
 from synthesis.catalogue.followers.base import paths
-from synthesis.catalogue.followers.sizing import enlarged
 from synthesis.catalogue.motion import PlacedSegment
 from synthesis.numerics.piecewise import Array
 from synthesis.optimise.problem.problem import Problem

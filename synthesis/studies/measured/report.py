@@ -8,7 +8,7 @@ from typing import Literal
 
 import numpy as np
 
-from synthesis.catalogue.followers.flat_face import flat_face
+from synthesis.catalogue.followers.base import flat_face
 from synthesis.catalogue.profile import CamProfile, cam_profile
 from synthesis.catalogue.ranges import ends
 from synthesis.design.identity import engine_version

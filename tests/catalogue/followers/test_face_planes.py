@@ -11,8 +11,11 @@ from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 
 from synthesis.catalogue.constraints import MotionSizeBox
-from synthesis.catalogue.followers.swinging_face import SwingingFaceConstraint
-from synthesis.catalogue.followers.swinging_face_planes import Interval, minorant_plane
+from synthesis.catalogue.followers.swinging_face import (
+    Interval,
+    SwingingFaceConstraint,
+    minorant_plane,
+)
 
 DISTANCE, COUNT = 71.3, 24
 

@@ -7,8 +7,9 @@ import pytest
 from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 
+from synthesis.catalogue.constraints import enlarged, max_enlargement
 from synthesis.catalogue.followers import OscillatingRoller
-from synthesis.catalogue.followers.sizing import enlarged, max_enlargement, prime_radius
+from synthesis.catalogue.followers.base import prime_radius
 from synthesis.catalogue.motion import Motion
 from tests.certify.cams import backwards
 from tests.numerics.geometry import touch
