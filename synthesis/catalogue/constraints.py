@@ -25,6 +25,8 @@ import numpy as np
 from synthesis.numerics.piecewise import Array
 
 Vector = tuple[float, ...]
+Ends = tuple[float, float]
+"""Lower and upper end of a range, infinite where it is open."""
 
 
 # -- linear ----------------------------------------------------------------------------------------
@@ -54,7 +56,7 @@ class LinearInequality:
     upper: float
     level: float = 0.0
     source: str = ""
-    interval: tuple[float, float] | None = None
+    interval: Ends | None = None
     equality: bool = False
     range_width: float = math.inf
 
@@ -109,16 +111,14 @@ class AffineNorm:
         """The norm at given size variables."""
         return math.hypot(*self.image(z))
 
-    def lower_bound(self, bounds: Sequence[tuple[float, float]]) -> float:
+    def lower_bound(self, bounds: Sequence[Ends]) -> float:
         """A lower bound of the norm over a box of size variables, by interval arithmetic."""
         rows = zip(self.matrix, self.shift, strict=True)
         ranges = [affine_range(row, m, bounds) for row, m in rows]
         return math.hypot(*(max(low, -high, 0.0) for low, high in ranges))
 
 
-def affine_range(
-    row: Vector, constant: float, bounds: Sequence[tuple[float, float]]
-) -> tuple[float, float]:
+def affine_range(row: Vector, constant: float, bounds: Sequence[Ends]) -> Ends:
     """Smallest and largest row · z + constant over a box of z."""
     ends = [sorted((a * low, a * high)) for a, (low, high) in zip(row, bounds, strict=True)]
     least, most = (constant + sum(end[k] for end in ends) for k in (0, 1))
@@ -169,7 +169,7 @@ class SizeDomain:
             contain points that break it.
     """
 
-    bounds: tuple[tuple[float, float], ...]
+    bounds: tuple[Ends, ...]
     norm_bounds: tuple[NormBounds, ...]
     min_norm: float
 
@@ -179,9 +179,7 @@ def enlarged(z: Vector, amount: float) -> Vector:
     return (*z[:-1], z[-1] + amount)
 
 
-def max_enlargement(
-    z: Vector, bounds: Sequence[tuple[float, float]], norms: Sequence[NormBounds]
-) -> float:
+def max_enlargement(z: Vector, bounds: Sequence[Ends], norms: Sequence[NormBounds]) -> float:
     """The largest amount by which ``enlarged`` keeps z within bounds and norms; 0 if none."""
     steps = [bounds[-1][1] - z[-1], *(norm.growth_to_upper(z) for norm in norms)]
     return max(min(steps), 0.0)
@@ -226,7 +224,7 @@ class MotionSizeBox:
     s_max: Array
     v_min: Array
     v_max: Array
-    sizes: tuple[tuple[float, float], ...]
+    sizes: tuple[Ends, ...]
 
 
 @dataclass(frozen=True)
@@ -328,13 +326,11 @@ class SlideCoordinates:
         shifted = tuple(constant + more for constant, (_, more) in constants)
         return SlideCoordinates(-self.sign, shifted, (x, u, e))
 
-    def offset_range(self, sizes: Sequence[tuple[float, float]]) -> tuple[float, float]:
+    def offset_range(self, sizes: Sequence[Ends]) -> Ends:
         """Smallest and largest e over a box of sizes."""
         return affine_range(self.size_factors[2], self.constants[2], sizes)
 
-    def motion_bounds(
-        self, low: Array, high: Array, sizes: Sequence[tuple[float, float]]
-    ) -> tuple[Array, Array]:
+    def motion_bounds(self, low: Array, high: Array, sizes: Sequence[Ends]) -> tuple[Array, Array]:
         """Bounds of s and s', (2, n) each, implied by a box (3, n) of X, u, e and one of sizes."""
         # What of X and u does not come from the motion lies in a range; the motion is the rest.
         static = [affine_range(self.size_factors[k], self.constants[k], sizes) for k in (0, 1)]

@@ -6,6 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from synthesis.catalogue.constraints import Vector
 from synthesis.catalogue.fields import Rotation
 from synthesis.catalogue.followers.base import Follower
 from synthesis.catalogue.followers.flank import Flank
@@ -48,7 +49,7 @@ class CamProfile:
 def cam_profile(
     motion: Motion,
     follower: Follower,
-    size: tuple[float, ...],
+    size: Vector,
     rotation: Rotation,
     theta: Array,
     side: Side = "right",

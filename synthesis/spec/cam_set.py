@@ -20,10 +20,10 @@ from __future__ import annotations
 
 from typing import Annotated, Any
 
-from pydantic import BaseModel, ConfigDict, Field, ValidationInfo, field_validator, model_validator
+from pydantic import Field, ValidationInfo, field_validator, model_validator
 from pydantic_core import PydanticCustomError
 
-from synthesis.catalogue.fields import Name, Rotation, Speed
+from synthesis.catalogue.fields import FiniteModel, Name, Rotation, Speed
 from synthesis.spec.design_spec import DesignSpec
 
 MAX_CAMS = 50
@@ -31,10 +31,8 @@ UPWARDS_DEG = 90.0
 SHAFT_GIVES = ("speed_rpm", "rotation")
 
 
-class CamOnShaft(BaseModel):
+class CamOnShaft(FiniteModel):
     """One cam of a set: what it must do, and how it sits on the shaft."""
-
-    model_config = ConfigDict(frozen=True, extra="forbid", allow_inf_nan=False)
 
     name: Annotated[
         Name,
@@ -80,10 +78,8 @@ class CamOnShaft(BaseModel):
         return within_half_turn(self.follower_direction_deg - UPWARDS_DEG - sense * self.phase_deg)
 
 
-class CamSetSpec(BaseModel):
+class CamSetSpec(FiniteModel):
     """Several cams on one shaft: how it turns, and the cams with their phases."""
-
-    model_config = ConfigDict(frozen=True, extra="forbid", allow_inf_nan=False)
 
     name: Annotated[Name, Field(description="Shown in reports and files.")] = ""
     speed_rpm: Annotated[Speed, Field(description="Speed of the shaft, constant [rpm].")] = 60.0

@@ -7,9 +7,10 @@ from dataclasses import replace
 from functools import cache
 from typing import TYPE_CHECKING, Annotated, Any, Literal, Self
 
-from pydantic import BaseModel, ConfigDict, Field
+from pydantic import Field
 from pydantic_core import PydanticCustomError
 
+from synthesis.catalogue.fields import FiniteModel
 from synthesis.catalogue.limits.segment_bound import SegmentBound
 from synthesis.catalogue.motion import ANY_STATE, EndState, PlacedSegment, SegmentKind
 from synthesis.catalogue.ranges import AngleRange, Range, ends
@@ -24,13 +25,11 @@ def signed(description: str, largest: float) -> object:
     return Field(ge=-largest, le=largest, description=description)
 
 
-class UnitFields(BaseModel):
+class UnitFields(FiniteModel):
     """A body with displacements in twin fields: in mm of a slide, and in degrees of an arm.
 
     The names of twins differ by the unit alone, as ``lift_mm`` and ``lift_deg``.
     """
-
-    model_config = ConfigDict(frozen=True, extra="forbid", allow_inf_nan=False)
 
     def given_field(self, stem: str) -> str:
         """Name of that twin which is given, by the names' common beginning; mm where none is."""
@@ -71,7 +70,7 @@ class UnitFields(BaseModel):
 
 
 @cache
-def _twins(model: type[BaseModel]) -> Mapping[str, tuple[str, str]]:
+def _twins(model: type[FiniteModel]) -> Mapping[str, tuple[str, str]]:
     """The twin fields in mm and deg, by what their names begin with."""
     pairs = ((name, name.replace("_mm", "_deg", 1)) for name in model.model_fields)
     return {

@@ -8,14 +8,14 @@ the arm drives its roller outwards only while 0 < ψ < 180°.
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
 from pydantic_core import PydanticCustomError
 from scipy.optimize import brentq
 
-from synthesis.catalogue.motion import PlacedSegment
+from synthesis.catalogue.constraints import Ends
+from synthesis.catalogue.motion import PlacedSegment, Segments
 from synthesis.numerics.geometry.plane import enclosed_angle, third_side
 from synthesis.units import DEGREE
 
@@ -34,8 +34,8 @@ class ArmGeometry:
     """
 
     length: float
-    distance: tuple[float, float]
-    angle: tuple[float, float]
+    distance: Ends
+    angle: Ends
     gap: float
 
     @property
@@ -44,7 +44,7 @@ class ArmGeometry:
         low, high = self.distance
         return low if low == high else None
 
-    def angles(self, prime: tuple[float, float]) -> tuple[float, float]:
+    def angles(self, prime: Ends) -> Ends:
         """Ends of ψ0 for prime radii between two ends, d being a number [rad]."""
         low, high = (max(self.angle[0], 0.0), min(self.angle[1], math.pi))
         if low == high:
@@ -64,7 +64,7 @@ class ArmGeometry:
         l, d = self.length, self.pivot or math.inf
         return math.sqrt(2.0 * BARELY * (l - d) ** 2 / (l * d)) if d < math.inf else 0.0
 
-    def swingable(self, prime: tuple[float, float], stroke: float) -> tuple[float, float]:
+    def swingable(self, prime: Ends, stroke: float) -> Ends:
         """The part of a range of prime radii at which the arm can swing by s = stroke [mm]."""
         if self.pivot is None:
             return prime
@@ -78,7 +78,7 @@ class ArmGeometry:
 
     # -- refusals ----------------------------------------------------------------------------
 
-    def check(self, prime: tuple[float, float], segments: Sequence[PlacedSegment]) -> None:
+    def check(self, prime: Ends, segments: Segments) -> None:
         """Refuse what no prime radius between two ends [mm] can serve."""
         low, high = self.distance
         if high <= 0.0 or low == high <= 0.0:
@@ -91,9 +91,7 @@ class ArmGeometry:
         self._check_angle(prime)
         self._check_swing(prime, segments)
 
-    def _check_triangle(
-        self, prime: tuple[float, float], segments: Sequence[PlacedSegment]
-    ) -> None:
+    def _check_triangle(self, prime: Ends, segments: Segments) -> None:
         l, (d0, d1) = self.length, (max(self.distance[0], 0.0), self.distance[1])
         shortest = 0.0 if d0 <= l <= d1 else min(abs(l - d0), abs(l - d1))
         if prime[1] <= shortest or prime[0] >= l + d1:
@@ -111,7 +109,7 @@ class ArmGeometry:
                  "at": round(at / DEGREE % 360.0, 4), "index": lowest.index},
             )  # fmt: skip
 
-    def _check_angle(self, prime: tuple[float, float]) -> None:
+    def _check_angle(self, prime: Ends) -> None:
         low, high = self.angle
         if high <= 0.0 or low >= math.pi:
             raise PydanticCustomError(
@@ -137,7 +135,7 @@ class ArmGeometry:
                  "prime": f"{prime[1] if least > prime[1] else prime[0]:.6g}"},
             )  # fmt: skip
 
-    def _check_swing(self, prime: tuple[float, float], segments: Sequence[PlacedSegment]) -> None:
+    def _check_swing(self, prime: Ends, segments: Segments) -> None:
         start = max(self.angle[0], 0.0) if self.pivot is None else self.angles(prime)[0]
         room = self.length * (math.pi - start)
         if max(max(s.s_start, s.s_end) for s in segments) < room:
@@ -156,9 +154,7 @@ class ArmGeometry:
         )  # fmt: skip
 
 
-def feasible_arm_lengths(
-    requested: tuple[float, float], distance: tuple[float, float], prime: tuple[float, float]
-) -> tuple[float, float]:
+def feasible_arm_lengths(requested: Ends, distance: Ends, prime: Ends) -> Ends:
     """The part of a range of lengths at which a triangle with one of these sides is possible [mm].
 
     ``prime``: ends of the prime radius, open ones infinite. The range itself where none is.

@@ -12,15 +12,16 @@ from dataclasses import dataclass
 from typing import Any, ClassVar, Self
 
 import numpy as np
-from pydantic import BaseModel, ConfigDict
 
 from synthesis.catalogue.constraints import (
     AffineNorm,
+    Ends,
     LinearInequality,
     NonconvexConstraint,
     SizeDomain,
     Vector,
 )
+from synthesis.catalogue.fields import FiniteModel
 from synthesis.catalogue.followers.closures import SINGLE_FLANK, Closure
 from synthesis.catalogue.followers.flank import Flank, MeasuredBound
 from synthesis.catalogue.followers.kinematics import TracePoint, Vector2
@@ -30,7 +31,6 @@ from synthesis.catalogue.ranges import Range
 from synthesis.errors import InputError
 from synthesis.units import MILLIMETRES, Travel
 
-Ends = tuple[float, float]  # of a range, open ones infinite
 MIN_PRIME_RADIUS_RATIO = 1e-3  # of the base radius: smallest prime radius inside a ring
 
 
@@ -56,7 +56,7 @@ class FixableDimension:
     full_size: Callable[[float, Vector], Vector]
 
 
-class Follower(BaseModel, TracePoint, ABC):
+class Follower(FiniteModel, TracePoint, ABC):
     """A follower family: a bare mechanism that traces a curve on the cam, and its size.
 
     ``TracePoint`` is its kinematics; symbols and frames as there.
@@ -66,8 +66,6 @@ class Follower(BaseModel, TracePoint, ABC):
         size_charts: names of the size variables z, one tuple for each choice of given dimensions.
         always_convex: a profile without undercut has no hollows.
     """
-
-    model_config = ConfigDict(frozen=True, extra="forbid", allow_inf_nan=False)
 
     kind: str
     title: ClassVar[str]

@@ -11,9 +11,11 @@ from abc import ABC, abstractmethod
 from collections.abc import Mapping
 from typing import Annotated, Any, ClassVar, Literal
 
-from pydantic import BaseModel, ConfigDict, Field
+from pydantic import Field
 from pydantic_core import PydanticCustomError
 
+from synthesis.catalogue.constraints import Vector
+from synthesis.catalogue.fields import FiniteModel
 from synthesis.catalogue.followers.flank import CounterRollerRange, Flank
 from synthesis.catalogue.followers.kinematics import TracePoint, Vector2
 from synthesis.catalogue.followers.link import Tip
@@ -31,15 +33,13 @@ Rim = Annotated[
 ]
 
 
-class Closure(BaseModel, ABC):
+class Closure(FiniteModel, ABC):
     """What keeps a roller on its cam, and with it: which curves the cam is made of.
 
     Attributes:
         kind: name on the wire. title: name for people.
         counter_paths: names of the traced curves of counter rollers.
     """
-
-    model_config = ConfigDict(frozen=True, extra="forbid", allow_inf_nan=False)
 
     kind: str
     title: ClassVar[str]
@@ -75,7 +75,7 @@ class Closure(BaseModel, ABC):
         return {}
 
     def motion_dimensions(
-        self, trace: TracePoint, motion: Motion, z: tuple[float, ...]
+        self, trace: TracePoint, motion: Motion, z: Vector
     ) -> Mapping[str, float]:
         """Dimensions that follow from the finished motion [mm]."""
         return {}
@@ -86,9 +86,7 @@ class Closure(BaseModel, ABC):
         """Dimensions chosen after the size, by field: name on the wire, and requested value."""
         return {}
 
-    def counter_range(
-        self, trace: TracePoint, z: tuple[float, ...], s_max: float
-    ) -> CounterRollerRange:
+    def counter_range(self, trace: TracePoint, z: Vector, s_max: float) -> CounterRollerRange:
         """Where a counter roller can be, beside a main roller that moves up to ``s_max``."""
         return CounterRollerRange(-math.inf, math.inf, True)
 

@@ -192,7 +192,7 @@ class Conjugate(Closure, ABC):
         }
 
     def motion_dimensions(
-        self, trace: TracePoint, motion: Motion, z: tuple[float, ...]
+        self, trace: TracePoint, motion: Motion, z: Vector
     ) -> Mapping[str, float]:
         highest = max(max(s.s_start, s.s_end) for s in motion.segments)
         (x, y), *_ = self.counter(trace).position((highest, 0.0, 0.0, 0.0), z)
@@ -233,9 +233,7 @@ class ConjugateSlide(Conjugate):
         below = at[1] - self.given
         return Tip("main", at), Tip("counter", (self.offset_mm + 0.0 * below, below), -1)
 
-    def counter_range(
-        self, trace: TracePoint, z: tuple[float, ...], s_max: float
-    ) -> CounterRollerRange:
+    def counter_range(self, trace: TracePoint, z: Vector, s_max: float) -> CounterRollerRange:
         (_, height), *_ = trace.position((s_max, 0.0, 0.0, 0.0), z)
         return CounterRollerRange(float(height), float(height) + FARTHEST * s_max, True)
 
@@ -279,9 +277,7 @@ class ConjugateArm(Conjugate):
         there = pivot[0] + cos * x - sin * y, pivot[1] + sin * x + cos * y
         return Tip("main", at), Tip("counter", there, -1)
 
-    def counter_range(
-        self, trace: TracePoint, z: tuple[float, ...], s_max: float
-    ) -> CounterRollerRange:
+    def counter_range(self, trace: TracePoint, z: Vector, s_max: float) -> CounterRollerRange:
         assert isinstance(trace, PivotedFollower)
         angle = trace.initial_angle(z) + s_max / trace.reference
         return CounterRollerRange(angle / DEGREE, 180.0, False)

@@ -24,7 +24,7 @@ alone, so that with p = d cosψ0, q = d sinψ0 = Rb + f it is linear in the size
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from typing import Annotated, Any, ClassVar, Literal
 
 import numpy as np
@@ -33,10 +33,12 @@ from pydantic_core import PydanticCustomError
 
 from synthesis.catalogue.constraints import (
     AffineNorm,
+    Ends,
     LinearInequality,
     NonconvexConstraint,
     NormBounds,
     SizeDomain,
+    Vector,
 )
 from synthesis.catalogue.followers.base import FlatFaceFollower
 from synthesis.catalogue.followers.kinematics import Vector2
@@ -47,7 +49,7 @@ from synthesis.catalogue.followers.swinging_face import (
     LeastPivotDistance,
     SwingingFaceConstraint,
 )
-from synthesis.catalogue.motion import Motion, PlacedSegment
+from synthesis.catalogue.motion import Motion, Segments
 from synthesis.catalogue.ranges import Range, ends
 from synthesis.numerics.maxima import maximise, maximise_formula
 from synthesis.numerics.piecewise import Array
@@ -117,17 +119,13 @@ class OscillatingFlatFace(FlatFaceFollower, PivotedFollower):
     def adjustable_dimensions(self) -> Mapping[str, float | Range | None]:
         return {} if self.distance is not None else {"centre_distance_mm": self.centre_distance_mm}
 
-    def feasible_base_radii(
-        self, base_radius: tuple[float, float], stroke: float
-    ) -> tuple[float, float]:
+    def feasible_base_radii(self, base_radius: Ends, stroke: float) -> Ends:
         # ψ0 + φ < 90° at the highest lift
         swing = stroke / self.reference
         farthest = ends(self.centre_distance_mm)[1] * math.cos(min(swing, RIGHT_ANGLE))
         return base_radius[0], min(base_radius[1], farthest - self.face_offset_mm)
 
-    def check_dimensions(
-        self, base_radius: tuple[float, float], segments: Sequence[PlacedSegment]
-    ) -> None:
+    def check_dimensions(self, base_radius: Ends, segments: Segments) -> None:
         self._check_turn(segments)
         highest = max(segments, key=lambda s: max(s.s_start, s.s_end))
         swing = max(highest.s_start, highest.s_end) / self.reference
@@ -145,7 +143,7 @@ class OscillatingFlatFace(FlatFaceFollower, PivotedFollower):
              "index": highest.index, "most": f"{most:.6g}", "least": f"{least:.6g}"},
         )  # fmt: skip
 
-    def _check_turn(self, segments: Sequence[PlacedSegment]) -> None:
+    def _check_turn(self, segments: Segments) -> None:
         """Refuse given laws along which the face turns as fast as the cam."""
         for segment in segments:
             if segment.law is None or segment.kind == "dwell" or segment.angle <= 0.0:
@@ -163,7 +161,7 @@ class OscillatingFlatFace(FlatFaceFollower, PivotedFollower):
 
     # -- the size ----------------------------------------------------------------------------
 
-    def size_domain(self, base_radius: tuple[float, float]) -> SizeDomain:
+    def size_domain(self, base_radius: Ends) -> SizeDomain:
         farthest, f = ends(self.centre_distance_mm)[1], self.face_offset_mm
         low, high = base_radius[0], max(min(base_radius[1], farthest - f), base_radius[0])
         if self.distance is not None:
@@ -175,7 +173,7 @@ class OscillatingFlatFace(FlatFaceFollower, PivotedFollower):
     def radius_norm(self) -> AffineNorm:
         return AffineNorm(((1.0,),) if self.distance is not None else ((0.0, 1.0),), (0.0,))
 
-    def enlarged_to(self, z: tuple[float, ...], radius: float) -> tuple[float, ...]:
+    def enlarged_to(self, z: Vector, radius: float) -> Vector:
         return (*z[:-1], max(z[-1], radius))
 
     def outer_radius_norm(self, s_max: float) -> AffineNorm | None:
@@ -295,7 +293,7 @@ class OscillatingFlatFace(FlatFaceFollower, PivotedFollower):
 
     # -- dimensions ------------------------------------------------------------------------
 
-    def dimensions(self, z: tuple[float, ...]) -> Mapping[str, float]:
+    def dimensions(self, z: Vector) -> Mapping[str, float]:
         return {
             "base_radius_mm": z[-1],
             "centre_distance_mm": float(self.pivot_position(z)[0]),
@@ -303,7 +301,7 @@ class OscillatingFlatFace(FlatFaceFollower, PivotedFollower):
             "initial_angle_deg": self.initial_angle(z) / DEGREE,
         }
 
-    def motion_dimensions(self, motion: Motion, z: tuple[float, ...]) -> Mapping[str, float]:
+    def motion_dimensions(self, motion: Motion, z: Vector) -> Mapping[str, float]:
         """The face that contact needs, from the foot of the pivot on it outwards."""
 
         def reach(s: Array) -> Array:

@@ -17,7 +17,7 @@ z = (p, q) = d (cosψ0, sinψ0), in which d cosψ, d sinψ are linear at every �
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from typing import Annotated, Any, ClassVar, Literal, Self
 
 import numpy as np
@@ -26,6 +26,7 @@ from pydantic_core import PydanticCustomError
 
 from synthesis.catalogue.constraints import (
     AffineNorm,
+    Ends,
     LinearInequality,
     NonconvexConstraint,
     NormBounds,
@@ -49,7 +50,7 @@ from synthesis.catalogue.followers.flank import edge_offset
 from synthesis.catalogue.followers.kinematics import TracePoint, Vector2
 from synthesis.catalogue.followers.link import Link
 from synthesis.catalogue.followers.pivot import PivotDirection, PivotedFollower, PivotSense
-from synthesis.catalogue.motion import Motion, PlacedSegment
+from synthesis.catalogue.motion import Motion, Segments
 from synthesis.catalogue.ranges import ArmLength, Dimension, Range, ends
 from synthesis.numerics.geometry.plane import enclosed_angle, third_side
 from synthesis.numerics.maxima import maximise
@@ -95,9 +96,7 @@ class OscillatingRoller(RollerFollower, PivotedFollower):
     def reference(self) -> float:
         return self.length
 
-    def searched_dimensions(
-        self, base_radius: tuple[float, float]
-    ) -> Mapping[str, tuple[float | Range, tuple[float, float]]]:
+    def searched_dimensions(self, base_radius: Ends) -> Mapping[str, tuple[float | Range, Ends]]:
         low, high = ends(self.arm_mm)
         prime = base_radius[0] + base_gap(self), base_radius[1] + base_gap(self)
         least = max(low, self.roller_radius_mm)
@@ -123,9 +122,7 @@ class OscillatingRoller(RollerFollower, PivotedFollower):
     def without_size_dimension(self) -> Self:
         return self.model_copy(update={"initial_angle_deg": None})
 
-    def check_dimensions(
-        self, base_radius: tuple[float, float], segments: Sequence[PlacedSegment]
-    ) -> None:
+    def check_dimensions(self, base_radius: Ends, segments: Segments) -> None:
         self.closure.check(self.roller_radius_mm, base_radius[1], base_gap(self))
         self._arm.check(self.prime_radii(base_radius), segments)
         if self.length <= self.roller_radius_mm:
@@ -136,9 +133,7 @@ class OscillatingRoller(RollerFollower, PivotedFollower):
                 {"arm": self.length, "roller": self.roller_radius_mm},
             )
 
-    def feasible_base_radii(
-        self, base_radius: tuple[float, float], stroke: float
-    ) -> tuple[float, float]:
+    def feasible_base_radii(self, base_radius: Ends, stroke: float) -> Ends:
         prime = self.prime_radii(base_radius)
         kept = zip(base_radius, prime, self._arm.swingable(prime, stroke), strict=True)
         low, high = (base if now == was else now - base_gap(self) for base, was, now in kept)
@@ -152,7 +147,7 @@ class OscillatingRoller(RollerFollower, PivotedFollower):
 
     # -- the size ----------------------------------------------------------------------------
 
-    def size_domain(self, base_radius: tuple[float, float]) -> SizeDomain:
+    def size_domain(self, base_radius: Ends) -> SizeDomain:
         prime, arm, l = self.prime_radii(base_radius), self._arm, self.length
         if arm.pivot is not None:
             low, high = arm.angles(prime)
@@ -173,13 +168,13 @@ class OscillatingRoller(RollerFollower, PivotedFollower):
             return AffineNorm(((1.0,),), (0.0,))  # lψ0, with which Rp grows
         return AffineNorm(((-1.0, 0.0), (0.0, 1.0)), (self.length, 0.0))
 
-    def _radius(self, z: tuple[float, ...], s: float) -> float:
+    def _radius(self, z: Vector, s: float) -> float:
         """Distance of the roller's centre from the axis at a displacement [mm]."""
         if self.distance is not None:
             return third_side(self.length, self.distance, (z[0] + s) / self.length)
         return self.outer_radius_norm(s).value(z)
 
-    def enlarged_to(self, z: tuple[float, ...], radius: float) -> tuple[float, ...]:
+    def enlarged_to(self, z: Vector, radius: float) -> Vector:
         if self.distance is not None:
             return (max(z[0], radius),)
         p, q = z
@@ -204,7 +199,7 @@ class OscillatingRoller(RollerFollower, PivotedFollower):
         def at(distance: float) -> Follower:
             return self.model_copy(update={"centre_distance_mm": distance})
 
-        def whole(distance: float, z: tuple[float, ...]) -> tuple[float, ...]:
+        def whole(distance: float, z: Vector) -> Vector:
             angle = z[0] / self.length
             return distance * math.cos(angle), distance * math.sin(angle)
 
@@ -267,7 +262,7 @@ class OscillatingRoller(RollerFollower, PivotedFollower):
         (px, py), *_ = self.position((0.0, 0.0, 0.0, 0.0), (arc,))
         return np.arctan2(py, px) - np.arctan2(y, x), arc
 
-    def size_at_lowest(self, position: float) -> tuple[float, ...]:
+    def size_at_lowest(self, position: float) -> Vector:
         return (position,)
 
     def drive_direction(self, s: Any, z: Any) -> tuple[Vector2, Vector2]:
@@ -298,7 +293,7 @@ class OscillatingRoller(RollerFollower, PivotedFollower):
 
     # -- dimensions ------------------------------------------------------------------------
 
-    def dimensions(self, z: tuple[float, ...]) -> Mapping[str, float]:
+    def dimensions(self, z: Vector) -> Mapping[str, float]:
         prime = self._radius(z, 0.0)
         return {
             "base_radius_mm": prime - base_gap(self),
@@ -310,7 +305,7 @@ class OscillatingRoller(RollerFollower, PivotedFollower):
             **self.closure.dimensions(self.roller_radius_mm),
         }
 
-    def motion_dimensions(self, motion: Motion, z: tuple[float, ...]) -> Mapping[str, float]:
+    def motion_dimensions(self, motion: Motion, z: Vector) -> Mapping[str, float]:
         """Farthest point of the profile, and what is left from there to the pivot [mm].
 
         A negative clearance: the cam sweeps past the pivot, so that arm and bearing have to stand

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 
+from synthesis.catalogue.constraints import Vector
 from synthesis.catalogue.followers.base import Follower, flat_face
 from synthesis.catalogue.motion import Motion
 
@@ -30,7 +31,7 @@ class FollowerOutline:
     pivot: Point | None = None
 
 
-def follower_outline(follower: Follower, motion: Motion, z: tuple[float, ...]) -> FollowerOutline:
+def follower_outline(follower: Follower, motion: Motion, z: Vector) -> FollowerOutline:
     """The follower at cam angle 0, from its link moved by the displacement there.
 
     Args:

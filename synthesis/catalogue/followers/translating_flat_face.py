@@ -27,7 +27,7 @@ import numpy as np
 from pydantic import Field, field_validator
 from pydantic_core import PydanticCustomError
 
-from synthesis.catalogue.constraints import AffineNorm, LinearInequality, SizeDomain
+from synthesis.catalogue.constraints import AffineNorm, Ends, LinearInequality, SizeDomain, Vector
 from synthesis.catalogue.followers.base import FlatFaceFollower
 from synthesis.catalogue.followers.kinematics import Vector2
 from synthesis.catalogue.followers.link import Face, Link
@@ -78,17 +78,17 @@ class TranslatingFlatFace(FlatFaceFollower):
         return tilt
 
     @property
-    def _tilt(self) -> tuple[float, float]:
+    def _tilt(self) -> Ends:
         """cos τ and sin τ."""
         return math.cos(self.tilt_deg * DEGREE), math.sin(self.tilt_deg * DEGREE)
 
-    def size_domain(self, base_radius: tuple[float, float]) -> SizeDomain:
+    def size_domain(self, base_radius: Ends) -> SizeDomain:
         return SizeDomain((base_radius,), (), base_radius[0])
 
     def radius_norm(self) -> AffineNorm:
         return AffineNorm(((1.0,),), (0.0,))
 
-    def enlarged_to(self, z: tuple[float, ...], radius: float) -> tuple[float, ...]:
+    def enlarged_to(self, z: Vector, radius: float) -> Vector:
         return (max(z[0], radius),)
 
     def outer_radius_norm(self, s_max: float) -> AffineNorm:
@@ -134,7 +134,7 @@ class TranslatingFlatFace(FlatFaceFollower):
         (x, y), (nx, ny) = point, normal
         return np.arctan2(nx, ny) + self.tilt_deg * DEGREE, (x * nx + y * ny) / self._tilt[0]
 
-    def size_at_lowest(self, position: float) -> tuple[float, ...]:
+    def size_at_lowest(self, position: float) -> Vector:
         return (position * self._tilt[0],)
 
     def clearance(self, away: Any, up: Any) -> Any:
@@ -163,11 +163,11 @@ class TranslatingFlatFace(FlatFaceFollower):
         radius = (s[0] + s[2]) * self._tilt[0] + z[0]
         return radius * abs(radius), radius * radius
 
-    def dimensions(self, z: tuple[float, ...]) -> Mapping[str, float]:
+    def dimensions(self, z: Vector) -> Mapping[str, float]:
         beside = {"offset_mm": self.offset_mm} if self.offset_mm else {}
         return {"base_radius_mm": z[0], **beside}
 
-    def motion_dimensions(self, motion: Motion, z: tuple[float, ...]) -> Mapping[str, float]:
+    def motion_dimensions(self, motion: Motion, z: Vector) -> Mapping[str, float]:
         """The face that contact needs: to the left and right of the slide's line on a ccw cam."""
         s, v, base, rest = self._contact
         shift = base * z[0] + rest

@@ -8,7 +8,7 @@ tan α = u / X;  κ = [X² + u (2s' − e) − X s''] / (X² + u²)^{3/2}   (Rot
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from typing import Annotated, Any, ClassVar, Literal
 
 import numpy as np
@@ -17,11 +17,13 @@ from pydantic_core import PydanticCustomError
 
 from synthesis.catalogue.constraints import (
     AffineNorm,
+    Ends,
     LinearInequality,
     NormBounds,
     PressureTerm,
     SizeDomain,
     SlideCoordinates,
+    Vector,
 )
 from synthesis.catalogue.followers.base import RollerFollower, base_gap
 from synthesis.catalogue.followers.closures import Force
@@ -29,7 +31,7 @@ from synthesis.catalogue.followers.conjugate import SlideClosure
 from synthesis.catalogue.followers.curvature_bound import CurvatureBound
 from synthesis.catalogue.followers.kinematics import Vector2
 from synthesis.catalogue.followers.link import Link
-from synthesis.catalogue.motion import Motion, PlacedSegment
+from synthesis.catalogue.motion import Motion, Segments
 from synthesis.catalogue.ranges import Dimension, Range, ends
 
 ROLLER = SlideCoordinates(
@@ -50,9 +52,7 @@ class TranslatingRoller(RollerFollower):
     offset_mm: Dimension = None
     closure: SlideClosure = Force()
 
-    def check_dimensions(
-        self, base_radius: tuple[float, float], segments: Sequence[PlacedSegment]
-    ) -> None:
+    def check_dimensions(self, base_radius: Ends, segments: Segments) -> None:
         largest, gap = base_radius[1], base_gap(self)
         self.closure.check(self.roller_radius_mm, largest, gap)
         e_min, e_max = ends(self.offset_mm)
@@ -76,7 +76,7 @@ class TranslatingRoller(RollerFollower):
     def adjustable_dimensions(self) -> Mapping[str, float | Range | None]:
         return {"offset_mm": self.offset_mm}
 
-    def size_domain(self, base_radius: tuple[float, float]) -> SizeDomain:
+    def size_domain(self, base_radius: Ends) -> SizeDomain:
         least, largest = self.prime_radii(base_radius)
         e_min, e_max = ends(self.offset_mm)
         e_min, e_max = max(e_min, -largest), min(e_max, largest)
@@ -91,7 +91,7 @@ class TranslatingRoller(RollerFollower):
     def radius_norm(self) -> AffineNorm:
         return AffineNorm(((1.0, 0.0), (0.0, 1.0)), (0.0, 0.0))
 
-    def enlarged_to(self, z: tuple[float, ...], radius: float) -> tuple[float, ...]:
+    def enlarged_to(self, z: Vector, radius: float) -> Vector:
         e, s0 = z
         return e, max(s0, math.sqrt(max(radius**2 - e**2, 0.0)))
 
@@ -123,7 +123,7 @@ class TranslatingRoller(RollerFollower):
             height = np.sqrt(x * x + y * y - e * e)
         return np.arctan2(height, e) - np.arctan2(y, x), height
 
-    def size_at_lowest(self, position: float) -> tuple[float, ...]:
+    def size_at_lowest(self, position: float) -> Vector:
         return ends(self.offset_mm)[0], position
 
     def drive_direction(self, s: Any, z: Any) -> tuple[Vector2, Vector2]:
@@ -140,7 +140,7 @@ class TranslatingRoller(RollerFollower):
     ) -> tuple[CurvatureBound, ...]:
         return (CurvatureBound("", ROLLER, side, most, thrust),)
 
-    def dimensions(self, z: tuple[float, ...]) -> Mapping[str, float]:
+    def dimensions(self, z: Vector) -> Mapping[str, float]:
         e, s0 = z
         prime = float(np.hypot(e, s0))
         return {
@@ -152,5 +152,5 @@ class TranslatingRoller(RollerFollower):
             **self.closure.dimensions(self.roller_radius_mm),
         }
 
-    def motion_dimensions(self, motion: Motion, z: tuple[float, ...]) -> Mapping[str, float]:
+    def motion_dimensions(self, motion: Motion, z: Vector) -> Mapping[str, float]:
         return self.closure.motion_dimensions(self, motion, z)

@@ -11,18 +11,18 @@ from __future__ import annotations
 from abc import ABC, abstractmethod
 from typing import Annotated, Any
 
-from pydantic import BaseModel, ConfigDict, Field
+from pydantic import Field
 from pydantic_core import PydanticCustomError
 
+from synthesis.catalogue.fields import FiniteModel
 
-class FrictionModel(BaseModel, ABC):
+
+class FrictionModel(FiniteModel, ABC):
     """Friction along the guide as a share of the side force N |sin α|; at rest there is none.
 
     The share depends on the displacement alone, is not negative, and does not increase with it:
     rows and relaxations take its values at the ends of a range of displacements as its extremes.
     """
-
-    model_config = ConfigDict(frozen=True, extra="forbid", allow_inf_nan=False)
 
     @abstractmethod
     def effective(self, s: Any) -> Any:

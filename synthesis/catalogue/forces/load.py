@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Annotated, ClassVar, Literal, Self
 from pydantic import BaseModel, ConfigDict, Field, field_validator, model_validator
 from pydantic_core import PydanticCustomError
 
+from synthesis.catalogue.fields import FiniteModel
 from synthesis.catalogue.followers import Follower
 from synthesis.catalogue.forces.friction import AnyFriction, FrictionModel
 from synthesis.catalogue.forces.load_parts import (
@@ -38,10 +39,8 @@ PROCESS = (
 )
 
 
-class SpeedRange(BaseModel):
+class SpeedRange(FiniteModel):
     """Cam speeds between two ends."""
-
-    model_config = ConfigDict(frozen=True, extra="forbid", allow_inf_nan=False)
 
     min_rpm: Annotated[float, Field(ge=0.0, le=1e9, description="Lowest cam speed.")]
     max_rpm: Annotated[float, Field(gt=0.0, le=1e9, description="Highest cam speed.")]

@@ -8,29 +8,24 @@ from collections.abc import Sequence
 from itertools import pairwise
 from typing import Annotated, Any
 
-from pydantic import BaseModel, ConfigDict, Field, ValidationInfo, field_validator
+from pydantic import Field, ValidationInfo, field_validator
 from pydantic_core import PydanticCustomError
 
+from synthesis.catalogue.fields import FiniteModel
 from synthesis.catalogue.ranges import Range, ends
 from synthesis.numerics.piecewise import Piecewise
 from synthesis.units import DEGREE, FULL_TURN
 
-STEEL_MPA, STEEL_POISSON = 206e3, 0.3  # EN 10250; any unalloyed steel
+STEEL_MPA, STEEL_POISSON = 206e3, 0.3  # textbook values of steel
 RATE = "A number fixes it; {min, max} leaves it free in between; left out, it is free from 0 on."
 Value = Annotated[float, Field(ge=-1e12, le=1e12, description="Positive against the rise.")]
 Point = tuple[float, float]  # cam angle [deg] and process force or moment
 
 
-class LoadPart(BaseModel):
-    """A part of a load, as it comes over the wire."""
-
-    model_config = ConfigDict(frozen=True, extra="forbid", allow_inf_nan=False)
-
-
 # -- line contact and bearing ----------------------------------------------------------------------
 
 
-class Material(LoadPart):
+class Material(FiniteModel):
     """An elastic material; steel where nothing is said."""
 
     elastic_modulus_mpa: Annotated[
@@ -46,7 +41,7 @@ class Material(LoadPart):
         return (1.0 - self.poisson_ratio**2) / self.elastic_modulus_mpa
 
 
-class Contact(LoadPart):
+class Contact(FiniteModel):
     """The line contact between cam and follower, for the Hertz pressure."""
 
     width_mm: Annotated[
@@ -65,7 +60,7 @@ class Contact(LoadPart):
         return math.pi * self.width_mm * (self.cam.compliance + self.follower.compliance)
 
 
-class RollerBearing(LoadPart):
+class RollerBearing(FiniteModel):
     """A roller's bearing as the catalogue has it."""
 
     dynamic_rating_n: Annotated[
@@ -80,7 +75,7 @@ class RollerBearing(LoadPart):
 # -- spring ----------------------------------------------------------------------------------------
 
 
-class Spring(LoadPart):
+class Spring(FiniteModel):
     """A closing spring, given or chosen between two ends: its two fields are rate and preload."""
 
     @field_validator("*")
@@ -133,7 +128,7 @@ class ArmSpring(Spring):
 # -- process force ---------------------------------------------------------------------------------
 
 
-class ProcessPoint(LoadPart, ABC):
+class ProcessPoint(FiniteModel, ABC):
     """What the machine's task asks of the follower at one cam angle."""
 
     angle_deg: Annotated[float, Field(ge=0.0, le=360.0, description="Cam angle.")]

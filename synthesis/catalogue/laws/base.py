@@ -9,8 +9,9 @@ from functools import lru_cache
 from typing import TYPE_CHECKING, Annotated, ClassVar, Literal, Self
 
 import numpy as np
-from pydantic import BaseModel, ConfigDict, Field
+from pydantic import Field
 
+from synthesis.catalogue.fields import FiniteModel
 from synthesis.catalogue.motion import FreeLaw, SegmentKind
 from synthesis.numerics.piecewise import Piecewise, concatenate
 
@@ -58,10 +59,8 @@ class LawEntry:
     shape: Piecewise
 
 
-class MotionLaw(BaseModel, ABC):
+class MotionLaw(FiniteModel, ABC):
     """A named law: its name on the wire, its title, and its normalised curve."""
-
-    model_config = ConfigDict(frozen=True, extra="forbid", allow_inf_nan=False)
 
     kind: str
     entries: ClassVar[Mapping[str, LawEntry]]

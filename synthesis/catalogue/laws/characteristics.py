@@ -6,8 +6,9 @@ from functools import lru_cache
 from typing import Annotated
 
 import numpy as np
-from pydantic import BaseModel, ConfigDict, Field
+from pydantic import Field
 
+from synthesis.catalogue.fields import AnswerModel
 from synthesis.catalogue.laws.base import MotionLaw
 from synthesis.numerics.piecewise import Array, Piecewise
 
@@ -16,14 +17,12 @@ BISECTIONS = 60  # to the last bit; Newton would converge slowly on flat tops
 JUMP_TOLERANCE = 1e-9  # of the peak: rounding leaves 1e-14, the smallest real jump is above 1
 
 
-class Characteristics(BaseModel):
+class Characteristics(AnswerModel):
     """Peak values for unit lift and unit angle; null where infinite.
 
     On a segment of lift h and angle β at cam speed ω, the peaks are Cv·hω/β, Ca·hω²/β² and
     Cj·hω³/β³. At the ends the law meets a dwell, or its own mirror image where it turns.
     """
-
-    model_config = ConfigDict(frozen=True, extra="forbid")
 
     Cv: Annotated[float, Field(description="Largest velocity.")]
     Ca_max: Annotated[float | None, Field(description="Largest acceleration.")]

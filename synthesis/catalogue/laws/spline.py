@@ -4,20 +4,19 @@ from __future__ import annotations
 
 from typing import Annotated, ClassVar, Literal
 
-from pydantic import BaseModel, ConfigDict, Field
+from pydantic import Field
 
+from synthesis.catalogue.fields import FiniteModel
 from synthesis.catalogue.laws.base import EndDerivatives
 from synthesis.catalogue.motion import FreeLaw, SegmentKind
 
 
-class SplineLaw(BaseModel):
+class SplineLaw(FiniteModel):
     """Let the service find the motion: a spline, chosen together with the cam's size.
 
     It joins its neighbours with continuous displacement and velocity, and with as many further
     derivatives as ``smoothness`` asks for: the acceleration, where nothing is said.
     """
-
-    model_config = ConfigDict(frozen=True, extra="forbid")
 
     kind: Literal["spline"] = "spline"
     smoothness: Annotated[

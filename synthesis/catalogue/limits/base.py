@@ -18,14 +18,13 @@ from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 from typing import Any, ClassVar
 
-from pydantic import BaseModel, ConfigDict
-
 from synthesis.catalogue.constraints import (
     LinearInequality,
     NonconvexConstraint,
     NormBounds,
     VibrationBound,
 )
+from synthesis.catalogue.fields import FiniteModel
 from synthesis.catalogue.followers.base import Follower
 from synthesis.catalogue.followers.curvature_bound import CurvatureBound
 from synthesis.catalogue.followers.flank import labelled
@@ -91,7 +90,7 @@ class Claim:
     vibration: tuple[VibrationBound, ...] = ()
 
 
-class Limit(BaseModel, ABC):
+class Limit(FiniteModel, ABC):
     """One quantity of the cam that has a bound.
 
     Attributes:
@@ -100,8 +99,6 @@ class Limit(BaseModel, ABC):
         same_on_every_segment: its smooth constraints do not depend on the segment, so that one
             evaluation serves several segments.
     """
-
-    model_config = ConfigDict(frozen=True, extra="forbid", allow_inf_nan=False)
 
     kind: str
     title: ClassVar[str]

@@ -5,14 +5,13 @@ from __future__ import annotations
 from abc import ABC, abstractmethod
 from typing import ClassVar
 
-from pydantic import BaseModel, ConfigDict
-
 from synthesis.catalogue.constraints import AffineNorm, LinearInequality
+from synthesis.catalogue.fields import FiniteModel
 from synthesis.catalogue.limits.base import Limit, Machine
 from synthesis.catalogue.motion import PlacedSegment, Segments
 
 
-class Objective(BaseModel, ABC):
+class Objective(FiniteModel, ABC):
     """One quantity to minimise. It is stated in one of three forms; the other two are empty.
 
     The forms: ``norm`` of the size, ``energy_order`` for a mean square, ``rows`` with the epigraph
@@ -24,8 +23,6 @@ class Objective(BaseModel, ABC):
         wire_name: name of its value on the wire, with the unit; see ``name_on_wire``.
         quasiconvex: its rows hold for one trial ``level`` at a time (quasi-convex).
     """
-
-    model_config = ConfigDict(frozen=True, extra="forbid")
 
     kind: str
     title: ClassVar[str]
