@@ -26,10 +26,9 @@ from dataclasses import dataclass, replace
 from math import inf
 from typing import ClassVar, cast
 
-from synthesis.catalogue.constraints import AffineNorm, LinearInequality
+from synthesis.catalogue.constraints import AffineNorm, LinearInequality, SizeDomain
 from synthesis.catalogue.followers.base import Follower
 from synthesis.catalogue.followers.closures import SINGLE_FLANK, Closure
-from synthesis.catalogue.followers.sizing import SizeDomain
 from synthesis.catalogue.limits import Limit, Machine
 from synthesis.catalogue.motion import EndState, PlacedSegment
 from synthesis.machines.spatial.limits import objective_of
