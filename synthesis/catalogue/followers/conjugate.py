@@ -136,23 +136,20 @@ class Conjugate(Closure, ABC):
     counter_paths: ClassVar[tuple[str, ...]] = ("counter",)
     field: ClassVar[str]  # of its place
     dimension: ClassVar[str]  # the same among the dimensions
+    given_field: ClassVar[str]  # a further dimension, which is always given
     roller_radius_mm: Annotated[
         float, Field(ge=0.0, le=1e6, description="Radius of the counter cam's roller.")
     ]
 
     @property
-    @abstractmethod
     def place(self) -> float | Range | None:
         """Its place, as far as it is given."""
+        found: float | Range | None = getattr(self, self.field)
+        return found
 
     @abstractmethod
     def counter(self, trace: TracePoint) -> TracePoint:
         """The counter roller beside the main one; its place must be a number."""
-
-    @property
-    @abstractmethod
-    def further_dimensions(self) -> Mapping[str, float]:
-        """Its dimensions besides roller and place."""
 
     @property
     def given(self) -> float:
@@ -188,7 +185,7 @@ class Conjugate(Closure, ABC):
         return {
             self.dimension: self.given,
             "counter_roller_radius_mm": self.roller_radius_mm,
-            **self.further_dimensions,
+            f"counter_{self.given_field}": getattr(self, self.given_field),
         }
 
     def motion_dimensions(
@@ -209,6 +206,7 @@ class ConjugateSlide(Conjugate):
     title: ClassVar[str] = "Main and counter cam, two rollers on one slide"
     field: ClassVar[str] = "distance_mm"
     dimension: ClassVar[str] = "counter_distance_mm"
+    given_field: ClassVar[str] = "offset_mm"
     offset_mm: Annotated[
         float,
         Field(
@@ -218,10 +216,6 @@ class ConjugateSlide(Conjugate):
         ),
     ] = 0.0
     distance_mm: Dimension = None
-
-    @property
-    def place(self) -> float | Range | None:
-        return self.distance_mm
 
     def counter(self, trace: TracePoint) -> TracePoint:
         size = (-self.offset_mm, self.given)
@@ -237,10 +231,6 @@ class ConjugateSlide(Conjugate):
         (_, height), *_ = trace.position((s_max, 0.0, 0.0, 0.0), z)
         return CounterRollerRange(float(height), float(height) + FARTHEST * s_max, True)
 
-    @property
-    def further_dimensions(self) -> Mapping[str, float]:
-        return {"counter_offset_mm": self.offset_mm}
-
 
 class ConjugateArm(Conjugate):
     """Main and counter cam, two arms at one pivot, which take the shaft between them."""
@@ -248,6 +238,7 @@ class ConjugateArm(Conjugate):
     title: ClassVar[str] = "Main and counter cam, two arms at one pivot"
     field: ClassVar[str] = "angle_deg"
     dimension: ClassVar[str] = "counter_angle_deg"
+    given_field: ClassVar[str] = "arm_mm"
     arm_mm: Annotated[float, Field(gt=0.0, le=1e6, description="Length of the counter arm.")]
     angle_deg: Annotated[
         float | Range | None,
@@ -256,10 +247,6 @@ class ConjugateArm(Conjugate):
             "{min, max} leaves it free in between; left out, it is the least that works."
         ),
     ] = None
-
-    @property
-    def place(self) -> float | Range | None:
-        return self.angle_deg
 
     def counter(self, trace: TracePoint) -> TracePoint:
         assert isinstance(trace, PivotedFollower)
@@ -281,10 +268,6 @@ class ConjugateArm(Conjugate):
         assert isinstance(trace, PivotedFollower)
         angle = trace.initial_angle(z) + s_max / trace.reference
         return CounterRollerRange(angle / DEGREE, 180.0, False)
-
-    @property
-    def further_dimensions(self) -> Mapping[str, float]:
-        return {"counter_arm_mm": self.arm_mm}
 
 
 class CounterCamOnly(Closure):

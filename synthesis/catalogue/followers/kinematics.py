@@ -69,21 +69,21 @@ class TracePoint(ABC):
         """
         return ()
 
-    @abstractmethod
     def pressure_angle_rows(self, slope: float) -> tuple[LinearInequality, ...]:
         """|tan α| ≤ slope, linear in s, s' and z; () where it is not."""
+        return ()
 
     def radius_rows(self, least: float) -> tuple[LinearInequality, ...]:
         """Distance of the traced curve from the axis ≥ least; () where the size implies it."""
         return ()
 
-    @abstractmethod
     def outer_radius_norm(self, s_max: float) -> AffineNorm | None:
         """Largest radius of the traced curve, at displacement ``s_max``, as a norm of z.
 
         Or a norm that grows with that radius, as ``radius_norm`` does; None where there is none:
         then ``outer_radius_constraints`` state it.
         """
+        return None
 
     def norm_from_radius(self, radius: float) -> float:
         """``radius_norm`` at a prime radius: the inverse of ``radius_from_norm``."""

@@ -176,12 +176,6 @@ class OscillatingFlatFace(FlatFaceFollower, PivotedFollower):
     def enlarged_to(self, z: Vector, radius: float) -> Vector:
         return (*z[:-1], max(z[-1], radius))
 
-    def outer_radius_norm(self, s_max: float) -> AffineNorm | None:
-        return None  # of no norm of Rb alone: curved
-
-    def pressure_angle_rows(self, slope: float) -> tuple[LinearInequality, ...]:
-        return ()
-
     def profile_radius_rows(self, least: float) -> tuple[LinearInequality, ...]:
         # w ≥ SLOWEST: without it there is no radius; the radius itself is curved
         return (

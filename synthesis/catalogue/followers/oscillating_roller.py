@@ -27,7 +27,6 @@ from pydantic_core import PydanticCustomError
 from synthesis.catalogue.constraints import (
     AffineNorm,
     Ends,
-    LinearInequality,
     NonconvexConstraint,
     NormBounds,
     SizeDomain,
@@ -105,14 +104,15 @@ class OscillatingRoller(RollerFollower, PivotedFollower):
 
     @property
     def reason_without_minimum(self) -> str:
-        if (
-            self.distance is not None
-            or self.initial_angle_deg is not None
-            or self.closure.counter_paths
-        ):
-            return ""
         (low, high), (short, long) = ends(self.centre_distance_mm), ends(self.arm_mm)
-        if base_gap(self) < 0.0 or low > long or high < short:
+        given = self.distance is not None or self.initial_angle_deg is not None
+        if (
+            given
+            or self.closure.counter_paths
+            or base_gap(self) < 0.0
+            or low > long
+            or high < short
+        ):
             return ""
         return "the pivot may be as far from the cam's axis as the arm is long"
 
@@ -213,9 +213,6 @@ class OscillatingRoller(RollerFollower, PivotedFollower):
             return AffineNorm(((1.0,),), (s_max,))
         cos, sin = math.cos(s_max / self.length), math.sin(s_max / self.length)
         return AffineNorm(((-cos, sin), (sin, cos)), (self.length, 0.0))
-
-    def pressure_angle_rows(self, slope: float) -> tuple[LinearInequality, ...]:
-        return ()  # not linear in s
 
     def pressure_angle_constraints(self, slope: float) -> tuple[NonconvexConstraint, ...]:
         arm, sigma = self.length, self.sigma

@@ -17,10 +17,8 @@ from pydantic import Field
 from synthesis.catalogue.laws.base import TASKS, EndKinds, MotionLaw
 from synthesis.catalogue.laws.boundary_polynomial import BoundaryPolynomial
 from synthesis.catalogue.laws.characteristics import Characteristics, characteristics
-from synthesis.catalogue.laws.constant_velocity import ConstantVelocity
 from synthesis.catalogue.laws.dwell_turn import DwellTurn
-from synthesis.catalogue.laws.harmonic_series import HarmonicSeries
-from synthesis.catalogue.laws.polynomial import Polynomial
+from synthesis.catalogue.laws.rest_to_rest import ConstantVelocity, HarmonicSeries, Polynomial
 from synthesis.catalogue.laws.scca import GeneralScca, Scca
 from synthesis.catalogue.laws.spline import SplineLaw
 

@@ -14,7 +14,7 @@ from synthesis.catalogue.laws.base import (
     Turn,
     mirrored,
 )
-from synthesis.catalogue.laws.polynomial import about_both_ends
+from synthesis.catalogue.laws.rest_to_rest import about_both_ends
 from synthesis.catalogue.motion import SegmentKind
 from synthesis.numerics.piecewise import Piecewise
 

@@ -1,13 +1,19 @@
-"""Polynomial laws between two rests."""
+"""Laws between two rests: polynomials, straight lines with pulses, and odd harmonics.
+
+Each is given by its first half. The family of sine, constant and cosine parts is in ``scca``.
+"""
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from fractions import Fraction
-from math import comb
+from math import comb, pi
 from typing import ClassVar, Literal
 
 from synthesis.catalogue.laws.base import LawEntry, RestToRest
 from synthesis.numerics.piecewise import Piecewise
+
+# -- polynomials ---------------------------------------------------------------------------------
 
 
 def powers(first: int, *coefficients: int) -> Piecewise:
@@ -93,5 +99,90 @@ class Polynomial(RestToRest):
             "Trapezoidal acceleration (ramps of 1/8)",
             "Neklutin, Mechanisms and Cams for Automatic Machines (1969); Rothbart, Cams (1956)",
             TRAPEZOID,
+        ),
+    }
+
+
+# -- straight lines with pulses -------------------------------------------------------------------
+
+LINE = Piecewise.of([0.0, 0.5], [[0.0, 1.0]])
+# a = 32 u(1 − u) with u = 4x up to x = 1/4, then the velocity is 4/3
+PARABOLIC = Piecewise.of(
+    [0.0, 0.25, 0.5], [[0.0, 0.0, 0.0, 64 / 3, -128 / 3], [0.5, 4 / 3]], origins=[0.0, 0.5]
+)
+# a = (32/3) sin²(4πx) = (16/3)(1 − cos 8πx) up to x = 1/4, then the velocity is 4/3
+_HAVERSINE = 1.0 / (12.0 * pi**2)
+HAVERSINE = Piecewise.of(
+    [0.0, 0.25, 0.5],
+    [[-_HAVERSINE, 0.0, 8 / 3], [0.5, 4 / 3]],
+    [[(_HAVERSINE, 8.0 * pi, pi / 2.0)], []],
+    [0.0, 0.5],
+)
+
+
+class ConstantVelocity(RestToRest):
+    """Constant velocity: over the whole segment, or over its middle half (CV50).
+
+    | kind | acceleration over the first quarter, u = 4x |
+    |---|---|
+    | `constant_velocity` | none: the velocity jumps at both ends, `inflection` has no effect |
+    | `cv50_parabolic` | 32 u(1 − u) |
+    | `cv50_haversine` | (32/3) sin²(πu): the jerk is continuous too |
+
+    `cv50_half_sine`, `cv50_modified_trapezoid` and `mcv50_makino` are members of the SCCA family.
+    """
+
+    kind: Literal["constant_velocity", "cv50_parabolic", "cv50_haversine"]
+    entries: ClassVar = {
+        "constant_velocity": LawEntry("Constant velocity", "VDI 2143-1 (straight line)", LINE),
+        "cv50_parabolic": LawEntry(
+            "Constant velocity 50 %, parabolic pulses", "Practice of indexing cams", PARABOLIC
+        ),
+        "cv50_haversine": LawEntry(
+            "Constant velocity 50 %, haversine pulses", "Practice of indexing cams", HAVERSINE
+        ),
+    }
+
+
+# -- odd harmonics -------------------------------------------------------------------------------
+
+M = 1125 / 1192  # makes the mean velocity 1 with Freudenstein's ratios 1 : 1/54 : 1/1250
+
+
+def harmonics(weights: Mapping[int, float]) -> Piecewise:
+    """First half of s = x − (1/2π) Σ_k weight_k sin(2πkx)."""
+    waves = [(-weight / (2.0 * pi), 2.0 * pi * k, 0.0) for k, weight in weights.items()]
+    return Piecewise.of([0.0, 0.5], [[0.0, 1.0]], [waves])
+
+
+class HarmonicSeries(RestToRest):
+    """s = x − (1/2π) Σ m_k sin(2πkx): the cycloidal law with third and fifth harmonics.
+
+    They lower the peak acceleration of the cycloidal law and keep the spectrum of the motion
+    narrow, so that the follower train is little excited at high speed.
+
+    | kind | m₁ | m₃ | m₅ |
+    |---|---|---|---|
+    | `gutman_1_3` | 15/16 | 1/48 | |
+    | `freudenstein_1_3` | 27/28 | 1/84 | |
+    | `freudenstein_1_3_5` | 1125/1192 | m₁/54 | m₁/1250 |
+    """
+
+    kind: Literal["gutman_1_3", "freudenstein_1_3", "freudenstein_1_3_5"]
+    entries: ClassVar = {
+        "gutman_1_3": LawEntry(
+            "Gutman 1-3",
+            "Gutman, To avoid vibration try this new cam profile, Product Engineering (1961)",
+            harmonics({1: 15 / 16, 3: 1 / 48}),
+        ),
+        "freudenstein_1_3": LawEntry(
+            "Freudenstein 1-3",
+            "Freudenstein, On the dynamics of high-speed cam profiles, Int. J. Mech. Sci. 1 (1960)",
+            harmonics({1: 27 / 28, 3: 1 / 84}),
+        ),
+        "freudenstein_1_3_5": LawEntry(
+            "Freudenstein 1-3-5",
+            "Freudenstein, On the dynamics of high-speed cam profiles, Int. J. Mech. Sci. 1 (1960)",
+            harmonics({1: M, 3: M / 54, 5: M / 1250}),
         ),
     }
