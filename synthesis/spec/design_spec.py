@@ -18,7 +18,7 @@ from synthesis.catalogue.forces import AnyLoad
 from synthesis.catalogue.limits import AnyLimit, Limit, Machine
 from synthesis.catalogue.limits.counter_base_radius import CounterBaseRadius
 from synthesis.catalogue.limits.profile_radius import ProfileRadius
-from synthesis.catalogue.motion import PlacedSegment
+from synthesis.catalogue.motion import PlacedSegment, Segments
 from synthesis.catalogue.objectives import AnyObjective
 from synthesis.catalogue.objectives.base_radius import BaseRadius
 from synthesis.catalogue.ranges import Dimension, Range, ends
@@ -33,9 +33,9 @@ from synthesis.spec.well_posedness import (
 from synthesis.units import MotionUnits, rad_per_s
 
 MAX_SEGMENTS = 100
-ROUGHEST = 2  # class of the splines that smoother ones are compared with
+ROUGHEST = 2  # smoothness of the splines that smoother ones are compared with
 ALWAYS = (ProfileRadius(), CounterBaseRadius())  # what every cam must keep
-KEPT = ("free_parameters", "_numbered", "_reach", "_placed", "_machine", "_limits")  # laid out once
+KEPT = ("free_parameters", "_numbered", "_reach", "_placed", "_machine", "_limits")  # derived once
 
 
 class DesignSpec(BaseModel):
@@ -111,18 +111,55 @@ class DesignSpec(BaseModel):
     ] = None
 
     @model_validator(mode="after")
-    def _units_suit(self) -> DesignSpec:
+    def _make_sense(self) -> DesignSpec:
+        # Each check may rely on those before it.
         unit, kind = self.follower.travel.unit, self.follower.kind
         moves = {"mm": "slides", "deg": "swings"}[unit]
         check_units(self.program, self.limits, unit, f"the {kind} follower {moves}")
+        self._check_parameters()
+        self._check_closure()
+        segments = self.placed_segments()
+        self._check_base_radius()
+        self.free_parameters.check_reach(lambda values: self._with(values).check_reach())
+        self._check_limits(segments)
+        named = [(getattr(limit, "place", limit.kind), limit) for limit in self.all_limits()]
+        check_jerk_finite(segments, named, self.objectives(), self.machine())
+        requested = ends(self.base_radius_mm)
+        check_growth_ends(
+            self.follower, self.limits, self.objectives(),
+            requested, self.searched_radii(), self.base_radius_range(),
+        )  # fmt: skip
+        if self.objectives()[0].kind == "base_radius":
+            law_is_free = any(segment.law_is_free for segment in segments)
+            check_shrinking_ends(self.follower, self.limits, requested, law_is_free=law_is_free)
         return self
 
-    @model_validator(mode="after")
-    def _closes(self) -> DesignSpec:
-        self._numbers_fit()
+    def _check_parameters(self) -> None:
+        """Refuse numbers that are free in name only, or that cannot fit together."""
+        searched = self.free_parameters
+        free = searched.parameters
+        for name, what in (("angle_deg", "angles"), ("lift_mm", "lifts"), ("lift_deg", "lifts")):
+            alone = [parameter for parameter in free if parameter.name == name]
+            if len(alone) == 1 and not searched.tied_otherwise(name):
+                raise PydanticCustomError(
+                    "one_number_free",
+                    "{field} is the only one of the {what} that is free: it follows from the "
+                    "others. Give the number, or leave another one free too.",
+                    {"field": alone[0].field, "what": what,
+                     "segment": alone[0].segment, "name": name},
+                )  # fmt: skip
+        if len(free) > len(searched.machine_indices) and searched.polytope.centre() is None:
+            raise PydanticCustomError(
+                "numbers_do_not_fit",
+                "However the free angles and lifts of program are chosen within their ranges, "
+                "the angles do not sum to 360° or the lifts not to zero. Widen a range.",
+                {},
+            )
+
+    def _check_closure(self) -> None:
+        """Refuse a program that does not go round once, or does not end where it began."""
         check_turn(self._numbered)
-        lifts = self.lifts()
-        rest, largest = math.fsum(lifts), self.stroke()
+        rest, largest = math.fsum(self.lifts()), self.stroke()
         if abs(rest) > 1e-9 * largest:
             raise PydanticCustomError(
                 "program_lift",
@@ -136,15 +173,8 @@ class DesignSpec(BaseModel):
                 "The follower never moves: program holds no rise and no return. Add both.",
                 {},
             )
-        return self
 
-    @model_validator(mode="after")
-    def _states_fit(self) -> DesignSpec:
-        self.placed_segments()
-        return self
-
-    @model_validator(mode="after")
-    def _sizes_fit(self) -> DesignSpec:
+    def _check_base_radius(self) -> None:
         least, largest = ends(self.base_radius_mm)
         if largest <= 0.0 or (least == largest and least <= 0.0):
             raise PydanticCustomError(
@@ -152,11 +182,9 @@ class DesignSpec(BaseModel):
                 "base_radius_mm = {value} leaves no positive base radius. Give a positive one.",
                 {"value": largest},
             )
-        self.free_parameters.check_reach(lambda filled: self._with(filled).check_reach())
-        return self
 
-    @model_validator(mode="after")
-    def _limits_suit(self) -> DesignSpec:
+    def _check_limits(self, segments: Segments) -> None:
+        """Refuse limits and a load that do not suit the follower, its motion, or each other."""
         for position, limit in enumerate(self.limits):
             if not limit.applies_to(self.follower):
                 raise PydanticCustomError(
@@ -165,34 +193,11 @@ class DesignSpec(BaseModel):
                     "Remove it, or choose another follower.",
                     {"position": position, "limit": limit.kind, "kind": self.follower.kind},
                 )
-            limit.check(self.placed_segments(), self.machine())
-        return self
-
-    @model_validator(mode="after")
-    def _load_suits(self) -> DesignSpec:
+            limit.check(segments, self.machine())
         if self.load is not None:
-            self.load.check_against(self.follower, self.placed_segments())
+            self.load.check_against(self.follower, segments)
         for position, one in enumerate([*self.limits, *self.objectives()]):
-            one.check_load(self.placed_segments(), self.machine(), position)
-        return self
-
-    @model_validator(mode="after")
-    def _smooth_enough(self) -> DesignSpec:
-        named = [(getattr(limit, "place", limit.kind), limit) for limit in self.all_limits()]
-        check_jerk_finite(self.placed_segments(), named, self.objectives(), self.machine())
-        return self
-
-    @model_validator(mode="after")
-    def _has_a_best(self) -> DesignSpec:
-        requested = ends(self.base_radius_mm)
-        check_growth_ends(
-            self.follower, self.limits, self.objectives(),
-            requested, self.searched_radii(), self.base_radius_range(),
-        )  # fmt: skip
-        if self.objectives()[0].kind == "base_radius":
-            law_is_free = any(segment.law_is_free for segment in self.placed_segments())
-            check_shrinking_ends(self.follower, self.limits, requested, law_is_free=law_is_free)
-        return self
+            one.check_load(segments, self.machine(), position)
 
     def model_copy(self, *, update: Mapping[str, Any] | None = None, deep: bool = False) -> Self:
         """A copy, changed; what is kept of this spec is not the copy's."""
@@ -213,8 +218,8 @@ class DesignSpec(BaseModel):
         """The same spec with numbers in place of everything in ``free_parameters``."""
         return self._with(self.free_parameters.substitute(values))
 
-    def _with(self, filled: ProgramAndFollower) -> DesignSpec:
-        program, follower = filled
+    def _with(self, values: ProgramAndFollower) -> DesignSpec:
+        program, follower = values
         pairs = zip(program, self.program, strict=True)
         if follower is self.follower and all(new is old for new, old in pairs):
             return self
@@ -236,32 +241,6 @@ class DesignSpec(BaseModel):
             PydanticCustomError: with the numbers, and the cam angle where there is one.
         """
         self.follower.check_dimensions(self.searched_radii(), self.placed_segments())
-
-    def _numbers_fit(self) -> None:
-        """Refuse numbers that are free in name only, or that cannot fit together."""
-        searched = self.free_parameters
-        free = searched.parameters
-        for name, what in (("angle_deg", "angles"), ("lift_mm", "lifts"), ("lift_deg", "lifts")):
-            alone = [parameter for parameter in free if parameter.name == name]
-            if len(alone) == 1 and not searched.tied_otherwise(name):
-                raise PydanticCustomError(
-                    "one_number_free",
-                    "{field} is the only one of the {what} that is free: it follows from the "
-                    "others. Give the number, or leave another one free too.",
-                    {
-                        "field": alone[0].field,
-                        "what": what,
-                        "segment": alone[0].segment,
-                        "name": name,
-                    },
-                )
-        if len(free) > len(searched.machine_indices) and searched.polytope.centre() is None:
-            raise PydanticCustomError(
-                "numbers_do_not_fit",
-                "However the free angles and lifts of program are chosen within their ranges, "
-                "the angles do not sum to 360° or the lifts not to zero. Widen a range.",
-                {},
-            )
 
     def with_c2_splines(self) -> DesignSpec:
         """The same question for splines of class C2; its own self where none is smoother."""
@@ -376,17 +355,15 @@ class DesignSpec(BaseModel):
         if self.load is not None:
             for name, (low, high) in self.load.free_spring.items():
                 yield f"/load/spring/{name}", {"min": low, "max": high}
-        asked: dict[str, Any] = {}
+        # What the size variables determine, if they have a choice, and what is chosen after them.
+        deferred = self.follower.active_closure.counter_dimensions().items()
+        sized = {f"/follower/{field}": value for field, (_, value) in deferred}
         bounds = self.follower.size_domain(self.base_radius_range()).bounds
         if any(low != high for low, high in bounds):
-            asked = {"/base_radius_mm": self.base_radius_mm}
-            asked |= {
-                f"/follower/{k}": value
-                for k, value in self.follower.adjustable_dimensions().items()
-            }
-        places = self.follower.active_closure.counter_dimensions()
-        asked |= {f"/follower/{k}": value for k, (_, value) in places.items()}
-        for field, value in asked.items():
+            dimensions = self.follower.adjustable_dimensions().items()
+            own = {f"/follower/{field}": value for field, value in dimensions}
+            sized = {"/base_radius_mm": self.base_radius_mm, **own, **sized}
+        for field, value in sized.items():
             low, high = ends(value)
             if low != high:
                 yield field, value.model_dump() if isinstance(value, Range) else value

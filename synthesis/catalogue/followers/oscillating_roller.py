@@ -106,13 +106,8 @@ class OscillatingRoller(RollerFollower, PivotedFollower):
     def reason_without_minimum(self) -> str:
         (low, high), (short, long) = ends(self.centre_distance_mm), ends(self.arm_mm)
         given = self.distance is not None or self.initial_angle_deg is not None
-        if (
-            given
-            or self.closure.counter_paths
-            or base_gap(self) < 0.0
-            or low > long
-            or high < short
-        ):
+        never = low > long or high < short or base_gap(self) < 0.0
+        if given or never or self.closure.counter_paths:
             return ""
         return "the pivot may be as far from the cam's axis as the arm is long"
 
