@@ -21,19 +21,13 @@ from synthesis.exporters.machining.program import (
     Feed,
     LineNumbers,
     MachineDecimals,
-    check_tool,
+    ToolPath,
     feed_word,
-    heading,
-    minutes,
     numbered,
     remark,
-    tool,
-    whole_path,
     word,
 )
 from synthesis.exporters.options import CurveName, PointOptions, is_cutter, is_pitch
-from synthesis.exporters.samples.cutting import chosen
-from synthesis.exporters.samples.sampling import written_points
 
 CDECIMALS = 6  # of C, in degrees
 EXACT = 12  # of the path, before it is turned into pairs
@@ -83,29 +77,20 @@ class GrindingOptions(PointOptions):
 
 
 def _profile(design: Design, options: GrindingOptions) -> bytes:
-    cam = chosen(design, options)
-    check_tool(cam, options)
-    written = written_points(cam, replace(options, decimals=EXACT))
-    path = whole_path(written, options)
-    x, y = path.T
+    path = ToolPath.of(design, replace(options, decimals=EXACT), options.feed_mm_per_min)
+    x, y = path.points.T
     turned = np.degrees(np.unwrap(-np.arctan2(y, x)))
     distance = np.hypot(x, y) * (2.0 if options.x_is_diameter else 1.0)
     pairs = [
         f"{word('C', c, CDECIMALS)} {word('X', r, options.decimals)}"
         for c, r in zip(turned.tolist(), distance.tolist(), strict=True)
     ]
-    time = minutes(cam, written, path, options.feed_mm_per_min)
-    rows = [
-        f"{pair} {feed_word(feed)}"
-        for pair, feed in zip(pairs[1:], (1.0 / time).tolist(), strict=True)
-    ]
+    feeds = map(feed_word, (1.0 / path.minutes).tolist())
+    rows = [f"{pair} {feed}" for pair, feed in zip(pairs[1:], feeds, strict=True)]
+    double = "DOUBLE " if options.x_is_diameter else ""
     blocks = [
-        *heading(design, options, len(path)),
-        remark(tool(cam, options)),
-        remark(
-            f"C TURNS THE CAM, X IS THE {'DOUBLE ' if options.x_is_diameter else ''}DISTANCE OF "
-            "THE WHEEL CENTRE FROM THE CAM AXIS"
-        ),
+        *path.remarks,
+        remark(f"C TURNS THE CAM, X IS THE {double}DISTANCE OF THE WHEEL CENTRE FROM THE CAM AXIS"),
         remark(f"CONTACT RUNS AT {options.feed_mm_per_min:.12g} MM/MIN"),
         "G21 G90 G40",
         f"G0 {pairs[0]}",

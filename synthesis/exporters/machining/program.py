@@ -9,7 +9,8 @@ from __future__ import annotations
 import re
 import unicodedata
 from collections.abc import Iterable
-from typing import Annotated, Literal
+from dataclasses import dataclass
+from typing import Annotated
 
 import numpy as np
 from pydantic import Field
@@ -18,8 +19,8 @@ from synthesis.design.design import Design
 from synthesis.errors import InputError
 from synthesis.exporters.options import CurveOptions, PointOptions, is_cutter, is_pitch
 from synthesis.exporters.samples.cam import Cam
-from synthesis.exporters.samples.cutting import largest_cutter
-from synthesis.exporters.samples.sampling import Written
+from synthesis.exporters.samples.cutting import chosen, largest_cutter
+from synthesis.exporters.samples.sampling import Written, written_points
 from synthesis.numerics.piecewise import Array
 from synthesis.units import FULL_TURN
 
@@ -40,7 +41,6 @@ Feed = Annotated[
         "everywhere; a centre that is farther out moves faster, at most ten times.",
     ),
 ]
-FeedMode = Literal["per_minute", "inverse_time"]
 LineNumbers = Annotated[bool, Field(description="Number the blocks: N10, N20, …")]
 
 
@@ -48,15 +48,6 @@ def remark(text: str) -> str:
     """A comment; what could end it, or is not ASCII, is left out."""
     plain = unicodedata.normalize("NFKD", text).encode("ascii", "ignore").decode().upper()
     return f"({' '.join(re.sub(r'[^A-Z0-9 .,:;=+/_-]', ' ', plain).split())})"
-
-
-def heading(design: Design, options: CurveOptions, count: int) -> list[str]:
-    """What a program is of."""
-    return [
-        remark(f"CAMWRIGHT {design.engine_version}, DESIGN {design.id}"),
-        remark(f"NAME {design.name[:LONGEST_NAME]}"),
-        remark(f"PATH {options.curve.replace('_', ' ')}, {count} POINTS"),
-    ]
 
 
 def numbered(blocks: Iterable[str], wanted: bool) -> bytes:
@@ -82,48 +73,69 @@ def feed_word(value: float) -> str:
     return f"F{text}"
 
 
-def minutes(cam: Cam, written: Written, path: Array, feed: float) -> Array:
-    """(k,) time of each step of a path whose contact runs along the profile at the feed [min].
+@dataclass(frozen=True, eq=False)
+class ToolPath:
+    """The path of a tool's centre.
 
-    Args:
-        written: the points of the path, of which it may repeat the first ones at its end.
-        path: (k + 1, 2) the centre [mm]. feed: [mm/min].
+    Attributes:
+        cam: the cam and the curve. written: its points, of which ``points`` may repeat some.
+        points: (k + 1, 2) once round, back to the first point, and on as the options say [mm].
+        minutes: (k,) time of each step, so that the contact runs along the profile at the feed.
+        remarks: what the program is of, and its tool.
     """
-    at = cam.at(written.theta % FULL_TURN)
-    contact = np.column_stack([at.x, at.y])
-    contact = np.vstack([contact, contact[: len(path) - len(contact)]])
-    touched = np.hypot(*np.diff(contact, axis=0).T)
-    moved = np.hypot(*np.diff(path, axis=0).T)
-    return np.asarray(np.maximum(touched / feed, moved / (FASTEST * feed)))
+
+    cam: Cam
+    written: Written
+    points: Array
+    minutes: Array
+    remarks: tuple[str, ...]
+
+    @classmethod
+    def of(cls, design: Design, options: PointOptions, feed: float) -> ToolPath:
+        """The path whose contact runs along the profile at the feed [mm/min].
+
+        Raises:
+            InputError: as ``chosen`` and ``written_points``; the path is open; or the tool that
+                the path of a roller's centre stands for does not fit.
+        """
+        cam = chosen(design, options)
+        _check_roller_as_tool(cam, options)
+        written = written_points(cam, options)
+        if options.closed is False and options.overlap_points == 0:
+            raise InputError(
+                "/closed", False, "A tool goes round the cam to where it began.", "Leave it out."
+            )
+        points = written.ended(options, closed=True)
+        at = cam.at(written.theta % FULL_TURN)
+        contact = np.column_stack([at.x, at.y])
+        contact = np.vstack([contact, contact[: len(points) - len(contact)]])
+        touched = np.hypot(*np.diff(contact, axis=0).T)
+        moved = np.hypot(*np.diff(points, axis=0).T)
+        minutes = np.maximum(touched / feed, moved / (FASTEST * feed))
+        remarks = (
+            remark(f"CAMWRIGHT {design.engine_version}, DESIGN {design.id}"),
+            remark(f"NAME {design.name[:LONGEST_NAME]}"),
+            remark(f"PATH {options.curve.replace('_', ' ')}, {len(points)} POINTS"),
+            remark(_tool(cam, options)),
+        )
+        return cls(cam, written, points, minutes, remarks)
 
 
-def reach(cam: Cam) -> float:
+def tool_radius(cam: Cam) -> float:
     """Distance of the path from the profile: the radius of the cutter or wheel [mm]."""
     return abs(cam.flank.side * cam.flank.distance - cam.gap)
 
 
-def whole_path(written: Written, options: PointOptions) -> Array:
-    """The centre's path (k, 2): once round, back to the first point, and on as asked [mm]."""
-    if options.closed is False and options.overlap_points == 0:
-        raise InputError(
-            "/closed", False, "A tool goes round the cam to where it began.", "Leave it out."
-        )
-    return written.ended(options, closed=True)
-
-
-def check_tool(cam: Cam, options: CurveOptions) -> None:
-    """Check the tool that the path of a roller's centre stands for: one as large as the roller.
+def _check_roller_as_tool(cam: Cam, options: CurveOptions) -> None:
+    """Refuse a pitch curve without a roller, or one whose tool cuts off a part of the profile.
 
     The curves of cutters are checked where the curve is chosen. A path that is the profile itself
     names no tool and is not checked.
-
-    Raises:
-        InputError: the path asked for is a pitch curve, and the cam has no roller, or is undercut
-            so that a tool of the roller's size cuts off a part of the profile.
     """
     if not is_pitch(options.curve):
         return
-    if reach(cam) == 0.0:
+    radius = tool_radius(cam)
+    if radius == 0.0:
         raise InputError(
             "/curve", options.curve,
             "This follower has no roller of a radius above 0. Its pitch curve is the profile "
@@ -131,10 +143,10 @@ def check_tool(cam: Cam, options: CurveOptions) -> None:
             "Give curve=cutter and cutter_diameter_mm, the tool's diameter.",
         )  # fmt: skip
     fit = largest_cutter(cam)
-    if reach(cam) > fit.radius * (1.0 + ROUNDING):
+    if radius > fit.radius * (1.0 + ROUNDING):
         raise InputError(
             "/curve", options.curve,
-            f"A tool as large as the roller, {2.0 * reach(cam):.6g} mm in diameter, cuts into the "
+            f"A tool as large as the roller, {2.0 * radius:.6g} mm in diameter, cuts into the "
             f"profile at cam angle {fit.angle_deg:.6g}°, x = {fit.x:.6g}, y = {fit.y:.6g} mm. No "
             f"tool larger than {2.0 * fit.radius:.6g} mm leaves it as it is.",
             "Give curve=cutter and cutter_diameter_mm, or give the design the "
@@ -142,10 +154,9 @@ def check_tool(cam: Cam, options: CurveOptions) -> None:
         )  # fmt: skip
 
 
-def tool(cam: Cam, options: CurveOptions) -> str:
-    """The tool in words."""
+def _tool(cam: Cam, options: CurveOptions) -> str:
     if is_pitch(options.curve):
-        return f"TOOL AS LARGE AS THE ROLLER, DIAMETER {2.0 * reach(cam):.12g} MM"
+        return f"TOOL AS LARGE AS THE ROLLER, DIAMETER {2.0 * tool_radius(cam):.12g} MM"
     if is_cutter(options.curve):
         return f"TOOL DIAMETER {options.cutter_diameter_mm:.12g} MM"
     return "THE PATH IS THE PROFILE ITSELF: COMPENSATE FOR THE TOOL"
