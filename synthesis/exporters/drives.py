@@ -28,7 +28,7 @@ from synthesis.exporters.fidelity.report import (
     fidelity_file,
     percentage,
 )
-from synthesis.exporters.options import EvenOptions, StartAngle
+from synthesis.exporters.options import MotionOptions, StartAngle
 from synthesis.exporters.samples.cam import Cam
 from synthesis.numerics.piecewise import Array
 from synthesis.units import DEGREE, FULL_TURN
@@ -45,14 +45,8 @@ METHOD = (
 
 
 @dataclass(frozen=True)
-class DriveOptions(EvenOptions):
-    """How a drive's table is written.
-
-    Attributes:
-        start_deg: cam angle at master position 0; None: 0.
-        master_per_turn: master units in a turn. slave_per_unit: slave units in a mm (of an arm:
-            in a degree). decimals: of a position. the rest as of ``EvenOptions``.
-    """
+class DriveOptions(MotionOptions):
+    """How a drive's table is written; ``start_deg``: cam angle at master position 0, None: 0."""
 
     start_deg: StartAngle = None
     master_per_turn: Annotated[

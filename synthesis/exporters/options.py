@@ -6,7 +6,6 @@ catalogue are made from it.
 
 from __future__ import annotations
 
-from abc import ABC, abstractmethod
 from collections.abc import Callable
 from dataclasses import dataclass, fields
 from functools import cache
@@ -80,13 +79,13 @@ BoreDiameter = Annotated[
 Decimals = Annotated[int, Field(ge=0, le=15, description="Decimals of a coordinate in mm.")]
 
 
-def _form(options: type[Options]) -> type[BaseModel]:
+def _form(options: type[Any]) -> type[BaseModel]:
     hints = get_type_hints(options, include_extras=True)
-    found: dict[str, Any] = {
+    members: dict[str, Any] = {
         each.name: (hints[each.name], each.default) for each in fields(options)
     }
     settings = ConfigDict(extra="forbid", allow_inf_nan=False, frozen=True)
-    return create_model(options.__name__, __config__=settings, __doc__=options.__doc__, **found)
+    return create_model(options.__name__, __config__=settings, __doc__=options.__doc__, **members)
 
 
 # A class of options as a model: for query parameters and for JSON Schema.
@@ -110,9 +109,9 @@ class Options:
 
 def _rule(schema: dict[str, Any]) -> str:
     """What a field has to satisfy, in words."""
-    told = {k: v for each in (schema, *schema.get("anyOf", ())) for k, v in each.items()}
-    if "enum" in told:
-        return f"This must be one of {', '.join(map(str, told['enum']))}."
+    facts = {k: v for each in (schema, *schema.get("anyOf", ())) for k, v in each.items()}
+    if "enum" in facts:
+        return f"This must be one of {', '.join(map(str, facts['enum']))}."
     whole = "integer" in {schema.get("type"), *(each["type"] for each in schema.get("anyOf", ()))}
     bounds = (
         ("exclusiveMinimum", "above"),
@@ -120,7 +119,7 @@ def _rule(schema: dict[str, Any]) -> str:
         ("exclusiveMaximum", "below"),
         ("maximum", "at most"),
     )
-    words = [f"{word} {told[key]:g}" for key, word in bounds if key in told]
+    words = [f"{word} {facts[key]:g}" for key, word in bounds if key in facts]
     kind = "a whole number" if whole else "a finite number"
     return f"This must be {kind}{', ' if words else ''}{' and '.join(words)}."
 
@@ -131,18 +130,20 @@ def _way_out(schema: dict[str, Any]) -> str:
 
 
 @dataclass(frozen=True)
-class Sampled(Options, ABC):
-    """Options that say where points are taken."""
+class Sampled(Options):
+    """Options with ``points_per_degree``, ``points`` and perhaps ``tolerance_um``."""
 
     @property
-    @abstractmethod
     def count(self) -> float:
         """Points in a turn, evenly over the cam angle."""
+        given = vars(self)
+        return float(given["points"] or 360.0 * given["points_per_degree"])
 
     @property
-    @abstractmethod
     def chord_mm(self) -> float | None:
         """Largest distance of a chord from the curve, which then decides [mm]."""
+        tolerance_um = vars(self).get("tolerance_um")
+        return None if tolerance_um is None else 1e-3 * tolerance_um
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -183,53 +184,22 @@ class PlacedCurve(Options):
 
 
 @dataclass(frozen=True)
-class CurveOptions(Sampled, PlacedCurve, ABC):
-    """How a curve of a cam is sampled."""
+class CurveOptions(Sampled, PlacedCurve):
+    """How a curve of a cam is sampled; not below one point in 10°."""
 
     points_per_degree: Density = 4.0
     tolerance_um: ChordTolerance = None
     points: Count = None
 
-    @property
-    def count(self) -> float:
-        return 360.0 * self.points_per_degree if self.points is None else float(self.points)
-
-    @property
-    def chord_mm(self) -> float | None:
-        return None if self.tolerance_um is None else 1e-3 * self.tolerance_um
-
 
 @dataclass(frozen=True)
 class ProfileOptions(CurveOptions):
-    """How the cam's curve is sampled.
-
-    Attributes:
-        points_per_degree: density, uniform in cam angle; not below one point in 10°.
-        tolerance_um: if given, it decides instead of the density: no chord between neighbouring
-            points departs further than this from the true curve [µm].
-        curve: the profile, or the pitch curve (path of the roller's centre). A groove has an inner
-            and an outer profile, conjugate cams a main and a counter one; of these `profile` is
-            the first.
-        turn_deg: angle by which points are turned about the cam's axis, counter-clockwise
-            positive: the cam as it sits on a shaft with others.
-        z_mm: position along that axis; None leaves tables without z, and is 0 in point files.
-        points: number of points in a turn, instead of the density.
-        cutter_diameter_mm: of the cutter whose centre's path is asked for.
-    """
+    """How the cam's curve is sampled; drawings show all curves of a cam."""
 
 
 @dataclass(frozen=True)
 class PointOptions(CurveOptions):
-    """How the points of a curve are written for the readers of point files.
-
-    Attributes:
-        start_deg: cam angle of the first point; None: in the middle of the longest dwell.
-        closed: whether the first point is repeated at the end; None: as the format's readers
-            expect it.
-        overlap_points: further points past the end, which repeat the first ones.
-        direction: in which sense the points run round the cam. decimals: of a coordinate in mm.
-        the rest as of ``ProfileOptions``.
-    """
+    """How the points of a curve are written for the readers of point files."""
 
     start_deg: StartAngle = None
     closed: Annotated[
@@ -259,29 +229,11 @@ class PointOptions(CurveOptions):
 
 
 @dataclass(frozen=True)
-class EvenOptions(Sampled, ABC):
-    """Rows evenly over the cam angle.
-
-    Attributes:
-        points_per_degree: density, uniform in cam angle; not below one point in 10°.
-        points: number of points in a turn, instead of the density.
-    """
+class MotionOptions(Sampled):
+    """How the motion is sampled: rows evenly over the cam angle, not below one in 10°."""
 
     points_per_degree: Density = 1.0
     points: Count = None
-
-    @property
-    def count(self) -> float:
-        return 360.0 * self.points_per_degree if self.points is None else float(self.points)
-
-    @property
-    def chord_mm(self) -> float | None:
-        return None
-
-
-@dataclass(frozen=True)
-class MotionOptions(EvenOptions):
-    """How the motion is sampled; as ``EvenOptions``."""
 
 
 def is_pitch(curve: CurveName) -> bool:

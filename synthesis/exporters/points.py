@@ -33,11 +33,7 @@ MIN_DISTANCE_MM = 0.01  # of two points; SOLIDWORKS refuses nearer ones
 
 @dataclass(frozen=True)
 class IblOptions(PointOptions):
-    """As ``PointOptions``, and the cam's second face.
-
-    Attributes:
-        width_mm: if given, a second section lies so far above the first along the axis.
-    """
+    """As ``PointOptions``, and the cam's second face."""
 
     width_mm: Annotated[
         float | None,

@@ -191,7 +191,7 @@ def test_numbers_of_a_radius_axis(distance: float, low: float, high: float) -> N
                 1.0 / bend - distance, rel=1e-4, abs=1e-9
             )
     if distance and low < 1.0 / distance < high:
-        assert labels.told(1.0 / distance) == "0"
+        assert labels.format(1.0 / distance) == "0"
 
 
 def test_numbers_of_an_even_axis() -> None:

@@ -20,9 +20,8 @@ from synthesis.exporters.animations.scene import (
     reading,
     traced_diagrams,
 )
-from synthesis.exporters.diagrams.contact import DRAWN, pressure_plot
-from synthesis.exporters.diagrams.motion import motion_plot
-from synthesis.exporters.diagrams.readings import QUANTITIES, bounds
+from synthesis.exporters.diagrams.contact import pressure_plot
+from synthesis.exporters.diagrams.motion import motion_bounds, motion_plot
 from synthesis.exporters.diagrams.sheet import grounds
 from synthesis.exporters.drawing import canvas as svg
 from synthesis.exporters.drawing.heading import about, heading
@@ -47,10 +46,7 @@ def cam_scene(design: Design, count: int) -> Scene:
     machine = stage.mechanism
     pressure_angle = machine.contacts[0].curve.pressure_angle / DEGREE
     points, diagrams = traced_diagrams(
-        (
-            motion_plot(cam, QUANTITIES[0], DRAWN, bounds(design, QUANTITIES[0])),
-            pressure_plot(design, cam),
-        ),
+        (motion_plot(cam, 0, limits=motion_bounds(design, 0)), pressure_plot(design, cam)),
         machine.theta / DEGREE,
         (machine.s, pressure_angle),
         partial(grounds, design.motion),

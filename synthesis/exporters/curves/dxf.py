@@ -46,13 +46,7 @@ ARCS_UM = 1.0  # tolerance of arcs where none is given
 
 @dataclass(frozen=True, kw_only=True)
 class DrawingOptions(PlacedCurve):
-    """What a drawing for CAD and CAM shows.
-
-    Attributes:
-        form: how the curves are drawn. tolerance_um: how near; None: as the form is used.
-        companions: whether more is drawn than the curve asked for.
-        bore_mm: diameter of the bore. the rest as of ``PlacedCurve``.
-    """
+    """What a drawing for CAD and CAM shows."""
 
     form: Annotated[
         Literal["spline", "arcs"],

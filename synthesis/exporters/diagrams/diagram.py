@@ -8,8 +8,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from synthesis.exporters.diagrams.plot import Labels, Plot
-from synthesis.exporters.diagrams.readings import EXACT, Bound, Trace, exceeds
+from synthesis.exporters.diagrams.plot import EXACT, Bound, Labels, Plot, Trace, exceeds
 from synthesis.exporters.drawing import canvas as svg
 from synthesis.numerics.piecewise import Array
 
@@ -152,7 +151,7 @@ def _title(frame: Frame, plot: Plot, labels: Labels) -> list[str]:
     for word, largest in plot.ends:  # on a plateau, its beginning
         value = curve.values.max() if largest else curve.values.min()
         first = np.argmax(np.isclose(curve.values, value, rtol=PLATEAU, atol=0.0))
-        told.append(f"{word} {labels.told(value)} at {svg.figure(curve.degrees[first], 5)}°")
+        told.append(f"{word} {labels.format(value)} at {svg.figure(curve.degrees[first], 5)}°")
     told += sorted({_limit_text(bound, labels) for bound in plot.limits})
     broken = any(exceeds(curve, bound).any() for bound in plot.limits)
     right, y = frame.left + frame.width, frame.top - 2.2
@@ -162,7 +161,7 @@ def _title(frame: Frame, plot: Plot, labels: Labels) -> list[str]:
 
 
 def _limit_text(bound: Bound, labels: Labels) -> str:
-    lower, upper = labels.told(bound.lower), labels.told(bound.upper)
+    lower, upper = labels.format(bound.lower), labels.format(bound.upper)
     if bound.lower == -bound.upper:
         return f"limit ±{upper}"
     if lower == upper:  # a window that asks for one value

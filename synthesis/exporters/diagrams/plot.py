@@ -1,17 +1,21 @@
-"""What one diagram over the cam angle shows, and the numbers at its axis."""
+"""One diagram over the cam angle: curve, limits of the spec, and the numbers at its axis."""
 
 from __future__ import annotations
 
 import math
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, replace
 
 import numpy as np
+from numpy.typing import NDArray
 
-from synthesis.exporters.diagrams.readings import Bound, Trace
+from synthesis.catalogue.limits import Claim
+from synthesis.design.design import Design
 from synthesis.exporters.drawing import canvas as svg
+from synthesis.exporters.samples.sampling import in_degrees
 from synthesis.numerics.piecewise import Array
 
+EXACT = 1e-9  # relative: a limit that is reached is not broken
 SUPERSCRIPTS = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
 CROWDED = 0.085  # of an axis: what lies between two numbers at least
 FEW = 3  # numbers at an axis, less is too few
@@ -20,17 +24,97 @@ ROUND = (1.0, 2.0, 5.0, 3.0)
 
 
 @dataclass(frozen=True)
+class Bound:
+    """A limit on part of the turn [deg], in the diagram's unit; ±∞ where there is none."""
+
+    start: float
+    end: float
+    lower: float
+    upper: float
+
+
+@dataclass(frozen=True, eq=False)
+class Trace:
+    """The quantity over the turn.
+
+    Attributes:
+        degrees, side: (n,) where, as in ``Rows``. values: (n,) in its unit.
+    """
+
+    degrees: Array
+    side: NDArray[np.int64]
+    values: Array
+
+    @classmethod
+    def infinite(cls, degrees: Array, sign: Array) -> Trace:
+        """Infinite values with these signs (n,)."""
+        side = np.zeros(len(degrees), dtype=np.int64)
+        return cls(degrees, side, np.inf * np.sign(sign))
+
+    def followed_by(self, other: Trace) -> Trace:
+        """This trace and then the other."""
+        return Trace(
+            np.append(self.degrees, other.degrees),
+            np.append(self.side, other.side),
+            np.append(self.values, other.values),
+        )
+
+
+def claimed(
+    design: Design,
+    wanted: Callable[[Claim], bool],
+    convert: Callable[[Claim, float], float | None] = lambda claim, value: claim.to_wire(value),
+) -> list[Bound]:
+    """The bounds of those claims of the spec's limits that are wanted.
+
+    ``convert``: a monotone map of a claim's values to the diagram's; bounds change places where it
+    falls. Neighbours with the same bounds are joined.
+    """
+    segments, machine = design.resolved_spec.placed_segments(), design.completed_spec.machine()
+    bounds: list[Bound] = []
+    for limit in design.completed_spec.all_limits():
+        for claim in filter(wanted, limit.claims(segments, machine)):
+            ends = [
+                None if end is None else convert(claim, end) for end in (claim.lower, claim.upper)
+            ]
+            if (convert(claim, 1.0) or 0.0) < (convert(claim, -1.0) or 0.0):
+                ends.reverse()
+            low, high = ends
+            low, high = -math.inf if low is None else low, math.inf if high is None else high
+            for segment in (segments[index] for index in claim.segments):
+                part = segment.start + segment.angle * np.array(claim.interval or (0.0, 1.0))
+                start, end = in_degrees(part).tolist()
+                bound = Bound(start, end, low, high)
+                last = bounds[-1] if bounds else None
+                if last and replace(last, start=last.end, end=bound.end) == bound:
+                    bound = replace(bound, start=bounds.pop().start)
+                bounds.append(bound)
+    return bounds
+
+
+def exceeds(trace: Trace, bound: Bound) -> NDArray[np.bool_]:
+    """Rows in which a bound is broken; at its ends only the limits from inside count."""
+    angle, side = trace.degrees, trace.side
+    inside = ((angle > bound.start) | ((angle == bound.start) & (side >= 0))) & (
+        (angle < bound.end) | ((angle == bound.end) & (side <= 0))
+    )
+    over = trace.values > bound.upper + EXACT * abs(bound.upper)
+    under = trace.values < bound.lower - EXACT * abs(bound.lower)
+    return np.asarray(inside & (over | under))
+
+
+@dataclass(frozen=True)
 class Labels:
-    """How values are told.
+    """How values are written.
 
     Attributes:
         ticks: values at the axis and their numbers. factor: stands before the unit.
-        told: a value as a number.
+        format: a value as a number.
     """
 
     ticks: Sequence[tuple[float, str]]
     factor: str
-    told: Callable[[float], str]
+    format: Callable[[float], str]
 
 
 def linear(low: float, high: float) -> Labels:
@@ -51,11 +135,11 @@ def radii(distance: float) -> Callable[[float, float], Labels]:
     cusp and negative again where it is undercut.
     """
 
-    def told(bend: float) -> str:
-        if bend == 0.0:
+    def radius(curvature: float) -> str:
+        if curvature == 0.0:
             return "∞"
-        radius = 1.0 / bend - distance
-        return svg.figure(0.0 if abs(radius) < ROUNDING * distance else radius)
+        value = 1.0 / curvature - distance
+        return svg.figure(0.0 if abs(value) < ROUNDING * distance else value)
 
     def labelled(low: float, high: float) -> Labels:
         wanted = [0.0, *([1.0 / distance] if distance > 0.0 else [])]
@@ -65,13 +149,13 @@ def radii(distance: float) -> Callable[[float, float], Labels]:
         wanted += [1.0 / (sign * r + distance) for r in sizes for sign in (1.0, -1.0)
                    if abs(sign * r + distance) > 1e-9 * r]  # fmt: skip
         taken: list[float] = []
-        for bend in wanted:
-            apart = min((abs(bend - other) for other in taken), default=math.inf)
-            if low <= bend <= high and apart >= CROWDED * (high - low):
-                taken.append(bend)
+        for value in wanted:
+            distant = min((abs(value - other) for other in taken), default=math.inf)
+            if low <= value <= high and distant >= CROWDED * (high - low):
+                taken.append(value)
         if len(taken) < FEW:  # all radii lie close to −D: far beyond a cusp
             taken = svg.ticks(low, high, 4)
-        return Labels([(bend, told(bend)) for bend in taken], "", told)
+        return Labels([(value, radius(value)) for value in taken], "", radius)
 
     return labelled
 
@@ -96,7 +180,7 @@ class Plot:
     limits: Sequence[Bound] = ()
     ends: Sequence[tuple[str, bool]] = (("max", True), ("min", False))
     labels: Callable[[float, float], Labels] = linear
-    bad: Sequence[float] = field(default=())
+    bad: Sequence[float] = ()
 
 
 NOWHERE = Trace(np.zeros(0), np.zeros(0, dtype=np.int64), np.zeros(0))

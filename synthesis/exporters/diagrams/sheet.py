@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 import numpy as np
 
@@ -22,51 +22,44 @@ STRIP = Frame(LEFT, HEADER, WIDTH - LEFT - RIGHT, BAND)
 DRAWN_PER_DEGREE = 2.0  # a sheet is not drawn more coarsely than this
 
 
-def sheet(design: Design, plots: Sequence[Plot], title: str, told: str, theme: Theme) -> bytes:
-    """The sheet of a design; ``title`` and ``told`` are for those who do not see it."""
-    above = heading(design, LEFT, WIDTH - RIGHT, 1.0)
-    moved = Moved(design.motion, design.spec.follower.travel.unit)
-    return stacked(moved, above, plots, (title, told), theme)
-
-
-@dataclass(frozen=True)
-class Moved:
-    """A motion as a sheet needs it: its segments, and the unit of their levels."""
-
-    motion: Sequence[SegmentMotion]
-    unit: str
+def sheet(design: Design, plots: Sequence[Plot], title: str, text: str, theme: Theme) -> bytes:
+    """The sheet of a design; ``title`` and ``text`` are for those who do not see it."""
+    above, unit = heading(design, LEFT, WIDTH - RIGHT, 1.0), design.spec.follower.travel.unit
+    return stacked(design.motion, unit, above, plots, (title, text), theme)
 
 
 def stacked(
-    moved: Moved, above: Sequence[str], plots: Sequence[Plot], told: tuple[str, str], theme: Theme
+    motion: Sequence[SegmentMotion],
+    unit: str,
+    above: Sequence[str],
+    plots: Sequence[Plot],
+    title_and_text: tuple[str, str],
+    theme: Theme,
 ) -> bytes:
-    """The same under a heading of ``above``; ``told``: title, and what it shows."""
-    motion = moved.motion
-    tops = [HEADER + BAND + GAP - 2.0 + k * (HEIGHT + GAP) for k in range(len(plots))]
-    bottom = tops[-1] + HEIGHT
-    body = [
-        *above,
-        *grounds(motion, STRIP),
-        *_band(moved),
-    ]
-    for top, plot in zip(tops, plots, strict=True):
+    """The same under a heading of ``above``; ``unit``: of the segments' levels."""
+    body = [*above, *grounds(motion, STRIP), *_band(motion, unit)]
+    frame = STRIP
+    for k, plot in enumerate(plots):
+        top = HEADER + BAND + GAP - 2.0 + k * (HEIGHT + GAP)
         frame = replace(STRIP, top=top, height=HEIGHT)
         body += [*grounds(motion, frame), *diagram(plot, frame)]
-    body += angle_axis(replace(STRIP, top=tops[-1], height=HEIGHT))
-    return svg.document(WIDTH, bottom + FOOTER, 1.0, *told, body, theme=theme)
+    body += angle_axis(frame)
+    height = frame.top + frame.height + FOOTER
+    return svg.document(WIDTH, height, 1.0, *title_and_text, body, theme=theme)
 
 
 def _x(degrees: float) -> float:
-    return LEFT + (WIDTH - LEFT - RIGHT) * degrees / 360.0
+    return float(STRIP.x(np.array(degrees)))
 
 
-def _segments(motion: Sequence[SegmentMotion]) -> list[SegmentMotion]:
+def moving_segments(motion: Sequence[SegmentMotion]) -> list[SegmentMotion]:
+    """Those that extend over some angle."""
     return [segment for segment in motion if segment.angle_deg > 0.0]
 
 
 def grounds(motion: Sequence[SegmentMotion], frame: Frame) -> list[str]:
     """A ground for what is drawn over the cam angle: dwells shaded, borders of segments drawn."""
-    segments, low = _segments(motion), frame.top + frame.height
+    segments, low = moving_segments(motion), frame.top + frame.height
     starts = frame.x(np.array([segment.start_deg for segment in segments] + [360.0])).tolist()
     body = [
         svg.box("rest", a, frame.top, b - a, frame.height)
@@ -76,20 +69,22 @@ def grounds(motion: Sequence[SegmentMotion], frame: Frame) -> list[str]:
     return body + [svg.line("border", x, frame.top, x, low) for x in starts]
 
 
-def _band(moved: Moved) -> list[str]:
+def _band(motion: Sequence[SegmentMotion], unit: str) -> list[str]:
     """The strip of segments: what each does and how, as far as there is room."""
     body = [svg.line("border", LEFT, y, WIDTH - RIGHT, y) for y in (HEADER, HEADER + BAND)]
-    segments, unit = _segments(moved.motion), moved.unit
+    segments = moving_segments(motion)
     for segment in segments:
         width = _x(segment.angle_deg) - LEFT
         middle = _x(segment.start_deg) + 0.5 * width
-        told = svg.fitting(_names(segment, unit), width - 1.0, svg.LABEL)
-        if told:
-            body.append(svg.text("label", middle, HEADER + 4.0, told, "middle"))
-        manner = _manner(segment, unit)
-        told = svg.shortened(manner, width - 1.0, svg.TICK)
-        if len(told) > SHORT or told == manner:
-            body.append(svg.text("tick", middle, HEADER + 7.8, told, "middle"))
+        name = svg.fitting(_names(segment, unit), width - 1.0, svg.LABEL)
+        if name:
+            body.append(svg.text("label", middle, HEADER + 4.0, name, "middle"))
+        law = segment.law.replace("_", " ")
+        if segment.kind == "dwell":  # lifts leave residues
+            law = f"at {svg.measured(round(segment.levels[0], 9), unit)}"
+        text = svg.shortened(law, width - 1.0, svg.TICK)
+        if len(text) > SHORT or text == law:
+            body.append(svg.text("tick", middle, HEADER + 7.8, text, "middle"))
     return body + _border_angles([s.start_deg for s in segments] + [360.0])
 
 
@@ -115,13 +110,6 @@ def _names(segment: SegmentMotion, unit: str) -> list[str]:
     start, end = segment.levels
     lift = svg.measured(abs(end - start), unit)
     return [f"{segment.kind} {lift} in {angle}", f"{segment.kind} {lift}", segment.kind]
-
-
-def _manner(segment: SegmentMotion, unit: str) -> str:
-    """How it does it."""
-    if segment.kind == "dwell":
-        return f"at {svg.measured(round(segment.levels[0], 9), unit)}"  # lifts leave residues
-    return segment.law.replace("_", " ")
 
 
 def angle_axis(frame: Frame, every: int = 30, name: str = "Cam angle") -> list[str]:

@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 
 from synthesis.exporters.diagrams.plot import Labels, linear
 from synthesis.exporters.drawing import canvas as svg
-from synthesis.exporters.drawing.heading import BOLD
+from synthesis.exporters.drawing.heading import two_lines
 from synthesis.exporters.drawing.theme import Theme
 from synthesis.numerics.piecewise import Array
 
@@ -88,16 +88,12 @@ def trade_off(found: TradeOff, theme: Theme = "auto") -> bytes:
 def _heading(found: TradeOff, width: float) -> list[str]:
     """Name, and how many items are shown and not shown."""
     shown = f"{len(found.numbers)} certified designs, {len(found.front)} of them on the front"
+    body = two_lines(found.name.strip() or "Sweep", shown, 8.0, width - 8.0, 1.0)
     hidden = [f"{count} {why}" for why, count in found.left_out.items() if count]
-    told = [shown, *([f"not shown: {', '.join(hidden)}"] if hidden else [])]
-    room, name = width - 16.0, found.name.strip() or "Sweep"
-    return [
-        svg.text("title", 8.0, 8.0, svg.shortened(name, room, BOLD * svg.TITLE)),
-        *(
-            svg.text("quiet", 8.0, 13.0 + 4.4 * k, svg.shortened(line, room, svg.LABEL))
-            for k, line in enumerate(told)
-        ),
-    ]
+    if hidden:
+        text = svg.shortened(f"not shown: {', '.join(hidden)}", width - 16.0, svg.LABEL)
+        body.append(svg.text("quiet", 8.0, 17.4, text))
+    return body
 
 
 @dataclass(frozen=True)

@@ -21,11 +21,7 @@ Colours = Annotated[
 
 @dataclass(frozen=True)
 class PictureOptions(Options):
-    """How a picture or a page looks.
-
-    Attributes:
-        theme: its colours.
-    """
+    """How a picture or a page looks."""
 
     theme: Colours = "auto"
 
@@ -39,12 +35,7 @@ PixelWidth = Annotated[int, Field(ge=200, le=6000, description="Width of the pic
 
 @dataclass(frozen=True)
 class PixelOptions(Options):
-    """How a picture of pixels looks.
-
-    Attributes:
-        theme: its colours; pixels know no screen, so that ``auto`` is not among them.
-        width_px: of the picture; its height follows.
-    """
+    """How a picture of pixels looks; its height follows from its width."""
 
     theme: PixelColours = "light"
     width_px: PixelWidth = 1600
@@ -52,21 +43,13 @@ class PixelOptions(Options):
 
 @dataclass(frozen=True)
 class CamDrawingOptions(ProfileOptions):
-    """How finely the drawing of a cam is drawn, and how it looks.
-
-    Attributes:
-        theme: its colours. the rest as of ``ProfileOptions``.
-    """
+    """How finely the drawing of a cam is drawn, and how it looks."""
 
     theme: Colours = "auto"
 
 
 @dataclass(frozen=True)
 class DiagramOptions(MotionOptions):
-    """How finely diagrams of the motion are drawn, and how they look.
-
-    Attributes:
-        theme: their colours. the rest as of ``MotionOptions``.
-    """
+    """How finely diagrams of the motion are drawn, and how they look."""
 
     theme: Colours = "auto"

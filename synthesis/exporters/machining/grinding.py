@@ -35,13 +35,7 @@ EXACT = 12  # of the path, before it is turned into pairs
 
 @dataclass(frozen=True)
 class GrindingOptions(PointOptions):
-    """As ``PointOptions``, and how the wheel runs.
-
-    Attributes:
-        curve: the path of the wheel's centre: with cutter_diameter_mm, or as large as the roller.
-        feed_mm_per_min: of the contact along the profile.
-        x_is_diameter: whether X is twice the distance. line_numbers: whether blocks are numbered.
-    """
+    """As ``PointOptions``, and how the wheel runs."""
 
     curve: Annotated[
         CurveName,

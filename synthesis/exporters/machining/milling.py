@@ -40,15 +40,7 @@ ROOM = 1e-3  # what a lead may seem to cut, as both are taken at places [mm]
 
 @dataclass(frozen=True)
 class MillingOptions(PointOptions):
-    """As ``PointOptions``, and how the cutter runs.
-
-    Attributes:
-        feed_mm_per_min: of the contact along the profile. feed_mode: how it is written.
-        lead_mm: radius of the arcs by which the cutter comes and goes; 0: none.
-        safe_z_mm: height of rapid moves, above z_mm; None: no moves in Z at all.
-        z_mm: height of the cut; None: 0.
-        line_numbers: whether blocks are numbered.
-    """
+    """As ``PointOptions``, and how the cutter runs; ``z_mm``: height of the cut, None: 0."""
 
     decimals: MachineDecimals = 4
     feed_mm_per_min: Feed = 200.0

@@ -15,15 +15,7 @@ Length = Annotated[float | None, Field(gt=0.0, le=1e6)]
 
 @dataclass(frozen=True, kw_only=True)
 class SolidOptions(Options):
-    """The cam as a body.
-
-    Attributes:
-        curve: which cam of a conjugate pair. thickness_mm: of the plate, ring or disc.
-        tolerance_um: largest distance of its flanks from the true curve [µm].
-        bore_mm, keyway, keyway_width_mm, keyway_depth_mm, keyway_deg: what the shaft needs.
-        hub_diameter_mm, hub_length_mm: a hub on its back. groove_depth_mm: of a grooved disc.
-        outer_diameter_mm: of a ring or disc. turn_deg, z_mm: its place; z of its back.
-    """
+    """The cam as a body; ``z_mm``: of its back."""
 
     curve: Annotated[
         Literal["profile", "main", "counter"],

@@ -90,11 +90,7 @@ def _compact(body: dict[str, Any]) -> bytes:
 
 @dataclass(frozen=True)
 class JsonOptions(CurveOptions):
-    """As ``ProfileOptions``, and what else stands in the file.
-
-    Attributes:
-        fidelity: whether it is said what readers make of the curve's points.
-    """
+    """As ``ProfileOptions``, and what else stands in the file."""
 
     fidelity: Annotated[
         bool,

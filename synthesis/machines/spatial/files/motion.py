@@ -4,9 +4,8 @@ from __future__ import annotations
 
 from dataclasses import asdict
 
-from synthesis.exporters.diagrams.motion import motion_plot
-from synthesis.exporters.diagrams.readings import QUANTITIES
-from synthesis.exporters.diagrams.sheet import DRAWN_PER_DEGREE, LEFT, RIGHT, WIDTH, Moved, stacked
+from synthesis.exporters.diagrams.motion import motion_sheet
+from synthesis.exporters.diagrams.sheet import LEFT, RIGHT, WIDTH
 from synthesis.exporters.drawing.picture_options import DiagramOptions
 from synthesis.exporters.exporter import FileFormat
 from synthesis.exporters.options import MotionOptions
@@ -38,16 +37,9 @@ def _json(design: SpatialDesign, options: MotionOptions) -> bytes:
 
 
 def _svg(design: SpatialDesign, options: DiagramOptions) -> bytes:
-    turn = _turn(design)
-    drawn = MotionOptions(max(options.count / 360.0, DRAWN_PER_DEGREE))
-    plots = [motion_plot(turn, quantity, drawn, ()) for quantity in QUANTITIES]
-    title_and_text = (
-        f"Motion of {design.name or design.id}",
-        "Displacement, velocity, acceleration and jerk of the follower over the cam angle.",
-    )
-    moved = Moved(design.motion, turn.travel.unit)
     heading = above(design, LEFT, WIDTH - RIGHT, 1.0)
-    return stacked(moved, heading, plots, title_and_text, options.theme)
+    name = design.name or design.id
+    return motion_sheet(_turn(design), name, design.motion, heading, options)
 
 
 PURPOSE = "The follower's displacement, velocity, acceleration and jerk over the cam angle."
