@@ -16,7 +16,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import Any, Final
 
 import numpy as np
@@ -24,7 +24,6 @@ import numpy as np
 from synthesis.catalogue.ranges import ends
 from synthesis.machines.linkages.shaper.mechanism import Narrowing, Shaper, identity
 from synthesis.machines.linkages.shaper.spec import ShaperSpec
-from synthesis.numerics.affine import Affine
 from synthesis.numerics.piecewise import Array
 from synthesis.units import DEGREE, FULL_TURN
 
@@ -95,8 +94,8 @@ class DesignSpace:
     steep: float
 
     @classmethod
-    def of(cls, spec: ShaperSpec, steep: float | None = None) -> DesignSpace:
-        """Of a spec; ``steep``: in place of its least transmission angle."""
+    def of(cls, spec: ShaperSpec) -> DesignSpace:
+        """Of a spec with a stroke and a quick-return ratio."""
         lengths, stroke = spec.length_ranges(), ends(spec.stroke_mm)
         (r, R), (a, A), (guide, GUIDE) = (
             lengths[name] for name in ("crank_mm", "pivot_distance_mm", "guide_mm")
@@ -107,9 +106,9 @@ class DesignSpace:
             "crank_mm": (r / A, R / a),
             "stroke_mm": (stroke[0] / (2.0 * GUIDE), stroke[1] / (2.0 * guide)),
         }
-        asked = spec.least_transmission_angle_deg
-        most = 1.0 - CLEAR if asked is None else math.cos(asked * DEGREE)
-        return cls(sines, lengths, stroke, most if steep is None else steep)
+        least = spec.least_transmission_angle_deg
+        steep = 1.0 - CLEAR if least is None else math.cos(least * DEGREE)
+        return cls(sines, lengths, stroke, steep)
 
     def span(self, *without: str) -> Span:
         """Range of s with some fields left aside; empty where the lower end is above the upper."""
@@ -120,11 +119,7 @@ class DesignSpace:
             low = high
         return low, high
 
-    def bounded(self, u: list[Affine]) -> ShaperBatch:
-        """Affine models of the shapers on sub-boxes of the unit box."""
-        return replace(self.at(list(u)), known=lambda sine: sine.restrict(-self.steep, self.steep))
-
-    def at(self, u: list[Value]) -> ShaperBatch:
+    def at(self, u: Sequence[Value]) -> ShaperBatch:
         """The shapers at points of the unit box: five coordinates, (n,) or models."""
         k = self.steep
         (r, R), (guide, GUIDE), (c, C), (a, A), (H0, H1) = (

@@ -49,60 +49,56 @@ class SearchResult:
     Attributes:
         u: the point, (5,); None: none was found. value: of the objective there.
         bound: no feasible shaper has a smaller value; inf: there is no feasible shaper.
-        boxes: number of boxes bounded.
     """
 
     u: Array | None
     value: float
     bound: float
-    boxes: int
 
 
 def global_minimum(
-    family: DesignSpace, goal: ShaperObjective, tolerance: float, deadline: float | None
+    space: DesignSpace, objective: ShaperObjective, tolerance: float, deadline: float | None
 ) -> SearchResult:
-    """The best shaper, to a relative gap where time allows."""
-    low, high = family.span()
+    """The best shaper, to a relative gap where time allows (``deadline``: ``time.monotonic()``)."""
+    low, high = space.span()
     if low > high:
-        return SearchResult(None, np.inf, np.inf, 0)
+        return SearchResult(None, np.inf, np.inf)
     with np.errstate(all="ignore"):
-        found = _branch_and_bound(family, goal, _descend(family, goal), tolerance, deadline)
-        return found if found.u is None else replace(found, u=_simplify(family, goal, found.u))
+        found = _branch_and_bound(space, objective, _descend(space, objective), tolerance, deadline)
+        if found.u is None:
+            return found
+        # Preferred coordinates wherever they do not cost anything.
+        u, value = found.u, _values(space, objective, found.u[None])[0]
+        for k, preferred in PREFERRED:
+            other = u.copy()
+            other[k] = preferred
+            if _values(space, objective, other[None])[0] <= value * (1.0 + EXACT):
+                u = other
+        return replace(found, u=u)
 
 
-def _simplify(family: DesignSpace, goal: ShaperObjective, u: Array) -> Array:
-    """The point with preferred coordinates wherever they do not cost anything."""
-    value = _values(family, goal, u[None])[0]
-    for k, preferred in PREFERRED:
-        other = u.copy()
-        other[k] = preferred
-        if _values(family, goal, other[None])[0] <= value * (1.0 + EXACT):
-            u = other
-    return u
-
-
-def _values(family: DesignSpace, goal: ShaperObjective, u: Array) -> Array:
+def _values(space: DesignSpace, objective: ShaperObjective, u: Array) -> Array:
     """The objective at points (n, 5); inf where the coupler is too short."""
-    one = family.at(list(u.T))
-    values = goal.values(one)
+    one = space.at(list(u.T))
+    values = objective.values(one)
     possible = (one.short <= EXACT * np.abs(one.coupler)) & np.isfinite(values)
     return np.asarray(np.where(possible, values, np.inf))
 
 
-def _descend(family: DesignSpace, goal: ShaperObjective) -> BundlePoint | None:
+def _descend(space: DesignSpace, objective: ShaperObjective) -> BundlePoint | None:
     """The best of some random points, improved by a bundle method (``numerics.bundle_method``)."""
     rng = np.random.default_rng(3)
     u = np.vstack(
         [rng.random((SAMPLES_OF_BOX, SIZE)), rng.integers(0, 2, (SAMPLES_OF_BOX // 8, SIZE))]
     )
-    values = np.concatenate([_values(family, goal, part) for part in np.array_split(u, 32)])
+    values = np.concatenate([_values(space, objective, part) for part in np.array_split(u, 32)])
     order = np.argsort(values)[:STARTS]
     starts = [BundlePoint(u[k], float(values[k])) for k in order if np.isfinite(values[k])]
     if not starts:
         return None
 
     def function(at: Array) -> float | None:
-        value = float(_values(family, goal, np.clip(at, 0.0, 1.0)[None])[0])
+        value = float(_values(space, objective, np.clip(at, 0.0, 1.0)[None])[0])
         return value if np.isfinite(value) else None
 
     box = Polytope(np.zeros((0, SIZE)), np.zeros(0))
@@ -112,18 +108,18 @@ def _descend(family: DesignSpace, goal: ShaperObjective) -> BundlePoint | None:
 
 
 def _branch_and_bound(
-    family: DesignSpace,
-    goal: ShaperObjective,
+    space: DesignSpace,
+    objective: ShaperObjective,
     found: BundlePoint | None,
     tolerance: float,
     deadline: float | None,
 ) -> SearchResult:
     """The bound, and better points at the middles of boxes."""
     u, value = (None, np.inf) if found is None else (found.u, found.value)
-    phi = _angles(goal, family, u)
+    phi = _angles(objective, space, u)
+    # Lower and upper corners of open boxes, and their bounds so far; least bound of pruned boxes.
     waiting = (np.zeros((1, SIZE)), np.ones((1, SIZE)), np.array([-np.inf]))
     left_out, seen = np.inf, 0
-    # waiting: lower and upper corners of open boxes, and their bounds so far.
     while (
         len(waiting[0]) and seen < MAX_BOXES and (deadline is None or time.monotonic() < deadline)
     ):
@@ -132,11 +128,11 @@ def _branch_and_bound(
         rest = np.setdiff1d(np.arange(len(waiting[2])), order)
         lo, hi = waiting[0][order], waiting[1][order]
         seen += len(lo)
-        lower, split = _bounds(family, goal, lo, hi, phi)
+        lower, split = _bounds(space, objective, lo, hi, phi)
         lower = np.maximum(lower, waiting[2][order])
         # Incumbent: the middles of the most promising boxes.
         middle = 0.5 * (lo + hi)[np.argsort(lower)[:MIDDLES]]
-        values = _values(family, goal, middle)
+        values = _values(space, objective, middle)
         if values.min() < value:
             u, value = middle[values.argmin()], float(values.min())
         # Prune boxes that cannot improve the incumbent by more than the tolerance; their bound
@@ -147,27 +143,29 @@ def _branch_and_bound(
         halves = _bisect(lo[~done], hi[~done], split[~done], lower[~done])
         waiting = tuple(np.concatenate([a[rest], b]) for a, b in zip(waiting, halves, strict=True))  # type: ignore[assignment]
     bound = min(left_out, float(np.min(waiting[2], initial=np.inf)))
-    return SearchResult(u, value, bound, seen)
+    return SearchResult(u, value, bound)
 
 
-def _angles(goal: ShaperObjective, family: DesignSpace, u: Array | None) -> list[float]:
+def _angles(objective: ShaperObjective, space: DesignSpace, u: Array | None) -> list[float]:
     """Crank angles for the bound: evenly over the turn, more where the best point has peaks."""
-    if not goal.angles:
+    if not objective.angles:
         return []
     phi = FULL_TURN * np.arange(SAMPLES) / SAMPLES
     if u is not None:
-        over = goal.over_turn(family.at([np.array([x]) for x in u]))[:, 0]
+        over = objective.over_turn(space.at([np.array([x]) for x in u]))[:, 0]
         for part in over:
             phi = np.append(phi, DENSE[np.argmax(part)] + 0.05 * np.arange(-3, 4))
     return [float(each) for each in phi]
 
 
 def _bounds(
-    family: DesignSpace, goal: ShaperObjective, lo: Array, hi: Array, phi: list[float]
+    space: DesignSpace, objective: ShaperObjective, lo: Array, hi: Array, phi: list[float]
 ) -> tuple[Array, Array]:
     """A lower bound on every box, inf where nothing is feasible, and the coordinate to split."""
-    one = family.bounded(Affine.variables(lo, hi))
-    parts = goal.lower_bounds(one, phi or [0.0], family.lengths["ram_line_mm"])
+    # Affine models of the shapers on the boxes; |sin γ| ≤ k narrows them.
+    k = space.steep
+    one = replace(space.at(Affine.variables(lo, hi)), known=lambda sine: sine.restrict(-k, k))
+    parts = objective.lower_bounds(one, phi or [0.0], space.lengths["ram_line_mm"])
     lows = np.stack([part.lower for part in parts])
     lows = np.where(np.isfinite(lows), lows, -np.inf)
     which = np.argmax(lows, axis=0)
