@@ -131,11 +131,11 @@ class _Simulation:
             cam angle, (y, y') and z there, whether contact changed, and the largest gap (in flight)
             or contact force.
         """
-        n, event = self.chain.count, self._gap if flying else self._force
+        n, event = self.chain.count, _gap if flying else self._force
         begin = np.append(state, z) if flying else state
 
         def crossing(theta: float, x: Array) -> float:
-            return event(x)
+            return float(event(x))
 
         crossing.terminal = True  # type: ignore[attr-defined]
         crossing.direction = -1.0  # type: ignore[attr-defined]
@@ -147,15 +147,14 @@ class _Simulation:
         )  # fmt: skip
         at, last = float(found.t[-1]), found.y[:, -1]
         between = np.linspace(found.t[:-1], found.t[1:], SAMPLES, axis=1).ravel()
-        peak = max(event(x) for x in found.sol(between).T)
+        peak = float(np.max(event(found.sol(between))))
         return at, last[: 2 * n], float(last[2 * n] if flying else last[0]), found.status == 1, peak
 
-    def _force(self, x: Array) -> float:
-        chain, n = self.chain, self.chain.count
-        return float(chain.preload - chain.springs[0] * x[0] - chain.dampers[0] * x[n])
-
-    def _gap(self, x: Array) -> float:
-        return float(x[0] - x[-1])
+    def _force(self, x: Array) -> Array:
+        """Contact force of states (2n,) or (2n, k)."""
+        chain = self.chain
+        link = chain.springs[0] * x[0] + chain.dampers[0] * x[chain.count]
+        return np.asarray(chain.preload - link)
 
     def _rates(self, flying: bool) -> Callable[[float, Array], Array]:
         """d/dθ of the state."""
@@ -177,6 +176,11 @@ class _Simulation:
             return found / omega
 
         return rate
+
+
+def _gap(x: Array) -> Array:
+    """y_1 − z of states (2n + 1,) or (2n + 1, k) in flight."""
+    return np.asarray(x[0] - x[-1])
 
 
 def _evaluator(curve: Piecewise) -> Callable[[float], tuple[float, float, float]]:

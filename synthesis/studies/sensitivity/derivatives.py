@@ -12,7 +12,7 @@ from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from functools import partial
 from math import inf
-from typing import Any
+from typing import Any, TypeVar
 
 from pydantic import ValidationError
 
@@ -30,6 +30,7 @@ DEMANDS = ("windows", "points")  # of a segment
 PLACES = ("from_deg", "to_deg", "angle_deg")  # of these: knots of a law, which are fixed
 
 Path = tuple[str | int, ...]
+T = TypeVar("T")
 
 
 @dataclass(frozen=True)
@@ -74,85 +75,55 @@ class Derivatives:
 
 def differentiate(design: PerturbedDesign, number: Number, deadline: float) -> Derivatives | None:
     """Both derivatives; None where the two methods disagree, or neither side has a cam."""
-    tangent = _by_multipliers(design, number)
-    if tangent is None:
+
+    def on_both_sides(step: float, function: Callable[[DesignSpec], T]) -> list[T | None]:
+        specs = (number.at(number.value + move) for move in (step, -step))
+        return [None if spec is None else function(spec) for spec in specs]
+
+    def negligible(derivative: float) -> bool:
+        return abs(derivative) * max(abs(number.value), 1.0) <= NEGLIGIBLE * abs(design.value)
+
+    def without_rounding(*sides: float | None) -> Derivatives:
+        return Derivatives(
+            *(0.0 if side is not None and negligible(side) else side for side in sides)
+        )
+
+    # Multipliers: first-order estimates a little to both sides, or to the one side that exists.
+    step = TANGENT_STEP * number.size
+    above, below = on_both_sides(step, design.estimate)
+    if above is None and below is None:
         return None
+    above, width = (design.value, step) if above is None else (above, 2.0 * step)
+    below, width = (design.value, step) if below is None else (below, width)
+    tangent = (above - below) / width
     # A number that the optimum does not feel, on either side, needs no solving.
-    if _negligible(design, number, tangent) and _remains_optimal(design, number):
+    if negligible(tangent) and False not in on_both_sides(
+        STEPS[0] * number.size, design.remains_optimal
+    ):
         return Derivatives(0.0, 0.0)
     for share in STEPS:
+        # Finite differences, by solving the problem again on both sides.
         step = share * number.size
         noise = 2.0 * design.noise * abs(design.value) / step
-        differences = _by_differences(design, number, step, deadline)
+        values = on_both_sides(step, partial(design.solve, deadline=deadline))
+        differences = Derivatives(
+            *(None if value is None else (value - design.value) / move
+              for value, move in zip(values, (step, -step), strict=True))
+        )  # fmt: skip
+        sides = differences.sides
         # Smooth: both sides agree with the multipliers, which are the more accurate.
-        if differences.sides and all(_agree(tangent, each, noise) for each in differences.sides):
-            more, less = (
-                None if side is None else tangent for side in (differences.more, differences.less)
-            )
-            return _without_rounding(design, number, Derivatives(more, less))
-    if not differences.sides:
+        if sides and all(
+            abs(tangent - each) <= AGREEMENT * max(abs(tangent), abs(each)) + noise
+            for each in sides
+        ):
+            return without_rounding(*(None if value is None else tangent for value in values))
+    if not sides:
         return None
     # A kink: the multipliers must lie between the one-sided derivatives.
-    least, most = min(differences.sides), max(differences.sides)
-    allowed = AGREEMENT * max(abs(least), abs(most)) + noise
-    if len(differences.sides) == 2 and not least - allowed <= tangent <= most + allowed:
+    allowed = AGREEMENT * differences.steepest + noise
+    if len(sides) == 2 and not min(sides) - allowed <= tangent <= max(sides) + allowed:
         return None
-    return _without_rounding(design, number, differences)
-
-
-def _by_multipliers(design: PerturbedDesign, number: Number) -> float | None:
-    """By first-order estimates a little to both sides, or to the one side that exists."""
-    step, values, places = TANGENT_STEP * number.size, [], []
-    for move in (step, -step):
-        spec = number.at(number.value + move)
-        value = None if spec is None else design.estimate(spec)
-        if value is not None:
-            values.append(value)
-            places.append(move)
-    if len(values) == 1:
-        values.append(design.value)
-        places.append(0.0)
-    return (values[0] - values[1]) / (places[0] - places[1]) if values else None
-
-
-def _by_differences(
-    design: PerturbedDesign, number: Number, step: float, deadline: float
-) -> Derivatives:
-    """By solving the problem again on both sides."""
-    sides: list[float | None] = []
-    for move in (step, -step):
-        spec = number.at(number.value + move)
-        value = None if spec is None else design.solve(spec, deadline)
-        sides.append(None if value is None else (value - design.value) / move)
-    return Derivatives(*sides)
-
-
-def _remains_optimal(design: PerturbedDesign, number: Number) -> bool:
-    """Whether the optimum keeps the limits on both sides, where these make sense."""
-    step = STEPS[0] * number.size
-    moved = [number.at(number.value + move) for move in (step, -step)]
-    return all(spec is None or design.remains_optimal(spec) for spec in moved)
-
-
-def _agree(one: float, other: float, noise: float) -> bool:
-    return abs(one - other) <= AGREEMENT * max(abs(one), abs(other)) + noise
-
-
-def _negligible(design: PerturbedDesign, number: Number, derivative: float) -> bool:
-    return abs(derivative) * max(abs(number.value), 1.0) <= NEGLIGIBLE * abs(design.value)
-
-
-def _without_rounding(
-    design: PerturbedDesign, number: Number, derivatives: Derivatives
-) -> Derivatives:
-    """With 0 for negligible derivatives."""
-
-    def each(derivative: float | None) -> float | None:
-        if derivative is None:
-            return None
-        return 0.0 if _negligible(design, number, derivative) else float(derivative)
-
-    return Derivatives(each(derivatives.more), each(derivatives.less))
+    return without_rounding(differences.more, differences.less)
 
 
 def chosen_numbers(design: Design) -> Iterator[Number]:
