@@ -82,21 +82,19 @@ class Blank:
                 "Reduce the clearance.",
             )  # fmt: skip
         depth = spaced(top, root, depths)
-        low, high = (np.full(depths, end) for end in _width_range(cuts))
-        width = options.width_mm
+        # Where no width is given the blank reaches as far as the rollers mesh, or a little farther.
+        roller, width = cuts.cam.swept.roller, options.width_mm
+        across = cuts.to_chart(cuts.axes(roller.middle))[2]
+        room = 0.0 if np.isfinite(cuts.mesh[0]) else END_MARGIN * roller.radius
+        low, high = (np.full(depths, end) for end in (np.min(across) - room, np.max(across) + room))
         faces = cuts.cam.faces if width is None else (-0.5 * width, 0.5 * width)
         if np.all(np.isfinite(faces)):
             low = np.maximum(low, cuts.chart.across_at_height(depth, faces[0]))
             high = np.minimum(high, cuts.chart.across_at_height(depth, faces[1]))
         blank = cls(cuts.chart, depth, low, high, 0.5 * (options.bore_mm or 0.0))
-        blank._check(options)
-        return blank
-
-    def _check(self, options: BlankOptions) -> None:
-        across = np.linspace(self.low[-1], self.high[-1], 181)
-        thin = float(np.min(self.chart.meridian(self.depth[-1:], across)[0]))
-        if thin > self.bore:
-            return
+        thin = float(
+            np.min(cuts.chart.meridian(depth[-1:], np.linspace(low[-1], high[-1], 181))[0])
+        )
         if thin <= 0.0:
             raise InputError(
                 "/end_clearance_mm", options.end_clearance_mm,
@@ -104,11 +102,13 @@ class Blank:
                 "rollers and this centre distance nothing is left of the body.",
                 "Reduce the clearance, increase the centre distance, or use shorter rollers.",
             )  # fmt: skip
-        raise InputError(
-            "/bore_mm", options.bore_mm,
-            f"The grooves' floor is {thin:.6g} mm from the cam's axis.",
-            f"Choose a diameter below {2.0 * thin:.6g} mm.",
-        )  # fmt: skip
+        if thin <= blank.bore:
+            raise InputError(
+                "/bore_mm", options.bore_mm,
+                f"The grooves' floor is {thin:.6g} mm from the cam's axis.",
+                f"Choose a diameter below {2.0 * thin:.6g} mm.",
+            )  # fmt: skip
+        return blank
 
     @property
     def heights(self) -> tuple[float, float]:
@@ -131,10 +131,3 @@ def _depth_range(cuts: GrooveSections) -> tuple[float, float]:
         rim = axis + radius * (np.cos(RIM_ANGLES) * one + np.sin(RIM_ANGLES) * cross(u, one))
         deepest += [np.max(cuts.to_chart(axis)[1]), np.max(cuts.to_chart(rim)[1])]
     return float(min(cuts.chart.depth_of_place(ends))), float(max(deepest))
-
-
-def _width_range(cuts: GrooveSections) -> tuple[float, float]:
-    """Places across of the blank's ends where no width is given."""
-    across = cuts.to_chart(cuts.axes(cuts.cam.swept.roller.middle))[2]
-    room = 0.0 if np.isfinite(cuts.mesh[0]) else END_MARGIN * cuts.cam.swept.roller.radius
-    return float(np.min(across)) - room, float(np.max(across)) + room

@@ -7,7 +7,7 @@ end faces.
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from itertools import pairwise
@@ -139,20 +139,16 @@ class SpatialCam:
 
 def build_cam(spec: SpatialCamSpec, sizes: Mapping[str, float], motion: Motion) -> SpatialCam:
     """The cam with these dimensions [mm] and this motion."""
-    machine = spec.machine
-    swept, mesh, faces = (
-        machine.swept_roller(sizes, spec.rotation_sign),
-        machine.mesh_range(sizes),
-        machine.end_faces(),
-    )
+    machine, faces = spec.machine, spec.machine.end_faces()
+    swept, mesh = machine.swept_roller(sizes, spec.rotation_sign), machine.mesh_range(sizes)
     walls = []
     for seat in machine.seats():
         met = mesh_intervals(motion, seat, mesh, machine.period)
         for side in seat.sides if met else ():
-            parts = (
-                intervals_between_faces(swept, motion, seat, side, span, faces) for span in met
-            )
-            spans = tuple(part for each in parts for part in each)
+            spans = tuple(
+                part for span in met
+                for part in intervals_between_faces(swept, motion, seat, side, span, faces)
+            )  # fmt: skip
             if spans:
                 walls.append(Wall(seat, side, spans))
     return SpatialCam(swept, motion, tuple(walls), sizes, faces, machine.period)
@@ -165,18 +161,24 @@ def mesh_intervals(motion: Motion, seat: Seat, mesh: Span, period: float) -> tup
         mesh: range of q in mesh [rad or mm]. period: of q, after which a roller is back at its
             place; may be infinite.
     """
-    joints = [0.0, *(segment.end for segment in motion.segments)]
     places = seat.start + motion.curve(np.linspace(0.0, FULL_TURN, SAMPLES * motion.curve.count))
-    around = _periods(float(places.min()), float(places.max()), mesh, period)
-    levels = [q - seat.start + shift for q in mesh for shift in around]
-    marks = sorted({*joints, *(t for level in levels for t in _level_crossings(motion, level))})
+    around = [0.0]
+    if math.isfinite(period):  # the periods by which the mesh may be met between these places
+        first = math.floor((float(places.min()) - mesh[1]) / period)
+        last = math.ceil((float(places.max()) - mesh[0]) / period)
+        around = [period * k for k in range(first, last + 1)]
 
-    def within(middles: Array) -> Inside:
-        q = seat.start + motion.derivatives(middles, 0)[0]
+    def within(theta: Array) -> Inside:
+        q = seat.start + motion.derivatives(theta, 0)[0]
         rounds = np.array(around)[:, None]
         return np.asarray(((q > mesh[0] + rounds) & (q < mesh[1] + rounds)).any(axis=0))
 
-    return _merge_intervals(marks, within)
+    def crossing(level: float) -> Callable[[Array], Array]:
+        return lambda theta: motion.curve(theta) - level
+
+    ends = [0.0, *(segment.end for segment in motion.segments)]
+    levels = [crossing(q - seat.start + shift) for q in mesh for shift in around]
+    return _intervals(ends, motion.curve.breaks.tolist(), levels, within)
 
 
 def intervals_between_faces(
@@ -199,47 +201,34 @@ def intervals_between_faces(
         return np.asarray(np.maximum(faces[0] - along, along - faces[1]).min(axis=1))
 
     inner = [float(b) for b in motion.curve.breaks if span[0] < b < span[1]]
-    marks = [span[0], *inner, span[1]]
-    samples = np.unique(np.concatenate([np.linspace(a, b, SAMPLES) for a, b in pairwise(marks)]))
-    crossings = _crossings(lambda t: float(beyond(np.array([t]))[0]), samples, beyond(samples))
-    return _merge_intervals(
-        sorted({span[0], *crossings, span[1]}), lambda t: np.asarray(beyond(t) < 0.0)
-    )
+    return _intervals(span, [span[0], *inner, span[1]], [beyond], lambda t: beyond(t) < 0.0)
 
 
-def _merge_intervals(marks: Sequence[float], within: Callable[[Array], Inside]) -> tuple[Span, ...]:
-    """Intervals between marks whose middles are within, merged where they meet."""
-    inside = within(np.array([0.5 * (a + b) for a, b in pairwise(marks)]))
+def _intervals(
+    ends: Sequence[float],
+    breaks: Sequence[float],
+    functions: Sequence[Callable[[Array], Array]],
+    within: Callable[[Array], Inside],
+) -> tuple[Span, ...]:
+    """Intervals between ends and roots of functions, merged where they meet.
+
+    Args:
+        breaks: between which the functions are sampled; tangent roots may be missed.
+        within: whether an interval counts, by its middle.
+    """
+    samples = np.unique(np.concatenate([np.linspace(a, b, SAMPLES) for a, b in pairwise(breaks)]))
+    found = set(ends)
+    for of in functions:
+        above = of(samples) > 0.0
+        for i in np.flatnonzero(above[1:] != above[:-1]):
+            low, high = float(samples[i]), float(samples[i + 1])
+            found.add(brentq(lambda t, of=of: of(np.array([t]))[0], low, high, xtol=1e-14))
+    marks = sorted(found)
     spans: list[Span] = []
+    inside = within(np.array([0.5 * (a + b) for a, b in pairwise(marks)]))
     for (a, b), counts in zip(pairwise(marks), inside, strict=True):
-        if not counts:
-            continue
-        if spans and spans[-1][1] == a:
+        if counts and spans and spans[-1][1] == a:
             spans[-1] = (spans[-1][0], b)
-        else:
+        elif counts:
             spans.append((a, b))
     return tuple(spans)
-
-
-def _periods(low: float, high: float, mesh: Span, period: float) -> list[float]:
-    """Multiples of the period by which the mesh range may be met between two positions."""
-    if math.isinf(period):
-        return [0.0]
-    first, last = math.floor((low - mesh[1]) / period), math.ceil((high - mesh[0]) / period)
-    return [period * k for k in range(first, last + 1)]
-
-
-def _level_crossings(motion: Motion, level: float) -> Iterable[float]:
-    """Cam angles where the motion crosses a level; points of tangency may be missed."""
-    breaks = motion.curve.breaks
-    samples = np.unique(np.concatenate([np.linspace(a, b, SAMPLES) for a, b in pairwise(breaks)]))
-    return _crossings(
-        lambda t: float(motion.curve(t)) - level, samples, motion.curve(samples) - level
-    )
-
-
-def _crossings(of: Callable[[float], float], samples: Array, values: Array) -> Iterable[float]:
-    """Roots between samples of opposite sign."""
-    high = values > 0.0
-    changes = np.flatnonzero(high[1:] != high[:-1])
-    return [brentq(of, samples[i], samples[i + 1], xtol=1e-14) for i in changes]

@@ -201,7 +201,8 @@ def minimise_size(
     # Bound over all laws, before any cam is known.
     state, last = _bound_in_phase_plane(state), None
     # Where accelerations are limited the fastest laws are a bad start, and a smooth one is good.
-    curvature = _limits_curvature(problem)
+    curves = (curve for segment in problem.free for curve in problem.curved_limits_on(segment))
+    curvature = any(curve.order > 1 for curve in curves)
     if curvature:
         state, last = smooth_start(state)
     before, little = inf, False
@@ -231,13 +232,6 @@ def minimise_size(
         # Refine the knots where the multipliers say that laws would gain.
         state = replace(state, grids=refine_mesh(problem, state.grids, last, lower, missed))
     return state
-
-
-def _limits_curvature(problem: Problem) -> bool:
-    """Whether some constraint on the size limits accelerations too."""
-    return any(
-        curve.order > 1 for segment in problem.free for curve in problem.curved_limits_on(segment)
-    )
 
 
 def _bound_in_phase_plane(state: SolveState) -> SolveState:
@@ -273,7 +267,13 @@ def _relinearise(
     began, iterations = time.perf_counter(), 0
     missed, lower, base = list[Array](), None, last
     for _ in range(MAX_LINEARISATIONS):
-        plan, solution = _solve_restriction(state, restricted, last)
+        # The convex program with tangents about the last laws; with chords while there are none.
+        region = Region.full(state.problem)
+        if last is not None:
+            about = TangentPoint(tuple(law.curve() for law in last.laws), last.size)
+            region = replace(region, tangent_points=(about,))
+        plan = formulate(restricted, state.grids, 0.0, state.tightening, region)
+        solution = solve(plan.program, state.time_left)
         iterations += solution.iterations
         if solution.stopped not in USABLE:
             break
@@ -312,18 +312,6 @@ def _line_search(state: SolveState, cam: Candidate, base: Candidate | None) -> C
         ]
         best = min(best, recover_cam(state.problem, laws, cam.size), key=lambda each: each.value)
     return best
-
-
-def _solve_restriction(
-    state: SolveState, restricted: Problem, last: Candidate | None
-) -> tuple[ConicModel, ConeSolution]:
-    """The convex program with tangents about the last laws; with chords while there are none."""
-    region = Region.full(state.problem)
-    if last is not None:
-        about = TangentPoint(tuple(law.curve() for law in last.laws), last.size)
-        region = replace(region, tangent_points=(about,))
-    plan = formulate(restricted, state.grids, 0.0, state.tightening, region)
-    return plan, solve(plan.program, state.time_left)
 
 
 def _find_feasible_knots(state: SolveState) -> tuple[SolveState, bool]:

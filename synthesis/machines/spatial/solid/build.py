@@ -22,7 +22,7 @@ from synthesis.machines.spatial.solid.sheets import (
 from synthesis.numerics.piecewise import Array
 
 BLANK_ENDS = (LOW, HIGH)
-TOP, ROOT = 0, -1  # depths of the blank
+TOP, ROOT = LEVELS = 0, -1  # depths of the blank
 STEP = 1e-4  # mm or rad: to a neighbouring point, for a direction out of the body
 
 
@@ -86,7 +86,7 @@ class Builder:
         ends = [self._stop(stop, piece.wall) for stop in (piece.first, piece.last)]
         edges = [self.shell.join((piece, level), (*ends[0], level), (*ends[1], level),
                                  geometry.SplineCurve(patch.along(level)))
-                 for level in (TOP, ROOT)]  # fmt: skip
+                 for level in LEVELS]  # fmt: skip
         edges += [self.shell.join(("down", *end), (*end, TOP), (*end, ROOT),
                                   geometry.SplineCurve(patch.down(k)))
                   for end, k in zip(ends, (0, -1), strict=True)]  # fmt: skip
@@ -172,13 +172,8 @@ class Builder:
             self.sheets.points(turn, np.array(d), across) for d in (depth, depth + STEP)
         )
         # The turned surface of one depth is a torus or a cylinder.
-        ring = chart.torus_radii(depth)
-        surface: geometry.Surface
-        if ring is None:
-            radius, _ = chart.meridian(np.array(depth), np.array(0.0))
-            surface = geometry.Cylinder(float(radius))
-        else:
-            surface = geometry.Ring(*ring)
+        ring, (radius, _) = chart.torus_radii(depth), chart.meridian(np.array(depth), np.array(0.0))
+        surface = geometry.cylinder(float(radius)) if ring is None else geometry.torus(*ring)
         self.shell.add(surface, edges, place, (place - deeper) / STEP)
 
     # -- ends ---------------------------------------------------------------------------------
@@ -186,7 +181,7 @@ class Builder:
     def _sections(self, j: int) -> None:
         """Sections of ribs by the blank's ends."""
         for low, high in pairs(self.sheets, TOP):
-            tops, roots = (list(spans(self.sheets, j, low, high, level)) for level in (TOP, ROOT))
+            tops, roots = (list(spans(self.sheets, j, low, high, level)) for level in LEVELS)
             if [(s.low, s.high) for s in tops] != [(s.low, s.high) for s in roots]:
                 raise NotSmooth("a rib's end changes its order from top to floor")
             for run in runs(tops):
@@ -196,13 +191,15 @@ class Builder:
                             self._section(first, last, end)
 
     def _section(self, first: Stop, last: Stop, end: int) -> None:
-        edges = [self._border(first, last, end, level) for level in (TOP, ROOT)]
+        edges = [self._border(first, last, end, level) for level in LEVELS]
         for stop in (first, last):
             if stop.key[0] == "out":
                 edges.append(("down", *stop.key))
                 continue
-            top, root = (self._corner(stop, None, end, level) for level in (TOP, ROOT))
-            ends = (self._on_end(float(stop.turn[0]), end, level) for level in (TOP, ROOT))
+            top, root = (self._corner(stop, None, end, level) for level in LEVELS)
+            angle = -self.sheets.hand * float(stop.turn[0])
+            away = np.array([np.cos(angle), np.sin(angle), 0.0])
+            ends = (r * away + z * geometry.UP for r, z in (self._end(end, k) for k in LEVELS))
             edges.append(self.shell.join(("edge", top, root), top, root, geometry.Line(*ends)))
         middle = len(first.turn) // 2
         turn = np.array(0.5 * float(first.turn[middle] + last.turn[middle]))
@@ -211,17 +208,12 @@ class Builder:
         out = end * self._across_direction(place)
         # A section is a plane, a cylinder or a cone about the axis.
         (r0, z0), (r1, z1) = self._end(end, TOP), self._end(end, ROOT)
-        surface: geometry.Surface = geometry.Cone(z0, r0, (r1 - r0) / (z1 - z0 or np.inf))
+        surface = geometry.cone(z0, r0, (r1 - r0) / (z1 - z0 or np.inf))
         if abs(z1 - z0) < 1e-9 * abs(r1 - r0):
-            surface = geometry.Plane(z0, int(np.sign(out[2])))
+            surface = geometry.plane(z0, int(np.sign(out[2])))
         elif abs(r1 - r0) < 1e-9 * abs(z1 - z0):
-            surface = geometry.Cylinder(r0)
+            surface = geometry.cylinder(r0)
         self.shell.add(surface, edges, place, out)
-
-    def _on_end(self, turn: float, end: int, level: int) -> Array:
-        radius, height = self._end(end, level)
-        angle = -self.sheets.hand * turn
-        return np.array([radius * np.cos(angle), radius * np.sin(angle), height])
 
     def _hub(self) -> None:
         bore = self.sheets.blank.bore
@@ -231,7 +223,7 @@ class Builder:
             holes = [self._bore(end)] if bore else []
             out = end * geometry.UP
             place = np.array([radius, 0.0, height])
-            self.shell.add(geometry.Plane(height, end), edges, place, out, holes)
+            self.shell.add(geometry.plane(height, end), edges, place, out, holes)
         if not bore:
             return
         heights = [self._end(end, ROOT)[1] for end in BLANK_ENDS]
@@ -245,7 +237,7 @@ class Builder:
             rims = [("bore", end, "half", half) for end in BLANK_ENDS]
             place = np.array([0.0, bore * (1.0 - 2.0 * half), 0.5 * sum(heights)])
             out = -np.array([0.0, place[1], 0.0])
-            self.shell.add(geometry.Cylinder(bore), [*sides, *rims], place, out)
+            self.shell.add(geometry.cylinder(bore), [*sides, *rims], place, out)
 
     def _bore(self, end: int) -> list[Key]:
         centre, radius = self._end(end, ROOT)[1] * geometry.UP, self.sheets.blank.bore

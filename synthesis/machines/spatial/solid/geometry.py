@@ -10,7 +10,7 @@ from __future__ import annotations
 
 import math
 from abc import ABC, abstractmethod
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -19,7 +19,7 @@ from scipy.interpolate import BSpline, NdBSpline, make_interp_spline
 from synthesis.exporters.curves.step import Entities, many, real
 from synthesis.numerics.piecewise import Array
 
-X, UP = np.array([1.0, 0.0, 0.0]), np.array([0.0, 0.0, 1.0])
+X, UP, ACROSS = np.array([[1.0, 0.0, 0.0], [0.0, 0.0, 1.0], [1.0, 1.0, 0.0]])
 Key = tuple[object, ...]
 Run = tuple[Key, bool]  # an edge, and whether it is traversed in its own direction
 SHARES = np.linspace(0.0, 1.0, 33)[:-1]  # of an edge, whose points give a loop's area
@@ -111,65 +111,53 @@ class Surface(ABC):
 
 
 @dataclass(frozen=True, eq=False)
-class Plane(Surface):
-    """A plane perpendicular to the cam's axis at a height [mm], normal up (1) or down (−1)."""
+class TurnedSurface(Surface):
+    """A surface about the cam's axis.
 
-    height: float
-    way: int
+    Attributes:
+        kind: STEP entity. sizes: its numbers. normal_at: its normal at a point (3,).
+        height, way: of its placement on the axis [mm], and up (1) or down (−1) along it.
+    """
+
+    kind: str
+    sizes: tuple[float, ...]
+    normal_at: Callable[[Array], Array]
+    height: float = 0.0
+    way: float = 1.0
 
     def normal(self, place: Array) -> Array:
-        return self.way * UP
+        return self.normal_at(place)
 
     def to_step(self, data: Entities) -> str:
         placed = placement(data, self.height * UP, self.way * UP, X)
-        return data.add("PLANE", "''", placed)
+        return data.add(self.kind, "''", placed, *map(real, self.sizes))
 
 
-@dataclass(frozen=True, eq=False)
-class Cylinder(Surface):
-    """A cylinder about the cam's axis [mm]."""
-
-    radius: float
-
-    def normal(self, place: Array) -> Array:
-        return np.array([place[0], place[1], 0.0])
-
-    def to_step(self, data: Entities) -> str:
-        return data.add("CYLINDRICAL_SURFACE", "''", upright(data), real(self.radius))
+def plane(height: float, way: int) -> TurnedSurface:
+    """A plane across the axis at a height [mm], normal up (1) or down (−1)."""
+    return TurnedSurface("PLANE", (), lambda place: way * UP, height, way)
 
 
-@dataclass(frozen=True, eq=False)
-class Ring(Surface):
-    """A torus about the cam's axis: major and minor radius [mm]."""
-
-    middle: float
-    tube: float
-
-    def normal(self, place: Array) -> Array:
-        away = float(np.hypot(place[0], place[1]))
-        return np.asarray(place - self.middle / away * np.array([place[0], place[1], 0.0]))
-
-    def to_step(self, data: Entities) -> str:
-        return data.add("TOROIDAL_SURFACE", "''", upright(data), real(self.middle), real(self.tube))
+def cylinder(radius: float) -> TurnedSurface:
+    """A cylinder about the axis [mm]."""
+    return TurnedSurface("CYLINDRICAL_SURFACE", (radius,), lambda place: place * ACROSS)
 
 
-@dataclass(frozen=True, eq=False)
-class Cone(Surface):
-    """A cone about the cam's axis: its radius at a height [mm], and d radius/d height."""
+def torus(middle: float, tube: float) -> TurnedSurface:
+    """A torus about the axis: major and minor radius [mm]."""
+    return TurnedSurface(
+        "TOROIDAL_SURFACE", (middle, tube),
+        lambda place: place - middle * (place * ACROSS) / np.hypot(place[0], place[1]),
+    )  # fmt: skip
 
-    height: float
-    radius: float
-    slope: float
 
-    def normal(self, place: Array) -> Array:
-        away = np.hypot(place[0], place[1])
-        return np.array([place[0] / away, place[1] / away, -self.slope])
-
-    def to_step(self, data: Entities) -> str:
-        way = math.copysign(1.0, self.slope)  # STEP's cones widen along their axis
-        placed = placement(data, self.height * UP, way * UP, X)
-        angle = math.atan(abs(self.slope))
-        return data.add("CONICAL_SURFACE", "''", placed, real(self.radius), real(angle))
+def cone(height: float, radius: float, slope: float) -> TurnedSurface:
+    """A cone about the axis: its radius at a height [mm], and d radius/d height."""
+    way = math.copysign(1.0, slope)  # STEP's cones widen along their axis
+    return TurnedSurface(
+        "CONICAL_SURFACE", (radius, math.atan(abs(slope))),
+        lambda place: place * ACROSS / np.hypot(place[0], place[1]) - slope * UP, height, way,
+    )  # fmt: skip
 
 
 @dataclass(frozen=True, eq=False)
@@ -236,11 +224,9 @@ class Shell:
         Args:
             place, out: (3,) a point of the face, and a direction out of the body there.
         """
-        normal = surface.normal(place)
-        ahead = float(normal @ out)
         loops = [self._oriented(self.chained(edges), out)]
         loops += [self._oriented(self.chained(each), -out) for each in holes]
-        self.faces.append(Face(surface, loops, ahead > 0.0))
+        self.faces.append(Face(surface, loops, float(surface.normal(place) @ out) > 0.0))
 
     def chained(self, edges: Iterable[Key]) -> list[Run]:
         """The edges as one closed loop."""
@@ -264,15 +250,14 @@ class Shell:
         return loop
 
     def _oriented(self, loop: list[Run], out: Array) -> list[Run]:
-        points = np.concatenate([self._sampled(*run) for run in loop])
+        points = np.concatenate(
+            [self.edges[key].curve.points(SHARES if along else 1.0 - SHARES) for key, along in loop]
+        )
         points = points - np.mean(points, axis=0)
         area = np.sum(np.cross(points, np.roll(points, -1, axis=0)), axis=0)
         if area @ out >= 0.0:
             return loop
         return [(key, not along) for key, along in reversed(loop)]
-
-    def _sampled(self, key: Key, along: bool) -> Array:
-        return self.edges[key].curve.points(SHARES if along else 1.0 - SHARES)
 
     def check(self) -> None:
         """Check that every edge is traversed once in each direction.
@@ -333,17 +318,12 @@ def point(data: Entities, place: Array) -> str:
     return data.add("CARTESIAN_POINT", "''", many(map(real, place.tolist())))
 
 
-def direction(data: Entities, way: Array) -> str:
-    """Writes a direction."""
-    return data.add("DIRECTION", "''", many(map(real, way.tolist())))
-
-
 def placement(data: Entities, origin: Array, axis: Array, x: Array) -> str:
     """Writes a placement: origin, axis, x direction."""
     return data.add("AXIS2_PLACEMENT_3D", "''", point(data, origin), direction(data, axis),
                     direction(data, x))  # fmt: skip
 
 
-def upright(data: Entities) -> str:
-    """Writes the cam's own frame."""
-    return placement(data, np.zeros(3), UP, X)
+def direction(data: Entities, way: Array) -> str:
+    """Writes a direction."""
+    return data.add("DIRECTION", "''", many(map(real, way.tolist())))
