@@ -15,7 +15,7 @@ import numpy as np
 
 from synthesis.numerics.box_search import BoxSearch, Budget
 from synthesis.numerics.boxes import Boxes
-from synthesis.numerics.extremum_search import ExcessBounds, locate_extrema
+from synthesis.numerics.extremum_search import locate_extrema
 from synthesis.numerics.piecewise import Array, Indices, Mask
 from synthesis.numerics.taylor import Taylor
 
@@ -145,10 +145,11 @@ class _ExtremumSearch(BoxSearch[Boxes]):
             found = np.concatenate([each[k] for k in slot]).reshape(len(slot), -1)
             return self._excess(closely, found, found)
 
-        bounds = ExcessBounds(self.lower[closely], self.upper[closely])
+        ends = np.abs([self.lower[closely], self.upper[closely]])
+        sizes = np.where(np.isfinite(ends), ends, 0.0).max(axis=0)
         asked = Boxes(boxes.piece, boxes.lo, boxes.hi, boxes.active[closely])
-        seen = locate_extrema(asked, heights, bounds)
-        return self._points_of(closely[seen.question], seen.piece, seen.at), seen.cuts
+        question, piece, at, cuts = locate_extrema(asked, heights, sizes)
+        return self._points_of(closely[question], piece, at), cuts
 
     def _points_of(self, question: Indices, piece: Indices, at: Array) -> Boxes:
         """Points (k,), one for each of some questions, as boxes of no width."""
