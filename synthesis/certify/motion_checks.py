@@ -17,7 +17,6 @@ from synthesis.catalogue.limits.base import Machine
 from synthesis.certify.piecewise_motion import (
     HIGHEST_ORDER,
     JUNCTION_TOLERANCE,
-    Jump,
     PiecewiseMotion,
 )
 from synthesis.design.design import Extreme
@@ -31,7 +30,6 @@ REPORTED_ORDER: Final = 2  # jumps of derivatives up to this one are reported ev
 
 BACKWARD_TOLERANCE: Final = 1e-9  # backward travel that counts as none, as a share of the lift
 FINE_WIDTH: Final = 1e-2  # width of its enclosure that suffices, as a share of that tolerance
-DISTINCT: Final = 1000  # two segments are equally bad if they differ by less than 1/1000 of it
 PARTS: Final = 8  # of an interval whose enclosure is too wide
 BACKWARD_BUDGET: Final = Budget(levels=8, boxes=50_000)
 COEFFICIENT_ROUNDING: Final = 2.0**-46  # relative to a Bernstein coefficient's terms: 128 roundings
@@ -54,6 +52,26 @@ def check_motion(
     ]
 
 
+def _deviation(
+    limit: str,
+    machine: Machine,
+    order: int,
+    value: float,
+    allowed: float,
+    angle: float,
+    field: str,
+    evidence: str,
+) -> Extreme:
+    """The line of a deviation of s^(order) that is known to rounding, against what is allowed."""
+    value, bound = value * machine.wire_factor(order), allowed * machine.wire_factor(order)
+    finite = math.isfinite(value)
+    return Extreme(
+        limit=limit, value=value if finite else None, unit=machine.derivative_unit(order),
+        angle_deg=angle / DEGREE, bound=bound, margin=bound - value if finite else None, width=0.0,
+        holds=value <= bound, evidence=evidence, field=field,
+    )  # fmt: skip
+
+
 # -- continuity ------------------------------------------------------------------------------
 
 
@@ -71,11 +89,25 @@ def _continuity(
         if len(promised):
             required = continuity is not None and order <= continuity
             jump = motion.largest_jump(order, promised)
-            yield _junction(machine, jump, len(promised), required=required)
+            yield _deviation(
+                f"{DERIVATIVES[order]}_join", machine, order, abs(jump.size), jump.allowed,
+                jump.angle, "continuity" if required else "program",
+                f"one-sided values at {len(promised)} junctions; bound: 1e-9 of lift/β^{order} "
+                "plus rounding error",
+            )  # fmt: skip
         if order <= REPORTED_ORDER and len(promised) < len(smooth):
             others = motion.discontinuities(order, (smooth < order).nonzero()[0])
             if len(others):
-                yield _allowed_jump(machine, motion.largest_jump(order, others))
+                # a jump that the chosen laws bring with them: reported, not judged
+                jump = motion.largest_jump(order, others)
+                yield Extreme(
+                    limit=f"{DERIVATIVES[order]}_jump",
+                    value=abs(jump.size) * machine.wire_factor(order),
+                    unit=machine.derivative_unit(order), angle_deg=jump.angle / DEGREE, bound=None,
+                    margin=None, width=0.0, holds=True, field="program",
+                    evidence="one-sided values at the junction; the laws on either side do not "
+                    "promise continuity there",
+                )  # fmt: skip
 
 
 def _promised_orders(motion: PiecewiseMotion) -> Array:
@@ -97,34 +129,6 @@ def _promised_orders(motion: PiecewiseMotion) -> Array:
     return np.where(np.isinf(found), 0.0, found)
 
 
-def _junction(machine: Machine, jump: Jump, count: int, *, required: bool) -> Extreme:
-    """The worst of the junctions where continuity is promised or required."""
-    to_wire = machine.wire_factor(jump.order)
-    value, bound = abs(jump.size) * to_wire, jump.allowed * to_wire
-    finite = math.isfinite(value)
-    return Extreme(
-        limit=f"{DERIVATIVES[jump.order]}_join", value=value if finite else None,
-        unit=machine.derivative_unit(jump.order), angle_deg=jump.angle / DEGREE, bound=bound,
-        margin=bound - value if finite else None, width=0.0, holds=value <= bound,
-        evidence=f"one-sided values at {count} junctions; bound: 1e-9 of lift/β^{jump.order} "
-        "plus rounding error",
-        field="continuity" if required else "program",
-    )  # fmt: skip
-
-
-def _allowed_jump(machine: Machine, jump: Jump) -> Extreme:
-    """A jump that the chosen laws bring with them: reported, not judged."""
-    return Extreme(
-        limit=f"{DERIVATIVES[jump.order]}_jump",
-        value=abs(jump.size) * machine.wire_factor(jump.order),
-        unit=machine.derivative_unit(jump.order), angle_deg=jump.angle / DEGREE, bound=None,
-        margin=None, width=0.0, holds=True,
-        evidence="one-sided values at the junction; the laws on either side do not promise "
-        "continuity there",
-        field="program",
-    )  # fmt: skip
-
-
 # -- end states ------------------------------------------------------------------------------
 
 
@@ -134,15 +138,10 @@ def _end_states(motion: PiecewiseMotion, machine: Machine) -> Iterator[Extreme]:
         misses = list(_end_state_misses(motion, order))
         if misses:
             miss, allowed, angle, field = max(misses, key=lambda each: each[0] / each[1])
-            to_wire = machine.wire_factor(order)
-            value, bound = miss * to_wire, allowed * to_wire
-            yield Extreme(
-                limit=f"{DERIVATIVES[order]}_asked", value=value,
-                unit=machine.derivative_unit(order), angle_deg=angle / DEGREE, bound=bound,
-                margin=bound - value, width=0.0, holds=value <= bound,
-                evidence=f"one-sided values at {len(misses)} ends of segments; bound: 1e-9 of "
+            yield _deviation(
+                f"{DERIVATIVES[order]}_asked", machine, order, miss, allowed, angle, field,
+                f"one-sided values at {len(misses)} ends of segments; bound: 1e-9 of "
                 f"lift/β^{order}",
-                field=field,
             )  # fmt: skip
 
 
@@ -179,15 +178,11 @@ def _tables(motion: PiecewiseMotion, machine: Machine) -> Iterator[Extreme]:
             continue
         theta = segment.start + segment.angle * segment.table.x
         deviation = np.abs(motion.curve(theta) - segment.table.s)
-        worst, to_wire = int(np.argmax(deviation)), machine.wire_factor(0)
-        value, bound = float(deviation[worst]) * to_wire, segment.table.tolerance * to_wire
-        yield Extreme(
-            limit="table_deviation", value=value, unit=machine.derivative_unit(0),
-            angle_deg=theta[worst] / DEGREE, bound=bound, margin=bound - value, width=0.0,
-            holds=value <= bound,
-            evidence=f"all {len(deviation)} rows of the table; the largest deviation is at row "
-            f"{worst}",
-            field=f"program/{segment.index}/{segment.table.field}",
+        worst = int(np.argmax(deviation))
+        yield _deviation(
+            "table_deviation", machine, 0, float(deviation[worst]), segment.table.tolerance,
+            float(theta[worst]), f"program/{segment.index}/{segment.table.field}",
+            f"all {len(deviation)} rows of the table; the largest deviation is at row {worst}",
         )  # fmt: skip
 
 
@@ -205,8 +200,8 @@ def _overshoot(motion: PiecewiseMotion, machine: Machine) -> Iterator[Extreme]:
         return
     least, most, count = backward_travel(motion, motion.pieces_of(monotone))
     bounds = [BACKWARD_TOLERANCE * abs(s.lift) for s in motion.segments]
-    # counted in coarse steps of the bound, so that rounding does not decide which one is named
-    worst = max(monotone, key=lambda i: floor(DISTINCT * most[i] / bounds[i]))
+    # in whole multiples of the bound, so that rounding does not decide which one is named
+    worst = max(monotone, key=lambda i: floor(most[i] / bounds[i]))
     value, bound, width = (
         float(length) * machine.wire_factor(0)
         for length in (least[worst], bounds[worst], most[worst] - least[worst])

@@ -41,21 +41,24 @@ to D, so the bound converges quadratically.
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Final
+from functools import cached_property
+from typing import Any, Final
 
 import numpy as np
 
-from synthesis.certify.profile_models import OffsetProfile, ProfileModels
+from synthesis.catalogue.followers.kinematics import Vector2
+from synthesis.certify.piecewise_motion import PiecewiseMotion
 from synthesis.numerics.box_search import BoxSearch, Budget
 from synthesis.numerics.boxes import Boxes
 from synthesis.numerics.piecewise import Array, Indices, Mask
+from synthesis.numerics.taylor import ROUNDING, Taylor
 from synthesis.units import FULL_TURN
 
 # Subdivision and effort. They decide how fast, and whether at all, a pair is excluded.
 WIDEST: Final = FULL_TURN / 48.0  # of a first interval [rad]
 LARGEST_TURNING: Final = 0.6  # an interval on which the tangent turns by more is divided [rad]
-AMBIGUOUS_TURNING: Final = 1.0  # from here on the tangent's angle cannot be continued safely [rad]
 NARROWEST: Final = 1e-12  # an interval is not divided below this width [rad]
 MAX_INTERVALS: Final = 2_000
 MAX_GROUPS: Final = 96
@@ -69,8 +72,120 @@ FINE_WIDTH: Final = 1e-9  # width of the enclosure of the smallest distance that
 
 # Rounding errors.
 DISTANCE_ROUNDING: Final = 2.0**-46  # relative to the coordinates: 128 roundings
-HALF_TURN: Final = math.pi * (1.0 - DISTANCE_ROUNDING)  # [rad]
-ANGLE_ROUNDING: Final = 1e-12  # of the polar angles compared [rad]
+ANGLE_ROUNDING: Final = 1e-12  # of angles that are continued round the turn and compared [rad]
+
+TraceFunction = Callable[[Any], tuple[Vector2, ...]]  # s to s''' -> p and its derivatives
+
+
+# -- the traced curve, and the profile beside it, on intervals of cam angle ------------------------
+
+
+@dataclass(frozen=True, eq=False)
+class ThickChords:
+    """A plane curve on intervals, each within ``thickness`` of the straight chord middle ± half.
+
+    Attributes:
+        middle, half: (2, n) midpoint and half vector [mm]. thickness: (n,) [mm].
+        point: (2, n) the curve's point at the interval's centre, to within ``error`` (n,) [mm].
+    """
+
+    middle: Array
+    half: Array
+    thickness: Array
+    point: Array
+    error: Array
+
+    @classmethod
+    def of(cls, x: Taylor, y: Taylor) -> ThickChords:
+        """c0 + c1 t + c2 t² ± rem, |t| ≤ 1, lies within |c2|/2 + |rem| of c0 + c2/2 + c1 t."""
+        bend, rem = np.stack([x.c2, y.c2]), np.stack([x.rem, y.rem])
+        point, error = np.stack([x.c0, y.c0]), np.hypot(*rem)
+        thickness = 0.5 * np.hypot(*bend) + error
+        return cls(point + 0.5 * bend, np.stack([x.c1, y.c1]), thickness, point, error)
+
+
+@dataclass(frozen=True, eq=False)
+class ProfileModels:
+    """Traced curve and profile on intervals: p and T = D p in the machine frame, as models."""
+
+    intervals: Boxes
+    p: Vector2
+    tangent: Vector2
+    distance: float
+
+    @cached_property
+    def theta(self) -> Taylor:
+        """The cam angle itself."""
+        lo, hi = self.intervals.lo, self.intervals.hi
+        centre, half = 0.5 * (lo + hi), 0.5 * (hi - lo)
+        rounding = ROUNDING * (np.abs(centre) + half)
+        return Taylor.of(centre, half, np.zeros_like(half), rounding)
+
+    @cached_property
+    def tangent_angle(self) -> tuple[Array, Array]:
+        """Lower and upper end of the tangent's angle on the cam, clockwise positive [rad].
+
+        On each interval the angle is within half a turn of its value at the centre; it is not
+        continued from interval to interval.
+        """
+        tx, ty = self.tangent
+        return _range(self.theta - np.arctan2(ty, tx))
+
+    def polar_range(self) -> tuple[Array, Array]:
+        """Lower and upper end of the polar angle on the cam of every point of the roller [rad].
+
+        The profile point that it touches is one of them. The whole turn where the roller may cover
+        the axis: seen from there, a circle of radius R at distance r fills ± arcsin R/r.
+        """
+        px, py = self.p
+        low, high = _range(np.arctan2(py, px) - self.theta)
+        square = px * px + py * py
+        # ROUNDING is 32 roundings: more than those of r, of R/r and of the arc sine's argument
+        least = square.mignitude() - ROUNDING * square.mag
+        nearest = np.sqrt(np.where(least > 0.0, least, np.nan))
+        sine = abs(self.distance) / nearest
+        half = np.arcsin(np.where(sine < 1.0, sine, np.nan))
+        known = np.isfinite(low + high + half)
+        return np.where(known, low - half, -math.pi), np.where(known, high + half, math.pi)
+
+    def chords(self) -> tuple[ThickChords, ThickChords]:
+        """Enclosures of the profile and of the traced curve, in the frame of the cam."""
+        (px, py), (tx, ty) = self.p, self.tangent
+        share = self.distance / np.sqrt(tx * tx + ty * ty)
+        cos, sin = np.cos(self.theta), np.sin(self.theta)
+        profile, traced = (
+            ThickChords.of(x * cos + y * sin, y * cos - x * sin)  # turned by −θ
+            for x, y in ((px + ty * share, py - tx * share), (px, py))  # n = (−ty, tx)/|T|
+        )
+        return profile, traced
+
+
+def _range(angle: Taylor) -> tuple[Array, Array]:
+    """Lower and upper end of an angle's model on each interval."""
+    reach = np.abs(angle.c1) + np.abs(angle.c2) + angle.rem
+    return angle.c0 - reach, angle.c0 + reach
+
+
+@dataclass(frozen=True, eq=False)
+class OffsetProfile:
+    """The traced curve P on the cam, and the profile O = P − d n at a signed distance d [mm].
+
+    P runs clockwise; n is its normal to the left, which points outward. |d| is the radius of the
+    roller; d is negative where the cam lies outside the traced curve.
+    """
+
+    motion: PiecewiseMotion
+    trace: TraceFunction
+    distance: float
+
+    def models(self, intervals: Boxes) -> ProfileModels:
+        """Both curves on intervals."""
+        s = self.motion.jets.models(intervals.piece, intervals.lo, intervals.hi, 1)
+        (px, py), (dx, dy), *_ = self.trace((*s, 0.0, 0.0))
+        return ProfileModels(intervals, (px, py), (dx + py, dy - px), self.distance)
+
+
+# -- the search -----------------------------------------------------------------------------
 
 
 @dataclass(frozen=True)
@@ -106,9 +221,9 @@ def nearest_far_pair(profile: OffsetProfile) -> NearestPair:
         # 1. intervals on which the tangent turns little
         intervals, models = _divided_by_turning(profile)
         low, high = models.tangent_angle
-        ambiguous = ~(high - low < AMBIGUOUS_TURNING)
-        if ambiguous.any():
-            where = float(intervals.lo[np.argmax(ambiguous)])
+        unknown = ~np.isfinite(high - low)
+        if unknown.any():
+            where = float(intervals.lo[np.argmax(unknown)])
             return NearestPair(math.inf, 0.0, where, where, 0)
         # 2. exclude pairs in different directions, then near pairs, by groups of intervals
         groups = _Groups.of(len(intervals))
@@ -162,7 +277,7 @@ class _Groups:
         bottom, top = (np.concatenate([each, each + turn])[arcs] for each in (bottom, top))
         turning = np.maximum.accumulate(top, axis=1) - np.minimum.accumulate(bottom, axis=1)
         forward = np.zeros((count, count), dtype=bool)
-        forward[start, arcs % count] = turning < HALF_TURN
+        forward[start, arcs % count] = turning < math.pi - ANGLE_ROUNDING
         return np.asarray(forward | forward.T)
 
     def disjoint_polar_ranges(self, low: Array, high: Array) -> Mask:

@@ -25,16 +25,14 @@ from typing import Final
 import numpy as np
 
 from synthesis.catalogue.followers.flank import Flank, labelled
-from synthesis.certify.profile_models import OffsetProfile
 from synthesis.certify.quantities import MeasuredCam, Subject, tangent_clearance
-from synthesis.certify.roller_interference import NearestPair, nearest_far_pair
+from synthesis.certify.roller_interference import NearestPair, OffsetProfile, nearest_far_pair
 from synthesis.design.design import Extreme
 from synthesis.numerics.enclosure import Extremum, ExtremumQuery
 from synthesis.units import DEGREE
 
 SELF_CROSSING: Final = "self_crossing"
 WIDEST: Final = 0.05  # interval on which a knife edge's path is examined [rad]
-MARGIN: Final = 1.0 + 1e-12  # factor on the required clearance: rounding of the comparison
 
 
 def check_self_intersection(cam: MeasuredCam, clear: Sequence[Flank] = ()) -> list[Extreme]:
@@ -98,7 +96,7 @@ def roller_clearances(
     ]
     # the tangent must pass the axis at more than R where the profile lies inside the traced curve
     depths = [max(flank.side * flank.distance, 0.0) for flank in flanks]
-    clearances = [tangent_clearance(MARGIN * depth) for depth in depths]
+    clearances = [tangent_clearance(depth) for depth in depths]
     return flanks, questions, [(c, f.path) for c, f in zip(clearances, flanks, strict=True)]
 
 

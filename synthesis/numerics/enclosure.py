@@ -109,12 +109,16 @@ class _ExtremumSearch(BoxSearch[Boxes]):
         self.models = models
         self.points = Boxes(nowhere, empty, empty, np.zeros((count, 0), dtype=bool))
         spare = [0.0 if enough is None else enough[q.function] for q in questions]
-        self.lower, self.upper, self.relative, self.absolute = np.array(
-            [
-                (q.lower, q.upper, q.relative, q.absolute + more)
-                for q, more in zip(questions, spare, strict=True)
-            ]
-        ).T
+        self.relative = np.array([q.relative for q in questions])
+        self.absolute = np.array([q.absolute for q in questions]) + spare
+        bounds = np.array([(q.lower, q.upper) for q in questions]).T
+        # Of a single bound the extreme is the same wherever it is measured from: from 0 no digit is
+        # lost. Of two bounds the excess is rounded as they are.
+        finite = np.isfinite(bounds)
+        both = finite.all(axis=0)
+        self.lower, self.upper = np.where(finite & ~both, 0.0, bounds)
+        self.sizes = np.where(finite, np.abs(bounds), 0.0)
+        self.rounding = np.where(both, ULPS * self.sizes.max(axis=0), 0.0)
         self.function = [q.function for q in questions]
         self.closely = (self.absolute < np.inf).nonzero()[0]
         self.best = np.full(count, -np.inf)
@@ -145,10 +149,8 @@ class _ExtremumSearch(BoxSearch[Boxes]):
             found = np.concatenate([each[k] for k in slot]).reshape(len(slot), -1)
             return self._excess(closely, found, found)
 
-        ends = np.abs([self.lower[closely], self.upper[closely]])
-        sizes = np.where(np.isfinite(ends), ends, 0.0).max(axis=0)
         asked = Boxes(boxes.piece, boxes.lo, boxes.hi, boxes.active[closely])
-        question, piece, at, cuts = locate_extrema(asked, heights, sizes)
+        question, piece, at, cuts = locate_extrema(asked, heights, self.rounding[closely] / ULPS)
         return self._points_of(closely[question], piece, at), cuts
 
     def _points_of(self, question: Indices, piece: Indices, at: Array) -> Boxes:
@@ -170,18 +172,18 @@ class _ExtremumSearch(BoxSearch[Boxes]):
         excess = np.where(both.active[live], self._excess(live, high, low), -np.inf)
         self.boxes += both.active.sum(axis=1)
         row, column = np.searchsorted(live, question), np.arange(len(boxes), len(both))
-        blur = model.rem[row, column]
+        rem = model.rem + self.rounding[live][:, None]
+        blur = rem[row, column]
         sure = np.where(blur < UNBOUNDED, excess[row, column] - blur, -np.inf)
         self._note(question, self.points.lo, high[row, column], sure, blur)
         self.view = both, live, model, excess
         possible = np.full((len(self.best), len(boxes)), -np.inf)
-        possible[live] = (excess + model.rem)[:, : len(boxes)]
+        possible[live] = (excess + rem)[:, : len(boxes)]
         return possible
 
     def threshold(self) -> Array:
         """The incumbents and the width that is good enough; a box is no narrower than roundings."""
-        bound = np.where(self.above, self.upper, self.lower)
-        size = np.maximum(np.abs(self.value), np.where(np.isfinite(bound), np.abs(bound), 0.0))
+        size = np.maximum(np.abs(self.value), np.where(self.above, *self.sizes[::-1]))
         wanted = np.maximum(self.absolute, self.relative * size)
         enough = np.maximum(wanted, CLEAR * self.blur)
         # of a question for an upper bound alone the first boxes are enough

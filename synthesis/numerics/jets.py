@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from typing import Final
 
 import numpy as np
@@ -66,22 +65,14 @@ class Jets:
         # so much wider that the roundings of the centre, and of its distance to the origin, fit in
         r = 0.5 * (hi - lo) + 8.0 * UNIT * (np.abs(centre) + np.abs(self.curve.origins[piece]))
         exact, error = self.derivatives(piece, centre)
-        power: list[Array | float] = [1.0, r]  # r^j / j!
-        for j in range(2, max(self.rows, 2) + 1):
-            power.append(power[-1] * (r / j))
-        return self._models(piece, exact, error, power, highest + 1)
-
-    def _models(
-        self,
-        piece: Indices,
-        exact: Array,
-        error: Array,
-        power: Sequence[Array | float],
-        count: int,
-    ) -> tuple[Taylor, ...]:
-        """The models of f to f^(count−1), all in one go: row k is that of f^(k)."""
+        # 1. r^j/j!, by which the derivatives at the centre become coefficients
+        steps = [r / j for j in range(1, max(self.rows, 2) + 1)]
+        power = np.cumprod([np.ones_like(r), *steps], axis=0)
+        # 2. quadratic part, and roundings of its coefficients; row k is that of f^(k)
+        count = highest + 1
         head = (exact[:count], exact[1 : count + 1] * power[1], exact[2 : count + 2] * power[2])
         rem = error[:count] + error[1 : count + 1] * power[1] + error[2 : count + 2] * power[2]
+        # 3. what the quadratic drops; polynomials end, a sinusoid is bounded by its amplitude
         for j in range(3, self.rows):
             rest = min(count, self.rows - j)
             rem[:rest] += (np.abs(exact[j : j + rest]) + error[j : j + rest]) * power[j]

@@ -255,3 +255,21 @@ def test_what_is_reached_is_reached_inside() -> None:
         low, high = Fraction(float(line.breaks[0])), Fraction(float(line.breaks[1]))
         top = 1 + Fraction(slope) * (high - low)
         assert Fraction(answer.enclosure.lower) <= top <= Fraction(answer.enclosure.upper)
+
+
+@pytest.mark.parametrize("bounds", [(-math.inf, 1e9), (-1e9, math.inf), (-1e9, 1e9)])
+def test_a_far_bound_costs_the_enclosure_no_truth(bounds) -> None:
+    """The extreme is enclosed though its distance to the bound has lost its last digits."""
+    rng = np.random.default_rng(9)
+    for _ in range(40):
+        top, bend = (float(x) for x in rng.uniform([1.0, 0.1], [2.0, 3.0]))
+        hill = Piecewise.of([0.0, 1.0], [[top, 0.0, -bend]], origins=[0.5])
+        jets = Jets(hill)
+        (answer,) = enclose(
+            lambda piece, lo, hi, wanted, jets=jets: jets.models(piece, lo, hi, 0),
+            hill.breaks, np.array([3]), [ExtremumQuery(np.array([0]), *bounds)],
+        )  # fmt: skip
+        truth = top if answer.side > 0 else Fraction(top) - Fraction(bend) / 4
+        found = answer.enclosure
+        assert Fraction(found.lower) <= truth <= Fraction(found.upper)
+        assert found.width <= (3e-6 if math.isfinite(sum(bounds)) else 1e-1)

@@ -13,9 +13,8 @@ from synthesis.catalogue.limits.profile_radius import ProfileRadius
 from synthesis.catalogue.motion import Motion
 from synthesis.certify import certificate, certify
 from synthesis.certify.piecewise_motion import PiecewiseMotion
-from synthesis.certify.profile_models import OffsetProfile
 from synthesis.certify.quantities import MeasuredCam
-from synthesis.certify.roller_interference import NearestPair, nearest_far_pair
+from synthesis.certify.roller_interference import NearestPair, OffsetProfile, nearest_far_pair
 from synthesis.certify.self_intersection import clear_flanks, roller_clearances
 from synthesis.design.design import Extreme
 from tests.certify.cams import motion_of

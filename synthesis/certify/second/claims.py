@@ -11,6 +11,7 @@ from flint import arb
 from synthesis.catalogue.limits.base import Claim
 from synthesis.certify.second.ball_arithmetic import degree
 from synthesis.certify.second.exact_design import (
+    ANGLE_ROUNDING,
     NOT_MEASURED,
     ExactDesign,
     Measurement,
@@ -25,7 +26,6 @@ from synthesis.design.design import Extreme
 
 ORDERS: Final = {"travel": 0, "displacement": 0, "velocity": 1, "acceleration": 2, "jerk": 3}
 IN_WIRE_UNITS: Final = ("face_radius", "camshaft_torque")  # measured in the wire's unit
-NEARBY: Final = 1e-6  # step over which the wire value's slope is taken [rad]
 
 
 @dataclass(frozen=True, eq=False)
@@ -37,7 +37,7 @@ class _Side:
     bound: float
     holds: bool | None
     found: Maximum
-    slope: float
+    blur: float
 
 
 def measure_claim(design: ExactDesign, claim: Claim, extreme: Extreme) -> Measurement:
@@ -61,7 +61,7 @@ def measure_claim(design: ExactDesign, claim: Claim, extreme: Extreme) -> Measur
     verdicts = [side.holds for side in sides]
     holds = False if False in verdicts else None if None in verdicts else True
     angle = float(named.found.piece.angle_at(named.found.x) / degree())
-    return compare(extreme, named.low, named.high, holds, how, angle, named.slope)
+    return compare(extreme, named.low, named.high, holds, how, angle, named.blur)
 
 
 def _find_infinity(design: ExactDesign, claim: Claim, extreme: Extreme) -> Measurement:
@@ -91,12 +91,11 @@ def _side(design: ExactDesign, claim: Claim, sign: int, bound: float) -> _Side |
     wanted = float(f"{wanted:.15g}")  # as the spec states it, without rounding of a conversion
     low, high = reached.min(beyond).lower(), reached.max(beyond).upper()
     direction = -sign if _is_decreasing(design, claim) else sign
-    # slope of the wire value where it was found, which may be at the end of a piece
+    # by how much rounding of the cam angle where a piece ends may change the value there
     near = [span for span in spans if span[0].segment == found.piece.segment]
-    slope = design.slope(claim, near, found.x)
-    further = to_wire(found.lower * sign + slope * NEARBY)
-    steep = 0.0 if further is None else float(abs(further - reached)) / NEARBY
-    return _Side(low, high, wanted, satisfies(low, high, wanted, direction), found, steep)
+    further = to_wire(found.lower * sign + design.slope(claim, near, found.x) * ANGLE_ROUNDING)
+    blur = 0.0 if further is None else float(abs(further - reached))
+    return _Side(low, high, wanted, satisfies(low, high, wanted, direction), found, blur)
 
 
 # -- wire units ------------------------------------------------------------------------------

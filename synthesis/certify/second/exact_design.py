@@ -157,17 +157,17 @@ def compare(
     holds: bool | None,
     how: str,
     angle: float | None = None,
-    slope: float = 0.0,
+    blur: float = 0.0,
 ) -> Measurement:
     """A finite value beside the certificate's.
 
     They agree if they differ by no more than the certificate's width, rounding of its value, and
-    rounding of the angle times ``slope`` [per rad]; and if both verdicts are the same.
+    ``blur``; and if both verdicts are the same.
     """
     if extreme.value is None:
         agrees: bool | None = False
     else:
-        allowed = extreme.width + VALUE_ROUNDING * abs(extreme.value) + ANGLE_ROUNDING * slope
+        allowed = extreme.width + VALUE_ROUNDING * abs(extreme.value) + blur
         difference = abs(hull(low, high) - arb(extreme.value))
         agrees = True if difference <= allowed else False if difference > allowed else None
     if holds is not None and agrees is not None:
