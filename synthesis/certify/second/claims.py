@@ -25,7 +25,6 @@ from synthesis.certify.second.maximum import Maximum
 from synthesis.design.design import Extreme
 
 ORDERS: Final = {"travel": 0, "displacement": 0, "velocity": 1, "acceleration": 2, "jerk": 3}
-IN_WIRE_UNITS: Final = ("face_radius", "camshaft_torque")  # measured in the wire's unit
 
 
 @dataclass(frozen=True, eq=False)
@@ -113,7 +112,7 @@ def _to_wire(design: ExactDesign, claim: Claim) -> Callable[[arb], arb | None]:
         return lambda rate: rate * design.rate(order)
     if claim.unit == "deg":
         return lambda angle: angle / degree()
-    if claim.quantity in IN_WIRE_UNITS:
+    if claim.to_wire is float:  # the core measures in the unit of the wire
         return lambda value: value
     if claim.quantity == "contact_force":
         return lambda force: force * _flank_side(design, claim)
