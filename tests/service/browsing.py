@@ -5,29 +5,32 @@ from __future__ import annotations
 import shutil
 from collections.abc import Iterator
 from pathlib import Path
+from typing import TYPE_CHECKING, Any
 from urllib.parse import urlsplit
 
 import pytest
-from playwright.sync_api import (
-    Browser,
-    ConsoleMessage,
-    Page,
-    Request,
-    Route,
-    expect,
-    sync_playwright,
-)
+
+if TYPE_CHECKING:  # imported in the functions: collecting tests does without it
+    from playwright.sync_api import Browser, ConsoleMessage, Page, Request, Route
 
 PATIENT = 120_000  # [ms]: the machine may be busy
-expect.set_options(timeout=PATIENT)
 FLAGS = [
     "--no-sandbox", "--disable-gpu", "--disable-quic", "--no-first-run",
     "--disable-background-networking", "--disable-component-update", "--disable-sync",
 ]  # fmt: skip
 
 
+def expect(actual: Any) -> Any:
+    from playwright import sync_api
+
+    sync_api.expect.set_options(timeout=PATIENT)
+    return sync_api.expect(actual)
+
+
 @pytest.fixture(scope="module")
 def browser() -> Iterator[Browser]:
+    from playwright.sync_api import sync_playwright
+
     chromium = shutil.which("chromium") or shutil.which("chromium-browser")
     if chromium is None:
         pytest.fail("Chromium is missing: `apt-get install chromium` (.ci/run does).")

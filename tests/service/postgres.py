@@ -13,9 +13,10 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
 
-import psycopg
-
+from tests.lazy import LazyModule
 from tests.service.killing import free_port
+
+psycopg = LazyModule("psycopg")
 
 PASSWORD = "letters-and-digits"
 

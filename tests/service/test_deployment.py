@@ -12,17 +12,19 @@ from typing import Any
 
 import dask
 import httpx2
-import psycopg
 import pytest
 
 from service.client import Client
 from service.contract.examples import SELF_CHECK, examples
 from service.settings import Settings
 from service.workers.engine import CONFIGURATION
+from tests.lazy import LazyModule
 from tests.service.killing import ROOT, Process, answering
 from tests.service.postgres import PASSWORD, postgres
 from tests.service.sweeps.test_kills import until
 from tests.service.topology import COMPOSE, DOCKERFILE, SECRET, SERVICES, Topology
+
+psycopg = LazyModule("psycopg")
 
 ITEMS = 140
 

@@ -6,16 +6,10 @@ import copy
 import json
 import os
 from collections import Counter
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import pytest
-import schemathesis
 from hypothesis import HealthCheck, settings
-from schemathesis.checks import CHECKS, load_all_checks
-from schemathesis.generation.feedback import FeedbackSources
-from schemathesis.generation.meta import coverage_scenario
-from schemathesis.pytest._test_builder import build_operation_test
-from schemathesis.schemas import APIOperation
 
 from service.app import create_app
 from service.openapi import TARGET
@@ -24,10 +18,9 @@ from synthesis.machines.linkages.shaper.spec import LENGTHS
 from tests.service.conftest import Running
 from tests.service.specs import spec
 
-load_all_checks()
-# A program that does not close fits the schema and is refused all the same.
-NOT_ASKED = CHECKS.get_by_names(["positive_data_acceptance"])
-NO_FAULT = CHECKS.get_by_names(["not_a_server_error"])
+if TYPE_CHECKING:  # imported in the functions: collecting tests does without it
+    import schemathesis
+    from schemathesis.schemas import APIOperation
 
 
 def document() -> dict[str, Any]:
@@ -69,6 +62,9 @@ FIRST, STRIDE = 3, 7
 @pytest.fixture(scope="module")
 def operations() -> dict[str, APIOperation]:
     """The operations by label. Made when tests run: to collect them takes the labels only."""
+    import schemathesis
+    from schemathesis.generation.meta import coverage_scenario
+
     schema = schemathesis.openapi.from_dict(document())
     seen = Counter[tuple[str, str]]()
 
@@ -103,14 +99,23 @@ def operations() -> dict[str, APIOperation]:
 def test_answers_are_as_documented(
     label: str, operations: dict[str, APIOperation], service: Running
 ) -> None:
+    from schemathesis.checks import CHECKS, load_all_checks
+    from schemathesis.generation.feedback import FeedbackSources
+    from schemathesis.pytest._test_builder import build_operation_test
+
+    load_all_checks()
+    # A program that does not close fits the schema and is refused all the same.
+    not_asked = CHECKS.get_by_names(["positive_data_acceptance"])
+    no_fault = CHECKS.get_by_names(["not_a_server_error"])
+
     @settings(
         max_examples=8, deadline=None, derandomize=True, database=None,
         suppress_health_check=list(HealthCheck),
     )  # fmt: skip
     def send(case: schemathesis.Case) -> None:
         answer = case.call(base_url=service.url)
-        late = NO_FAULT if answer.status_code == 504 and allows_itself_a_time(case) else []
-        case.validate_response(answer, excluded_checks=[*NOT_ASKED, *late])
+        late = no_fault if answer.status_code == 504 and allows_itself_a_time(case) else []
+        case.validate_response(answer, excluded_checks=[*not_asked, *late])
 
     operation = operations[label]
     config = operation.schema.config

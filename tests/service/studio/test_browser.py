@@ -6,10 +6,9 @@ import re
 from pathlib import Path
 
 import pytest
-from playwright.sync_api import expect
 
 from service.contract.examples import SELF_CHECK, examples
-from tests.service.browsing import Closed, picture
+from tests.service.browsing import Closed, expect, picture
 from tests.service.conftest import Running
 
 pytestmark = pytest.mark.browser

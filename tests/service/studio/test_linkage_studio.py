@@ -4,14 +4,17 @@ from __future__ import annotations
 
 import math
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import pytest
-from playwright.sync_api import Page, expect
 
 from service.contract.examples import LINKAGES as FOLDER
 from service.contract.examples import examples
-from tests.service.browsing import PATIENT, Closed, picture
+from tests.service.browsing import PATIENT, Closed, expect, picture
 from tests.service.conftest import Running
+
+if TYPE_CHECKING:
+    from playwright.sync_api import Page
 
 pytestmark = pytest.mark.browser
 SHAPERS, ARMS = "six-bar-shapers", "palletising-arms"

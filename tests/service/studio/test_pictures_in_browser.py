@@ -4,14 +4,16 @@ from __future__ import annotations
 
 import re
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import pytest
-from playwright.sync_api import Browser, Page, expect
 
 from service.contract.examples import examples
-from tests.service.browsing import Closed, picture
+from tests.service.browsing import Closed, expect, picture
 from tests.service.conftest import Running
+
+if TYPE_CHECKING:
+    from playwright.sync_api import Browser, Page
 
 pytestmark = pytest.mark.browser
 KIND = "conjugate-arms"

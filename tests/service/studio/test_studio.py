@@ -5,14 +5,17 @@ from __future__ import annotations
 import json
 import subprocess
 from pathlib import Path
+from typing import TYPE_CHECKING
 from urllib.parse import urlsplit
 
 import pytest
-from playwright.sync_api import Locator, Page, expect
 
 from service.contract.examples import examples
-from tests.service.browsing import PATIENT, Closed, picture
+from tests.service.browsing import PATIENT, Closed, expect, picture
 from tests.service.conftest import Running
+
+if TYPE_CHECKING:
+    from playwright.sync_api import Locator, Page
 
 pytestmark = pytest.mark.browser
 SIZED = examples()["p2-sized"]["value"]

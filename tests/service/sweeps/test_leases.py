@@ -12,19 +12,21 @@ from pathlib import Path
 from typing import Any
 
 import httpx2
-import psycopg
 import pytest
 
 from service.storage.store import Store
 from service.sweeps.lease import Leases
 from service.sweeps.store import Done, LeaseLost, SweepRow, SweepStore
 from service.sweeps.tasks import ItemAnswer
+from tests.lazy import LazyModule
 from tests.service.conftest import settings_for
 from tests.service.fake_core import Gate
 from tests.service.killing import Process, answering, free_port, service
 from tests.service.postgres import PASSWORD, postgres
 from tests.service.sweeps.test_kills import done, until
 from tests.service.sweeps.test_sweeps import counted, items_at, over, posted, sweep_of
+
+psycopg = LazyModule("psycopg")
 
 ITEMS = 160
 LEASE_S = 4.0  # renewed every half second: long enough for an owner on a busy machine
@@ -131,9 +133,7 @@ def test_every_item_once_while_owners_die_and_stand_still(tmp_path: Path) -> Non
     assert begun - ITEMS <= 60
 
 
-def leaves_in_order(
-    process: Process, client: httpx2.Client, database: psycopg.Connection[Any]
-) -> None:
+def leaves_in_order(process: Process, client: httpx2.Client, database: Any) -> None:
     """SIGTERM while somebody watches a sweep: the stream ends, the lease is given back."""
     asked = "select state, owner is null from sweeps order by sequence desc limit 1"
     where = posted(client, sweep_of([f"look 600{' ' * i}" for i in range(3)]))

@@ -11,7 +11,6 @@ from pathlib import Path
 from typing import Any
 
 import httpx2
-import pyarrow.parquet
 import pytest
 
 from service.workers import engine
@@ -270,7 +269,9 @@ def test_tables_hold_every_item_as_it_is(client: httpx2.Client) -> None:
     assert answer.headers["content-disposition"] == 'attachment; filename="table-items.csv"'
     rows = list(csv.DictReader(io.StringIO(answer.text)))
     assert [int(row["number"]) for row in rows] == list(range(501))
-    frame = pyarrow.parquet.read_table(io.BytesIO(client.get(f"{where}/items.parquet").content))
+    from pyarrow import parquet
+
+    frame = parquet.read_table(io.BytesIO(client.get(f"{where}/items.parquet").content))
     assert frame.num_rows == 501
     assert frame.column_names == list(rows[0])
     items = {item["number"]: item for item in items_at(client, where, limit=1000)}
