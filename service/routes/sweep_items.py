@@ -22,8 +22,8 @@ from service.routes.file_routes import (
 from service.routes.sweeps import Known
 from service.state import Parts, State
 from service.sweeps.pareto import compare_designs, pareto_front
-from service.sweeps.store import UNDER_WAY, SweepRow
-from service.sweeps.table import Columns, CsvWriter, ParquetWriter, Writer, write_table
+from service.sweeps.store import UNDER_WAY, ItemRow, SweepRow
+from service.sweeps.table import Columns, Pages, csv_table, parquet_table
 from service.sweeps.views import (
     ItemStatus,
     ParetoAxis,
@@ -31,7 +31,6 @@ from service.sweeps.views import (
     SweepItem,
     SweepItemPage,
     item_of,
-    items_of,
 )
 from service.wire.errors import ProblemType
 from service.wire.etag import not_modified, tag_of
@@ -42,7 +41,7 @@ from synthesis.exporters.drawing.picture_options import Colours, PixelColours, P
 from synthesis.exporters.drawing.raster import rasterised
 
 router = APIRouter(prefix="/v1/sweeps/{sweep_id}", tags=["sweeps"])
-CSV, PARQUET = "text/csv; charset=utf-8", "application/vnd.apache.parquet"
+MEDIA_TYPES = {"csv": "text/csv; charset=utf-8", "parquet": "application/vnd.apache.parquet"}
 MAX_FRONT, MAX_DRAWN = 2000, 4
 
 
@@ -56,11 +55,14 @@ async def list_sweep_items(
 ) -> SweepItemPage:
     """In the order in which they were finished, so that following `next` misses none."""
     after = 0 if cursor is None else position_of(cursor)
-    rows = await parts.sweeps.store.items(sweep.sequence, after, limit + 1, status)
+    where = [ItemRow.sequence > after]
+    if status is not None:
+        where.append(ItemRow.status == status)
+    rows = await parts.sweeps.store.items(sweep.sequence, *where, size=limit + 1)
     shown = rows[:limit]
     over = len(rows) <= limit and sweep.state not in UNDER_WAY
     following = None if over else cursor_at(shown[-1].sequence if shown else after)
-    return SweepItemPage(items=items_of(sweep, shown), next=following)
+    return SweepItemPage(items=[item_of(sweep, row) for row in shown], next=following)
 
 
 @router.get("/items/{number}", summary="One item", responses=problems(404, 422))
@@ -77,52 +79,40 @@ async def get_sweep_item(sweep: Known, number: int, parts: Parts) -> SweepItem:
     return item_of(sweep, row)
 
 
-@router.get(
-    "/items.csv",
-    response_class=StreamingResponse,
-    responses={
-        **in_parts(description="The table.", content={CSV: {"schema": {"type": "string"}}}),
-        **problems(404),
-    },
-    summary="Finished items as CSV",
-)
-async def get_sweep_items_csv(request: Request, sweep: Known, parts: Parts) -> Response:
-    """A row for each item, by number: status, axes, quantities, gap, seconds, design, problem.
+def _add_table(
+    extension: str,
+    schema: dict[str, str],
+    write: Callable[[Columns, Pages], AsyncIterator[bytes]],
+    title: str,
+    text: str,
+    *statuses: int,
+) -> None:
+    """Add the route of a table; ``statuses``: what may go wrong besides."""
+    media_type = MEDIA_TYPES[extension]
 
-    Once the sweep has ended, it has a tag, and parts of it can be requested.
-    """
-    return await _table(request, parts, sweep, CsvWriter, ("csv", CSV))
+    async def handler(request: Request, sweep: Known, parts: Parts) -> Response:
+        return await _table(request, parts, sweep, write, extension)
 
-
-@router.get(
-    "/items.parquet",
-    response_class=StreamingResponse,
-    responses={
-        **in_parts(
-            description="The table.",
-            content={PARQUET: {"schema": {"type": "string", "format": "binary"}}},
-        ),
-        **problems(404, 501),
-    },
-    summary="Finished items as Parquet",
-)
-async def get_sweep_items_parquet(request: Request, sweep: Known, parts: Parts) -> Response:
-    """The same table for data frames; axes of numbers and quantities are doubles."""
-    return await _table(request, parts, sweep, ParquetWriter, ("parquet", PARQUET))
+    router.add_api_route(
+        f"/items.{extension}", handler, name=f"get_sweep_items_{extension}", summary=title,
+        description=text, response_class=StreamingResponse,
+        responses={
+            **in_parts(description="The table.", content={media_type: {"schema": schema}}),
+            **problems(404, *statuses),
+        },
+    )  # fmt: skip
 
 
 async def _table(
     request: Request,
     parts: State,
     sweep: SweepRow,
-    writer: Callable[[Columns], Writer],
-    kind: tuple[str, str],
+    write: Callable[[Columns, Pages], AsyncIterator[bytes]],
+    extension: str,
 ) -> Response:
     def body() -> AsyncIterator[bytes]:
-        columns = Columns(sweep)
-        return write_table(parts.sweeps.store, sweep, columns, writer(columns))
+        return write(Columns(sweep), parts.sweeps.store.pages(sweep.sequence))
 
-    extension, media_type = kind
     name = f'attachment; filename="{file_stem(sweep.name)}-items.{extension}"'
     headers = {"Content-Disposition": name}
     tag = _tag(sweep, extension)
@@ -133,7 +123,18 @@ async def _table(
         headers |= {"ETag": f'"{tag}"', **IN_PARTS}
         if "range" in request.headers:  # Content-Range needs the total: written once to count
             headers["Content-Length"] = str(sum([len(chunk) async for chunk in body()]))
-    return StreamingResponse(body(), 200, headers, media_type)
+    return StreamingResponse(body(), 200, headers, MEDIA_TYPES[extension])
+
+
+_add_table(
+    "csv", {"type": "string"}, csv_table, "Finished items as CSV",
+    "A row for each item, by number: status, axes, quantities, gap, seconds, design, problem.\n\n"
+    "Once the sweep has ended, it has a tag, and parts of it can be requested.",
+)  # fmt: skip
+_add_table(
+    "parquet", {"type": "string", "format": "binary"}, parquet_table, "Finished items as Parquet",
+    "The same table for data frames; axes of numbers and quantities are doubles.", 501,
+)  # fmt: skip
 
 
 Small = Annotated[

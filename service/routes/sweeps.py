@@ -14,13 +14,13 @@ from service.contract.documentation import UNDER_WAY_HEADERS, problems, spec_bod
 from service.contract.examples import SWEEPS
 from service.routes.resource_routes import Key, check_key
 from service.state import Parts, State
-from service.sweeps.store import UNDER_WAY, SweepRow
+from service.sweeps.store import UNDER_WAY, ItemRow, SweepRow
 from service.sweeps.views import (
     Sweep,
     SweepPage,
     SweepState,
     SweepSummary,
-    items_of,
+    item_of,
     summary_of,
     sweep_of,
     sweep_path,
@@ -172,9 +172,15 @@ async def _events(
         now = await parts.sweeps.store.find(row.id)
         if now is None:
             return
-        while items and (found := await parts.sweeps.store.items(now.sequence, after, BATCH)):
-            for line, each in zip(items_of(now, found), found, strict=True):
-                yield ServerSentEvent(data=line, event="item", id=cursor_at(each.sequence))
+        while items and (
+            found := await parts.sweeps.store.items(
+                now.sequence, ItemRow.sequence > after, size=BATCH
+            )
+        ):
+            for each in found:
+                yield ServerSentEvent(
+                    data=item_of(now, each), event="item", id=cursor_at(each.sequence)
+                )
             after = found[-1].sequence
         summary = _summary(parts, now)
         if now.state not in UNDER_WAY:

@@ -17,6 +17,7 @@ from sqlalchemy import (
     Index,
     Integer,
     LargeBinary,
+    Select,
     String,
     create_engine,
     delete,
@@ -46,7 +47,25 @@ class Base(DeclarativeBase):
     """The tables."""
 
 
-class AnswerRow(Base):
+class Kept(Base):
+    """What is kept by id; ``sequence`` is the order in which it came."""
+
+    __abstract__ = True
+
+    sequence: Mapped[int] = mapped_column(
+        BigInteger().with_variant(Integer, "sqlite"), primary_key=True
+    )
+    id: Mapped[str] = mapped_column(String(64), unique=True)
+    engine: Mapped[int] = mapped_column(Integer)
+    name: Mapped[str] = mapped_column(String(200))
+    created: Mapped[datetime] = mapped_column(DateTime(timezone=True))
+    spec: Mapped[bytes] = mapped_column(LargeBinary)
+
+
+Row = TypeVar("Row", bound=Kept)
+
+
+class AnswerRow(Kept):
     """One question with its answer.
 
     Attributes:
@@ -60,17 +79,9 @@ class AnswerRow(Base):
     __tablename__ = "answers"
     __table_args__ = (Index("ix_answers_kind", "kind", "sequence"),)
 
-    sequence: Mapped[int] = mapped_column(
-        BigInteger().with_variant(Integer, "sqlite"), primary_key=True
-    )
-    id: Mapped[str] = mapped_column(String(64), unique=True)
     kind: Mapped[str] = mapped_column(String(64))
-    engine: Mapped[int] = mapped_column(Integer)
-    name: Mapped[str] = mapped_column(String(200))
-    created: Mapped[datetime] = mapped_column(DateTime(timezone=True))
     state: Mapped[str] = mapped_column(String(16), index=True)
     status: Mapped[str | None] = mapped_column(String(16))
-    spec: Mapped[bytes] = mapped_column(LargeBinary)
     body: Mapped[bytes | None] = mapped_column(LargeBinary)
     etag: Mapped[str | None] = mapped_column(String(64))
     summary: Mapped[dict[str, Any]] = mapped_column(JSON, default=dict)
@@ -99,13 +110,20 @@ class Store:
         migrate(self._engine)
 
     async def do(self, work: Callable[[Session], T]) -> T:
-        """Run a function of a session as one transaction."""
+        """Run a function of a session as one transaction.
+
+        It is run again where another process was first to add a row with the same key.
+        """
 
         def transaction() -> T:
             with self._session.begin() as session:
                 return work(session)
 
-        return await asyncio.get_running_loop().run_in_executor(self._threads, transaction)
+        loop = asyncio.get_running_loop()
+        try:
+            return await loop.run_in_executor(self._threads, transaction)
+        except IntegrityError:
+            return await loop.run_in_executor(self._threads, transaction)
 
     async def reachable(self) -> bool:
         """Whether the database answers."""
@@ -127,10 +145,7 @@ class Store:
                 session.add(row)
             return row.body_hash
 
-        try:
-            return await self.do(work)
-        except IntegrityError:  # another process was first
-            return await self.do(work)
+        return await self.do(work)
 
     def dispose(self) -> None:
         """Close the connections to the database."""
@@ -159,20 +174,13 @@ class Answers:
         """Keep an answer in place of what there was; one that is done already stays as it is."""
 
         def work(session: Session) -> AnswerRow:
-            there = session.scalar(select(AnswerRow).filter_by(id=row.id).with_for_update())
-            if there is None:
-                session.add(row)
-                session.flush()
-                return row
-            if there.state != "done":
+            there = find_or_add(session, row)
+            if there.state != "done" and there is not row:
                 for field in ("created", "state", "status", "body", "etag", "summary", "problem"):
                     setattr(there, field, getattr(row, field))
             return there
 
-        try:
-            return await self._do(work)
-        except IntegrityError:  # another process was first
-            return await self._do(work)
+        return await self._do(work)
 
     async def fail(self, id: str, problem: dict[str, Any]) -> None:
         """Note why an accepted one failed; nothing where it was never accepted."""
@@ -192,13 +200,9 @@ class Answers:
 
     async def page(self, before: int | None, size: int, status: str | None) -> Sequence[AnswerRow]:
         """Answers from the newest on, those with a smaller sequence than ``before``."""
-        query = select(AnswerRow).options(defer(AnswerRow.body), defer(AnswerRow.spec))
-        query = query.filter_by(kind=self._kind).where(AnswerRow.state != "superseded")
-        query = query.order_by(AnswerRow.sequence.desc()).limit(size)
-        if before is not None:
-            query = query.where(AnswerRow.sequence < before)
-        if status is not None:
-            query = query.filter_by(status=status)
+        query = newest(AnswerRow, before, size, kind=self._kind, status=status)
+        query = query.options(defer(AnswerRow.body), defer(AnswerRow.spec))
+        query = query.where(AnswerRow.state != "superseded")
         return await self._do(lambda session: session.scalars(query).all())
 
     async def unfinished(self) -> Sequence[AnswerRow]:
@@ -213,6 +217,22 @@ class Answers:
         query = select(named, func.count()).filter_by(kind=self._kind).group_by(named)
         query = query.where(AnswerRow.state != "superseded")
         return await self._do(lambda session: dict(session.execute(query).all()))
+
+
+def newest(rows: type[Row], before: int | None, size: int, **wanted: str | None) -> Select[Row]:
+    """Rows with these values (None: any), from the newest on, those before a sequence number."""
+    query = select(rows).order_by(rows.sequence.desc()).limit(size)
+    query = query.filter_by(**{name: value for name, value in wanted.items() if value is not None})
+    return query if before is None else query.where(rows.sequence < before)
+
+
+def find_or_add(session: Session, row: Row) -> Row:
+    """The row with this one's id, locked; this one where there was none."""
+    there = session.scalar(select(type(row)).filter_by(id=row.id).with_for_update())
+    if there is None:
+        session.add(row)
+        session.flush()
+    return there or row
 
 
 def _connected(settings: Settings) -> Engine:

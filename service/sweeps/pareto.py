@@ -10,12 +10,10 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from service.sweeps.store import SweepRow, SweepStore
+from service.sweeps.store import ItemRow, SweepRow, SweepStore
 from service.sweeps.views import ParetoAxis, ParetoFront, item_of
 from service.wire.errors import ProblemType
 from synthesis.studies.sweeps.pareto import non_dominated
-
-PAGE = 2000
 
 
 @dataclass(frozen=True, eq=False)
@@ -46,9 +44,8 @@ async def compare_designs(
     numbers: list[int] = []
     values: list[list[float]] = []
     left_out: Counter[str] = Counter()
-    above = -1
-    while found := await store.items_by_number(sweep.sequence, above, PAGE):
-        for item in found:
+    async for page in store.pages(sweep.sequence):
+        for item in page:
             row = [item.quantities.get(axis.quantity) for axis in axes]
             known = [value for value in row if value is not None]
             if item.status not in ("optimal", "feasible"):
@@ -58,7 +55,6 @@ async def compare_designs(
             else:
                 numbers.append(item.number)
                 values.append(known)
-        above = found[-1].number
     table = np.array(values).reshape(len(values), len(axes))
     front = await asyncio.to_thread(non_dominated, table * signs)
     return Comparison(numbers, table, front, left_out)
@@ -70,7 +66,8 @@ async def pareto_front(
     """The non-dominated designs of a sweep in these quantities; see ``compare_designs``."""
     found = await compare_designs(store, sweep, axes)
     best = [found.numbers[index] for index in found.front]
-    rows = {item.number: item for item in await store.items_with(sweep.sequence, best[:most])}
+    shown = await store.items(sweep.sequence, ItemRow.number.in_(best[:most]))
+    rows = {item.number: item for item in shown}
     return ParetoFront(
         axes=list(axes),
         compared=len(found.numbers),

@@ -4,8 +4,10 @@ from __future__ import annotations
 
 import asyncio
 import logging
+import time
+from collections import deque
 from collections.abc import Awaitable, Callable
-from dataclasses import replace
+from dataclasses import dataclass, field, replace
 from typing import Any, TypeVar
 
 from sqlalchemy.exc import InterfaceError, OperationalError
@@ -13,7 +15,6 @@ from sqlalchemy.exc import InterfaceError, OperationalError
 from service.settings import Settings
 from service.sweeps.chunks import CHAIN, STRIKES, Chunks
 from service.sweeps.lease import Leases
-from service.sweeps.progress import Progress
 from service.sweeps.store import Done, LeaseLost, SweepRow, SweepStore
 from service.sweeps.tasks import SLICE_S, ItemAnswer, solve_items
 from service.wire.errors import ProblemType, ServiceError, problem_type
@@ -25,7 +26,39 @@ from synthesis.studies.sweeps import SweepSpec
 log = logging.getLogger("camwright.sweeps")
 RETRY_S = 0.5  # after the engine or the store could not be reached
 RENEWAL_S = 0.5  # at most, between renewals of the lease
+WINDOW = 32  # commits over which the rate is taken
 T = TypeVar("T")
+
+
+@dataclass(eq=False)
+class Progress:
+    """Updated with every commit; notifies those who wait for a change."""
+
+    _commits: deque[tuple[float, int]] = field(default_factory=lambda: deque(maxlen=WINDOW))
+    _change: asyncio.Event = field(default_factory=asyncio.Event)
+
+    def update(self, done: int) -> None:
+        """Note how many items are in the store now."""
+        self._commits.append((time.monotonic(), done))
+        self.notify()
+
+    def notify(self) -> None:
+        """Wake those who wait for a change."""
+        change, self._change = self._change, asyncio.Event()
+        change.set()
+
+    @property
+    def next_change(self) -> asyncio.Event:
+        """Set at the next change."""
+        return self._change
+
+    @property
+    def rate_per_s(self) -> float | None:
+        """Items a second over the last commits; None until there are two."""
+        if len(self._commits) < 2:
+            return None
+        (start, first), (end, last) = self._commits[0], self._commits[-1]
+        return (last - first) / (end - start) if end > start else None
 
 
 class SweepRunner:

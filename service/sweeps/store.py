@@ -5,13 +5,14 @@ from __future__ import annotations
 import hashlib
 import json
 import zlib
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import AsyncIterator, Iterable, Mapping, Sequence
 from datetime import UTC, datetime
 from typing import Any
 
 from sqlalchemy import (
     JSON,
     BigInteger,
+    ColumnElement,
     DateTime,
     Float,
     Index,
@@ -23,33 +24,25 @@ from sqlalchemy import (
     select,
     update,
 )  # fmt: skip
-from sqlalchemy.exc import IntegrityError
 from sqlalchemy.orm import Mapped, Session, defer, mapped_column
 
-from service.storage.store import AnswerRow, Base, Do
+from service.storage.store import AnswerRow, Base, Do, Kept, find_or_add, newest
 from service.sweeps.tasks import ItemAnswer
 
 STATUSES = ("optimal", "feasible", "infeasible", "failed")
 UNDER_WAY = ("accepted", "running")
+PAGE = 1000  # items that are read at once for tables and fronts
 Done = tuple[ItemAnswer, list[Any]]  # an answer, and the values that the axes had
 
 
-class SweepRow(Base):
+class SweepRow(Kept):
     """One sweep, with how many of its items came out how."""
 
     __tablename__ = "sweeps"
 
-    sequence: Mapped[int] = mapped_column(
-        BigInteger().with_variant(Integer, "sqlite"), primary_key=True
-    )
-    id: Mapped[str] = mapped_column(String(64), unique=True)
-    engine: Mapped[int] = mapped_column(Integer)
-    name: Mapped[str] = mapped_column(String(200))
-    created: Mapped[datetime] = mapped_column(DateTime(timezone=True))
     started: Mapped[datetime | None] = mapped_column(DateTime(timezone=True))
     finished: Mapped[datetime | None] = mapped_column(DateTime(timezone=True))
     state: Mapped[str] = mapped_column(String(16), index=True)
-    spec: Mapped[bytes] = mapped_column(LargeBinary)
     size: Mapped[int] = mapped_column(Integer)
     axes: Mapped[list[str]] = mapped_column(JSON)
     quantities: Mapped[list[str]] = mapped_column(JSON)
@@ -119,19 +112,12 @@ class SweepStore:
         """Keep a sweep; where there is one with its id, that one, which continues if dismissed."""
 
         def work(session: Session) -> SweepRow:
-            there = session.scalar(select(SweepRow).filter_by(id=row.id).with_for_update())
-            if there is None:
-                session.add(row)
-                session.flush()
-                return row
+            there = find_or_add(session, row)
             if there.state == "dismissed":
                 there.state, there.finished = "accepted", None
             return there
 
-        try:
-            return await self._do(work)
-        except IntegrityError:  # another process was first
-            return await self._do(work)
+        return await self._do(work)
 
     async def find(self, name: str) -> SweepRow | None:
         """The sweep with this id."""
@@ -139,12 +125,7 @@ class SweepStore:
 
     async def page(self, before: int | None, size: int, state: str | None) -> Sequence[SweepRow]:
         """Sweeps from the newest on, without their specs."""
-        query = select(SweepRow).options(UNREAD)
-        query = query.order_by(SweepRow.sequence.desc()).limit(size)
-        if before is not None:
-            query = query.where(SweepRow.sequence < before)
-        if state is not None:
-            query = query.filter_by(state=state)
+        query = newest(SweepRow, before, size, state=state).options(UNREAD)
         return await self._do(lambda session: session.scalars(query).all())
 
     async def done_numbers(self, sweep: int) -> set[int]:
@@ -202,10 +183,7 @@ class SweepStore:
                 whole.quantities = list(names)
             return whole
 
-        try:
-            return await self._do(work)
-        except IntegrityError:  # another process has kept one of them meanwhile
-            return await self._do(work)
+        return await self._do(work)
 
     async def end(self, sweep: int, state: str, owner: str | None = None) -> SweepRow | None:
         """Mark a running sweep as ended; None where it was not running, or is deleted.
@@ -235,26 +213,25 @@ class SweepStore:
         await self._do(work)
 
     async def items(
-        self, sweep: int, after: int, size: int, status: str | None = None
+        self,
+        sweep: int,
+        *where: ColumnElement[bool],
+        size: int | None = None,
+        order: Any = ItemRow.sequence,
     ) -> Sequence[ItemRow]:
-        """Items in the order in which they were finished, those after a sequence."""
-        query = select(ItemRow).options(LISTED).where(ItemRow.sweep == sweep)
-        query = query.where(ItemRow.sequence > after).order_by(ItemRow.sequence).limit(size)
-        if status is not None:
-            query = query.where(ItemRow.status == status)
+        """Finished items without their designs; by default in the order they were finished."""
+        query = select(ItemRow).options(LISTED).where(ItemRow.sweep == sweep, *where)
+        query = query.order_by(order).limit(size)
         return await self._do(lambda session: session.scalars(query).all())
 
-    async def items_by_number(self, sweep: int, above: int, size: int) -> Sequence[ItemRow]:
-        """Finished items in the order of their numbers, those above one."""
-        query = select(ItemRow).options(LISTED).where(ItemRow.sweep == sweep)
-        query = query.where(ItemRow.number > above).order_by(ItemRow.number).limit(size)
-        return await self._do(lambda session: session.scalars(query).all())
-
-    async def items_with(self, sweep: int, numbers: Sequence[int]) -> Sequence[ItemRow]:
-        """These finished items, without their designs."""
-        query = select(ItemRow).options(LISTED).where(ItemRow.sweep == sweep)
-        query = query.where(ItemRow.number.in_(numbers))
-        return await self._do(lambda session: session.scalars(query).all())
+    async def pages(self, sweep: int) -> AsyncIterator[Sequence[ItemRow]]:
+        """All finished items in the order of their numbers, a page at a time."""
+        above = -1
+        while found := await self.items(
+            sweep, ItemRow.number > above, size=PAGE, order=ItemRow.number
+        ):
+            yield found
+            above = found[-1].number
 
     async def item(self, sweep: int, number: int) -> ItemRow | None:
         """One finished item with its design."""
@@ -272,18 +249,8 @@ class SweepStore:
 
 
 def _row(sweep: int, answer: ItemAnswer, values: list[Any]) -> dict[str, Any]:
-    return {
-        "sweep": sweep,
-        "number": answer.number,
-        "status": answer.status,
-        "axis_values": values,
-        "quantities": answer.quantities,
-        "gap": answer.gap,
-        "seconds": answer.seconds,
-        "design_id": answer.design_id,
-        "design": answer.design,
-        "problem": answer.problem,
-    }
+    fields = {name: value for name, value in vars(answer).items() if name != "warm_start"}
+    return {**fields, "sweep": sweep, "axis_values": values}
 
 
 def design_of_item(session: Session, id: str) -> AnswerRow | None:

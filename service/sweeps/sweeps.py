@@ -12,8 +12,7 @@ from sqlalchemy.exc import InterfaceError, OperationalError
 from service.settings import Settings
 from service.storage.store import Store
 from service.sweeps.lease import Leases
-from service.sweeps.progress import Progress
-from service.sweeps.runner import SweepRunner
+from service.sweeps.runner import Progress, SweepRunner
 from service.sweeps.store import SweepRow, SweepStore
 from service.sweeps.tasks import item_spec
 from service.wire.errors import ProblemType, ServiceError

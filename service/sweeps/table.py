@@ -5,19 +5,16 @@ from __future__ import annotations
 import csv
 import io
 import json
-from abc import ABC, abstractmethod
-from collections.abc import AsyncIterator, Sequence
+from collections.abc import AsyncIterator, Iterable, Sequence
 from typing import Any
 
-from pydantic import JsonValue
-
-from service.sweeps.store import ItemRow, SweepRow, SweepStore
+from service.sweeps.store import ItemRow, SweepRow
 from service.wire.errors import ProblemType
 from synthesis.studies.sweeps import SweepSpec
 
-PAGE = 500
 BEFORE = (("number", "int"), ("status", "text"))
 AFTER = (("gap", "number"), ("seconds", "number"), ("design", "text"), ("problem", "text"))
+Pages = AsyncIterator[Sequence[ItemRow]]
 
 
 class Columns:
@@ -44,108 +41,74 @@ class Columns:
         return [item.number, item.status, *values, *quantities, *own]
 
 
-class Writer(ABC):
-    """Turns rows into bytes."""
+async def csv_table(columns: Columns, pages: Pages) -> AsyncIterator[bytes]:
+    """The bytes of comma-separated values, RFC 4180, UTF-8."""
 
-    @abstractmethod
-    def header(self) -> bytes:
-        """The bytes before all rows."""
-
-    @abstractmethod
-    def rows(self, rows: Sequence[list[Any]]) -> bytes:
-        """The bytes of some rows."""
-
-    @abstractmethod
-    def footer(self) -> bytes:
-        """The bytes after all rows."""
-
-
-class CsvWriter(Writer):
-    """Comma-separated values, RFC 4180, UTF-8."""
-
-    def __init__(self, columns: Columns) -> None:
-        self._names = [name for name, _ in columns.kinds]
-
-    def header(self) -> bytes:
-        return self.rows([self._names])
-
-    def rows(self, rows: Sequence[list[Any]]) -> bytes:
+    def lines(rows: Iterable[list[Any]]) -> bytes:
         text = io.StringIO()
         csv.writer(text).writerows(rows)
         return text.getvalue().encode()
 
-    def footer(self) -> bytes:
-        return b""
+    yield lines([[name for name, _ in columns.kinds]])
+    async for page in pages:
+        yield lines(map(columns.row, page))
 
 
-class ParquetWriter(Writer):
-    """Apache Parquet, a row group a page. Raises ServiceError where pyarrow is not installed."""
+def parquet_table(columns: Columns, pages: Pages) -> AsyncIterator[bytes]:
+    """The bytes of Apache Parquet, a row group a page.
 
-    def __init__(self, columns: Columns) -> None:
-        try:
-            import pyarrow as pa
-            from pyarrow.parquet import ParquetWriter as Parquet
-        except ImportError:
-            raise ProblemType.FORMAT_MISSING(
-                "Parquet needs the extra `parquet` of Camwright, which is not installed on this "
-                "server. Take items.csv, or ask the operator to install pyarrow."
-            ) from None
-        types = {"int": pa.int64(), "number": pa.float64(), "text": pa.string()}
-        self._pa, self._sink = pa, io.BytesIO()
-        self._schema = pa.schema([(name, types[kind]) for name, kind in columns.kinds])
-        self._written = 0
-        self._parquet = Parquet(pa.PythonFile(_AppendOnly(self._sink), mode="w"), self._schema)
+    Raises:
+        ServiceError: pyarrow is not installed.
+    """
+    try:
+        import pyarrow as pa
+        from pyarrow.parquet import ParquetWriter
+    except ImportError:
+        raise ProblemType.FORMAT_MISSING(
+            "Parquet needs the extra `parquet` of Camwright, which is not installed on this "
+            "server. Take items.csv, or ask the operator to install pyarrow."
+        ) from None
+    types = {"int": pa.int64(), "number": pa.float64(), "text": pa.string()}
+    schema = pa.schema([(name, types[kind]) for name, kind in columns.kinds])
 
-    def header(self) -> bytes:
-        return self._take_written()
+    async def written() -> AsyncIterator[bytes]:
+        file = _AppendOnly()
+        with ParquetWriter(pa.PythonFile(file, mode="w"), schema) as parquet:
+            async for page in pages:
+                cells = zip(*map(columns.row, page), strict=True)
+                arrays = [
+                    pa.array(column, field.type)
+                    for column, field in zip(cells, schema, strict=True)
+                ]
+                parquet.write_table(pa.Table.from_arrays(arrays, schema=schema))
+                yield file.take()
+        yield file.take()
 
-    def rows(self, rows: Sequence[list[Any]]) -> bytes:
-        columns = [
-            self._pa.array(column, field.type)
-            for column, field in zip(zip(*rows, strict=True), self._schema, strict=True)
-        ]
-        self._parquet.write_table(self._pa.Table.from_arrays(columns, schema=self._schema))
-        return self._take_written()
-
-    def footer(self) -> bytes:
-        self._parquet.close()
-        return self._take_written()
-
-    def _take_written(self) -> bytes:
-        found = self._sink.getvalue()
-        self._sink.seek(0)
-        self._sink.truncate()
-        return found
+    return written()
 
 
 class _AppendOnly(io.RawIOBase):
     """A file that is only appended to; keeps what was not taken yet."""
 
-    def __init__(self, sink: io.BytesIO) -> None:
-        self._sink, self._at = sink, 0
+    def __init__(self) -> None:
+        self._bytes, self._at = bytearray(), 0
 
     def writable(self) -> bool:
         return True
 
     def write(self, data: Any) -> int:
+        self._bytes += data
         self._at += len(data)
-        return self._sink.write(data)
+        return len(data)
 
     def tell(self) -> int:
         return self._at
 
-
-async def write_table(
-    store: SweepStore, sweep: SweepRow, columns: Columns, writer: Writer
-) -> AsyncIterator[bytes]:
-    """The whole table, in the order of the items' numbers, in pieces."""
-    yield writer.header()
-    above = -1
-    while found := await store.items_by_number(sweep.sequence, above, PAGE):
-        yield writer.rows([columns.row(item) for item in found])
-        above = found[-1].number
-    yield writer.footer()
+    def take(self) -> bytes:
+        """What was written since the last time."""
+        taken, self._bytes = bytes(self._bytes), bytearray()
+        return taken
 
 
-def _text(value: JsonValue) -> str:
+def _text(value: Any) -> str:
     return value if isinstance(value, str) else json.dumps(value)

@@ -2,19 +2,21 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from datetime import UTC, datetime
+from datetime import datetime
 from typing import Annotated, Any, Literal
 
 from pydantic import BaseModel, Field, JsonValue
 
-from service.sweeps.progress import Progress
-from service.sweeps.store import UNDER_WAY, ItemRow, SweepRow
+from service.sweeps.runner import Progress
+from service.sweeps.store import STATUSES, UNDER_WAY, ItemRow, SweepRow
+from service.wire.pages import in_utc
+from service.workers.tasks import links_to
 from synthesis.studies.sweeps import SweepSpec
 
 SweepState = Literal["accepted", "running", "successful", "failed", "dismissed"]
 ItemStatus = Literal["optimal", "feasible", "infeasible", "failed"]
-FILES = ("items.csv", "items.parquet")
+FILES = ("items", "items.csv", "items.parquet", "pareto", "events")
+PATH = "/v1/sweeps"
 
 
 class Counts(BaseModel):
@@ -133,7 +135,7 @@ class ParetoFront(BaseModel):
 
 def sweep_path(id: str) -> str:
     """Path of a sweep."""
-    return f"/v1/sweeps/{id}"
+    return f"{PATH}/{id}"
 
 
 def summary_of(row: SweepRow, progress: Progress | None) -> SweepSummary:
@@ -147,57 +149,28 @@ def sweep_of(row: SweepRow, progress: Progress | None) -> Sweep:
 
 
 def _fields(row: SweepRow, progress: Progress | None) -> dict[str, Any]:
-    under_way = row.state in UNDER_WAY
-    rate = progress.rate_per_s if progress is not None and under_way else None
-    left = row.size - row.done
-    self = sweep_path(row.id)
+    rate = progress.rate_per_s if progress is not None and row.state in UNDER_WAY else None
+    counts = {name: getattr(row, name) for name in ("done", *STATUSES)}
     return {
-        "id": row.id,
-        "engine": row.engine,
-        "name": row.name,
+        **{name: getattr(row, name) for name in ("id", "engine", "name", "axes", "quantities")},
+        **{name: in_utc(getattr(row, name)) for name in ("created", "started", "finished")},
         "state": row.state,
-        "created": _utc(row.created),
-        "started": _utc(row.started),
-        "finished": _utc(row.finished),
         "progress": 100.0 * row.done / row.size,
-        "counts": Counts(
-            items=row.size, done=row.done, optimal=row.optimal, feasible=row.feasible,
-            infeasible=row.infeasible, failed=row.failed,
-        ),
+        "counts": Counts(items=row.size, **counts),
         "rate_per_s": rate,
-        "time_left_s": left / rate if rate else None,
-        "axes": row.axes,
-        "quantities": row.quantities,
-        "links": {
-            "self": self,
-            **{name: f"{self}/{name}" for name in ("items", *FILES, "pareto", "events")},
-        },
-    }  # fmt: skip
+        "time_left_s": (row.size - row.done) / rate if rate else None,
+        "links": links_to(PATH, row.id, FILES),
+    }
 
 
 def item_of(sweep: SweepRow, row: ItemRow) -> SweepItem:
-    """One finished item."""
+    """A finished item with its addresses."""
+    names = ("number", "status", "quantities", "gap", "seconds", "problem")
     links = {"self": f"{sweep_path(sweep.id)}/items/{row.number}"}
     if row.design_id is not None:
         links["design"] = f"/v1/designs/{row.design_id}"
     return SweepItem(
-        number=row.number,
-        status=row.status,  # type: ignore[arg-type]
+        **{name: getattr(row, name) for name in names},
         values=dict(zip(sweep.axes, row.axis_values, strict=True)),
-        quantities=row.quantities,
-        gap=row.gap,
-        seconds=row.seconds,
-        problem=row.problem,
         links=links,
     )
-
-
-def items_of(sweep: SweepRow, rows: Sequence[ItemRow]) -> list[SweepItem]:
-    """Several."""
-    return [item_of(sweep, row) for row in rows]
-
-
-def _utc(moment: datetime | None) -> datetime | None:
-    if moment is None or moment.tzinfo is not None:
-        return moment
-    return moment.replace(tzinfo=UTC)

@@ -27,6 +27,6 @@ def position_of(cursor: str) -> int:
     )
 
 
-def in_utc(moment: datetime) -> datetime:
+def in_utc(moment: datetime | None) -> datetime | None:
     """A time from the store; SQLite keeps none with a zone."""
-    return moment if moment.tzinfo else moment.replace(tzinfo=UTC)
+    return moment.replace(tzinfo=UTC) if moment and moment.tzinfo is None else moment

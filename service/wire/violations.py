@@ -17,80 +17,65 @@ MAX_LISTED = 50  # violations in one answer
 LONGEST_VALUE = 200  # characters of a wrong value that are sent back
 LONGEST_POINTER = 500  # characters; the names of fields are at most 28 long
 LONGEST_GUESSED = 80  # characters of a wrong name that are compared with the right ones
-# Rules over several fields: the place in the spec that the caller is pointed to. The spec may be
+# Rules over several fields, by the place in the spec that the caller is pointed to. The spec may be
 # part of a set. Names in braces are in the error's context.
 PLACES = {
-    "program_angles": ("program",),
-    "program_lift": ("program",),
-    "program_still": ("program",),
-    "one_number_free": ("program", "{segment}", "{name}"),
-    "numbers_do_not_fit": ("program",),
-    "states_differ": ("program", "{segment}", "{end}"),
-    "state_not_neighbours": ("program", "{segment}"),
-    "state_backwards": ("program", "{segment}"),
-    "acceleration_alone": ("program", "{segment}"),
-    "state_not_met": ("program", "{segment}", "{end}"),
-    "law_backwards": ("program", "{segment}"),
-    "base_radius_positive": ("base_radius_mm",),
-    "offset_beyond_prime_radius": ("follower", "offset_mm"),
-    "lift_does_not_suit": ("program", "{position}"),
-    "limit_unit_does_not_suit": ("limits", "{position}"),
-    "centre_distance_positive": ("follower", "centre_distance_mm"),
-    "arm_does_not_reach": ("follower",),
-    "roller_on_pivot": ("follower", "arm_mm"),
-    "no_length_serves": ("follower", "{name}"),
-    "initial_angle_range": ("follower", "initial_angle_deg"),
-    "initial_angle_contradicts": ("follower", "initial_angle_deg"),
-    "swing_too_large": ("program",),
-    "no_best_pressure_angle": ("objective",),
-    "no_smallest_cam": ("limits",),
-    "pressure_angle_given": ("objective",),
-    "limit_does_not_suit": ("limits",),
-    "spline_too_rough": ("program", "{position}", "law"),
-    "face_turns_with_cam": ("program",),
-    "face_swings_too_far": ("follower", "centre_distance_mm"),
-    "index_not_whole": ("program",),
-    "no_such_size": ("machine", "{name}"),
-    "objective_does_not_suit": ("objective",),
-    "machine_in_full": ("machine",),
-    "nothing_keeps_large": ("limits",),
-    "rollers_vanish": ("machine",),
-    "crown_leans": ("limits", "{position}"),
-    "rollers_overlap": ("machine", "roller_radius_mm"),
-    "grooves_reach_axis": ("machine", "centre_distance_mm"),
-    "cam_off_the_shaft": ("cams", "{position}", "spec", "{field}"),
-    "axis_leads_nowhere": ("axes", "{position}", "{name}"),
-    "axes_share_a_field": ("axes", "{position}", "{name}"),
-    "balance_needs_numbers": ("axes", "{position}", "{name}"),
-    "axis_without_count": ("axes", "{position}"),
-    "axes_of_unequal_length": ("axes", "{position}"),
-    "wish_missing": ("{name}",),
-    "sized_at_constant_speed": ("acceleration_rad_per_s2",),
-    "groove_needs_roller": ("follower", "roller_radius_mm"),
-    "roller_fills_ring": ("base_radius_mm",),
-    "rim_without_ring": ("follower", "closure", "rim_mm"),
-    "outer_radius_too_small": ("limits",),
-    "load_does_not_suit": ("load", "kind"),
-    "nothing_presses_follower": ("load",),
-    "friction_does_not_suit": ("load", "friction"),
-    "friction_needs_sense": ("load", "friction"),
-    "overhang_too_short": ("load", "friction", "overhang_mm"),
-    "objective_needs_load": ("objective",),
-    "process_not_steady": ("objective",),
-    "limit_needs_load": ("limits", "{position}"),
-    "limit_needs_contact": ("limits", "{position}"),
-    "never_floats": ("limits", "{position}", "min_n"),
-    "edge_has_no_pressure": ("limits", "{position}"),
-    "vibration_too_far_off": ("limits",),
-    "no_dwell_to_ring_in": ("limits",),
-    "train_not_held": ("train", "masses"),
-    "train_grows": ("train", "masses"),
-    "train_resonates": ("speeds_rpm", "{position}"),
-    "crown_too_round": ("machine", "crown_radius_mm"),
-    "roller_reaches_axis": ("machine", "roller_width_mm"),
-    "roller_beside_cylinder": ("machine",),
-    "rollers_touch": ("machine", "roller_distance_mm"),
-    "arm_along_cam": ("machine", "initial_angle_deg"),
+    kind: tuple(place.split("/"))
+    for place, kinds in {
+        "program": (
+            "program_angles program_lift program_still numbers_do_not_fit swing_too_large "
+            "face_turns_with_cam index_not_whole"
+        ),
+        "program/{segment}/{name}": "one_number_free",
+        "program/{segment}/{end}": "states_differ state_not_met",
+        "program/{segment}": (
+            "state_not_neighbours state_backwards acceleration_alone law_backwards"
+        ),
+        "base_radius_mm": "base_radius_positive roller_fills_ring",
+        "follower/offset_mm": "offset_beyond_prime_radius",
+        "program/{position}": "lift_does_not_suit",
+        "limits/{position}": (
+            "limit_unit_does_not_suit crown_leans limit_needs_load limit_needs_contact "
+            "edge_has_no_pressure"
+        ),
+        "follower/centre_distance_mm": "centre_distance_positive face_swings_too_far",
+        "follower": "arm_does_not_reach",
+        "follower/arm_mm": "roller_on_pivot",
+        "follower/{name}": "no_length_serves",
+        "follower/initial_angle_deg": "initial_angle_range initial_angle_contradicts",
+        "objective": (
+            "no_best_pressure_angle pressure_angle_given objective_does_not_suit "
+            "objective_needs_load process_not_steady"
+        ),
+        "limits": (
+            "no_smallest_cam limit_does_not_suit nothing_keeps_large outer_radius_too_small "
+            "vibration_too_far_off no_dwell_to_ring_in"
+        ),
+        "program/{position}/law": "spline_too_rough",
+        "machine/{name}": "no_such_size",
+        "machine": "machine_in_full rollers_vanish roller_beside_cylinder",
+        "machine/roller_radius_mm": "rollers_overlap",
+        "machine/centre_distance_mm": "grooves_reach_axis",
+        "cams/{position}/spec/{field}": "cam_off_the_shaft",
+        "axes/{position}/{name}": "axis_leads_nowhere axes_share_a_field balance_needs_numbers",
+        "axes/{position}": "axis_without_count axes_of_unequal_length",
+        "{name}": "wish_missing",
+        "acceleration_rad_per_s2": "sized_at_constant_speed",
+        "follower/roller_radius_mm": "groove_needs_roller",
+        "follower/closure/rim_mm": "rim_without_ring",
+        "load/kind": "load_does_not_suit",
+        "load": "nothing_presses_follower",
+        "load/friction": "friction_does_not_suit friction_needs_sense",
+        "load/friction/overhang_mm": "overhang_too_short",
+        "limits/{position}/min_n": "never_floats",
+        "train/masses": "train_not_held train_grows",
+        "speeds_rpm/{position}": "train_resonates",
+        "machine/crown_radius_mm": "crown_too_round",
+        "machine/roller_width_mm": "roller_reaches_axis",
+        "machine/roller_distance_mm": "rollers_touch",
+        "machine/initial_angle_deg": "arm_along_cam",
+    }.items()
+    for kind in kinds.split()
 }
 SHAPES = ("model_type", "model_attributes_type", "list_type", "dict_type", "float_type")
 OBJECTS = ("model_type", "model_attributes_type", "dict_type")
@@ -277,11 +262,25 @@ def _described(error: Any, path: Sequence[str | int], body: Any, model: Body) ->
         rule = f"must have at {'most' if most else 'least'} {bound} entries{has}"
         return _entry(value, rule, "Leave some out." if most else "Add what is missing.")
     if kind not in PYDANTICS_OWN:
-        rule, _, remedy = error["msg"].partition(". ")
+        rule, remedy = _rule_and_remedy(error["msg"], ctx)
         numbers = (each for each in ctx.values() if isinstance(each, int | float))
-        return _entry(ctx.get("value", next(numbers, None)), rule + ".", remedy)
+        return _entry(ctx.get("value", next(numbers, None)), rule, remedy)
     rule = error["msg"].replace("Input should be", "must be").replace(" or instance of", ":")
     return _entry(value, PLAIN.get(kind, rule), _correct_type(kind, value if path else None))
+
+
+def _rule_and_remedy(message: str, ctx: dict[str, Any]) -> tuple[str, str]:
+    """The parts of a message of the core, "Rule. What to do.".
+
+    Values of the caller in it may hold ". " too: they are hidden while the message is parted.
+    """
+    texts = [value for value in ctx.values() if isinstance(value, str) and ". " in value]
+    for i, text in enumerate(texts):
+        message = message.replace(text, f"\0{i}\0")
+    rule, _, remedy = message.partition(". ")
+    for i, text in enumerate(texts):
+        rule, remedy = (part.replace(f"\0{i}\0", text) for part in (rule, remedy))
+    return f"{rule}.", remedy
 
 
 def _correct_type(kind: str, value: Any) -> str:

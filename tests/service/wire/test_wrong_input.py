@@ -9,6 +9,7 @@ from typing import Any
 import httpx2
 import pytest
 
+from service.wire.violations import describe_errors
 from tests.service.specs import spec
 
 Change = Callable[[dict[str, Any]], None]
@@ -429,3 +430,12 @@ def test_the_kinds_that_there_are_are_listed_once(
     problem = client.post("/v1/designs", json=body).json()
     assert problem["detail"].count("kloomok_muffley_8") == 1
     assert problem["detail"].endswith(remedy)
+
+
+def test_values_with_full_stops_do_not_part_a_message() -> None:
+    """The core says "Rule. What to do."; a name of the caller may look like that."""
+    value = "No. 1. of two"
+    error = {"type": "of_the_core", "loc": (), "ctx": {"value": value}, "input": None}
+    message = f"{value} is taken. Take another one. Or none."
+    (found,), _ = describe_errors([{**error, "msg": message}], {}, None)
+    assert (found["rule"], found["remedy"]) == (f"{value} is taken.", "Take another one. Or none.")
