@@ -9,6 +9,7 @@ from __future__ import annotations
 import html
 from functools import lru_cache
 from pathlib import Path
+from string import Template
 from typing import Final
 from urllib.parse import urlsplit
 
@@ -24,24 +25,7 @@ START: Final = "docs/README.md"
 AT_THE_TOP: Final = {"README.md", "CONTRIBUTING.md", "CHANGELOG.md"}
 PICTURES: Final = {".svg", ".png"}
 POLICY: Final = "default-src 'self'; style-src 'self' 'unsafe-inline'; frame-ancestors 'self'"
-PAGE: Final = """<!doctype html>
-<html lang="en"><head><meta charset="utf-8"><title>{title} · Camwright</title>
-<meta name="viewport" content="width=device-width, initial-scale=1">
-<style>
-body {{ font: 16px/1.5 system-ui, sans-serif; max-width: 54rem; margin: 0 auto; padding: 1rem;
-  color: #1d2733; }}
-nav {{ border-bottom: 1px solid #cfd6dd; padding-bottom: .5rem; }}
-pre {{ background: #f4f6f8; padding: .8rem; overflow-x: auto; }}
-code {{ font-size: .9em; }}
-table {{ border-collapse: collapse; display: block; overflow-x: auto; }}
-th, td {{ border: 1px solid #cfd6dd; padding: .25rem .5rem; text-align: left;
-  vertical-align: top; }}
-img {{ max-width: 100%; }}
-</style></head><body>
-<nav><a href="/guide">Documents</a> · <a href="/">Studio</a> · <a href="/docs">Operations</a></nav>
-{body}
-</body></html>
-"""
+PAGE: Final = Template((HERE / "assets" / "guide" / "page.html").read_text(encoding="utf-8"))
 router = APIRouter(include_in_schema=False)
 
 
@@ -88,7 +72,7 @@ def _page(file: Path, _: int) -> str:
             token.attrSet("id", _anchor(tokens[position + 1].content))
         _drop_dead_links(file, token)
     body = parser.renderer.render(tokens, parser.options, {})
-    return PAGE.format(title=html.escape(title), body=body)
+    return PAGE.substitute(title=html.escape(title), body=body)
 
 
 def _anchor(heading: str) -> str:

@@ -6,7 +6,7 @@ import re
 from pathlib import Path
 
 import fastapi_swagger
-from fastapi import APIRouter, FastAPI, Response
+from fastapi import APIRouter, FastAPI, Request, Response
 from fastapi.openapi.docs import get_redoc_html
 from fastapi.responses import HTMLResponse
 from starlette.staticfiles import StaticFiles
@@ -29,25 +29,11 @@ router = APIRouter(include_in_schema=False)
 
 
 @router.get("/")
-async def show_studio() -> Response:
-    """The studio, a page that uses the public API alone."""
-    return _studio("index")
-
-
 @router.get("/spatial")
-async def show_spatial_studio() -> Response:
-    """The studio's page of spatial cams."""
-    return _studio("spatial")
-
-
 @router.get("/linkages")
-async def show_linkage_studio() -> Response:
-    """The studio's page of linkages."""
-    return _studio("linkages")
-
-
-def _studio(name: str) -> Response:
-    """A page of the studio, with the parts that all pages share."""
+async def show_studio(request: Request) -> Response:
+    """A page of the studio, which uses the public API alone, with the parts that all share."""
+    name = request.url.path.removeprefix("/") or "index"
     page = INCLUDED.sub(lambda found: _html("parts", found[1]), _html(name))
     return HTMLResponse(page, headers={"Content-Security-Policy": STUDIO_POLICY})
 
@@ -80,7 +66,10 @@ def install(app: FastAPI) -> None:
     """Add the pages and their assets."""
     app.include_router(router)
     app.include_router(guide.router)
-    app.mount("/studio", StaticFiles(directory=HERE / "studio"), name="studio")
-    app.mount("/assets/swagger", StaticFiles(directory=SWAGGER), name="swagger")
-    app.mount("/assets/docs", StaticFiles(directory=HERE / "assets" / "docs"), name="docs")
-    app.mount("/assets/redoc", StaticFiles(directory=HERE / "assets" / "redoc"), name="redoc")
+    for path, folder in (
+        ("studio", HERE / "studio"),
+        ("assets/swagger", SWAGGER),
+        ("assets/docs", HERE / "assets" / "docs"),
+        ("assets/redoc", HERE / "assets" / "redoc"),
+    ):
+        app.mount(f"/{path}", StaticFiles(directory=folder), name=path)

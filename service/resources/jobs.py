@@ -146,10 +146,10 @@ class Jobs:
             answer = await self.engine.solve(row.spec, budget, self.resource.task)
         except Exception as error:
             problem = problem_of(error)
-            self._metrics.count_failure(problem["type"].rpartition("/")[2])
+            self._metrics.failures.labels(problem["type"].rpartition("/")[2]).inc()
             await self.answers.fail(id, problem)
             raise
-        self._metrics.count_solve(answer.status, answer.seconds)
+        self._metrics.solves.labels(answer.status).observe(answer.seconds)
         row.status, row.summary, row.body = answer.status, dict(answer.summary), answer.body
         row.etag = hashlib.sha256(answer.body).hexdigest()[:32]
         return await self.answers.put(row)

@@ -2,55 +2,33 @@
 
 from __future__ import annotations
 
+from functools import partial
+
 from prometheus_client import CollectorRegistry, Counter, Gauge, Histogram, generate_latest
 
 SECONDS = (0.002, 0.005, 0.01, 0.02, 0.05, 0.1, 0.2, 0.5, 1.0, 2.0, 5.0, 10.0, 30.0, 60.0)
 
 
 class Metrics:
-    """The metrics of one application."""
+    """The metrics of one application; where something happens, it is counted."""
 
     def __init__(self) -> None:
         self._registry = registry = CollectorRegistry()
-        self._requests = Counter(
-            "camwright_http_requests", "Requests answered.", ["method", "route", "status"],
-            registry=registry,
-        )  # fmt: skip
-        self._latency = Histogram(
-            "camwright_http_request_seconds", "From request to the last byte.", ["route"],
-            buckets=SECONDS, registry=registry,
-        )  # fmt: skip
-        self._solves = Histogram(
-            "camwright_solve_seconds", "Time in the core.", ["status"],
-            buckets=SECONDS, registry=registry,
-        )  # fmt: skip
-        self._failures = Counter(
-            "camwright_failed_designs", "Designs that ended in a problem.", ["problem"],
-            registry=registry,
-        )  # fmt: skip
-        self._designs = Gauge(
-            "camwright_designs", "Designs in the store.", ["status"], registry=registry
+        counter, gauge = partial(Counter, registry=registry), partial(Gauge, registry=registry)
+        seconds = partial(Histogram, buckets=SECONDS, registry=registry)
+        request = ("method", "route", "status")
+        self.requests = counter("camwright_http_requests", "Requests answered.", request)
+        self.latency = seconds(
+            "camwright_http_request_seconds", "From request to the last byte.", ["route"]
         )
-        self._waiting = Gauge(
-            "camwright_designs_waiting", "Designs waiting for a worker.", registry=registry
+        self.solves = seconds("camwright_solve_seconds", "Time in the core.", ["status"])
+        self.failures = counter(
+            "camwright_failed_designs", "Designs that ended in a problem.", ["problem"]
         )
-        self._running = Gauge(
-            "camwright_designs_running", "Designs on a worker.", registry=registry
-        )
-        self._workers = Gauge("camwright_workers", "Workers reachable.", registry=registry)
-
-    def count_request(self, method: str, route: str, status: int, seconds: float) -> None:
-        """Count a request."""
-        self._requests.labels(method, route, str(status)).inc()
-        self._latency.labels(route).observe(seconds)
-
-    def count_solve(self, status: str, seconds: float) -> None:
-        """Count an answer."""
-        self._solves.labels(status).observe(seconds)
-
-    def count_failure(self, problem: str) -> None:
-        """Count a question that ended in a problem."""
-        self._failures.labels(problem).inc()
+        self._designs = gauge("camwright_designs", "Designs in the store.", ["status"])
+        self._waiting = gauge("camwright_designs_waiting", "Designs waiting for a worker.")
+        self._running = gauge("camwright_designs_running", "Designs on a worker.")
+        self._workers = gauge("camwright_workers", "Workers reachable.")
 
     def page(self, designs: dict[str, int], waiting: int, running: int, workers: int) -> bytes:
         """The text for Prometheus, with the current state."""

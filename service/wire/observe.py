@@ -86,7 +86,8 @@ class Observe:
     def _log(self, scope: Scope, status: int, seconds: float) -> None:
         route = getattr(scope.get("route"), "path", "unmatched")
         method = scope["method"] if scope["method"] in METHODS else "other"
-        self._metrics.count_request(method, route, status, seconds)
+        self._metrics.requests.labels(method, route, str(status)).inc()
+        self._metrics.latency.labels(route).observe(seconds)
         level = logging.DEBUG if route in QUIET else logging.INFO
         log.log(
             level,
