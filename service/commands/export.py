@@ -18,16 +18,10 @@ from service.commands.requests import answer
 from service.commands.terminal import read_spec, report_files, save, stop
 from service.wire.body import parsed
 from service.wire.errors import ServiceError
+from service.workers.tasks import DESIGN_FORMATS
 from synthesis.design.design import Design
 from synthesis.errors import CamwrightError
-from synthesis.exporters import (
-    MOTION_FORMATS,
-    PICTURES,
-    PROFILE_FORMATS,
-    SOLID_FORMATS,
-    Exporter,
-    form,
-)
+from synthesis.exporters import PICTURES, Exporter, form
 
 
 class Part(StrEnum):
@@ -39,12 +33,7 @@ class Part(StrEnum):
     picture = "picture"
 
 
-FORMATS: Mapping[Part, Mapping[str, Exporter[Any]]] = {
-    Part.profile: PROFILE_FORMATS,
-    Part.motion: MOTION_FORMATS,
-    Part.solid: SOLID_FORMATS,
-    Part.picture: PICTURES,
-}
+FORMATS: Mapping[str, Mapping[str, Exporter[Any]]] = {**DESIGN_FORMATS, Part.picture: PICTURES}
 
 
 def _write(

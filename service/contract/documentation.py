@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from pathlib import Path
 from typing import Any
 
 from fastapi import FastAPI
@@ -22,48 +23,7 @@ from synthesis.studies.measured import MeasuredCam
 from synthesis.studies.sweeps import SweepSpec
 
 TITLE = "Camwright"
-DESCRIPTION = """\
-Specify the motion of the follower and the limits of the cam; Camwright chooses base radius, offset
-and motion law **together**, proves that every limit holds at **every** cam angle, and returns the
-profile.
-
-1. `POST /v1/designs` with a spec: the motion program, the follower, the limits, the objective.
-   The worked examples below are a good start.
-2. Read `status`, `dimensions`, `extremes` (each limit: value, where, margin) and `certificate`
-   (how close the answer is to the optimum).
-3. Get the points: `/v1/designs/{id}/profile.csv`, `.txt`, `.json`, `.svg`, and `/motion.*`.
-
-`POST /v1/analyses` analyses a given cam: its extremes, which limits it breaks, by how much and
-where, and which changes would help. `POST /v1/profile-analyses` takes measured points of a real
-cam's profile and returns the motion of its follower.
-
-`POST /v1/cam-sets` designs several cams on one shaft, each with its phase: one timing diagram, and
-one archive with all files, in the cams' own frames and in the shaft's.
-
-`POST /v1/spatial-cams` designs cams whose rollers' axes are not parallel to the cam's, such as
-globoidal indexers: walls, pressure angle, undercut, with place and roller.
-
-`POST /v1/train-responses` computes the response of an elastic follower train to a cam, speed by
-speed: residual vibration in the dwells, contact force, the speed at which contact is lost.
-
-`POST /v1/linkages/six-bar-shapers` analyses a six-bar shaper, or sizes one for a stroke and a
-quick-return ratio; `POST /v1/linkages/palletising-arms` analyses a palletising arm.
-
-`POST /v1/sweeps` computes many designs: a base spec, the fields to vary, and how their values are
-combined. Follow its events, get the items as a table, and the Pareto front of any quantities.
-
-**Units** are in the field names: mm, degrees of cam angle, rpm; velocity to jerk in mm/s to mm/s³
-at the given speed, or in deg/s to deg/s³ where the follower swings on an arm (`lift_deg`).
-**Angles** count from the start of the program in the sense that the program runs. **A number**
-fixes a dimension, `{"min", "max"}` leaves it free in between, leaving it out leaves it free. **A
-law** is named, or `spline`: then it is part of the answer.
-
-Infeasible is a result, not an error: `status` is `infeasible` and `conflict` names the limits that
-cannot hold together and the least change of each that would help. Every error is a problem document
-(RFC 9457, `application/problem+json`) that names field, value, rule and what to do.
-
-The same spec gives the same id and the same bytes; results carry a strong `ETag`.
-"""
+DESCRIPTION = Path(__file__).with_name("description.md").read_text(encoding="utf-8")
 TAGS = [
     {"name": "designs", "description": "Synthesise a cam; get, list and delete designs."},
     {"name": "analyses", "description": "Analyses of given and of measured cams."},

@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from typing import Annotated, Any
 
 from fastapi import APIRouter
 from pydantic import BaseModel, Field
 
 from service.state import Parts
+from service.workers.tasks import DESIGN_FORMATS
 from synthesis.catalogue.followers import FOLLOWERS
 from synthesis.catalogue.laws import (
     LAWS,
@@ -19,13 +21,7 @@ from synthesis.catalogue.laws import (
 )
 from synthesis.catalogue.limits import LIMITS
 from synthesis.catalogue.objectives import OBJECTIVES
-from synthesis.exporters import (
-    MOTION_FORMATS,
-    PICTURES,
-    PROFILE_FORMATS,
-    SOLID_FORMATS,
-    form,
-)
+from synthesis.exporters import PICTURES, form
 from synthesis.exporters.exporter import FileFormat
 from synthesis.exporters.options import MAX_POINTS, MAX_POINTS_PER_DEGREE, MIN_TOLERANCE_UM
 from synthesis.machines.spatial.files import FORMATS as SPATIAL_FORMATS
@@ -166,34 +162,36 @@ async def list_followers() -> list[FollowerEntry]:
 @router.get("/formats", summary="File formats")
 async def list_formats() -> Formats:
     """The files that a finished design can be had as."""
-    return Formats(
-        profile=[_format(each) for each in PROFILE_FORMATS.values()],
-        motion=[_format(each) for each in MOTION_FORMATS.values()],
-        pictures=[_format(each) for each in PICTURES.values()],
-        solid=[_format(each) for each in SOLID_FORMATS.values()],
-        spatial=[_format(each) for each in SPATIAL_FORMATS.values()],
+    formats: dict[str, Mapping[str, FileFormat[Any, Any]]]
+    formats = {**DESIGN_FORMATS, "pictures": PICTURES, "spatial": SPATIAL_FORMATS}
+    fields = ("name", "title", "media_type", "extension", "purpose")
+    return Formats.model_validate(
+        {
+            part: [
+                {name: getattr(each, name) for name in fields}
+                | {"json_schema": form(each.options).model_json_schema()}
+                for each in registry.values()
+            ]
+            for part, registry in formats.items()
+        }
     )
 
 
 @router.get("/limits", summary="Limits and objectives, and what this server allows")
 async def list_limits(parts: Parts) -> Limits:
     """Every limit and objective that a spec may name, and what this server allows."""
-    settings = parts.settings
+    names = ServerLimits.model_fields.keys() & type(parts.settings).model_fields.keys()
+    own = {name: getattr(parts.settings, name) for name in names - {"workers"}}
     return Limits(
         limits=[Entry(**_entry(limit, limit.title)) for limit in LIMITS],
         objectives=[Entry(**_entry(each, each.title)) for each in OBJECTIVES],
         server=ServerLimits(
-            max_body_bytes=settings.max_body_bytes,
-            time_budget_s=settings.time_budget_s,
-            max_time_budget_s=settings.max_time_budget_s,
+            **own,
             max_cams=MAX_CAMS,
             max_segments=MAX_SEGMENTS,
             max_points_per_degree=MAX_POINTS_PER_DEGREE,
             max_points=MAX_POINTS,
             min_tolerance_um=MIN_TOLERANCE_UM,
-            max_waiting=settings.max_waiting,
-            max_sweep_items=settings.max_sweep_items,
-            max_sweeps=settings.max_sweeps,
             workers=parts.engine.slots,
         ),
     )
@@ -204,14 +202,3 @@ def _entry(member: type[BaseModel], title: str, kind: str | None = None) -> dict
     schema = member.model_json_schema()
     kind = kind or member.model_fields["kind"].default
     return {"kind": kind, "title": title, "description": description, "json_schema": schema}
-
-
-def _format(exporter: FileFormat[Any, Any]) -> FormatEntry:
-    return FormatEntry(
-        name=exporter.name,
-        title=exporter.title,
-        media_type=exporter.media_type,
-        extension=exporter.extension,
-        purpose=exporter.purpose,
-        json_schema=form(exporter.options).model_json_schema(),
-    )

@@ -13,7 +13,7 @@ from service.resources.designs import DESIGNS, REPORT
 from service.resources.resource import file_of
 from service.routes.file_routes import add_file_route, send_file
 from service.routes.resource_routes import KnownTag
-from service.state import Parts
+from service.state import Parts, State
 from service.sweeps.views import sweep_path
 from service.wire.errors import ProblemType
 from service.wire.etag import not_modified, tag_of
@@ -46,12 +46,14 @@ async def get_design_sensitivities(
     """
     row, design = await parts.jobs[DESIGNS.path].find_done(design_id)
     tag = tag_of(row.etag or "", "sensitivities")
-    known = not_modified(request, tag)
-    if known is not None:
-        return known
+    return not_modified(request, tag) or Response(
+        await _sensitivities(parts, design), 200, {"ETag": f'"{tag}"'}, "application/json"
+    )
+
+
+async def _sensitivities(parts: State, design: bytes) -> bytes:
     budget_s = parts.settings.time_budget_s
-    body = await parts.engine.run(design_sensitivities, design, budget_s, budget_s=budget_s)
-    return Response(body, 200, {"ETag": f'"{tag}"'}, "application/json")
+    return await parts.engine.run(design_sensitivities, design, budget_s, budget_s=budget_s)
 
 
 @router.get(
@@ -120,9 +122,7 @@ async def _get_report(
     row, design = await parts.jobs[DESIGNS.path].find_done(design_id)
     costs = None
     if sensitivities:
-        budget_s = parts.settings.time_budget_s
-        body = await parts.engine.run(design_sensitivities, design, budget_s, budget_s=budget_s)
-        costs = Sensitivities.model_validate_json(body)
+        costs = Sensitivities.model_validate_json(await _sensitivities(parts, design))
     report = report_with(PROFILE_FORMATS, MOTION_FORMATS, costs)
     made_by = "with sensitivities" if costs else ""
     file = file_of(report, REPORT, partial(design_file, report), made_by=made_by)

@@ -16,6 +16,7 @@ import uuid
 from collections.abc import AsyncIterator, Awaitable, Callable, Sequence
 from contextlib import asynccontextmanager
 from functools import partial
+from threading import Event
 from typing import Any, TypeVar
 
 import dask
@@ -27,14 +28,15 @@ from distributed.utils import get_mp_context
 from service.settings import Settings
 from service.wire.errors import ProblemType
 from service.workers import prefork
-from service.workers.cancellation import cancel, run_cancellable
 from service.workers.cluster import DIED, OwnCluster, WorkerNanny
 from service.workers.tasks import Answer, Task, solve_design, warm_up
 from synthesis.errors import TimeBudgetExceeded
+from synthesis.numerics import clock
 
 log = logging.getLogger("camwright.engine")
 T = TypeVar("T")
 Connect = Callable[[], Awaitable[Any]]
+_events: dict[str, Event] = {}  # of the work in this worker process, by name
 ExitReason = Callable[[Any], Awaitable[str]]  # a worker's name to what ended it
 
 CONFIGURATION = {
@@ -59,6 +61,24 @@ REPAIR_S = 60.0
 CANCEL_AGAIN_S = 0.1  # cancellation is repeated: the work may not have begun at the first
 CANCEL_S = 0.5  # that work has to end in; then its worker is restarted
 BATCH_S = 0.001  # Dask gathers messages for 10 ms before it sends them: longer than many designs
+
+
+def run_cancellable(name: str, work: Callable[..., T], *arguments: Any) -> T:
+    """Run some work in a worker process; it ends with ``Cancelled`` after ``cancel``."""
+    event = _events[name] = Event()
+    try:
+        with clock.cancellation_scope(event):
+            return work(*arguments)
+    finally:
+        del _events[name]
+
+
+def cancel(names: Sequence[str]) -> None:
+    """Cancel the work of these names that runs in this process."""
+    for name in names:
+        event = _events.get(name)
+        if event is not None:
+            event.set()
 
 
 class WarmUp(WorkerPlugin):
