@@ -9,7 +9,7 @@ export class Problem extends Error {
 }
 
 export class Api extends EventTarget {
-  /** Newest first: {method, path, body, status, ms}. */
+  /** LatestRequest first: {method, path, body, status, ms}. */
   calls = [];
 
   get(path, options) {

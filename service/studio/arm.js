@@ -4,7 +4,7 @@ import { ArmPictures } from "./arm_pictures.js";
 import { byId, element, figure } from "./dom.js";
 import { field } from "./fields.js";
 import { words } from "./names.js";
-import { say, tabled, terms } from "./result.js";
+import { showStatus, tableParts, terms } from "./result.js";
 
 const LENGTHS = ["shoulder_height_mm", "shoulder_offset_mm", "upper_arm_mm", "forearm_mm", "wrist_offset_mm", "tool_mm"];
 const LIMITS = ["base_deg", "upper_arm_deg", "forearm_deg", "opening_deg", "tool_deg"];
@@ -78,8 +78,8 @@ export class Arm {
     const scene = await this.api.get(`${found.links.self}/animation.json`, { signal });
     Object.assign(this, { found, scene });
     this.box.hidden = false;
-    byId("regions").replaceChildren(...tabled(["elbow", "radius", "level", "area", "volume"], found.regions.map(region)));
-    byId("torques").replaceChildren(...tabled(["axis", "torque", "at its angle"], found.torques.map(torque)));
+    byId("regions").replaceChildren(...tableParts(["elbow", "radius", "level", "area", "volume"], found.regions.map(region)));
+    byId("torques").replaceChildren(...tableParts(["axis", "torque", "at its angle"], found.torques.map(torque)));
     byId("singular").replaceChildren(...singular(found.singular));
     this.#draw();
   }
@@ -88,12 +88,12 @@ export class Arm {
     const { found, scene } = this;
     if (!found) return;
     const pose = found.poses[this.index];
-    say(told(found, pose), found.status);
+    showStatus(told(found, pose), found.status);
     byId("pose-note").textContent = pose?.note ?? "";
     const ways = pose?.solutions ?? [];
     const chosen = Math.max(0, ways.findIndex((each) => nameOf(each) === this.way));
     const rows = ways.map((each, k) => this.#row(each, k === chosen));
-    byId("ways").replaceChildren(...(ways.length > 0 ? tabled(HEAD, rows) : []));
+    byId("ways").replaceChildren(...(ways.length > 0 ? tableParts(HEAD, rows) : []));
     byId("target").replaceChildren(...(pose ? terms({ x_mm: pose.x_mm, y_mm: pose.y_mm, z_mm: pose.z_mm, yaw_deg: pose.yaw_deg }) : []));
     const asked = this.store.at(`/poses/${this.index}`);
     const fresh = ["x_mm", "y_mm", "z_mm"].every((key) => (asked?.[key] ?? 0) === (found.spec.poses[this.index]?.[key] ?? 0));
@@ -151,7 +151,7 @@ function region({ elbow, r_min: inner, r_max: outer, z_min: low, z_max: high, ar
 const torque = ({ axis, torque_nm: value, angle_deg: angle }) => cells(words(axis), `${figure(value, 6)} N m`, `${figure(angle, 5)}°`);
 
 function singular(all) {
-  if (all.length === 0) return tabled(["Nowhere within the limits."], []);
+  if (all.length === 0) return tableParts(["Nowhere within the limits."], []);
   const pair = ([upper, fore]) => `${figure(upper, 5)}°, ${figure(fore, 5)}°`;
-  return tabled(["difference", "from upper arm, forearm", "to"], all.map((each) => cells(`${figure(each.opening_deg, 5)}°`, pair(each.from_deg), pair(each.to_deg))));
+  return tableParts(["difference", "from upper arm, forearm", "to"], all.map((each) => cells(`${figure(each.opening_deg, 5)}°`, pair(each.from_deg), pair(each.to_deg))));
 }

@@ -2,7 +2,7 @@
 // here they are only shown.
 
 import { byId, shape } from "./dom.js";
-import { Turning } from "./turning.js";
+import { Playback } from "./playback.js";
 
 const SVG = "http://www.w3.org/2000/svg";
 const MARGIN = 0.03; // of the picture
@@ -12,7 +12,7 @@ export class Cam {
   constructor(moved) {
     this.moved = moved;
     this.parts = [];
-    this.turning = new Turning((angle, turns) => this.#draw(angle, turns), byId("cam"));
+    this.turning = new Playback((angle, turns) => this.#draw(angle, turns), byId("cam"));
   }
 
   /** The machine of a design; the outline of another one's cam is drawn dashed on it. */

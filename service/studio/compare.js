@@ -1,7 +1,7 @@
 // Two designs side by side: A is kept, B is the present one.
 
 import { byId, element, figure } from "./dom.js";
-import { parts, words } from "./names.js";
+import { nameAndUnit, words } from "./names.js";
 
 /** The table of differences; empty without a design to compare with. */
 export function showDifferences(kept, present) {
@@ -32,7 +32,7 @@ export function showDifferences(kept, present) {
 
 function* values(a, b) {
   const flat = (design) => ({
-    ...Object.fromEntries(Object.entries({ ...design.dimensions, ...design.objectives }).map(([name, value]) => [name, [...parts(name), value]])),
+    ...Object.fromEntries(Object.entries({ ...design.dimensions, ...design.objectives }).map(([name, value]) => [name, [...nameAndUnit(name), value]])),
     ...Object.fromEntries(design.extremes.filter((each) => each.unit && Math.abs(each.value) > 1e-9 && each.limit !== "displacement_join")
       .map((each) => [`extreme ${each.limit}`, [`extreme of ${words(each.limit)}`, each.unit, each.value]])),
   });

@@ -27,7 +27,7 @@ function filled(made, attributes, children) {
 export const byId = (id) => document.getElementById(id);
 
 /** Waits until nothing has come for so long [ms], then calls once. */
-export function settled(wait, call) {
+export function debounced(wait, call) {
   let timer;
   return (...given) => {
     clearTimeout(timer);

@@ -1,8 +1,8 @@
 // Inputs for the fields of a spec, by the shape that their schema has.
 
 import { element } from "./dom.js";
-import { labelled, words } from "./names.js";
-import { fresh } from "./schema.js";
+import { labelOf, words } from "./names.js";
+import { newMember } from "./schema.js";
 
 /**
  * The input of one field, with its label and the place for its error.
@@ -16,7 +16,7 @@ export function field(form, pointer, schema, options = {}) {
   if (found.shape === "const") return null;
   const name = pointer.split("/").at(-1);
   const settings = {
-    label: options.label ?? labelled(name),
+    label: options.label ?? labelOf(name),
     title: form.schemas.resolved(schema).description ?? "",
     slider: options.slider ?? false,
     required: options.required ?? false,
@@ -34,7 +34,7 @@ export function fields(form, pointer, schema, options = {}) {
   });
 }
 
-function framed(pointer, settings, control, more = []) {
+function labelledInput(pointer, settings, control, more = []) {
   const id = control.id || `field${pointer.replaceAll("/", "-")}`;
   control.id = id;
   control.dataset.pointer = pointer;
@@ -44,7 +44,7 @@ function framed(pointer, settings, control, more = []) {
     element("label", { for: id }, settings.label),
     control,
     ...more,
-    element("p", { class: "fault", "data-fault": pointer, id: `${id}-fault` }),
+    element("p", { class: "error", "data-error": pointer, id: `${id}-error` }),
   );
 }
 
@@ -54,20 +54,20 @@ function number(form, pointer, found, settings) {
   const put = (text) => form.store.set(pointer, text === "" ? undefined : Number(text));
   input.addEventListener("input", () => input.validity.badInput || put(input.value));
   const slider = settings.slider && typeof value === "number" ? sliderFor(value, found) : null;
-  if (slider === null) return framed(pointer, settings, input);
+  if (slider === null) return labelledInput(pointer, settings, input);
   slider.setAttribute("aria-label", `${settings.label}, slider`);
   slider.addEventListener("input", () => {
     input.value = slider.toValue();
     put(input.value);
   });
   input.addEventListener("input", () => slider.show(Number(input.value)));
-  return framed(pointer, settings, input, [slider]);
+  return labelledInput(pointer, settings, input, [slider]);
 }
 
 /** From a fourth to four times the value, evenly in its logarithm; angles evenly in degrees. */
 function sliderFor(value, { least, most }) {
   const slider = element("input", { type: "range" });
-  if (least === -180 && most === 180) return swing(slider, value, most);
+  if (least === -180 && most === 180) return angleSlider(slider, value, most);
   const angle = most !== undefined && most <= 90;
   if (!angle && value === 0) return null;
   const [low, high] = angle ? [1, most - 1] : [0.25 * value, 4 * value];
@@ -94,7 +94,7 @@ function sliderFor(value, { least, most }) {
 }
 
 /** An angle either way, evenly in degrees. */
-function swing(slider, value, most) {
+function angleSlider(slider, value, most) {
   Object.assign(slider, { min: -most, max: most, step: 0.5 });
   slider.show = (shown) => (slider.value = shown);
   slider.toValue = () => Number(slider.value);
@@ -118,11 +118,11 @@ function dimension(form, pointer, found, settings) {
     inner.classList.add("inner");
     inner.querySelector("input").id += "-value";
     inner.querySelector("label").htmlFor = inner.querySelector("input").id;
-    inner.querySelector(".fault").remove();
+    inner.querySelector(".error").remove();
     inputs.push(inner);
   }
   if (state === "range") inputs.push(...ends(form, pointer, settings));
-  const box = framed(pointer, settings, select, [element("span", { class: "ends" }, ...inputs)]);
+  const box = labelledInput(pointer, settings, select, [element("span", { class: "ends" }, ...inputs)]);
   box.classList.add("dimension");
   return box;
 }
@@ -147,7 +147,7 @@ function ends(form, pointer, settings) {
 /** From where to where something goes. */
 function range(form, pointer, found, settings) {
   const [least, largest] = ends(form, pointer, settings);
-  const box = framed(pointer, settings, least, [largest]);
+  const box = labelledInput(pointer, settings, least, [largest]);
   box.classList.add("range");
   least.dataset.pointer = `${pointer}/min`;
   return box;
@@ -169,19 +169,19 @@ function choice(form, pointer, found, settings) {
     ...found.values.map((each) => element("option", { value: String(each) }, words(String(each)))),
   );
   select.value = value === undefined || value === null ? "" : String(value);
-  return framed(pointer, settings, select);
+  return labelledInput(pointer, settings, select);
 }
 
 function text(form, pointer, found, settings) {
   const input = element("input", { type: "text", value: form.store.at(pointer) ?? "" });
   input.addEventListener("input", () => form.store.set(pointer, input.value || undefined));
-  return framed(pointer, settings, input);
+  return labelledInput(pointer, settings, input);
 }
 
 function flag(form, pointer, found, settings) {
   const input = element("input", { type: "checkbox", checked: form.store.at(pointer) === true });
   input.addEventListener("change", () => form.store.set(pointer, input.checked));
-  return framed(pointer, settings, input);
+  return labelledInput(pointer, settings, input);
 }
 
 /** One of several kinds, with the fields of the one that is chosen. */
@@ -193,7 +193,7 @@ function union(form, pointer, found, settings) {
     {
       onchange: () => {
         const kind = found.kinds.find(([each]) => each === select.value);
-        form.store.set(pointer, kind ? fresh(form.schemas, ...kind) : undefined, true);
+        form.store.set(pointer, kind ? newMember(form.schemas, ...kind) : undefined, true);
       },
     },
     settings.required ? null : element("option", { value: "" }, "default"),
@@ -202,7 +202,7 @@ function union(form, pointer, found, settings) {
   select.value = value?.kind ?? "";
   const chosen = found.kinds.find(([kind]) => kind === value?.kind);
   const inside = chosen ? fields(form, pointer, chosen[1], { slider: settings.slider }) : [];
-  const box = framed(pointer, settings, select, [element("div", { class: "inside" }, ...inside)]);
+  const box = labelledInput(pointer, settings, select, [element("div", { class: "inside" }, ...inside)]);
   box.classList.add("union");
   return box;
 }
@@ -220,7 +220,7 @@ function group(form, pointer, found, settings) {
     { type: "button", class: "small", onclick: () => form.store.set(pointer, present ? undefined : {}, true) },
     present ? `Remove ${settings.label}` : `Add ${settings.label}`,
   );
-  box.append(button, element("p", { class: "fault", "data-fault": pointer }));
+  box.append(button, element("p", { class: "error", "data-error": pointer }));
   return box;
 }
 
@@ -238,7 +238,7 @@ function raw(form, pointer, found, settings) {
       area.reportValidity();
     }
   });
-  return framed(pointer, settings, area);
+  return labelledInput(pointer, settings, area);
 }
 
 const SHAPES = { number, dimension, range, choice, text, flag, union, group, raw };

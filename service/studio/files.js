@@ -1,7 +1,7 @@
 // Files of the present design, with what may be chosen about them.
 
 import { byId, element } from "./dom.js";
-import { labelled, words } from "./names.js";
+import { labelOf, words } from "./names.js";
 
 export class Files {
   /** `where`: the path of a design in the contract; `first`: the file that is offered first. */
@@ -34,10 +34,10 @@ export class Files {
       element(
         "p",
         { class: "buttons" },
-        element("a", { id: "file-link", class: "button", onclick: () => this.#taken() }, "Download"),
-        element("a", { id: "file-open", target: "_blank", onclick: () => this.#taken() }, "Open"),
+        element("a", { id: "file-link", class: "button", onclick: () => this.#checkDownload() }, "Download"),
+        element("a", { id: "file-open", target: "_blank", onclick: () => this.#checkDownload() }, "Open"),
       ),
-      element("p", { class: "fault", id: "file-fault", "aria-live": "polite" }),
+      element("p", { class: "error", id: "file-error", "aria-live": "polite" }),
     );
     this.#choices(select.value);
   }
@@ -56,7 +56,7 @@ export class Files {
           ? element("select", { id }, element("option", { value: "" }, "default"), ...values.map((value) => element("option", { value }, words(String(value)))))
           : element("input", { id, placeholder: String(each.schema.default ?? "") });
         input.addEventListener("input", () => this.#link());
-        return element("div", { class: "field", title: each.description ?? each.schema.description }, element("label", { for: id }, labelled(each.name)), input);
+        return element("div", { class: "field", title: each.description ?? each.schema.description }, element("label", { for: id }, labelOf(each.name)), input);
       }),
     );
     this.#link();
@@ -76,15 +76,15 @@ export class Files {
     byId("file-link").setAttribute("download", "");
     byId("file-open").href = this.#path;
     byId("file-open").hidden = !/\.(html|svg)$/.test(this.chosen); // what a browser shows
-    byId("file-fault").textContent = "";
+    byId("file-error").textContent = "";
   }
 
   /** The browser fetches the file; a refusal is told here instead of landing in a file. */
-  async #taken() {
+  async #checkDownload() {
     const path = this.#path;
     this.api.note("GET", path);
     const answer = await fetch(path, { method: "GET", headers: { Range: "bytes=0-0" } });
-    if (answer.status >= 400 && byId("file-fault")) byId("file-fault").textContent = (await answer.json()).detail;
+    if (answer.status >= 400 && byId("file-error")) byId("file-error").textContent = (await answer.json()).detail;
   }
 }
 

@@ -1,10 +1,10 @@
 // The spec as a form: program, follower, sizes, limits, objective.
 
 import { byId, element, figure } from "./dom.js";
-import { placed } from "./faults.js";
+import { showFieldErrors } from "./field_errors.js";
 import { field, fields } from "./fields.js";
 import { words } from "./names.js";
-import { fresh } from "./schema.js";
+import { newMember } from "./schema.js";
 
 const LIFTS = ["lift_mm", "lift_deg"];
 const IN_ROW = ["kind", "angle_deg", ...LIFTS, "law"];
@@ -27,7 +27,7 @@ export class Form {
     byId("form-program").replaceChildren(...this.#program());
     byId("form-follower").replaceChildren(...this.#some(this.sized));
     byId("form-limits").replaceChildren(...this.#limits());
-    byId("form-aim").replaceChildren(...this.#aim(properties));
+    byId("form-objective").replaceChildren(...this.#objectives(properties));
     byId("form-machine").replaceChildren(...this.#some(["name", "speed_rpm", "rotation", "load"]));
     if (focus) byId(focus)?.focus();
     this.#sums();
@@ -57,7 +57,7 @@ export class Form {
     return [
       element("div", { class: "scroll" }, table),
       element("p", { class: "buttons" }, ...kinds.map(([kind]) => add(kind))),
-      element("p", { class: "fault", "data-fault": "/program" }),
+      element("p", { class: "error", "data-error": "/program" }),
     ];
   }
 
@@ -72,7 +72,7 @@ export class Form {
     const select = element(
       "select",
       { "aria-label": `segment ${i + 1}, kind`, "data-pointer": `${at}/kind`,
-        onchange: () => this.#turn(kinds, i, select.value) },
+        onchange: () => this.#changeKind(kinds, i, select.value) },
       ...kinds.map(([kind]) => element("option", { value: kind }, words(kind))),
     );
     select.value = segment.kind;
@@ -85,11 +85,11 @@ export class Form {
       element("td", {}, this.#law(at, segment, schema, i)),
       element("td", { class: "row-buttons" }, ...this.#rowButtons(i, more)),
     ];
-    const faults = ["", "/angle_deg", "/lift_mm", "/lift_deg", "/law", "/kind"];
+    const places = ["", "/angle_deg", "/lift_mm", "/lift_deg", "/law", "/kind"];
     const told = element(
       "tr",
-      { class: "told" },
-      element("td", { colspan: 6 }, ...faults.map((name) => element("p", { class: "fault", "data-fault": at + name }))),
+      { class: "row-errors" },
+      element("td", { colspan: 6 }, ...places.map((name) => element("p", { class: "error", "data-error": at + name }))),
     );
     const inside = this.open.has(i) ? [this.#details(at, segment, schema)] : [];
     return [element("tr", {}, ...cells), told, ...inside];
@@ -133,7 +133,7 @@ export class Form {
       { "aria-label": `segment ${i + 1}, law`, "data-pointer": `${at}/law`,
         onchange: () => {
           const kind = kinds.find(([each]) => each === select.value);
-          this.store.set(`${at}/law`, kind ? fresh(this.schemas, ...kind) : undefined, true);
+          this.store.set(`${at}/law`, kind ? newMember(this.schemas, ...kind) : undefined, true);
         } },
       ...kinds.map(([kind]) => element("option", { value: kind }, this.titles[kind] ?? words(kind))),
     );
@@ -152,7 +152,7 @@ export class Form {
     return [
       more ? button("…", this.open.has(i) ? "less" : "more: ends, windows, points", toggle) : null,
       button("⇥", "take what is left of 360°", () => this.#fill(i)),
-      button("↑", "up", () => this.#swap(i, i - 1), i === 0),
+      button("↑", "up", () => this.#exchange(i, i - 1), i === 0),
       button("✕", "remove", () => this.store.set(`/program/${i}`, undefined, true), count === 1),
     ];
   }
@@ -167,7 +167,7 @@ export class Form {
 
   #add(kinds, kind) {
     const { program = [] } = this.store.spec;
-    const made = fresh(this.schemas, ...kinds.find(([each]) => each === kind));
+    const made = newMember(this.schemas, ...kinds.find(([each]) => each === kind));
     const like = program.find((each) => LIFTS.some((name) => name in each)) ?? { lift_mm: 20 };
     const schema = kinds.find(([each]) => each === kind)[1];
     const lift = LIFTS.find((name) => name in like && name in schema.properties);
@@ -176,17 +176,17 @@ export class Form {
   }
 
   /** Another kind of segment, with all that both have. */
-  #turn(kinds, i, kind) {
+  #changeKind(kinds, i, kind) {
     const schema = kinds.find(([each]) => each === kind)[1];
     const before = this.store.spec.program[i];
     const kept = Object.entries(before).filter(([name]) => name in schema.properties);
     const like = this.store.spec.program.find((each) => LIFTS.some((name) => name in each)) ?? {};
     const lift = LIFTS.find((name) => name in like && name in schema.properties);
-    const made = { ...fresh(this.schemas, kind, schema), ...(lift ? { [lift]: like[lift] } : {}) };
+    const made = { ...newMember(this.schemas, kind, schema), ...(lift ? { [lift]: like[lift] } : {}) };
     this.store.set(`/program/${i}`, { ...made, ...Object.fromEntries(kept), kind }, true);
   }
 
-  #swap(i, k) {
+  #exchange(i, k) {
     const { program } = this.store.spec;
     [program[i], program[k]] = [program[k], program[i]];
     this.store.set("/program", program, true);
@@ -221,7 +221,7 @@ export class Form {
         { class: "group" },
         element("legend", {}, this.titles[limit.kind] ?? words(limit.kind ?? "")),
         ...fields(this, `/limits/${i}`, schema, { slider: true }),
-        element("p", { class: "fault", "data-fault": `/limits/${i}` }),
+        element("p", { class: "error", "data-error": `/limits/${i}` }),
         element("button", { type: "button", class: "small", onclick: () => this.store.set(`/limits/${i}`, undefined, true) },
           `Remove ${words(limit.kind ?? "limit")}`),
       );
@@ -230,7 +230,7 @@ export class Form {
       "select",
       { id: "add-limit", "aria-label": "add a limit",
         onchange: () => {
-          const made = fresh(this.schemas, ...kinds.find(([kind]) => kind === add.value));
+          const made = newMember(this.schemas, ...kinds.find(([kind]) => kind === add.value));
           const limits = this.store.spec.limits ?? [];
           this.store.set("/limits", [...limits, made], true);
         } },
@@ -241,7 +241,7 @@ export class Form {
     return [...shown, add];
   }
 
-  #aim(properties) {
+  #objectives(properties) {
     const objective = Array.isArray(this.store.spec.objective)
       ? field(this, "/objective", {}, { label: "objectives, in order" })
       : properties.objective && field(this, "/objective", properties.objective);
@@ -250,7 +250,7 @@ export class Form {
   }
 
   /** Puts the errors of a problem document at their fields; returns those that have no place. */
-  faults(errors) {
-    return placed(errors);
+  showErrors(errors) {
+    return showFieldErrors(errors);
   }
 }

@@ -4,15 +4,15 @@ import { fromAddress, toAddress } from "./address.js";
 import { Api, Problem } from "./api.js";
 import { Arm } from "./arm.js";
 import { listCalls } from "./calls.js";
-import { byId, element, settled } from "./dom.js";
+import { byId, element, debounced } from "./dom.js";
 import { Files } from "./files.js";
-import { Newest } from "./newest.js";
+import { LatestRequest } from "./latest_request.js";
 import { put } from "./pointer.js";
-import { conflict, say, showProblem } from "./result.js";
+import { conflict, showStatus, showProblem } from "./result.js";
 import { Schemas } from "./schema.js";
 import { Sections } from "./sections.js";
 import { Shaper } from "./shaper.js";
-import { Store } from "./store.js";
+import { SpecStore } from "./spec_store.js";
 
 const LIVE_WAIT = 120; // after the last change [ms]
 const KINDS = {
@@ -21,13 +21,13 @@ const KINDS = {
 };
 
 /** One kind of linkage: its spec, its form, what is shown of its answers. */
-class Bench {
+class Editor {
   /** `ask` asks at once about the present spec. */
   constructor(api, openapi, kind, ask) {
     const { schema, first, view, file } = KINDS[kind];
     this.path = `/v1/linkages/${kind}`;
     this.schemas = new Schemas(openapi, this.path, schema);
-    this.store = new Store();
+    this.store = new SpecStore();
     this.example = first;
     this.store.replace(this.schemas.examples[first].value);
     this.view = new view(api, this.store, ask);
@@ -39,9 +39,9 @@ class Bench {
 class Studio {
   constructor(api, openapi) {
     this.api = api;
-    this.newest = new Newest((signal) => this.#answer(signal));
-    const ask = () => this.newest.now();
-    this.benches = Object.fromEntries(Object.keys(KINDS).map((kind) => [kind, new Bench(api, openapi, kind, ask)]));
+    this.request = new LatestRequest((signal) => this.#answer(signal));
+    const ask = () => this.request.send();
+    this.editors = Object.fromEntries(Object.keys(KINDS).map((kind) => [kind, new Editor(api, openapi, kind, ask)]));
     listCalls(api);
     this.#listen();
   }
@@ -52,84 +52,84 @@ class Studio {
 
   #followAddress() {
     const asked = new URLSearchParams(location.hash.slice(1)).get("kind");
-    const kind = asked in this.benches ? asked : Object.keys(KINDS)[0];
+    const kind = asked in this.editors ? asked : Object.keys(KINDS)[0];
     const shared = fromAddress();
-    if (shared) this.benches[kind].store.replace(shared);
+    if (shared) this.editors[kind].store.replace(shared);
     this.#open(kind);
   }
 
   #open(kind) {
     this.kind = kind;
-    this.bench = this.benches[kind];
-    for (const each of Object.values(this.benches)) each.view.box.hidden = true;
+    this.editor = this.editors[kind];
+    for (const each of Object.values(this.editors)) each.view.box.hidden = true;
     for (const link of byId("kinds").children) {
       if (link.hash === `#kind=${kind}`) link.setAttribute("aria-current", "page");
       else link.removeAttribute("aria-current");
     }
-    byId("made").href = this.bench.path;
+    byId("made").href = this.editor.path;
     byId("example").replaceChildren(
-      ...Object.entries(this.bench.schemas.examples).map(([name, { summary }]) => element("option", { value: name }, summary)),
+      ...Object.entries(this.editor.schemas.examples).map(([name, { summary }]) => element("option", { value: name }, summary)),
     );
-    byId("example").value = this.bench.example;
-    this.bench.form.show();
-    this.newest.now();
+    byId("example").value = this.editor.example;
+    this.editor.form.show();
+    this.request.send();
   }
 
   #listen() {
-    const later = settled(LIVE_WAIT, () => {
-      if (byId("live").checked && JSON.stringify(this.bench.store.spec) !== this.asked) this.newest.now();
+    const later = debounced(LIVE_WAIT, () => {
+      if (byId("live").checked && JSON.stringify(this.editor.store.spec) !== this.requested) this.request.send();
     });
-    for (const bench of Object.values(this.benches)) {
-      bench.store.addEventListener("change", ({ detail }) => {
-        if (detail.structural) bench.form.show();
+    for (const editor of Object.values(this.editors)) {
+      editor.store.addEventListener("change", ({ detail }) => {
+        if (detail.structural) editor.form.show();
         later();
       });
     }
     byId("example").addEventListener("change", () => {
-      this.bench.example = byId("example").value;
-      this.#take(this.bench.schemas.examples[this.bench.example].value);
+      this.editor.example = byId("example").value;
+      this.#take(this.editor.schemas.examples[this.editor.example].value);
     });
-    byId("design").addEventListener("click", () => this.newest.now());
+    byId("design").addEventListener("click", () => this.request.send());
     document.addEventListener("keydown", (event) => {
-      if (event.key === "Enter" && (event.ctrlKey || event.metaKey)) this.newest.now();
+      if (event.key === "Enter" && (event.ctrlKey || event.metaKey)) this.request.send();
     });
     window.addEventListener("hashchange", () => this.#followAddress());
   }
 
   /** Another spec, asked about at once. */
   #take(spec) {
-    this.bench.store.replace(spec);
-    this.newest.now();
+    this.editor.store.replace(spec);
+    this.request.send();
   }
 
   async #answer(signal) {
-    const { bench, kind } = this;
-    const spec = structuredClone(bench.store.spec);
-    this.asked = JSON.stringify(spec);
-    const slow = setTimeout(() => say("Working …", "working"), 300);
+    const { editor, kind } = this;
+    const spec = structuredClone(editor.store.spec);
+    this.requested = JSON.stringify(spec);
+    const slow = setTimeout(() => showStatus("Working …", "working"), 300);
     try {
       const began = performance.now();
-      const found = await this.api.post(bench.path, spec, { signal });
+      const found = await this.api.post(editor.path, spec, { signal });
       clearTimeout(slow);
-      byId("took").textContent = `${Math.round(performance.now() - began)} ms with the way there`;
-      if (bench !== this.bench) return;
-      bench.form.faults([]);
+      byId("took").textContent = `${Math.round(performance.now() - began)} ms with transfer`;
+      if (editor !== this.editor) return;
+      editor.form.showErrors([]);
       history.replaceState(null, "", `#kind=${kind}&${toAddress(spec)}`);
-      byId("conflict").replaceChildren(...(found.conflict ? conflict(found.conflict, (change) => this.#mend(change)) : []));
-      bench.files.show(found);
-      await bench.view.show(found, signal);
+      byId("conflict").replaceChildren(...(found.conflict ? conflict(found.conflict, (change) => this.#relax(change)) : []));
+      editor.files.show(found);
+      await editor.view.show(found, signal);
     } catch (error) {
       if (!(error instanceof Problem)) throw error;
-      showProblem(error, bench.form.faults(error.document.errors ?? []));
+      showProblem(error, editor.form.showErrors(error.document.errors ?? []));
     } finally {
       clearTimeout(slow);
     }
   }
 
-  /** Makes the least change of one wish that helps. */
-  #mend({ field, requested, needed }) {
-    const spec = structuredClone(this.bench.store.spec);
-    const present = this.bench.store.at(field);
+  /** Makes the least change of one requirement that helps. */
+  #relax({ field, requested, needed }) {
+    const spec = structuredClone(this.editor.store.spec);
+    const present = this.editor.store.at(field);
     const wider = needed < requested ? "min" : "max";
     put(spec, typeof present === "object" ? `${field}/${wider}` : field, needed);
     this.#take(spec);
@@ -142,6 +142,6 @@ async function start() {
 }
 
 start().catch((error) => {
-  say(`The studio could not start: ${error.message}`, "problem");
+  showStatus(`The studio could not start: ${error.message}`, "problem");
   throw error;
 });

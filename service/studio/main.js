@@ -7,14 +7,14 @@ import { listCalls } from "./calls.js";
 import { Cam } from "./cam.js";
 import { Charts } from "./charts.js";
 import { showDifferences } from "./compare.js";
-import { byId, element, settled } from "./dom.js";
+import { byId, element, debounced } from "./dom.js";
 import { Files } from "./files.js";
 import { Form } from "./form.js";
-import { Newest } from "./newest.js";
+import { LatestRequest } from "./latest_request.js";
 import { put } from "./pointer.js";
-import { say, showDesign, showProblem } from "./result.js";
+import { showStatus, showDesign, showProblem } from "./result.js";
 import { Schemas } from "./schema.js";
-import { Store } from "./store.js";
+import { SpecStore } from "./spec_store.js";
 import { Sweep } from "./sweep.js";
 
 const FIRST = "p2-sized"; // of the worked examples
@@ -24,13 +24,13 @@ class Studio {
   constructor(api, openapi, titles) {
     this.api = api;
     this.schemas = new Schemas(openapi, "/v1/designs", "DesignSpec");
-    this.store = new Store();
+    this.store = new SpecStore();
     this.form = new Form(this.store, this.schemas, titles, ["follower", "base_radius_mm"]);
     this.files = new Files(api, openapi, "/v1/designs/{design_id}", "profile.txt");
     this.charts = new Charts((angle) => this.cam.turnTo(angle));
     this.cam = new Cam((angle) => this.charts.point(angle));
     this.sweep = new Sweep(api, this.store, this.schemas, (values) => this.#take(values));
-    this.newest = new Newest((signal) => this.#answer(signal));
+    this.request = new LatestRequest((signal) => this.#answer(signal));
     this.present = null;
     this.kept = null;
     listCalls(api);
@@ -43,7 +43,7 @@ class Studio {
     menu.addEventListener("change", () => menu.value && this.#open(this.schemas.examples[menu.value].value));
     const shared = fromAddress();
     if (shared === undefined) {
-      say("The address holds a spec that cannot be read; an example is shown instead.", "problem");
+      showStatus("The address holds a spec that cannot be read; an example is shown instead.", "problem");
     }
     if (shared) {
       this.#open(shared);
@@ -62,14 +62,14 @@ class Studio {
   }
 
   #listen() {
-    const later = settled(LIVE_WAIT, () => {
-      if (byId("live").checked && JSON.stringify(this.store.spec) !== this.asked) this.design();
+    const later = debounced(LIVE_WAIT, () => {
+      if (byId("live").checked && JSON.stringify(this.store.spec) !== this.requested) this.design();
     });
     this.store.addEventListener("change", () => {
       if (document.activeElement !== byId("json")) byId("json").value = JSON.stringify(this.store.spec, null, 2);
       later();
     });
-    byId("json").addEventListener("input", settled(300, () => this.#read()));
+    byId("json").addEventListener("input", debounced(300, () => this.#read()));
     byId("design").addEventListener("click", () => this.design());
     byId("keep").addEventListener("click", () => this.#keep(this.present));
     byId("drop").addEventListener("click", () => this.#keep(null));
@@ -90,11 +90,11 @@ class Studio {
       if (spec === null || typeof spec !== "object" || Array.isArray(spec)) throw new SyntaxError("An object is wanted: { … }.");
     } catch (error) {
       area.setAttribute("aria-invalid", "true");
-      byId("json-fault").textContent = `This is not JSON yet: ${error.message}`;
+      byId("json-error").textContent = `This is not JSON yet: ${error.message}`;
       return;
     }
     area.removeAttribute("aria-invalid");
-    byId("json-fault").textContent = "";
+    byId("json-error").textContent = "";
     // a worked example, or a request of a sweep, may be pasted whole
     this.store.replace(spec.value ?? spec.base ?? spec);
   }
@@ -109,41 +109,41 @@ class Studio {
   /** Asks for a design of the present spec: one at a time, the newest wins. */
   design() {
     const asked = JSON.stringify(this.store.spec);
-    if (this.newest.busy && asked === this.asked) return;
-    this.newest.now();
+    if (this.request.busy && asked === this.requested) return;
+    this.request.send();
   }
 
   async #answer(signal) {
-    this.asked = JSON.stringify(this.store.spec);
-    const slow = setTimeout(() => say("Working …", "working"), 300);
+    this.requested = JSON.stringify(this.store.spec);
+    const slow = setTimeout(() => showStatus("Working …", "working"), 300);
     try {
-      await this.#designed(structuredClone(this.store.spec), signal);
+      await this.#solve(structuredClone(this.store.spec), signal);
     } catch (error) {
       if (!(error instanceof Problem)) throw error;
-      this.#wrong(error);
+      this.#showRefusal(error);
     } finally {
       clearTimeout(slow);
     }
   }
 
-  async #designed(spec, signal) {
+  async #solve(spec, signal) {
     const began = performance.now();
     const design = await this.api.post("/v1/designs", spec, { signal });
     const took = performance.now() - began;
-    byId("took").textContent = `${Math.round(took)} ms with the way there; ${Math.round(1000 * design.report.seconds)} ms in the core`;
-    this.form.faults([]);
+    byId("took").textContent = `${Math.round(took)} ms with transfer; ${Math.round(1000 * design.report.seconds)} ms in the core`;
+    this.form.showErrors([]);
     history.replaceState(null, "", `#${toAddress(spec)}`);
-    await this.#shown(design, signal);
+    await this.#showDesign(design, signal);
   }
 
-  async #shown(design, signal) {
+  async #showDesign(design, signal) {
     const made = design.motion.length > 0;
     const fetched = (name) => this.api.get(`${design.links.self}/${name}`, { signal });
     const [motion, profile, scene] = made
       ? await Promise.all([fetched("motion.json?points_per_degree=2"), fetched("profile.json?points_per_degree=2"), fetched("animation.json")])
       : [null, null, null];
     this.present = { design, motion, profile, scene };
-    showDesign(design, (change) => this.#mend(design, change));
+    showDesign(design, (change) => this.#relax(design, change));
     this.files.show(design);
     byId("keep").disabled = !made;
     byId("views").hidden = !made;
@@ -157,11 +157,11 @@ class Studio {
     this.cam.show(this.present, this.kept);
   }
 
-  #wrong(problem) {
-    const loose = this.form.faults(problem.document.errors ?? []);
+  #showRefusal(problem) {
+    const loose = this.form.showErrors(problem.document.errors ?? []);
     const { best } = problem.document;
     showProblem(problem, loose);
-    if (best?.links) this.#shown(best).then(() => showProblem(problem, loose));
+    if (best?.links) this.#showDesign(best).then(() => showProblem(problem, loose));
   }
 
   #keep(design) {
@@ -171,7 +171,7 @@ class Studio {
   }
 
   /** Makes the least change of one limit that helps. */
-  #mend(design, { field, needed }) {
+  #relax(design, { field, needed }) {
     const [kind, ...rest] = field.split("/");
     const index = (this.store.spec.limits ?? []).findIndex((limit) => limit.kind === kind);
     const pointer = index >= 0 ? `/limits/${[index, ...rest].join("/")}` : `/${field}`;
@@ -208,6 +208,6 @@ async function start() {
 }
 
 start().catch((error) => {
-  say(`The studio could not start: ${error.message}`, "problem");
+  showStatus(`The studio could not start: ${error.message}`, "problem");
   throw error;
 });

@@ -9,7 +9,7 @@ const UNITS = {
 };
 
 /** ["rise", "°"] of rise_deg. */
-export function parts(name) {
+export function nameAndUnit(name) {
   for (const [suffix, unit] of Object.entries(UNITS)) {
     if (name.endsWith(`_${suffix}`)) return [words(name.slice(0, -suffix.length - 1)), unit];
   }
@@ -17,8 +17,8 @@ export function parts(name) {
 }
 
 /** "rise [°]" */
-export function labelled(name) {
-  const [text, unit] = parts(name);
+export function labelOf(name) {
+  const [text, unit] = nameAndUnit(name);
   return unit ? `${text} [${unit}]` : text;
 }
 

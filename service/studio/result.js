@@ -1,24 +1,24 @@
 // What came out: status, sizes, limits with their margins, or why nothing fits and what would help.
 
 import { byId, element, figure } from "./dom.js";
-import { sentences } from "./faults.js";
-import { parts, words } from "./names.js";
+import { sentences } from "./field_errors.js";
+import { nameAndUnit, words } from "./names.js";
 
-const TOLD = {
+const STATUS_TEXT = {
   optimal: "Optimal: every limit is proven at every cam angle, and the gap is within the tolerance.",
   feasible: "Feasible: every limit is proven at every cam angle; how far the best may be is the gap.",
   infeasible: "Infeasible: nothing fits these limits together.",
 };
 
 /** One line about a design or a problem, also read aloud. */
-export function say(text, kind = "") {
+export function showStatus(text, kind = "") {
   const status = byId("status");
   status.textContent = text;
   status.className = kind;
 }
 
 export function showDesign(design, apply) {
-  say(`${TOLD[design.status]} ${proven(design.certificate)}`, design.status);
+  showStatus(`${STATUS_TEXT[design.status]} ${proven(design.certificate)}`, design.status);
   byId("sizes").replaceChildren(...sizes(design));
   byId("margins").replaceChildren(...margins(design));
   byId("conflict").replaceChildren(...(design.conflict ? conflict(design.conflict, apply) : []));
@@ -26,15 +26,15 @@ export function showDesign(design, apply) {
 
 export function showProblem(problem, loose) {
   const { title, detail, status } = problem.document;
-  say(status ? `${title}: ${detail}` : detail, "problem");
+  showStatus(status ? `${title}: ${detail}` : detail, "problem");
   byId("conflict").replaceChildren(
-    ...loose.map(({ pointer, rule, remedy }) => element("p", { class: "fault" }, `${pointer ?? ""} ${sentences(rule, remedy)}`)),
+    ...loose.map(({ pointer, rule, remedy }) => element("p", { class: "error" }, `${pointer ?? ""} ${sentences(rule, remedy)}`)),
   );
 }
 
 function proven({ gap, bound_valid_for: over, lower_bound: bound, objective }) {
   if (gap === null || bound === null) return "";
-  const name = parts(objective)[0];
+  const name = nameAndUnit(objective)[0];
   if (gap < 1e-6) return `No smaller ${name} exists, to a millionth, over ${over}.`;
   return `No ${name} is more than ${figure(100 * gap, 2)} % smaller, over ${over}.`;
 }
@@ -47,13 +47,13 @@ export function sizes(design) {
 /** A term and its figure for each {name_unit: value}. */
 export function terms(values) {
   return Object.entries(values).flatMap(([name, value]) => {
-    const [text, unit] = parts(name);
+    const [text, unit] = nameAndUnit(name);
     return [element("dt", {}, text), element("dd", {}, `${figure(value, 6)} ${unit}`.trim())];
   });
 }
 
 /** Head and body of a table: its columns' names, and rows of elements. */
-export function tabled(names, rows) {
+export function tableParts(names, rows) {
   const head = names.map((text) => element("th", { scope: "col" }, text));
   return [element("thead", {}, element("tr", {}, ...head)), element("tbody", {}, ...rows)];
 }
@@ -73,7 +73,7 @@ function forces(found) {
 
 /** A row for every limit that has a bound, with how much of it is used. */
 function margins(design) {
-  const asked = design.extremes.filter((each) => each.bound !== null && each.unit !== "" && !INNER.has(each.limit));
+  const asked = design.extremes.filter((each) => each.bound !== null && each.unit !== "" && !IMPLIED_LIMITS.has(each.limit));
   const rows = asked.map((each) => {
     const used = each.bound ? Math.abs(each.value / each.bound) : null;
     return element(
@@ -86,11 +86,11 @@ function margins(design) {
       element("td", {}, each.holds ? meter(used) : "broken"),
     );
   });
-  return tabled(["limit", "value", "at", "bound", "used"], rows);
+  return tableParts(["limit", "value", "at", "bound", "used"], rows);
 }
 
 // What every cam keeps and nobody asks for.
-const INNER = new Set([
+const IMPLIED_LIMITS = new Set([
   "displacement_join", "velocity_join", "acceleration_join", "self_crossing", "base_radius_positive",
   "prime_circle_angle",
 ]);
@@ -103,14 +103,14 @@ function meter(used) {
 /** What cannot hold together, and what would help; `apply` is given the change that is taken. */
 export function conflict({ limits, relaxations, evidence }, apply) {
   const lines = relaxations.map((each) => {
-    if (each.needed === null) return element("li", {}, `${parts(each.limit)[0]}: ${each.note || "alone cannot help"}`);
-    const text = `${parts(each.limit)[0]}: ${figure(each.requested, 5)} → ${figure(each.needed, 6)} ${each.unit} `;
-    const label = `apply ${parts(each.limit)[0]} ${figure(each.needed, 6)}`;
+    if (each.needed === null) return element("li", {}, `${nameAndUnit(each.limit)[0]}: ${each.note || "alone cannot help"}`);
+    const text = `${nameAndUnit(each.limit)[0]}: ${figure(each.requested, 5)} → ${figure(each.needed, 6)} ${each.unit} `;
+    const label = `apply ${nameAndUnit(each.limit)[0]} ${figure(each.needed, 6)}`;
     const button = element("button", { type: "button", class: "small", "aria-label": label, onclick: () => apply(each) }, "Apply");
     return element("li", {}, text, button);
   });
   return [
-    element("p", {}, `What cannot hold together: ${limits.map((each) => parts(each)[0]).join(", ")}. Any one of these changes would help:`),
+    element("p", {}, `What cannot hold together: ${limits.map((each) => nameAndUnit(each)[0]).join(", ")}. Any one of these changes would help:`),
     element("ul", {}, ...lines),
     element("p", { class: "note" }, evidence),
   ];

@@ -72,7 +72,7 @@ function ends(schema) {
 }
 
 /** A new member of a union: its kind, and what it cannot do without. */
-export function fresh(schemas, kind, schema) {
+export function newMember(schemas, kind, schema) {
   const made = { kind };
   for (const name of schema.required ?? []) {
     const found = schemas.described(schema.properties[name]);

@@ -1,7 +1,7 @@
 // A spec as a form of sections: fields of its schema, in an order and with words of the page.
 
 import { byId, element } from "./dom.js";
-import { placed } from "./faults.js";
+import { showFieldErrors } from "./field_errors.js";
 import { field } from "./fields.js";
 
 export class Sections {
@@ -25,7 +25,7 @@ export class Sections {
   }
 
   /** Puts the errors of a problem document at their fields; returns those that have no place. */
-  faults(errors) {
-    return placed(errors);
+  showErrors(errors) {
+    return showFieldErrors(errors);
   }
 }

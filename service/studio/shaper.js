@@ -4,11 +4,11 @@ import { toAddress } from "./address.js";
 import { Cam } from "./cam.js";
 import { Charts } from "./charts.js";
 import { byId, element, figure } from "./dom.js";
-import { parts, words } from "./names.js";
-import { say, tabled, terms } from "./result.js";
+import { nameAndUnit, words } from "./names.js";
+import { showStatus, tableParts, terms } from "./result.js";
 
 const LENGTHS = ["crank_mm", "guide_mm", "coupler_mm", "pivot_distance_mm", "ram_line_mm"];
-const WISHES = ["stroke_mm", "quick_return_ratio", "least_transmission_angle_deg"];
+const REQUIREMENTS = ["stroke_mm", "quick_return_ratio", "least_transmission_angle_deg"];
 const ROOM = 1.5; // how many times longer or shorter a length that is left free may become
 const CURVES = [
   { stem: "ram_mm", name: "ram", from: "motion" },
@@ -31,13 +31,13 @@ export class Shaper {
     const take = button("Take the lengths that came out", () => this.#fix());
     return [
       ["Lengths", [element("p", { class: "buttons" }, free, take), ...form.some(LENGTHS, { slider: true })]],
-      ["What is wanted", form.some(WISHES, { slider: true })],
+      ["What is wanted", form.some(REQUIREMENTS, { slider: true })],
       ["Aim, where lengths are free", form.some(["objective", "tolerance"])],
       ["Branch and drive", form.some(["ram_side", "rotation", "speed_rpm", "acceleration_rad_per_s2", "start_deg", "name"])],
     ];
   }
 
-  /** Ranges about the lengths of now, and the stroke and ratio that they have as wishes. */
+  /** Ranges about the lengths of now, and the stroke and ratio that they have as requirements. */
   #free() {
     const known = (name) => this.found?.dimensions[name] ?? this.store.at(`/${name}`);
     const ranges = LENGTHS.map((name) => [name, known(name)]).filter(([, value]) => typeof value === "number");
@@ -57,7 +57,7 @@ export class Shaper {
 
   async show(found, signal) {
     this.found = found;
-    say(told(found), found.status);
+    showStatus(told(found), found.status);
     const made = found.stroke_mm !== null;
     this.box.hidden = !made;
     if (!made) return;
@@ -67,13 +67,13 @@ export class Shaper {
     const design = { extremes: [] }; // no bounds to draw
     this.charts.show({ motion, design, marks: found.dead_centres.map((each) => each.crank_travel_deg) }, null);
     this.cam.show({ scene }, null);
-    byId("wishes-part").hidden = found.limits.length === 0;
-    byId("wishes").replaceChildren(...tabled(["", "came out", "at least", "at most", ""], found.limits.map(wish)));
-    byId("margins").replaceChildren(...tabled(["quantity", "largest", "at", "smallest", "at"], found.extremes.map(extreme)));
-    byId("centres").replaceChildren(...tabled(["crank turned", "crank angle", "ram", "why"], found.dead_centres.map(centre)));
+    byId("requirements-part").hidden = found.limits.length === 0;
+    byId("requirements").replaceChildren(...tableParts(["", "came out", "at least", "at most", ""], found.limits.map(requirement)));
+    byId("margins").replaceChildren(...tableParts(["quantity", "largest", "at", "smallest", "at"], found.extremes.map(extreme)));
+    byId("centres").replaceChildren(...tableParts(["crank turned", "crank angle", "ram", "why"], found.dead_centres.map(centre)));
     const can = "cam.json" in found.links;
     byId("to-cam").disabled = !can;
-    byId("to-cam-told").textContent = can ? "opens it on the page of planar cams" : "a cam turns at constant speed; this crank changes its speed";
+    byId("to-cam-message").textContent = can ? "opens it on the page of planar cams" : "a cam turns at constant speed; this crank changes its speed";
   }
 
   async #toCam() {
@@ -90,13 +90,13 @@ function about(value) {
 }
 
 function told(found) {
-  if (found.stroke_mm === null) return "Infeasible: no lengths keep these wishes together.";
-  const broken = found.limits.filter((each) => !each.holds).map((each) => parts(each.limit)[0]);
+  if (found.stroke_mm === null) return "Infeasible: no lengths keep these requirements together.";
+  const broken = found.limits.filter((each) => !each.holds).map((each) => nameAndUnit(each.limit)[0]);
   if (broken.length > 0) return `Infeasible: these lengths do not keep ${broken.join(", ")}.`;
   const made = `Stroke ${figure(found.stroke_mm, 6)} mm, quick return ${figure(found.quick_return.ratio, 5)}.`;
   if (!found.certificate) return made;
   const { objective, value, gap, bound_valid_for: over } = found.certificate;
-  const [name, unit] = parts(objective);
+  const [name, unit] = nameAndUnit(objective);
   const near = gap < 1e-6 ? "the best there is" : `within ${figure(100 * gap, 2)} % of the best`;
   const best = `${name} ${figure(value, 6)} ${unit}, ${near} over ${over}.`;
   return `${found.status === "optimal" ? "Optimal" : "Feasible"}: ${best} ${made}`;
@@ -118,8 +118,8 @@ function sizesOf(found) {
 const cell = (...content) => element("td", {}, ...content);
 const bound = (value) => (value === null ? "" : figure(value, 6));
 
-function wish(each) {
-  const [name] = parts(each.limit);
+function requirement(each) {
+  const [name] = nameAndUnit(each.limit);
   return element(
     "tr",
     { class: each.holds ? "" : "broken" },

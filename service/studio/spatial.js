@@ -2,15 +2,15 @@
 
 import { Api, Problem } from "./api.js";
 import { listCalls } from "./calls.js";
-import { byId, element, figure, settled } from "./dom.js";
+import { byId, element, figure, debounced } from "./dom.js";
 import { Files } from "./files.js";
 import { Form } from "./form.js";
 import { words } from "./names.js";
-import { say, showProblem, sizes, tabled } from "./result.js";
+import { showStatus, showProblem, sizes, tableParts } from "./result.js";
 import { Scene } from "./scene.js";
 import { Schemas } from "./schema.js";
-import { Store } from "./store.js";
-import { Turning } from "./turning.js";
+import { SpecStore } from "./spec_store.js";
+import { Playback } from "./playback.js";
 
 const PATH = "/v1/spatial-cams";
 const LIVE_WAIT = 300; // after the last change [ms]
@@ -19,11 +19,11 @@ class Studio {
   constructor(api, openapi, titles) {
     this.api = api;
     this.schemas = new Schemas(openapi, PATH, "SpatialCamSpec");
-    this.store = new Store();
+    this.store = new SpecStore();
     this.form = new Form(this.store, this.schemas, titles, ["machine"]);
     this.files = new Files(api, openapi, `${PATH}/{cam_id}`, "body.stl");
     this.scene = sceneOn(byId("scene"));
-    this.turning = new Turning((angle) => this.scene?.turnTo(angle), byId("scene"));
+    this.turning = new Playback((angle) => this.scene?.turnTo(angle), byId("scene"));
     listCalls(api);
     this.#listen();
   }
@@ -42,8 +42,8 @@ class Studio {
   }
 
   #listen() {
-    const later = settled(LIVE_WAIT, () => {
-      if (byId("live").checked && JSON.stringify(this.store.spec) !== this.asked) this.design();
+    const later = debounced(LIVE_WAIT, () => {
+      if (byId("live").checked && JSON.stringify(this.store.spec) !== this.requested) this.design();
     });
     this.store.addEventListener("change", later);
     byId("design").addEventListener("click", () => this.design());
@@ -54,22 +54,22 @@ class Studio {
 
   /** Asks for a cam of the present spec; an older question is given up. */
   async design() {
-    this.asked = JSON.stringify(this.store.spec);
+    this.requested = JSON.stringify(this.store.spec);
     this.abort?.abort();
     const { signal } = (this.abort = new AbortController());
-    const slow = setTimeout(() => say("Working …", "working"), 300);
+    const slow = setTimeout(() => showStatus("Working …", "working"), 300);
     try {
       const began = performance.now();
       const design = await this.api.post(PATH, structuredClone(this.store.spec), { signal });
       clearTimeout(slow);
-      byId("took").textContent = `${Math.round(performance.now() - began)} ms with the way there; ${Math.round(1000 * design.report.seconds)} ms in the core`;
-      this.form.faults([]);
+      byId("took").textContent = `${Math.round(performance.now() - began)} ms with transfer; ${Math.round(1000 * design.report.seconds)} ms in the core`;
+      this.form.showErrors([]);
       byId("conflict").replaceChildren();
       show(design);
       this.files.show(design);
       await this.#draw(design, signal);
     } catch (error) {
-      if (error instanceof Problem) showProblem(error, this.form.faults(error.document.errors ?? []));
+      if (error instanceof Problem) showProblem(error, this.form.showErrors(error.document.errors ?? []));
       else if (error.name !== "AbortError") throw error;
     } finally {
       clearTimeout(slow);
@@ -118,17 +118,17 @@ function told(text) {
   byId("no-picture").hidden = text === "";
 }
 
-const TOLD = {
+const STATUS_TEXT = {
   optimal: "Optimal: every limit holds, and the gap is within the tolerance.",
   feasible: "Feasible: every limit holds, and no wall is undercut.",
   infeasible: "Infeasible: a limit is broken, or a wall is undercut.",
 };
 
 function show(design) {
-  say(TOLD[design.status], design.status);
+  showStatus(STATUS_TEXT[design.status], design.status);
   byId("sizes").replaceChildren(...sizes(design));
   const names = ["quantity", "value", "cam angle", "where", "bound", ""];
-  byId("margins").replaceChildren(...tabled(names, design.extremes.map(row)));
+  byId("margins").replaceChildren(...tableParts(names, design.extremes.map(row)));
 }
 
 function row(each) {
@@ -153,6 +153,6 @@ async function start() {
 }
 
 start().catch((error) => {
-  say(`The studio could not start: ${error.message}`, "problem");
+  showStatus(`The studio could not start: ${error.message}`, "problem");
   throw error;
 });

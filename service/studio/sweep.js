@@ -1,7 +1,7 @@
 // A small sweep over one or two numbers of the spec, and the trade-off curve that comes out of it.
 
 import { byId, element, figure, shape } from "./dom.js";
-import { labelled, parts, words } from "./names.js";
+import { labelOf, words } from "./names.js";
 import { numbers } from "./pointer.js";
 
 const SIZE = { width: 620, height: 340, left: 74, right: 16, top: 14, bottom: 46 };
@@ -48,7 +48,7 @@ export class Sweep {
   #named(pointer) {
     const steps = pointer.split("/").slice(1);
     const at = (depth) => this.store.at(`/${steps.slice(0, depth).join("/")}`);
-    const last = labelled(steps.at(-1));
+    const last = labelOf(steps.at(-1));
     if (steps[0] === "limits") return `limit ${words(at(2).kind)}: ${last}`;
     if (steps[0] === "program") return `segment ${Number(steps[1]) + 1} (${words(at(2).kind)}): ${steps.slice(2, -1).map(words).join(" ")} ${last}`;
     return [...steps.slice(0, -1).map(words), last].join(": ").replace("follower: ", "follower ");
@@ -82,24 +82,24 @@ export class Sweep {
     this.known = false; // which quantities the designs have
     byId("sweep-curve").hidden = false;
     this.#draw();
-    this.#tell("Asking …");
+    this.#report("Asking …");
     try {
       this.sweep = await this.api.post("/v1/sweeps", this.#spec());
     } catch (problem) {
-      this.#tell(problem.message, true);
+      this.#report(problem.message, true);
       return;
     }
     const path = `${this.sweep.links.self}/events`;
     this.api.note("GET", path);
     this.events = new EventSource(path);
-    this.events.addEventListener("item", (event) => this.#arrived(JSON.parse(event.data)));
+    this.events.addEventListener("item", (event) => this.#addItem(JSON.parse(event.data)));
     this.events.addEventListener("progress", (event) => this.#progress(JSON.parse(event.data)));
-    this.events.addEventListener("end", (event) => this.#ended(JSON.parse(event.data)));
+    this.events.addEventListener("end", (event) => this.#end(JSON.parse(event.data)));
     byId("sweep-stop").disabled = false;
   }
 
   async stop() {
-    if (this.sweep) await this.api.delete(`${this.sweep.links.self}?discard=false`).catch((problem) => this.#tell(problem.message, true));
+    if (this.sweep) await this.api.delete(`${this.sweep.links.self}?discard=false`).catch((problem) => this.#report(problem.message, true));
   }
 
   #close() {
@@ -108,7 +108,7 @@ export class Sweep {
     byId("sweep-stop").disabled = true;
   }
 
-  #arrived(item) {
+  #addItem(item) {
     this.items.push(item);
     if (!this.known && Object.keys(item.quantities).length > 0) this.#quantities(item);
     this.late ??= requestAnimationFrame(() => {
@@ -120,17 +120,17 @@ export class Sweep {
   #progress({ progress, counts, time_left_s: left }) {
     byId("sweep-progress").value = progress;
     const rest = left ? `, ${figure(left, 2)} s left` : "";
-    this.#tell(`${counts.done} of ${counts.items} designs, ${counts.infeasible} infeasible, ${counts.failed} failed${rest}.`);
+    this.#report(`${counts.done} of ${counts.items} designs, ${counts.infeasible} infeasible, ${counts.failed} failed${rest}.`);
   }
 
-  async #ended(summary) {
+  async #end(summary) {
     this.#close();
     this.#progress(summary);
-    await this.#trade();
+    await this.#findFront();
   }
 
   /** The service says which designs no other beats. */
-  async #trade() {
+  async #findFront() {
     const [x, y] = ["sweep-x", "sweep-y"].map((id) => byId(id).value);
     this.front = new Set();
     if (this.sweep && x && y && x !== y && !x.startsWith("/")) {
@@ -141,9 +141,9 @@ export class Sweep {
     this.#draw(false);
   }
 
-  #tell(text, wrong = false) {
-    byId("sweep-told").textContent = text;
-    byId("sweep-told").classList.toggle("fault", wrong);
+  #report(text, wrong = false) {
+    byId("sweep-message").textContent = text;
+    byId("sweep-message").classList.toggle("error", wrong);
   }
 
   // -- the curve ----------------------------------------------------------------------------
@@ -154,7 +154,7 @@ export class Sweep {
     const second = byId("sweep-quantity").value;
     const names = [...Object.keys(item.quantities), ...Object.keys(item.values)];
     for (const [id, wanted] of [["sweep-x", objective], ["sweep-y", second]]) {
-      byId(id).replaceChildren(...names.map((name) => element("option", { value: name }, name.startsWith("/") ? this.#named(name) : labelled(name))));
+      byId(id).replaceChildren(...names.map((name) => element("option", { value: name }, name.startsWith("/") ? this.#named(name) : labelOf(name))));
       byId(id).value = names.find((name) => name.startsWith(wanted)) ?? names[0];
     }
   }
@@ -170,11 +170,11 @@ export class Sweep {
     picture.replaceChildren();
     if (shown.length === 0) return;
     const [px, py] = [scaled(shown.map((p) => p.x), SIZE.left, SIZE.width - SIZE.right), scaled(shown.map((p) => p.y), SIZE.height - SIZE.bottom, SIZE.top)];
-    picture.append(...ticks(px, py), ...titles(x.startsWith("/") ? this.#named(x) : named(x), y.startsWith("/") ? this.#named(y) : named(y)));
+    picture.append(...ticks(px, py), ...titles(x.startsWith("/") ? this.#named(x) : labelOf(x), y.startsWith("/") ? this.#named(y) : labelOf(y)));
     const best = shown.filter((p) => this.front?.has(p.item.number)).sort((a, b) => a.x - b.x);
     if (best.length > 1) picture.append(shape("path", { class: "front", d: best.map((p, i) => `${i ? "L" : "M"}${px.at(p.x)} ${py.at(p.y)}`).join("") }));
     picture.append(...shown.map((point) => this.#dot(point, px, py, this.front?.has(point.item.number))));
-    if (changed && !this.events && this.sweep) this.#trade();
+    if (changed && !this.events && this.sweep) this.#findFront();
   }
 
   #dot({ item, x, y }, px, py, best) {
@@ -190,11 +190,6 @@ export class Sweep {
     return dot;
   }
 }
-
-const named = (name) => {
-  const [text, unit] = parts(name);
-  return unit ? `${text} [${unit}]` : text;
-};
 
 function scaled(values, from, to) {
   const [low, high] = [Math.min(...values), Math.max(...values)];

@@ -37,7 +37,7 @@ def figure(page: Page, name: str, where: str = "#sizes") -> float:
 
 
 def faults(page: Page) -> list[str]:
-    return [text for text in page.locator(".fault").all_inner_texts() if text]
+    return [text for text in page.locator(".error").all_inner_texts() if text]
 
 
 def test_a_shaper_turns_and_follows_its_sliders(
@@ -156,7 +156,7 @@ def test_out_of_reach_and_out_of_sense(closed: Closed, real_service: Running) ->
     expect(page.locator("#singular")).to_contain_text("90°", timeout=PATIENT)
     expect(page.locator("#side .limit")).to_have_count(1)
     page.locator('[data-pointer="/forearm_deg/min"]').fill("150")
-    expect(page.locator('[data-fault="/forearm_deg"]')).to_contain_text("Exchange the two")
+    expect(page.locator('[data-error="/forearm_deg"]')).to_contain_text("Exchange the two")
     page.locator("#pose").select_option("0")
     expect(page.locator("#form")).to_contain_text("upper arm [°]")
 

@@ -73,7 +73,7 @@ def test_a_wrong_size_is_told_at_its_field_and_files_are_offered(studio: Page) -
     assert head.startswith("roller,side,theta_deg")
     studio.locator('[data-pointer="/machine/rollers"]').fill("5")
     expect(studio.locator("#status")).to_have_class("problem", timeout=PATIENT)
-    expect(studio.locator('[data-fault="/program"]')).to_contain_text("between two of 5")
+    expect(studio.locator('[data-error="/program"]')).to_contain_text("between two of 5")
     studio.locator('[data-pointer="/machine/rollers"]').fill("6")
     expect(studio.locator("#status")).to_have_class("feasible", timeout=PATIENT)
 

@@ -56,7 +56,7 @@ def changed(page: Page, name: str, before: float) -> float:
 
 
 def faults(page: Page) -> list[str]:
-    return [text for text in page.locator(".fault").all_inner_texts() if text]
+    return [text for text in page.locator(".error").all_inner_texts() if text]
 
 
 def choose(select: Locator, value: str) -> None:
@@ -133,13 +133,13 @@ def test_what_is_wrong_is_told_at_its_field(studio: Page) -> None:
     assert angle.get_attribute("aria-invalid") == "true"
     angle.fill("90")
     expect(studio.locator("#program-sum")).to_have_text("Angles sum to 350° of 360°.")
-    expect(studio.locator('[data-fault="/program"]')).to_contain_text("Add 10.0°", timeout=PATIENT)
+    expect(studio.locator('[data-error="/program"]')).to_contain_text("Add 10.0°", timeout=PATIENT)
     studio.get_by_role("button", name="segment 4: take what is left of 360°").click()
     expect(studio.locator("#status")).to_have_class("optimal", timeout=PATIENT)
     assert faults(studio) == []
     studio.get_by_role("tab", name="JSON").click()
     studio.locator("#json").fill('{"program": [')
-    expect(studio.locator("#json-fault")).to_contain_text("not JSON yet")
+    expect(studio.locator("#json-error")).to_contain_text("not JSON yet")
     studio.locator("#json").fill(json.dumps(examples()["flat-face"]["value"]))
     expect(studio.locator("#sizes")).not_to_contain_text("roller", timeout=PATIENT)
     assert faults(studio) == []
@@ -175,7 +175,7 @@ def test_a_sweep_is_run_and_one_of_its_designs_taken(studio: Page, tmp_path: Pat
         studio.locator(f"#sweep-{name}-1").fill(value)
     choose(studio.locator("#sweep-quantity"), "peak_pressure_angle")
     studio.locator("#sweep-start").click()
-    expect(studio.locator("#sweep-told")).to_contain_text("5 of 5 designs", timeout=PATIENT)
+    expect(studio.locator("#sweep-message")).to_contain_text("5 of 5 designs", timeout=PATIENT)
     expect(studio.locator("#trade-off .dot")).to_have_count(5)
     expect(studio.locator("#trade-off .front")).to_have_count(1)
     studio.locator("#trade-off").scroll_into_view_if_needed()
@@ -198,7 +198,7 @@ def test_files_come_down_and_refusals_are_told(studio: Page) -> None:
     assert all(len(line.split()) == 3 for line in lines)
     studio.locator("#option-points_per_degree").fill("-3")
     studio.locator("#file-link").click()
-    expect(studio.locator("#file-fault")).to_contain_text("greater than 0", timeout=PATIENT)
+    expect(studio.locator("#file-error")).to_contain_text("greater than 0", timeout=PATIENT)
 
 
 def test_a_call_copied_as_curl_does_the_same(studio: Page, real_service: Running) -> None:

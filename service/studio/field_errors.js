@@ -1,11 +1,11 @@
 // The errors of a problem document, told at the fields of #form that they belong to.
 
 /** Puts errors at their fields, those of before taken away; returns those that have no place. */
-export function placed(errors) {
-  for (const place of document.querySelectorAll("[data-fault]")) place.textContent = "";
+export function showFieldErrors(errors) {
+  for (const place of document.querySelectorAll("[data-error]")) place.textContent = "";
   for (const input of document.querySelectorAll("[aria-invalid]")) input.removeAttribute("aria-invalid");
   return errors.filter(({ pointer, rule, remedy }) => {
-    const place = nearest(pointer ?? "", "data-fault");
+    const place = nearest(pointer ?? "", "data-error");
     if (!place) return true;
     place.textContent = [place.textContent, sentences(rule, remedy)].filter(Boolean).join(" ");
     nearest(pointer, "data-pointer")?.setAttribute("aria-invalid", "true");

@@ -2,7 +2,7 @@
 
 import { byId, figure } from "./dom.js";
 
-export class Turning {
+export class Playback {
   /** `shown` is told the cam angle [°] at every step; keys are those pressed on `picture`. */
   constructor(shown, picture) {
     this.shown = shown;

@@ -2,14 +2,14 @@
 
 const SLOW = 1500; // an answer that takes longer is given up for a newer question [ms]
 
-export class Newest {
+export class LatestRequest {
   /** `ask` answers the present question, and may be given up by its signal. */
   constructor(ask) {
     this.ask = ask;
   }
 
   /** Asks now, or as soon as the question before is answered or given up. */
-  async now() {
+  async send() {
     if (this.busy) {
       this.again = true;
       clearTimeout(this.giveUp);
@@ -29,7 +29,7 @@ export class Newest {
     }
     if (this.again) {
       this.again = false;
-      this.now();
+      this.send();
     }
   }
 }
