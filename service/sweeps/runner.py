@@ -62,7 +62,9 @@ class Progress:
 
 
 class SweepRunner:
-    """Runs a sweep whose lease this process holds."""
+    """Runs a sweep whose lease this process holds, in ``task``."""
+
+    task: asyncio.Task[None]
 
     def __init__(
         self, row: SweepRow, engine: Engine, store: SweepStore, leases: Leases, settings: Settings
@@ -78,7 +80,10 @@ class SweepRunner:
         self.progress = Progress()
 
     async def run(self) -> None:
-        """Run until every item is finished, or the sweep is stopped, or the lease is lost."""
+        """Run until every item is finished, or the sweep is stopped, or the lease is lost.
+
+        The lease is released at the end.
+        """
         number = self._row.sequence
         renewal = asyncio.create_task(self._renew_lease())
         try:
@@ -94,11 +99,18 @@ class SweepRunner:
                 await self._end()
         except LeaseLost:
             log.info("another process has the sweep now")
+        except Exception:
+            log.exception("a sweep has failed")
+            await self._store.end(number, "failed", self._leases.owner)
         finally:
             renewal.cancel()
             for chunk in self._running:
                 chunk.cancel()
             self.progress.notify()
+            try:
+                await self._leases.release(number)
+            except (InterfaceError, OperationalError):
+                log.warning("the store cannot be reached; the lease will expire")
 
     async def _renew_lease(self) -> None:
         """Renew the lease until it is lost: the sweep was dismissed, or another process has it."""

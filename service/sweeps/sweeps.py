@@ -34,12 +34,6 @@ class Sweeps:
         self._leases = Leases(store.do, settings.sweep_lease_s)
         self._polling: asyncio.Task[None] | None = None
         self._runners: dict[str, SweepRunner] = {}
-        self._tasks: dict[str, asyncio.Task[None]] = {}
-
-    @staticmethod
-    def id_of(spec: SweepSpec) -> str:
-        """The sweep's id on this engine."""
-        return sweep_id(spec)
 
     def check(self, spec: SweepSpec) -> None:
         """Refuse a sweep that is too large, or of which no item seems to be valid.
@@ -70,7 +64,7 @@ class Sweeps:
     async def accept(self, spec: SweepSpec) -> SweepRow:
         """Accept a sweep, or join it, or continue one that was dismissed."""
         running = len(self._runners)
-        if self.id_of(spec) not in self._runners and running >= self._settings.max_sweeps:
+        if sweep_id(spec) not in self._runners and running >= self._settings.max_sweeps:
             raise ProblemType.BUSY(
                 f"{running} sweeps are running already. Try again when one has ended, or stop one.",
                 {"Retry-After": "10"},
@@ -79,7 +73,7 @@ class Sweeps:
 
     async def _accept(self, spec: SweepSpec) -> SweepRow:
         row = SweepRow(
-            id=self.id_of(spec), engine=ENGINE_NUMBER, name=spec.name,
+            id=sweep_id(spec), engine=ENGINE_NUMBER, name=spec.name,
             created=datetime.now(UTC), state="accepted",
             spec=spec.model_dump_json().encode(), size=spec.size, quantities=[],
             axes=[axis.pointer for axis in spec.axes],
@@ -129,21 +123,8 @@ class Sweeps:
             return
         runner = SweepRunner(row, self.engine, self.store, self._leases, self._settings)
         self._runners[row.id] = runner
-        self._tasks[row.id] = asyncio.create_task(self._run(row, runner))
-
-    async def _run(self, row: SweepRow, runner: SweepRunner) -> None:
-        try:
-            await runner.run()
-        except Exception:
-            log.exception("a sweep has failed")
-            await self.store.end(row.sequence, "failed", self._leases.owner)
-        finally:
-            try:
-                await self._leases.release(row.sequence)
-            except (InterfaceError, OperationalError):
-                log.warning("the store cannot be reached; the lease will expire")
-            finally:
-                del self._runners[row.id], self._tasks[row.id]
+        runner.task = asyncio.create_task(runner.run())
+        runner.task.add_done_callback(lambda _: self._runners.pop(row.id))
 
     def progress(self, name: str) -> Progress | None:
         """The progress of a sweep that this process runs."""
@@ -152,19 +133,18 @@ class Sweeps:
 
     async def dismiss(self, row: SweepRow) -> SweepRow | None:
         """Stop a running sweep and keep what is done; None where it had ended already."""
-        runner, task = self._runners.get(row.id), self._tasks.get(row.id)
+        runner = self._runners.get(row.id)
         owner = None if runner is None else self._leases.owner
         ended = await self.store.end(row.sequence, "dismissed", owner)
-        if runner is not None and task is not None:
+        if runner is not None:
             await runner.stop()
-            await asyncio.wait({task})
+            await asyncio.wait({runner.task})
         return None if ended is None else await self.store.find(row.id)
 
     async def close(self) -> None:
-        """Stop everything; it is gone on with at the next start."""
-        if self._polling is not None:
-            self._polling.cancel()
-        tasks = list(self._tasks.values())
+        """Stop everything; it is continued at the next start."""
+        tasks = [runner.task for runner in self._runners.values()]
+        tasks += [] if self._polling is None else [self._polling]
         for task in tasks:
             task.cancel()
         await asyncio.gather(*tasks, return_exceptions=True)

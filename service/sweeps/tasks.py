@@ -102,32 +102,37 @@ def _answer(
 ) -> ItemAnswer:
     started = time.monotonic()
     try:
-        answer = _solve(sweep, values, budget_s, solve, warm_start)
+        body = _body(sweep, values)
+        try:
+            answer = solve(body, budget_s, tuple(sweep.quantities), warm_start)
+        except ValidationError:
+            item_spec(sweep, values)  # raises ServiceError for the same reason
+            raise
     except Cancelled:
         raise
-    except TimeBudgetExceeded as error:
-        return _best_so_far(number, error, time.monotonic() - started)
     except Exception as error:
         # Rarely needed, and it imports the web framework.
         from service.wire.problem import problem_of
 
-        return ItemAnswer(number, "failed", time.monotonic() - started, problem=problem_of(error))
+        seconds, problem = time.monotonic() - started, problem_of(error)
+        problem.pop("best", None)
+        best = error.best if isinstance(error, TimeBudgetExceeded) else None
+        if best is None:
+            return ItemAnswer(number, "failed", seconds, problem=problem)
+        # When time ended, the best certified design so far is the answer, with the problem.
+        return ItemAnswer(
+            number, best.status, seconds, {**best.dimensions, **best.objectives},
+            best.certificate.gap, None, _packed(best.model_dump_json().encode()), problem,
+        )  # fmt: skip
     return ItemAnswer(
         number, answer.status, answer.seconds, answer.quantities,  # type: ignore[arg-type]
-        answer.summary["gap"], answer.id, zlib.compress(answer.body, 1),
+        answer.summary["gap"], answer.id, _packed(answer.body),
         warm_start=answer.warm_start if sweep.warm_start else None,
     )  # fmt: skip
 
 
-def _solve(
-    sweep: SweepSpec, values: list[JsonValue], budget_s: float, solve: SolveDesign, warm_start: Any
-) -> Answer:
-    body = _body(sweep, values)
-    try:
-        return solve(body, budget_s, tuple(sweep.quantities), warm_start)
-    except ValidationError:
-        item_spec(sweep, values)  # raises ServiceError for the same reason
-        raise
+def _packed(body: bytes) -> bytes:
+    return zlib.compress(body, 1)
 
 
 def item_spec(sweep: SweepSpec, values: list[JsonValue]) -> DesignSpec:
@@ -144,19 +149,3 @@ def _body(sweep: SweepSpec, values: list[JsonValue]) -> bytes:
         raise ProblemType.INVALID_REQUEST(
             f"Another axis has replaced a field that an axis names: {error.args[0]}."
         ) from None
-
-
-def _best_so_far(number: int, error: TimeBudgetExceeded, seconds: float) -> ItemAnswer:
-    """When time ended, the best certified design so far is the answer, with the problem."""
-    from service.wire.problem import problem_of
-
-    problem = problem_of(error)
-    problem.pop("best", None)
-    if error.best is None:
-        return ItemAnswer(number, "failed", seconds, problem=problem)
-    best = error.best
-    body = zlib.compress(best.model_dump_json().encode(), 1)
-    quantities = {**best.dimensions, **best.objectives}
-    return ItemAnswer(
-        number, best.status, seconds, quantities, best.certificate.gap, None, body, problem
-    )
