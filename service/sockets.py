@@ -19,6 +19,7 @@ def listening_socket(settings: Settings) -> socket.socket:
         listener.bind((settings.host, settings.port))
         listener.listen(256)
     except OSError as error:
+        listener.close()
         in_use = error.errno == errno.EADDRINUSE
         reason = "is in use by another program" if in_use else f"cannot be used ({error.strerror})"
         sys.exit(

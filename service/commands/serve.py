@@ -50,12 +50,12 @@ def serve(
     options = {"host": host, "port": port, "database_url": database_url, "scheduler": scheduler}
     given: dict[str, Any] = {name: value for name, value in options.items() if value is not None}
     settings = settings_from(**given)
-    listener = listening_socket(settings)
-    if settings.scheduler is None:
-        prefork.start_fork_server()
-    gc.disable()  # collections take a sixth of the time of the imports, and free nothing
-    from service.server import serve as run
+    with listening_socket(settings) as listener:
+        if settings.scheduler is None:
+            prefork.start_fork_server()
+        gc.disable()  # collections take a sixth of the time of the imports, and free nothing
+        from service.server import serve as run
 
-    gc.freeze()
-    gc.enable()
-    run(settings, listener)
+        gc.freeze()
+        gc.enable()
+        run(settings, listener)

@@ -1,7 +1,10 @@
 """What is kept by id: questions with their answers.
 
-A resource is one record (`resource.Resource`): its path, the models of question and answer, the
-task that a worker runs, the lines of lists, its files. A file of this room holds each; `registry`
-has them all. `jobs.Jobs` runs the questions of one resource and keeps the answers;
-`routes/resource_routes.py` makes the routes of any. Begin with `designs.py`.
+In comes a question, a model of the core; out goes its answer, a row of the store with the bytes of
+the response. A resource is one record (`resource.Resource`): its path, the models of question and
+answer, the task that a worker runs, the lines of lists, its files. `designs`, `cam_sets` and
+`machines` hold the records, `registry` has them all by path. `jobs.Jobs` runs the questions of one
+resource, shares work on the same question and keeps the answers; `routes/resource_routes.py` makes
+the routes of any. A new kind of question is a record and a task in `workers/tasks.py`. Begin with
+`designs.py`.
 """

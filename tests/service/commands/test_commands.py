@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import json
-import os
 import re
 import signal
 import socket
@@ -52,19 +51,16 @@ def test_the_service_starts_checks_itself_and_stops(tmp_path: Path) -> None:
     assert (tmp_path / "camwright.db").exists()
 
 
-def test_a_port_that_is_taken_is_said_in_one_sentence(tmp_path: Path) -> None:
+def test_a_port_that_is_taken_is_said_in_one_sentence() -> None:
     with socket.socket() as other:
         other.bind(("127.0.0.1", 0))
         other.listen()
         port = other.getsockname()[1]
-        run = subprocess.run(
-            [sys.executable, "-m", "service.cli", "serve", "--port", str(port)],
-            cwd=tmp_path, capture_output=True, text=True, check=False, timeout=180,
-        )  # fmt: skip
-    assert run.returncode == 1
-    assert run.stderr.count("\n") == 1
-    assert f"Port {port} on 127.0.0.1 is in use" in run.stderr
-    assert "--port" in run.stderr
+        run = runner.invoke(cli.app, ["serve", "--port", str(port)])
+    assert run.exit_code == 1
+    assert run.output.count("\n") == 1
+    assert f"Port {port} on 127.0.0.1 is in use" in run.output
+    assert "--port" in run.output
 
 
 @pytest.mark.parametrize(
@@ -81,16 +77,14 @@ def test_settings_that_make_no_sense_are_said_in_one_sentence(given: list[str], 
     assert words in run.output
 
 
-def test_a_store_that_cannot_be_is_said_in_one_sentence(tmp_path: Path) -> None:
-    given = ["--database-url", "sqlite:////proc/none/x.db"]
-    run = subprocess.run(
-        [sys.executable, "-m", "service.cli", "serve", *given],
-        cwd=tmp_path, capture_output=True, text=True, check=False, timeout=180,
-        env={**os.environ, "CAMWRIGHT_PORT": "0"},
-    )  # fmt: skip
-    assert run.returncode == 1, run.stderr
-    assert run.stderr.count("\n") == 1
-    assert "cannot be used: " in run.stderr
+def test_a_store_that_cannot_be_is_said_in_one_sentence() -> None:
+    """With a scheduler, so that no process to fork workers from is started for nothing."""
+    environment = {"CAMWRIGHT_PORT": "0", "CAMWRIGHT_SCHEDULER": "tcp://127.0.0.1:9"}
+    given = ["serve", "--database-url", "sqlite:////proc/none/x.db"]
+    run = runner.invoke(cli.app, given, env=environment)
+    assert run.exit_code == 1, run.output
+    assert run.output.count("\n") == 1
+    assert "cannot be used: " in run.output
 
 
 def test_one_design_without_a_service(spec_file: Path, tmp_path: Path) -> None:
