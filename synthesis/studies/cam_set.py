@@ -5,9 +5,8 @@ from __future__ import annotations
 import time
 from math import inf
 
-from synthesis.design.cam_set import CamSet, assemble_set, mount
+from synthesis.design.cam_set import CamSet, assemble_set, mount, timing_of
 from synthesis.design.design import Design
-from synthesis.design.timing import timing_of
 from synthesis.errors import SolverFailed, TimeBudgetExceeded
 from synthesis.numerics import clock
 from synthesis.pipeline.synthesise import synthesise

@@ -14,9 +14,9 @@ from typing import Annotated, Any, ClassVar, Literal
 from pydantic import Field
 from pydantic_core import PydanticCustomError
 
-from synthesis.catalogue.constraints import Vector
+from synthesis.catalogue.constraints import Ends, Vector
 from synthesis.catalogue.fields import FiniteModel
-from synthesis.catalogue.followers.flank import CounterRollerRange, Flank
+from synthesis.catalogue.followers.flank import Flank
 from synthesis.catalogue.followers.kinematics import TracePoint, Vector2
 from synthesis.catalogue.followers.link import Tip
 from synthesis.catalogue.motion import Motion
@@ -39,11 +39,14 @@ class Closure(FiniteModel, ABC):
     Attributes:
         kind: name on the wire. title: name for people.
         counter_paths: names of the traced curves of counter rollers.
+        eased_by_distance: whether every limit of a counter cam but its outer radius is eased where
+            its roller is farther away.
     """
 
     kind: str
     title: ClassVar[str]
     counter_paths: ClassVar[tuple[str, ...]] = ()
+    eased_by_distance: ClassVar[bool] = True
 
     @abstractmethod
     def flanks(self, trace: TracePoint, roller_radius: float) -> tuple[Flank, ...]:
@@ -86,9 +89,13 @@ class Closure(FiniteModel, ABC):
         """Dimensions chosen after the size, by field: name on the wire, and requested value."""
         return {}
 
-    def counter_range(self, trace: TracePoint, z: Vector, s_max: float) -> CounterRollerRange:
-        """Where a counter roller can be, beside a main roller that moves up to ``s_max``."""
-        return CounterRollerRange(-math.inf, math.inf, True)
+    def counter_range(self, trace: TracePoint, z: Vector, s_max: float) -> Ends:
+        """Nearest and farthest place of a counter roller whose cam has the axis inside [wire].
+
+        Args:
+            s_max: up to which displacement the main roller moves.
+        """
+        return -math.inf, math.inf
 
     def with_free_counter(self) -> Closure:
         """The same with the place of its counter roller left free."""

@@ -24,10 +24,10 @@ from typing import Annotated, Any, ClassVar, Literal, Self
 import numpy as np
 from pydantic import Field
 
-from synthesis.catalogue.constraints import AffineNorm, LinearInequality, PressureTerm, Vector
+from synthesis.catalogue.constraints import AffineNorm, Ends, LinearInequality, PressureTerm, Vector
 from synthesis.catalogue.followers.closures import Closure, Force, Groove
 from synthesis.catalogue.followers.curvature_bound import CurvatureBound
-from synthesis.catalogue.followers.flank import CounterRollerRange, Flank
+from synthesis.catalogue.followers.flank import Flank
 from synthesis.catalogue.followers.kinematics import TracePoint, Vector2
 from synthesis.catalogue.followers.link import Tip
 from synthesis.catalogue.followers.pivot import PivotedFollower
@@ -227,9 +227,9 @@ class ConjugateSlide(Conjugate):
         below = at[1] - self.given
         return Tip("main", at), Tip("counter", (self.offset_mm + 0.0 * below, below), -1)
 
-    def counter_range(self, trace: TracePoint, z: Vector, s_max: float) -> CounterRollerRange:
+    def counter_range(self, trace: TracePoint, z: Vector, s_max: float) -> Ends:
         (_, height), *_ = trace.position((s_max, 0.0, 0.0, 0.0), z)
-        return CounterRollerRange(float(height), float(height) + FARTHEST * s_max, True)
+        return float(height), float(height) + FARTHEST * s_max
 
 
 class ConjugateArm(Conjugate):
@@ -239,6 +239,7 @@ class ConjugateArm(Conjugate):
     field: ClassVar[str] = "angle_deg"
     dimension: ClassVar[str] = "counter_angle_deg"
     given_field: ClassVar[str] = "arm_mm"
+    eased_by_distance: ClassVar[bool] = False
     arm_mm: Annotated[float, Field(gt=0.0, le=1e6, description="Length of the counter arm.")]
     angle_deg: Annotated[
         float | Range | None,
@@ -264,10 +265,10 @@ class ConjugateArm(Conjugate):
         there = pivot[0] + cos * x - sin * y, pivot[1] + sin * x + cos * y
         return Tip("main", at), Tip("counter", there, -1)
 
-    def counter_range(self, trace: TracePoint, z: Vector, s_max: float) -> CounterRollerRange:
+    def counter_range(self, trace: TracePoint, z: Vector, s_max: float) -> Ends:
         assert isinstance(trace, PivotedFollower)
         angle = trace.initial_angle(z) + s_max / trace.reference
-        return CounterRollerRange(angle / DEGREE, 180.0, False)
+        return angle / DEGREE, 180.0
 
 
 class CounterCamOnly(Closure):

@@ -56,20 +56,6 @@ class Flank:
         return replace(self, distance=by * self.distance, rim=by * self.rim, slack=by * self.slack)
 
 
-@dataclass(frozen=True)
-class CounterRollerRange:
-    """Where a second roller can be, in the unit of the wire.
-
-    Attributes:
-        nearest, farthest: between which places its cam has the axis inside.
-        eased_by_distance: whether every limit of its cam but the outer radius is eased by distance.
-    """
-
-    nearest: float
-    farthest: float
-    eased_by_distance: bool
-
-
 def edge_offset(flanks: Iterable[Flank], path: str) -> float:
     """What the cam's edge lacks to a traced curve [mm]: negative where the edge is outside."""
     mine = (flank for flank in flanks if flank.path == path)

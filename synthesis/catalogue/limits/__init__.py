@@ -12,16 +12,14 @@ from typing import Annotated, get_args
 from pydantic import Field
 
 from synthesis.catalogue.limits.base import Claim, Limit, Machine
-from synthesis.catalogue.limits.camshaft_torque import CamshaftTorque
-from synthesis.catalogue.limits.contact_force import ContactForce
 from synthesis.catalogue.limits.counter_base_radius import CounterBaseRadius
-from synthesis.catalogue.limits.cutter_radius import CutterRadius
 from synthesis.catalogue.limits.derivatives import Acceleration, Jerk, Velocity
 from synthesis.catalogue.limits.face_width import FaceWidth
+from synthesis.catalogue.limits.forces import CamshaftTorque, ContactForce
 from synthesis.catalogue.limits.hertz_pressure import HertzPressure
 from synthesis.catalogue.limits.outer_radius import OuterRadius
 from synthesis.catalogue.limits.pressure_angle import PressureAngle
-from synthesis.catalogue.limits.profile_radius import ProfileRadius
+from synthesis.catalogue.limits.profile_radius import CutterRadius, ProfileRadius
 from synthesis.catalogue.limits.residual_vibration import ResidualVibration
 
 AnyLimit = Annotated[

@@ -25,7 +25,7 @@ from synthesis.catalogue.followers.curvature_bound import CurvatureBound
 from synthesis.catalogue.followers.flank import Flank, labelled
 from synthesis.catalogue.followers.kinematics import pressure_angle_sine_cosine
 from synthesis.catalogue.limits.base import Claim, Machine
-from synthesis.catalogue.limits.force import (
+from synthesis.catalogue.limits.forces import (
     SMALL,
     ForceLimit,
     drive,

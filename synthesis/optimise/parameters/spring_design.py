@@ -11,7 +11,7 @@ from collections.abc import Callable
 from dataclasses import asdict
 from typing import Final
 
-from synthesis.catalogue.limits.contact_force import ContactForce
+from synthesis.catalogue.limits.forces import ContactForce
 from synthesis.design.design import Certificate, Design, Proof, StageReport
 from synthesis.design.identity import design_id
 from synthesis.optimise.parameters.spring_program import ChosenSpring, SpringProgram

@@ -68,12 +68,12 @@ def place_counter_roller(
     counter_cam = _CounterCam(spec, cam, name, deadline)
     segments = cam.problem.segments
     highest = max(max(s.s_start, s.s_end) for s in segments)
-    places = spec.follower.active_closure.counter_range(spec.follower, cam.size, highest)
-    nearest, most = max(low, places.nearest), min(high, places.farthest)
+    closure = spec.follower.active_closure
+    eased = closure.eased_by_distance
+    first, last = closure.counter_range(spec.follower, cam.size, highest)
+    nearest, most = max(low, first), min(high, last)
     if most <= nearest:
-        return CounterRollerPlacement(
-            spec.with_deferred({name: most}), False, farthest=places.eased_by_distance
-        )
+        return CounterRollerPlacement(spec.with_deferred({name: most}), False, farthest=eased)
     least = counter_cam.nearest_feasible(nearest, most)
     value = counter_cam.least_violated(nearest, most) if least is None else least
     if counter_cam.size_excess(value) > 0.0 >= counter_cam.size_excess(nearest):
@@ -82,7 +82,7 @@ def place_counter_roller(
             spec.with_deferred({name: value}), False
         )  # too small or too large, with these laws
     alone = not any(True for _ in counter_cam.cones(value))
-    farthest = places.eased_by_distance and alone
+    farthest = eased and alone
     return CounterRollerPlacement(spec.with_deferred({name: value}), least is not None, farthest)
 
 
