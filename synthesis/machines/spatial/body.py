@@ -1,21 +1,27 @@
-"""The cam as a body: a blank with all grooves cut, as a grid over the turn and as a closed mesh.
+"""The cam as a body: a turned blank with all grooves cut, as a grid over the turn and as a mesh.
 
-A half-plane through the axis cuts the body in one closed outline: out along the lower face, over
-ribs and through grooves, back along the upper face and down the bore. All outlines have the same
-columns of points. Where a groove lies outside of the blank its walls lie on the blank's end, so
-that ribs begin and end there; what such walls enclose has no volume.
+The blank is a hub, and a rim from the ribs' tops to the grooves' floor. A half-plane through the
+axis cuts the body in one closed outline: out along the lower face, over ribs and through grooves,
+back along the upper face and down the bore. All outlines have the same columns of points. Where a
+groove lies outside of the blank its walls lie on the blank's end, so that ribs begin and end there;
+what such walls enclose has no volume.
 """
 
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 from dataclasses import dataclass
+from typing import Annotated
 
 import numpy as np
 from numpy.typing import NDArray
+from pydantic import Field
 
-from synthesis.machines.spatial.blank import Blank
+from synthesis.errors import InputError
+from synthesis.exporters.options import BoreDiameter, Options
 from synthesis.machines.spatial.grooves import GrooveSections, shifted
+from synthesis.numerics.geometry.charts import Chart
 from synthesis.numerics.geometry.swept_roller import cross, dot, norm
 from synthesis.numerics.piecewise import Array
 from synthesis.units import FULL_TURN
@@ -23,6 +29,120 @@ from synthesis.units import FULL_TURN
 Whole = NDArray[np.int64]
 MIN_RIB = 1e-5  # of the blank's width: least width of a rib that would end in a point
 SAMPLED_ROWS = 90  # at which the body is compared with the true surface
+END_MARGIN = 2.0  # roller radii from the last axis to the end: leaves one radius of material
+RIM_ANGLES = np.linspace(0.0, FULL_TURN, 16, endpoint=False)
+Spacing = Callable[[float, float, int], Array]
+Clearance = Annotated[float, Field(ge=0.0, le=1e4)]
+
+
+@dataclass(frozen=True, kw_only=True)
+class BlankOptions(Options):
+    """The body that the grooves are cut into."""
+
+    bore_mm: BoreDiameter = None
+    width_mm: Annotated[
+        float | None,
+        Field(
+            gt=0.0,
+            le=1e5,
+            description="Width between two flat ends at equal distances from the common "
+            "perpendicular; left out: the cam's own, or as far as the rollers mesh, or one roller "
+            "radius beyond their grooves.",
+        ),
+    ] = None
+    tip_clearance_mm: Annotated[
+        Clearance,
+        Field(description="Clearance between the ribs' tops and the rollers' inner ends."),
+    ] = 0.0
+    end_clearance_mm: Annotated[
+        Clearance,
+        Field(description="Clearance between the grooves' floor and the rollers' outer ends."),
+    ] = 1.0
+
+
+@dataclass(frozen=True, eq=False)
+class Blank:
+    """The body before grooves are cut.
+
+    Attributes:
+        chart: its coordinates. depth: (m,) from the ribs' tops to the floor [mm].
+        low, high: (m,) places across of its two ends, at every depth.
+        bore: radius of the bore, 0: none [mm].
+    """
+
+    chart: Chart
+    depth: Array
+    low: Array
+    high: Array
+    bore: float = 0.0
+
+    @classmethod
+    def of(
+        cls, cuts: GrooveSections, options: BlankOptions, depths: int, spaced: Spacing = np.linspace
+    ) -> Blank:
+        """The blank for a machine's rollers, at so many depths with the given spacing.
+
+        Raises:
+            InputError: nothing is left of the ribs, of the width, or around the bore.
+        """
+        top, root = _depth_range(cuts)
+        top, root = top + options.tip_clearance_mm, root + options.end_clearance_mm
+        if not top < root:
+            raise InputError(
+                "/tip_clearance_mm", options.tip_clearance_mm,
+                f"The grooves are {root - top + options.tip_clearance_mm:.6g} mm deep.",
+                "Reduce the clearance.",
+            )  # fmt: skip
+        depth = spaced(top, root, depths)
+        # Where no width is given the blank reaches as far as the rollers mesh, or a little farther.
+        roller, width = cuts.cam.swept.roller, options.width_mm
+        across = cuts.to_chart(cuts.axes(roller.middle))[2]
+        room = 0.0 if np.isfinite(cuts.mesh[0]) else END_MARGIN * roller.radius
+        low, high = (np.full(depths, end) for end in (np.min(across) - room, np.max(across) + room))
+        faces = cuts.cam.faces if width is None else (-0.5 * width, 0.5 * width)
+        if np.all(np.isfinite(faces)):
+            low = np.maximum(low, cuts.chart.across_at_height(depth, faces[0]))
+            high = np.minimum(high, cuts.chart.across_at_height(depth, faces[1]))
+        blank = cls(cuts.chart, depth, low, high, 0.5 * (options.bore_mm or 0.0))
+        thin = float(
+            np.min(cuts.chart.meridian(depth[-1:], np.linspace(low[-1], high[-1], 181))[0])
+        )
+        if thin <= 0.0:
+            raise InputError(
+                "/end_clearance_mm", options.end_clearance_mm,
+                f"The grooves' floor reaches {-thin:.6g} mm beyond the cam's axis: with these "
+                "rollers and this centre distance nothing is left of the body.",
+                "Reduce the clearance, increase the centre distance, or use shorter rollers.",
+            )  # fmt: skip
+        if thin <= blank.bore:
+            raise InputError(
+                "/bore_mm", options.bore_mm,
+                f"The grooves' floor is {thin:.6g} mm from the cam's axis.",
+                f"Choose a diameter below {2.0 * thin:.6g} mm.",
+            )  # fmt: skip
+        return blank
+
+    @property
+    def heights(self) -> tuple[float, float]:
+        """Heights of the hub's two faces along the cam's axis [mm]."""
+        ends = np.array([self.low[-1], self.high[-1]])
+        low, high = self.chart.meridian(self.depth[-1:], ends)[1]
+        return float(low), float(high)
+
+
+def _depth_range(cuts: GrooveSections) -> tuple[float, float]:
+    """Depth of the ribs' tops, and the largest depth of the rollers' rims [mm]."""
+    roller, way = cuts.cam.swept.roller, cuts.cam.swept.joint.velocity_per_q
+    u = cuts.directions()
+    ends = np.array([roller.inner, roller.outer])
+    deepest = [*cuts.chart.depth_of_place(ends)]
+    for rho, radius in zip(ends, roller.profile(ends)[0], strict=True):
+        axis = cuts.axes(rho)
+        one = way(axis) - dot(way(axis), u) * u
+        one = one / norm(one)
+        rim = axis + radius * (np.cos(RIM_ANGLES) * one + np.sin(RIM_ANGLES) * cross(u, one))
+        deepest += [np.max(cuts.to_chart(axis)[1]), np.max(cuts.to_chart(rim)[1])]
+    return float(min(cuts.chart.depth_of_place(ends))), float(max(deepest))
 
 
 @dataclass(frozen=True)
@@ -119,14 +239,14 @@ def flank_error(cuts: GrooveSections, body: Body) -> float:
     """
     blank, rows = body.blank, len(body.turn) - 1
     step = FULL_TURN / rows
-    seen = np.arange(0, rows, max(1, rows // SAMPLED_ROWS))
+    sampled = np.arange(0, rows, max(1, rows // SAMPLED_ROWS))
     depth = 0.5 * (blank.depth[1:] + blank.depth[:-1])
-    grooves = cuts.grooves(body.turn[seen] + 0.5 * step, depth)
+    grooves = cuts.grooves(body.turn[sampled] + 0.5 * step, depth)
     low, high = (0.5 * (each[1:] + each[:-1]) for each in (blank.low, blank.high))
     between = Blank(blank.chart, depth, low, high, blank.bore)
     true = rib_bounds(between, grooves.low[body.kept], grooves.high[body.kept])
     steps = [(i, slice(j, len(depth) + j)) for i in (0, 1) for j in (0, 1)]
-    corners = np.stack([body.ribs[:, :, seen + i][..., each] for i, each in steps])
+    corners = np.stack([body.ribs[:, :, sampled + i][..., each] for i, each in steps])
     inside = (corners > np.max(blank.low)) & (corners < np.min(blank.high))
     whole = np.all(inside & (corners[:, :1] < corners[:, 1:]), axis=0)
     cell = [
@@ -211,8 +331,8 @@ def _merge_points(body: Body) -> tuple[Array, Whole]:
     Compared in single precision, as files store them.
     """
     points = body.points.astype(np.float32).reshape(3, -1) + np.float32(0.0)
-    found, names = np.unique(points, axis=1, return_inverse=True)
-    return found.T.astype(float), names.reshape(body.radius.shape)
+    distinct, names = np.unique(points, axis=1, return_inverse=True)
+    return distinct.T.astype(float), names.reshape(body.radius.shape)
 
 
 def _triangles(body: Body, names: Whole) -> Whole:
@@ -220,7 +340,7 @@ def _triangles(body: Body, names: Whole) -> Whole:
 
     So that two walls in one place cancel, triangle by triangle.
     """
-    found = []
+    triangles = []
     for strip in body.strips:
         columns = [*range(strip.first, strip.last + 1)] or [strip.first, strip.last]
         grid = names[:, columns]
@@ -231,8 +351,8 @@ def _triangles(body: Body, names: Whole) -> Whole:
             if strip.rising
             else [(here, beside, after), (beside, across, after)]
         )
-        found += [np.stack(each, axis=-1).reshape(-1, 3) for each in corners]
-    return np.concatenate(found)
+        triangles += [np.stack(each, axis=-1).reshape(-1, 3) for each in corners]
+    return np.concatenate(triangles)
 
 
 def _cancel_folds(triangles: Whole) -> Whole:

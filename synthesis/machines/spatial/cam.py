@@ -217,13 +217,13 @@ def _intervals(
         within: whether an interval counts, by its middle.
     """
     samples = np.unique(np.concatenate([np.linspace(a, b, SAMPLES) for a, b in pairwise(breaks)]))
-    found = set(ends)
+    roots = set(ends)
     for of in functions:
         above = of(samples) > 0.0
         for i in np.flatnonzero(above[1:] != above[:-1]):
             low, high = float(samples[i]), float(samples[i + 1])
-            found.add(brentq(lambda t, of=of: of(np.array([t]))[0], low, high, xtol=1e-14))
-    marks = sorted(found)
+            roots.add(brentq(lambda t, of=of: of(np.array([t]))[0], low, high, xtol=1e-14))
+    marks = sorted(roots)
     spans: list[Span] = []
     inside = within(np.array([0.5 * (a + b) for a, b in pairwise(marks)]))
     for (a, b), counts in zip(pairwise(marks), inside, strict=True):

@@ -119,13 +119,13 @@ class GrooveSections:
         """All rollers that come near the blank, those of other turns included, by position."""
         gain, (least, most) = self.cam.gain, self.mesh
         reach = int(np.ceil(FAR * (most - least) / abs(gain))) + 2 if gain else 0
-        found = [
+        seats = [
             Seat(seat.number, seat.start + gain * turn, seat.sides)
             for seat in self.machine.seats()
             for turn in range(-reach, reach + 1)
         ]
-        found.sort(key=lambda seat: seat.start)
-        kept = [a for a, b in zip(found, [*found[1:], None], strict=True)
+        seats.sort(key=lambda seat: seat.start)
+        kept = [a for a, b in zip(seats, [*seats[1:], None], strict=True)
                 if b is None or b.start - a.start > SAME]  # fmt: skip
         return [seat for seat in kept if np.any(self._near(self._positions(seat)))]
 
@@ -164,10 +164,10 @@ class GrooveSections:
         with np.errstate(all="ignore"):  # divergence far from the blank is handled below
             theta, rho, across, solved = self._newton(seat, side, t, d)
             touched = self._contact_places(rho)[:, None]
-            found = self.cam.swept.contacts(self.cam.place(seat, theta), touched, side)
+            contacts = self.cam.swept.contacts(self.cam.place(seat, theta), touched, side)
         q = self.cam.place(seat, t).q
         met = (q > self.mesh[0]) & (q < self.mesh[1])
-        bad = met & ~(solved & (found.regular[:, 0] > 0.0))
+        bad = met & ~(solved & (contacts.regular[:, 0] > 0.0))
         ends = np.array([self.cam.swept.roller.inner, self.cam.swept.roller.outer])
         reached = d <= np.max(self.chart.depth_of_place(ends))
         self._check(t, d, bad & reached, side)

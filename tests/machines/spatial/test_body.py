@@ -10,8 +10,7 @@ import pytest
 from numpy.typing import NDArray
 
 from synthesis.errors import InputError
-from synthesis.machines.spatial.blank import Blank, BlankOptions
-from synthesis.machines.spatial.body import build_body
+from synthesis.machines.spatial.body import Blank, BlankOptions, build_body
 from synthesis.machines.spatial.design import SpatialDesign
 from synthesis.machines.spatial.files.body_mesh import STL, MeshOptions
 from synthesis.machines.spatial.grooves import GrooveSections

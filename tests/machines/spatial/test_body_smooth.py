@@ -11,8 +11,7 @@ from numpy.typing import NDArray
 
 from synthesis.errors import InputError
 from synthesis.exporters.exporter import FileContent
-from synthesis.machines.spatial.blank import Blank, BlankOptions
-from synthesis.machines.spatial.body import build_body, triangulate
+from synthesis.machines.spatial.body import Blank, BlankOptions, build_body, triangulate
 from synthesis.machines.spatial.design import SpatialDesign
 from synthesis.machines.spatial.files.body_step import STEP, FacetedOptions, build_solid
 from synthesis.machines.spatial.grooves import GrooveSections

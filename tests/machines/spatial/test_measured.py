@@ -17,13 +17,14 @@ from synthesis.machines.spatial.cam import SpatialCam
 from synthesis.machines.spatial.design import SpatialDesign, SpatialExtreme
 from synthesis.machines.spatial.measuring import enclosure, measure, walls
 from synthesis.machines.spatial.measuring.enclosure import Prover
-from synthesis.machines.spatial.measuring.extremum import Extremum, to_wire
-from synthesis.machines.spatial.measuring.motion import (
+from synthesis.machines.spatial.measuring.patches import WallPoints, patches
+from synthesis.machines.spatial.measuring.quantities import (
+    Extremum,
     contact_counts,
     follower_peaks,
     segment_bound_extremes,
+    to_wire,
 )
-from synthesis.machines.spatial.measuring.patches import WallPoints, patches
 from synthesis.machines.spatial.pipeline import synthesise_spatial
 from synthesis.machines.spatial.spec import SpatialCamSpec
 from synthesis.numerics import clock

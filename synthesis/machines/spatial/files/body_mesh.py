@@ -11,8 +11,14 @@ from pydantic import Field
 
 from synthesis.errors import InputError
 from synthesis.exporters.exporter import FileContent, FileFormat
-from synthesis.machines.spatial.blank import Blank, BlankOptions
-from synthesis.machines.spatial.body import Mesh, build_body, flank_error, triangulate
+from synthesis.machines.spatial.body import (
+    Blank,
+    BlankOptions,
+    Mesh,
+    build_body,
+    flank_error,
+    triangulate,
+)
 from synthesis.machines.spatial.design import SpatialDesign
 from synthesis.machines.spatial.grooves import GrooveSections
 

@@ -23,8 +23,7 @@ from synthesis.errors import InputError
 from synthesis.exporters.curves.exact import FINEST
 from synthesis.exporters.curves.step import Entities, many, real, shape_file, text
 from synthesis.exporters.exporter import FileContent, FileFormat
-from synthesis.machines.spatial.blank import Blank, BlankOptions
-from synthesis.machines.spatial.body import Mesh, Whole
+from synthesis.machines.spatial.body import Blank, BlankOptions, Mesh, Whole
 from synthesis.machines.spatial.design import SpatialDesign
 from synthesis.machines.spatial.files.body_mesh import Levels, MeshOptions, Rows, mesh_body
 from synthesis.machines.spatial.grooves import GrooveSections

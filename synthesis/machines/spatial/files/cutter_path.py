@@ -74,18 +74,18 @@ def flank_poses(cam: SpatialCam, which: Wall, theta: Array, radius: float) -> Cu
     roller = cam.swept.roller
     tau = np.linspace(-1.0, 1.0, PLACES)
     half = 0.5 * (roller.outer - roller.inner)
-    found = cam.contacts(which, theta, roller.middle + half * tau)
-    wanted = found.point - radius * found.normal
+    contacts = cam.contacts(which, theta, roller.middle + half * tau)
+    wanted = contacts.point - radius * contacts.normal
     middle = PLACES // 2
     u = roller_poses(cam, which, theta).direction
-    n = found.normal[:, :, middle]
+    n = contacts.normal[:, :, middle]
     n = n - dot(n, u) * u
     n = n / norm(n)
     t = cross(u, n)
-    on_n, on_t = (dot(each[:, :, None], found.normal) for each in (n, t))
+    on_n, on_t = (dot(each[:, :, None], contacts.normal) for each in (n, t))
     columns = np.stack([on_n, tau * on_n, tau * on_t], axis=-1)
     line = wanted[:, :, middle, None] + half * tau * u[:, :, None]
-    missed = dot(wanted - line, found.normal)
+    missed = dot(wanted - line, contacts.normal)
     a, b, d = np.moveaxis(np.linalg.pinv(columns, rcond=RANK) @ missed[:, :, None], 1, 0)[..., 0]
     direction = half * u + b * n + d * t
     return CutterPoses(theta, wanted[:, :, middle] + a * n, direction / norm(direction))

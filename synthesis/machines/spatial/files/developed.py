@@ -91,12 +91,12 @@ def wall_curve(cam: SpatialCam, which: Wall, theta: Array, radius: float) -> Wal
     place = cam.place(which.seat, theta)
     rho = _square_root(radius**2 - _axis_offset(cam, place)[0] ** 2)
     for _ in range(MAX_ITERATIONS):
-        found = cam.swept.contacts(place, rho[:, None], which.side).point[:, :, 0]
-        y = _transverse(cam) @ (found - cam.swept.centre[:, None])
+        contact = cam.swept.contacts(place, rho[:, None], which.side).point[:, :, 0]
+        y = _transverse(cam) @ (contact - cam.swept.centre[:, None])
         before, rho = rho, _square_root(radius**2 - y**2)
         if not np.any(np.abs(rho - before) > CONVERGED * radius):
             break
-    z = cam.swept.axis @ (found - cam.swept.centre[:, None])
+    z = cam.swept.axis @ (contact - cam.swept.centre[:, None])
     phi = theta - cam.swept.hand * np.arctan2(y, rho)
     return WallCurve(which.seat, which.side, theta, phi, z, rho)
 
@@ -136,8 +136,8 @@ def _plane_offset(
     slope = _derivative(lambda t: axis_path(cam, seat, t, drawn).plane(drawn), theta)
     normal = np.stack([-slope[1], slope[0]]) / np.hypot(*slope)
     roller = cam.swept.roller.profile(centre.rho)[0]
-    found = centre.plane(drawn) + side * roller * normal
-    return np.stack([found[0] * radius / drawn, found[1]])
+    offset = centre.plane(drawn) + side * roller * normal
+    return np.stack([offset[0] * radius / drawn, offset[1]])
 
 
 def _derivative(curve: Curve, theta: Array) -> Array:
@@ -279,18 +279,20 @@ def _columns(line: WallCurve, departure: Array, radius: float) -> list[Column]:
 
 
 def _csv(design: SpatialDesign, options: DevelopedOptions) -> FileContent:
-    found = develop(design, options)
-    return found.file(csv_table(joined([_columns(*each, found.radius) for each in found.curves])))
+    unrolled = develop(design, options)
+    return unrolled.file(
+        csv_table(joined([_columns(*each, unrolled.radius) for each in unrolled.curves]))
+    )
 
 
 def _json(design: SpatialDesign, options: DevelopedOptions) -> FileContent:
-    found = develop(design, options)
+    unrolled = develop(design, options)
     body = {
-        "radius_mm": found.radius,
-        "flat_offset_error_mm": found.error,
-        "curves": [_curve(*each, found.radius) for each in found.curves],
+        "radius_mm": unrolled.radius,
+        "flat_offset_error_mm": unrolled.error,
+        "curves": [_curve(*each, unrolled.radius) for each in unrolled.curves],
     }
-    return found.file(json_file(design, "development", FRAME, body))
+    return unrolled.file(json_file(design, "development", FRAME, body))
 
 
 def _curve(line: WallCurve, departure: Array, radius: float) -> dict[str, Any]:

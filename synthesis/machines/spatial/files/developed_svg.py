@@ -77,27 +77,27 @@ class _Plane:
 
 
 def _svg(design: SpatialDesign, options: DrawnOptions) -> FileContent:
-    found = develop(design, options)
-    levels = np.concatenate([line.z for line, _ in found.curves])
+    unrolled = develop(design, options)
+    levels = np.concatenate([line.z for line, _ in unrolled.curves])
     room = MARGIN * float(np.ptp(levels))
-    u = FULL_TURN * found.radius / (SHEET - LEFT - RIGHT)
+    u = FULL_TURN * unrolled.radius / (SHEET - LEFT - RIGHT)
     low, high = float(levels.min()) - room, float(levels.max()) + room
-    plane = _Plane(found.radius, low, high, design.cam.swept.hand, u)
+    plane = _Plane(unrolled.radius, low, high, design.cam.swept.hand, u)
     width, height = SHEET * u, (HEADER + FOOTER) * u + plane.height
     scale = shown_at(width)
-    lines = [line for line, _ in found.curves]
+    lines = [line for line, _ in unrolled.curves]
     body = [
         *above(design, LEFT * u, width - RIGHT * u, u),
         *_clipped(plane, [*_grooves(plane, lines), *_curves(plane, lines)]),
         *_axes(plane),
-        *_legend(plane, found, scale),
+        *_legend(plane, unrolled, scale),
     ]
     title = f"Unrolled walls of {design.name or design.id}"
     shown = (
-        f"The cylinder of radius {found.radius:.9g} mm about the cam's axis, unrolled as seen from "
-        "outside with the axis upwards. One unit of the coordinates is 1 mm of the cylinder."
+        f"The cylinder of radius {unrolled.radius:.9g} mm about the cam's axis, unrolled as seen "
+        "from outside with the axis upwards. One unit of the coordinates is 1 mm of the cylinder."
     )
-    return found.file(svg.document(width, height, u, title, shown, body, scale, options.theme))
+    return unrolled.file(svg.document(width, height, u, title, shown, body, scale, options.theme))
 
 
 def _clipped(plane: _Plane, body: list[str]) -> list[str]:
@@ -157,11 +157,11 @@ def _axes(plane: _Plane) -> list[str]:
     return [*body, svg.text("label", left - 1.6 * u, top - 1.4 * u, "z, mm", "end")]
 
 
-def _legend(plane: _Plane, found: Development, scale: float) -> list[str]:
+def _legend(plane: _Plane, unrolled: Development, scale: float) -> list[str]:
     u = plane.u
     top, left = HEADER * u + plane.height + 13.0 * u, LEFT * u
     middle = left + 0.5 * plane.width
-    walls = ", ".join(dict.fromkeys(line.name for line, _ in found.curves if line.side))
+    walls = ", ".join(dict.fromkeys(line.name for line, _ in unrolled.curves if line.side))
     lines = [
         ("line outline", f"walls {walls}"),
         ("line pitch", "path of the roller's axis"),
@@ -172,7 +172,7 @@ def _legend(plane: _Plane, found: Development, scale: float) -> list[str]:
         body.append(svg.line(kind, left, y, left + 11.0 * u, y))
         name = svg.shortened(meaning, middle - left - 15.0 * u, svg.LABEL * u)
         body.append(svg.text("label", left + 13.0 * u, y + u, name))
-    worst = found.error
+    worst = unrolled.error
     remarks = [
         f"radius {svg.figure(plane.radius, 6)} mm, seen from outside, {ratio(scale)}",
         "" if worst is None else f"offset drawn in the plane: error {svg.figure(worst, 3)} mm",

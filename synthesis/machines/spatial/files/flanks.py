@@ -156,19 +156,19 @@ def sample_angles(
 
 def patch(cam: SpatialCam, wall: Wall, part: int, theta: Array, rho: Array) -> Patch:
     """A part of a flank at these cam angles and places."""
-    found = cam.contacts(wall, theta, rho)
-    points = cam.frame_points(theta, found.point)
-    normals = cam.frame_directions(theta, -found.normal)
-    return Patch(wall, part, len(wall.spans), theta, rho, found, points, normals)
+    contacts = cam.contacts(wall, theta, rho)
+    points = cam.frame_points(theta, contacts.point)
+    normals = cam.frame_directions(theta, -contacts.normal)
+    return Patch(wall, part, len(wall.spans), theta, rho, contacts, points, normals)
 
 
-def spline_error(design: SpatialDesign, found: Sequence[Patch]) -> float:
+def spline_error(design: SpatialDesign, flanks: Sequence[Patch]) -> float:
     """Largest distance of cubic splines through the curves' points from the flanks [mm].
 
     Measured along the flanks' normals, midway between the points.
     """
     largest = 0.0
-    for each in found:
+    for each in flanks:
         middle = 0.5 * (each.theta[1:] + each.theta[:-1])
         degree = min(CUBIC, len(each.theta) - 1)
         spline = make_interp_spline(each.theta, each.points, k=degree, axis=1)
@@ -197,18 +197,18 @@ def chosen(cam: SpatialCam, name: str) -> list[Wall]:
 
 
 def _ibl(design: SpatialDesign, options: WrittenFlankOptions) -> FileContent:
-    found, decimals = patches(design, options), options.decimals
+    flanks, decimals = patches(design, options), options.decimals
     row = " ".join(["%d", *[f"%.{decimals}f"] * 3]) + "\n"
     lines = ["Open Arclength\n"]
-    for section, each in enumerate(found, 1):
+    for section, each in enumerate(flanks, 1):
         lines.append(f"begin section ! {section}\n")
         for curve, points in enumerate(np.moveaxis(each.points, 0, -1).swapaxes(0, 1), 1):
             rounded = (np.round(points, decimals) + 0.0).tolist()
             values = [v for n, point in enumerate(rounded, 1) for v in (n, *point)]
             lines.append(f"begin curve ! {curve}\n" + row * len(rounded) % tuple(values))
     metadata = {
-        "Sections": " ".join(each.name for each in found),
-        "Spline-Error-Mm": f"{spline_error(design, found):.3g}",
+        "Sections": " ".join(each.name for each in flanks),
+        "Spline-Error-Mm": f"{spline_error(design, flanks):.3g}",
     }
     return FileContent("".join(lines).encode("ascii"), metadata)
 

@@ -15,8 +15,7 @@ import numpy as np
 from pydantic import Field
 
 from synthesis.exporters.exporter import FileFormat
-from synthesis.machines.spatial.blank import Blank, BlankOptions
-from synthesis.machines.spatial.body import Body, build_body
+from synthesis.machines.spatial.body import Blank, BlankOptions, Body, build_body
 from synthesis.machines.spatial.cam import FRAME
 from synthesis.machines.spatial.design import SpatialDesign
 from synthesis.machines.spatial.files.identification import json_file

@@ -3,8 +3,8 @@
 In: a SpatialCam and the bounds of its spec. Out: a ``SpatialExtreme`` for each quantity; the cam is
 accepted where all of them hold. Open ``walls`` first: pressure angle, undercut, wall radii and ribs
 over all contacts, found on samples of ``patches`` of walls. ``enclosure`` proves what was found for
-cylindrical rollers, by branch and bound with Taylor models. ``motion`` measures the follower's
-derivatives and the windows and points of the program; ``extremum`` holds quantities and bounds.
+cylindrical rollers, by branch and bound with Taylor models. ``quantities`` holds quantities and
+bounds, and measures the follower's derivatives and the windows and points of the program.
 """
 
 from __future__ import annotations
@@ -13,15 +13,15 @@ from collections.abc import Iterator, Mapping
 
 from synthesis.machines.spatial.cam import SpatialCam
 from synthesis.machines.spatial.design import SpatialExtreme
-from synthesis.machines.spatial.measuring import motion, walls
-from synthesis.machines.spatial.measuring.extremum import (
+from synthesis.machines.spatial.measuring import quantities, walls
+from synthesis.machines.spatial.measuring.patches import patches
+from synthesis.machines.spatial.measuring.quantities import (
     Bound,
     Bounds,
     Extremum,
     Quantity,
     to_wire,
 )
-from synthesis.machines.spatial.measuring.patches import patches
 from synthesis.machines.spatial.spec import SpatialCamSpec
 from synthesis.numerics import clock
 
@@ -59,6 +59,6 @@ def _all(
     for name, clearance in spec.machine.clearances(cam.sizes).items():
         positive = Quantity(name, "mm", largest=False, required=Bound(0.0))
         yield positive, Extremum(clearance, clearance, "closed form")
-    yield from motion.contact_counts(cam)
-    yield from motion.follower_peaks(cam, spec.machine.travel, spec.omega)
-    yield from motion.segment_bound_extremes(spec, cam)
+    yield from quantities.contact_counts(cam)
+    yield from quantities.follower_peaks(cam, spec.machine.travel, spec.omega)
+    yield from quantities.segment_bound_extremes(spec, cam)

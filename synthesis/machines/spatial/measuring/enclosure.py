@@ -27,8 +27,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from synthesis.machines.spatial.cam import SpatialCam
-from synthesis.machines.spatial.measuring.extremum import Extremum
 from synthesis.machines.spatial.measuring.patches import Patch
+from synthesis.machines.spatial.measuring.quantities import Extremum
 from synthesis.numerics.box_search import BoxSearch, Budget
 from synthesis.numerics.jets import Jets
 from synthesis.numerics.piecewise import Array
@@ -221,20 +221,20 @@ def undercut(radius: float) -> Enclosed:
     return of
 
 
-def prove_pressure_angle(models: Models, found: Extremum, allowed: float | None) -> Extremum:
+def prove_pressure_angle(models: Models, sampled: Extremum, allowed: float | None) -> Extremum:
     """The largest pressure angle [rad], enclosed as tan²α."""
     goal = None if allowed is None else math.tan(allowed) ** 2
-    most = _prove_maximum(models, pressure, math.tan(found.value) ** 2, goal)
+    most = _prove_maximum(models, pressure, math.tan(sampled.value) ** 2, goal)
     if not math.isfinite(most):
-        return found
-    return replace(found, limit=math.atan(math.sqrt(most)), evidence=EVIDENCE)
+        return sampled
+    return replace(sampled, limit=math.atan(math.sqrt(most)), evidence=EVIDENCE)
 
 
-def prove_regular(models: Models, found: Extremum, allowed: float | None) -> Extremum:
+def prove_regular(models: Models, sampled: Extremum, allowed: float | None) -> Extremum:
     """The least ratio of areas, wall to swept surface."""
     goal = None if allowed is None else -allowed
-    most = _prove_maximum(models, undercut(models.cam.swept.roller.radius), -found.value, goal)
-    return replace(found, limit=-most, evidence=EVIDENCE) if math.isfinite(most) else found
+    most = _prove_maximum(models, undercut(models.cam.swept.roller.radius), -sampled.value, goal)
+    return replace(sampled, limit=-most, evidence=EVIDENCE) if math.isfinite(most) else sampled
 
 
 def _prove_maximum(models: Models, of: Enclosed, best: float, allowed: float | None) -> float:
@@ -300,7 +300,7 @@ def _range(model: Taylor) -> tuple[Array, Array]:
     return np.where(np.isfinite(high), high, np.inf), np.where(np.isfinite(low), low, -np.inf)
 
 
-def prove_convex_radius(models: Models, found: Extremum, allowed: float | None) -> Extremum:
+def prove_convex_radius(models: Models, sampled: Extremum, allowed: float | None) -> Extremum:
     """The least convex radius, with a proof that none is smaller.
 
     With κ1 ≥ 0 ≥ κ2 the curvatures of the swept surface (a ruled surface has no others), a wall is
@@ -309,26 +309,28 @@ def prove_convex_radius(models: Models, found: Extremum, allowed: float | None) 
     has no root and no division.
 
     Args:
-        found, allowed: negated curvatures [1/mm].
+        sampled, allowed: negated curvatures [1/mm].
     """
-    return _claim_radius(models, found, allowed, 1.0)
+    return _claim_radius(models, sampled, allowed, 1.0)
 
 
-def prove_hollow_radius(models: Models, found: Extremum, allowed: float | None) -> Extremum:
+def prove_hollow_radius(models: Models, sampled: Extremum, allowed: float | None) -> Extremum:
     """The least concave radius, as ``prove_convex_radius`` with R = Rr − r.
 
     A negative radius R is one on the other side.
     """
-    return _claim_radius(models, found, allowed, -1.0)
+    return _claim_radius(models, sampled, allowed, -1.0)
 
 
-def _claim_radius(models: Models, found: Extremum, allowed: float | None, sign: float) -> Extremum:
+def _claim_radius(
+    models: Models, sampled: Extremum, allowed: float | None, sign: float
+) -> Extremum:
     """The largest radius below the one found that can be proven; unchanged where none can."""
-    if found.value >= 0.0:
-        return found
-    radius, roller = -1.0 / found.value, models.cam.swept.roller.radius
+    if sampled.value >= 0.0:
+        return sampled
+    radius, roller = -1.0 / sampled.value, models.cam.swept.roller.radius
     least = -math.inf if allowed is None else radius - NEAR * (radius + 1.0 / allowed)
     for claim in (max(radius * (1.0 - less), min(least, radius)) for less in CLAIMS):
         if upper_bound(models, undercut(roller + sign * claim), 0.0) <= 0.0:
-            return replace(found, limit=-1.0 / claim, evidence=EVIDENCE)
-    return found
+            return replace(sampled, limit=-1.0 / claim, evidence=EVIDENCE)
+    return sampled

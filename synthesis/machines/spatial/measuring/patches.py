@@ -18,7 +18,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from synthesis.machines.spatial.cam import SpatialCam, Wall
-from synthesis.machines.spatial.measuring.extremum import Extremum, rounded
+from synthesis.machines.spatial.measuring.quantities import Extremum, rounded
 from synthesis.numerics.geometry.swept_roller import Contacts, FollowerState
 from synthesis.numerics.piecewise import Array
 
@@ -211,11 +211,11 @@ def refine(
     spots, share = np.arange(len(best)), np.linspace(-1.0, 1.0, how.points)
     for _ in range(how.rounds):
         around = np.clip(at[..., None] + step[..., None] * share, low[..., None], high[..., None])
-        found = values(parts, around).reshape(len(best), -1)
-        top = np.argmax(found, axis=1)
+        grids = values(parts, around).reshape(len(best), -1)
+        top = np.argmax(grids, axis=1)
         where = np.stack(np.unravel_index(top, (how.points,) * at.shape[1]), axis=1)
-        before, better = value, found[spots, top] > value
-        value = np.where(better, found[spots, top], value)
+        before, better = value, grids[spots, top] > value
+        value = np.where(better, grids[spots, top], value)
         moved = np.take_along_axis(around, where[..., None], axis=2)[..., 0]
         at, step = np.where(better[:, None], moved, at), how.shrink * step
     first = max(range(len(best)), key=lambda i: rounded(float(value[i])))

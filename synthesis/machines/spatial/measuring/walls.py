@@ -28,8 +28,6 @@ from synthesis.machines.spatial.measuring.enclosure import (
     prove_pressure_angle,
     prove_regular,
 )
-from synthesis.machines.spatial.measuring.extremum import Bound, Bounds, Extremum, Quantity
-from synthesis.machines.spatial.measuring.motion import first_jump
 from synthesis.machines.spatial.measuring.patches import (
     Patch,
     Refinement,
@@ -38,6 +36,13 @@ from synthesis.machines.spatial.measuring.patches import (
     best_samples,
     refine,
     sample_walls,
+)
+from synthesis.machines.spatial.measuring.quantities import (
+    Bound,
+    Bounds,
+    Extremum,
+    Quantity,
+    first_jump,
 )
 from synthesis.numerics.geometry.swept_roller import cross, dot, norm, rotate
 from synthesis.numerics.piecewise import Array
@@ -160,10 +165,10 @@ def contact_extrema(
     def over(quantity: ContactQuantity) -> Extremum:
         bound = bounds.get(quantity.kind.name, quantity.kind.required)
         allowed = None if bound is None else quantity.kind.from_wire(bound.value)
-        found = _extremum(quantity, walls, rho)
-        if models is None or quantity.proof is None or not np.isfinite(found.value):
-            return found
-        return quantity.proof(models, found, allowed)
+        sampled = _extremum(quantity, walls, rho)
+        if models is None or quantity.proof is None or not np.isfinite(sampled.value):
+            return sampled
+        return quantity.proof(models, sampled, allowed)
 
     yield PRESSURE_ANGLE.kind, over(PRESSURE_ANGLE)
     corner = first_jump(cam.motion.curve, 1)
@@ -243,5 +248,5 @@ def _rib_thickness(wall: WallPoints, other: Seat, offset: Array) -> Array:
     within = np.clip(along, roller.inner, roller.outer)
     beyond = np.abs(along - within)
     over = norm(foot - along * u) - roller.profile(within)[0]
-    found = np.where(beyond > 0.0, np.hypot(beyond, np.maximum(over, 0.0)), over)
-    return wall.between_faces(found.reshape(-1, *points.shape[1:]), np.inf)
+    distance = np.where(beyond > 0.0, np.hypot(beyond, np.maximum(over, 0.0)), over)
+    return wall.between_faces(distance.reshape(-1, *points.shape[1:]), np.inf)

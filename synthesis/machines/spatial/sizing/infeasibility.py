@@ -135,20 +135,20 @@ def _relax(
     Args:
         sized: dimensions of a cam, or None. minimised: field of the dimension that is minimised.
     """
-    asked = number.relaxation
-    value = asked.requested
+    request = number.relaxation
+    value = request.requested
     far = value * FARTHEST if number.upper else value / FARTHEST
-    if asked.unit == "deg" and number.upper:
+    if request.unit == "deg" and number.upper:
         far = WIDEST_DEG
     if clock.now() >= until:
-        return asked.model_copy(update={"note": LATE})
+        return request.model_copy(update={"note": LATE})
     widest = sized(number.changed(far))
     if widest is None:
-        return asked
+        return request
     # The minimised dimension is its own answer.
-    if asked.field.startswith(f"machine/{minimised}"):
-        found = {"needed": widest[minimised] * (1.0 + ACCURACY), "note": FOUND}
-        return asked.model_copy(update=found)
+    if request.field.startswith(f"machine/{minimised}"):
+        needed = {"needed": widest[minimised] * (1.0 + ACCURACY), "note": FOUND}
+        return request.model_copy(update=needed)
     # Any other number: larger and larger changes until one is enough, then bisection.
     bad, good, step = value, far, FIRST_STEP
     while clock.now() < until:
@@ -165,4 +165,4 @@ def _relax(
             good = middle
         else:
             bad = middle
-    return asked.model_copy(update={"needed": good, "note": FOUND})
+    return request.model_copy(update={"needed": good, "note": FOUND})

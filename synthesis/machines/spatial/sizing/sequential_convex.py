@@ -213,8 +213,8 @@ def minimise_size(
             # No point of the program: try knots on which the limits on the motion can be kept.
             if number > 1:
                 break
-            state, found = _find_feasible_knots(state)
-            if not found:
+            state, feasible = _find_feasible_knots(state)
+            if not feasible:
                 break
             continue
         if state.solved or state.time_left <= 0.0:
@@ -316,14 +316,14 @@ def _line_search(state: SolveState, cam: Candidate, base: Candidate | None) -> C
 
 def _find_feasible_knots(state: SolveState) -> tuple[SolveState, bool]:
     """The state with knots on which limits on the motion can hold, and whether there are any."""
-    found = minimise_excess(state.problem, state.grids, state.tighten, state.deadline)
-    if found is None:
+    phase_one = minimise_excess(state.problem, state.grids, state.tighten, state.deadline)
+    if phase_one is None:
         return state, False
     state = replace(
-        state, grids=found.grids, infeasibility_proof=found.impossible,
-        undecided=found.undecided, infeasible=bool(found.impossible),
+        state, grids=phase_one.grids, infeasibility_proof=phase_one.impossible,
+        undecided=phase_one.undecided, infeasible=bool(phase_one.impossible),
     )  # fmt: skip
-    return state, found.fits
+    return state, phase_one.fits
 
 
 def bound_by_chords(state: SolveState, size: float, number: int) -> tuple[SolveState, Bound | None]:

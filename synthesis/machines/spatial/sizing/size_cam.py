@@ -330,10 +330,10 @@ class WallRequirements:
     def rib_margin(self, sizes: Sizes) -> float:
         """Thickness of the thinnest rib beyond the least one, relative, less ``margin``; slow."""
         cam = build_cam(self.spec, sizes, self.motion)
-        found = thinnest_rib(cam, list(patches(cam)), self.spec.machine.seats())
-        if found is None:
+        thinnest = thinnest_rib(cam, list(patches(cam)), self.spec.machine.seats())
+        if thinnest is None:
             return inf
-        return (found.limit - self.rib) / sizes[self.spec.machine.size_field] - self.margin
+        return (thinnest.limit - self.rib) / sizes[self.spec.machine.size_field] - self.margin
 
 
 def _enlarge(

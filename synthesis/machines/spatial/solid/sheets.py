@@ -23,7 +23,7 @@ from numpy.typing import NDArray
 from scipy.interpolate import BSpline, NdBSpline
 from scipy.optimize import elementwise
 
-from synthesis.machines.spatial.blank import Blank
+from synthesis.machines.spatial.body import Blank
 from synthesis.machines.spatial.grooves import GrooveSections, shifted
 from synthesis.machines.spatial.machine import LEFT, RIGHT, Seat
 from synthesis.machines.spatial.solid.geometry import NotSmooth, interpolate_surface
@@ -93,14 +93,14 @@ class WallSheets:
             InputError: as ``GrooveSections.grooves``.
         """
         picks = np.linspace(0, len(blank.depth) - 1, LEVELS).round().astype(int)
-        found = cuts.grooves(TURNS[:ROWS], blank.depth[picks])
-        walls = np.stack([found.low, found.high], axis=1).reshape(-1, ROWS, LEVELS)
+        grooves = cuts.grooves(TURNS[:ROWS], blank.depth[picks])
+        walls = np.stack([grooves.low, grooves.high], axis=1).reshape(-1, ROWS, LEVELS)
         low, high = blank.low[picks], blank.high[picks]
         states = np.where(walls <= low, LOW, np.where(walls >= high, HIGH, IN))
         inside = (states[1:] != LOW) & (states[:-1] != HIGH)
         if np.any(inside & (np.clip(walls[1:], low, high) <= np.clip(walls[:-1], low, high))):
             raise NotSmooth("a rib ends where the grooves beside it meet")
-        shift = 2 * found.shift
+        shift = 2 * grooves.shift
         after = shifted(states, shift, HIGH if shift > 0 else LOW)
         return cls(cuts, blank, np.concatenate([states, after], axis=1), shift)
 
@@ -130,14 +130,14 @@ class WallSheets:
             raise NotSmooth("walls leave the blank all around the cam")
         first = int(free[0])
         after = np.concatenate([free, [first + ROWS]])
-        found = [first]
-        while found[-1] < first + ROWS:
-            ahead = after[after > found[-1]]
-            near = ahead[ahead <= found[-1] + PREFERRED]
-            found.append(int(near[-1] if len(near) else ahead[0]))
-            if found[-1] - found[-2] > WIDEST:
+        rows = [first]
+        while rows[-1] < first + ROWS:
+            ahead = after[after > rows[-1]]
+            near = ahead[ahead <= rows[-1] + PREFERRED]
+            rows.append(int(near[-1] if len(near) else ahead[0]))
+            if rows[-1] - rows[-2] > WIDEST:
                 raise NotSmooth("walls leave the blank nearly all around the cam")
-        return found
+        return rows
 
     @property
     def sectors(self) -> int:
@@ -187,12 +187,12 @@ class WallSheets:
         index = np.arange(len(depth)).astype(float)
         room = FULL_TURN / ROWS
         ends = (np.full(len(depth), bracket[0] - room), np.full(len(depth), bracket[1] + room))
-        found = elementwise.find_root(off, ends, args=(index,), tolerances={"xatol": 1e-13})
-        if not np.all(found.success):
+        root = elementwise.find_root(off, ends, args=(index,), tolerances={"xatol": 1e-13})
+        if not np.all(root.success):
             raise NotSmooth("the exit of a wall from the blank was not found")
-        if np.max(np.abs(np.diff(found.x))) > MAX_STEP:
+        if np.max(np.abs(np.diff(root.x))) > MAX_STEP:
             raise NotSmooth("a wall follows the end of the blank")
-        return np.asarray(found.x)
+        return np.asarray(root.x)
 
     def end(self, state: int) -> Array:
         """Places across (m,) of an end of the blank, LOW or HIGH."""
@@ -214,10 +214,10 @@ class WallSheets:
             NotSmooth: there is no regular wall.
         """
         seat = self.seats[wall // 2]
-        found, sound = self.cuts.walls(seat, (LEFT, RIGHT)[wall % 2], turn, depth)
-        if not (np.all(sound) and np.all(np.isfinite(found))):
+        across, sound = self.cuts.walls(seat, (LEFT, RIGHT)[wall % 2], turn, depth)
+        if not (np.all(sound) and np.all(np.isfinite(across))):
             raise NotSmooth("below the rollers' ends a wall is not regular")
-        return found
+        return across
 
 
 def _runs(states: NDArray[np.int64]) -> tuple[list[int], list[int]]:
