@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from dataclasses import dataclass
+from collections.abc import Iterator, Sequence
 from functools import lru_cache
 from math import pi
 
@@ -114,45 +113,6 @@ HALVINGS = 24  # of the speed interval that holds the float onset
 ROUNDING = 8.0 * 2.0**-52  # of the sum of the modes' magnitudes, some of which cancel
 
 
-@dataclass(frozen=True, eq=False)
-class TrainOnCam:
-    """A train on the motion of a cam."""
-
-    chain: Chain
-    motion: Motion
-
-    def steady_response(self, speed_rpm: float) -> Response:
-        """The periodic response."""
-        return steady(self.chain, self.steps(speed_rpm), rad_per_s(speed_rpm))
-
-    def steps(self, speed_rpm: float) -> Steps:
-        """Steps short enough for the fastest mode at a speed."""
-        fastest = float(np.max(np.abs(self.chain.modes.rates.imag)))
-        wanted = STEPS_PER_PERIOD * fastest / rad_per_s(speed_rpm)
-        per_turn = 2.0 ** np.ceil(np.log2(max(wanted, 1.0)))  # few values, to be used again
-        return _steps(self.motion, int(np.clip(per_turn, MIN_STEPS, MAX_STEPS)))
-
-    def loses_contact(self, speed_rpm: float) -> bool:
-        """Whether the train loses contact in the periodic response."""
-        return bool(np.min(self.steady_response(speed_rpm).contact_force) <= 0.0)
-
-    def float_onset(self, speeds: Sequence[float]) -> float | None:
-        """Lowest speed of contact loss between two of these speeds, by bisection [rpm]."""
-        ordered = sorted(set(speeds))
-        lost = [self.loses_contact(speed) for speed in ordered]
-        if True not in lost or lost[0]:
-            return None
-        first = lost.index(True)
-        low, high = ordered[first - 1], ordered[first]
-        for _ in range(HALVINGS):
-            middle = 0.5 * (low + high)
-            low, high = (low, middle) if self.loses_contact(middle) else (middle, high)
-        return high
-
-
-_steps = lru_cache(maxsize=4)(Steps.of)
-
-
 def respond(spec: TrainSpec, *, deadline: float | None = None) -> TrainResponse:
     """The response of an elastic train to a cam; what the cam leaves free is designed first.
 
@@ -175,36 +135,57 @@ def respond(spec: TrainSpec, *, deadline: float | None = None) -> TrainResponse:
 
 def report_response(spec: TrainSpec, design: Design) -> TrainResponse:
     """The response of a spec's train on a finished cam."""
-    chain = spec.train.chain()
-    machine = TrainOnCam(chain, design.curve)
+    chain, motion = spec.train.chain(), design.curve
     held = spec.train.preload_n is None
     return TrainResponse(
         id=question_id(spec, "train response"),
         name=spec.name,
         engine_version=engine_version(),
         unit="mm",
-        modes=_modes(chain),
-        speeds=[_at_speed(machine, speed, spec.turns, held=held) for speed in spec.speeds],
-        float_onset_rpm=None if held else machine.float_onset(spec.speeds),
+        modes=[
+            Mode(
+                natural_frequency_hz=abs(rate) / (2.0 * pi),
+                damping_ratio=max(-rate.real / abs(rate), 0.0),
+            )
+            for rate in chain.modes.rates[chain.modes.independent].tolist()
+        ],
+        speeds=[_at_speed(chain, motion, speed, spec.turns, held=held) for speed in spec.speeds],
+        float_onset_rpm=None if held else _float_onset(chain, motion, spec.speeds),
         cam=design,
         spec=spec,
     )
 
 
-def _modes(chain: Chain) -> list[Mode]:
-    rates = chain.modes.rates[chain.modes.independent]
-    return [
-        Mode(
-            natural_frequency_hz=abs(rate) / (2.0 * pi),
-            damping_ratio=max(-rate.real / abs(rate), 0.0),
-        )
-        for rate in rates.tolist()
-    ]
+_steps = lru_cache(maxsize=4)(Steps.of)
 
 
-def _at_speed(machine: TrainOnCam, speed_rpm: float, turns: int, *, held: bool) -> AtSpeed:
-    chain, modes = machine.chain, machine.chain.modes
-    found = machine.steady_response(speed_rpm)
+def _steady(chain: Chain, motion: Motion, speed_rpm: float) -> Response:
+    """The periodic response, in steps short enough for the fastest mode."""
+    omega = rad_per_s(speed_rpm)
+    wanted = STEPS_PER_PERIOD * float(np.max(np.abs(chain.modes.rates.imag))) / omega
+    per_turn = 2.0 ** np.ceil(np.log2(max(wanted, 1.0)))  # few values, to be used again
+    return steady(chain, _steps(motion, int(np.clip(per_turn, MIN_STEPS, MAX_STEPS))), omega)
+
+
+def _float_onset(chain: Chain, motion: Motion, speeds: Sequence[float]) -> float | None:
+    """Lowest speed of contact loss between two of these speeds, by bisection [rpm]."""
+
+    def loses_contact(speed_rpm: float) -> bool:
+        return bool(np.min(_steady(chain, motion, speed_rpm).contact_force) <= 0.0)
+
+    ordered = sorted(set(speeds))
+    first = next((k for k, speed in enumerate(ordered) if loses_contact(speed)), 0)
+    if first == 0:  # contact is kept, or lost at the slowest already
+        return None
+    low, high = ordered[first - 1], ordered[first]
+    for _ in range(HALVINGS):
+        middle = 0.5 * (low + high)
+        low, high = (low, middle) if loses_contact(middle) else (middle, high)
+    return high
+
+
+def _at_speed(chain: Chain, motion: Motion, speed_rpm: float, turns: int, *, held: bool) -> AtSpeed:
+    modes, found = chain.modes, _steady(chain, motion, speed_rpm)
     error, force = found.deflection[-1], found.contact_force
     pulls = output_acceleration(found)
     starts = from_rest(chain, found.steps, found.omega, turns)
@@ -219,10 +200,10 @@ def _at_speed(machine: TrainOnCam, speed_rpm: float, turns: int, *, held: bool) 
         contact_force_max_n=_peak(found, force),
         contact_force_min_n=_peak(found, -force, -1.0),
         floats=floats,
-        dwells=_dwells(machine, found),
+        dwells=list(_dwells(motion, found)),
         remaining_share_per_turn=float(np.exp(np.max(modes.rates.real) * FULL_TURN / found.omega)),
         turns=[float(np.max(np.abs(each.deflection[-1] - error))) for each in starts],
-        flight=simulate_flights(chain, machine.motion, found.omega, turns) if flies else None,
+        flight=simulate_flights(chain, motion, found.omega, turns) if flies else None,
         steps=len(found.theta) - 1,
         rounding=ROUNDING * float(np.max(np.abs(modes.shapes) @ np.abs(found.state))),
     )
@@ -241,26 +222,22 @@ def _peak(found: Response, values: Array, sign: float = 1.0) -> ResponsePeak:
     return ResponsePeak(value=sign * float(values[at]), angle_deg=float(found.theta[at]) / DEGREE)
 
 
-def _dwells(machine: TrainOnCam, found: Response) -> list[DwellResponse]:
-    motion, rates = machine.motion, machine.chain.modes.rates[machine.chain.modes.independent]
+def _dwells(motion: Motion, found: Response) -> Iterator[DwellResponse]:
+    modes = found.chain.modes
     by_end = {run[-1]: run for run in runs_between_dwells(motion.segments)}
     segments = [s for s in motion.segments if s.angle > 0.0]
-    dwells = []
     for before, dwell in zip((segments[-1], *segments[:-1]), segments, strict=True):
         if dwell.kind != "dwell" or before.index not in by_end:
             continue
-        left = found.free_amplitudes(dwell.start)[-1]
         alone = [
             float(residual_spectrum(motion, by_end[before.index],
                                     np.array([abs(rate) / found.omega]),
-                            -rate.real / abs(rate))[0])
+                                    -rate.real / abs(rate))[0])
             if abs(rate.imag) > 0.0 else 0.0
-            for rate in rates.tolist()
+            for rate in modes.rates[modes.independent].tolist()
         ]  # fmt: skip
-        dwells.append(
-            DwellResponse(
-                segment=dwell.index, start_deg=dwell.start / DEGREE, modes=left.tolist(),
-                amplitude=float(np.sum(left)), alone=alone,
-            )
+        left = found.free_amplitudes(dwell.start)[-1]
+        yield DwellResponse(
+            segment=dwell.index, start_deg=dwell.start / DEGREE, modes=left.tolist(),
+            amplitude=float(np.sum(left)), alone=alone,
         )  # fmt: skip
-    return dwells

@@ -23,8 +23,7 @@ Corner = tuple[float, float]  # θ2, θ3 [rad]
 Joint = Literal["base", "upper_arm", "forearm", "opening", "tool"]
 Edge = Literal["upper_arm", "forearm", "opening"]
 JOINTS: Final[tuple[Joint, ...]] = ("base", "upper_arm", "forearm", "opening", "tool")
-ROUNDING: Final = 1e-12  # rad: by so much a limit may be exceeded
-POINT: Final = 1e-12  # rad, and of a length: a shorter edge is a point
+ROUNDING: Final = 1e-12  # rad, and of a length: by so much a limit may be exceeded
 RIGHT_ANGLE: Final = 0.5 * math.pi
 
 
@@ -163,15 +162,16 @@ def regions(arm: Arm, limits: Limits) -> list[Region]:
         return []
     found = []
     # Cut the polygon where cos q = 0: q = (k ± ½) π.
-    first = math.floor((min(openings) + RIGHT_ANGLE + POINT) / math.pi)
-    last = math.ceil((max(openings) + RIGHT_ANGLE - POINT) / math.pi)
+    first = math.floor((min(openings) + RIGHT_ANGLE + ROUNDING) / math.pi)
+    last = math.ceil((max(openings) + RIGHT_ANGLE - ROUNDING) / math.pi)
     for k in range(first, max(last, first + 1)):
         part = limits.restrict_opening(
             k * math.pi - RIGHT_ANGLE, k * math.pi + RIGHT_ANGLE
         ).polygon()
         arcs = (tool_arc(arm, *ends) for ends in zip(part, [*part[1:], *part[:1]], strict=True))
+        # Without edges that are points.
         border = tuple(
-            arc for arc in arcs if abs(arc.sweep) > POINT and arc.radius > POINT * arm.upper
+            arc for arc in arcs if abs(arc.sweep) > ROUNDING and arc.radius > ROUNDING * arm.upper
         )
         if border:
             found.append(Region("up" if k % 2 == 0 else "down", border, tuple(part)))
@@ -185,7 +185,7 @@ def singular_segments(limits: Limits) -> list[tuple[Corner, Corner]]:
         q = k * math.pi + RIGHT_ANGLE
         parts = limits.restrict_opening(q, math.inf), limits.restrict_opening(-math.inf, q)
         corners = [corner for part in parts for corner in part.polygon()]
-        at = [corner for corner in corners if abs(corner[0] - corner[1] - q) <= POINT]
+        at = [corner for corner in corners if abs(corner[0] - corner[1] - q) <= ROUNDING]
         if at and max(at) != min(at):
             found.append((min(at), max(at)))
     return found
@@ -195,10 +195,10 @@ def tool_arc(arm: Arm, first: Corner, last: Corner) -> Arc:
     """The tool's path along an edge of the polygon, with θ2, θ3 or q constant."""
     (upper, fore), (upper2, fore2) = first, last
     x, y = arm.shoulder + arm.wrist, arm.height - arm.tool
-    if abs(upper2 - upper) <= POINT:
+    if abs(upper2 - upper) <= ROUNDING:
         x, y = x + arm.upper * math.sin(upper), y + arm.upper * math.cos(upper)
         return Arc("upper_arm", x, y, arm.fore, -fore, fore - fore2, first, last)
-    if abs(fore2 - fore) <= POINT:
+    if abs(fore2 - fore) <= ROUNDING:
         x, y = x + arm.fore * math.cos(fore), y - arm.fore * math.sin(fore)
         return Arc("forearm", x, y, arm.upper, RIGHT_ANGLE - upper, upper - upper2, first, last)
     r, z = float(arm.radius(*first)) - x, float(arm.level(*first)) - y

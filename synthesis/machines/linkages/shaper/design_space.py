@@ -29,8 +29,7 @@ from synthesis.units import DEGREE, FULL_TURN
 
 Value = Any  # arrays, or models of the same
 Span = tuple[float, float]
-CLEAR: Final = 1e-9  # kept from singular positions: links in line, coupler upright
-LEAST: Final = 1e-9  # sine of a swing: below it there is no stroke
+CLEAR: Final = 1e-9  # of a sine, kept from: links in line, coupler upright, no stroke
 EXACT: Final = 1e-12  # relative: rounding of a number that is given by two fields
 # Crank angles at which points are compared; the finished linkage is measured by enclosures.
 DENSE: Final = FULL_TURN * np.arange(240) / 240
@@ -113,7 +112,7 @@ class DesignSpace:
     def span(self, *without: str) -> Span:
         """Range of s with some fields left aside; empty where the lower end is above the upper."""
         spans = [span for name, span in self.sines.items() if name not in without]
-        low = max(LEAST, *(span[0] for span in spans))
+        low = max(CLEAR, *(span[0] for span in spans))
         high = min(1.0 - CLEAR, *(span[1] for span in spans))
         if high < low <= high * (1.0 + EXACT):
             low = high

@@ -37,7 +37,6 @@ ROUNDS: Final = 60  # of a descent
 RADIUS: Final = 0.2  # of its first trust region, in the unit box
 BATCH: Final = 1500  # boxes of a round
 MAX_BOXES: Final = 60_000  # in all
-NARROW: Final = 1e-6  # weight of a box's width where slopes are unknown: only breaks ties
 MIDDLES: Final = 32  # boxes of a round whose middles are evaluated
 WIDE: Final = 0.05  # weight of a box's width beside its slopes in the choice of the split
 
@@ -173,7 +172,7 @@ def _bounds(
     slopes = np.abs(np.stack([part.g for part in parts]))[which, :, rows]
     rem = np.stack([part.rem for part in parts])[which, rows]
     # Where nothing is known yet, split what makes the coupler's angle uncertain.
-    steep = np.abs(one.level.g.T) + np.abs(one.level_at_ends.g.T) + NARROW * (hi - lo)
+    steep = np.abs(one.level.g.T) + np.abs(one.level_at_ends.g.T)
     known = np.isfinite(lower)[:, None]
     slopes, rem = np.where(known, slopes, steep), np.where(known[:, 0], rem, 0.0)
     spread = (rem + np.sum(slopes, axis=1))[:, None]
