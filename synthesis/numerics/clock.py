@@ -10,6 +10,7 @@ import time
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from contextvars import ContextVar
+from math import inf
 from threading import Event
 
 from synthesis.errors import Cancelled
@@ -37,6 +38,12 @@ def now() -> float:
     if event is not None and event.is_set():
         raise Cancelled
     return time.monotonic()
+
+
+def seconds_left(budget_s: float | None, deadline: float | None) -> float:
+    """The shorter of a budget and the time to a deadline [s]; inf without either."""
+    left = inf if deadline is None else deadline - now()
+    return left if budget_s is None else min(budget_s, left)
 
 
 def stop_callback() -> Callable[[], bool] | None:

@@ -11,7 +11,6 @@ from __future__ import annotations
 
 import time
 from dataclasses import dataclass
-from math import inf
 
 from synthesis.design.design import Design, SmoothnessCost, StageReport
 from synthesis.errors import SolverFailed, TimeBudgetExceeded
@@ -62,12 +61,8 @@ def synthesise_beside(
         from synthesis.optimise.parameters.spring_design import design_with_spring
 
         return design_with_spring(spec, lambda given: synthesise(given, deadline=deadline)), None
-    began, now = time.perf_counter(), clock.now()
-    budget = min(
-        inf if spec.time_budget_s is None else spec.time_budget_s,
-        inf if deadline is None else deadline - now,
-    )
-    stages, stop = list[StageReport](), now + budget
+    began, budget = time.perf_counter(), clock.seconds_left(spec.time_budget_s, deadline)
+    stages, stop = list[StageReport](), clock.now() + budget
     run, smallest = solve(spec, stop, stages, None if near is None else near.search)
     question, attempt = run.question, run.attempt
     late = clock.now() >= stop

@@ -6,7 +6,6 @@ a limit is violated, the ordinary synthesis finds the size that would keep it.
 
 from __future__ import annotations
 
-from math import inf
 from typing import Literal
 
 from synthesis.catalogue.objectives.base_radius import BaseRadius
@@ -35,6 +34,7 @@ def analyse(spec: DesignSpec, *, deadline: float | None = None) -> Analysis:
         InputError: something is left free.
         TimeBudgetExceeded: time ran out while searching for such sizes.
     """
+    stop = clock.now() + clock.seconds_left(spec.time_budget_s, deadline)
     cam = given_cam(spec)
     extremes = judged(spec, cam)
     violated = [extreme.limit for extreme in extremes if not extreme.holds]
@@ -51,15 +51,9 @@ def analyse(spec: DesignSpec, *, deadline: float | None = None) -> Analysis:
         undercut=curves.undercut(),
         self_crossing=curves.self_crossing(),
         forces=report_forces(cam.motion, spec.machine(), cam.size),
-        remedy=find_remedy(spec, cam, _stop(spec, deadline)) if violated else None,
+        remedy=find_remedy(spec, cam, stop) if violated else None,
         spec=spec,
     )
-
-
-def _stop(spec: DesignSpec, deadline: float | None) -> float:
-    """The earlier of the caller's deadline and the end of the spec's budget from now."""
-    own = inf if spec.time_budget_s is None else clock.now() + spec.time_budget_s
-    return min(own, inf if deadline is None else deadline)
 
 
 def as_design(found: Analysis) -> Design:
@@ -102,13 +96,11 @@ def find_remedy(spec: DesignSpec, cam: Cam, stop: float) -> Remedy:
     sizes = [_smallest_size(spec, cam, offset, stop) for offset in offsets]
     found = _smallest_cam(spec, stop)
     conflict = None if found is None else found.conflict
-    if conflict is None:
-        return Remedy(sizes=sizes, limits=[], relaxations=[], evidence="no conflict was found")
     return Remedy(
         sizes=sizes,
-        limits=conflict.limits,
-        relaxations=conflict.relaxations,
-        evidence=conflict.evidence,
+        limits=conflict.limits if conflict else [],
+        relaxations=conflict.relaxations if conflict else [],
+        evidence=conflict.evidence if conflict else "no conflict was found",
     )
 
 

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import time
-from math import inf
 
 from synthesis.design.cam_set import CamSet, assemble_set, mount, timing_of
 from synthesis.design.design import Design
@@ -31,17 +30,14 @@ def synthesise_set(spec: CamSetSpec, *, deadline: float | None = None) -> CamSet
             one.
         SolverFailed: as for a single cam.
     """
-    began, now = time.perf_counter(), clock.now()
-    budget = min(
-        inf if spec.time_budget_s is None else spec.time_budget_s,
-        inf if deadline is None else deadline - now,
-    )
+    began, budget = time.perf_counter(), clock.seconds_left(spec.time_budget_s, deadline)
+    stop = clock.now() + budget
     designs: list[Design] = []
     late = False
     for position, cam in enumerate(spec.cams):
-        left = now + budget - clock.now()
+        now = clock.now()
         try:
-            share = clock.now() + left / (len(spec.cams) - position)
+            share = now + (stop - now) / (len(spec.cams) - position)
             designs.append(synthesise(cam.spec, deadline=share))
         except TimeBudgetExceeded as error:
             if error.best is None:
