@@ -8,8 +8,8 @@ import numpy as np
 
 from synthesis.design.design import Design
 from synthesis.exporters.drawing import canvas as svg
-from synthesis.exporters.figures.cam_figure import BELOW, TICK, Box, Scene
-from synthesis.exporters.figures.parts import STEM
+from synthesis.exporters.figures.cam_figure import BELOW, TICK, Scene
+from synthesis.exporters.figures.parts import STEM, Box
 from synthesis.exporters.samples.sampling import in_degrees
 
 Text = tuple[str, float, float, str]  # kind, x, y, what it says

@@ -15,9 +15,9 @@ from typing import Literal
 import numpy as np
 
 from synthesis.catalogue.followers.base import prime_radius
+from synthesis.catalogue.followers.link import Face
 from synthesis.catalogue.profile import CamProfile
 from synthesis.exporters.drawing import canvas as svg
-from synthesis.exporters.figures.link import GUIDE, face_ends, holders, plate, stem_length, wheel
 from synthesis.exporters.figures.mechanism import Contact, Mechanism
 from synthesis.exporters.figures.parts import (
     HUB,
@@ -26,13 +26,15 @@ from synthesis.exporters.figures.parts import (
     Box,
     Flanks,
     Point,
+    bar,
+    display_scale,
     half_width,
     outline,
     placed,
-    point_from,
+    polygon,
     rim_of,
     scale_in,
-)  # fmt: skip
+)
 from synthesis.exporters.options import ProfileOptions
 from synthesis.exporters.samples.cam import Cam
 from synthesis.exporters.samples.sampling import ring
@@ -42,7 +44,8 @@ from synthesis.units import DEGREE
 Tag = Callable[[str], str]  # name of a part -> the attribute that its group carries
 ACROSS = 92.0  # units from side to side of a cam
 DRAWN = ProfileOptions(points_per_degree=2.0)
-NEAR = (5.0, 2000.0)  # radii of cams that are drawn in their mm; others in powers of ten of them
+GUIDE, OVER = (4.0, 12.0), 2.0  # of a slide, in units: from and to above its highest place; more
+SPOKES = (0.0, 60.0, 120.0)  # of a roller [deg]
 STILL = 1e-9  # what moves less [mm, deg] does not move
 
 
@@ -98,12 +101,7 @@ class Stage:
         cam = replace(cam, rotation="ccw")
         flanks = tuple((one.flank, ring(one, DRAWN)) for one in cam.flanks())
         reach = max(rim_of(flanks), *(_reach(curve) for _, curve in flanks))
-        # browsers draw what is scaled by a thousand coarsely, and SVG has no small numbers
-        by = (
-            1.0
-            if in_mm or NEAR[0] < reach < NEAR[1]
-            else 10.0 ** -round(math.log10(reach / NEAR[0]) - 1.0)
-        )
+        by = 1.0 if in_mm else display_scale(reach)
         mechanism, reach = Mechanism.of(cam, count).magnified(by), by * reach
         u = 2.0 * reach / ACROSS
         prime = prime_radius(cam.follower, cam.size) if mechanism.contacts[0].roller > 0.0 else 0.0
@@ -138,11 +136,10 @@ class Stage:
         """Every part that can move."""
         machine = self.mechanism
         found = [Moving("cam", "turn", machine.theta[:, None] / DEGREE)]
-        if machine.link.slide is None:
+        if machine.slide is None:
             found.append(Moving("link", "turn", machine.moved[:, None] / DEGREE))
         else:
-            way = machine.moved[:, None] * np.array([float(c) for c in machine.link.slide])
-            found.append(Moving("link", "shift", way))
+            found.append(Moving("link", "shift", np.outer(machine.moved, machine.slide)))
         for k, contact in enumerate(machine.contacts):
             found += [
                 Moving(f"along{k}", "shift", np.outer(contact.along, _unit(contact.heading))),
@@ -181,13 +178,13 @@ def _reach(curve: CamProfile) -> float:
 
 def _extent(machine: Mechanism, reach: float, u: float) -> Box:
     """What cam and follower sweep."""
-    link, points = machine.link, [(-reach, -reach), (reach, reach)]
+    points = [(-reach, -reach), (reach, reach)]
     ends = (float(machine.moved.min()), float(machine.moved.max()))
     for contact in machine.contacts:
         for x, y in _corners(contact, machine, u):
             points += [_there(machine, (x, y), moved) for moved in np.linspace(*ends, 9).tolist()]
-    if link.pivot is not None:
-        eye, (x, y) = PIVOT * STEM * u, (float(link.pivot[0]), float(link.pivot[1]))
+    if machine.pivot is not None:
+        eye, (x, y) = PIVOT * STEM * u, machine.pivot
         points += [(x - 1.6 * eye, y - 2.2 * eye), (x + 1.6 * eye, y + 1.6 * eye)]
     xs, ys = zip(*points, strict=True)
     return min(xs) - u, min(ys) - u, max(xs) + u, max(ys) + u
@@ -197,23 +194,22 @@ def _corners(contact: Contact, machine: Mechanism, u: float) -> list[Point]:
     """The outermost points of a roller, a face or a stem, on the link at displacement 0."""
     (x, y), r = contact.place, contact.roller
     found = [(x + a, y + b) for a in (-r, r) for b in (-r, r)]
-    for end in face_ends(contact, machine, u) if machine.face is not None else ():
+    for end in _face_ends(contact, machine, u) if machine.link.face is not None else ():
         along = _unit(contact.heading) * end
         found.append((x + along[0], y + along[1]))
-    if machine.link.slide is not None and contact is machine.contacts[0]:
-        up = [float(c) for c in machine.link.slide]
-        length = stem_length(machine, u)
+    if machine.slide is not None and contact is machine.contacts[0]:
+        up, length = machine.slide, _stem_length(machine, u)
         found += [(x + length * up[0] + a * u, y + length * up[1]) for a in (-4.0, 4.0)]
     return found
 
 
 def _there(machine: Mechanism, point: Point, moved: float) -> Point:
     """Where a point of the link is."""
-    (x, y), link = point, machine.link
-    if link.slide is not None:
-        return x + moved * float(link.slide[0]), y + moved * float(link.slide[1])
-    assert link.pivot is not None
-    px, py, cos, sin = float(link.pivot[0]), float(link.pivot[1]), math.cos(moved), math.sin(moved)
+    x, y = point
+    if machine.slide is not None:
+        return x + moved * machine.slide[0], y + moved * machine.slide[1]
+    assert machine.pivot is not None
+    (px, py), cos, sin = machine.pivot, math.cos(moved), math.sin(moved)
     return px + cos * (x - px) - sin * (y - py), py + sin * (x - px) + cos * (y - py)
 
 
@@ -222,21 +218,18 @@ def _ground(stage: Stage) -> list[str]:
     (left, bottom, right, top), u, machine = stage.extent, stage.u, stage.mechanism
     body = [svg.line("line centre", left, 0.0, right, 0.0),
             svg.line("line centre", 0.0, bottom, 0.0, top)]  # fmt: skip
-    link, first = machine.link, machine.contacts[0]
-    if link.slide is not None:
-        up = float(link.slide[0]), float(link.slide[1])
+    first = machine.contacts[0]
+    if machine.slide is not None:
         half, above = half_width(first.roller, u), first.roller + float(machine.moved.max())
         a, b = (above + k * u for k in GUIDE)
         for sign in (-1.0, 1.0):
-            across = [sign * (half + k * u) for k in (0.3, 2.0)]
-            corners = [(a, across[0]), (a, across[1]), (b, across[1]), (b, across[0])]
-            steps = "L".join(point_from(first.place, up, *corner) for corner in corners)
-            body.append(svg.path("solid", f"M{steps}Z"))
-    if link.pivot is not None:
-        x, y, eye = float(link.pivot[0]), float(link.pivot[1]), PIVOT * STEM * u
-        foot = [(x, y), (x - 1.2 * eye, y - 2.0 * eye), (x + 1.2 * eye, y - 2.0 * eye)]
-        steps = "L".join(f"{svg.num(a)} {svg.num(b)}" for a, b in foot)
-        body.append(svg.path("line border", f"M{steps}Z"))
+            c, d = (sign * (half + k * u) for k in (0.3, 2.0))
+            corners = [(a, c), (a, d), (b, d), (b, c)]
+            body.append(polygon("solid", first.place, machine.slide, corners))
+    if machine.pivot is not None:
+        eye = PIVOT * STEM * u
+        foot = [(0.0, 0.0), (-2.0 * eye, -1.2 * eye), (-2.0 * eye, 1.2 * eye)]
+        body.append(polygon("line border", machine.pivot, (0.0, 1.0), foot))
     return body
 
 
@@ -264,16 +257,14 @@ def _cam(stage: Stage) -> list[str]:
 def _link(stage: Stage, tag: Tag) -> list[str]:
     """The follower's link with everything on it."""
     machine, u = stage.mechanism, stage.u
-    link = machine.link
-    body = plate(machine, u) if machine.face is not None else holders(machine, u)
+    face, pivot = machine.link.face, machine.pivot
+    body = _holders(machine, u) if face is None else _plate(machine, face, u)
     for number in range(len(machine.contacts)):
         body += _contact(stage, number, tag)
-    if link.pivot is None:
+    if pivot is None:
         return stage._group("link", tag, body)
-    x, y = float(link.pivot[0]), float(link.pivot[1])
-    body += [svg.circle("outline metal", x, y, PIVOT * STEM * u),
-             svg.circle("outline metal", x, y, HUB * u)]  # fmt: skip
-    there, back = f"{svg.num(x)} {svg.num(y)}", f"{svg.num(-x)} {svg.num(-y)}"
+    body += [svg.circle("outline metal", *pivot, r) for r in (PIVOT * STEM * u, HUB * u)]
+    there, back = (" ".join(svg.num(sign * c) for c in pivot) for sign in (1.0, -1.0))
     inner = [f'<g transform="translate({back})">', *body, "</g>"]
     return [f'<g transform="translate({there})">', *stage._group("link", tag, inner), "</g>"]
 
@@ -287,7 +278,7 @@ def _contact(stage: Stage, number: int, tag: Tag) -> list[str]:
               svg.circle("mark", -reach, 0.0, 1.1 * u)]  # fmt: skip
     drive = [svg.line("line front", 0.0, 0.0, 14.0 * u, 0.0),
              svg.arrow_head("start", 16.0 * u, 0.0, 0.0, 2.6 * u)]  # fmt: skip
-    body = wheel(contact.roller, u)
+    body = _wheel(contact.roller, u)
     if body:
         mean = f"<g {tag(f'roll{number}-mean')}>"
         body = [mean, *stage._group(f"roll{number}", tag, body), "</g>"]
@@ -296,3 +287,65 @@ def _contact(stage: Stage, number: int, tag: Tag) -> list[str]:
     place = " ".join(svg.num(c, 6) for c in contact.place)
     return [f'<g transform="translate({place})">', *body,
             *stage._group(f"along{number}", tag, inner), "</g>"]  # fmt: skip
+
+
+def _stem_length(machine: Mechanism, u: float) -> float:
+    """From a slide's roller or face to the end of its stem, through the guide [mm]."""
+    roller = machine.contacts[0].roller
+    return roller + float(machine.moved.max()) + (GUIDE[1] + OVER) * u
+
+
+def _face_ends(contact: Contact, machine: Mechanism, u: float) -> tuple[float, float]:
+    """From where to where a face is drawn [mm]: as far as contact needs it; on a pivot from it."""
+    low, high = float(contact.along.min()), float(contact.along.max())
+    if machine.link.pivot is not None:
+        return min(low, 0.0), max(high, 0.0)
+    return min(low, -1.5 * u), max(high, 1.5 * u)
+
+
+def _holders(machine: Mechanism, u: float) -> list[str]:
+    """Stem or arms of the rollers, and what joins two of them on one slide."""
+    pivot, up, first = machine.pivot, machine.slide, machine.contacts[0]
+    if pivot is not None:
+        return [edge for one in machine.contacts for edge in bar(one.place, pivot, one.roller, u)]
+    assert up is not None
+    half, length = half_width(first.roller, u), _stem_length(machine, u)
+    foot = math.sqrt(max(first.roller**2 - half**2, 0.0)) if first.roller else 3.0 * half
+    corners = [(length, -half), (foot, -half), (foot, half), (length, half)]
+    body = [svg.line("line axis", *first.place, *one.place) for one in machine.contacts[1:]]
+    body.append(polygon("outline metal", first.place, up, corners))
+    if first.roller == 0.0:
+        corners = [(foot, -half), (0.0, 0.0), (foot, half)]
+        body.append(polygon("outline metal", first.place, up, corners, closed=False))
+    return body
+
+
+def _plate(machine: Mechanism, face: Face, u: float) -> list[str]:
+    """The plate, and its stem or the link to its pivot."""
+    pivot, up, contact = machine.pivot, machine.slide, machine.contacts[0]
+    normal = float(face.normal[0]), float(face.normal[1])
+    low, high = _face_ends(contact, machine, u)
+    right = 1.0 if normal[1] * face.along[0] - normal[0] * face.along[1] > 0.0 else -1.0
+    ends, thick = (right * low, right * high), 2.0 * u
+    corners = [(0.0, ends[0]), (0.0, ends[1]), (thick, ends[1]), (thick, ends[0])]
+    body = polygon("outline metal", contact.place, normal, corners)
+    if pivot is not None:
+        return [svg.line("line outline", *contact.place, *pivot), body]
+    assert up is not None
+    half, length = half_width(0.0, u), _stem_length(machine, u)
+    corners = [(length, -half), (0.0, -half), (0.0, half), (length, half)]
+    return [polygon("outline metal", contact.place, up, corners), body]
+
+
+def _wheel(radius: float, u: float) -> list[str]:
+    """A roller with spokes, one of them marked, so that it is seen to turn."""
+    if radius == 0.0:
+        return []
+    hub = min(0.2 * radius, 2.0 * HUB * u)
+    spokes = [
+        svg.line("line axis", -a * radius, -b * radius, a * radius, b * radius)
+        for a, b in ((math.cos(t * DEGREE), math.sin(t * DEGREE)) for t in SPOKES)
+    ]
+    return [svg.circle("outline glass", 0.0, 0.0, radius), *spokes,
+            svg.circle("outline metal", 0.0, 0.0, hub),
+            svg.circle("solid", 0.0, 0.72 * radius, min(0.12 * radius, 1.2 * u))]  # fmt: skip

@@ -72,26 +72,31 @@ class Mechanism:
     contacts: tuple[Contact, ...]
 
     @property
-    def face(self) -> Face | None:
-        """The flat face on the link; None with rollers."""
-        return self.link.face
+    def slide(self) -> Point | None:
+        """Unit vector along which the link moves; None where it turns."""
+        return None if self.link.slide is None else _times(self.link.slide, 1.0)
+
+    @property
+    def pivot(self) -> Point | None:
+        """About which the link turns [mm]; None where it slides."""
+        return None if self.link.pivot is None else _times(self.link.pivot, 1.0)
 
     @classmethod
     def of(cls, cam: Cam, count: int) -> Mechanism:
         """The machine at ``count`` + 1 evenly spaced cam angles."""
         theta = np.linspace(0.0, FULL_TURN, count + 1)
         s = cam.motion.derivatives(theta, 3)
-        told, link = s[0] / cam.travel.per_unit, cam.follower.link(cam.size, DEGREE)
+        shown, link = s[0] / cam.travel.per_unit, cam.follower.link(cam.size, DEGREE)
         if link is None:
             raise NotImplementedError(f"{cam.follower.kind} has no link to draw")
         swings = link.slide is None
-        moved = link.turn * told * DEGREE if swings else s[0]
+        moved = link.turn * shown * DEGREE if swings else s[0]
         turned = moved if swings else 0.0 * moved
         firsts = {one.flank.path: one for one in reversed(tuple(cam.flanks()))}
         contacts = [
             _contact(firsts[path], link, theta, (s, moved, turned)) for path in reversed(firsts)
         ]
-        return cls(theta, told, link, moved, tuple(contacts))
+        return cls(theta, shown, link, moved, tuple(contacts))
 
     def magnified(self, by: float) -> Mechanism:
         """The same machine with all lengths so many times as large; what is told of it stays."""

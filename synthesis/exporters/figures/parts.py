@@ -14,6 +14,7 @@ from synthesis.exporters.drawing import canvas as svg
 STEM, HUB = 15.0, 1.1  # a stem's length and the shaft's radius, in units of the sheet
 PIVOT = 0.25  # radius of a pivot's eye, of the stem's length
 RIM = 0.6  # of the roller: wall that is drawn where none was asked for
+NEAR = (5.0, 2000.0)  # sizes of machines that are drawn in their mm
 
 Point = tuple[float, float]
 Box = tuple[float, float, float, float]  # left, bottom, right, top
@@ -50,9 +51,10 @@ def bar(centre: Point, pivot: Point, roller: float, u: float) -> list[str]:
     up = (pivot[0] - x) / length, (pivot[1] - y) / length
     foot = math.sqrt(max(roller**2 - half**2, 0.0))
     end = length - math.sqrt(max(eye**2 - half**2, 0.0))
-    edges = [(point_from(centre, up, end, s), point_from(centre, up, foot, s))
-             for s in (-half, half)]  # fmt: skip
-    return [svg.path("line outline", f"M{outer}L{inner}") for outer, inner in edges]
+    return [
+        polygon("line outline", centre, up, [(end, side), (foot, side)], closed=False)
+        for side in (-half, half)
+    ]
 
 
 def half_width(roller: float, u: float) -> float:
@@ -64,6 +66,22 @@ def point_from(centre: Point, up: Point, along: float, across: float) -> str:
     """A point so far along a direction, and across it to the right, as a path has it."""
     (x, y), (gx, gy) = centre, up
     return f"{svg.num(x + along * gx + across * gy)} {svg.num(y + along * gy - across * gx)}"
+
+
+def polygon(
+    kind: str, origin: Point, up: Point, corners: Sequence[Point], closed: bool = True
+) -> str:
+    """A line through corners, so far along a direction and across it to the right of an origin."""
+    steps = "L".join(point_from(origin, up, *corner) for corner in corners)
+    return svg.path(kind, f"M{steps}{'Z' if closed else ''}")
+
+
+def display_scale(reach: float) -> float:
+    """A power of ten that scales a machine of this size [mm] to what browsers draw precisely.
+
+    They draw what is scaled by a thousand coarsely, and SVG has no small numbers.
+    """
+    return 1.0 if NEAR[0] < reach < NEAR[1] else 10.0 ** -round(math.log10(reach / NEAR[0]) - 1.0)
 
 
 def scale_in(extent: Box, size: tuple[float, float]) -> float:

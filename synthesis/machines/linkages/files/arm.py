@@ -21,7 +21,7 @@ from synthesis.exporters.drawing import canvas as svg
 from synthesis.exporters.drawing.heading import two_lines
 from synthesis.exporters.drawing.picture_options import PictureOptions
 from synthesis.exporters.figures.machine import Moving, Tag
-from synthesis.exporters.figures.parts import Box, placed
+from synthesis.exporters.figures.parts import Box, display_scale, placed
 from synthesis.exporters.options import Options
 from synthesis.machines.linkages.arm import PalletisingArm
 from synthesis.machines.linkages.arm.geometry import Arm, holding_torques
@@ -89,7 +89,7 @@ class Stage:
     def of(cls, found: PalletisingArm) -> Stage:
         """The stage for an answer."""
         given = found.spec.arm
-        by = links.display_scale(given.upper + given.fore)
+        by = display_scale(given.upper + given.fore)
         arm = Arm(*(by * each for each in vars(given).values()))
         reached = tuple(regions(arm, found.spec.limits))
         singular = tuple(tool_arc(arm, *ends) for ends in singular_segments(found.spec.limits))

@@ -2,19 +2,12 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Sequence
 
 from synthesis.exporters.drawing import canvas as svg
-from synthesis.exporters.figures.machine import NEAR
 from synthesis.exporters.figures.parts import Box, Point
 
 ACROSS = 92.0  # units from side to side of a machine
-
-
-def display_scale(reach: float) -> float:
-    """A power of ten that scales a machine of this size [mm] to what browsers draw precisely."""
-    return 1.0 if NEAR[0] < reach < NEAR[1] else 10.0 ** -round(math.log10(reach / NEAR[0]) - 1.0)
 
 
 def bar(length: float, half: float) -> list[str]:

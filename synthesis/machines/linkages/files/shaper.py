@@ -21,7 +21,7 @@ from synthesis.exporters.drawing import canvas as svg
 from synthesis.exporters.drawing.heading import TURNS, two_lines
 from synthesis.exporters.drawing.picture_options import PictureOptions
 from synthesis.exporters.figures.machine import Moving, Tag
-from synthesis.exporters.figures.parts import Box
+from synthesis.exporters.figures.parts import Box, display_scale
 from synthesis.exporters.options import MotionOptions, Options
 from synthesis.exporters.samples.columns import Column
 from synthesis.exporters.tables.formats import csv_table
@@ -282,7 +282,7 @@ class Stage:
         turn = SampledTurn.of(found, count)
         shaper, motion = turn.shaper, turn.motion
         r, a = shaper.crank, shaper.pivot_distance
-        by = links.display_scale(max(shaper.guide, r + a, abs(shaper.ram_line)))
+        by = display_scale(max(shaper.guide, r + a, abs(shaper.ram_line)))
         guide, ram = np.stack(motion.guide, axis=1), motion.ram[0]
         places = {
             "block": by * motion.slide[0][:, None] * guide,
