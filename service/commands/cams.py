@@ -3,9 +3,8 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Mapping
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
@@ -16,7 +15,6 @@ from service.commands.terminal import Folder, json_of, out, report_files, save
 if TYPE_CHECKING:
     from synthesis.design.cam_set import CamSet
     from synthesis.design.design import Design
-    from synthesis.exporters.exporter import Exporter
 
 
 def design(
@@ -57,33 +55,16 @@ def design(
 
 
 def _design_files(design: Design) -> dict[str, bytes]:
-    from synthesis.exporters import (
-        MOTION_FORMATS,
-        PICTURES,
-        PROFILE_FORMATS,
-        ProfileOptions,
-        profiles,
-    )
+    from synthesis.exporters import MOTION_FORMATS, PICTURES, PROFILE_FORMATS
+    from synthesis.exporters.report import default_files
 
     files = {"design.json": json_of(design)}
     if design.motion:
-        for name, profile in _default(PROFILE_FORMATS):
-            for stem, curve in profiles(design).items():
-                if profile.placeable or stem == "profile":  # a drawing shows every flank
-                    files[f"{stem}.{name}"] = profile.write(
-                        design, profile.options_like(ProfileOptions(curve=curve))
-                    )
-        for name, motion in _default(MOTION_FORMATS):
-            files[f"motion.{name}"] = motion.write(design, motion.options())
-    for name, picture in _default(PICTURES):
-        if design.motion or picture.without_cam:
+        files |= default_files(design, PROFILE_FORMATS, MOTION_FORMATS)
+    for name, picture in PICTURES.items():
+        if picture.by_default and (design.motion or picture.without_cam):
             files[name] = picture.write(design, picture.options())
     return files
-
-
-def _default(formats: Mapping[str, Exporter[Any]]) -> list[tuple[str, Exporter[Any]]]:
-    """The formats that are written without being named."""
-    return [(name, each) for name, each in formats.items() if each.by_default]
 
 
 def cam_set(

@@ -27,12 +27,10 @@ from zipfile import ZIP_DEFLATED, ZipFile, ZipInfo
 
 from synthesis.catalogue.followers.flank import labelled
 from synthesis.design.cam_set import CamSet, MountedCam
-from synthesis.design.design import Design
 from synthesis.errors import InputError
 from synthesis.exporters import MOTION_FORMATS, PROFILE_FORMATS
 from synthesis.exporters.diagrams.timing import timing_diagram
-from synthesis.exporters.exporter import Exporter
-from synthesis.exporters.options import CurveName, MotionOptions, Options, ProfileOptions
+from synthesis.exporters.options import CurveName, MotionOptions, ProfileOptions
 from synthesis.exporters.samples.cam import profiles
 
 LONG_AGO = (1980, 1, 1, 0, 0, 0)  # the earliest time that ZIP can hold; no clock in the bytes
@@ -132,26 +130,27 @@ def _contents(cams: CamSet, options: BundleOptions) -> Iterator[tuple[str, bytes
 
 
 def _files_of(cam: MountedCam, options: BundleOptions) -> Iterator[tuple[str, bytes]]:
-    yield "design.json", cam.design.model_dump_json(indent=1).encode()
+    design = cam.design
+    yield "design.json", design.model_dump_json(indent=1).encode()
     if not cam.has_cam:
         return
     curves = _curves(cam, options.profile.curve)
-    for profile in _chosen(PROFILE_FORMATS, options.profile_formats):
+    # in the order of the registries, whatever that of the names
+    for name, profile in PROFILE_FORMATS.items():
+        if name not in options.profile_formats:
+            continue
         if not profile.placeable:
-            yield f"profile{profile.extension}", _file(profile, cam.design, options.profile)
+            yield f"profile{profile.extension}", profile.write_like(design, options.profile)
             continue
         for stem, curve in curves.items():
             own = replace(options.profile, curve=curve)
             on_shaft = replace(own, turn_deg=cam.turn_deg, z_mm=cam.axial_mm)
-            name = f"{stem}{profile.extension}"
-            yield name, _file(profile, cam.design, own)
-            yield f"shaft-{name}", _file(profile, cam.design, on_shaft)
-    for motion in _chosen(MOTION_FORMATS, options.motion_formats):
-        yield f"motion{motion.extension}", _file(motion, cam.design, options.motion)
-
-
-def _file(exporter: Exporter[Any], design: Design, options: Options) -> bytes:
-    return exporter.write(design, exporter.options_like(options))
+            file = f"{stem}{profile.extension}"
+            yield file, profile.write_like(design, own)
+            yield f"shaft-{file}", profile.write_like(design, on_shaft)
+    for name, motion in MOTION_FORMATS.items():
+        if name in options.motion_formats:
+            yield f"motion{motion.extension}", motion.write_like(design, options.motion)
 
 
 def _curves(cam: MountedCam, wanted: CurveName) -> dict[str, CurveName]:
@@ -161,11 +160,6 @@ def _curves(cam: MountedCam, wanted: CurveName) -> dict[str, CurveName]:
     companions = cam.design.completed_spec.follower.active_closure.counter_paths
     others = [cast(CurveName, labelled(path, "pitch")) for path in companions]
     return {name.replace("_", "-"): name for name in (wanted, *others)}
-
-
-def _chosen(formats: Any, names: tuple[str, ...]) -> list[Exporter[Any]]:
-    """In the registry's order, whatever the order asked."""
-    return [exporter for name, exporter in formats.items() if name in names]
 
 
 def timing_table(cams: CamSet) -> bytes:

@@ -66,6 +66,10 @@ class FileFormat(Generic[Subject, Choice]):
         made = self.make(subject, options)
         return made if isinstance(made, bytes) else made.data
 
+    def write_like(self, subject: Subject, given: Options) -> bytes:
+        """The file's bytes, with options like another format's."""
+        return self.write(subject, self.options_like(given))
+
     def options_like(self, given: Options) -> Choice:
         """This format's options with the values of another's that both have and are not None."""
         names = {each.name for each in fields(self.options)} & {each.name for each in fields(given)}

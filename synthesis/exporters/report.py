@@ -1,4 +1,4 @@
-"""A design as one page to print: what was asked, what came out, what was proven, its files.
+"""A design as one page to print: the spec, the cam, what was proven, its files.
 
 Made from the design alone, without any time or date: the same design gives the same bytes. Names
 and other texts of the caller's are shown as they are and never taken for elements of the page.
@@ -9,11 +9,12 @@ from __future__ import annotations
 import base64
 import hashlib
 import json
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from itertools import repeat
 from typing import Any
 
 from synthesis.design.analysis import Sensitivities
-from synthesis.design.design import Conflict, Design, Extreme, Proof, SmoothnessCost
+from synthesis.design.design import Conflict, Design, Extreme, Proof
 from synthesis.exporters.diagrams.contact import CONTACT
 from synthesis.exporters.diagrams.motion import MOTION
 from synthesis.exporters.drawing import canvas as svg
@@ -26,7 +27,7 @@ from synthesis.exporters.drawing.picture_options import (
 )
 from synthesis.exporters.exporter import Exporter
 from synthesis.exporters.figures.profile import PROFILE
-from synthesis.exporters.options import Options, ProfileOptions
+from synthesis.exporters.options import ProfileOptions
 from synthesis.exporters.samples.cam import profiles
 
 Formats = Mapping[str, Exporter[Any]]
@@ -40,18 +41,20 @@ VERDICTS = {
 def report_with(
     profile_formats: Formats, motion_formats: Formats, costs: Sensitivities | None = None
 ) -> Exporter[PictureOptions]:
-    """The report, which lists the files of these formats, and tells what each limit costs."""
+    """The report, which lists the files of these formats, and says what each limit costs."""
 
     def write(design: Design, options: PictureOptions) -> bytes:
         name = design.name.strip() or "Cam"
-        parts = [
-            _head(design, name),
-            *([_conflict(design.conflict, bool(design.motion))] if design.conflict else []),
-            *(_cam(design, options) if design.motion else []),
-            *([_sensitivities(costs)] if costs is not None else []),
-            _asked(design),
-            *([_files(design, profile_formats, motion_formats)] if design.motion else []),
-        ]
+        parts = [_head(design, name)]
+        if design.conflict:
+            parts.append(_conflict(design.conflict, bool(design.motion)))
+        if design.motion:
+            parts += _cam(design, options)
+        if costs is not None:
+            parts.append(_sensitivities(costs))
+        parts.append(_spec(design))
+        if design.motion:
+            parts.append(_files(design, profile_formats, motion_formats))
         body = "\n".join(parts)
         return html.page(f"{name}: report", html.asset("report.css"), body, options.theme)
 
@@ -83,163 +86,151 @@ def _head(design: Design, name: str) -> str:
 
 
 def _cam(design: Design, options: PictureOptions) -> Iterator[str]:
-    """Everything that is told of a cam, whether it keeps its limits or not."""
-    theme = options.theme
-    drawing = PROFILE.write(design, CamDrawingOptions(theme=theme))
+    """All about a cam, whether it keeps its limits or not."""
+    theme, certificate = options.theme, design.certificate
     sizes = [_dimension(name, value) for name, value in design.dimensions.items()]
-    chosen = [(name, svg.figure(value, 8)) for name, value in design.free_parameters.items()]
-    yield _section("Dimensions", _pairs([*sizes, *chosen]))
+    sizes += [(name, svg.figure(value, 8)) for name, value in design.free_parameters.items()]
+    yield _section("Dimensions", _pairs(sizes))
+    drawing = PROFILE.write(design, CamDrawingOptions(theme=theme))
     yield _section("The cam", _image(drawing, "Drawing of the cam"), "drawing")
-    yield _section("Limits", _limits(design.extremes))
-    yield _section("Certificate", _certificate(design))
-    if design.smoothness_cost is not None:
-        yield _section("What smoothness costs", _smoothness(design.smoothness_cost))
-    yield _section("Program", _program(design))
-    motion, contact = (
-        MOTION.write(design, DiagramOptions(theme=theme)),
-        CONTACT.write(design, options),
+    limits = _table(
+        ("Limit", "Extreme", "at", "Allowed", "Margin", "Enclosed", ""),
+        map(_limit, design.extremes),
+        ("holds" if each.holds else "broken" for each in design.extremes),
     )
+    note = "Extremes over all cam angles, enclosed by interval arithmetic."
+    yield _section("Limits", limits + _note(note))
+    proofs = _table(
+        ("Objective", "Value", "No cam is better than", "Gap", "Over"),
+        map(_proof, (certificate, *certificate.other_objectives)),
+    )
+    holds = "Every limit holds at every cam angle."
+    note = holds if certificate.certified else "Not every limit holds: see above."
+    yield _section("Certificate", proofs + _note(note))
+    price = design.smoothness_cost
+    if price is not None:
+        costs = {"value": price.value, "with C2 laws": price.c2_value, "price": price.price,
+                 "at most": price.at_most}  # fmt: skip
+        known = [(name, svg.figure(v, 8)) for name, v in costs.items() if v is not None]
+        pairs = _pairs([("objective", _words(price.objective)), *known])
+        yield _section("What smoothness costs", pairs + (_note(price.note) if price.note else ""))
+    yield _section("Program", _program(design))
+    motion = MOTION.write(design, DiagramOptions(theme=theme))
     yield _section("Motion", _image(motion, "Diagrams of the motion"))
-    contacts = _image(contact, "Diagrams of pressure angle and profile radius")
+    contacts = _image(
+        CONTACT.write(design, options), "Diagrams of pressure angle and profile radius"
+    )
     yield _section("Pressure angle and profile radius", contacts)
 
 
-def _limits(extremes: Sequence[Extreme]) -> str:
-    head = ("Limit", "Extreme", "at", "Allowed", "Margin", "Enclosed", "")
-    note = "<p class=note>Extremes over all cam angles, enclosed by interval arithmetic.</p>"
-    return _table(head, [("holds" if e.holds else "broken", _limit(e)) for e in extremes]) + note
-
-
 def _limit(extreme: Extreme) -> list[str]:
-    def told(value: float | None, digits: int = 6) -> str:
+    def text(value: float | None, digits: int = 6) -> str:
         return "–" if value is None else svg.measured(value, extreme.unit, digits)
 
     at = f"{svg.figure(extreme.angle_deg, 6)}°"
     return [
-        _words(extreme.limit), told(extreme.value), at, told(extreme.bound),
-        told(extreme.margin, 4), f"±{svg.figure(extreme.width, 1)}",
+        _words(extreme.limit), text(extreme.value), at, text(extreme.bound),
+        text(extreme.margin, 4), f"±{svg.figure(extreme.width, 1)}",
         "holds" if extreme.holds else "broken",
     ]  # fmt: skip
 
 
-def _certificate(design: Design) -> str:
-    proofs = [design.certificate, *design.certificate.other_objectives]
-    head = ("Objective", "Value", "No cam is better than", "Gap", "Over")
-    rows = [("", _proof(proof)) for proof in proofs]
-    certified = "Every limit holds at every cam angle." if design.certificate.certified else (
-        "Not every limit holds: see above.")  # fmt: skip
-    return _table(head, rows) + f"<p class=note>{certified}</p>"
-
-
 def _proof(proof: Proof) -> list[str]:
-    value = "–" if proof.value is None else svg.figure(proof.value, 8)
-    bound = "–" if proof.lower_bound is None else svg.figure(proof.lower_bound, 8)
+    value, bound = (
+        "–" if each is None else svg.figure(each, 8) for each in (proof.value, proof.lower_bound)
+    )
     gap = "–" if proof.gap is None else f"{svg.figure(100.0 * proof.gap, 3)} %"
     return [_words(proof.objective), value, bound, gap, proof.bound_valid_for or "–"]
 
 
-def _smoothness(price: SmoothnessCost) -> str:
-    named = [("value", price.value), ("with C2 laws", price.c2_value), ("price", price.price),
-             ("at most", price.at_most)]  # fmt: skip
-    rows = [(name, svg.figure(value, 8)) for name, value in named if value is not None]
-    return _pairs([("objective", _words(price.objective)), *rows]) + (
-        f"<p class=note>{html.plain(price.note)}</p>" if price.note else ""
-    )
-
-
 def _program(design: Design) -> str:
     unit = design.spec.follower.travel.unit
-    rows = []
-    for each in design.motion:
-        start, end = each.levels
-        law = "–" if each.kind == "dwell" else _words(each.law)
-        rows.append(("", [
+    rows = [
+        [
             each.kind, f"{svg.figure(each.start_deg, 8)}°", f"{svg.figure(each.angle_deg, 8)}°",
-            svg.measured(round(start, 9), unit), svg.measured(round(end, 9), unit), law,
-        ]))  # fmt: skip
+            *(svg.measured(round(level, 9), unit) for level in each.levels),
+            "–" if each.kind == "dwell" else _words(each.law),
+        ]
+        for each in design.motion
+    ]  # fmt: skip
     return _table(("Segment", "from", "over", "starts at", "ends at", "Law"), rows)
 
 
 def _conflict(conflict: Conflict, given: bool) -> str:
     """Why nothing fits, and the least changes that would help."""
-    named = ", ".join(_words(limit) for limit in conflict.limits)
+    names = ", ".join(_words(limit) for limit in conflict.limits)
     rows = [
-        ("", [_words(each.limit), svg.measured(each.requested, each.unit),
-              "–" if each.needed is None else svg.measured(each.needed, each.unit),
-              each.field, each.note])
+        [_words(each.limit), svg.measured(each.requested, each.unit),
+         "–" if each.needed is None else svg.measured(each.needed, each.unit),
+         each.field, each.note]
         for each in conflict.relaxations
     ]  # fmt: skip
-    head = ("Limit", "requested", "needed", "Field", "")
-    told = f"<p>These cannot hold together: <strong>{html.plain(named)}</strong>.</p>"
-    changes = "<p>The least change of each alone, the others kept:</p>" + _table(head, rows)
-    evidence = f"<p class=note>{html.plain(conflict.evidence)}</p>"
+    text = f"<p>These cannot hold together: <strong>{html.plain(names)}</strong>.</p>"
+    if rows:
+        text += "<p>The least change of each alone, the others kept:</p>"
+        text += _table(("Limit", "requested", "needed", "Field", ""), rows)
     title = "What would mend it" if given else "Why nothing fits"
-    return _section(title, told + (changes if rows else "") + evidence)
+    return _section(title, text + _note(conflict.evidence))
 
 
-def _sensitivities(found: Sensitivities) -> str:
-    rows = [("", [each.field, svg.figure(each.requested, 8), each.sentence])
-            for each in found.sensitivities]  # fmt: skip
+def _sensitivities(costs: Sensitivities) -> str:
+    rows = [
+        [each.field, svg.figure(each.requested, 8), each.sentence] for each in costs.sensitivities
+    ]
     table = _table(("Field", "requested", "One unit more there"), rows) if rows else ""
-    return _section("What each limit costs",
-                    f"{table}<p class=note>{html.plain(found.evidence)}</p>")  # fmt: skip
+    return _section("What each limit costs", table + _note(costs.evidence))
 
 
-def _asked(design: Design) -> str:
-    """The whole question, as it can be sent again: a line for each field and each of a list."""
+def _spec(design: Design) -> str:
+    """The whole spec, as it can be sent again: a line for each field and each of a list."""
+
+    def text(value: Any) -> str:
+        if isinstance(value, list) and len(value) > 1:
+            return "[\n  " + ",\n  ".join(json.dumps(v, ensure_ascii=False) for v in value) + "]"
+        return json.dumps(value, ensure_ascii=False)
+
     spec = design.spec.model_dump(mode="json", exclude_none=True)
-    lines = [f" {json.dumps(key)}: {_dense(value)}" for key, value in spec.items()]
-    text = html.plain_text("{\n" + ",\n".join(lines) + "\n}")
-    return _section("What was asked", f"<pre>{text}</pre>")
+    lines = [f" {json.dumps(key)}: {text(value)}" for key, value in spec.items()]
+    body = html.plain_text("{\n" + ",\n".join(lines) + "\n}")
+    return _section("What was asked", f"<pre>{body}</pre>")
 
 
-def _dense(value: Any) -> str:
-    def told(each: Any) -> str:
-        return json.dumps(each, ensure_ascii=False)
-
-    many = isinstance(value, list) and len(value) > 1
-    return "[\n  " + ",\n  ".join(map(told, value)) + "]" if many else told(value)
+def default_files(
+    design: Design, profile_formats: Formats, motion_formats: Formats
+) -> Iterator[tuple[str, bytes]]:
+    """Names and bytes of the files that a cam has where no formats and no options are named."""
+    for stem, curve in profiles(design).items():
+        for name, profile in profile_formats.items():
+            # a drawing shows every flank
+            if profile.by_default and (profile.placeable or stem == "profile"):
+                yield f"{stem}.{name}", profile.write_like(design, ProfileOptions(curve=curve))
+    for name, motion in motion_formats.items():
+        if motion.by_default:
+            yield f"motion.{name}", motion.write(design, motion.options())
 
 
 def _files(design: Design, profile_formats: Formats, motion_formats: Formats) -> str:
     """Names, sizes and SHA-256 of the files as they are without any parameters."""
     rows = [
-        (
-            "",
-            [name, f"{len(content):,}".replace(",", "\u202f"), hashlib.sha256(content).hexdigest()],
-        )
-        for name, content in _written(design, profile_formats, motion_formats)
+        [name, f"{len(data):,}".replace(",", "\u202f"), hashlib.sha256(data).hexdigest()]
+        for name, data in default_files(design, profile_formats, motion_formats)
     ]
-    note = "<p class=note>As they are where no parameter is given.</p>"
-    return _section("Files", _table(("File", "bytes", "SHA-256"), rows) + note, "hashes")
-
-
-def _written(
-    design: Design, profile_formats: Formats, motion_formats: Formats
-) -> Iterator[tuple[str, bytes]]:
-    for stem, curve in profiles(design).items():
-        for name, profile in profile_formats.items():
-            if profile.by_default and (profile.placeable or stem == "profile"):
-                yield f"{stem}.{name}", _file(profile, design, ProfileOptions(curve=curve))
-    for name, motion in motion_formats.items():
-        if motion.by_default:
-            yield f"motion.{name}", _file(motion, design, motion.options())
-
-
-def _file(exporter: Exporter[Any], design: Design, options: Options) -> bytes:
-    return exporter.write(design, exporter.options_like(options))
+    table = _table(("File", "bytes", "SHA-256"), rows)
+    return _section("Files", table + _note("As they are where no parameter is given."), "hashes")
 
 
 def _section(title: str, content: str, kind: str = "") -> str:
     return f'<section class="{kind}"><h2>{title}</h2>\n{content}</section>'
 
 
-def _table(head: Sequence[str], rows: Sequence[tuple[str, Sequence[str]]]) -> str:
-    """A table; of each row the class and the cells."""
+def _table(
+    head: Sequence[str], rows: Iterable[Sequence[str]], kinds: Iterable[str] | None = None
+) -> str:
+    """A table; ``kinds``: of each row the class."""
     titles = "".join(f"<th>{html.plain(cell)}</th>" for cell in head)
     lines = [
         f'<tr class="{kind}">' + "".join(f"<td>{html.plain(cell)}</td>" for cell in row) + "</tr>"
-        for kind, row in rows
+        for kind, row in zip(repeat("") if kinds is None else kinds, rows, strict=False)
     ]
     return (
         f'<div class="wide"><table><thead><tr>{titles}</tr></thead><tbody>\n'
@@ -248,15 +239,19 @@ def _table(head: Sequence[str], rows: Sequence[tuple[str, Sequence[str]]]) -> st
     )
 
 
+def _note(text: str) -> str:
+    return f"<p class=note>{html.plain(text)}</p>"
+
+
 def _pairs(rows: Sequence[tuple[str, str]]) -> str:
-    told = (f"<div><dt>{html.plain(a)}</dt><dd>{html.plain(b)}</dd></div>" for a, b in rows)
-    return f"<dl>{''.join(told)}</dl>"
+    pairs = (f"<div><dt>{html.plain(a)}</dt><dd>{html.plain(b)}</dd></div>" for a, b in rows)
+    return f"<dl>{''.join(pairs)}</dl>"
 
 
-def _image(drawing: bytes, told: str) -> str:
+def _image(drawing: bytes, title: str) -> str:
     """A drawing inside the page, by itself: its style is its own."""
     data = base64.b64encode(drawing).decode()
-    return f'<img alt="{told}" src="data:image/svg+xml;base64,{data}">'
+    return f'<img alt="{title}" src="data:image/svg+xml;base64,{data}">'
 
 
 def _words(name: str) -> str:
