@@ -15,6 +15,7 @@ from synthesis.catalogue.followers.flank import Flank, labelled, profile_radius_
 from synthesis.catalogue.followers.kinematics import TracePoint
 from synthesis.catalogue.limits.base import scaling, segment_indices
 from synthesis.certify.motion_checks import DERIVATIVES
+from synthesis.certify.piecewise_motion import ANGLE_ROUNDING
 from synthesis.certify.quantities import QUANTITIES, MeasuredCam, Quantity
 from synthesis.certify.self_intersection import deepest_interference
 from synthesis.design.analysis import (
@@ -33,7 +34,6 @@ from synthesis.units import DEGREE
 ToWire = Callable[[float], float]
 CURVATURE: Final = QUANTITIES["pitch_curvature"]
 CURVATURE_UNIT: Final = "1/mm"
-AT_JUNCTION: Final = 1e-9  # an extreme this near to a junction is at it [rad]
 CUSP: Final = 1e-9  # profile radii of this share of the roller, or of the cam, count as zero
 ANGLE_DIGITS: Final = 9  # decimals of a cam angle: drops the rounding of degrees to rad and back
 
@@ -244,9 +244,9 @@ class CurveAnalysis:
         """On which side of a junction an extreme lies, where the curve jumps there."""
         ends = self.cam.motion.curve.breaks[1:]
         junction = int(np.argmin(np.abs(ends - found.angle)))
-        if found.angle <= AT_JUNCTION:
+        if found.angle <= ANGLE_ROUNDING:
             junction = len(ends) - 1
-        elif abs(float(ends[junction]) - found.angle) > AT_JUNCTION:
+        elif abs(float(ends[junction]) - found.angle) > ANGLE_ROUNDING:
             return "both"
         if not any(junction in self._discontinuities(k) for k in range(quantity.order + 1)):
             return "both"

@@ -34,8 +34,7 @@ from synthesis.units import DEGREE, FULL_TURN
 NODES: Final = 24  # of the Gauss rule on a piece without sinusoids: exact up to degree 47
 WAVE_NODES: Final = 64
 SAMPLES: Final = 33  # on a piece, between which the drive is searched for changes of sign
-INSIDE: Final = 1e-9  # of a piece: samples at its ends lie this far inside it
-ROOT_TOLERANCE: Final = 1e-14  # of the cam angle of such a change [rad]
+INSIDE: Final = 1e-9  # of a piece: samples at its ends lie so far inside, on this side of jumps
 HIGHEST_SPEED: Final = 1e6  # times the cam's speed: a lift-off beyond is not reported
 PER_MINUTE: Final = 60.0 / FULL_TURN  # rpm per rad/s
 
@@ -244,7 +243,7 @@ class _LoadedCam:
 
         if at(low) * at(high) >= 0.0:
             return high
-        return float(brentq(at, low, high, xtol=ROOT_TOLERANCE))
+        return float(brentq(at, low, high))
 
     def _lift_off_speed(self) -> float | None:
         """The lowest speed at which the drive vanishes somewhere [rpm]."""

@@ -25,7 +25,6 @@ JUNCTION_TOLERANCE: Final = 1e-9
 CONTROL_POINT_ROUNDING: Final = 1e-13
 
 ANGLE_ROUNDING: Final = 4.0 * 2.0**-53 * FULL_TURN  # rounding of a junction's cam angle [rad]
-SMALLEST_SCALE: Final = 1e-250  # replaces a scale of 0, where the motion stands still [mm]
 
 # The first boxes of an enclosure. More of them cost time in the first round; with fewer, too few
 # are excluded by it. They change the speed only, never what is proven.
@@ -195,7 +194,8 @@ class PiecewiseMotion:
         sides = self._lift / powers
         scale = np.maximum(sides, sides.take(self.next_piece, axis=-1))
         dwell = self.stroke / np.minimum(powers, powers.take(self.next_piece, axis=-1))
-        return np.maximum(np.where(scale > 0.0, scale, dwell), SMALLEST_SCALE)
+        # a motion that stands still has no scale: any positive number keeps the quotient defined
+        return np.maximum(np.where(scale > 0.0, scale, dwell), np.finfo(float).tiny)
 
     @cached_property
     def _continuous_orders(self) -> int:

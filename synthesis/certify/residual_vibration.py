@@ -24,7 +24,6 @@ STEP: Final = 0.5  # largest phase of the oscillator, or of a law's sinusoid, in
 ORDER: Final = 18  # of the Taylor series on a step: 0.5^18/18! is below a rounding error
 UNIT_ROUNDOFF: Final = 2.0**-53
 ROUNDINGS: Final = 64.0  # of the largest term of a step, in the sum of its series
-FINAL_ROUNDINGS: Final = 8.0  # of the amplitude, from the last state
 
 
 def residual_amplitude(motion: PiecewiseMotion, run: VibrationBound) -> Enclosure:
@@ -40,7 +39,8 @@ def residual_amplitude(motion: PiecewiseMotion, run: VibrationBound) -> Enclosur
         rounding = scale[k] + nu * abs(state[0]) + abs(state[1])
         error += missed[k] + ROUNDINGS * UNIT_ROUNDOFF * rounding
     value = hypot(state[0], (state[1] + zeta * nu * state[0]) / damped)
-    blur = float(2.0 * error / damped + FINAL_ROUNDINGS * UNIT_ROUNDOFF * value)
+    # √2 of the norm suffices for the amplitude; the rest covers the roundings of its formula
+    blur = float(2.0 * error / damped)
     angle = float(steps.hi[-1]) % FULL_TURN
     return Enclosure(value, max(value - blur, 0.0), value + blur, angle)
 
