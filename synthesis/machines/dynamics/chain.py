@@ -104,8 +104,8 @@ class Chain:
                 raise StaticallyUnstable from error
             return np.asarray(lower.T)
         rows = np.sqrt(self.springs)[:, None] * self.links
-        held = np.diag(np.sqrt(self.ground_springs))
-        return np.asarray(np.linalg.qr(np.vstack([rows, held]) / scale)[1])
+        ground = np.diag(np.sqrt(self.ground_springs))
+        return np.asarray(np.linalg.qr(np.vstack([rows, ground]) / scale)[1])
 
 
 @dataclass(frozen=True, eq=False)

@@ -136,7 +136,7 @@ def respond(spec: TrainSpec, *, deadline: float | None = None) -> TrainResponse:
 def report_response(spec: TrainSpec, design: Design) -> TrainResponse:
     """The response of a spec's train on a finished cam."""
     chain, motion = spec.train.chain(), design.curve
-    held = spec.train.preload_n is None
+    form_closed = spec.train.preload_n is None
     return TrainResponse(
         id=question_id(spec, "train response"),
         name=spec.name,
@@ -149,8 +149,11 @@ def report_response(spec: TrainSpec, design: Design) -> TrainResponse:
             )
             for rate in chain.modes.rates[chain.modes.independent].tolist()
         ],
-        speeds=[_at_speed(chain, motion, speed, spec.turns, held=held) for speed in spec.speeds],
-        float_onset_rpm=None if held else _float_onset(chain, motion, spec.speeds),
+        speeds=[
+            _at_speed(chain, motion, speed, spec.turns, form_closed=form_closed)
+            for speed in spec.speeds
+        ],
+        float_onset_rpm=None if form_closed else _float_onset(chain, motion, spec.speeds),
         cam=design,
         spec=spec,
     )
@@ -184,12 +187,14 @@ def _float_onset(chain: Chain, motion: Motion, speeds: Sequence[float]) -> float
     return high
 
 
-def _at_speed(chain: Chain, motion: Motion, speed_rpm: float, turns: int, *, held: bool) -> AtSpeed:
+def _at_speed(
+    chain: Chain, motion: Motion, speed_rpm: float, turns: int, *, form_closed: bool
+) -> AtSpeed:
     modes, found = chain.modes, _steady(chain, motion, speed_rpm)
     error, force = found.deflection[-1], found.contact_force
     pulls = output_acceleration(found)
     starts = from_rest(chain, found.steps, found.omega, turns)
-    floats = not held and bool(np.min(force) <= 0.0)
+    floats = not form_closed and bool(np.min(force) <= 0.0)
     flies = floats and turns > 0
     return AtSpeed(
         speed_rpm=speed_rpm,
@@ -212,8 +217,10 @@ def _at_speed(chain: Chain, motion: Motion, speed_rpm: float, turns: int, *, hel
 def output_acceleration(found: Response) -> Array:
     """Acceleration of the last mass, from the forces on it: (k+1,) [mm/s²]."""
     chain, s = found.chain, found.steps.s
-    held = chain.ground_springs[:, None] * s[0] + chain.ground_dampers[:, None] * s[1] * found.omega
-    forces = -(chain.stiffness @ found.deflection + chain.damping @ found.speed) - held
+    ground = (
+        chain.ground_springs[:, None] * s[0] + chain.ground_dampers[:, None] * s[1] * found.omega
+    )
+    forces = -(chain.stiffness @ found.deflection + chain.damping @ found.speed) - ground
     return np.asarray(forces[-1] / chain.masses[-1])
 
 

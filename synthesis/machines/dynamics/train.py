@@ -112,14 +112,14 @@ class TrainSpec(FiniteModel):
                  "ratio": _six_digits(-unstable_rate.real / abs(unstable_rate))},
             )  # fmt: skip
         for position, speed in enumerate(self.speeds):
-            met = resonance(modes, rad_per_s(speed))
-            if met is not None:
+            resonant = resonance(modes, rad_per_s(speed))
+            if resonant is not None:
                 raise PydanticCustomError(
                     "train_resonates",
                     "At {speed} rpm the undamped mode of train at {frequency} Hz is in resonance "
                     "with harmonic {harmonic} of the cam: the response grows from turn to turn and "
                     "never becomes periodic. Give the train some damping, or another speed.",
-                    {"speed": speed, "frequency": _six_digits(met[0]), "harmonic": met[1],
+                    {"speed": speed, "frequency": _six_digits(resonant[0]), "harmonic": resonant[1],
                      "position": position},
                 )  # fmt: skip
         return self

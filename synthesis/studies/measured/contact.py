@@ -117,10 +117,10 @@ def _covered(theta: Array, position: Array) -> NDArray[np.bool_]:
         share = at - turns - theta[spans]
         length = after[spans] - theta[spans]
         inside = (at - turns > low[spans]) & (at - turns < high[spans])
-        met = position[spans] + (higher - position)[spans] * share / np.where(
+        level = position[spans] + (higher - position)[spans] * share / np.where(
             length == 0.0, 1.0, length
         )
-        best = np.max(np.where(inside, met, -np.inf), axis=1)
+        best = np.max(np.where(inside, level, -np.inf), axis=1)
         below[part] = best > position[part] + allowed
     return below
 

@@ -76,9 +76,9 @@ def _knots_with_kinks(count: int, kinks: Array) -> Array:
     even = FULL_TURN * np.arange(count) / count
     if len(kinks) == 0:
         return even
-    apart = np.abs(even[:, None] - kinks)
-    apart = np.minimum(apart, FULL_TURN - apart).min(axis=1)
-    kept = (apart > KINK_CLEARANCE * FULL_TURN / count) | (even == 0.0)
+    distance = np.abs(even[:, None] - kinks)
+    distance = np.minimum(distance, FULL_TURN - distance).min(axis=1)
+    kept = (distance > KINK_CLEARANCE * FULL_TURN / count) | (even == 0.0)
     return np.sort(np.concatenate([even[kept], np.repeat(kinks, DEGREE)]))
 
 
@@ -111,13 +111,13 @@ def find_dwells(motion: Motion, tolerance: float) -> list[tuple[float, float, fl
         return [(0.0, FULL_TURN, float(np.mean(s)))]
     reach = _longest_runs(twice, 2.0 * tolerance)[:count]
     found: list[tuple[float, float, float]] = []
-    taken = np.zeros(count, dtype=bool)
+    used = np.zeros(count, dtype=bool)
     for i in np.argsort(-reach, kind="stable"):
         if reach[i] * step < SHORTEST_DWELL:
             break
         arc = (i + np.arange(reach[i] + 1)) % count
-        if not taken[arc].any():
-            taken[arc] = True
+        if not used[arc].any():
+            used[arc] = True
             found.append((i * step, float(reach[i] * step), float(np.mean(s[arc]))))
     return sorted(found)
 

@@ -75,9 +75,9 @@ def _read(curve: PeriodicSpline, count: int, off: Array) -> Outline:
 
 def _checked_ring(points: Array) -> Array:
     """The points as a clockwise ring without repetitions, checked."""
-    apart = np.hypot(*(np.roll(points, -1, axis=0) - points).T)
+    steps = np.hypot(*(np.roll(points, -1, axis=0) - points).T)
     size = float(np.max(np.abs(points)))
-    ring = points[apart > 1e-9 * size]
+    ring = points[steps > 1e-9 * size]
     if len(ring) < MIN_POINTS:
         raise InputError(
             FIELD, len(ring), f"There are fewer than {MIN_POINTS} different points.",
@@ -139,8 +139,8 @@ def first_crossing(ring: Array) -> tuple[float, float] | None:
         p, r = ring[i][:, None], sides[i][:, None]
         s, to = sides[j][None], ring[j][None] - p
         across = _cross(r, s)
-        apart = (j[None] - i[:, None]) % n
-        proper = (apart > 1) & (apart < n - 1) & (across != 0.0)
+        separation = (j[None] - i[:, None]) % n
+        proper = (separation > 1) & (separation < n - 1) & (across != 0.0)
         safe = np.where(proper, across, 1.0)
         t, w = _cross(to, s) / safe, _cross(to, r) / safe
         hits = np.argwhere(proper & (t >= 0.0) & (t <= 1.0) & (w >= 0.0) & (w <= 1.0))

@@ -77,9 +77,9 @@ def _is_stationary(optimum: PerturbedDesign, number: Number, deadline: float) ->
     level = LEVEL * abs(optimum.value) / number.size
     low, high = number.range
     near = AT_END * number.size
-    held = (derivatives.more or 0.0) > 0.0 and number.value <= low + near
-    held = held or ((derivatives.less or 0.0) < 0.0 and number.value >= high - near)
-    return held or (len(derivatives.sides) == 2 and derivatives.steepest <= level)
+    at_end = (derivatives.more or 0.0) > 0.0 and number.value <= low + near
+    at_end = at_end or ((derivatives.less or 0.0) < 0.0 and number.value >= high - near)
+    return at_end or (len(derivatives.sides) == 2 and derivatives.steepest <= level)
 
 
 def _evidence(optimum: PerturbedDesign, kinks: Sequence[Number]) -> str:

@@ -10,6 +10,9 @@ from __future__ import annotations
 from synthesis.machines.linkages.files import arm, shaper
 from synthesis.machines.linkages.files.linkage_file import LinkageFile
 
-LINKAGE_FILES = {"six-bar-shapers": shaper.FILES, "palletising-arms": arm.FILES}
+LINKAGE_FILES: dict[str, dict[str, LinkageFile]] = {
+    kind: {each.name: each for each in files}
+    for kind, files in (("six-bar-shapers", shaper.FILES), ("palletising-arms", arm.FILES))
+}
 
 __all__ = ["LINKAGE_FILES", "LinkageFile"]

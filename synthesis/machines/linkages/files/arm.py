@@ -43,7 +43,6 @@ from synthesis.machines.linkages.files.linkage_file import (
     LinkageFile,
     animation_data,
     animation_files,
-    by_name,
     line_rules,
     linkage_scene,
     scene_json,
@@ -193,9 +192,9 @@ def plan_view(found: PalletisingArm, by: float) -> tuple[Box, list[str]]:
     ]
 
 
-def _ring(radii: Span, turned: Span) -> str:
+def _ring(radii: Span, angles: Span) -> str:
     """An annular sector, or the whole ring, as a path."""
-    low, high = turned
+    low, high = angles
     if high - low < FULL_TURN:
         out, back = _arc(radii[1], low, high), _arc(radii[0], high, low)
         return f"M{out[0]}{out[1]}L{back[0]}{back[1]}Z"
@@ -354,7 +353,7 @@ def _rounded(values: Iterable[float]) -> list[float]:
     return [round(float(value), DECIMALS) + 0.0 for value in values]
 
 
-FILES = by_name(
+FILES = (
     LinkageFile("workspace.csv", "Border of the workspace", CSV, ".csv", _border, Options,
                 "A row for each arc, in order, in the plane of radius r and level z."),
     LinkageFile("poses.csv", "Table of the poses", CSV, ".csv", _poses, Options,

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -47,11 +47,6 @@ class LinkageFile(FileFormat[Any, Any]):
     """
 
     suits: Callable[[Any], bool] = lambda _: True
-
-
-def by_name(*files: LinkageFile) -> Mapping[str, LinkageFile]:
-    """Files by their names."""
-    return {each.name: each for each in files}
 
 
 def animation_files(

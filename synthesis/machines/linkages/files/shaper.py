@@ -33,7 +33,6 @@ from synthesis.machines.linkages.files.linkage_file import (
     LinkageFile,
     animation_data,
     animation_files,
-    by_name,
     linkage_scene,
     scene_json,
 )
@@ -66,25 +65,25 @@ class SampledTurn:
     """A shaper at evenly spaced angles of a turn.
 
     Attributes:
-        turned: (n,) angle turned by the crank since its start [rad]. motion: (n,) arrays.
+        travel: (n,) angle travel by the crank since its start [rad]. motion: (n,) arrays.
     """
 
     shaper: Shaper
     drive: Drive
-    turned: Array
+    travel: Array
     motion: Motion
 
     @classmethod
     def of(cls, found: SixBarShaper, count: int, closed: bool = True) -> SampledTurn:
         """``count`` angles of a turn, and its end too where it is to be closed."""
         shaper, drive = found.spec.shaper(found.dimensions), found.spec.drive
-        turned = FULL_TURN * np.arange(count + closed) / count
-        return cls(shaper, drive, turned, shaper.motion(drive.phi(turned)))
+        travel = FULL_TURN * np.arange(count + closed) / count
+        return cls(shaper, drive, travel, shaper.motion(drive.phi(travel)))
 
     @cached_property
     def columns(self) -> dict[str, Column]:
         """All quantities by name, as columns of a table."""
-        motion, drive, turned = self.motion, self.drive, self.turned
+        motion, drive, travel = self.motion, self.drive, self.travel
 
         def column(name: str, unit: str, meaning: str, values: Any) -> Column:
             in_unit = values / DEGREE if unit.startswith("deg") else values
@@ -94,7 +93,7 @@ class SampledTurn:
             name: str, unit: str, meaning: str, value: Any, first: Any, second: Any
         ) -> list[Column]:
             """A quantity and its time derivatives, from those by the crank angle."""
-            velocity, acceleration = drive.first(first, turned), drive.second(first, second, turned)
+            velocity, acceleration = drive.first(first, travel), drive.second(first, second, travel)
             return [
                 column(f"{name}_{unit}", unit, meaning, value),
                 column(f"{name}_{unit}_per_s", f"{unit}/s", "its velocity", velocity),
@@ -103,9 +102,9 @@ class SampledTurn:
 
         upright = 0.5 * np.pi - np.abs(np.arcsin(motion.coupler[1]))
         columns = (
-            column("crank_travel_deg", "deg", "angle turned by the crank", turned),
-            column("crank_deg", "deg", "crank angle", drive.phi(turned)),
-            column("time_s", "s", "time since the start of the turn", drive.time(turned)),
+            column("crank_travel_deg", "deg", "angle travel by the crank", travel),
+            column("crank_deg", "deg", "crank angle", drive.phi(travel)),
+            column("time_s", "s", "time since the start of the turn", drive.time(travel)),
             *with_rates("ram", "mm", "position of the ram's pin", *motion.ram),
             *with_rates("guide", "deg", "angle of the guide", angle(motion.guide),
                         *motion.guide_turn),
@@ -113,7 +112,7 @@ class SampledTurn:
                         *motion.coupler_turn),
             column("slide_mm", "mm", "crank's pin to the guide's pivot", motion.slide[0]),
             column("slide_mm_per_s", "mm/s", "velocity of the block along the guide, not the ram's",
-                   drive.first(motion.slide[1], turned)),
+                   drive.first(motion.slide[1], travel)),
             column("transmission_deg", "deg", "transmission angle at the ram", upright),
         )  # fmt: skip
         return {each.name: each for each in columns}
@@ -123,19 +122,18 @@ class SampledTurn:
         return np.asarray(self.columns[name].values, dtype=float)
 
 
-def motion_table(found: SixBarShaper, options: MotionOptions) -> list[Column]:
-    """The motion as the options sample it."""
+def _motion_table(found: SixBarShaper, options: MotionOptions) -> list[Column]:
     return [*SampledTurn.of(found, max(MIN_ROWS, round(options.count))).columns.values()]
 
 
 def motion_csv(found: SixBarShaper, options: MotionOptions) -> bytes:
     """The motion, comma separated."""
-    return csv_table(motion_table(found, options))
+    return csv_table(_motion_table(found, options))
 
 
 def motion_json(found: SixBarShaper, options: MotionOptions) -> bytes:
     """The motion with units and meanings."""
-    columns = motion_table(found, options)
+    columns = _motion_table(found, options)
     return _json(
         {
             "kind": "shaper motion",
@@ -192,7 +190,7 @@ def cam_spec(found: SixBarShaper, options: CamOptions) -> bytes:
     motion = {
         "kind": "table",
         "angle_deg": 360.0,
-        "angles_deg": np.degrees(turn.turned).tolist(),
+        "angles_deg": np.degrees(turn.travel).tolist(),
         "displacements_mm": (ram - ram.min()).tolist(),
         "tolerance_mm": options.tolerance_mm or TOLERANCE * stroke,
     }
@@ -348,7 +346,7 @@ def _scene(found: SixBarShaper, count: int) -> Scene:
         titles=("Six-bar shaper", "Position and velocity of the ram"),
         described="The crank turns, the guide swings, the coupler moves the ram, and points run on "
         "its diagrams.",
-        footer=lasting(float(turn.drive.time(turn.turned[-1]))),
+        footer=lasting(float(turn.drive.time(turn.travel[-1]))),
     )  # fmt: skip
 
 
@@ -360,7 +358,7 @@ def _data(found: SixBarShaper, options: Options) -> bytes:
     )  # fmt: skip
 
 
-FILES = by_name(
+FILES = (
     LinkageFile("motion.csv", "Table of the motion", CSV, ".csv", motion_csv,
                 MotionOptions),
     LinkageFile("motion.json", "Table of the motion, with units and meanings", "application/json",

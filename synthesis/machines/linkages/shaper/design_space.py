@@ -54,7 +54,7 @@ class ShaperBatch:
         s, cosine: sin β and cos β. guide, pivot_distance, coupler [mm].
         level: sin γ at the middle of the swing, (H − L)/c.
         short: length that the coupler lacks to reach everywhere [mm]; positive: infeasible.
-        known: narrows sin γ to its range, where it is a model.
+        narrow: narrows sin γ to its range, where it is a model.
     """
 
     s: Value
@@ -64,7 +64,7 @@ class ShaperBatch:
     coupler: Value
     level: Value
     short: Value
-    known: Narrowing = identity
+    narrow: Narrowing = identity
 
     @property
     def ram_line(self) -> Value:
@@ -189,7 +189,7 @@ class ShaperObjective:
 
     def over_turn(self, one: ShaperBatch) -> Array:
         """The functions at points, (functions, n, crank angles)."""
-        columns = {name: each[:, None] for name, each in vars(one).items() if name != "known"}
+        columns = {name: each[:, None] for name, each in vars(one).items() if name != "narrow"}
         return np.stack(self.parts(ShaperBatch(**columns), DENSE if self.angles else DENSE[:1]))
 
     def values(self, one: ShaperBatch) -> Array:
@@ -218,7 +218,7 @@ def _second_derivative(one: ShaperBatch, phi: Value) -> list[Value]:
     """|x''| at a crank angle, of the similar shaper with coupler and pivot distance 1."""
     guide = one.guide / one.coupler
     similar = Shaper(one.s, guide, 1.0, 1.0, guide + one.level)
-    bend = one.coupler * similar.motion(phi, one.known).ram[2]
+    bend = one.coupler * similar.motion(phi, one.narrow).ram[2]
     return [bend, -bend]
 
 

@@ -118,15 +118,15 @@ def _branch_and_bound(
     phi = _angles(objective, space, u)
     # Lower and upper corners of open boxes, and their bounds so far; least bound of pruned boxes.
     waiting = (np.zeros((1, SIZE)), np.ones((1, SIZE)), np.array([-np.inf]))
-    left_out, seen = np.inf, 0
+    left_out, count = np.inf, 0
     while (
-        len(waiting[0]) and seen < MAX_BOXES and (deadline is None or time.monotonic() < deadline)
+        len(waiting[0]) and count < MAX_BOXES and (deadline is None or time.monotonic() < deadline)
     ):
         # Best first: the boxes with the least bounds.
         order = np.argsort(waiting[2])[:BATCH]
         rest = np.setdiff1d(np.arange(len(waiting[2])), order)
         lo, hi = waiting[0][order], waiting[1][order]
-        seen += len(lo)
+        count += len(lo)
         lower, split = _bounds(space, objective, lo, hi, phi)
         lower = np.maximum(lower, waiting[2][order])
         # Incumbent: the middles of the most promising boxes.
@@ -163,7 +163,7 @@ def _bounds(
     """A lower bound on every box, inf where nothing is feasible, and the coordinate to split."""
     # Affine models of the shapers on the boxes; |sin γ| ≤ k narrows them.
     k = space.steep
-    one = replace(space.at(Affine.variables(lo, hi)), known=lambda sine: sine.restrict(-k, k))
+    one = replace(space.at(Affine.variables(lo, hi)), narrow=lambda sine: sine.restrict(-k, k))
     parts = objective.lower_bounds(one, phi or [0.0], space.lengths["ram_line_mm"])
     lows = np.stack([part.lower for part in parts])
     lows = np.where(np.isfinite(lows), lows, -np.inf)

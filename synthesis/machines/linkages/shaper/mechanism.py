@@ -93,10 +93,10 @@ class Shaper:
         """sin γ of the coupler for sin ψ of the guide; beyond ±1 the coupler does not reach."""
         return (self.ram_line - self.guide * sine) / self.coupler
 
-    def motion(self, phi: Value, known: Narrowing = identity) -> Motion:
+    def motion(self, phi: Value, narrow: Narrowing = identity) -> Motion:
         """The motion at crank angles φ [rad], counted from the x axis, counter-clockwise.
 
-        ``known`` narrows sin γ by what is known of it, where lengths are models.
+        ``narrow`` narrows sin γ by what is narrow of it, where lengths are models.
         """
         r, L, c = self.crank, self.guide, self.coupler
         cos, sin = np.cos(phi), np.sin(phi)
@@ -109,7 +109,7 @@ class Shaper:
         rho2 = rho * psi1 * psi1 - across
         psi2 = (ahead - 2.0 * ahead * psi1) / rho
         # γ from the height of the second loop; its matrix is diag(c cos γ) for both orders.
-        gs = known(self.coupler_sine(us))
+        gs = narrow(self.coupler_sine(us))
         gc = SIGN[self.side] * np.sqrt(1.0 - gs * gs)
         gamma1 = -L * uc * psi1 / (c * gc)
         gamma2 = (L * (us * psi1 * psi1 - uc * psi2) + c * gs * gamma1 * gamma1) / (c * gc)
@@ -141,6 +141,8 @@ def angle(pair: tuple[Value, Value]) -> Array:
 class Drive:
     """The crank's motion over the analysed turn.
 
+    Its methods take the travel: the angle turned since the start [rad], a number or a model.
+
     Attributes:
         start: φ at its start [rad]. sense: +1 counter-clockwise, −1 clockwise.
         speed: angular speed ω there [rad/s], positive.
@@ -162,29 +164,29 @@ class Drive:
                 f"Give more than {least:.6g} rad/s², or a higher speed_rpm.",
             )  # fmt: skip
 
-    def phi(self, turned: Value) -> Value:
-        """Crank angle φ after an angle turned, both in rad."""
-        return self.start + self.sense * turned
+    def phi(self, travel: Value) -> Value:
+        """Crank angle φ [rad]."""
+        return self.start + self.sense * travel
 
-    def turned(self, phi: float) -> float:
+    def travel_to(self, phi: float) -> float:
         """Angle that the crank turns until it is first at φ, in [0, 2π)."""
         return (self.sense * (phi - self.start)) % FULL_TURN
 
-    def rate(self, turned: Value) -> Value:
+    def rate(self, travel: Value) -> Value:
         """Angular speed there [rad/s], positive: ω² = ω0² + 2 α Δφ."""
         if self.acceleration == 0.0:
-            return self.speed + 0.0 * turned
-        return np.sqrt(self.speed**2 + 2.0 * self.acceleration * turned)
+            return self.speed + 0.0 * travel
+        return np.sqrt(self.speed**2 + 2.0 * self.acceleration * travel)
 
-    def time(self, turned: Value) -> Value:
+    def time(self, travel: Value) -> Value:
         """Time since the start of the turn [s]: Δφ over the mean of the two speeds."""
-        return 2.0 * turned / (self.speed + self.rate(turned))
+        return 2.0 * travel / (self.speed + self.rate(travel))
 
-    def first(self, rate: Value, turned: Value) -> Value:
+    def first(self, rate: Value, travel: Value) -> Value:
         """Time derivative, from the derivative with respect to φ."""
-        return self.sense * (rate * self.rate(turned))
+        return self.sense * (rate * self.rate(travel))
 
-    def second(self, rate: Value, bend: Value, turned: Value) -> Value:
+    def second(self, rate: Value, bend: Value, travel: Value) -> Value:
         """Second time derivative, from both derivatives with respect to φ."""
-        square = self.speed**2 + 2.0 * self.acceleration * turned
+        square = self.speed**2 + 2.0 * self.acceleration * travel
         return bend * square + (self.sense * self.acceleration) * rate

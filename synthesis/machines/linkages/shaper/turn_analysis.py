@@ -47,7 +47,7 @@ class Quantity:
 
     Attributes:
         name, unit: on the wire.
-        of: from motion, drive and angle turned to the value in radians or mm.
+        of: from motion, drive and angle travel to the value in radians or mm.
     """
 
     name: str
@@ -205,16 +205,16 @@ def dead_centres(shaper: Shaper, drive: Drive) -> list[RamDeadCentre]:
     """All dead centres of the ram, in the order in which the crank passes them."""
     found = dict[float, RamDeadCentre]()
     for phi, cause in _stationary_crank_angles(shaper):
-        turned = drive.turned(phi)
-        if all(abs(math.remainder(turned - other, FULL_TURN)) >= SAME for other in found):
-            found[turned] = RamDeadCentre(
-                crank_deg=(drive.phi(turned) / DEGREE) % 360.0,
-                crank_travel_deg=turned / DEGREE,
-                time_s=float(drive.time(turned)),
+        travel = drive.travel_to(phi)
+        if all(abs(math.remainder(travel - other, FULL_TURN)) >= SAME for other in found):
+            found[travel] = RamDeadCentre(
+                crank_deg=(drive.phi(travel) / DEGREE) % 360.0,
+                crank_travel_deg=travel / DEGREE,
+                time_s=float(drive.time(travel)),
                 ram_mm=float(shaper.motion(np.array(phi)).ram[0]),
                 cause=cause,
             )
-    return [found[turned] for turned in sorted(found)]
+    return [found[travel] for travel in sorted(found)]
 
 
 def _stationary_crank_angles(shaper: Shaper) -> Iterator[tuple[float, Cause]]:
@@ -254,9 +254,9 @@ def extremes(shaper: Shaper, drive: Drive) -> list[ShaperExtremes]:
         centre = 0.5 * (lo + hi)
         half = 0.5 * (hi - lo) + 2.0**-50 * (np.abs(lo) + np.abs(hi))  # roundings of the centre
         nothing = np.zeros_like(centre)
-        turned = Taylor.of(centre, half, nothing, nothing)
-        motion = shaper.motion(drive.phi(turned))
-        return [QUANTITIES[k].of(motion, drive, turned) for k in wanted]
+        travel = Taylor.of(centre, half, nothing, nothing)
+        motion = shaper.motion(drive.phi(travel))
+        return [QUANTITIES[k].of(motion, drive, travel) for k in wanted]
 
     found = enclose(models, np.array([0.0, FULL_TURN]), np.array([BOXES]), queries)
     return [
