@@ -99,9 +99,6 @@ def _covered(theta: Array, position: Array) -> NDArray[np.bool_]:
     n = len(theta)
     after, higher = np.append(theta[1:], theta[0] + FULL_TURN), np.roll(position, -1)
     below = np.zeros(n, dtype=bool)
-    backward = np.flatnonzero(after <= theta)
-    if len(backward) == 0:
-        return below
     low, high = np.minimum(theta, after), np.maximum(theta, after)
     # Only angles that occur more than once matter: from where θ first turns back to where it has
     # caught up again.
@@ -111,17 +108,16 @@ def _covered(theta: Array, position: Array) -> NDArray[np.bool_]:
     zone = np.flatnonzero(before | behind)
     allowed = LEVEL * float(np.max(np.abs(position)))
     spans = np.union1d(zone, (zone - 1) % n)
-    for part in np.array_split(zone, max(math.ceil(len(zone) / CHUNK), 1)):
-        at = theta[part][:, None]
-        turns = np.round((at - theta[spans]) / FULL_TURN) * FULL_TURN
-        share = at - turns - theta[spans]
+    for first in range(0, len(zone), CHUNK):
+        part = zone[first : first + CHUNK]
+        # Heights of all sides of the curve (θ, position) at the angles of these points.
+        angle = theta[part][:, None]
+        at = angle - np.round((angle - theta[spans]) / FULL_TURN) * FULL_TURN
         length = after[spans] - theta[spans]
-        inside = (at - turns > low[spans]) & (at - turns < high[spans])
-        level = position[spans] + (higher - position)[spans] * share / np.where(
-            length == 0.0, 1.0, length
-        )
-        best = np.max(np.where(inside, level, -np.inf), axis=1)
-        below[part] = best > position[part] + allowed
+        share = (at - theta[spans]) / np.where(length == 0.0, 1.0, length)
+        height = position[spans] + (higher - position)[spans] * share
+        inside = (at > low[spans]) & (at < high[spans])
+        below[part] = np.max(np.where(inside, height, -np.inf), axis=1) > position[part] + allowed
     return below
 
 

@@ -49,37 +49,25 @@ def fit_motion(path: FollowerPath, tolerance: float) -> FittedMotion:
     angles = np.array([math.radians(hollow.angle_deg) for hollow in path.hollows])
     kinks = np.unique(np.round(angles, 6))
     kinks = kinks[kinks < FULL_TURN]
-    values = path.position[:, None]
     for count in KNOT_COUNTS:
-        knots = _knots_with_kinks(count, kinks)
-        spline, residual = fit_least_squares(knots, FULL_TURN, path.theta, values)
+        # Even knots, the first at 0; a kink is a knot of multiplicity p (C0) in place of near ones.
+        even = FULL_TURN * np.arange(count) / count
+        distance = np.abs(even[:, None] - kinks)
+        nearest = np.minimum(distance, FULL_TURN - distance).min(axis=1, initial=FULL_TURN)
+        smooth = (nearest > KINK_CLEARANCE * FULL_TURN / count) | (even == 0.0)
+        knots = np.sort(np.concatenate([even[smooth], np.repeat(kinks, DEGREE)]))
+        spline, residual = fit_least_squares(knots, FULL_TURN, path.theta, path.position[:, None])
         off = float(np.max(np.abs(residual)))
         if off <= tolerance or len(path.theta) < DATA_PER_KNOT * count:
             break
-    return _from_lowest(spline, off, len(kinks) == 0)
-
-
-def _from_lowest(spline: PeriodicSpline, off: float, smooth: bool) -> FittedMotion:
     curve = spline.piecewise()
     lowest = -maximise(curve, (-1.0,))[0]
     poly = curve.poly.copy()
     poly[:, 0] -= lowest
+    # The basis functions sum to 1, so that coefficients shift the spline.
+    level = replace(spline, coefficients=spline.coefficients - lowest)
     motion = Motion((), replace(curve, poly=poly))
-    level = replace(
-        spline, coefficients=spline.coefficients - lowest
-    )  # the basis functions sum to 1
-    return FittedMotion(motion, level, lowest, off, smooth)
-
-
-def _knots_with_kinks(count: int, kinks: Array) -> Array:
-    """Even knots, the first at 0, and each kink as a knot of multiplicity p (C0)."""
-    even = FULL_TURN * np.arange(count) / count
-    if len(kinks) == 0:
-        return even
-    distance = np.abs(even[:, None] - kinks)
-    distance = np.minimum(distance, FULL_TURN - distance).min(axis=1)
-    kept = (distance > KINK_CLEARANCE * FULL_TURN / count) | (even == 0.0)
-    return np.sort(np.concatenate([even[kept], np.repeat(kinks, DEGREE)]))
+    return FittedMotion(motion, level, lowest, off, len(kinks) == 0)
 
 
 def derivative_uncertainty(curve: Piecewise, error: float) -> tuple[float, ...]:
