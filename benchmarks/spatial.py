@@ -9,7 +9,7 @@ from benchmarks.section import Section, Table
 from benchmarks.timing import Call, in_turns
 from service.contract.examples import SPATIAL_CAMS, examples
 from synthesis.exporters import FileContent
-from synthesis.machines.spatial.files.body_step import STEP, FacetedOptions
+from synthesis.machines.spatial.files.step import BODY, FacetedOptions
 from synthesis.machines.spatial.pipeline import synthesise_spatial
 from synthesis.machines.spatial.spec import SpatialCamSpec
 
@@ -89,7 +89,7 @@ def _solids(effort: Effort) -> Table:
     designs = {name: synthesise_spatial(given(name)) for name in names}
     made: dict[str, FileContent] = {}
     calls: dict[str, Call] = {
-        name: lambda name=name, design=design: made.update({name: STEP.content(design, asked)})
+        name: lambda name=name, design=design: made.update({name: BODY.content(design, asked)})
         for name, design in designs.items()
     }
     times, rows = in_turns(calls, effort.repeats(2), effort.warm_up(0)), []

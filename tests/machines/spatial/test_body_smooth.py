@@ -13,7 +13,7 @@ from synthesis.errors import InputError
 from synthesis.exporters.exporter import FileContent
 from synthesis.machines.spatial.body import Blank, BlankOptions, build_body, triangulate
 from synthesis.machines.spatial.design import SpatialDesign
-from synthesis.machines.spatial.files.body_step import STEP, FacetedOptions, build_solid
+from synthesis.machines.spatial.files.step import BODY, FacetedOptions, build_solid
 from synthesis.machines.spatial.grooves import GrooveSections
 from synthesis.machines.spatial.solid.geometry import (
     Line,
@@ -55,7 +55,7 @@ class Read:
 def read(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFactory) -> Read:
     name = request.param
     design = made(CAMS[GLOBOIDAL][0]) if name == GLOBOIDAL else designed(name)
-    file = STEP.content(design, FacetedOptions(**ASKED[name]))
+    file = BODY.content(design, FacetedOptions(**ASKED[name]))
     return Read(name, design, file, kernel.shape(file.data, ".step", tmp_path_factory.mktemp("s")))
 
 
@@ -149,7 +149,7 @@ def test_faces_look_outwards_and_their_loops_run_counter_clockwise() -> None:
         else:
             assert normal[2] * (place[2] - middle[2]) > 0.0
     assert holes == 2
-    lines = STEP.content(design, asked).data.splitlines()
+    lines = BODY.content(design, asked).data.splitlines()
     senses = [line.endswith(b".T.);") for line in lines if b"=ADVANCED_FACE(" in line]
     assert senses == [face.outwards for face in shell.faces]
 
@@ -167,12 +167,12 @@ def test_what_has_no_smooth_solid_is_faceted_and_says_so(monkeypatch: pytest.Mon
     design = designed("slide in a groove")
     near = FacetedOptions(tolerance_um=0.1, points_per_degree=0.2)
     monkeypatch.setattr("synthesis.machines.spatial.solid.sheets.MAX_LINES", 20)
-    assert STEP.content(design, near).metadata["Body"] == "faceted"
+    assert BODY.content(design, near).metadata["Body"] == "faceted"
     asked = FacetedOptions(form="smooth", tolerance_um=0.1)
     with pytest.raises(
         InputError, match=r"no smooth solid: a wall is approximated to .* mm"
     ) as told:
-        STEP.content(design, asked)
+        BODY.content(design, asked)
     assert told.value.field == "/form"
 
 

@@ -13,9 +13,9 @@ from numpy.typing import NDArray
 from synthesis.errors import InputError
 from synthesis.exporters.exporter import FileContent
 from synthesis.machines.spatial.body import Mesh
-from synthesis.machines.spatial.files import body_step
+from synthesis.machines.spatial.files import step
 from synthesis.machines.spatial.files.body_mesh import BodyMesh
-from synthesis.machines.spatial.files.body_step import STEP, FacetedOptions, merge_planar_faces
+from synthesis.machines.spatial.files.step import BODY, FacetedOptions, merge_planar_faces
 from synthesis.machines.spatial.pipeline import synthesise_spatial
 from synthesis.machines.spatial.spec import SpatialCamSpec
 from tests.exporters import kernel
@@ -45,7 +45,7 @@ CAMS: dict[str, tuple[SpatialCamSpec, dict[str, Any]]] = {
 @pytest.fixture(scope="module", params=CAMS)
 def file(request: pytest.FixtureRequest) -> FileContent:
     spec, asked = CAMS[request.param]
-    return STEP.content(synthesise_spatial(spec), FacetedOptions(**asked))
+    return BODY.content(synthesise_spatial(spec), FacetedOptions(**asked))
 
 
 def test_a_kernel_reads_one_sound_closed_solid(file: FileContent, tmp_path: Path) -> None:
@@ -145,13 +145,13 @@ def test_the_header_says_what_it_is(file: FileContent) -> None:
 def test_a_file_too_large_is_refused_before_it_is_made() -> None:
     design = synthesise_spatial(CAMS["groove, flat where it rests"][0])
     with pytest.raises(InputError, match="at most 100000"):
-        STEP.write(design, FacetedOptions(form="faceted", points_per_degree=9.3, depths=9))
+        BODY.write(design, FacetedOptions(form="faceted", points_per_degree=9.3, depths=9))
 
 
 def test_a_face_too_thin_for_a_kernel_is_refused(monkeypatch: pytest.MonkeyPatch) -> None:
     corners = np.array([(0.0, 0.0, 0.0), (7.3, 0.0, 0.0), (3.1, 4e-8, 0.0), (3.1, 2.0, 5.0)])
     thin = Mesh(corners, np.array([(0, 2, 1), (0, 1, 3), (1, 2, 3), (2, 0, 3)]))
-    monkeypatch.setattr(body_step, "mesh_body", lambda *_: BodyMesh(thin, 0.1))
+    monkeypatch.setattr(step, "mesh_body", lambda *_: BodyMesh(thin, 0.1))
     design = synthesise_spatial(CAMS["groove, flat where it rests"][0])
     with pytest.raises(InputError, match="narrowest face would be 4e-08 mm"):
-        STEP.write(design, FacetedOptions(form="faceted"))
+        BODY.write(design, FacetedOptions(form="faceted"))

@@ -9,7 +9,7 @@ import pytest
 
 from synthesis.errors import InputError
 from synthesis.machines.spatial.design import SpatialDesign
-from synthesis.machines.spatial.files.flanks_step import STEP, SurfaceOptions
+from synthesis.machines.spatial.files.step import FLANKS, SurfaceOptions
 from synthesis.machines.spatial.pipeline import synthesise_spatial
 from synthesis.machines.spatial.spec import SpatialCamSpec
 from tests.exporters import kernel
@@ -26,7 +26,7 @@ def cam() -> SpatialDesign:
 
 
 def test_a_kernel_reads_surfaces_that_touch_the_rollers(cam: SpatialDesign, tmp_path: Path) -> None:
-    file = STEP.content(cam, SurfaceOptions(tolerance_um=TOLERANCE))
+    file = FLANKS.content(cam, SurfaceOptions(tolerance_um=TOLERANCE))
     faces = OCP.TopExp.TopExp_Explorer(
         kernel.shape(file.data, ".step", tmp_path), OCP.TopAbs.TopAbs_ShapeEnum.TopAbs_FACE
     )
@@ -53,7 +53,7 @@ def test_a_kernel_reads_surfaces_that_touch_the_rollers(cam: SpatialDesign, tmp_
 
 def test_a_finer_tolerance_brings_them_nearer(cam: SpatialDesign) -> None:
     told = [
-        float(STEP.content(cam, SurfaceOptions(tolerance_um=each)).metadata["Surface-Error-Mm"])
+        float(FLANKS.content(cam, SurfaceOptions(tolerance_um=each)).metadata["Surface-Error-Mm"])
         for each in (1.0, 0.01)
     ]
     assert told[1] <= 1e-5 < told[0] <= 1e-3
@@ -61,4 +61,4 @@ def test_a_finer_tolerance_brings_them_nearer(cam: SpatialDesign) -> None:
 
 def test_an_unknown_flank_is_refused(cam: SpatialDesign) -> None:
     with pytest.raises(InputError, match="The flanks of this cam are"):
-        STEP.write(cam, SurfaceOptions(flank="7R"))
+        FLANKS.write(cam, SurfaceOptions(flank="7R"))

@@ -9,7 +9,7 @@ import math
 import numpy as np
 import pytest
 
-from synthesis.machines.spatial.files.surfaces_json import SURFACES, SurfaceOptions
+from synthesis.machines.spatial.files.body_mesh import SURFACES, SurfaceOptions
 from synthesis.machines.spatial.pipeline import synthesise_spatial
 from synthesis.machines.spatial.spec import SpatialCamSpec
 from tests.machines.spatial.test_cam import body

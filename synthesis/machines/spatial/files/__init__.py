@@ -1,9 +1,9 @@
 """Files of a spatial cam; a new format is a module and its name here.
 
-In: a SpatialDesign and the options of a format. Out: bytes with metadata. ``flanks*`` are points
-and surfaces of the flanks, ``body*`` the whole cam as mesh or solid, ``developed*`` the development
-of cylindrical cams, ``cutter_path`` cutter poses, ``motion`` the follower's motion,
-``surfaces_json`` the 3D view of the studio.
+In: a SpatialDesign and the options of a format. Out: bytes with metadata. Open ``flanks`` first:
+points of the flanks. ``step`` holds surfaces of the flanks and the cam as a solid, ``body_mesh`` the
+cam as a mesh, ``developed*`` the development of cylindrical cams, ``cutter_path`` cutter poses,
+``motion`` the follower's motion.
 """
 
 from __future__ import annotations
@@ -16,14 +16,12 @@ from synthesis.exporters.exporter import FileFormat
 from synthesis.machines.spatial.design import SpatialDesign
 from synthesis.machines.spatial.files import (
     body_mesh,
-    body_step,
     cutter_path,
     developed,
     developed_svg,
     flanks,
-    flanks_step,
     motion,
-    surfaces_json,
+    step,
 )
 from synthesis.machines.spatial.spec import MACHINES
 
@@ -31,7 +29,7 @@ Format = FileFormat[SpatialDesign, Any]
 DEVELOPED: tuple[Format, ...] = (developed.JSON, developed.CSV, developed_svg.SVG)
 _ALL: tuple[Format, ...] = (
     motion.JSON, motion.CSV, motion.SVG, *DEVELOPED, flanks.FLANKS, flanks.CSV, flanks.JSON,
-    flanks_step.STEP, body_mesh.STL, body_step.STEP, surfaces_json.SURFACES, cutter_path.CSV,
+    step.FLANKS, body_mesh.STL, step.BODY, body_mesh.SURFACES, cutter_path.CSV,
 )  # fmt: skip
 FORMATS: Mapping[str, Format] = MappingProxyType({each.name: each for each in _ALL})
 """Every format by the name of its file."""

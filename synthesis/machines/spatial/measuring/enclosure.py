@@ -20,7 +20,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
-from functools import cached_property
+from functools import cached_property, partial
 from typing import Any
 
 import numpy as np
@@ -300,32 +300,22 @@ def _range(model: Taylor) -> tuple[Array, Array]:
     return np.where(np.isfinite(high), high, np.inf), np.where(np.isfinite(low), low, -np.inf)
 
 
-def prove_convex_radius(models: Models, sampled: Extremum, allowed: float | None) -> Extremum:
-    """The least convex radius, with a proof that none is smaller.
+def _prove_radius(
+    models: Models, sampled: Extremum, allowed: float | None, sign: float
+) -> Extremum:
+    """The least convex (sign +1) or concave (−1) radius, with a proof that none is smaller.
 
     With κ1 ≥ 0 ≥ κ2 the curvatures of the swept surface (a ruled surface has no others), a wall is
     convex with the radius 1/κ1 − Rr and concave with 1/|κ2| + Rr. No convex radius is below r where
     a roller of radius R = Rr + r would not undercut: (1 − R κ1)(1 − R κ2) > 0 everywhere, which
-    has no root and no division.
+    has no root and no division. For concave radii R = Rr − r; if negative, on the other side.
 
     Args:
         sampled, allowed: negated curvatures [1/mm].
+
+    Returns:
+        the largest claim that is proven; ``sampled`` where none is.
     """
-    return _claim_radius(models, sampled, allowed, 1.0)
-
-
-def prove_hollow_radius(models: Models, sampled: Extremum, allowed: float | None) -> Extremum:
-    """The least concave radius, as ``prove_convex_radius`` with R = Rr − r.
-
-    A negative radius R is one on the other side.
-    """
-    return _claim_radius(models, sampled, allowed, -1.0)
-
-
-def _claim_radius(
-    models: Models, sampled: Extremum, allowed: float | None, sign: float
-) -> Extremum:
-    """The largest radius below the one found that can be proven; unchanged where none can."""
     if sampled.value >= 0.0:
         return sampled
     radius, roller = -1.0 / sampled.value, models.cam.swept.roller.radius
@@ -334,3 +324,7 @@ def _claim_radius(
         if upper_bound(models, undercut(roller + sign * claim), 0.0) <= 0.0:
             return replace(sampled, limit=-1.0 / claim, evidence=EVIDENCE)
     return sampled
+
+
+prove_convex_radius: Prover = partial(_prove_radius, sign=1.0)
+prove_hollow_radius: Prover = partial(_prove_radius, sign=-1.0)
