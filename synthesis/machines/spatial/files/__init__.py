@@ -1,8 +1,8 @@
 """Files of a spatial cam; a new format is a module and its name here.
 
 In: a SpatialDesign and the options of a format. Out: bytes with metadata. Open ``flanks`` first:
-points of the flanks. ``step`` holds surfaces of the flanks and the cam as a solid, ``body_mesh`` the
-cam as a mesh, ``developed*`` the development of cylindrical cams, ``cutter_path`` cutter poses,
+points of the flanks. ``step`` holds surfaces of the flanks and the cam as a solid, ``body_mesh``
+the cam as a mesh, ``developed*`` the development of cylindrical cams, ``cutter_path`` cutter poses,
 ``motion`` the follower's motion.
 """
 
