@@ -57,13 +57,13 @@ def analyse(
     Exit codes: 0 every limit holds; 2 the question is invalid or leaves something free; 3 a
     limit is broken.
     """
-    found: Analysis = answer("analyses", spec, url)
+    analysis: Analysis = answer("analyses", spec, url)
     if as_json:
-        print_json(found)
+        print_json(analysis)
     else:
-        out.print(*analysis_lines(found), sep="\n")
-        print_tables(analysis_tables(found))
-    if not found.holds:
+        out.print(*analysis_lines(analysis), sep="\n")
+        print_tables(analysis_tables(analysis))
+    if not analysis.holds:
         raise typer.Exit(3)
 
 
@@ -82,16 +82,16 @@ def costs(design: DesignFile, as_json: AsJson = False) -> None:
     from synthesis.studies.sensitivity import sensitivities
 
     known = read_spec(design, Design)
-    found = sensitivities(known, time.monotonic() + settings_from().budget_s(None))
+    result = sensitivities(known, time.monotonic() + settings_from().budget_s(None))
     if as_json:
-        print_json(found)
+        print_json(result)
     else:
-        for each in found.sensitivities:
+        for each in result.sensitivities:
             out.print(each.sentence)
-        for pointer in found.unconfirmed:
+        for pointer in result.unconfirmed:
             out.print(f"{pointer}: not confirmed")
-        out.print(f"Evidence: {found.evidence}.")
-    if not found.sensitivities:
+        out.print(f"Evidence: {result.evidence}.")
+    if not result.sensitivities:
         raise typer.Exit(3)
 
 
@@ -110,15 +110,15 @@ def confirm(design: DesignFile, as_json: AsJson = False) -> None:
     from synthesis.design.design import Design
 
     try:
-        found = confirmation_of(read_spec(design, Design))
+        confirmation = confirmation_of(read_spec(design, Design))
     except CamwrightError as error:
         stop(str(error))
     if as_json:
-        print_json(found)
+        print_json(confirmation)
     else:
-        out.print(confirmation_line(found))
-        print_tables([confirmation_table(found)])
-    if found.verdict != "confirmed":
+        out.print(confirmation_line(confirmation))
+        print_tables([confirmation_table(confirmation)])
+    if confirmation.verdict != "confirmed":
         raise typer.Exit(3)
 
 
@@ -150,12 +150,12 @@ def read_back(
         stop(f"{points} is not text in UTF-8.")
     except CamwrightError as error:
         stop(str(error))
-    found: ProfileAnalysis = answer("profile-analyses", spec, url, given)
+    analysis: ProfileAnalysis = answer("profile-analyses", spec, url, given)
     if as_json:
-        print_json(found)
+        print_json(analysis)
         return
-    out.print(profile_line(found))
-    print_tables(profile_tables(found))
+    out.print(profile_line(analysis))
+    print_tables(profile_tables(analysis))
 
 
 def points_in(path: Path) -> list[list[float]]:
@@ -168,21 +168,21 @@ def points_in(path: Path) -> list[list[float]]:
         InputError: a row that is no row of numbers, with its line. OSError: no such file.
     """
     places = (0, 1)
-    found: list[list[float]] = []
+    points: list[list[float]] = []
     for number, line in enumerate(path.read_text(encoding="utf-8-sig").splitlines(), start=1):
         cells = [cell for cell in SEPARATORS.split(line.partition("#")[0].strip()) if cell]
         if not cells:
             continue
         try:
-            found.append([float(cells[place]) for place in places])
+            points.append([float(cells[place]) for place in places])
         except (ValueError, IndexError):
-            if found:
+            if points:
                 raise InputError(
                     f"{path.name}, line {number}", line[:80], "This is no row of numbers.",
                     "Give x and y in mm in every row, with decimal points.",
                 ) from None  # fmt: skip
             places = _places([cell.strip('"').lower() for cell in cells])
-    return found
+    return points
 
 
 def _places(header: list[str]) -> tuple[int, int]:

@@ -36,21 +36,21 @@ def design(
     cam fits: the limits that conflict are named, and design.json says what would help.
     """
     started = time.perf_counter()
-    found: Design = answer("designs", spec, url)
+    design: Design = answer("designs", spec, url)
     seconds = time.perf_counter() - started
-    files = _design_files(found)
+    files = _design_files(design)
     save(files, out_dir)
-    gap = "" if found.certificate.gap is None else f", gap {100.0 * found.certificate.gap:.2f} %"
-    out.print(f"{found.status}{gap}, {1e3 * seconds:.0f} ms: {sizes(found.dimensions)}")
-    if found.forces is not None:
-        for line in force_lines(found.forces):
+    gap = "" if design.certificate.gap is None else f", gap {100.0 * design.certificate.gap:.2f} %"
+    out.print(f"{design.status}{gap}, {1e3 * seconds:.0f} ms: {sizes(design.dimensions)}")
+    if design.forces is not None:
+        for line in force_lines(design.forces):
             out.print(line)
-    if found.free_parameters:
-        values = (f"{name} {value:.6g}" for name, value in found.free_parameters.items())
+    if design.free_parameters:
+        values = (f"{name} {value:.6g}" for name, value in design.free_parameters.items())
         out.print(f"Chosen: {', '.join(values)}")
     report_files(files, out_dir)
-    if found.conflict is not None:
-        out.print(f"These limits cannot hold together: {', '.join(found.conflict.limits)}")
+    if design.conflict is not None:
+        out.print(f"These limits cannot hold together: {', '.join(design.conflict.limits)}")
         raise typer.Exit(3)
 
 
@@ -83,18 +83,19 @@ def cam_set(
     """
     from synthesis.exporters.bundle import BundleOptions, bundle_files
 
-    found: CamSet = answer("cam-sets", spec, url)
-    out.print(f"{found.status}, {1e3 * found.seconds:.0f} ms: {len(found.cams)} cams on one shaft")
-    for cam in found.cams:
+    result: CamSet = answer("cam-sets", spec, url)
+    time_ms = 1e3 * result.seconds
+    out.print(f"{result.status}, {time_ms:.0f} ms: {len(result.cams)} cams on one shaft")
+    for cam in result.cams:
         dimensions = sizes(cam.design.dimensions)
         out.print(
             f"  {cam.name}: {cam.design.status}, phase {cam.phase_deg:g}°, keyway at "
             f"{cam.keyway_deg:g}°{': ' if dimensions else ''}{dimensions}"
         )
-    files = {"cam-set.json": json_of(found)}
-    if found.has_cams:
-        files = dict(bundle_files(found, BundleOptions()))
+    files = {"cam-set.json": json_of(result)}
+    if result.has_cams:
+        files = dict(bundle_files(result, BundleOptions()))
     save(files, out_dir)
     report_files([f"{len(files)} files"], out_dir)
-    if found.status == "infeasible":
+    if result.status == "infeasible":
         raise typer.Exit(3)

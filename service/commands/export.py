@@ -66,11 +66,11 @@ def _write(
     given = {name: value for name, value in chosen.items() if value is not None}
     try:
         options = {name: _options(known[name], given) for name in formats}
-        found = _design(design)
-        if not found.motion and not all(known[name].without_cam for name in formats):
+        cam = _design(design)
+        if not cam.motion and not all(known[name].without_cam for name in formats):
             stop(f"{design}: no cam fits its limits, so there is nothing to export.")
         stem = "" if part is Part.picture else f"{given.get('curve', part)}."
-        files = {f"{stem}{name}": known[name].write(found, options[name]) for name in formats}
+        files = {f"{stem}{name}": known[name].write(cam, options[name]) for name in formats}
     except CamwrightError as error:
         stop(str(error))
     save(files, out_dir)
@@ -128,5 +128,5 @@ def _design(path: Path) -> Design:
         document = None  # reported when it is read as a spec
     if isinstance(document, dict) and "certificate" in document:
         return read_spec(path, Design)
-    found: Design = answer("designs", path)
-    return found
+    design: Design = answer("designs", path)
+    return design

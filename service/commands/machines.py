@@ -47,31 +47,31 @@ def spatial(
     Exit codes: 0 a cam that holds; 2 the question is invalid; 3 a wall is undercut, a rib cut
     through or a limit broken: which and where is printed.
     """
-    found: SpatialDesign = answer("spatial-cams", spec, url)
+    design: SpatialDesign = answer("spatial-cams", spec, url)
     if as_json:
-        print_json(found)
+        print_json(design)
     else:
-        out.print(spatial_line(found))
-        print_tables(spatial_tables(found))
+        out.print(spatial_line(design))
+        print_tables(spatial_tables(design))
     if out_dir is not None:
-        files = _spatial_files(found)
+        files = _spatial_files(design)
         save(files, out_dir)
         if not as_json:
             report_files(files, out_dir)
-    if found.status == "infeasible":
+    if design.status == "infeasible":
         raise typer.Exit(3)
 
 
-def _spatial_files(found: SpatialDesign) -> dict[str, bytes]:
+def _spatial_files(design: SpatialDesign) -> dict[str, bytes]:
     """All usual files of the cam; of an infeasible one the answer alone."""
     from synthesis.machines.spatial.files import FORMATS, formats_of
 
-    files = {"spatial.json": json_of(found)}
-    if found.status == "infeasible":
+    files = {"spatial.json": json_of(design)}
+    if design.status == "infeasible":
         return files
-    for name in formats_of(found.machine):
+    for name in formats_of(design.machine):
         if FORMATS[name].by_default:
-            files[name] = FORMATS[name].write(found, FORMATS[name].options())
+            files[name] = FORMATS[name].write(design, FORMATS[name].options())
     return files
 
 
@@ -95,33 +95,33 @@ def linkage(
     """
     if kind not in LINKAGES:
         stop(f"{kind} is not a kind of linkage. There are {', '.join(LINKAGES)}.")
-    found = answer(f"linkages/{kind}", spec, url)
-    summary = LINKAGES[kind].summary(found)
+    result = answer(f"linkages/{kind}", spec, url)
+    summary = LINKAGES[kind].summary(result)
     out.print(
-        ", ".join([found.status, *(f"{name} {value:.6g}" for name, value in summary.items())])
+        ", ".join([result.status, *(f"{name} {value:.6g}" for name, value in summary.items())])
     )
-    for line in _conflicts(found):
+    for line in _conflicts(result):
         out.print(line)
-    files = {"linkage.json": json_of(found)}
+    files = {"linkage.json": json_of(result)}
     if summary:
         from synthesis.machines.linkages.files import LINKAGE_FILES
 
         for file in LINKAGE_FILES[kind].values():
-            if file.by_default and file.suits(found):
-                files[file.name] = file.write(found, file.options())
+            if file.by_default and file.suits(result):
+                files[file.name] = file.write(result, file.options())
     save(files, out_dir)
     report_files(files, out_dir)
-    if found.status == "infeasible":
+    if result.status == "infeasible":
         raise typer.Exit(3)
 
 
-def _conflicts(found: Any) -> list[str]:
+def _conflicts(result: Any) -> list[str]:
     """What conflicts in an infeasible answer, a line each."""
-    conflict = getattr(found, "conflict", None)
+    conflict = getattr(result, "conflict", None)
     changes: list[Relaxation] = [] if conflict is None else conflict.relaxations
     limits = [f"  {each.limit}: {each.requested:g} requested, {each.needed:.6g} {each.unit} needed"
             for each in changes if each.needed is not None]  # fmt: skip
-    poses = [pose for pose in getattr(found, "poses", []) if not pose.reachable]
+    poses = [pose for pose in getattr(result, "poses", []) if not pose.reachable]
     return [*limits, *(f"  {pose.name or 'pose'}: {pose.note}" for pose in poses)]
 
 
@@ -141,19 +141,17 @@ def respond(
 
     Exit codes: 0 done; 2 the question is invalid, or no cam fits.
     """
-    found: TrainResponse = answer("train-responses", spec, url)
-    modes = ", ".join(
-        f"{mode.natural_frequency_hz:.4g} Hz (ζ {mode.damping_ratio:.3g})" for mode in found.modes
-    )
-    out.print(f"Modes: {modes}")
-    out.print(response_table(found))
-    if found.float_onset_rpm is not None:
-        out.print(f"Contact is lost from {found.float_onset_rpm:.4g} rpm on.")
+    response: TrainResponse = answer("train-responses", spec, url)
+    modes = (f"{m.natural_frequency_hz:.4g} Hz (ζ {m.damping_ratio:.3g})" for m in response.modes)
+    out.print(f"Modes: {', '.join(modes)}")
+    out.print(response_table(response))
+    if response.float_onset_rpm is not None:
+        out.print(f"Contact is lost from {response.float_onset_rpm:.4g} rpm on.")
     if out_dir is not None:
         from synthesis.machines.dynamics.files import TRAIN_FILES
 
-        files = {"train-response.json": json_of(found)}
+        files = {"train-response.json": json_of(response)}
         made = (file for file in TRAIN_FILES if file.by_default)
-        files |= {file.name: file.write(found, file.options()) for file in made}
+        files |= {file.name: file.write(response, file.options()) for file in made}
         save(files, out_dir)
         report_files(files, out_dir)

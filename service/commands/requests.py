@@ -103,15 +103,15 @@ def _computed(resource: Any, question: Any) -> BaseModel:
     budget_s = settings_from().budget_s(resource.budget_of(question))
     try:
         body = task(question.model_dump_json().encode(), budget_s).body
-        found: BaseModel = resource.answer.model_validate_json(body)
+        result: BaseModel = resource.answer.model_validate_json(body)
     except TimeBudgetExceeded as error:
         if error.best is None:
             stop(str(error))
         err.print(str(error))
-        found = error.best
+        result = error.best
     except CamwrightError as error:
         stop(str(error))
-    return found.model_copy(update={"links": {}}) if hasattr(found, "links") else found
+    return result.model_copy(update={"links": {}}) if hasattr(result, "links") else result
 
 
 @contextmanager

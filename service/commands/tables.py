@@ -43,11 +43,11 @@ def sizes(dimensions: Mapping[str, float]) -> str:
     return ", ".join(f"{name} {value:.4f}" for name, value in dimensions.items())
 
 
-def analysis_lines(found: Analysis) -> Iterator[str]:
+def analysis_lines(analysis: Analysis) -> Iterator[str]:
     """The verdict, then undercut or cusp, then far parts of the profile that cross."""
-    verdict = "every limit holds" if found.holds else f"violated: {', '.join(found.violated)}"
-    yield f"{verdict}; {sizes(found.dimensions)}"
-    undercut, crossing = found.undercut, found.self_crossing
+    verdict = "every limit holds" if analysis.holds else f"violated: {', '.join(analysis.violated)}"
+    yield f"{verdict}; {sizes(analysis.dimensions)}"
+    undercut, crossing = analysis.undercut, analysis.self_crossing
     if undercut is None:
         yield "No undercut."
     else:
@@ -67,26 +67,26 @@ def analysis_lines(found: Analysis) -> Iterator[str]:
         )
 
 
-def analysis_tables(found: Analysis) -> Iterator[Table]:
+def analysis_tables(analysis: Analysis) -> Iterator[Table]:
     """Limits, curves, jumps, and what would mend the cam: those that have something to say."""
     yield table(
         "Limits", ("limit", "value", "unit", "at °", "allowed", "margin", ""),
         [(e.limit, number(e.value), e.unit, f"{e.angle_deg:.3f}", number(e.bound),
-          number(e.margin), "holds" if e.holds else "BROKEN") for e in found.extremes],
+          number(e.margin), "holds" if e.holds else "BROKEN") for e in analysis.extremes],
     )  # fmt: skip
     yield table(
         "Curves", ("curve", "over", "unit", "largest", "at °", "smallest", "at °"),
-        [(c.curve, c.over, c.unit, *_peak(c.largest), *_peak(c.smallest)) for c in found.curves],
+        [(c.curve, c.over, c.unit, *_peak(c.largest), *_peak(c.smallest)) for c in analysis.curves],
     )  # fmt: skip
-    if found.jumps:
+    if analysis.jumps:
         yield table(
             "Jumps", ("curve", "at °", "unit", "before", "after", "jump"),
             [(j.curve, f"{j.angle_deg:.3f}", j.unit, number(j.before), number(j.after),
-              number(j.jump)) for j in found.jumps],
+              number(j.jump)) for j in analysis.jumps],
         )  # fmt: skip
-    if found.remedy is not None:
+    if analysis.remedy is not None:
         columns = ("change", "to", "by", "unit")
-        yield table("What would mend it", columns, _remedies(found.remedy))
+        yield table("What would mend it", columns, _remedies(analysis.remedy))
 
 
 def _peak(peak: Peak | None) -> tuple[str, str]:
@@ -114,72 +114,72 @@ def _remedies(remedy: Remedy) -> Iterator[tuple[str, ...]]:
             yield f"{alone.field} alone", number(alone.needed), change, alone.unit
 
 
-def confirmation_line(found: Confirmation) -> str:
+def confirmation_line(confirmation: Confirmation) -> str:
     """The verdict in one line."""
-    return f"{found.verdict}: {VERDICTS[found.verdict]} ({found.bits} bits)"
+    return f"{confirmation.verdict}: {VERDICTS[confirmation.verdict]} ({confirmation.bits} bits)"
 
 
-def confirmation_table(found: Confirmation) -> Table:
+def confirmation_table(confirmation: Confirmation) -> Table:
     """Line by line: value to 25 digits, how far the certificate is from it, whether it agrees."""
     words = {True: "yes", False: "NO", None: "–"}
     return table(
         "Certificate", ("limit", "value", "unit", "certificate less value", "holds", "agrees"),
         [(line.limit, line.value or "–", line.unit,
           "–" if line.difference is None else f"{-line.difference:.1e}",
-          words[line.holds], words[line.agrees]) for line in found.lines],
+          words[line.holds], words[line.agrees]) for line in confirmation.lines],
     )  # fmt: skip
 
 
-def profile_line(found: ProfileAnalysis) -> str:
+def profile_line(analysis: ProfileAnalysis) -> str:
     """What was read from a profile, in one line."""
-    fit = found.fit
+    fit = analysis.fit
     return (
         f"{fit.points} points, scatter {1e3 * fit.rms_mm:.3g} µm rms and "
-        f"{1e3 * fit.largest_mm:.3g} µm at most; {sizes(found.dimensions)}"
+        f"{1e3 * fit.largest_mm:.3g} µm at most; {sizes(analysis.dimensions)}"
     )
 
 
-def profile_tables(found: ProfileAnalysis) -> Iterator[Table]:
+def profile_tables(analysis: ProfileAnalysis) -> Iterator[Table]:
     """Extremes, dwells, and what the follower does not reach: those that have something to say."""
     yield table(
         "Motion", ("curve", "unit", "largest", "at °", "smallest", "at °", "hidden by tolerance"),
         [(p.curve, p.unit, number(p.largest), f"{p.largest_deg:.2f}", number(p.smallest),
           f"{p.smallest_deg:.2f}", "–" if p.error is None else f"±{p.error:.3g}")
-         for p in found.peaks],
+         for p in analysis.peaks],
     )  # fmt: skip
-    if found.dwells:
+    if analysis.dwells:
         yield table(
-            "Dwells", ("from °", "over °", f"at {found.spline.unit}"),
-            [(f"{d.start_deg:.1f}", f"{d.angle_deg:.1f}", f"{d.s:.4f}") for d in found.dwells],
+            "Dwells", ("from °", "over °", f"at {analysis.spline.unit}"),
+            [(f"{d.start_deg:.1f}", f"{d.angle_deg:.1f}", f"{d.s:.4f}") for d in analysis.dwells],
         )  # fmt: skip
-    if found.unreached_hollows:
+    if analysis.unreached_hollows:
         yield table(
             "Not touched", ("at °", "hollow radius", "roller radius", "gap mm", "x mm", "y mm"),
             [(f"{n.angle_deg:.3f}", number(n.hollow_radius_mm), number(n.roller_radius_mm),
               number(n.gap_mm), f"{n.x_mm:.4f}", f"{n.y_mm:.4f}")
-             for n in found.unreached_hollows],
+             for n in analysis.unreached_hollows],
         )  # fmt: skip
-    if found.contact_off_face:
+    if analysis.contact_off_face:
         yield table(
             "Off the face", ("side", "from °", "to °", "beyond mm", "at °"),
             [(o.side, f"{o.from_deg:.2f}", f"{o.to_deg:.2f}", number(o.excess_mm),
-              f"{o.worst_deg:.2f}") for o in found.contact_off_face],
+              f"{o.worst_deg:.2f}") for o in analysis.contact_off_face],
         )  # fmt: skip
 
 
-def spatial_line(found: SpatialDesign) -> str:
+def spatial_line(design: SpatialDesign) -> str:
     """The status of a spatial cam, its broken limits and its dimensions."""
-    broken = ", ".join(each.quantity for each in found.extremes if not each.holds)
-    verdict = f"{found.status}, violated: {broken}" if broken else found.status
-    return f"{verdict}; {sizes(found.dimensions)}"
+    broken = ", ".join(each.quantity for each in design.extremes if not each.holds)
+    verdict = f"{design.status}, violated: {broken}" if broken else design.status
+    return f"{verdict}; {sizes(design.dimensions)}"
 
 
-def spatial_tables(found: SpatialDesign) -> Iterator[Table]:
+def spatial_tables(design: SpatialDesign) -> Iterator[Table]:
     """Walls, and what was measured of them."""
     yield table(
         "Walls", ("wall", "from °", "to °"),
         [(wall.name, f"{arc.start_deg:.3f}", f"{arc.end_deg:.3f}")
-         for wall in found.walls for arc in wall.arcs],
+         for wall in design.walls for arc in wall.arcs],
     )  # fmt: skip
     columns = ("quantity", "value", "unit", "at °", "wall", "rho mm", "allowed", "margin", "")
     yield table(
@@ -188,11 +188,11 @@ def spatial_tables(found: SpatialDesign) -> Iterator[Table]:
           "–" if e.angle_deg is None else f"{e.angle_deg:.3f}",
           f"{e.roller}{e.side}" if e.side else "–", number(e.rho_mm), number(e.bound),
           number(e.margin), "" if e.bound is None else "holds" if e.holds else "BROKEN")
-         for e in found.extremes],
+         for e in design.extremes],
     )  # fmt: skip
 
 
-def response_table(found: TrainResponse) -> Table:
+def response_table(response: TrainResponse) -> Table:
     """The periodic response of a follower train, speed by speed."""
     return table(
         "Periodic response",
@@ -201,7 +201,7 @@ def response_table(found: TrainResponse) -> Table:
           f"{each.output_error_min.value:.4g} to {each.output_error_max.value:.4g}",
           ", ".join(f"{dwell.amplitude:.3g}" for dwell in each.dwells),
           f"{each.contact_force_min_n.value:.4g} to {each.contact_force_max_n.value:.4g}",
-          "FLOATS" if each.floats else "") for each in found.speeds],
+          "FLOATS" if each.floats else "") for each in response.speeds],
     )  # fmt: skip
 
 

@@ -47,9 +47,10 @@ def read_spec(path: Path, model: type[Model], more: Mapping[str, Any] | None = N
     except ServiceError as error:
         if not error.violations:
             stop(f"{path}: {error}")
-        for found in error.violations:
-            where = found["pointer"] or "the document"
-            err.print(f"{path}: {where} = {found['value']!r}: {found['rule']}. {found['remedy']}")
+        for violation in error.violations:
+            where = violation["pointer"] or "the document"
+            rule, remedy = violation["rule"], violation["remedy"]
+            err.print(f"{path}: {where} = {violation['value']!r}: {rule}. {remedy}")
         raise typer.Exit(2) from None
 
 

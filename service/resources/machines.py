@@ -82,10 +82,10 @@ SPATIAL_CAMS = Resource(
 
 
 def _linkage_file(linkage: Linkage, file: LinkageFile, body: bytes, options: Any) -> FileContent:
-    found = linkage.answer.model_validate_json(body)
-    if not linkage.summary(found):
+    answer = linkage.answer.model_validate_json(body)
+    if not linkage.summary(answer):
         raise ProblemType.NOTHING_FITS("No lengths keep these wishes: see conflict in the answer.")
-    return FileContent(file.write(found, options))
+    return FileContent(file.write(answer, options))
 
 
 def _linkages(linkage: Linkage) -> Resource:

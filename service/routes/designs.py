@@ -78,8 +78,8 @@ async def get_confirmation(request: Request, design_id: str, parts: Parts) -> Re
     if known is not None:
         return known
     parts.engine.admit()
-    found = await parts.engine.solve(design, parts.settings.budget_s(None), confirm_design)
-    return Response(found.body, 200, {"ETag": f'"{tag}"'}, "application/json")
+    answer = await parts.engine.solve(design, parts.settings.budget_s(None), confirm_design)
+    return Response(answer.body, 200, {"ETag": f'"{tag}"'}, "application/json")
 
 
 @router.delete(

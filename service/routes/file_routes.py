@@ -98,15 +98,15 @@ async def send_file(
     if known is not None:
         return known
     make = partial(file.make, body, options)
-    made: FileContent = await (
+    content: FileContent = await (
         in_worker(parts, make) if file.in_worker else asyncio.to_thread(make)
     )
     name = file.download_name
     if resource.marks_broken_limits and row.status in BROKEN_LIMITS:
         name = f"not-certified-{name}"
-    metadata = {f"Camwright-{key}": value for key, value in made.metadata.items()}
+    metadata = {f"Camwright-{key}": value for key, value in content.metadata.items()}
     return Response(
-        made.data,
+        content.data,
         headers={
             "ETag": f'"{tag}"', **IN_PARTS,
             **download_headers(row.name, name, file.media_type), **metadata,

@@ -243,9 +243,12 @@ async def _drawn(
         if known is not None:
             return known
         headers |= {"ETag": f'"{tag}"'}
-    found = await compare_designs(parts.sweeps.store, sweep, axes)
+    comparison = await compare_designs(parts.sweeps.store, sweep, axes)
     aims = [Aim(axis.quantity, axis.direction == "maximise") for axis in axes]
-    drawn = TradeOff(sweep.name, aims, found.numbers, found.values, found.front, found.left_out)
+    drawn = TradeOff(
+        sweep.name, aims, comparison.numbers, comparison.values, comparison.front,
+        comparison.left_out,
+    )  # fmt: skip
     return Response(await paint(drawn), 200, headers, media_type)
 
 

@@ -173,15 +173,15 @@ async def _events(
         if now is None:
             return
         while items and (
-            found := await parts.sweeps.store.items(
+            rows := await parts.sweeps.store.items(
                 now.sequence, ItemRow.sequence > after, size=BATCH
             )
         ):
-            for each in found:
+            for each in rows:
                 yield ServerSentEvent(
                     data=item_of(now, each), event="item", id=cursor_at(each.sequence)
                 )
-            after = found[-1].sequence
+            after = rows[-1].sequence
         summary = _summary(parts, now)
         if now.state not in UNDER_WAY:
             yield ServerSentEvent(data=summary, event="end")

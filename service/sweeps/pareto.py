@@ -64,14 +64,14 @@ async def pareto_front(
     store: SweepStore, sweep: SweepRow, axes: Sequence[ParetoAxis], most: int
 ) -> ParetoFront:
     """The non-dominated designs of a sweep in these quantities; see ``compare_designs``."""
-    found = await compare_designs(store, sweep, axes)
-    best = [found.numbers[index] for index in found.front]
+    comparison = await compare_designs(store, sweep, axes)
+    best = [comparison.numbers[index] for index in comparison.front]
     shown = await store.items(sweep.sequence, ItemRow.number.in_(best[:most]))
     rows = {item.number: item for item in shown}
     return ParetoFront(
         axes=list(axes),
-        compared=len(found.numbers),
-        excluded=sweep.done - len(found.numbers),
+        compared=len(comparison.numbers),
+        excluded=sweep.done - len(comparison.numbers),
         size=len(best),
         items=[item_of(sweep, rows[number]) for number in best[:most] if number in rows],
     )

@@ -136,8 +136,8 @@ class SweepStore:
     async def strikes(self, sweep: int) -> dict[int, int]:
         """Items of a sweep that have killed workers, and how many."""
         query = select(StrikeRow).filter_by(sweep=sweep)
-        found = await self._do(lambda session: session.scalars(query).all())
-        return {row.number: row.strikes for row in found}
+        rows = await self._do(lambda session: session.scalars(query).all())
+        return {row.number: row.strikes for row in rows}
 
     async def keep_strikes(self, sweep: int, strikes: Mapping[int, int]) -> None:
         """Keep how many workers these items have killed."""
@@ -227,11 +227,11 @@ class SweepStore:
     async def pages(self, sweep: int) -> AsyncIterator[Sequence[ItemRow]]:
         """All finished items in the order of their numbers, a page at a time."""
         above = -1
-        while found := await self.items(
+        while page := await self.items(
             sweep, ItemRow.number > above, size=PAGE, order=ItemRow.number
         ):
-            yield found
-            above = found[-1].number
+            yield page
+            above = page[-1].number
 
     async def item(self, sweep: int, number: int) -> ItemRow | None:
         """One finished item with its design."""
@@ -244,8 +244,8 @@ class SweepStore:
             ItemRow, ItemRow.sweep == SweepRow.sequence
         )
         query = query.where(ItemRow.design_id == design_id).limit(1)
-        found = await self._do(lambda session: session.execute(query).first())
-        return None if found is None else (found[0], found[1])
+        row = await self._do(lambda session: session.execute(query).first())
+        return None if row is None else (row[0], row[1])
 
 
 def _row(sweep: int, answer: ItemAnswer, values: list[Any]) -> dict[str, Any]:
@@ -255,15 +255,15 @@ def _row(sweep: int, answer: ItemAnswer, values: list[Any]) -> dict[str, Any]:
 
 def design_of_item(session: Session, id: str) -> AnswerRow | None:
     """The design with this id as an answer of its own, where it came out of a sweep."""
-    found = session.execute(
+    row = session.execute(
         select(ItemRow, SweepRow.engine)
         .join(SweepRow, ItemRow.sweep == SweepRow.sequence)
         .where(ItemRow.design_id == id)
         .limit(1)
     ).first()
-    if found is None:
+    if row is None:
         return None
-    item, engine = found
+    item, engine = row
     if item.design is None:
         return None
     body = zlib.decompress(item.design)

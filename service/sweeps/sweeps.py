@@ -55,10 +55,10 @@ class Sweeps:
             else:
                 return
         assert first is not None
-        found = [{**each, "pointer": f"/base{each['pointer']}"} for each in first.violations]
+        violations = [{**each, "pointer": f"/base{each['pointer']}"} for each in first.violations]
         raise ProblemType.INVALID_REQUEST(
             f"None of {len(sample)} items that were tried is valid. With the values of item 0: "
-            f"{first.detail}", violations=found,
+            f"{first.detail}", violations=violations,
         )  # fmt: skip
 
     async def accept(self, spec: SweepSpec) -> SweepRow:
@@ -153,5 +153,5 @@ class Sweeps:
 def _too_large(size: int, most: int) -> ServiceError:
     rule = f"makes {size} items; this server takes {most} in a sweep"
     remedy = "Give fewer values, use a Latin hypercube, or split the sweep in parts."
-    found = {"pointer": "/axes", "value": size, "rule": rule, "remedy": remedy}
-    return ProblemType.INVALID_REQUEST(f"/axes: {rule}. {remedy}", violations=[found])
+    violation = {"pointer": "/axes", "value": size, "rule": rule, "remedy": remedy}
+    return ProblemType.INVALID_REQUEST(f"/axes: {rule}. {remedy}", violations=[violation])

@@ -47,8 +47,8 @@ def validated(body: bytes, model: type[Model]) -> Model:
     document, unknown = _decoded(body, known)
     if known is not None and unknown > MAX_ITEMISED:
         paths = _paths_of_unknown_names(document, known)
-        found = [unknown_field(path, document, model) for path in islice(paths, MAX_LISTED)]
-        raise _invalid_request(found, unknown)
+        violations = [unknown_field(path, document, model) for path in islice(paths, MAX_LISTED)]
+        raise _invalid_request(violations, unknown)
     try:
         return model.model_validate_json(body, strict=True)
     except ValidationError as error:
@@ -121,7 +121,7 @@ class _NotANumber(str):
 def _not_numbers(document: Any, count: int) -> ServiceError:
     """The error for NaN and Infinity, with the places of the first of them."""
     constants = ((path, value) for path, value in _walk(document) if type(value) is _NotANumber)
-    found = [
+    violations = [
         {
             "pointer": pointer_to(path),
             "value": value,
@@ -130,7 +130,7 @@ def _not_numbers(document: Any, count: int) -> ServiceError:
         }
         for path, value in islice(constants, MAX_LISTED)
     ]
-    return _invalid_request(found, count)
+    return _invalid_request(violations, count)
 
 
 def _paths_of_unknown_names(document: Any, known: frozenset[str]) -> Iterator[Path]:
@@ -170,20 +170,20 @@ def _children(value: Any) -> Iterator[tuple[str | int, Any]]:
 
 
 def _invalid(error: ValidationError, document: Any, model: type[BaseModel]) -> Exception:
-    """What pydantic found, as an error of the service."""
+    """The violations that pydantic found, as an error of the service."""
     count = error.error_count()
     if count > MAX_ITEMISED:
         rule, remedy = f"has {count} errors, too many to list", "Compare it with those in /docs."
-        found = [{"pointer": "", "value": None, "rule": rule, "remedy": remedy}]
-        return _invalid_request(found, 1)
+        violations = [{"pointer": "", "value": None, "rule": rule, "remedy": remedy}]
+        return _invalid_request(violations, 1)
     errors = error.errors(include_url=False)
     if errors[0]["type"] == "json_invalid":  # what Python's reader accepts and pydantic's does not
         reason = str(errors[0].get("ctx", {}).get("error", ""))
         return ProblemType.NOT_JSON(
             TOO_DEEP if "recursion" in reason else f"{reason}. Send valid JSON.",
         )
-    found, places = describe_errors(errors, document, model)
-    return _invalid_request(found, places)
+    violations, places = describe_errors(errors, document, model)
+    return _invalid_request(violations, places)
 
 
 def _require_json(content_type: str | None) -> None:
@@ -197,13 +197,13 @@ def _require_json(content_type: str | None) -> None:
         )
 
 
-def _invalid_request(found: list[dict[str, Any]], count: int) -> ServiceError:
+def _invalid_request(violations: list[dict[str, Any]], count: int) -> ServiceError:
     """The error for these violations, of ``count`` in all; its text is the first in words."""
-    first, more = found[0], ""
-    if count > len(found):
-        more = f" ({count} errors in all; the first {len(found)} are under errors)"
+    first, more = violations[0], ""
+    if count > len(violations):
+        more = f" ({count} errors in all; the first {len(violations)} are under errors)"
     elif count > 1:
         more = f" ({count - 1} more under errors)"
     where = first["pointer"] or "the body"
     detail = f"{where}: {first['rule'].rstrip('.')}. {first['remedy']}{more}"
-    return ProblemType.INVALID_REQUEST(detail, violations=found)
+    return ProblemType.INVALID_REQUEST(detail, violations=violations)

@@ -50,12 +50,12 @@ def properties_at(
     for part in path:
         schemas = [below for schema in schemas for below in _below(schema, at, part, whole)]
         at = _child(at, part)
-    found: dict[str, str] = {}
+    fields: dict[str, str] = {}
     for schema in schemas:
         for member in _members(schema, at, whole):
             for name, inner in member.get("properties", {}).items():
-                found.setdefault(name, inner.get("description", ""))
-    return found
+                fields.setdefault(name, inner.get("description", ""))
+    return fields
 
 
 def _child(at: Any, part: str | int) -> Any:
@@ -95,5 +95,5 @@ def _resolved(schema: Schema, whole: Schema) -> Schema:
     reference = schema.get("$ref")
     if reference is None:
         return schema
-    found: Schema = whole["$defs"][reference.rpartition("/")[2]]
-    return found
+    target: Schema = whole["$defs"][reference.rpartition("/")[2]]
+    return target

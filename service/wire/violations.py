@@ -226,14 +226,14 @@ def _at_one_place(
     pointer: str, located: Sequence[_Located], body: Any, model: Body
 ) -> list[dict[str, Any]]:
     """The violations at one pointer; those of a union's members become one."""
-    found = [
+    entries = [
         {"pointer": pointer, **_described(error, path, body, model)} for error, path, _ in located
     ]
-    if len(found) > 1 and all(wrong_shape for *_, wrong_shape in located):
-        first, *rest = dict.fromkeys(entry["rule"] for entry in found)
+    if len(entries) > 1 and all(wrong_shape for *_, wrong_shape in located):
+        first, *rest = dict.fromkeys(entry["rule"] for entry in entries)
         rule = " or ".join([first, *(other.removeprefix("must be ") for other in rest)])
-        return [{**found[0], "rule": rule}]
-    return [entry for i, entry in enumerate(found) if entry not in found[:i]]
+        return [{**entries[0], "rule": rule}]
+    return [entry for i, entry in enumerate(entries) if entry not in entries[:i]]
 
 
 def _described(error: Any, path: Sequence[str | int], body: Any, model: Body) -> dict[str, Any]:

@@ -74,7 +74,7 @@ def links_to(path: str, id: str, files: Iterable[str]) -> dict[str, str]:
 
 
 def _answer(
-    found: Any,
+    result: Any,
     status: str,
     started: float,
     summary: Mapping[str, Any],
@@ -85,9 +85,9 @@ def _answer(
     """An answer as it is stored; where its collection's path is given, with links to its files."""
     if path:
         files = list(files)
-        found = found.model_copy(update={"links": links_to(path, found.id, files)})
+        result = result.model_copy(update={"links": links_to(path, result.id, files)})
         summary = {**summary, "files": files}
-    body = found.model_dump_json().encode()
+    body = result.model_dump_json().encode()
     return Answer(body, status, summary, time.monotonic() - started, **more)
 
 
@@ -148,10 +148,10 @@ def solve_cam_set(spec: bytes, budget_s: float) -> Answer:
     from synthesis.studies.cam_set import synthesise_set
 
     started = time.monotonic()
-    found = synthesise_set(CamSetSpec.model_validate_json(spec), deadline=started + budget_s)
-    summary = {"cams": len(found.cams), "solved": sum(cam.has_cam for cam in found.cams)}
-    files = ("timing.svg", "bundle.zip") if found.has_cams else ()
-    return _answer(found, found.status, started, summary, "/v1/cam-sets", files)
+    result = synthesise_set(CamSetSpec.model_validate_json(spec), deadline=started + budget_s)
+    summary = {"cams": len(result.cams), "solved": sum(cam.has_cam for cam in result.cams)}
+    files = ("timing.svg", "bundle.zip") if result.has_cams else ()
+    return _answer(result, result.status, started, summary, "/v1/cam-sets", files)
 
 
 def solve_spatial_cam(spec: bytes, budget_s: float) -> Answer:
@@ -160,10 +160,10 @@ def solve_spatial_cam(spec: bytes, budget_s: float) -> Answer:
 
     started = time.monotonic()
     question = SpatialCamSpec.model_validate_json(spec)
-    found = synthesise_spatial(question, deadline=started + budget_s)
-    summary = {"machine": found.machine, "dimensions": found.dimensions}
-    files = formats_of(found.machine) if found.motion else ()
-    return _answer(found, found.status, started, summary, "/v1/spatial-cams", files)
+    result = synthesise_spatial(question, deadline=started + budget_s)
+    summary = {"machine": result.machine, "dimensions": result.dimensions}
+    files = formats_of(result.machine) if result.motion else ()
+    return _answer(result, result.status, started, summary, "/v1/spatial-cams", files)
 
 
 def compute_train_response(spec: bytes, budget_s: float) -> Answer:
@@ -171,10 +171,10 @@ def compute_train_response(spec: bytes, budget_s: float) -> Answer:
     from synthesis.machines.dynamics.report import respond
 
     started = time.monotonic()
-    found = respond(TrainSpec.model_validate_json(spec), deadline=started + budget_s)
-    summary = {"modes_hz": [mode.natural_frequency_hz for mode in found.modes]}
+    result = respond(TrainSpec.model_validate_json(spec), deadline=started + budget_s)
+    summary = {"modes_hz": [mode.natural_frequency_hz for mode in result.modes]}
     files = [file.name for file in TRAIN_FILES]
-    return _answer(found, "computed", started, summary, "/v1/train-responses", files)
+    return _answer(result, "computed", started, summary, "/v1/train-responses", files)
 
 
 def analyse_cam(spec: bytes, budget_s: float) -> Answer:
@@ -182,10 +182,10 @@ def analyse_cam(spec: bytes, budget_s: float) -> Answer:
     from synthesis.studies.analyse import analyse
 
     started = time.monotonic()
-    found = analyse(DesignSpec.model_validate_json(spec), deadline=started + budget_s)
-    status = "holds" if found.holds else "violated"
-    summary = {"violated": found.violated, "files": list(DRAWINGS)}
-    return _answer(found, status, started, summary)
+    result = analyse(DesignSpec.model_validate_json(spec), deadline=started + budget_s)
+    status = "holds" if result.holds else "violated"
+    summary = {"violated": result.violated, "files": list(DRAWINGS)}
+    return _answer(result, status, started, summary)
 
 
 def analyse_profile(cam: bytes, budget_s: float) -> Answer:
@@ -193,20 +193,20 @@ def analyse_profile(cam: bytes, budget_s: float) -> Answer:
     from synthesis.studies.measured import MeasuredCam, read_back
 
     started = time.monotonic()
-    found = read_back(MeasuredCam.model_validate_json(cam))
-    return _answer(found, "read", started, {"dimensions": found.dimensions})
+    result = read_back(MeasuredCam.model_validate_json(cam))
+    return _answer(result, "read", started, {"dimensions": result.dimensions})
 
 
 def solve_linkage(kind: str, spec: bytes, budget_s: float) -> Answer:
     """Analyse or size a linkage of a kind."""
     linkage = LINKAGES[kind]
     started = time.monotonic()
-    found = linkage.solve(linkage.spec.model_validate_json(spec), started + budget_s)
-    quantities = linkage.summary(found)
+    result = linkage.solve(linkage.spec.model_validate_json(spec), started + budget_s)
+    quantities = linkage.summary(result)
     formats = LINKAGE_FILES[kind].values() if quantities else ()
-    files = [file.name for file in formats if file.suits(found)]
+    files = [file.name for file in formats if file.suits(result)]
     summary = {"quantities": quantities}
-    return _answer(found, found.status, started, summary, f"/v1/linkages/{kind}", files)
+    return _answer(result, result.status, started, summary, f"/v1/linkages/{kind}", files)
 
 
 def confirm_design(design: bytes, budget_s: float) -> Answer:
@@ -214,8 +214,8 @@ def confirm_design(design: bytes, budget_s: float) -> Answer:
     from synthesis.certify.second import confirm
 
     started = time.monotonic()
-    found = confirm(Design.model_validate_json(design))
-    return _answer(found, found.verdict, started, {})
+    result = confirm(Design.model_validate_json(design))
+    return _answer(result, result.verdict, started, {})
 
 
 def design_sensitivities(design: bytes, budget_s: float) -> bytes:
@@ -223,8 +223,8 @@ def design_sensitivities(design: bytes, budget_s: float) -> bytes:
     from synthesis.studies.sensitivity import sensitivities
 
     deadline = time.monotonic() + SENSITIVITY_SHARE * budget_s
-    found = sensitivities(Design.model_validate_json(design), deadline)
-    return found.model_dump_json().encode()
+    result = sensitivities(Design.model_validate_json(design), deadline)
+    return result.model_dump_json().encode()
 
 
 def design_file(exporter: Exporter[Any], design: bytes, options: Any) -> FileContent:
@@ -241,8 +241,8 @@ def analysis_picture(name: str, analysis: bytes, options: Options) -> FileConten
     """A picture of an analysed cam. A table's law is smoothed for it again, by a solver."""
     from synthesis.studies.analyse import as_design
 
-    found = Analysis.model_validate_json(analysis)
-    return FileContent(DRAWINGS[name].write(as_design(found), options))
+    design = as_design(Analysis.model_validate_json(analysis))
+    return FileContent(DRAWINGS[name].write(design, options))
 
 
 def spatial_file(
