@@ -1,6 +1,6 @@
 """The web service of Camwright: it validates, dispatches and stores; the core computes.
 
-    app, server, sockets, settings, state   the running application and its configuration
+    app, server, settings, state   the running application and its configuration
     routes/      paths and handlers          resources/   what is kept by id, one record each
     sweeps/      many designs from one spec  storage/     the database
     workers/     processes that compute      wire/        bodies, errors, tags, ranges, metrics

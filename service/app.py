@@ -5,13 +5,14 @@ from __future__ import annotations
 from collections.abc import AsyncIterator, Callable
 from contextlib import AbstractAsyncContextManager, asynccontextmanager
 from functools import partial
+from operator import attrgetter
 
 from fastapi import FastAPI
 from starlette.middleware.cors import CORSMiddleware
 from starlette_compress import CompressMiddleware
 
 from service import pages
-from service.contract.documentation import OPENAPI_URL, TITLE, client_name, describe
+from service.contract.documentation import OPENAPI_URL, TITLE, describe
 from service.resources.jobs import Jobs
 from service.resources.registry import RESOURCES
 from service.routes import catalogue, designs, operation, resource_routes, sweep_items, sweeps
@@ -65,7 +66,7 @@ def create_app(settings: Settings, engine_of: EngineOf = running_engine) -> Fast
         docs_url=None,
         redoc_url=None,
         swagger_ui_oauth2_redirect_url=None,
-        generate_unique_id_function=client_name,
+        generate_unique_id_function=attrgetter("name"),  # the method of generated clients
         redirect_slashes=False,
     )
     for resource in RESOURCES.values():

@@ -1,7 +1,9 @@
-"""The settings, from the environment."""
+"""The settings, from the environment; and the listening socket, opened before all else."""
 
 from __future__ import annotations
 
+import errno
+import socket
 import sys
 from functools import cached_property
 from typing import Annotated, Any
@@ -89,3 +91,27 @@ def settings_from(**given: Any) -> Settings:
             f"CAMWRIGHT_{name.upper()} (or --{name.replace('_', '-')}) is {first['input']!r}: "
             f"{first['msg']}."
         )
+
+
+def listening_socket(settings: Settings) -> socket.socket:
+    """A socket that listens at the configured address; one sentence and exit 1 where it cannot.
+
+    It is opened before anything slow is imported, so that a port in use is reported at once.
+    """
+    family = socket.AF_INET6 if ":" in settings.host else socket.AF_INET
+    # asyncio disables Nagle's algorithm only on sockets whose protocol is given.
+    listener = socket.socket(family, socket.SOCK_STREAM, socket.IPPROTO_TCP)
+    listener.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
+    try:
+        listener.bind((settings.host, settings.port))
+        listener.listen(256)
+    except OSError as error:
+        listener.close()
+        in_use = error.errno == errno.EADDRINUSE
+        reason = "is in use by another program" if in_use else f"cannot be used ({error.strerror})"
+        sys.exit(
+            f"Port {settings.port} on {settings.host} {reason}: choose another one with "
+            "--port or CAMWRIGHT_PORT."
+        )
+    listener.set_inheritable(True)
+    return listener

@@ -17,8 +17,7 @@ from functools import wraps
 from typing import Any, Concatenate, ParamSpec, Self, TypeVar
 
 from service.client.calls import ADDRESS, SILENCE_S, AsyncClient, Event
-from service.client.errors import ClientError, Refused, Unreachable
-from service.client.exchange import Retries
+from service.client.exchange import ClientError, Refused, Retries, Unreachable
 
 __all__ = [
     "AsyncClient", "Client", "ClientError", "Event", "Refused", "Retries", "Unreachable",

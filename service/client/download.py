@@ -9,8 +9,7 @@ from pathlib import Path
 
 import httpx2
 
-from service.client.errors import ClientError
-from service.client.exchange import Exchange, Request
+from service.client.exchange import ClientError, Exchange, Request
 
 ProgressCallback = Callable[[int, "int | None"], None]
 

@@ -7,8 +7,7 @@ from typing import Annotated, Any
 
 import typer
 
-from service.settings import settings_from
-from service.sockets import listening_socket
+from service.settings import listening_socket, settings_from
 from service.workers import prefork
 
 

@@ -16,8 +16,7 @@ from rich.progress import BarColumn, Progress, TextColumn, TimeRemainingColumn
 from service.client import Client, Refused
 from service.commands.requests import CONTINUES, Url, report_errors, valid_address
 from service.commands.terminal import Folder, err, out, read_spec, report_files, save, stop
-from service.settings import settings_from
-from service.sockets import listening_socket
+from service.settings import listening_socket, settings_from
 from service.workers import prefork
 from synthesis.studies.sweeps import SweepSpec
 

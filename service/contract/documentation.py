@@ -3,15 +3,15 @@
 from __future__ import annotations
 
 import json
+from collections import Counter
+from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
 from fastapi import FastAPI
 from fastapi.openapi.utils import get_openapi
-from fastapi.routing import APIRoute
 from pydantic import BaseModel
 
-from service.contract.components import share_components
 from service.contract.examples import examples
 from service.wire.errors import ProblemType
 from service.wire.problem import MEDIA_TYPE, LateProblem, Problem
@@ -22,6 +22,7 @@ from synthesis.machines.spatial.spec import SpatialCamSpec
 from synthesis.studies.measured import MeasuredCam
 from synthesis.studies.sweeps import SweepSpec
 
+Json = dict[str, Any]
 TITLE = "Camwright"
 DESCRIPTION = Path(__file__).with_name("description.md").read_text(encoding="utf-8")
 TAGS = [
@@ -58,7 +59,7 @@ UNNAMED: tuple[type[BaseModel], ...] = (
 )  # fmt: skip
 
 
-def problems(*statuses: int) -> dict[int | str, dict[str, Any]]:
+def problems(*statuses: int) -> dict[int | str, Json]:
     """Responses that are problem documents, by reference."""
     titles = {kind.status: kind.title for kind in ProblemType} | SEVERAL
     return {
@@ -67,13 +68,13 @@ def problems(*statuses: int) -> dict[int | str, dict[str, Any]]:
     }
 
 
-def _problem(status: int) -> dict[str, Any]:
+def _problem(status: int) -> Json:
     """The schema of a problem; only that of 504 contains a design, which is large."""
     model = LateProblem if status == 504 else Problem
     return {MEDIA_TYPE: {"schema": {"$ref": f"#/components/schemas/{model.__name__}"}}}
 
 
-def tagged(status: int = 200, **more: Any) -> dict[int | str, dict[str, Any]]:
+def tagged(status: int = 200, **more: Any) -> dict[int | str, Json]:
     """A response with a strong ETag, and 304 for those who have it."""
     return {
         status: {"headers": {"ETag": _header("Strong: the same tag, the same bytes.")}, **more},
@@ -81,7 +82,7 @@ def tagged(status: int = 200, **more: Any) -> dict[int | str, dict[str, Any]]:
     }
 
 
-def in_parts(**more: Any) -> dict[int | str, dict[str, Any]]:
+def in_parts(**more: Any) -> dict[int | str, Json]:
     """A file with a tag, of which parts can be requested by Range."""
     return {
         **tagged(**more),
@@ -95,7 +96,7 @@ def in_parts(**more: Any) -> dict[int | str, dict[str, Any]]:
     }
 
 
-def _header(description: str) -> dict[str, Any]:
+def _header(description: str) -> Json:
     return {"description": description, "schema": {"type": "string"}}
 
 
@@ -105,7 +106,7 @@ UNDER_WAY_HEADERS = {
 }
 
 
-def spec_body(part: str = "", schema: str = "DesignSpec") -> dict[str, Any]:
+def spec_body(part: str = "", schema: str = "DesignSpec") -> Json:
     """A spec as request body, with the worked examples of a folder."""
     content = {
         "schema": {"$ref": f"#/components/schemas/{schema}"},
@@ -114,12 +115,7 @@ def spec_body(part: str = "", schema: str = "DesignSpec") -> dict[str, Any]:
     return {"requestBody": {"required": True, "content": {"application/json": content}}}
 
 
-def client_name(route: APIRoute) -> str:
-    """The operation id: the name of the method of generated clients."""
-    return route.name
-
-
-def describe(app: FastAPI) -> dict[str, Any]:
+def describe(app: FastAPI) -> Json:
     """The OpenAPI document, made once."""
     if app.openapi_schema is None:
         document = get_openapi(
@@ -142,12 +138,12 @@ def describe(app: FastAPI) -> dict[str, Any]:
         _remove_default_errors(document)
         _describe_default_objects(document)
         document["components"]["schemas"] = dict(sorted(schemas.items()))
-        share_components(document)
+        _share_components(document)
         app.openapi_schema = document
     return app.openapi_schema
 
 
-def _describe_default_objects(document: dict[str, Any]) -> None:
+def _describe_default_objects(document: Json) -> None:
     """Move defaults that are objects into descriptions: client generators drop their schemas."""
     for schema in document["components"]["schemas"].values():
         for field in schema.get("properties", {}).values():
@@ -157,12 +153,65 @@ def _describe_default_objects(document: dict[str, Any]) -> None:
                 field["description"] = f"{text} Default: `{default}`.".strip()
 
 
-def _remove_default_errors(document: dict[str, Any]) -> None:
+def _remove_default_errors(document: Json) -> None:
     """Remove FastAPI's own form of 422: the service answers with problem documents."""
     for unused in ("HTTPValidationError", "ValidationError"):
         document["components"]["schemas"].pop(unused, None)
+    for operation in _operations(document):
+        added = operation["responses"].get("422", {}).get("content", {})
+        if "application/json" in added:
+            del operation["responses"]["422"]
+
+
+def _share_components(document: Json) -> None:
+    """Move parameters and responses that several operations share to the components.
+
+    Different ones of the same name are numbered. Responses of status 200 stay with their operation,
+    for readers. Titles that only repeat a field's name are removed.
+    """
+    components, operations = document["components"], list(_operations(document))
+    for operation in operations:
+        for parameter in operation.get("parameters", []):
+            _remove_repeated_title(parameter["name"], parameter["schema"])
+    for schema in components["schemas"].values():
+        for name, field in schema.get("properties", {}).items():
+            _remove_repeated_title(name, field)
+    lists = [operation.get("parameters", []) for operation in operations]
+    places = [(each, at, each[at]["name"]) for each in lists for at in range(len(each))]
+    components["parameters"] = _moved(places, "parameters")
+    answers = [operation["responses"] for operation in operations]
+    named = [(each, at, _named(at)) for each in answers for at in each if at != "200"]
+    components["responses"] = _moved(named, "responses")
+
+
+def _operations(document: Json) -> Iterator[Json]:
     for methods in document["paths"].values():
-        for operation in methods.values():
-            added = operation["responses"].get("422", {}).get("content", {})
-            if "application/json" in added:
-                del operation["responses"]["422"]
+        yield from methods.values()
+
+
+def _named(status: str) -> str:
+    return f"{'Problem' if status >= '400' else 'Answer'}{status}"
+
+
+def _moved(places: list[tuple[Any, Any, str]], kind: str) -> Json:
+    """What occurs at several places, by name; the places become references to it.
+
+    Args:
+        places: container, key and name of each. kind: the section of the components.
+    """
+    texts = [json.dumps((name, holder[key]), sort_keys=True) for holder, key, name in places]
+    often, names, parts = Counter(texts), dict[str, str](), Json()
+    for (holder, key, name), text in zip(places, texts, strict=True):
+        if often[text] == 1:
+            continue
+        if text not in names:
+            same = sum(each.partition("_no_")[0] == name for each in parts)
+            names[text] = f"{name}_no_{same + 1}" if same else name
+            parts[names[text]] = holder[key]
+        holder[key] = {"$ref": f"#/components/{kind}/{names[text]}"}
+    return parts
+
+
+def _remove_repeated_title(name: str, field: Json) -> None:
+    if field.get("title") == name.replace("_", " ").title():
+        del field["title"]

@@ -18,7 +18,7 @@ from service.storage.store import AnswerRow
 from service.wire.body import read_body
 from service.wire.errors import ProblemType
 from service.wire.etag import not_modified
-from service.wire.pages import cursor_at, position_of
+from service.wire.pages import position_of
 from service.wire.problem import problem_response
 
 Handler = Callable[..., Awaitable[Any]]
@@ -177,7 +177,7 @@ async def _page(
     items = [
         {**resource.fields_of(row), "status": row.status, **row.summary} for row in rows[:limit]
     ]
-    following = cursor_at(rows[limit - 1].sequence) if len(rows) > limit else None
+    following = str(rows[limit - 1].sequence) if len(rows) > limit else None
     return page_of(resource.summary).model_validate({"items": items, "next": following})
 
 

@@ -34,7 +34,7 @@ from service.sweeps.views import (
 )
 from service.wire.errors import ProblemType
 from service.wire.etag import not_modified, tag_of
-from service.wire.pages import cursor_at, position_of
+from service.wire.pages import position_of
 from service.wire.ranges import IN_PARTS
 from synthesis.exporters.diagrams.tradeoff import Aim, TradeOff, trade_off
 from synthesis.exporters.drawing.picture_options import Colours, PixelColours, PixelWidth
@@ -61,7 +61,7 @@ async def list_sweep_items(
     rows = await parts.sweeps.store.items(sweep.sequence, *where, size=limit + 1)
     shown = rows[:limit]
     over = len(rows) <= limit and sweep.state not in UNDER_WAY
-    following = None if over else cursor_at(shown[-1].sequence if shown else after)
+    following = None if over else str(shown[-1].sequence if shown else after)
     return SweepItemPage(items=[item_of(sweep, row) for row in shown], next=following)
 
 

@@ -27,7 +27,7 @@ from service.sweeps.views import (
 )
 from service.wire.body import read_body
 from service.wire.errors import ProblemType
-from service.wire.pages import cursor_at, position_of
+from service.wire.pages import position_of
 from synthesis.studies.sweeps import SweepSpec
 
 router = APIRouter(prefix="/v1/sweeps", tags=["sweeps"])
@@ -97,7 +97,7 @@ async def list_sweeps(
     """The newest first."""
     before = None if cursor is None else position_of(cursor)
     rows = await parts.sweeps.store.page(before, limit + 1, state)
-    following = cursor_at(rows[limit - 1].sequence) if len(rows) > limit else None
+    following = str(rows[limit - 1].sequence) if len(rows) > limit else None
     return SweepPage(items=[_summary(parts, row) for row in rows[:limit]], next=following)
 
 
@@ -178,9 +178,7 @@ async def _events(
             )
         ):
             for each in rows:
-                yield ServerSentEvent(
-                    data=item_of(now, each), event="item", id=cursor_at(each.sequence)
-                )
+                yield ServerSentEvent(data=item_of(now, each), event="item", id=str(each.sequence))
             after = rows[-1].sequence
         summary = _summary(parts, now)
         if now.state not in UNDER_WAY:

@@ -23,7 +23,7 @@ if __name__ == "__main__":
         prefork.start_fork_server()
     from service.app import create_app
     from service.wire.observe import configure_logs
-    from service.sockets import listening_socket
+    from service.settings import listening_socket
     from service.server import server_config
     from tests.service.conftest import _fake_engine
     import uvicorn
