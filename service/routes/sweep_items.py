@@ -7,7 +7,7 @@ from collections.abc import AsyncIterator, Awaitable, Callable
 from functools import partial
 from typing import Annotated
 
-from fastapi import APIRouter, Query, Request, Response
+from fastapi import APIRouter, Depends, Query, Request, Response
 from fastapi.responses import StreamingResponse
 
 from service.contract.documentation import in_parts, problems, tagged
@@ -91,7 +91,20 @@ def _add_table(
     media_type = MEDIA_TYPES[extension]
 
     async def handler(request: Request, sweep: Known, parts: Parts) -> Response:
-        return await _table(request, parts, sweep, write, extension)
+        def body() -> AsyncIterator[bytes]:
+            return write(Columns(sweep), parts.sweeps.store.pages(sweep.sequence))
+
+        name = f'attachment; filename="{file_stem(sweep.name)}-items.{extension}"'
+        headers = {"Content-Disposition": name}
+        tag = _tag(sweep, extension)
+        if tag is not None:
+            known = not_modified(request, tag)
+            if known is not None:
+                return known
+            headers |= {"ETag": f'"{tag}"', **IN_PARTS}
+            if "range" in request.headers:  # Content-Range needs the total: written once to count
+                headers["Content-Length"] = str(sum([len(chunk) async for chunk in body()]))
+        return StreamingResponse(body(), 200, headers, media_type)
 
     router.add_api_route(
         f"/items.{extension}", handler, name=f"get_sweep_items_{extension}", summary=title,
@@ -101,29 +114,6 @@ def _add_table(
             **problems(404, *statuses),
         },
     )  # fmt: skip
-
-
-async def _table(
-    request: Request,
-    parts: State,
-    sweep: SweepRow,
-    write: Callable[[Columns, Pages], AsyncIterator[bytes]],
-    extension: str,
-) -> Response:
-    def body() -> AsyncIterator[bytes]:
-        return write(Columns(sweep), parts.sweeps.store.pages(sweep.sequence))
-
-    name = f'attachment; filename="{file_stem(sweep.name)}-items.{extension}"'
-    headers = {"Content-Disposition": name}
-    tag = _tag(sweep, extension)
-    if tag is not None:
-        known = not_modified(request, tag)
-        if known is not None:
-            return known
-        headers |= {"ETag": f'"{tag}"', **IN_PARTS}
-        if "range" in request.headers:  # Content-Range needs the total: written once to count
-            headers["Content-Length"] = str(sum([len(chunk) async for chunk in body()]))
-    return StreamingResponse(body(), 200, headers, MEDIA_TYPES[extension])
 
 
 _add_table(
@@ -137,20 +127,33 @@ _add_table(
 )  # fmt: skip
 
 
-Small = Annotated[
-    list[str], Query(max_length=8, description="Quantity to minimise; may be repeated.")
-]
-Large = Annotated[
-    list[str], Query(max_length=8, description="Quantity to maximise; may be repeated.")
-]
+QUANTITIES = 8  # that one front may be of
+
+
+def _axes(
+    minimise: Annotated[
+        list[str],
+        Query(max_length=QUANTITIES, description="Quantity to minimise; may be repeated."),
+    ] = [],  # noqa: B006 (never changed)
+    maximise: Annotated[
+        list[str],
+        Query(max_length=QUANTITIES, description="Quantity to maximise; may be repeated."),
+    ] = [],  # noqa: B006
+) -> list[ParetoAxis]:
+    return [
+        *(ParetoAxis(quantity=name, direction="minimise") for name in minimise),
+        *(ParetoAxis(quantity=name, direction="maximise") for name in maximise),
+    ]
+
+
+Axes = Annotated[list[ParetoAxis], Depends(_axes)]
 
 
 @router.get("/pareto", summary="The Pareto front", responses=problems(404, 422))
 async def get_sweep_pareto(
     sweep: Known,
     parts: Parts,
-    minimise: Small = [],  # noqa: B006 (never changed)
-    maximise: Large = [],  # noqa: B006
+    axes: Axes,
     limit: Annotated[int, Query(ge=1, le=MAX_FRONT, description="Most items of the front.")] = 500,
 ) -> ParetoFront:
     """The certified designs that are not dominated by another in the quantities named.
@@ -158,7 +161,7 @@ async def get_sweep_pareto(
     `quantities` of the sweep says what can be named. `size` is the number of designs on the front,
     which may be more than `limit`.
     """
-    return await pareto_front(parts.sweeps.store, sweep, _axes(minimise, maximise), limit)
+    return await pareto_front(parts.sweeps.store, sweep, axes, limit)
 
 
 @router.get(
@@ -174,8 +177,7 @@ async def get_sweep_pareto_svg(
     request: Request,
     sweep: Known,
     parts: Parts,
-    minimise: Small = [],  # noqa: B006 (never changed)
-    maximise: Large = [],  # noqa: B006
+    axes: Axes,
     theme: Annotated[Colours, Query()] = "auto",
 ) -> Response:
     """The front among all certified designs: two to four quantities, a panel for every pair.
@@ -188,7 +190,7 @@ async def get_sweep_pareto_svg(
         return await asyncio.to_thread(trade_off, drawn, theme)
 
     file = ("pareto.svg", SVG)
-    return await _drawn(request, sweep, parts, _axes(minimise, maximise), file, (theme,), paint)
+    return await _drawn(request, sweep, parts, axes, file, (theme,), paint)
 
 
 @router.get(
@@ -207,8 +209,7 @@ async def get_sweep_pareto_png(
     request: Request,
     sweep: Known,
     parts: Parts,
-    minimise: Small = [],  # noqa: B006 (never changed)
-    maximise: Large = [],  # noqa: B006
+    axes: Axes,
     theme: Annotated[PixelColours, Query()] = "light",
     width_px: Annotated[PixelWidth, Query()] = 1600,
 ) -> Response:
@@ -218,7 +219,7 @@ async def get_sweep_pareto_png(
         return await in_worker(parts, partial(rasterised, trade_off(drawn, theme), width_px))
 
     file, options = ("pareto.png", PNG), (theme, str(width_px))
-    return await _drawn(request, sweep, parts, _axes(minimise, maximise), file, options, paint)
+    return await _drawn(request, sweep, parts, axes, file, options, paint)
 
 
 async def _drawn(
@@ -257,10 +258,3 @@ def _tag(sweep: SweepRow, *made_by: str) -> str | None:
     if sweep.state in UNDER_WAY:
         return None
     return tag_of(sweep.id, sweep.created.isoformat(), str(sweep.done), *made_by)
-
-
-def _axes(minimise: list[str], maximise: list[str]) -> list[ParetoAxis]:
-    return [
-        *(ParetoAxis(quantity=name, direction="minimise") for name in minimise),
-        *(ParetoAxis(quantity=name, direction="maximise") for name in maximise),
-    ]
