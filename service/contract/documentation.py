@@ -11,6 +11,7 @@ from typing import Any
 from fastapi import FastAPI
 from fastapi.openapi.utils import get_openapi
 from pydantic import BaseModel
+from pydantic.json_schema import models_json_schema
 
 from service.contract.examples import examples
 from service.wire.errors import ProblemType
@@ -52,6 +53,7 @@ SEVERAL = {
     503: "Temporarily unavailable: try again",
 }
 OPENAPI_URL = "/openapi.json"
+REFERENCE = "#/components/schemas/"
 # Models that no handler's signature names.
 UNNAMED: tuple[type[BaseModel], ...] = (
     Problem, LateProblem, MeasuredCam, SpatialCamSpec, SweepSpec, TrainSpec,
@@ -71,7 +73,7 @@ def problems(*statuses: int) -> dict[int | str, Json]:
 def _problem(status: int) -> Json:
     """The schema of a problem; only that of 504 contains a design, which is large."""
     model = LateProblem if status == 504 else Problem
-    return {MEDIA_TYPE: {"schema": {"$ref": f"#/components/schemas/{model.__name__}"}}}
+    return {MEDIA_TYPE: {"schema": {"$ref": f"{REFERENCE}{model.__name__}"}}}
 
 
 def tagged(status: int = 200, **more: Any) -> dict[int | str, Json]:
@@ -109,7 +111,7 @@ UNDER_WAY_HEADERS = {
 def spec_body(part: str = "", schema: str = "DesignSpec") -> Json:
     """A spec as request body, with the worked examples of a folder."""
     content = {
-        "schema": {"$ref": f"#/components/schemas/{schema}"},
+        "schema": {"$ref": f"{REFERENCE}{schema}"},
         "examples": examples(part),
     }
     return {"requestBody": {"required": True, "content": {"application/json": content}}}
@@ -128,16 +130,14 @@ def describe(app: FastAPI) -> Json:
             license_info={"name": "MIT", "identifier": "MIT"},
             separate_input_output_schemas=False,
         )
-        schemas = document["components"]["schemas"]
-        reference = "#/components/schemas/{model}"
-        for model in UNNAMED:
-            own = model.model_json_schema(ref_template=reference)
-            for name, schema in own.pop("$defs").items():
-                schemas.setdefault(name, schema)
-            schemas[model.__name__] = own
+        _, unnamed = models_json_schema(
+            [(model, "validation") for model in UNNAMED], ref_template=f"{REFERENCE}{{model}}"
+        )
+        own = {model.__name__: unnamed["$defs"][model.__name__] for model in UNNAMED}
+        schemas = {**unnamed["$defs"], **document["components"]["schemas"], **own}
+        document["components"]["schemas"] = dict(sorted(schemas.items()))
         _remove_default_errors(document)
         _describe_default_objects(document)
-        document["components"]["schemas"] = dict(sorted(schemas.items()))
         _share_components(document)
         app.openapi_schema = document
     return app.openapi_schema

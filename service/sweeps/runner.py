@@ -25,7 +25,7 @@ from synthesis.studies.sweeps import SweepSpec
 
 log = logging.getLogger("camwright.sweeps")
 RETRY_S = 0.5  # after the engine or the store could not be reached
-RENEWAL_S = 0.5  # at most, between renewals of the lease
+RENEWAL_S = 0.5  # at most, between renewals: a sweep stopped elsewhere is noticed by then
 WINDOW = 32  # commits over which the rate is taken
 T = TypeVar("T")
 

@@ -56,8 +56,8 @@ CONFIGURATION = {
     "distributed.scheduler.http.routes": [],
     "distributed.worker.http.routes": [],
 }
-WATCH_S = 2.0
-REPAIR_S = 60.0
+WATCH_S = 2.0  # between looks at workers that are lost, and at a task that has not begun
+REPAIR_S = 60.0  # at most, until a restarted worker is there, on a busy machine too
 CANCEL_AGAIN_S = 0.1  # cancellation is repeated: the work may not have begun at the first
 CANCEL_S = 0.5  # that work has to end in; then its worker is restarted
 BATCH_S = 0.001  # Dask gathers messages for 10 ms before it sends them: longer than many designs
