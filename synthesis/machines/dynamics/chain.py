@@ -77,10 +77,7 @@ class Chain:
         # The state in energy coordinates (R M^½ y, M^½ y'): without dampers its matrix is skew.
         rates, vectors = np.linalg.eig(system)
         inverse = np.linalg.inv(vectors)
-        rates = rates.astype(complex)
-        undamped = np.abs(rates.real) <= RATE_ROUNDING * np.max(np.abs(rates))
-        if not self.damping.any():
-            rates[undamped] = 1j * rates[undamped].imag
+        rates = rates.astype(complex) if self.damping.any() else 1j * rates.imag
         input_ = inverse[:, n:]
         return Modes(
             rates,
@@ -129,9 +126,7 @@ class Modes:
     @cached_property
     def independent(self) -> NDArray[np.intp]:
         """One mode of every conjugate pair, and all real ones, slowest first."""
-        swings = self.rates.imag > RATE_ROUNDING * np.abs(self.rates)
-        creeps = np.abs(self.rates.imag) <= RATE_ROUNDING * np.abs(self.rates)
-        chosen = np.flatnonzero(swings | creeps)
+        chosen = np.flatnonzero(self.rates.imag >= -RATE_ROUNDING * np.abs(self.rates))
         return chosen[np.argsort(np.abs(self.rates[chosen]), kind="stable")]
 
     @property

@@ -18,7 +18,7 @@ from math import factorial, sqrt
 
 import numpy as np
 
-from synthesis.catalogue.motion import Motion, PlacedSegment
+from synthesis.catalogue.motion import Motion
 from synthesis.machines.dynamics.chain import Chain, Complex, Modes
 from synthesis.numerics.piecewise import Array, Piecewise
 from synthesis.units import FULL_TURN
@@ -249,20 +249,15 @@ def residual_spectrum(
     rate: Complex = np.asarray(frequencies * complex(damping, -sqrt(1.0 - damping**2)), complex)
     total, after = np.zeros(len(frequencies), complex), 0.0
     by_index = {s.index: s for s in motion.segments}
-    for index in reversed(run):
-        segment = by_index[index]
-        total += _segment_integral(steps, segment, rate) * np.exp(-rate * after)
+    middle = 0.5 * (steps.theta[1:] + steps.theta[:-1])
+    # The later segments first, so that what follows a segment is known: e^(−λ · angle after it).
+    for segment in (by_index[index] for index in reversed(run)):
+        inside = (middle > segment.start) & (middle < segment.end) & (np.diff(steps.theta) > 0.0)
+        width, taylor = np.diff(steps.theta)[inside], steps.taylor[:, inside]
+        sizes, which = np.unique(width, return_inverse=True)
+        functions = phi(np.multiply.outer(-rate, sizes), len(taylor) - 1)
+        each = sum(functions[k][:, which] * taylor[k] for k in range(1, len(taylor)))
+        left = segment.end - steps.theta[1:][inside] + after
+        total += np.sum(each * np.exp(-np.multiply.outer(rate, left)), axis=1)
         after += segment.angle
     return np.asarray(np.abs(total) / sqrt(1.0 - damping**2))
-
-
-def _segment_integral(steps: Steps, segment: PlacedSegment, rate: Complex) -> Array:
-    """∫ s' e^(−λ(end − θ)) dθ over one segment: (f,)."""
-    middle = 0.5 * (steps.theta[1:] + steps.theta[:-1])
-    inside = (middle > segment.start) & (middle < segment.end) & (np.diff(steps.theta) > 0.0)
-    width, taylor = np.diff(steps.theta)[inside], steps.taylor[:, inside]
-    sizes, which = np.unique(width, return_inverse=True)
-    functions = phi(np.multiply.outer(-rate, sizes), len(taylor) - 1)
-    each = sum(functions[k][:, which] * taylor[k] for k in range(1, len(taylor)))
-    left = segment.end - steps.theta[1:][inside]
-    return np.asarray(np.sum(each * np.exp(-np.multiply.outer(rate, left)), axis=1))

@@ -41,33 +41,29 @@ class FixedKnots:
     """Splines on the knots of a design, by the index of their segment.
 
     Attributes:
-        laws: of the design. tables: indices of the laws that smooth a table and are given.
-        size: the size variables of the design [mm].
+        laws: of the design, those that smooth a table too. size: its size variables [mm].
     """
 
     laws: dict[int, SplineLaw]
-    tables: frozenset[int]
     size: tuple[float, ...]
 
     @staticmethod
     def of(design: Design, spec: DesignSpec) -> FixedKnots:
         """The knots of a finished design."""
-        laws, tables = dict[int, SplineLaw](), set[int]()
-        for placed, segment in zip(spec.placed_segments(), design.motion, strict=True):
-            if segment.spline is None:
-                continue
-            space = SplineSpace(segment.spline.degree, np.array(segment.spline.knots))
-            laws[placed.index] = SplineLaw(space, np.array(segment.spline.coefficients))
-            if placed.table is not None:
-                tables.add(placed.index)
-        return FixedKnots(laws, frozenset(tables), tuple(design.size))
+        laws = {
+            placed.index: SplineLaw(
+                SplineSpace(segment.spline.degree, np.array(segment.spline.knots)),
+                np.array(segment.spline.coefficients),
+            )
+            for placed, segment in zip(spec.placed_segments(), design.motion, strict=True)
+            if segment.spline is not None
+        }
+        return FixedKnots(laws, tuple(design.size))
 
     def formulate(self, spec: DesignSpec) -> Problem:
-        """The problem of a spec's first objective."""
+        """The problem of a spec's first objective; laws of tables are given."""
         segments = [
-            segment.with_law(self.laws[segment.index].curve())
-            if segment.index in self.tables
-            else segment
+            segment if segment.table is None else segment.with_law(self.laws[segment.index].curve())
             for segment in spec.placed_segments()
         ]
         return formulate_problem(spec, spec.objectives()[0], (), segments)
