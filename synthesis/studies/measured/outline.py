@@ -8,13 +8,15 @@ from typing import Final
 import numpy as np
 
 from synthesis.errors import InputError
-from synthesis.numerics.periodic_spline import PeriodicSpline, fit_smoothing
+from synthesis.numerics.periodic_spline import fit_smoothing
 from synthesis.numerics.piecewise import Array
 
 MIN_POINTS: Final = 24
 WIDEST_GAP: Final = 6.0  # next largest steps: a wider gap means that the curve is not closed
 MAX_INTERVALS: Final = 1800  # of the spline
 SAMPLES_PER_INTERVAL: Final = 12  # of the outline
+REPEATED: Final = 1e-9  # of the size: nearer points are one
+BLOCK: Final = 48  # sides of the polygon that share a bounding box
 FIELD: Final = "/points_mm"
 
 
@@ -48,6 +50,7 @@ def outline(points: Array, tolerance: float) -> Outline:
             points that scatter more than the tolerance.
     """
     ring = _checked_ring(points)
+    # Parameter: the length of the polygon through the points, about that of the curve.
     steps = np.hypot(*(np.roll(ring, -1, axis=0) - ring).T)
     along = np.concatenate([[0.0], np.cumsum(steps)])
     intervals = int(min(max(len(ring) // 2, MIN_POINTS), MAX_INTERVALS))
@@ -61,10 +64,7 @@ def outline(points: Array, tolerance: float) -> Outline:
             f"x = {ring[worst, 0]:.6g}, y = {ring[worst, 1]:.6g} mm.",
             "Increase tolerance_mm, remove outliers, or measure more points where the curve bends.",
         )  # fmt: skip
-    return _read(curve, SAMPLES_PER_INTERVAL * intervals, off)
-
-
-def _read(curve: PeriodicSpline, count: int, off: Array) -> Outline:
+    count = SAMPLES_PER_INTERVAL * intervals
     u = curve.period * np.arange(count) / count
     point, (tx, ty), (sx, sy) = (curve(u, order).T for order in range(3))
     speed = np.hypot(tx, ty)
@@ -76,39 +76,17 @@ def _read(curve: PeriodicSpline, count: int, off: Array) -> Outline:
 def _checked_ring(points: Array) -> Array:
     """The points as a clockwise ring without repetitions, checked."""
     steps = np.hypot(*(np.roll(points, -1, axis=0) - points).T)
-    size = float(np.max(np.abs(points)))
-    ring = points[steps > 1e-9 * size]
+    distinct = steps > REPEATED * float(np.max(np.abs(points)))
+    ring = points[distinct]
     if len(ring) < MIN_POINTS:
         raise InputError(
             FIELD, len(ring), f"There are fewer than {MIN_POINTS} different points.",
             "Measure more points; a few hundred give a good result.",
         )  # fmt: skip
-    x, y = ring.T
     following = np.roll(ring, -1, axis=0)
-    _check_gaps(ring, following)
-    place = first_crossing(ring)
-    if place is not None:
-        raise InputError(
-            FIELD, [round(float(c), 6) for c in place],
-            "The curve through the points crosses itself here.",
-            "Give the points in order along the profile, without overlap at the ends.",
-        )  # fmt: skip
-    cross = x * following[:, 1] - y * following[:, 0]
-    turn = np.sum(np.arctan2(cross, np.sum(ring * following, axis=1)))
-    if abs(turn) < np.pi:
-        raise InputError(
-            FIELD, [0.0, 0.0], "The cam's axis, x = y = 0, is not inside the curve.",
-            "Shift the points so that the cam's axis is the origin.",
-        )  # fmt: skip
-    clockwise: Array = ring[::-1] if turn > 0.0 else ring
-    return clockwise
-
-
-def _check_gaps(ring: Array, following: Array) -> None:
-    """Refuse a curve with a gap: one step much longer than all others."""
+    # A gap: one step much longer than all others.
     steps = np.hypot(*(following - ring).T)
-    widest = int(np.argmax(steps))
-    second = float(np.partition(steps, -2)[-2])
+    widest, second = int(np.argmax(steps)), float(np.partition(steps, -2)[-2])
     if steps[widest] > WIDEST_GAP * second:
         ends = (*ring[widest], *following[widest])
         raise InputError(
@@ -117,9 +95,22 @@ def _check_gaps(ring: Array, following: Array) -> None:
             "a gap this wide, and the next widest step is {:.3g} mm.".format(*ends, second),
             "Measure the whole profile.",
         )  # fmt: skip
-
-
-BLOCK: Final = 48  # sides of the polygon that share a bounding box
+    place = first_crossing(ring)
+    if place is not None:
+        raise InputError(
+            FIELD, [round(float(c), 6) for c in place],
+            "The curve through the points crosses itself here.",
+            "Give the points in order along the profile, without overlap at the ends.",
+        )  # fmt: skip
+    # The winding number about the axis; its sign is the direction of the points.
+    angles = np.arctan2(_cross(ring, following), np.sum(ring * following, axis=1))
+    turn = float(np.sum(angles))
+    if abs(turn) < np.pi:
+        raise InputError(
+            FIELD, [0.0, 0.0], "The cam's axis, x = y = 0, is not inside the curve.",
+            "Shift the points so that the cam's axis is the origin.",
+        )  # fmt: skip
+    return np.asarray(ring[::-1] if turn > 0.0 else ring)
 
 
 def first_crossing(ring: Array) -> tuple[float, float] | None:
