@@ -59,6 +59,7 @@ def test_the_table_is_the_motion(shaper: Any) -> None:
     steps = np.diff(columns["ram_mm"]) / np.diff(columns["time_s"])
     assert np.allclose(middle, steps, atol=0.01 * np.max(np.abs(steps)))
     told = json.loads(written("six-bar-shapers", shaper, "motion.json", points=97))
+    assert told["columns"][0]["meaning"] == "angle turned by the crank"
     assert told["columns"][3]["values"] == columns["ram_mm"].tolist()
 
 

@@ -65,7 +65,7 @@ class SampledTurn:
     """A shaper at evenly spaced angles of a turn.
 
     Attributes:
-        travel: (n,) angle travel by the crank since its start [rad]. motion: (n,) arrays.
+        travel: (n,) angle turned by the crank since its start [rad]. motion: (n,) arrays.
     """
 
     shaper: Shaper
@@ -102,7 +102,7 @@ class SampledTurn:
 
         upright = 0.5 * np.pi - np.abs(np.arcsin(motion.coupler[1]))
         columns = (
-            column("crank_travel_deg", "deg", "angle travel by the crank", travel),
+            column("crank_travel_deg", "deg", "angle turned by the crank", travel),
             column("crank_deg", "deg", "crank angle", drive.phi(travel)),
             column("time_s", "s", "time since the start of the turn", drive.time(travel)),
             *with_rates("ram", "mm", "position of the ram's pin", *motion.ram),

@@ -47,7 +47,7 @@ class Quantity:
 
     Attributes:
         name, unit: on the wire.
-        of: from motion, drive and angle travel to the value in radians or mm.
+        of: from motion, drive and travel to the value in radians or mm.
     """
 
     name: str
