@@ -271,7 +271,6 @@ class NonconvexConstraint(ABC):
             other; () where nothing is known before the size is fixed.
         """
 
-    @abstractmethod
     def relax(
         self, box: MotionSizeBox, about: tuple[Array, Vector] | None
     ) -> tuple[PointInequalities, ...]:
@@ -285,6 +284,7 @@ class NonconvexConstraint(ABC):
         Returns:
             () where none are known.
         """
+        return ()
 
 
 # -- of the curve that a trace point draws ---------------------------------------------------------

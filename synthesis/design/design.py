@@ -234,12 +234,10 @@ class Design(AnswerModel):
 
 def rebuild_motion(segments: Sequence[PlacedSegment], delivered: Sequence[SegmentMotion]) -> Motion:
     """The motion of placed segments with the splines of an answer, to the last bit."""
-    settled: list[PlacedSegment] = []
-    for placed, segment in zip(segments, delivered, strict=True):
-        if segment.spline is None:
-            settled.append(placed)
-            continue
-        space = SplineSpace(segment.spline.degree, np.array(segment.spline.knots))
-        curve = space.curve(np.array(segment.spline.coefficients))
-        settled.append(placed.with_law(curve))
-    return Motion.of(settled)
+    placed = []
+    for segment, answer in zip(segments, delivered, strict=True):
+        if answer.spline is not None:
+            space = SplineSpace(answer.spline.degree, np.array(answer.spline.knots))
+            segment = segment.with_law(space.curve(np.array(answer.spline.coefficients)))
+        placed.append(segment)
+    return Motion.of(placed)

@@ -272,6 +272,8 @@ class RollerFollower(Follower, ABC):
 class FlatFaceFollower(Follower, ABC):
     """A follower with a flat face. Its trace point is the contact point.
 
+    The last of its size variables is the base radius.
+
     Attributes:
         face_ends: names of the two ends of the face, as in the limit on its width: the first lies
             against the direction of ``face_axis``, the second along it.
@@ -283,6 +285,20 @@ class FlatFaceFollower(Follower, ABC):
     @property
     def roller_radius(self) -> float:
         return 0.0
+
+    def radius_norm(self) -> AffineNorm:
+        return AffineNorm(((*[0.0] * (len(self.size_names) - 1), 1.0),), (0.0,))
+
+    def enlarged_to(self, z: Vector, radius: float) -> Vector:
+        return (*z[:-1], max(z[-1], radius))
+
+    @abstractmethod
+    def face_radius(self, s: Any, z: Any) -> Any:
+        """Signed radius of curvature of the profile [mm], negative where it is undercut."""
+
+    def curvature_terms(self, s: Any, z: Any) -> tuple[Any, Any]:
+        radius = self.face_radius(s, z)
+        return radius * abs(radius), radius * radius
 
     @abstractmethod
     def face_normal_rate(self, s: Any, z: Any) -> Vector2:

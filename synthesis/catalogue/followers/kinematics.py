@@ -33,9 +33,10 @@ class TracePoint(ABC):
             pairs (x, y) of the point and at least its first two derivatives.
         """
 
-    @abstractmethod
     def drive_direction(self, s: Any, z: Any) -> tuple[Vector2, Vector2]:
-        """Unit vector along which the follower is driven, and its θ-derivative."""
+        """Unit vector along which the follower is driven, and its θ-derivative: up, on a slide."""
+        zero = 0.0 * s[0]
+        return (zero, zero + 1.0), (zero, zero)
 
     def lever(self, s: Any, z: Any) -> Any:
         """λ: how far the follower's material at the contact moves along g, per unit of s.

@@ -170,12 +170,6 @@ class OscillatingFlatFace(FlatFaceFollower, PivotedFollower):
         cones = (NormBounds(centred, farthest, "centre_distance"),)
         return SizeDomain(((0.0, farthest), (low, high)), cones, low)
 
-    def radius_norm(self) -> AffineNorm:
-        return AffineNorm(((1.0,),) if self.distance is not None else ((0.0, 1.0),), (0.0,))
-
-    def enlarged_to(self, z: Vector, radius: float) -> Vector:
-        return (*z[:-1], max(z[-1], radius))
-
     def profile_radius_rows(self, least: float) -> tuple[LinearInequality, ...]:
         # w ≥ SLOWEST: without it there is no radius; the radius itself is curved
         return (
@@ -278,12 +272,11 @@ class OscillatingFlatFace(FlatFaceFollower, PivotedFollower):
         (_, (x, y)), still = self.pivot_position(z), 0.0 * s[0]
         return (still + x, still + y), self.frame(s, z)[0]
 
-    def curvature_terms(self, s: Any, z: Any) -> tuple[Any, Any]:
+    def face_radius(self, s: Any, z: Any) -> Any:
         (c, e), (v, a, _) = self.axis_from_pivot(s, z), self._rates(s)
         w = v * self.sigma + 1.0
         radius = e * (v * (2.0 * self.sigma) + 1.0) / (w * w) + c * a / (w * w * w)
-        radius = radius - self.face_offset_mm
-        return radius * abs(radius), radius * radius
+        return radius - self.face_offset_mm
 
     # -- dimensions ------------------------------------------------------------------------
 

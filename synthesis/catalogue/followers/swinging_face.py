@@ -210,11 +210,6 @@ class LeastPivotDistance(NonconvexConstraint):
         size = np.stack([np.zeros(count), -np.ones(count)])
         return (PointInequalities(np.zeros_like(s), size, np.full(count, FAR * self.least)),)
 
-    def relax(
-        self, within: MotionSizeBox, about: tuple[Array, Vector] | None
-    ) -> tuple[PointInequalities, ...]:
-        return ()
-
 
 # -- planes below Φ over a range of the face's angle and its speed --------------------------------
 

@@ -85,12 +85,6 @@ class TranslatingFlatFace(FlatFaceFollower):
     def size_domain(self, base_radius: Ends) -> SizeDomain:
         return SizeDomain((base_radius,), (), base_radius[0])
 
-    def radius_norm(self) -> AffineNorm:
-        return AffineNorm(((1.0,),), (0.0,))
-
-    def enlarged_to(self, z: Vector, radius: float) -> Vector:
-        return (max(z[0], radius),)
-
     def outer_radius_norm(self, s_max: float) -> AffineNorm:
         # |p|² = h² + h'² is stationary where h' ρ = 0: on the normal, at the highest lift
         return AffineNorm(((1.0,),), (s_max * self._tilt[0],))
@@ -142,10 +136,6 @@ class TranslatingFlatFace(FlatFaceFollower):
         nx, ny = up[0] * cos - up[1] * sin, up[0] * sin + up[1] * cos
         return -(away[0] * nx + away[1] * ny)
 
-    def drive_direction(self, s: Any, z: Any) -> tuple[Vector2, Vector2]:
-        zero = 0.0 * s[0]
-        return (zero, zero + 1.0), (zero, zero)
-
     def normal(self, tangent: Vector2, s: Any, z: Any) -> Vector2:
         (cos, sin), zero = self._tilt, 0.0 * s[0]
         return zero - sin, zero + cos
@@ -159,9 +149,8 @@ class TranslatingFlatFace(FlatFaceFollower):
         crossed = s[0] + (z[0] + self.offset_mm * sin) / cos  # by the slide's line
         return (zero + self.offset_mm, crossed), (zero + cos, zero + sin)
 
-    def curvature_terms(self, s: Any, z: Any) -> tuple[Any, Any]:
-        radius = (s[0] + s[2]) * self._tilt[0] + z[0]
-        return radius * abs(radius), radius * radius
+    def face_radius(self, s: Any, z: Any) -> Any:
+        return (s[0] + s[2]) * self._tilt[0] + z[0]
 
     def dimensions(self, z: Vector) -> Mapping[str, float]:
         beside = {"offset_mm": self.offset_mm} if self.offset_mm else {}

@@ -126,10 +126,6 @@ class TranslatingRoller(RollerFollower):
     def size_at_lowest(self, position: float) -> Vector:
         return ends(self.offset_mm)[0], position
 
-    def drive_direction(self, s: Any, z: Any) -> tuple[Vector2, Vector2]:
-        zero = 0.0 * s[0]
-        return (zero, zero + 1.0), (zero, zero)
-
     def curvature_terms(self, s: Any, z: Any) -> tuple[Any, Any]:
         e, s0 = z
         x, u = s[0] + s0, s[1] - e
