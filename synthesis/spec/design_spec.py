@@ -35,7 +35,14 @@ from synthesis.units import MotionUnits, rad_per_s
 MAX_SEGMENTS = 100
 ROUGHEST = 2  # smoothness of the splines that smoother ones are compared with
 ALWAYS = (ProfileRadius(), CounterBaseRadius())  # what every cam must keep
-KEPT = ("free_parameters", "_numbered", "_reach", "_placed", "_machine", "_limits")  # derived once
+DERIVED = (
+    "free_parameters",
+    "_numbered",
+    "_reach",
+    "_placed",
+    "_machine",
+    "_limits",
+)  # derived once
 
 
 class DesignSpec(BaseModel):
@@ -202,7 +209,7 @@ class DesignSpec(BaseModel):
     def model_copy(self, *, update: Mapping[str, Any] | None = None, deep: bool = False) -> Self:
         """A copy, changed; what is kept of this spec is not the copy's."""
         found = super().model_copy(update=update, deep=deep)
-        for name in KEPT:
+        for name in DERIVED:
             vars(found).pop(name, None)
         return found
 

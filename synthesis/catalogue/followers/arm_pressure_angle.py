@@ -132,7 +132,8 @@ class FixedPivotPressureAngle(NonconvexConstraint):
         return above / unit, below / unit
 
     def half_planes(self, s: Array) -> tuple[PointInequalities, ...]:
-        # with cos A = (l + σ s')/D:  |A − α| ≤ ψ ≤ min(A + α, 2π − A − α)
+        # With cos A = (l + σ s')/D the two rows read cos(ψ − α) ≥ cos A and cos(ψ + α) ≤ cos A, so
+        # |A − α| ≤ ψ ≤ min(A + α, 2π − A − α): four half-planes of the one size variable.
         share, alpha, still = (self.arm + self.sense * s[1]) / self._reach, self._angle, 0.0 * s
         a = np.arccos(np.clip(share, -1.0, 1.0))
         # no angle at all where |share| > 1 leaves none: ends that exclude each other

@@ -19,8 +19,8 @@ from synthesis.catalogue.motion import PlacedSegment, Segments
 from synthesis.numerics.geometry.plane import enclosed_angle, third_side
 from synthesis.units import DEGREE
 
-AGREE = 1e-9  # relative: two dimensions that give the same prime radius, but for rounding
-BARELY = 1e-8  # relative: excess of the prime radius over its infimum, where no force drives
+SAME = 1e-9  # relative: two dimensions that give the same prime radius, but for rounding
+LEAST_EXCESS = 1e-8  # relative: excess of the prime radius over its infimum, where no force drives
 SAMPLES = 721  # per segment: a crossing is bracketed to a 720th of it
 
 
@@ -52,19 +52,19 @@ class ArmGeometry:
         assert self.pivot is not None
         least, most = (enclosed_angle(self.length, self.pivot, radius) for radius in prime)
         high = min(high, most)
-        return min(max(low, least, self._started), high), high
+        return min(max(low, least, self._least_angle), high), high
 
     @property
-    def _started(self) -> float:
+    def _least_angle(self) -> float:
         """ψ0 at which Rp is larger than at 0 by no more than rounding of a design shows [rad].
 
         On the line of centres itself the cam drives the arm nowhere: the least of all prime
         radii, |l − d|, is approached and not reached.
         """
         l, d = self.length, self.pivot or math.inf
-        return math.sqrt(2.0 * BARELY * (l - d) ** 2 / (l * d)) if d < math.inf else 0.0
+        return math.sqrt(2.0 * LEAST_EXCESS * (l - d) ** 2 / (l * d)) if d < math.inf else 0.0
 
-    def swingable(self, prime: Ends, stroke: float) -> Ends:
+    def prime_radii_for(self, prime: Ends, stroke: float) -> Ends:
         """The part of a range of prime radii at which the arm can swing by s = stroke [mm]."""
         if self.pivot is None:
             return prime
@@ -72,7 +72,7 @@ class ArmGeometry:
         high = min(high, math.pi - stroke / self.length)
         radii = (third_side(self.length, self.pivot, angle) for angle in (low, high))
         return tuple(  # to the last bit where it is the range that counts
-            given if math.isclose(found, given, rel_tol=AGREE) else found
+            given if math.isclose(found, given, rel_tol=SAME) else found
             for found, given in zip(radii, prime, strict=True)
         )  # type: ignore[return-value]
 
@@ -124,7 +124,7 @@ class ArmGeometry:
             third_side(self.length, self.pivot, min(max(angle, 0.0), math.pi))
             for angle in (low, high)
         )
-        if least > prime[1] * (1.0 + AGREE) or most < prime[0] * (1.0 - AGREE):
+        if least > prime[1] * (1.0 + SAME) or most < prime[0] * (1.0 - SAME):
             raise PydanticCustomError(
                 "initial_angle_contradicts",
                 "initial_angle_deg = {angle} puts the roller on the prime radius {found} mm, "

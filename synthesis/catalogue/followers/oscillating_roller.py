@@ -130,7 +130,7 @@ class OscillatingRoller(RollerFollower, PivotedFollower):
 
     def feasible_base_radii(self, base_radius: Ends, stroke: float) -> Ends:
         prime = self.prime_radii(base_radius)
-        kept = zip(base_radius, prime, self._arm.swingable(prime, stroke), strict=True)
+        kept = zip(base_radius, prime, self._arm.prime_radii_for(prime, stroke), strict=True)
         low, high = (base if now == was else now - base_gap(self) for base, was, now in kept)
         return low, high
 

@@ -88,6 +88,7 @@ class SwingingFaceConstraint(NonconvexConstraint):
         a, b, c = self._terms(s)
         swing, still = s[0] / self.reference, np.zeros_like(s)
         cos, sin = np.cos(swing), np.sin(swing)
+        # ψ = ψ0 + φ turned back by φ: the limit reads a d cosψ0 + b d sinψ0 ≤ C, linear in z.
         a, b = a * cos + b * sin, b * cos - a * sin
         if self.distance is None:
             return (PointInequalities(still, np.stack([a, b]), c - b * self.offset),)
@@ -102,17 +103,19 @@ class SwingingFaceConstraint(NonconvexConstraint):
 
         Where angles on both sides of a forbidden arc remain, nothing is said.
         """
+        # The arc turn ± gap is forbidden; what remains of the angles on one side of it is a range.
         share = c / reach
-        gap = np.arccos(np.clip(share, -1.0, 1.0))  # the arc turn ± gap is forbidden
+        gap = np.arccos(np.clip(share, -1.0, 1.0))
         lowest = math.asin(max(min(self.offset / float(self.distance or 1.0), 0.0), -1.0))
         below, above = turn - gap > lowest, turn + gap < RIGHT_ANGLE
         least = np.where(above & ~below, turn + gap, -FAR)
         most = np.where(below & ~above, turn - gap, FAR)
-        # a forbidden arc of more than half a turn leaves one arc about the opposite angle
+        # A forbidden arc of more than half a turn leaves one arc about the opposite angle.
         other = turn - math.pi * np.where(turn > 0.0, 1.0, -1.0)
         wide = share <= 0.0
         least = np.where(wide, other - (math.pi - gap), least)
         most = np.where(wide, other + (math.pi - gap), most)
+        # The whole circle is forbidden, or what is allowed lies outside of the right angles.
         never = (share < -1.0) | ((share > 0.0) & (share < 1.0) & ~below & ~above)
         least, most = np.where(never, FAR, least), np.where(never, -FAR, most)
         free = share >= 1.0

@@ -108,22 +108,17 @@ class Load(BaseModel, ABC):
         return points
 
     @property
-    def least_spring(self) -> tuple[float, float]:
-        """Rate and preload on the wire, of what is free the least."""
-        if self.spring is None:
-            return 0.0, 0.0
-        (rate, _), (preload, _) = self.spring.ranges
-        return rate, preload
-
-    @property
-    def process_points(self) -> tuple[Point, ...]:
-        """The process force on the wire: cam angle [deg] and value."""
-        return tuple((point.angle_deg, point.value) for point in self.process)
-
-    @property
     @abstractmethod
     def wire_values(self) -> WireLoad:
         """Its numbers as they are on the wire; what is free of the spring, at its least."""
+
+    def _wire_load(
+        self, mass: float, damping: float, weight: float, metre: float, lever: float
+    ) -> WireLoad:
+        ranges = ((0.0, 0.0), (0.0, 0.0)) if self.spring is None else self.spring.ranges
+        (rate, _), (preload, _) = ranges
+        points = tuple((point.angle_deg, point.value) for point in self.process)
+        return WireLoad(mass, damping, rate, preload, weight, points, metre, lever)
 
     @property
     def guide_friction(self) -> FrictionModel | None:
@@ -193,13 +188,11 @@ class Load(BaseModel, ABC):
                  "move": {"mm": "slides", "deg": "swings"}[follower.travel.unit],
                  "other": {"mm": "slide", "deg": "arm"}[follower.travel.unit]},
             )  # fmt: skip
-        found = self.reduced(follower, 1.0)
-        course, breaks = found.process, found.process.breaks
-        most = max(found.side * end for end in (*course(breaks), *course(breaks, 0, "left")))
-        pressing = most + found.side * found.weight > 0.0
-        if not (
-            pressing or self.free_spring or found.pushed_both_ways or found.preload or found.rate
-        ):
+        reduced = self.reduced(follower, 1.0)
+        process, breaks = reduced.process, reduced.process.breaks
+        most = max(reduced.side * p for p in (*process(breaks), *process(breaks, 0, "left")))
+        pressed = most + reduced.side * reduced.weight > 0.0 or reduced.preload or reduced.rate
+        if not (pressed or self.free_spring or reduced.pushed_both_ways):
             raise PydanticCustomError(
                 "nothing_presses_follower",
                 "Nothing presses the {kind} follower on its cam: neither a spring, nor its weight, "
@@ -247,14 +240,9 @@ class SlideLoad(Load):
 
     @property
     def wire_values(self) -> WireLoad:
-        tilt = self.rise_from_vertical_deg
-        upright = 0.0 if tilt is None else math.cos(tilt * DEGREE)
-        return WireLoad(
-            self.moving_mass_kg, self.damping_n_s_per_m, *self.least_spring,
-            self.moving_mass_kg * GRAVITY * upright,
-            self.process_points,
-            1e-3, 1.0,
-        )  # fmt: skip
+        tilt, mass = self.rise_from_vertical_deg, self.moving_mass_kg
+        weight = 0.0 if tilt is None else mass * GRAVITY * math.cos(tilt * DEGREE)
+        return self._wire_load(mass, self.damping_n_s_per_m, weight, 1e-3, 1.0)
 
     def check_against(self, follower: Follower, segments: Sequence[PlacedSegment]) -> None:
         super().check_against(follower, segments)
@@ -305,8 +293,5 @@ class ArmLoad(Load):
 
     @property
     def wire_values(self) -> WireLoad:
-        return WireLoad(
-            self.moment_of_inertia_kg_m2, self.damping_n_m_s_per_rad, *self.least_spring, 0.0,
-            self.process_points,
-            1.0, 1e-3,
-        )  # fmt: skip
+        inertia, damping = self.moment_of_inertia_kg_m2, self.damping_n_m_s_per_rad
+        return self._wire_load(inertia, damping, 0.0, 1.0, 1e-3)

@@ -85,8 +85,7 @@ class ReducedLoad:
 
         So both sides of the jump are among the ends of pieces, wherever these are looked at.
         """
-        inner = self.process.breaks
-        inner = inner[(inner > segment.start) & (inner < segment.end)]
+        inner = self._breaks_inside(segment)
         jumps = inner[self.process(inner) != self.process(inner, 0, "left")]
         if segment.law is None or not len(jumps):
             return segment
@@ -94,10 +93,13 @@ class ReducedLoad:
         law, _ = segment.law.split_at((beside - segment.start) / segment.angle)
         return segment.with_law(law)
 
+    def _breaks_inside(self, segment: PlacedSegment) -> Array:
+        breaks = self.process.breaks
+        return breaks[(breaks > segment.start) & (breaks < segment.end)]
+
     def process_range(self, segment: PlacedSegment) -> tuple[float, float]:
         """Least and largest process force on a segment [N]: straight pieces have them at ends."""
-        inner = self.process.breaks
-        inner = inner[(inner > segment.start) & (inner < segment.end)]
+        inner = self._breaks_inside(segment)
         right = np.concatenate([[segment.start], inner])
         left = np.concatenate([inner, [segment.end]])
         each = np.concatenate([self.process(right), self.process(left, 0, "left")])

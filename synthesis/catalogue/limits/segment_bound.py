@@ -17,7 +17,6 @@ FIELDS = {
     "mm": ("travel_mm", "velocity_mm_per_s", "acceleration_mm_per_s2", "jerk_mm_per_s3"),
     "deg": ("travel_deg", "velocity_deg_per_s", "acceleration_deg_per_s2", "jerk_deg_per_s3"),
 }
-QUANTITIES = ("travel", "velocity", "acceleration", "jerk")
 
 
 class SegmentBound(Limit):
@@ -33,7 +32,7 @@ class SegmentBound(Limit):
         min, max: bounds in the wire's units, None where there is none.
     """
 
-    kind: Literal["demand"] = "demand"
+    kind: Literal["segment_bound"] = "segment_bound"
     title: ClassVar[str] = "Window or point of one segment"
     segment: int
     place: str
@@ -99,7 +98,7 @@ class SegmentBound(Limit):
             low, high = high, low
         return (
             Claim(
-                self.name, QUANTITIES[self.order], (self.segment,), low, high,
+                self.name, NAMES[self.order], (self.segment,), low, high,
                 machine.derivative_unit(self.order), _moved(factor, start), self.field,
                 interval=self.interval, equality=self.equality,
             ),

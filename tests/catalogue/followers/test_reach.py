@@ -85,7 +85,7 @@ def test_a_swing_is_refused_where_the_smallest_radius_has_no_room(
     told = refused(arm, prime, length * swing)
     assert told == ("swing_too_large" if angle + swing >= np.pi else "")
     if not told:
-        low, high = arm.swingable(prime, length * swing)
+        low, high = arm.prime_radii_for(prime, length * swing)
         assert low == prime[0]
         largest = enclosed_angle(length, 1.0, high)
         assert largest + swing <= np.pi * (1.0 + 1e-9)
