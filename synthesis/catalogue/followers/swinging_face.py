@@ -192,7 +192,8 @@ def _start_below(
 class LeastPivotDistance(NonconvexConstraint):
     """The pivot no nearer than ``least`` [mm], where z = (p, Rb); ``offset``: f [mm].
 
-    Not convex: no half-plane says it, and the one that stands for it excludes nothing.
+    Not convex: no half-plane says it, and the one that stands for it excludes nothing. As the lower
+    end of a norm of the size, as of an arm, the local search ends at larger cams.
     """
 
     order: ClassVar[int] = 0
