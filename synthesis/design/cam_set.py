@@ -157,7 +157,7 @@ class CamSchedule:
 
     @classmethod
     def of(cls, position: int, cam: MountedCam) -> CamSchedule:
-        """The course of a finished cam; segments without extent are left out."""
+        """The schedule of a finished cam; segments without extent are left out."""
         segments = [segment for segment in cam.design.motion if segment.angle_deg > 0.0]
         placed = [(wrap_turn(s.start_deg + cam.phase_deg), s.kind) for s in segments]
         placed.sort(key=lambda each: each[0])
@@ -175,15 +175,15 @@ class CamSchedule:
 
 def timing_of(cams: Sequence[MountedCam]) -> Timing:
     """Events and arcs of a set; cams for which nothing fits take no part."""
-    courses = [CamSchedule.of(i, cam) for i, cam in enumerate(cams) if cam.has_cam]
-    events = [event for course in courses for event in course.events()]
+    schedules = [CamSchedule.of(i, cam) for i, cam in enumerate(cams) if cam.has_cam]
+    events = [event for course in schedules for event in course.events()]
     events.sort(key=lambda event: (event.shaft_deg, event.cam))
-    return Timing(events=events, arcs=_arcs(courses))
+    return Timing(events=events, arcs=_arcs(schedules))
 
 
-def _arcs(courses: Sequence[CamSchedule]) -> list[TimingArc]:
-    borders = sorted({at for course in courses for at in course.starts})
-    moving = [[c.cam for c in courses if c.kind_at(at) != "dwell"] for at in borders]
+def _arcs(schedules: Sequence[CamSchedule]) -> list[TimingArc]:
+    borders = sorted({at for course in schedules for at in course.starts})
+    moving = [[c.cam for c in schedules if c.kind_at(at) != "dwell"] for at in borders]
     changes = [i for i in range(len(borders)) if moving[i] != moving[i - 1]]
     if not changes:
         return [TimingArc(start_deg=0.0, angle_deg=360.0, moving=moving[0] if moving else [])]

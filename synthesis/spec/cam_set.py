@@ -28,7 +28,7 @@ from synthesis.spec.design_spec import DesignSpec
 
 MAX_CAMS = 50
 UPWARDS_DEG = 90.0
-SHAFT_GIVES = ("speed_rpm", "rotation")
+SHAFT_FIELDS = ("speed_rpm", "rotation")
 
 
 class CamOnShaft(FiniteModel):
@@ -107,13 +107,13 @@ class CamSetSpec(FiniteModel):
         """
         if not isinstance(cams, list):
             return cams
-        shaft = {field: info.data[field] for field in SHAFT_GIVES if field in info.data}
-        return [_filled(cam, shaft) for cam in cams]
+        shaft = {field: info.data[field] for field in SHAFT_FIELDS if field in info.data}
+        return [_with_shaft_fields(cam, shaft) for cam in cams]
 
     @model_validator(mode="after")
     def _is_one_shaft(self) -> CamSetSpec:
         for position, cam in enumerate(self.cams):
-            for field in SHAFT_GIVES:
+            for field in SHAFT_FIELDS:
                 own, shaft = getattr(cam.spec, field), getattr(self, field)
                 if own != shaft:
                     raise PydanticCustomError(
@@ -125,7 +125,7 @@ class CamSetSpec(FiniteModel):
         return self
 
 
-def _filled(cam: Any, shaft: dict[str, Any]) -> Any:
+def _with_shaft_fields(cam: Any, shaft: dict[str, Any]) -> Any:
     """A cam as it came, with what its spec leaves out."""
     if not isinstance(cam, dict) or not isinstance(cam.get("spec"), dict):
         return cam

@@ -70,13 +70,13 @@ class FreeParameters:
             program: the segments. follower: the machine. omega: cam speed [rad/s].
             base_radius: ends of the base radius asked for [mm], open ones infinite.
         """
-        mine = [
+        own = [
             (i, name, value, ends(value))
             for i, segment in enumerate(program)
             for name, value in segment.free_fields().items()
         ]
         machines = follower.searched_dimensions(base_radius).items()
-        free = (*mine, *((None, name, value, served) for name, (value, served) in machines))
+        free = (*own, *((None, name, value, reached) for name, (value, reached) in machines))
         return cls(
             tuple(program), follower, omega,
             tuple(
@@ -162,23 +162,23 @@ class FreeParameters:
         """Whether the sum of one field's numbers holds another field's number too."""
         row = 0 if name == "angle_deg" else 1
         others = [parameter.name != name for parameter in self.parameters]
-        return bool(np.any(np.abs(self._table[0][row, others]) > ROUNDING))
+        return bool(np.any(np.abs(self._sum_matrix[0][row, others]) > ROUNDING))
 
     @cached_property
     def polytope(self) -> Polytope:
         """Where the numbers may lie, each from 0 at its lower end to 1 at its upper end."""
-        matrix, start = self._table
+        matrix, start = self._sum_matrix
         tied = np.any(np.abs(matrix) > ROUNDING, axis=1) | (np.abs(start) > ROUNDING)
         return Polytope(matrix[tied], -start[tied])
 
     @cached_property
-    def _table(self) -> tuple[Array, Array]:
+    def _sum_matrix(self) -> tuple[Array, Array]:
         """What both sums miss at a point u is matrix · u + start: (2, n) and (2,)."""
         count = len(self.parameters)
-        start = self._rest(np.zeros(count))
-        return np.stack([self._rest(unit) - start for unit in np.eye(count)], axis=1), start
+        start = self._sum_errors(np.zeros(count))
+        return np.stack([self._sum_errors(unit) - start for unit in np.eye(count)], axis=1), start
 
-    def _rest(self, u: Array) -> Array:
+    def _sum_errors(self, u: Array) -> Array:
         """By how much the angles miss a turn, and the displacements gained their sum, relative."""
         program, _ = self.at_point(u)
         angle = math.fsum(segment.degrees for segment in program)

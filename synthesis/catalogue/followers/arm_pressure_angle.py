@@ -35,10 +35,10 @@ from synthesis.catalogue.constraints import (
 from synthesis.catalogue.followers.cosine_planes import majorant_plane
 from synthesis.numerics.piecewise import Array
 
-SPREAD = 7  # tangents to a cosine over its range: the largest gap between hull and rows is 3 %
-SHARES = tuple(k / (SPREAD - 1.0) for k in range(SPREAD))
+TANGENTS = 7  # tangents to a cosine over its range: the largest gap between hull and rows is 3 %
+TANGENT_SHARES = tuple(k / (TANGENTS - 1.0) for k in range(TANGENTS))
 HALVINGS = 50  # bisection steps: to the last bit of an angle
-ENDS = (0.0, 0.5, 1.0)  # shares of a range of swings at which its planes touch the cosine
+TOUCH_SHARES = (0.0, 0.5, 1.0)  # shares of a range of swings at which its planes touch the cosine
 WIDE = 20.0  # arm lengths: over a larger box of pivots no plane cuts anything off
 
 
@@ -79,7 +79,7 @@ class FreePivotPressureAngle(NonconvexConstraint):
             return ()
         if about is None:
             size = tuple(0.5 * (a + b) for a, b in box.sizes)
-            swings = [low + share * (high - low) for share in ENDS]
+            swings = [low + share * (high - low) for share in TOUCH_SHARES]
         else:
             size = tuple(min(max(v, a), b) for v, (a, b) in zip(about[1], box.sizes, strict=True))
             swings = [np.clip(about[0][0] / self.arm, low, high)]
@@ -162,7 +162,7 @@ class FixedPivotPressureAngle(NonconvexConstraint):
             ends = self._active_range(sign, box, ends)
             hull = ConcaveHull.over(ends[0], ends[1])
             if about is None:
-                where = [ends[0] + share * (hull.touch - ends[0]) for share in SHARES]
+                where = [ends[0] + share * (hull.touch - ends[0]) for share in TANGENT_SHARES]
                 where.append(ends[1])
             else:
                 where = [sign * np.clip((about[0][0] + about[1][0]) / self.arm, low, high) + turn]

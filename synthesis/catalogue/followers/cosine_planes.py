@@ -59,7 +59,7 @@ def max_of_cosine_minus_line(
 ) -> Array:
     """The largest of reach · cos(φ + start) − slope · φ for φ between low and high."""
 
-    def rest(phi: Array) -> Array:
+    def difference(phi: Array) -> Array:
         return np.asarray(reach * np.cos(phi + start) - slope * phi)
 
     # A stationary point has −reach · sin(φ + start) = slope; it is a maximum where the cosine is
@@ -67,5 +67,5 @@ def max_of_cosine_minus_line(
     # maximum a period, so its largest value over the range is there or at an end.
     top = np.arcsin(np.clip(-slope / max(reach, 1e-300), -1.0, 1.0)) - start
     top = top + 2.0 * pi * np.round((0.5 * (low + high) - top) / (2.0 * pi))
-    inner = rest(np.clip(top, low, high))
-    return np.asarray(np.maximum(np.maximum(rest(low), rest(high)), inner))
+    inner = difference(np.clip(top, low, high))
+    return np.asarray(np.maximum(np.maximum(difference(low), difference(high)), inner))

@@ -46,14 +46,14 @@ class _PressureMinorant:
     """A minorant of the product Λ Q over a box: Λ Q ≥ weight Q + square (Λ − weight).
 
     Attributes, with Λ = factors · (s, s', s'') + constant:
-        weight, square, constant: (n,) each. factors: (3, 1). grip: a and b of Q, (2, n).
+        weight, square, constant: (n,) each. factors: (3, 1). friction: a and b of Q, (2, n).
     """
 
     weight: Array
     square: Array
     factors: Array
     constant: Array
-    grip: Array
+    friction: Array
 
     @classmethod
     def of_no_pressure(cls, count: int) -> _PressureMinorant:
@@ -103,16 +103,16 @@ class CurvatureBound:
         # The bound reads σ X'' ≥ A − B with A and B convex. Where the box reaches X ≤ 0 neither is.
         middle = 0.5 * (low + high)
         at = middle if about is None else np.clip(about, low, high)
-        pressed = self._pressed(low, high, at, moving)
+        pressed = self._pressure_minorant(low, high, at, moving)
         if pressed is None:
             return None
         # A is nowhere below its tangent at a point.
-        value, slopes = self._convex(at, pressed)
+        value, slopes = self._minuend(at, pressed)
         # B is nowhere above the plane with B's slope in the middle that is raised until it is above
         # B at every corner: B less a linear function is convex, hence largest at a corner.
-        _, other = self._subtracted(middle, pressed)
+        _, other = self._subtrahend(middle, pressed)
         corners = _corners(low, high)
-        above = self._subtracted(corners, pressed)[0] - np.sum(other[:, None] * corners, axis=0)
+        above = self._subtrahend(corners, pressed)[0] - np.sum(other[:, None] * corners, axis=0)
         most = np.max(above, axis=0)
         # side X'' ≥ least + by · (X, u, e) + square (Λ − weight) all over the box
         by = slopes - other
@@ -130,7 +130,7 @@ class CurvatureBound:
             coefficients, np.array(self.coordinates.size_factors).T @ by, -least - known
         )
 
-    def _pressed(
+    def _pressure_minorant(
         self, low: Array, high: Array, at: Array, moving: MotionBox | None
     ) -> _PressureMinorant | None:
         """The product with the squares from below; None where too little is known."""
@@ -140,32 +140,32 @@ class CurvatureBound:
             return None
         # Ranges of Λ, by interval arithmetic, and of Q over the box.
         factors, constant = self.pressure_term.linear_form(moving.theta)
-        factors, grip = (
+        factors, friction = (
             factors[:, None],
             np.stack(self.pressure_term.friction_bound(low, high, moving)),
         )
         ends = np.sort(np.stack([factors * moving.low, factors * moving.high]), axis=0)
         weak, strong = np.sum(ends, axis=1) + constant
-        small, large = _squares(low, high, grip)
+        small, large = _square_range(low, high, friction)
         # Of McCormick's two minorants of the product the larger one where rows shall be tight.
-        here = _square(at, grip)[0]
+        here = _square(at, friction)[0]
         middle = 0.5 * (moving.low + moving.high) if moving.about is None else moving.about
         force = np.clip(np.sum(factors * middle, axis=0) + constant, weak, strong)
         lower = (force - weak) * (here - small) <= (strong - force) * (large - here)
         weight, square = np.where(lower, weak, strong), np.where(lower, small, large)
-        return _PressureMinorant(weight, square, factors, constant, grip)
+        return _PressureMinorant(weight, square, factors, constant, friction)
 
-    def _convex(self, at: Array, pressed: _PressureMinorant) -> Convex:
-        """A."""
-        value, slopes = _spread(at) if self.side > 0 else _leaning(at)
-        return _with(value, slopes, at, np.maximum(pressed.weight, 0.0), pressed.grip)
+    def _minuend(self, at: Array, pressed: _PressureMinorant) -> Convex:
+        """A: what the convex terms demand of σ X''."""
+        value, slopes = _speed_term(at) if self.side > 0 else _offset_term(at)
+        return _add_multiple(value, slopes, at, np.maximum(pressed.weight, 0.0), pressed.friction)
 
-    def _subtracted(self, at: Array, pressed: _PressureMinorant) -> Convex:
-        """B."""
-        bend, bends = _bend(at)
-        rest, rests = _leaning(at) if self.side > 0 else _spread(at)
+    def _subtrahend(self, at: Array, pressed: _PressureMinorant) -> Convex:
+        """B: convex terms that are subtracted from it."""
+        bend, bends = _sharpness_term(at)
+        rest, rests = _offset_term(at) if self.side > 0 else _speed_term(at)
         value, slopes = rest + self.most * bend, rests + self.most * bends
-        return _with(value, slopes, at, np.maximum(-pressed.weight, 0.0), pressed.grip)
+        return _add_multiple(value, slopes, at, np.maximum(-pressed.weight, 0.0), pressed.friction)
 
 
 def _corners(low: Array, high: Array) -> Array:
@@ -173,49 +173,49 @@ def _corners(low: Array, high: Array) -> Array:
     return np.where(CORNERS[:, :, None], high[:, None], low[:, None])
 
 
-def _with(value: Array, slopes: Array, at: Array, weight: Array, grip: Array) -> Convex:
-    """A function and so many Q."""
+def _add_multiple(value: Array, slopes: Array, at: Array, weight: Array, friction: Array) -> Convex:
+    """A convex function plus a multiple of Q."""
     if not np.any(weight):
         return value, slopes
-    square, steps = _square(at, grip)
+    square, steps = _square(at, friction)
     return value + weight * square, slopes + weight * steps
 
 
-def _square(at: Array, grip: Array) -> Convex:
+def _square(at: Array, friction: Array) -> Convex:
     """Q = (X + u²/X)²/(a + b u/X)."""
     x, u, e = at
     q = u / x
-    root, left = x + q * u, grip[0] + grip[1] * q
-    value, lost = root**2 / left, grip[1] * root**2 / (x * left**2)
+    root, left = x + q * u, friction[0] + friction[1] * q
+    value, lost = root**2 / left, friction[1] * root**2 / (x * left**2)
     by_x, by_u = 2.0 * root * (1.0 - q * q) / left + lost * q, 4.0 * root * q / left - lost
     return value, np.stack([by_x, by_u, 0.0 * e])
 
 
-def _squares(low: Array, high: Array, grip: Array) -> tuple[Array, Array]:
-    """What Q is at least and at most in boxes."""
+def _square_range(low: Array, high: Array, friction: Array) -> tuple[Array, Array]:
+    """Least and largest Q over boxes."""
     corners = _corners(low, high)
     # X + u²/X grows with |u|, and with X from |u| on
     slow = np.maximum(np.maximum(low[1], -high[1]), 0.0)
     x = np.clip(slow, low[0], high[0])
-    most = np.max(grip[0] + grip[1] * corners[1] / corners[0], axis=0)
-    return (x + slow**2 / x) ** 2 / most, np.max(_square(corners, grip)[0], axis=0)
+    most = np.max(friction[0] + friction[1] * corners[1] / corners[0], axis=0)
+    return (x + slow**2 / x) ** 2 / most, np.max(_square(corners, friction)[0], axis=0)
 
 
-def _spread(at: Array) -> Convex:
+def _speed_term(at: Array) -> Convex:
     """X + 2 (u + e/4)²/X."""
     x, u, e = at
     q = (u + 0.25 * e) / x
     return x + 2.0 * q * q * x, np.stack([1.0 - 2.0 * q * q, 4.0 * q, q])
 
 
-def _leaning(at: Array) -> Convex:
+def _offset_term(at: Array) -> Convex:
     """e²/(8X)."""
     x, u, e = at
     q = e / x
     return 0.125 * q * e, np.stack([-0.125 * q * q, 0.0 * u, 0.25 * q])
 
 
-def _bend(at: Array) -> Convex:
+def _sharpness_term(at: Array) -> Convex:
     """(X² + u²)^{3/2}/X."""
     x, u, e = at
     w = np.hypot(x, u)

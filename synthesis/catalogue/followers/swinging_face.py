@@ -128,27 +128,29 @@ class SwingingFaceConstraint(NonconvexConstraint):
         return np.asarray(distance * (np.sin(inside) + angle - inside) - self.offset)
 
     def relax(
-        self, within: MotionSizeBox, about: tuple[Array, Vector] | None
+        self, box: MotionSizeBox, about: tuple[Array, Vector] | None
     ) -> tuple[PointInequalities, ...]:
         """Where the pivot is given: planes over what the face's angle and speed can be."""
         if (
             self.distance is None
             or not self.has_relaxation
-            or not np.all(np.isfinite(within.v_max - within.v_min))
+            or not np.all(np.isfinite(box.v_max - box.v_min))
         ):
             return ()
-        ((low, high),) = within.sizes
+        ((low, high),) = box.sizes
         start = (low + self.offset) / self.distance, (high + self.offset) / self.distance
         if not 0.0 <= start[0] <= start[1] < 1.0:
             return ()
-        swing = within.s_min / self.reference, within.s_max / self.reference
+        swing = box.s_min / self.reference, box.s_max / self.reference
         angle = Interval(swing[0] + math.asin(start[0]), swing[1] + math.asin(start[1]))
-        rate = self.sigma * np.stack([within.v_min, within.v_max]) / self.reference
-        below = self._below(angle, Interval(1.0 + np.min(rate, axis=0), 1.0 + np.max(rate, axis=0)))
+        rate = self.sigma * np.stack([box.v_min, box.v_max]) / self.reference
+        below = self._minorant(
+            angle, Interval(1.0 + np.min(rate, axis=0), 1.0 + np.max(rate, axis=0))
+        )
         if below is None:
             return ()
         # bend φ'' + by_angle (φ + ψ0) + by_speed (1 + σ φ') + height ≤ known
-        steep, level = _start_below(below.by_angle, start, angle)
+        steep, level = _line_below(below.by_angle, start, angle)
         none, one = np.zeros_like(angle.low), np.ones_like(angle.low)
         rows = np.stack(
             [below.by_angle, self.sigma * below.by_speed, self.bend * one, none]
@@ -157,7 +159,7 @@ class SwingingFaceConstraint(NonconvexConstraint):
         size = (steep / self.distance)[None, :]
         return (PointInequalities(rows, size, upper - steep * self.offset / self.distance),)
 
-    def _below(self, angle: Interval, speed: Interval) -> MinorantPlane | None:
+    def _minorant(self, angle: Interval, speed: Interval) -> MinorantPlane | None:
         """A plane below the left side less the right one, over d where there is no bend."""
         assert self.distance is not None
         if self.bend:
@@ -172,7 +174,7 @@ class SwingingFaceConstraint(NonconvexConstraint):
         return MinorantPlane(-slope, first, -height - self.known / self.distance)
 
 
-def _start_below(
+def _line_below(
     by_angle: Array, start: tuple[float, float], angle: Interval
 ) -> tuple[Array, Array]:
     """Slope and height of a line in sinψ0 below by_angle · ψ0, which is convex in it or concave."""
