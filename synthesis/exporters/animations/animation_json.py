@@ -8,7 +8,7 @@ from __future__ import annotations
 import json
 
 from synthesis.design.design import Design
-from synthesis.exporters.animations.animation_page import tag, told_part
+from synthesis.exporters.animations.animation_page import tag
 from synthesis.exporters.exporter import Exporter
 from synthesis.exporters.figures.machine import Stage
 from synthesis.exporters.options import Options
@@ -36,7 +36,7 @@ def _scene(design: Design, options: Options) -> bytes:
         "extent": [sides[0], bottom, sides[1], top],
         "shapes": "\n".join(stage.shapes(tag)),
         "outline": stage.outline(),
-        "parts": [told_part(p, stage.decimals) for p in stage.moving() if p.moves],
+        "parts": [p.data(stage.decimals) for p in stage.moving() if p.moves],
     }
     text = json.dumps(body, ensure_ascii=False, allow_nan=False, separators=(",", ":"))
     return text.encode() + b"\n"

@@ -3,9 +3,6 @@
 from __future__ import annotations
 
 import json
-from typing import Any
-
-import numpy as np
 
 from synthesis.design.design import Design
 from synthesis.exporters.animations.cam_scene import cam_scene
@@ -15,11 +12,8 @@ from synthesis.exporters.drawing import html
 from synthesis.exporters.drawing.picture_options import PictureOptions
 from synthesis.exporters.drawing.theme import Theme, style
 from synthesis.exporters.exporter import Exporter
-from synthesis.exporters.figures.machine import Moving
-from synthesis.numerics.piecewise import Array
 
 FRAMES = 720
-STRAIGHT = 1e-9  # what departs less from a straight line is one
 SHOWN_RPM = 8  # speed on the screen at first
 
 CONTROLS = f"""<div class="controls" role="group" aria-label="Controls">
@@ -43,7 +37,7 @@ def _page(design: Design, options: PictureOptions) -> bytes:
 def paged(scene: Scene, theme: Theme) -> bytes:
     """The scene as a page with controls and numbers."""
     name = scene.name or scene.shaft.partition(" ")[0]
-    data = {"parts": [told_part(part, scene.decimals) for part in scene.moving],
+    data = {"parts": [part.data(scene.decimals) for part in scene.moving],
             "readings": scene.readings}  # fmt: skip
     body = "\n".join(
         [
@@ -53,7 +47,7 @@ def paged(scene: Scene, theme: Theme) -> bytes:
             _inline(scene.titles[1], DIAGRAMS, scene.diagrams(tag)),
             "</main>",
             CONTROLS.replace("Cam angle", scene.shaft),
-            _told(scene),
+            _readings(scene),
             KEYS,
             f'<script type="application/json" id="frames">{_json(data)}</script>',
         ]
@@ -72,30 +66,15 @@ def _inline(title: str, size: tuple[float, float], body: list[str]) -> str:
     return "\n".join([head, f"<title>{title}</title>", *body, "</svg>"])
 
 
-def _told(scene: Scene) -> str:
+def _readings(scene: Scene) -> str:
     """Places of the numbers that follow the motion."""
     rows = [(scene.shaft, "theta", "°")]
     rows += [(r["title"], r["name"], r["unit"]) for r in scene.readings]
-    told = [
+    text = [
         f'<div><dt>{title}</dt><dd><output id="{name}">&#8211;</output> {svg.unit(unit)}</dd></div>'
         for title, name, unit in rows
     ]
-    return "<dl>" + "".join(told) + "</dl>"
-
-
-def told_part(part: Moving, decimals: int) -> dict[str, Any]:
-    """Its name, and its columns over one turn; two values are a straight line."""
-    digits = 3 if part.kind == "turn" else decimals
-    columns = [_column(values, digits) for values in part.values.T]
-    return {"name": part.name, "kind": part.kind, "columns": columns}
-
-
-def _column(values: Array, digits: int) -> list[float]:
-    """The values, or the two ends of a straight line."""
-    line = np.linspace(values[0], values[-1], len(values))
-    if np.max(np.abs(values - line)) < STRAIGHT:
-        values = values[[0, -1]]
-    return [round(v, digits) + 0.0 for v in values.tolist()]
+    return "<dl>" + "".join(text) + "</dl>"
 
 
 def _json(data: object) -> str:

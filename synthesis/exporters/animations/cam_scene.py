@@ -91,7 +91,7 @@ def _legend(stage: Stage) -> list[str]:
     rows = [row for row in LEGEND if stage.prime > 0.0 or row[0] != "line pitch"]
     top = TOP + 2.0 * HEIGHT + GAP + 14.5
     body = []
-    for k, (kind, told) in enumerate(rows):
+    for k, (kind, text) in enumerate(rows):
         x, y = 4.0 + (k % 2) * 0.5 * DIAGRAMS[0], top + (k // 2) * 5.0
-        body += [svg.line(kind, x, y, x + 9.0, y), svg.text("tick", x + 11.0, y + 0.9, told)]
+        body += [svg.line(kind, x, y, x + 9.0, y), svg.text("tick", x + 11.0, y + 0.9, text)]
     return body

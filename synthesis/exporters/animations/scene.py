@@ -34,7 +34,7 @@ class Scene:
         titles: of the two panels. described: what is seen, in a sentence.
         machine, diagrams: elements of the panels, their parts named by the tag.
         moving: everything that moves. readings: numbers that follow. decimals: of coordinates.
-        rules: style of the machine's lines. footer: what is told below.
+        rules: style of the machine's lines. footer: the line below.
     """
 
     name: str

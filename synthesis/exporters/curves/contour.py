@@ -25,9 +25,9 @@ from synthesis.numerics.geometry.closed_curve import ClosedCurve, CurvePoints
 from synthesis.numerics.piecewise import Array, Indices
 from synthesis.units import DEGREE, FULL_TURN
 
-LOOKED_AT = np.linspace(0.0, 1.0, 17)
 SPACING = 2.0 * DEGREE  # of the angles at which the way forward is looked at, at most
 BACKWARDS = 1e-9  # of the curve's size per radian: rounding
+SAME_PLACE = 1e-11  # relative to the curve's size: rounding
 SHARP = 1e300  # curvature of a cusp, if not infinite
 
 
@@ -62,10 +62,8 @@ class Bridge:
         if self.sweep == 0.0:
             points = self.start + np.outer(fraction, self.end - self.start)
         else:
-            points = (
-                self.start
-                + np.column_stack([sin * tx - (1.0 - cos) * ty, (1.0 - cos) * tx + sin * ty]) / bend
-            )
+            way = [sin * tx - (1.0 - cos) * ty, (1.0 - cos) * tx + sin * ty]
+            points = self.start + np.column_stack(way) / bend
         full = np.full(len(fraction), 1.0)
         return CurvePoints(points, tangent, bend * full, self.length * full)
 
@@ -129,13 +127,13 @@ class Contour(ClosedCurve):
     def signed_speed(self, theta: Array, left: Mask) -> Array:
         """dq/dθ along the tangent [mm/rad], (n,)."""
         at = self.cam.at(theta, left)
-        return np.asarray(at.speed * (1.0 - self.cam.gap * _finite(at.curvature)))
+        return at.speed * (1.0 - self.cam.gap * np.clip(at.curvature, -SHARP, SHARP))
 
     def _moving(self, theta: Array, left: Mask, width: Array) -> CurvePoints:
         cam = self.cam
         at = cam.at(theta, left)
         mirror = -1.0 if cam.rotation == "cw" else 1.0
-        curvature = _finite(at.curvature)
+        curvature = np.clip(at.curvature, -SHARP, SHARP)
         forward = 1.0 - cam.gap * curvature
         with np.errstate(divide="ignore", over="ignore"):
             bend = -mirror * curvature / forward
@@ -161,43 +159,31 @@ class Contour(ClosedCurve):
 
     def _bridged(self) -> Contour:
         """The same with a bridge wherever the curve stops and goes on elsewhere."""
-        one, zero = np.ones(len(self.start)), np.zeros(len(self.start))
-        ends = self.at(np.arange(len(one)), one)
-        starts = self.at(np.arange(len(one)), zero)
+        count = len(self.start)
+        ends, starts = (self.at(np.arange(count), np.full(count, end)) for end in (1.0, 0.0))
         size = float(np.max(np.abs(ends.points)))
         start, end, bridges = [], [], {}
-        for k in range(len(one)):
+        for k, after in enumerate(np.roll(np.arange(count), -1)):
             start.append(self.start[k])
             end.append(self.end[k])
-            after = (k + 1) % len(one)
             step = starts.points[after] - ends.points[k]
-            if np.hypot(*step) > 1e-11 * size:
-                bridges[len(start)] = self._bridge(ends, k, starts, after)
+            if np.hypot(*step) > SAME_PLACE * size:
+                (ax, ay), (bx, by) = before, behind = ends.tangent[k], starts.tangent[after]
+                if float(step @ (before + behind)) < 0.0:
+                    raise _runs_back(self.cam, float(self.end[k]))
+                sweep = float(np.arctan2(ax * by - ay * bx, ax * bx + ay * by))
+                place = ends.points[k], starts.points[after]
+                bridges[len(start)] = Bridge(*place, before, sweep)
                 start.append(self.end[k])
                 end.append(self.end[k])
         return Contour(self.cam, np.array(start), np.array(end), bridges)
 
-    def _bridge(self, ends: CurvePoints, k: int, starts: CurvePoints, after: int) -> Bridge:
-        (ax, ay), (bx, by) = ends.tangent[k], starts.tangent[after]
-        sweep = float(np.arctan2(ax * by - ay * bx, ax * bx + ay * by))
-        step = starts.points[after] - ends.points[k]
-        middle = ends.tangent[k] + starts.tangent[after]
-        if float(step @ middle) < 0.0:
-            raise _runs_back(self.cam, float(self.end[k]))
-        return Bridge(ends.points[k], starts.points[after], ends.tangent[k], sweep)
-
-
-def _finite(curvature: Array) -> Array:
-    return np.asarray(np.clip(curvature, -SHARP, SHARP))
-
 
 def _runs_back(cam: Cam, theta: float) -> InputError:
-    degrees = theta / DEGREE
     return InputError(
-        "/curve",
-        f"{degrees:.6g}°",
+        "/curve", f"{theta / DEGREE:.6g}°",
         "At this cam angle the curve would run backwards: the cam is undercut there, or the "
         "cutter does not fit into its hollow. A curve that crosses itself is no outline.",
         "Limit profile_radius or cutter_radius and size the cam again, take a smaller cutter, or "
         "take the points as txt or csv, which show it as it is.",
-    )
+    )  # fmt: skip

@@ -13,7 +13,7 @@ from synthesis.exporters.drawing import canvas as svg
 from synthesis.numerics.piecewise import Array
 
 PLATEAU = 1e-13  # values that differ by less are one plateau
-FAR = 1.6  # a limit further out than this many times the peak is told, not drawn
+FAR = 1.6  # a limit further out than this many times the peak is written, not drawn
 HATCH = 1.1  # [mm] between the lines that fill what exceeds a limit
 LEGIBLE = 4.0  # [mm], height of a strip in which a word fits
 
@@ -83,10 +83,10 @@ def _axes(frame: Frame, labels: Labels) -> list[str]:
     right, bottom = frame.left + frame.width, frame.top + frame.height
     across = frame.x(np.arange(30.0, 360.0, 30.0)).tolist()
     body = [svg.line("grid", x, frame.top, x, bottom) for x in across]
-    for value, told in labels.ticks:
+    for value, text in labels.ticks:
         y = float(frame.y(np.array(value)))
         body.append(svg.line("axis" if value == 0.0 else "grid", frame.left, y, right, y))
-        body.append(svg.text("tick", frame.left - 1.6, y + 0.9, told, "end"))
+        body.append(svg.text("tick", frame.left - 1.6, y + 0.9, text, "end"))
     body.append(svg.line("axis", frame.left, frame.top, frame.left, bottom))
     return [*body, svg.line("axis", frame.left, bottom, right, bottom)]
 
@@ -147,17 +147,17 @@ def _hatched(x: Array, y: Array, level: float) -> list[str]:
 
 def _title(frame: Frame, plot: Plot, labels: Labels) -> list[str]:
     """Name and unit on the left; extremes and limits on the right, in alarm if broken."""
-    curve, told = plot.fine.followed_by(plot.infinite), []
+    curve, text = plot.fine.followed_by(plot.infinite), []
     for word, largest in plot.ends:  # on a plateau, its beginning
         value = curve.values.max() if largest else curve.values.min()
         first = np.argmax(np.isclose(curve.values, value, rtol=PLATEAU, atol=0.0))
-        told.append(f"{word} {labels.format(value)} at {svg.figure(curve.degrees[first], 5)}°")
-    told += sorted({_limit_text(bound, labels) for bound in plot.limits})
+        text.append(f"{word} {labels.format(value)} at {svg.figure(curve.degrees[first], 5)}°")
+    text += sorted({_limit_text(bound, labels) for bound in plot.limits})
     broken = any(exceeds(curve, bound).any() for bound in plot.limits)
     right, y = frame.left + frame.width, frame.top - 2.2
     title = svg.text("label", frame.left, y, f"{plot.title}, {labels.factor}{plot.unit}")
     kind = "alarm" if broken else "quiet"
-    return [title, *([svg.text(kind, right, y, " · ".join(told), "end")] if told else [])]
+    return [title, *([svg.text(kind, right, y, " · ".join(text), "end")] if text else [])]
 
 
 def _limit_text(bound: Bound, labels: Labels) -> str:

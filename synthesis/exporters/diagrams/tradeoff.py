@@ -14,7 +14,7 @@ from itertools import combinations
 import numpy as np
 from numpy.typing import NDArray
 
-from synthesis.exporters.diagrams.plot import Labels, linear
+from synthesis.exporters.diagrams.plot import linear
 from synthesis.exporters.drawing import canvas as svg
 from synthesis.exporters.drawing.heading import two_lines
 from synthesis.exporters.drawing.theme import Theme
@@ -37,13 +37,13 @@ class Aim:
     maximise: bool
 
     @property
-    def told(self) -> str:
+    def label(self) -> str:
         """Name, unit and which way is better."""
         name = self.quantity
-        found = UNIT.search(name)
-        if found is not None:
-            unit = (found[1] + found[2].replace("_per_", "/")).translate(RAISED)
-            name = f"{name[: found.start()]}, {svg.unit(unit)}"
+        at = UNIT.search(name)
+        if at is not None:
+            unit = (at[1] + at[2].replace("_per_", "/")).translate(RAISED)
+            name = f"{name[: at.start()]}, {svg.unit(unit)}"
         better = "larger" if self.maximise else "smaller"
         return f"{name.replace('_', ' ')} ({better} is better)"
 
@@ -67,29 +67,29 @@ class TradeOff:
     left_out: Mapping[str, int]
 
 
-def trade_off(found: TradeOff, theme: Theme = "auto") -> bytes:
+def trade_off(trade: TradeOff, theme: Theme = "auto") -> bytes:
     """The drawing."""
-    pairs = list(combinations(range(len(found.aims)), 2))
+    pairs = list(combinations(range(len(trade.aims)), 2))
     columns = 1 if len(pairs) == 1 else 2
     step = LEFT + PANEL[0] + RIGHT, PANEL[1] + BELOW + GAP
     rows = -(-len(pairs) // columns)
     width, height = columns * step[0], HEADER + rows * step[1] + FOOTER
-    body = _heading(found, width)
+    body = _heading(trade, width)
     for k, (i, j) in enumerate(pairs):
         left = (k % columns) * step[0] + LEFT
         top = HEADER + (k // columns) * step[1]
-        body += _panel(found, (i, j), left, top, lined=len(pairs) == 1)
+        body += _panel(trade, (i, j), left, top, lined=len(pairs) == 1)
     body += _legend(height - 0.5 * FOOTER + 1.0, len(pairs) == 1)
-    title = f"Trade-offs of {found.name or 'a sweep'}"
-    told = "Certified designs of a sweep; marked are those that no other beats in everything named."
-    return svg.document(width, height, 1.0, title, told, body, theme=theme)
+    title = f"Trade-offs of {trade.name or 'a sweep'}"
+    text = "Certified designs of a sweep; marked are those that no other beats in everything named."
+    return svg.document(width, height, 1.0, title, text, body, theme=theme)
 
 
-def _heading(found: TradeOff, width: float) -> list[str]:
+def _heading(trade: TradeOff, width: float) -> list[str]:
     """Name, and how many items are shown and not shown."""
-    shown = f"{len(found.numbers)} certified designs, {len(found.front)} of them on the front"
-    body = two_lines(found.name.strip() or "Sweep", shown, 8.0, width - 8.0, 1.0)
-    hidden = [f"{count} {why}" for why, count in found.left_out.items() if count]
+    shown = f"{len(trade.numbers)} certified designs, {len(trade.front)} of them on the front"
+    body = two_lines(trade.name.strip() or "Sweep", shown, 8.0, width - 8.0, 1.0)
+    hidden = [f"{count} {why}" for why, count in trade.left_out.items() if count]
     if hidden:
         text = svg.shortened(f"not shown: {', '.join(hidden)}", width - 16.0, svg.LABEL)
         body.append(svg.text("quiet", 8.0, 17.4, text))
@@ -104,64 +104,72 @@ class _Scale:
     high: float
     start: float
     end: float
-    labels: Labels
 
     @classmethod
     def of(cls, values: Array, start: float, end: float) -> _Scale:
         low, high = (float(values.min()), float(values.max())) if len(values) else (0.0, 1.0)
         wide = high - low if high - low > 1e-9 * max(abs(low), abs(high)) else abs(low) or 1.0
-        low, high = low - PAD * wide, high + PAD * wide
-        return cls(low, high, start, end, linear(low, high))
+        return cls(low - PAD * wide, high + PAD * wide, start, end)
 
     def at(self, values: Array) -> Array:
         return self.start + (self.end - self.start) * (values - self.low) / (self.high - self.low)
 
+    def ticks(self, name: str) -> tuple[list[tuple[float, str]], str]:
+        """Places and numbers at the axis; its name, a power of ten before its unit."""
+        labels = linear(self.low, self.high)
+        places = [(float(self.at(np.array(value))), text) for value, text in labels.ticks]
+        return places, name.replace(", ", f", {labels.factor}", 1) if labels.factor else name
+
 
 def _panel(
-    found: TradeOff, pair: tuple[int, int], left: float, top: float, lined: bool
+    trade: TradeOff, pair: tuple[int, int], left: float, top: float, lined: bool
 ) -> list[str]:
     """One quantity over another."""
     (wide, tall), (i, j) = PANEL, pair
-    across = _Scale.of(found.values[:, i], left, left + wide)
-    up = _Scale.of(found.values[:, j], top + tall, top)
-    x, y = across.at(found.values[:, i]), up.at(found.values[:, j])
-    body = _axes(found, pair, across, up)
-    rest = np.setdiff1d(np.arange(len(x)), found.front)
+    across = _Scale.of(trade.values[:, i], left, left + wide)
+    up = _Scale.of(trade.values[:, j], top + tall, top)
+    x, y = across.at(trade.values[:, i]), up.at(trade.values[:, j])
+    body = _axes(trade, pair, across, up)
+    rest = np.setdiff1d(np.arange(len(x)), trade.front)
     cells = np.unique(np.round(np.stack([x[rest], y[rest]], axis=1) / CELL), axis=0) * CELL
     body += [svg.circle("item", a, b, 0.75) for a, b in cells.tolist()]
-    best = found.front[np.argsort(x[found.front], kind="stable")]
+    best = trade.front[np.argsort(x[trade.front], kind="stable")]
     if lined and len(best):
-        body.append(svg.path("line curve", _stairs(found, x[best], y[best])))
+        body.append(svg.path("line curve", _stairs(trade, x[best], y[best])))
     body += [svg.path("mark", _diamond(a, b)) for a, b in zip(x[best], y[best], strict=True)]
-    return body + _numbers(found, best, x, y)
+    # numbers of the items on a small front; those that would overlap are left out
+    free = -np.inf
+    for k in best.tolist() if len(best) <= NAMED else []:
+        text = str(trade.numbers[k])
+        if x[k] + 2.0 >= free:
+            body.append(svg.text("tick halo", x[k] + 2.0, y[k] - 1.4, text))
+            free = x[k] + 2.6 + svg.width_of(text, svg.TICK)
+    return body
 
 
-def _axes(found: TradeOff, pair: tuple[int, int], across: _Scale, up: _Scale) -> list[str]:
+def _axes(trade: TradeOff, pair: tuple[int, int], across: _Scale, up: _Scale) -> list[str]:
     left, right, low, high = across.start, across.end, up.start, up.end
+    (x_ticks, x_name), (y_ticks, y_name) = (
+        scale.ticks(trade.aims[k].label) for scale, k in zip((across, up), pair, strict=True)
+    )
     body = []
-    for value, told in across.labels.ticks:
-        x = float(across.at(np.array(value)))
+    for x, text in x_ticks:
         body.append(svg.line("grid", x, low, x, high))
-        body.append(svg.text("tick", x, low + 4.0, told, "middle"))
-    for value, told in up.labels.ticks:
-        y = float(up.at(np.array(value)))
+        body.append(svg.text("tick", x, low + 4.0, text, "middle"))
+    for y, text in y_ticks:
         body.append(svg.line("grid", left, y, right, y))
-        body.append(svg.text("tick", left - 1.5, y + 0.9, told, "end"))
+        body.append(svg.text("tick", left - 1.5, y + 0.9, text, "end"))
     body += [svg.line("axis", left, low, right, low), svg.line("axis", left, low, left, high)]
-    names = [found.aims[k].told for k in pair]
-    for k, scale in enumerate((across, up)):
-        if scale.labels.factor:
-            names[k] = names[k].replace(", ", f", {scale.labels.factor}", 1)
-    name = svg.shortened(names[0], right - left, svg.LABEL)
+    name = svg.shortened(x_name, right - left, svg.LABEL)
     body.append(svg.text("label", 0.5 * (left + right), low + 9.0, name, "middle"))
-    name = svg.text("label", 0.0, 0.0, svg.shortened(names[1], low - high, svg.LABEL), "middle")
+    name = svg.text("label", 0.0, 0.0, svg.shortened(y_name, low - high, svg.LABEL), "middle")
     place = f"translate({svg.num(left - 16.5)} {svg.num(0.5 * (low + high))}) rotate(-90)"
     return [*body, f'<g transform="{place}">{name}</g>']
 
 
-def _stairs(found: TradeOff, x: Array, y: Array) -> str:
+def _stairs(trade: TradeOff, x: Array, y: Array) -> str:
     """Between two of the front nothing better is known than the worse of both in either."""
-    corner_first = found.aims[0].maximise  # from left to right: level, then the step; or the step
+    corner_first = trade.aims[0].maximise  # from left to right: level, then the step; or the step
     points = [(float(x[0]), float(y[0]))]
     for a, b in zip(x[1:].tolist(), y[1:].tolist(), strict=True):
         before = points[-1]
@@ -171,21 +179,8 @@ def _stairs(found: TradeOff, x: Array, y: Array) -> str:
 
 
 def _diamond(x: float, y: float) -> str:
-    corners = [(x, y - 1.6), (x + 1.35, y), (x, y + 1.6), (x - 1.35, y)]
-    xs, ys = np.array(corners).T
+    xs, ys = np.array([x, x + 1.35, x, x - 1.35]), np.array([y - 1.6, y, y + 1.6, y])
     return svg.steps(xs, ys, 3, closed=True)
-
-
-def _numbers(found: TradeOff, best: NDArray[np.intp], x: Array, y: Array) -> list[str]:
-    """Numbers of the items on a small front; those that would overlap are left out."""
-    body: list[str] = []
-    free = -np.inf
-    for k in best.tolist() if len(best) <= NAMED else []:
-        told = str(found.numbers[k])
-        if x[k] + 2.0 >= free:
-            body.append(svg.text("tick halo", x[k] + 2.0, y[k] - 1.4, told))
-            free = x[k] + 2.6 + svg.width_of(told, svg.TICK)
-    return body
 
 
 def _legend(y: float, lined: bool) -> list[str]:

@@ -28,10 +28,10 @@ def _kind(design: Design) -> str:
     return f"{design.follower.replace('_', ' ')} follower"
 
 
-def two_lines(name: str, told: str, left: float, right: float, u: float) -> list[str]:
-    """A name and what is told of it between two abscissae, cut where they do not fit."""
+def two_lines(name: str, text: str, left: float, right: float, u: float) -> list[str]:
+    """A name and a line about it between two abscissae, cut where they do not fit."""
     width = right - left
     return [
         svg.text("title", left, 8.0 * u, svg.shortened(name, width, BOLD * svg.TITLE * u)),
-        svg.text("quiet", left, 13.0 * u, svg.shortened(told, width, svg.LABEL * u)),
+        svg.text("quiet", left, 13.0 * u, svg.shortened(text, width, svg.LABEL * u)),
     ]

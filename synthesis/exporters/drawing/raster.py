@@ -72,22 +72,18 @@ def _elements(root: ET.Element, place: Affine2D) -> Iterator[tuple[ET.Element, A
     from matplotlib.transforms import Affine2D
 
     for element in root:
-        own = _transform(element.get("transform", ""), Affine2D())
+        own = Affine2D()
+        for name, numbers in reversed(FACTOR.findall(element.get("transform", ""))):
+            values = [float(n) for n in numbers.split()]
+            if name == "scale":
+                own.scale(*values)
+            elif name == "translate":
+                own.translate(*values)
+            else:
+                own.rotate_deg(*values)
         where = Affine2D(place.get_matrix() @ own.get_matrix())
         yield element, where
         yield from _elements(element, where)
-
-
-def _transform(text: str, found: Affine2D) -> Affine2D:
-    for name, numbers in reversed(FACTOR.findall(text)):
-        a, *more = (float(n) for n in numbers.split())
-        if name == "translate":
-            found.translate(a, more[0])
-        elif name == "scale":
-            found.scale(a, more[0] if more else a)
-        else:
-            found.rotate_deg(a)
-    return found
 
 
 def _paint(

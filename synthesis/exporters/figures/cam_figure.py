@@ -86,7 +86,9 @@ class Scene:
             length = math.hypot(pivot[0] - x, pivot[1] - y)
             if length > 0.0:
                 drive = (pivot[0] - x) / length, (pivot[1] - y) / length
-        flanks = tuple((one.flank, ring(one, options)) for one in cam.flanks())
+        flanks = tuple(
+            (one.flank, ring(one, options.count, options.chord_mm)) for one in cam.flanks()
+        )
         rim = rim_of(flanks)
         sizes = [np.ptp(way) for _, one in flanks for way in (one.pitch_x, one.pitch_y)]
         across = float(max(2.0 * prime, 2.0 * rim, *sizes))

@@ -19,12 +19,13 @@ def labels(design: Design, scene: Scene, x: float, y: float) -> list[str]:
     """Texts on the sheet, the cam's centre at (x, y); those that would overlap are left out."""
     taken = _occupied(scene)
     body = []
-    for kind, px, py, told in [*_border_texts(scene), *_segment_texts(design, scene)]:
-        half = 0.5 * svg.width_of(told, svg.LABEL * scene.u)
+    for kind, px, py, text in [*_border_texts(scene), *_segment_texts(design, scene)]:
+        half = 0.5 * svg.width_of(text, svg.LABEL * scene.u)
         place = (px - half, py - 1.6 * scene.u, px + half, py + 1.6 * scene.u)
-        if not any(_overlap(place, other) for other in taken):
+        left, bottom, right, top = place
+        if not any(left < b[2] and b[0] < right and bottom < b[3] and b[1] < top for b in taken):
             taken.append(place)
-            body.append(svg.text(kind, x + px, y - py + 1.0 * scene.u, told, "middle"))
+            body.append(svg.text(kind, x + px, y - py + 1.0 * scene.u, text, "middle"))
     return body + _offset_text(scene, x, y)
 
 
@@ -41,13 +42,9 @@ def _occupied(scene: Scene) -> list[Box]:
     return [*boxes, (x - side, y - side, x + side, y + side)]
 
 
-def _overlap(a: Box, b: Box) -> bool:
-    return a[0] < b[2] and b[0] < a[2] and a[1] < b[3] and b[1] < a[3]
-
-
-def _clear(scene: Scene, told: str, nx: float, ny: float) -> float:
+def _clear(scene: Scene, text: str, nx: float, ny: float) -> float:
     """How far along a normal the middle of a text must stand to keep clear of its foot."""
-    half = 0.5 * svg.width_of(told, svg.LABEL * scene.u)
+    half = 0.5 * svg.width_of(text, svg.LABEL * scene.u)
     return half * abs(nx) + 1.5 * scene.u * abs(ny) + 0.8 * scene.u
 
 
@@ -55,11 +52,11 @@ def _border_texts(scene: Scene) -> list[Text]:
     at = scene.borders
     texts: list[Text] = []
     for k, angle in enumerate(in_degrees(at.theta).tolist()):
-        told = f"{svg.figure(angle, 6)}°"
+        text = f"{svg.figure(angle, 6)}°"
         nx, ny = float(at.normal_x[k]), float(at.normal_y[k])
-        over = TICK * scene.u + _clear(scene, told, nx, ny)
+        over = TICK * scene.u + _clear(scene, text, nx, ny)
         place = float(at.pitch_x[k]) + over * nx, float(at.pitch_y[k]) + over * ny
-        texts.append(("label halo", *place, told))
+        texts.append(("label halo", *place, text))
     return texts
 
 
@@ -81,9 +78,9 @@ def _segment_texts(design: Design, scene: Scene) -> list[Text]:
 def _offset_text(scene: Scene, x: float, y: float) -> list[str]:
     if abs(scene.offset) < 0.2 * scene.u or scene.drive[0] != 0.0:
         return []
-    u, told = scene.u, svg.figure(abs(scene.offset), 6)
+    u, text = scene.u, svg.figure(abs(scene.offset), 6)
     level = y - scene.extent[1] + (BELOW - 2.0) * u
-    if svg.width_of(told, svg.LABEL * u) + 5.0 * u < abs(scene.offset):
+    if svg.width_of(text, svg.LABEL * u) + 5.0 * u < abs(scene.offset):
         middle = x + 0.5 * scene.centre[0]
-        return [svg.text("label", middle, level - 1.0 * u, told, "middle")]
-    return [svg.text("label", x + max(scene.centre[0], 0.0) + 5.0 * u, level + 1.0 * u, told)]
+        return [svg.text("label", middle, level - 1.0 * u, text, "middle")]
+    return [svg.text("label", x + max(scene.centre[0], 0.0) + 5.0 * u, level + 1.0 * u, text)]

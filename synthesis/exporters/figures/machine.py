@@ -10,7 +10,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
-from typing import Literal
+from typing import Any, Literal
 
 import numpy as np
 
@@ -46,7 +46,7 @@ ACROSS = 92.0  # units from side to side of a cam
 DRAWN = ProfileOptions(points_per_degree=2.0)
 GUIDE, OVER = (4.0, 12.0), 2.0  # of a slide, in units: from and to above its highest place; more
 SPOKES = (0.0, 60.0, 120.0)  # of a roller [deg]
-STILL = 1e-9  # what moves less [mm, deg] does not move
+STILL = 1e-9  # what moves less, or departs less from a line [mm, deg], does not
 
 
 @dataclass(frozen=True, eq=False)
@@ -66,8 +66,18 @@ class Moving:
     @property
     def first(self) -> str:
         """Where it stands at cam angle 0, as SVG has it."""
-        told = " ".join(svg.num(value, 6) for value in self.values[0].tolist())
-        return f"{'rotate' if self.kind == 'turn' else 'translate'}({told})"
+        place = " ".join(svg.num(value, 6) for value in self.values[0].tolist())
+        return f"{'rotate' if self.kind == 'turn' else 'translate'}({place})"
+
+    def data(self, decimals: int) -> dict[str, Any]:
+        """Its name, and its columns over one turn; two values are a straight line."""
+        digits, columns = 3 if self.kind == "turn" else decimals, []
+        for values in self.values.T:
+            line = np.linspace(values[0], values[-1], len(values))
+            straight = np.max(np.abs(values - line)) < STILL
+            shown = values[[0, -1]] if straight else values
+            columns.append([round(v, digits) + 0.0 for v in shown.tolist()])
+        return {"name": self.name, "kind": self.kind, "columns": columns}
 
 
 @dataclass(frozen=True, eq=False)
@@ -99,7 +109,7 @@ class Stage:
         """
         mirror = -1.0 if cam.rotation == "cw" else 1.0
         cam = replace(cam, rotation="ccw")
-        flanks = tuple((one.flank, ring(one, DRAWN)) for one in cam.flanks())
+        flanks = tuple((one.flank, ring(one, DRAWN.count, None)) for one in cam.flanks())
         reach = max(rim_of(flanks), *(_reach(curve) for _, curve in flanks))
         by = 1.0 if in_mm else display_scale(reach)
         mechanism, reach = Mechanism.of(cam, count).magnified(by), by * reach

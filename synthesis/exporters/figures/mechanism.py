@@ -99,7 +99,7 @@ class Mechanism:
         return cls(theta, shown, link, moved, tuple(contacts))
 
     def magnified(self, by: float) -> Mechanism:
-        """The same machine with all lengths so many times as large; what is told of it stays."""
+        """The same machine with all lengths so many times as large; what is shown of it stays."""
         link, contacts = self.link, self.contacts
         if link.face is not None:
             link = replace(link, face=replace(link.face, at=_times(link.face.at, by)))

@@ -10,8 +10,6 @@ import math
 
 import numpy as np
 
-from synthesis.catalogue.followers.flank import Flank
-from synthesis.catalogue.profile import CamProfile
 from synthesis.design.design import Design
 from synthesis.exporters.drawing import canvas as svg
 from synthesis.exporters.drawing.heading import TURNS, heading
@@ -35,7 +33,8 @@ def _profile(design: Design, options: CamDrawingOptions) -> bytes:
     legend = y - bottom + (BELOW + 3.0) * u
     rows = _legend(design, scene)
     height = legend + (max(5, len(rows)) + 1.0) * ROW * u
-    second = max(0.5 * width + 8.0 * u, (MARGIN + 13.0) * u + _widest(rows, u) + 3.0 * u)
+    widest = max(svg.width_of(text, svg.LABEL * u) for _, text in rows)
+    second = max(0.5 * width + 8.0 * u, (MARGIN + 13.0) * u + widest + 3.0 * u)
     scale = shown_at(width)
     body = [
         f'<g transform="translate({svg.num(x)} {svg.num(y)}) scale(1 -1)">',
@@ -48,11 +47,11 @@ def _profile(design: Design, options: CamDrawingOptions) -> bytes:
         *_scale_bar(second, legend + 4.0 * ROW * u, u, ratio(scale)),
     ]
     title = f"Cam {design.name or design.id}"
-    told = (
+    text = (
         f"The cam's profile and pitch curve, drawn {ratio(scale)}, with the follower at cam "
         "angle 0. One unit of the coordinates is 1 mm of the cam."
     )
-    return svg.document(width, height, u, title, told, body, scale, options.theme)
+    return svg.document(width, height, u, title, text, body, scale, options.theme)
 
 
 def shown_at(width: float) -> float:
@@ -76,10 +75,12 @@ def _legend(design: Design, scene: Scene) -> list[tuple[str, str]]:
     """Kinds of lines and what they stand for."""
     size = {name: svg.figure(value, 6) for name, value in design.dimensions.items()}
     first = scene.flanks[0][0]
-    rows = [
-        ("line outline" if flank.path == first.path else "line curve", _radii(flank, curve))
-        for flank, curve in scene.flanks
-    ]
+    rows = []
+    for flank, curve in scene.flanks:
+        radius = np.hypot(curve.x, curve.y)
+        least, largest = svg.figure(float(radius.min()), 5), svg.figure(float(radius.max()), 5)
+        text = f"{flank.name} profile, radius {least} to {largest} mm".strip()
+        rows.append(("line outline" if flank.path == first.path else "line curve", text))
     rows.append(("line circle", f"base circle, radius {size['base_radius_mm']} mm"))
     if scene.roller > 0.0:
         rows.insert(len(scene.flanks), ("line pitch", "pitch curve, path of the roller's centre"))
@@ -92,46 +93,32 @@ def _legend(design: Design, scene: Scene) -> list[tuple[str, str]]:
     return rows
 
 
-def _radii(flank: Flank, curve: CamProfile) -> str:
-    """Between which radii a flank lies."""
-    radius = np.hypot(curve.x, curve.y)
-    least, largest = svg.figure(float(radius.min()), 5), svg.figure(float(radius.max()), 5)
-    return f"{flank.name} profile, radius {least} to {largest} mm".strip()
-
-
-def _widest(rows: list[tuple[str, str]], u: float) -> float:
-    """Width of the longest text of the legend [mm]."""
-    return max(svg.width_of(told, svg.LABEL * u) for _, told in rows)
-
-
 def _legend_lines(rows: list[tuple[str, str]], x: float, top: float, u: float) -> list[str]:
     body = []
-    for k, (kind, told) in enumerate(rows):
+    for k, (kind, text) in enumerate(rows):
         y = top + (k + 0.5) * ROW * u
         body.append(svg.line(kind, x, y, x + 11.0 * u, y))
-        body.append(svg.text("label", x + 13.0 * u, y + 1.0 * u, told))
+        body.append(svg.text("label", x + 13.0 * u, y + 1.0 * u, text))
     return body
 
 
 def _remarks(design: Design, scene: Scene, x: float, top: float, u: float) -> list[str]:
     levels = [end for segment in design.motion for end in segment.levels]
     stroke = svg.measured(max(levels) - min(levels), design.spec.follower.travel.unit)
-    told = [
-        _tip(scene),
+    tip = "knife edge"
+    if any(scene.face):
+        tip = f"flat face, contact over {svg.figure(sum(scene.face), 6)} mm"
+    elif scene.roller > 0.0:
+        tip = f"roller radius {svg.figure(scene.roller, 6)} mm"
+    text = [
+        tip,
         f"{'stroke' if scene.pivot is None else 'swing'} {stroke}",
         "follower shown at cam angle 0°",
         f"cam angles run {TURNS[OPPOSITE[design.rotation]]}",
     ]
     return [
-        svg.text("label", x, top + ((k + 0.5) * ROW + 1.0) * u, line) for k, line in enumerate(told)
+        svg.text("label", x, top + ((k + 0.5) * ROW + 1.0) * u, line) for k, line in enumerate(text)
     ]
-
-
-def _tip(scene: Scene) -> str:
-    """What touches the cam."""
-    if any(scene.face):
-        return f"flat face, contact over {svg.figure(sum(scene.face), 6)} mm"
-    return f"roller radius {svg.figure(scene.roller, 6)} mm" if scene.roller > 0.0 else "knife edge"
 
 
 def _scale_bar(x: float, y: float, u: float, drawn: str) -> list[str]:
@@ -141,17 +128,12 @@ def _scale_bar(x: float, y: float, u: float, drawn: str) -> list[str]:
     mid, end = x + 0.5 * length, x + length
     body = [svg.line("line outline", x, y + 2.0 * u, end, y + 2.0 * u)]
     body += [svg.line("line outline", a, y + 1.2 * u, a, y + 2.8 * u) for a in (x, mid, end)]
-    told = f"{svg.figure(length)} mm, scale {drawn}"
-    body.append(svg.text("tick", end + 1.6 * u, y + 2.9 * u, told))
+    text = f"{svg.figure(length)} mm, scale {drawn}"
+    body.append(svg.text("tick", end + 1.6 * u, y + 2.9 * u, text))
     return body
 
 
 PROFILE = Exporter(
-    "svg",
-    "Drawing of the cam",
-    "image/svg+xml",
-    ".svg",
-    _profile,
-    CamDrawingOptions,
+    "svg", "Drawing of the cam", "image/svg+xml", ".svg", _profile, CamDrawingOptions,
     placeable=False,
-)
+)  # fmt: skip

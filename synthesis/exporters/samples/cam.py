@@ -11,7 +11,7 @@ from synthesis.catalogue.followers.flank import Flank, labelled
 from synthesis.catalogue.profile import CamProfile, cam_profile
 from synthesis.design.design import Design
 from synthesis.errors import InputError
-from synthesis.exporters.options import CURVES, CurveName, PlacedCurve, is_cutter, is_pitch
+from synthesis.exporters.options import CURVES, CurveName, PlacedCurve, is_pitch
 from synthesis.exporters.samples.turn import Mask, Turn
 from synthesis.numerics.piecewise import Array, Side
 from synthesis.units import rad_per_s
@@ -64,13 +64,13 @@ class Cam(Turn):
 
     def at(self, theta: Array, left: Mask | None = None) -> CamProfile:
         """The cam at θ (n,) [rad]; where ``left`` (n,) holds, the limits from the left."""
-        found = self._one_sided(theta, "right")
+        at = self._one_sided(theta, "right")
         if left is not None and left.any():
-            other = self._one_sided(theta[left], "left")
+            before = self._one_sided(theta[left], "left")
             for field in fields(CamProfile):
                 if field.name != "theta":
-                    getattr(found, field.name)[..., left] = getattr(other, field.name)
-        return found
+                    getattr(at, field.name)[..., left] = getattr(before, field.name)
+        return at
 
     def place(self, at: CamProfile) -> tuple[Array, Array]:
         """x and y of the curve [mm], in the cam's frame."""
@@ -91,31 +91,23 @@ def profiles(design: Design) -> dict[str, CurveName]:
 
 def _flank(follower: Follower, curve: CurveName) -> Flank:
     """The flank that a curve is of; InputError where the cam has none of this name."""
-    flanks = follower.flanks
-    if curve in ("profile", "pitch"):
-        return flanks[0]
-    if curve == "cutter":
-        return flanks[0]
-    for flank in flanks:
-        names = flank.name, labelled(flank.path, "pitch"), f"{flank.name}_cutter"
-        if flank.name and curve in names:
-            return flank
-    known = [flank.name for flank in flanks if flank.name]
-    known += [labelled(path, "pitch") for path in follower.active_closure.counter_paths]
-    known += ["cutter", *(f"{flank.name}_cutter" for flank in flanks[1:])]
+    first, *others = follower.flanks
+    counter_paths = follower.active_closure.counter_paths
+    curves = {"profile": first, "pitch": first}
+    curves |= {flank.name: flank for flank in follower.flanks if flank.name}
+    curves |= {labelled(each.path, "pitch"): each for each in others if each.path in counter_paths}
+    curves |= {"cutter": first, **{f"{flank.name}_cutter": flank for flank in others}}
+    if curve in curves:
+        return curves[curve]
     raise InputError(
-        "/curve",
-        curve,
-        f"This cam has no such curve. Its curves are {', '.join(['profile', 'pitch', *known])}.",
+        "/curve", curve, f"This cam has no such curve. Its curves are {', '.join(curves)}.",
         "Choose one of these.",
-    )
+    )  # fmt: skip
 
 
 def _gap(flank: Flank, options: PlacedCurve | None) -> float:
     """See ``Cam.gap``."""
     if options is not None and is_pitch(options.curve):
         return 0.0
-    cutter = 0.0
-    if options is not None and is_cutter(options.curve) and options.cutter_diameter_mm is not None:
-        cutter = 0.5 * options.cutter_diameter_mm
-    return flank.side * (flank.distance - cutter)
+    diameter = options.cutter_diameter_mm if options is not None else None  # of cutters only
+    return flank.side * (flank.distance - 0.5 * (diameter or 0.0))

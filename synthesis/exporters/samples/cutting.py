@@ -27,7 +27,7 @@ from synthesis.units import FULL_TURN
 
 LOCAL = 3600  # angles at which the radius of hollows is looked at
 PAIRED = 720  # angles at which all pairs are
-CHUNK = 90
+CHUNK = 90  # points whose pairs are looked at together: bounds the memory
 NEAR = 1e-4  # of the cam's size: nearer pairs are the hollow's radius and rounding
 ROOM = 1e-9  # relative: a cutter that just fits, fits
 
@@ -66,27 +66,19 @@ def chosen(design: Design, options: PlacedCurve) -> Cam:
 
 def largest_cutter(cam: Cam) -> Fit:
     """The largest cutter that reaches all of the cam's flank."""
-    return min(_narrowest(cam), _hollowest(cam), key=lambda fit: fit.radius)
-
-
-def _hollowest(cam: Cam) -> Fit:
-    theta = np.union1d(FULL_TURN * np.arange(LOCAL) / LOCAL, cam.joints.theta)
-    at = cam.at(theta)
-    hollow = np.where(at.radius < 0.0, -at.radius, np.inf)
-    return _fit(at, int(np.argmin(hollow)), float(hollow.min()))
-
-
-def _narrowest(cam: Cam) -> Fit:
+    # the least radius of its hollows
+    hollow = cam.at(np.union1d(FULL_TURN * np.arange(LOCAL) / LOCAL, cam.joints.theta))
+    radius = np.where(hollow.radius < 0.0, -hollow.radius, np.inf)
+    # circles that touch one point and go through another, over all pairs
     theta = FULL_TURN * np.arange(PAIRED) / PAIRED
     at = cam.at(theta)
-    side = cam.flank.side
-    c, m = np.stack([at.x, at.y]), side * np.stack([at.normal_x, at.normal_y])
+    c, m = np.stack([at.x, at.y]), cam.flank.side * np.stack([at.normal_x, at.normal_y])
     walls = [each.at(theta) for each in cam.flanks() if each.flank.path == cam.flank.path]
     q = np.hstack([np.stack([wall.x, wall.y]) for wall in walls])
     least = np.concatenate(
         [_tangent(c[:, i : i + CHUNK], m[:, i : i + CHUNK], q) for i in range(0, PAIRED, CHUNK)]
     )
-    return _fit(at, int(np.argmin(least)), float(least.min()))
+    return min(_fit(at, least), _fit(hollow, radius), key=lambda fit: fit.radius)
 
 
 def _tangent(c: Array, m: Array, q: Array) -> Array:
@@ -94,11 +86,13 @@ def _tangent(c: Array, m: Array, q: Array) -> Array:
     dx, dy = (q[i][None, :] - c[i][:, None] for i in (0, 1))
     ahead = m[0][:, None] * dx + m[1][:, None] * dy
     square = dx * dx + dy * dy
-    apart = (ahead > 0.0) & (square > (NEAR * np.max(np.abs(c))) ** 2)
-    radius = np.where(apart, square, np.inf) / np.where(apart, 2.0 * ahead, 1.0)
+    other = (ahead > 0.0) & (square > (NEAR * np.max(np.abs(c))) ** 2)
+    radius = np.where(other, square, np.inf) / np.where(other, 2.0 * ahead, 1.0)
     return np.asarray(np.min(radius, axis=1))
 
 
-def _fit(at: CamProfile, index: int, radius: float) -> Fit:
-    angle = float(in_degrees(at.theta[index]))
-    return Fit(radius, angle, float(at.x[index]), float(at.y[index]))
+def _fit(at: CamProfile, radii: Array) -> Fit:
+    """Where the least of radii (n,) is."""
+    k = int(np.argmin(radii))
+    angle = float(in_degrees(at.theta[k]))
+    return Fit(float(radii[k]), angle, float(at.x[k]), float(at.y[k]))

@@ -62,9 +62,7 @@ def motion_rows(turn: Turn, count: float) -> Rows:
 def _rows(turn: Turn, theta: Array) -> Rows:
     """The rows at these cam angles, two of them where a derivative jumps."""
     jumps = turn.joints.breaking(3)
-    twice = np.isin(theta, jumps[jumps > 0.0])
-    rows = np.repeat(theta, 1 + twice)
-    before = np.repeat(twice, 1 + twice) & (np.append(np.diff(rows), 1.0) == 0.0)
+    rows, before = _twice(theta, jumps[jumps > 0.0])
     side = np.where(np.isin(rows, jumps), 1, 0) - np.where(before, 2, 0)
     side[-1] = -side[0]  # the turn's two ends are the two sides of cam angle 0
     left = side < 0
@@ -72,22 +70,23 @@ def _rows(turn: Turn, theta: Array) -> Rows:
     return Rows(rows, in_degrees(rows), side, left)
 
 
-def ring(cam: Cam, options: CurveOptions) -> CamProfile:
-    """The closed curve from its seam, in the order of rising cam angle, not yet closed."""
-    return _ring(cam, options, None, options.chord_mm)
-
-
-def _ring(
-    cam: Cam, options: CurveOptions, start: float | None, chord_mm: float | None
-) -> CamProfile:
-    """The same from the cam angle ``start`` [rad], without one from the seam."""
-    begin = cam.seam if start is None else start % FULL_TURN
-    theta = _ring_angles(cam, options.count, chord_mm, begin)
-    # Only where s' jumps does the point itself have two sides.
-    twice = np.isin(theta, cam.joints.breaking(1))
+def _twice(theta: Array, jumps: Array) -> tuple[Array, Mask]:
+    """Angles with the jumps among them twice, and where they stand for the limit from the left."""
+    twice = np.isin(theta, jumps)
     rows = np.repeat(theta, 1 + twice)
-    left = np.repeat(twice, 1 + twice) & (np.append(np.diff(rows), 1.0) == 0.0)
-    return cam.at(rows, left)
+    return rows, np.repeat(twice, 1 + twice) & (np.append(np.diff(rows), 1.0) == 0.0)
+
+
+def ring(cam: Cam, count: float, chord_mm: float | None, start: float | None = None) -> CamProfile:
+    """The closed curve in the order of rising cam angle, not yet closed.
+
+    Args:
+        count: points in a turn. chord_mm: if given, chords keep to it instead [mm].
+        start: cam angle of the first point [rad]; None: the seam.
+    """
+    theta = _ring_angles(cam, count, chord_mm, cam.seam if start is None else start % FULL_TURN)
+    # Only where s' jumps does the point itself have two sides.
+    return cam.at(*_twice(theta, cam.joints.breaking(1)))
 
 
 @dataclass(frozen=True, eq=False)
@@ -122,13 +121,13 @@ class Written:
 def written_points(cam: Cam, options: PointOptions) -> Written:
     """The points of the cam's curve, in the order and with the decimals that are asked for."""
     start = None if options.start_deg is None else options.start_deg * DEGREE
-    at = _ring(cam, options, start, _leaving_room(options))
+    at = ring(cam, options.count, _chord_before_rounding(options), start)
     exact = np.column_stack(placed(cam, options, at))
     rounded: Array = np.round(exact, options.decimals) + 0.0  # no −0
     new = np.any(rounded != np.roll(rounded, 1, axis=0), axis=1)
     new[0] = True
-    apart = np.flatnonzero(np.any(rounded != rounded[0], axis=1))
-    new[int(apart[-1]) + 1 if len(apart) else 1 :] = False  # what repeats the first
+    other = np.flatnonzero(np.any(rounded != rounded[0], axis=1))
+    new[int(other[-1]) + 1 if len(other) else 1 :] = False  # what repeats the first
     if np.count_nonzero(new) < LEAST_RING:
         raise InputError(
             "/decimals", options.decimals,
@@ -141,7 +140,7 @@ def written_points(cam: Cam, options: PointOptions) -> Written:
     return Written(theta, points)
 
 
-def _leaving_room(options: PointOptions) -> float | None:
+def _chord_before_rounding(options: PointOptions) -> float | None:
     """A chord tolerance [mm] that rounded points keep too: a chord moves as its ends do."""
     moved = math.sqrt(0.5) * 10.0 ** (3 - options.decimals)  # [µm]
     if options.tolerance_um is None:
@@ -164,8 +163,7 @@ def in_degrees(theta: Array) -> Array:
 
 def _uniform(wanted: float) -> Array:
     """Angles k · 360°/N in [0, 360°) [rad], N rounded up to a whole number."""
-    least = 360.0 / (COARSEST / DEGREE)
-    count = math.ceil(max(wanted - 1e-9, least))
+    count = math.ceil(max(wanted - 1e-9, 360.0 / (COARSEST / DEGREE)))
     return np.arange(count) * 360.0 / count * DEGREE
 
 

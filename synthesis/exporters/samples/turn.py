@@ -47,7 +47,7 @@ class Turn:
     """One turn of a shaft.
 
     Attributes:
-        motion: of the follower. travel: how its displacement is told. omega: speed [rad/s].
+        motion: of the follower. travel: unit of its displacement. omega: speed [rad/s].
     """
 
     motion: Motion

@@ -12,7 +12,6 @@ from pydantic import Field
 
 from synthesis.errors import InputError
 from synthesis.exporters.animations.animation_page import tag as data_tag
-from synthesis.exporters.animations.animation_page import told_part
 from synthesis.exporters.animations.scene import Scene, grouped, lasting
 from synthesis.exporters.diagrams.diagram import Frame, diagram
 from synthesis.exporters.diagrams.plot import Plot, curve_plot
@@ -354,7 +353,7 @@ def _data(found: SixBarShaper, options: Options) -> bytes:
     stage = Stage.of(found, FRAMES)
     return scene_json(
         found, FRAME, stage.by, stage.extent, shapes="\n".join(stage.shapes(data_tag)),
-        parts=[told_part(part, DECIMALS) for part in stage.moving if part.moves], mirror=1,
+        parts=[part.data(DECIMALS) for part in stage.moving if part.moves], mirror=1,
     )  # fmt: skip
 
 
