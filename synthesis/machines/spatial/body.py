@@ -245,6 +245,7 @@ def flank_error(cuts: GrooveSections, body: Body) -> float:
     low, high = (0.5 * (each[1:] + each[:-1]) for each in (blank.low, blank.high))
     between = Blank(blank.chart, depth, low, high, blank.bore)
     true = rib_bounds(between, grooves.low[body.kept], grooves.high[body.kept])
+    # The corners of all cells that lie wholly on a rib within the blank.
     steps = [(i, slice(j, len(depth) + j)) for i in (0, 1) for j in (0, 1)]
     corners = np.stack([body.ribs[:, :, sampled + i][..., each] for i, each in steps])
     inside = (corners > np.max(blank.low)) & (corners < np.min(blank.high))
@@ -253,6 +254,7 @@ def flank_error(cuts: GrooveSections, body: Body) -> float:
         blank.chart.points(np.array(i * step), blank.depth[each], corner)
         for (i, each), corner in zip(steps, corners, strict=True)
     ]
+    # Along the cell's normal, from its middle to the true surface in the middle row and depth.
     normal = cross(cell[3] - cell[0], cell[2] - cell[1])
     middle = blank.chart.points(np.array(0.5 * step), depth, true)
     with np.errstate(invalid="ignore"):

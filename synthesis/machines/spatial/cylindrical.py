@@ -92,6 +92,15 @@ class CylindricalMachine(SpatialMachine, ABC):
         roller = self._roller(sizes, self.wall_radii(sizes)[0])
         return SweptRoller(0.0 * X, Z, joint, origin, X, roller, hand)
 
+    def _swept_on_pivot(
+        self, sizes: Mapping[str, float], length: float, distance: float, hand: int
+    ) -> SweptRoller:
+        """The same on a pivot across the cam's axis, ``distance`` from it [mm].
+
+        At q = 0 the arm of this ``length`` is perpendicular to the cam's axis.
+        """
+        return self._swept(sizes, Pivot(distance * Y, -X), (distance - length) * Y, hand)
+
     def _largest_offset(self, cylinder: float) -> float:
         """Largest distance of the roller's axis from the cam's at which it meets the cylinder."""
         floor = cylinder - self.roller_width_mm
@@ -177,14 +186,6 @@ class CylindricalFollower(CylindricalMachine, ABC):
         return math.inf if distance is None else distance - 2.0 * sizes["roller_radius_mm"]
 
 
-def pivot(length: float, distance: float) -> tuple[Pivot, Array]:
-    """A pivot across the cam's axis, ``distance`` away, and the roller's place at q = 0 [mm].
-
-    At q = 0 the arm of this ``length`` is perpendicular to the cam's axis.
-    """
-    return Pivot(distance * Y, -X), (distance - length) * Y
-
-
 def roller_seats(rest: float, spacing: float | None) -> tuple[Seat, ...]:
     """One roller in a groove, or two ``spacing`` apart with a rib between them [rad or mm]."""
     if spacing is None:
@@ -250,7 +251,7 @@ class CylindricalOscillating(CylindricalFollower):
     ] = 0.0
 
     def swept_roller(self, sizes: Mapping[str, float], rotation: int) -> SweptRoller:
-        return self._swept(sizes, *pivot(*self._lengths), rotation)
+        return self._swept_on_pivot(sizes, *self._lengths, rotation)
 
     @property
     def _lengths(self) -> tuple[float, float]:
@@ -321,7 +322,7 @@ class CylindricalIndexer(TurretMachine, CylindricalMachine):
         return self
 
     def swept_roller(self, sizes: Mapping[str, float], rotation: int) -> SweptRoller:
-        return self._swept(sizes, *pivot(*self._lengths), self.thread_sign)
+        return self._swept_on_pivot(sizes, *self._lengths, self.thread_sign)
 
     @property
     def _lengths(self) -> tuple[float, float]:

@@ -32,7 +32,6 @@ NO_ROOT = 1e-7  # rad and mm: a larger residual after all iterations means that 
 MAX_TURN, MAX_PLACE = 0.05, 0.03  # longest steps: of θ [rad], of ρ in largest depths
 DIFFERENCE = 1e-6  # rad and mm: step of central differences
 SAME = 1e-6  # rad or mm: rollers at the same place
-FAR = 1.0  # widths of the blank: walls are sought this far beyond its mesh
 SAMPLES = 721  # cam angles at which the rollers' positions are sampled over the turn
 
 
@@ -118,7 +117,7 @@ class GrooveSections:
     def seats(self) -> list[Seat]:
         """All rollers that come near the blank, those of other turns included, by position."""
         gain, (least, most) = self.cam.gain, self.mesh
-        reach = int(np.ceil(FAR * (most - least) / abs(gain))) + 2 if gain else 0
+        reach = int(np.ceil((most - least) / abs(gain))) + 2 if gain else 0
         seats = [
             Seat(seat.number, seat.start + gain * turn, seat.sides)
             for seat in self.machine.seats()
@@ -133,9 +132,9 @@ class GrooveSections:
         return self.cam.place(seat, np.linspace(0.0, FULL_TURN, SAMPLES)).q
 
     def _near(self, q: Array) -> Array:
+        """Which positions are within the mesh, or beyond it by less than its width."""
         least, most = self.mesh
-        far = FAR * (most - least)
-        return np.asarray((q > least - far) & (q < most + far))
+        return np.asarray((q > 2.0 * least - most) & (q < 2.0 * most - least))
 
     def _wall(self, seat: Seat, side: int, turn: Array, depth: Array) -> Array:
         """Places across of a wall, (n, m)."""
@@ -165,6 +164,7 @@ class GrooveSections:
             theta, rho, across, solved = self._newton(seat, side, t, d)
             touched = self._contact_places(rho)[:, None]
             contacts = self.cam.swept.contacts(self.cam.place(seat, theta), touched, side)
+        # While the roller meshes, down to its end, a wall has to be there and regular.
         q = self.cam.place(seat, t).q
         met = (q > self.mesh[0]) & (q < self.mesh[1])
         bad = met & ~(solved & (contacts.regular[:, 0] > 0.0))

@@ -153,6 +153,7 @@ class SweptAxis:
 
     def __init__(self, models: Models, boxes: Boxes) -> None:
         self._models, self.side = models, models.side[boxes.patch]
+        # q and its derivatives as Taylor models in θ, ρ as an interval.
         piece = models.piece[boxes.patch]
         q, self._q1, self._q2 = models.jets.models(piece, boxes.low, boxes.high, 2)
         q = q + models.start[boxes.patch]
@@ -160,6 +161,7 @@ class SweptAxis:
         half = (0.5 + 1e-15) * (boxes.outer - boxes.inner)
         none = np.zeros(len(piece))
         self._rho = rho = Taylor.of(0.5 * (boxes.inner + boxes.outer), none, none, half)
+        # u, o and their derivatives by q; then P, w = P_q and P_θ by the module's formulas.
         cos, sin = q.cos(), q.sin()
         self.u, self._u1, self._u2 = _moving(models.along, q, cos, sin)
         origin, o1, self._o2 = _moving(models.origin, q, cos, sin)

@@ -201,6 +201,7 @@ def refine(
         samples: of all patches. rho: (m,) sampled places, whose ends bound ρ [mm].
         sign: of the measured quantity in the function.
     """
+    # The best patches; coordinates other than θ and ρ are not bounded.
     best = sorted(samples, key=lambda each: -rounded(each.value))[: how.kept]
     parts = [sample.patch for sample in best]
     at, step = (np.stack([getattr(each, name) for each in best]) for name in ("at", "step"))
@@ -210,6 +211,7 @@ def refine(
     high[:, -2:] = [(part.high, rho[-1]) for part in parts]
     spots, share = np.arange(len(best)), np.linspace(-1.0, 1.0, how.points)
     for _ in range(how.rounds):
+        # A grid around each best place yet, of steps that shrink from round to round.
         around = np.clip(at[..., None] + step[..., None] * share, low[..., None], high[..., None])
         grids = values(parts, around).reshape(len(best), -1)
         top = np.argmax(grids, axis=1)
@@ -218,6 +220,7 @@ def refine(
         value = np.where(better, grids[spots, top], value)
         moved = np.take_along_axis(around, where[..., None], axis=2)[..., 0]
         at, step = np.where(better[:, None], moved, at), how.shrink * step
+    # The first of those that are equal but for rounding, and twice what its last round gained.
     first = max(range(len(best)), key=lambda i: rounded(float(value[i])))
     *_, theta, place = at[first].tolist()
     most = float(value[first])

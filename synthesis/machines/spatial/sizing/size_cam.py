@@ -43,8 +43,7 @@ from synthesis.optimise.state.solve_state import SolveState, Stage
 
 SMALLEST = 1e-3  # mm: a radius or an inner end without a least value
 CLEAR = 3e-8  # relative: a size keeps off the bound that it was solved for, against rounding
-SAMPLING_MARGIN = 2e-6  # relative: what samples of walls may miss at the default tightening
-TIGHTENED_MARGIN = 20.0  # tightenings: the same where limits have been tightened more
+SAMPLING_MARGIN = 20.0  # tightenings: what samples of walls may miss, 2e-6 of the size at first
 RIB_MARGIN = 2e-5  # relative: ribs at rest keep this for what samples of ribs in motion miss
 SLACK = 0.02  # of the tolerance: the size gives it up, so that the judge resolves less
 ROUNDING = 1e-12  # relative: accuracy of the size of given laws
@@ -253,8 +252,7 @@ def _enlarge_for_walls(
     began, machine = time.perf_counter(), spec.machine
     rib = strictest_minimum(spec.limits, RIB_QUANTITY)
     radius = strictest_minimum(spec.limits, WALL_QUANTITY)
-    margin = max(SAMPLING_MARGIN, TIGHTENED_MARGIN * tighten)
-    required = WallRequirements(spec, result.motion, radius, rib, margin)
+    required = WallRequirements(spec, result.motion, radius, rib, SAMPLING_MARGIN * tighten)
     name, enlarged = machine.size_field, sizes
     high = min(ranges[name][1], LARGEST)
     wanted = [(required.wall_margin, WALL_ACCURACY), (required.rib_margin, RIB_ACCURACY)]

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, field
-from itertools import groupby
+from itertools import chain, groupby
 
 import numpy as np
 
@@ -47,10 +47,10 @@ class Builder:
             NotSmooth: the body has no boundary of this kind.
         """
         for j in range(self.sheets.sectors):
-            for pieces in self.sheets.pieces[j]:
-                for piece in pieces:
-                    if piece.state == IN:
-                        self._wall(piece)
+            # Walls first: their boundary curves are the edges of all other faces.
+            for piece in chain(*self.sheets.pieces[j]):
+                if piece.state == IN:
+                    self._wall(piece)
             self._level(j, TOP)
             self._level(j, ROOT)
             self._sections(j)

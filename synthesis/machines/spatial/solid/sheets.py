@@ -116,6 +116,7 @@ class WallSheets:
         Raises:
             NotSmooth: walls leave the blank all around.
         """
+        # No line may lie near a row where some wall enters or leaves the blank at some depth.
         states = self.states[:, :ROWS]
         mixed = np.any(states != states[:, :, :1], axis=(0, 2))
         changed = np.any(states != np.roll(states, 1, axis=1), axis=(0, 2))
@@ -128,6 +129,7 @@ class WallSheets:
         free = np.flatnonzero(~busy)
         if len(free) == 0:
             raise NotSmooth("walls leave the blank all around the cam")
+        # From one free row to the farthest that is not too far ahead, around the cam.
         first = int(free[0])
         after = np.concatenate([free, [first + ROWS]])
         rows = [first]
@@ -158,12 +160,14 @@ class WallSheets:
         ]
 
     def _pieces(self, j: int, wall: int) -> Iterator[Piece]:
+        # At every sampled depth the wall passes through the same states in the same order.
         first, last = self.lines[j], self.lines[j + 1]
         states = self.states[wall, first : last + 1]
         runs = [_runs(states[:, k]) for k in range(LEVELS)]
         names = [run[0] for run in runs]
         if any(each != names[0] for each in names):
             raise NotSmooth("a wall leaves the blank and comes back at some depths only")
+        # Between two states it crosses an end of the blank, at each depth at a row of its own.
         stops = [self.line(j)]
         for k, (a, b) in enumerate(pairwise(names[0])):
             rows = [run[1][k] for run in runs]
@@ -178,16 +182,15 @@ class WallSheets:
 
     def _crossing(self, wall: int, end: int, bracket: tuple[float, float]) -> Array:
         """Cam angle at which a wall crosses an end of the blank, at every depth [rad]."""
-        edge, depth = self.end(end), self.blank.depth
 
-        def off(turn: Array, index: Array) -> Array:
-            i = index.astype(int)
-            return np.asarray(self.across(wall, turn, depth[i]) - edge[i])
+        def off(turn: Array, *at: Array) -> Array:
+            depth, edge = at
+            return self.across(wall, turn, depth) - edge
 
-        index = np.arange(len(depth)).astype(float)
-        room = FULL_TURN / ROWS
-        ends = (np.full(len(depth), bracket[0] - room), np.full(len(depth), bracket[1] + room))
-        root = elementwise.find_root(off, ends, args=(index,), tolerances={"xatol": 1e-13})
+        depth, room = self.blank.depth, FULL_TURN / ROWS
+        ends = np.full(len(depth), bracket[0] - room), np.full(len(depth), bracket[1] + room)
+        args = (depth, self.end(end))
+        root = elementwise.find_root(off, ends, args=args, tolerances={"xatol": 1e-13})
         if not np.all(root.success):
             raise NotSmooth("the exit of a wall from the blank was not found")
         if np.max(np.abs(np.diff(root.x))) > MAX_STEP:
