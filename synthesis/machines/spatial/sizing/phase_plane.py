@@ -262,29 +262,24 @@ def trajectory_tubes(plan: ConicModel, size: float) -> tuple[LawBounds, ...]:
         () where no law is feasible on a cam of that size.
     """
     tubes = []
+    nodes = np.linspace(0.0, 1.0, TUBE_NODES + 1)
     for segment, ends in zip(plan.problem.free, plan.boundary_states, strict=True):
-        tube = _tube(PhasePlane.of(plan.problem, segment, (ends.start, ends.end)), size)
-        if tube is None:
+        plane = PhasePlane.of(plan.problem, segment, (ends.start, ends.end))
+        profile, lift, angle = plane.profile(size), abs(segment.lift), segment.angle
+        if profile is None:
             return ()
-        tubes.append(tube)
+        # No law is ahead of the fastest run from the start, nor behind that which is in time.
+        margin = TUBE_MARGIN * lift
+        high = np.interp(nodes * angle, profile.from_start, profile.p) + margin
+        low = np.interp(nodes * angle, angle - profile.to_end, profile.p) - margin
+        assert segment.free is not None
+        if not segment.free.overshoot:
+            low, high = np.clip(low, 0.0, lift), np.clip(high, 0.0, lift)
+        low[0] = high[0] = 0.0
+        low[-1] = high[-1] = lift
+        fast = np.full(len(nodes), min(float(np.max(profile.speed)) * angle / lift, 1e6))
+        slow = -fast if segment.free.overshoot else 0.0 * fast
+        order = 3 if plane.caps.jerk < inf else 2
+        cap = (plane.caps.jerk if order == 3 else plane.caps.acceleration) * angle**order / lift
+        tubes.append(LawBounds(nodes, low / lift, high / lift, slow, fast, order, cap))
     return tuple(tubes)
-
-
-def _tube(plane: PhasePlane, size: float) -> LawBounds | None:
-    profile, segment = plane.profile(size), plane.segment
-    if profile is None:
-        return None
-    lift, angle = abs(segment.lift), segment.angle
-    nodes, margin = np.linspace(0.0, 1.0, TUBE_NODES + 1), TUBE_MARGIN * lift
-    high = np.interp(nodes * angle, profile.from_start, profile.p) + margin
-    low = np.interp(nodes * angle, angle - profile.to_end, profile.p) - margin
-    assert segment.free is not None
-    if not segment.free.overshoot:
-        low, high = np.clip(low, 0.0, lift), np.clip(high, 0.0, lift)
-    low[0] = high[0] = 0.0
-    low[-1] = high[-1] = lift
-    fast = np.full(TUBE_NODES + 1, min(float(np.max(profile.speed)) * angle / lift, 1e6))
-    slow = -fast if segment.free.overshoot else 0.0 * fast
-    jerk = plane.caps.jerk < inf
-    cap = plane.caps.jerk * angle**3 if jerk else plane.caps.acceleration * angle**2
-    return LawBounds(nodes, low / lift, high / lift, slow, fast, 3 if jerk else 2, cap / lift)

@@ -165,24 +165,17 @@ def inner_approximation(problem: Problem) -> Problem:
 
 def _as_length(segment: PlacedSegment, scale: float) -> PlacedSegment:
     """A segment with its displacement multiplied by ``scale``."""
-    if scale == 1.0:
-        return segment
+
+    def scaled(state: EndState) -> EndState:
+        return EndState(*(None if value is None else value * scale for value in state.known))
+
     table = segment.table
     if table is not None:
         table = replace(table, s=table.s * scale, tolerance=table.tolerance * scale)
     return replace(
-        segment,
-        s_start=segment.s_start * scale,
-        s_end=segment.s_end * scale,
-        start_state=_scaled(segment.start_state, scale),
-        end_state=_scaled(segment.end_state, scale),
-        table=table,
-    )
-
-
-def _scaled(state: EndState, scale: float) -> EndState:
-    v, a = state.known
-    return EndState(None if v is None else v * scale, None if a is None else a * scale)
+        segment, s_start=segment.s_start * scale, s_end=segment.s_end * scale, table=table,
+        start_state=scaled(segment.start_state), end_state=scaled(segment.end_state),
+    )  # fmt: skip
 
 
 def minimise_size(
