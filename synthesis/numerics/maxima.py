@@ -6,8 +6,6 @@ Fast and accurate to rounding, but a finding, not a proof: proofs are the certif
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from itertools import accumulate
-from math import perm
 
 import numpy as np
 
@@ -38,78 +36,15 @@ def maximise(curve: Piecewise, coefficients: Sequence[float]) -> tuple[float, fl
 def _of_cubics(curve: Piecewise) -> tuple[float, float]:
     """The same of polynomials up to the third degree, whose stationary points have a formula."""
     left, right = curve.breaks[:-1] - curve.origins, curve.breaks[1:] - curve.origins
-    columns = np.zeros((4, curve.count))
+    c0, c1, c2, c3 = columns = np.zeros((4, curve.count))
     columns[: curve.poly.shape[1]] = curve.poly.T
-    t, value = _candidates(columns, left, right)
+    # ends and stationary points; of what is no number, an end
+    t = np.stack([left, right, *quadratic_roots(3.0 * c3, 2.0 * c2, c1)])
+    t = np.fmin(np.fmax(t, left), right)
+    value = c0 + t * (c1 + t * (c2 + t * c3))
     k, i = np.unravel_index(np.argmax(value), value.shape)
     x = min(max(curve.origins[i] + t[k, i], curve.breaks[i]), curve.breaks[i + 1])
     return float(value[k, i]), float(x)
-
-
-def maximise_all(
-    asked: Sequence[tuple[Piecewise, Sequence[Sequence[float]]]],
-) -> list[Array]:
-    """The largest values of several combinations of each of several functions.
-
-    As ``maximise`` finds them; polynomials up to the third degree are worked out together.
-
-    Args:
-        asked: functions, each with (k, 4) coefficients.
-
-    Returns:
-        (k,) for every function.
-    """
-    cubics = [each for each in asked if _cubic(each[0])]
-    known = iter(_summits(cubics))
-    return [
-        next(known)
-        if _cubic(curve)
-        else np.array([maximise(curve, each)[0] for each in coefficients])
-        for curve, coefficients in asked
-    ]
-
-
-def _cubic(curve: Piecewise) -> bool:
-    return curve.poly.shape[1] <= 4 and not curve.waves.shape[1]
-
-
-def _summits(asked: Sequence[tuple[Piecewise, Sequence[Sequence[float]]]]) -> list[Array]:
-    """``maximise_all`` of polynomials up to the third degree."""
-    if not asked:
-        return []
-    first = list(accumulate((len(rows) * curve.count for curve, rows in asked), initial=0))
-    columns, ends = np.zeros((4, first[-1])), np.empty((2, first[-1]))
-    for (curve, rows), low, high in zip(asked, first, first[1:], strict=False):
-        degree, shape = curve.poly.shape[1], (len(rows), curve.count)
-        mixed = (np.array(rows) @ _RAISED).reshape(-1, 4, 4)[:, :degree, :degree]
-        columns[:degree, low:high] = (curve.poly @ mixed).reshape(-1, degree).T
-        ends[0, low:high].reshape(shape)[:] = curve.breaks[:-1] - curve.origins
-        ends[1, low:high].reshape(shape)[:] = curve.breaks[1:] - curve.origins
-    _, value = _candidates(columns, *ends)
-    each = [
-        low + curve.count * k
-        for (curve, rows), low in zip(asked, first, strict=False)
-        for k in range(len(rows))
-    ]
-    tops = np.maximum.reduceat(value.max(axis=0), each)
-    return np.split(tops, np.cumsum([len(rows) for _, rows in asked[:-1]]))
-
-
-# coefficients of a cubic to those of its derivatives, one after the other: (4, 4 · 4)
-_RAISED = np.array(
-    [[[perm(j, m) if j == i + m else 0 for i in range(4)] for j in range(4)] for m in range(4)],
-    dtype=float,
-).reshape(4, 16)
-
-
-def _candidates(columns: Array, left: Array, right: Array) -> tuple[Array, Array]:
-    """Ends and stationary points of cubics (4, n), constant first, with values: (4, n) both."""
-    c0, c1, c2, c3 = columns
-    t = np.empty_like(columns)
-    t[0], t[1] = left, right
-    t[2], t[3] = quadratic_roots(3.0 * c3, 2.0 * c2, c1)
-    t = np.fmin(np.fmax(t, left), right)  # of what is no number, an end
-    return t, c0 + t * (c1 + t * (c2 + t * c3))
 
 
 def quadratic_roots(a: Array, b: Array, c: Array) -> tuple[Array, Array]:

@@ -14,7 +14,6 @@ from typing import Literal
 
 import numpy as np
 from numpy.polynomial.legendre import leggauss
-from numpy.polynomial.polynomial import polyder
 from numpy.typing import ArrayLike, NDArray
 
 Array = NDArray[np.float64]
@@ -63,6 +62,13 @@ def gauss_points(breaks: Array, count: int) -> tuple[Array, Array]:
 
 
 _leggauss = lru_cache(maxsize=64)(leggauss)
+
+
+@lru_cache(maxsize=64)
+def _derivative_matrices(size: int) -> Array:
+    """From coefficients of a polynomial to those of its derivatives 0, 1, …: (size, size, size)."""
+    first = np.diag(np.arange(1.0, size), -1)
+    return np.stack([np.linalg.matrix_power(first, k) for k in range(size)])
 
 
 @dataclass(frozen=True, eq=False)
@@ -159,11 +165,10 @@ class Piecewise:
 
     def combine_derivatives(self, coefficients: Sequence[float]) -> Piecewise:
         """Σ_k coefficients[k] f^(k) as a function of its own; of polynomials alone."""
-        poly = np.zeros_like(self.poly)
-        for order, factor in enumerate(coefficients[: poly.shape[1]]):
-            table = polyder(self.poly, order, axis=1)
-            poly[:, : table.shape[1]] += factor * table
-        return Piecewise(self.breaks, self.origins, poly, self.waves)
+        matrices = _derivative_matrices(self.poly.shape[1])[: len(coefficients)]
+        pairs = zip(coefficients, matrices, strict=False)
+        mixed = sum((c * matrix for c, matrix in pairs if c), start=0.0 * matrices[0])
+        return Piecewise(self.breaks, self.origins, self.poly @ mixed, self.waves)
 
     def bound_derivative(self, piece: Indices, width: Array, order: int) -> Array:
         """Crude bound of |f^(order)| within ``width`` of the origin of each piece: (k,)."""

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from numpy.polynomial import Polynomial
 
-from synthesis.numerics.maxima import maximise, maximise_all
+from synthesis.numerics.maxima import maximise
 from synthesis.numerics.piecewise import Piecewise
 
 
@@ -47,19 +47,6 @@ def test_of_polynomials(size: int, seed: int) -> None:
     assert min(abs(np.array(there) - value)) <= 1e-12 * max(scale, 1e-300)
 
 
-@pytest.mark.parametrize("size", range(1, 8))
-def test_several_combinations_at_once(size: int) -> None:
-    curve, weights = polynomials(size, 3)
-    rows = [weights, (0.0, 0.0, 0.0, 0.0), (-0.7, 1.3, 0.0, 0.0), (0.0, 0.0, 1.1, -0.2)]
-    scale = 10.0 * float(np.max(np.abs(curve.poly)))
-    wanted = [largest(curve, row) if any(row) else 0.0 for row in rows]
-    flat, other = Piecewise.of([0.1, 0.7], [[0.3]]), polynomials(4, 8)[0]
-    first, middle, last = maximise_all([(flat, rows[2:3]), (curve, rows), (other, rows[::2])])
-    np.testing.assert_allclose(middle, wanted, atol=1e-11 * scale)
-    assert first == pytest.approx([-0.21])
-    assert last == pytest.approx([largest(other, rows[0]), largest(other, rows[2])])
-
-
 def test_inside_a_piece_and_not_where_the_cubic_goes_on() -> None:
     hill = Piecewise.of([0.0, 1.0], [[0.0, 1.0, 0.0, -1.0]])  # largest at 1/√3, rises again below 0
     assert maximise(hill, (1.0,)) == pytest.approx((2.0 / 27.0**0.5, 1.0 / 3.0**0.5), rel=1e-14)
@@ -77,5 +64,4 @@ def test_a_function_that_stands_still() -> None:
     curve = Piecewise.of([0.3, 1.1, 2.0], [[7.3], [7.9]])
     rows = [(-0.4, 3.0, 0.0, 1.0), (0.9, 0.0, 2.0, 0.0), (0.0, 1.0, 0.0, 0.0)]
     wanted = [maximise(curve, row)[0] for row in rows]
-    np.testing.assert_allclose(maximise_all([(curve, rows)])[0], wanted, rtol=1e-15)
     np.testing.assert_allclose(wanted, [-0.4 * 7.3, 0.9 * 7.9, 0.0], rtol=1e-15)

@@ -13,9 +13,7 @@ from functools import lru_cache
 import numpy as np
 from numpy.typing import NDArray
 
-from synthesis.catalogue.constraints import LinearInequality
-from synthesis.catalogue.motion import PlacedSegment
-from synthesis.numerics.maxima import maximise_all
+from synthesis.numerics.maxima import maximise
 from synthesis.numerics.piecewise import Array
 from synthesis.optimise.conic import linear_rows as rows
 from synthesis.optimise.conic.semi_infinite import most_violated
@@ -28,18 +26,11 @@ SETTLED = 1e-12  # of the norm: what a size may stick out of a half-plane
 
 def half_planes(problem: Problem) -> tuple[Array, Array]:
     """normals · z ≤ offsets for every row and bound, on given segments: (k, n), (k,)."""
-    rows_by_segment: list[tuple[PlacedSegment, list[LinearInequality]]] = []
-    for segment in problem.segments:
-        own = [row for row in problem.rows_on(segment, 0.0) if row.size and not row.level]
-        if own:
-            rows_by_segment.append((segment, own))
-    tops = maximise_all(
-        [(s.placed(), [row.coefficients for row in own]) for s, own in rows_by_segment]
-    )
     bounding = [
-        pair
-        for (_, own), worst in zip(rows_by_segment, tops, strict=True)
-        for pair in zip(own, worst.tolist(), strict=True)
+        (row, maximise(segment.placed(), row.coefficients)[0])
+        for segment in problem.segments
+        for row in problem.rows_on(segment, 0.0)
+        if row.size and not row.level
     ]
     low, high = np.array(problem.sizing.bounds).T
     unit = np.eye(len(low))
