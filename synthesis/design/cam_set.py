@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from bisect import bisect_right
 from collections import Counter
-from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+from collections.abc import Sequence
+from operator import itemgetter
 
 from pydantic import Field
 
@@ -14,6 +14,7 @@ from synthesis.design.design import Design, Status
 from synthesis.design.identity import engine_version, question_id
 from synthesis.spec.cam_set import CamOnShaft, CamSetSpec, wrap_turn
 
+START = itemgetter(0)
 WORST_FIRST: tuple[Status, ...] = ("infeasible", "feasible", "optimal")
 
 
@@ -141,55 +142,40 @@ def set_id(spec: CamSetSpec) -> str:
     return question_id(spec, "cam set")
 
 
-@dataclass(frozen=True)
-class CamSchedule:
-    """The segments of one cam in the order of shaft angle.
-
-    Attributes:
-        cam: position of the cam.
-        starts: shaft angles where segments start, increasing in [0, 360) [deg].
-        kinds: what the follower does from each of them to the next, round the turn.
-    """
-
-    cam: int
-    starts: tuple[float, ...]
-    kinds: tuple[str, ...]
-
-    @classmethod
-    def of(cls, position: int, cam: MountedCam) -> CamSchedule:
-        """The schedule of a finished cam; segments without extent are left out."""
-        segments = [segment for segment in cam.design.motion if segment.angle_deg > 0.0]
-        placed = [(wrap_turn(s.start_deg + cam.phase_deg), s.kind) for s in segments]
-        placed.sort(key=lambda each: each[0])
-        return cls(position, tuple(at for at, _ in placed), tuple(kind for _, kind in placed))
-
-    def kind_at(self, shaft_deg: float) -> str:
-        """What the follower does from this shaft angle on."""
-        return self.kinds[bisect_right(self.starts, shaft_deg) - 1]  # −1: over the turn's end
-
-    def events(self) -> Iterator[TimingEvent]:
-        """Every change from one segment to the next."""
-        for i, (at, kind) in enumerate(zip(self.starts, self.kinds, strict=True)):
-            yield TimingEvent(shaft_deg=at, cam=self.cam, ends=self.kinds[i - 1], starts=kind)
-
-
 def timing_of(cams: Sequence[MountedCam]) -> Timing:
     """Events and arcs of a set; cams for which nothing fits take no part."""
-    schedules = [CamSchedule.of(i, cam) for i, cam in enumerate(cams) if cam.has_cam]
-    events = [event for course in schedules for event in course.events()]
-    events.sort(key=lambda event: (event.shaft_deg, event.cam))
-    return Timing(events=events, arcs=_arcs(schedules))
-
-
-def _arcs(schedules: Sequence[CamSchedule]) -> list[TimingArc]:
-    borders = sorted({at for course in schedules for at in course.starts})
-    moving = [[c.cam for c in schedules if c.kind_at(at) != "dwell"] for at in borders]
-    changes = [i for i in range(len(borders)) if moving[i] != moving[i - 1]]
-    if not changes:
-        return [TimingArc(start_deg=0.0, angle_deg=360.0, moving=moving[0] if moving else [])]
-    starts = [borders[i] for i in changes]
-    ends = [*starts[1:], starts[0] + 360.0]
-    return [
-        TimingArc(start_deg=start, angle_deg=round(end - start, 9), moving=moving[i])
-        for i, start, end in zip(changes, starts, ends, strict=True)
+    # Of every cam where its segments start, and what the follower does from there on.
+    schedules = {
+        i: sorted(
+            ((wrap_turn(s.start_deg + cam.phase_deg), s.kind) for s in cam.design.motion
+             if s.angle_deg > 0.0), key=START,
+        )
+        for i, cam in enumerate(cams)
+        if cam.has_cam
+    }  # fmt: skip
+    events = [
+        TimingEvent(shaft_deg=at, cam=i, ends=schedule[k - 1][1], starts=kind)
+        for i, schedule in schedules.items()
+        for k, (at, kind) in enumerate(schedule)
     ]
+    events.sort(key=lambda event: (event.shaft_deg, event.cam))
+    # The turn is cut wherever a segment starts; parts in which the same followers move are one arc.
+    cuts = sorted({event.shaft_deg for event in events})
+    moving = [
+        [
+            i
+            for i, one in schedules.items()
+            if one[bisect_right(one, at, key=START) - 1][1] != "dwell"
+        ]
+        for at in cuts
+    ]
+    changes = [k for k in range(len(cuts)) if moving[k] != moving[k - 1]]
+    if not changes:
+        whole = TimingArc(start_deg=0.0, angle_deg=360.0, moving=moving[0] if moving else [])
+        return Timing(events=events, arcs=[whole])
+    starts = [cuts[k] for k in changes]
+    arcs = [
+        TimingArc(start_deg=start, angle_deg=round(end - start, 9), moving=moving[k])
+        for k, start, end in zip(changes, starts, [*starts[1:], starts[0] + 360.0], strict=True)
+    ]
+    return Timing(events=events, arcs=arcs)

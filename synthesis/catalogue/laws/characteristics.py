@@ -30,16 +30,6 @@ class Characteristics(AnswerModel):
     Cj_max: Annotated[float | None, Field(description="Largest jerk.")]
     Cj_min: Annotated[float | None, Field(description="Most negative jerk.")]
 
-    @property
-    def acceleration_infinite(self) -> bool:
-        """Whether the velocity jumps somewhere."""
-        return self.Ca_max is None or self.Ca_min is None
-
-    @property
-    def jerk_infinite(self) -> bool:
-        """Whether the acceleration or the velocity jumps somewhere."""
-        return self.Cj_max is None or self.Cj_min is None
-
 
 @lru_cache(maxsize=256)
 def characteristics(law: MotionLaw) -> Characteristics:
