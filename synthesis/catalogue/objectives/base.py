@@ -5,7 +5,7 @@ from __future__ import annotations
 from abc import ABC, abstractmethod
 from typing import ClassVar
 
-from synthesis.catalogue.constraints import AffineNorm, LinearInequality
+from synthesis.catalogue.constraints import AffineNorm, LinearInequality, Vector
 from synthesis.catalogue.fields import FiniteModel
 from synthesis.catalogue.limits.base import Limit, Machine
 from synthesis.catalogue.motion import PlacedSegment, Segments
@@ -58,9 +58,7 @@ class Objective(FiniteModel, ABC):
         """Limits that bound the value [core units], where no rows or norms do; () otherwise."""
         return ()
 
-    def segment_value(
-        self, segment: PlacedSegment, machine: Machine, size: tuple[float, ...]
-    ) -> float:
+    def segment_value(self, segment: PlacedSegment, machine: Machine, size: Vector) -> float:
         """The value on one segment with a known law, where ``equivalent_limits`` state it."""
         raise NotImplementedError(f"{self.kind} is not measured segment by segment")
 

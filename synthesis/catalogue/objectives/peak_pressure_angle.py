@@ -8,7 +8,7 @@ from typing import ClassVar, Literal
 
 import numpy as np
 
-from synthesis.catalogue.constraints import LinearInequality
+from synthesis.catalogue.constraints import LinearInequality, Vector
 from synthesis.catalogue.followers.base import paths
 from synthesis.catalogue.followers.kinematics import pressure_angle_sine_cosine
 from synthesis.catalogue.limits.base import Limit, Machine
@@ -51,9 +51,7 @@ class PeakPressureAngle(Objective):
         most = self.to_wire(value, machine)
         return (PressureAngle(rise_deg=most, return_deg=most),)
 
-    def segment_value(
-        self, segment: PlacedSegment, machine: Machine, size: tuple[float, ...]
-    ) -> float:
+    def segment_value(self, segment: PlacedSegment, machine: Machine, size: Vector) -> float:
         if segment.kind == "dwell" or segment.angle <= 0.0:
             return 0.0
 
