@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
 from dataclasses import replace
 from typing import Annotated, ClassVar, Literal
 
@@ -10,11 +9,12 @@ from pydantic import Field, model_validator
 from pydantic_core import PydanticCustomError
 
 from synthesis.catalogue.constraints import LinearInequality, NonconvexConstraint
-from synthesis.catalogue.followers.base import FlatFaceFollower, Follower, flat_face
+from synthesis.catalogue.followers.base import Follower, flat_face
 from synthesis.catalogue.limits.base import Claim, Limit, Machine, scaling
 from synthesis.catalogue.motion import PlacedSegment, Segments
 
 Width = Annotated[float, Field(gt=0.0, le=1e9)]
+ENDS = ("left", "right", "near", "far")
 
 
 class FaceWidth(Limit):
@@ -35,7 +35,7 @@ class FaceWidth(Limit):
 
     @model_validator(mode="after")
     def _says_something(self) -> FaceWidth:
-        if self.width_mm is None and not self._ends():
+        if not self._ends():
             raise PydanticCustomError(
                 "face_width_empty",
                 "face_width gives no width. Give width_mm, or left_mm and right_mm; near_mm and "
@@ -56,56 +56,52 @@ class FaceWidth(Limit):
         return True
 
     def applies_to(self, follower: Follower) -> bool:
-        named = [end for end, _ in self._ends()]
         face = flat_face(follower)
-        known = () if face is None else face.face_ends
-        return (self.width_mm is None or "left" in known) and set(named) <= set(known)
+        return face is not None and {end for end, *_ in self._ends()} <= set(face.face_ends)
 
-    def _ends(self) -> list[tuple[str, float]]:
-        """The ends that are given, by name."""
-        given = [(end, getattr(self, f"{end}_mm")) for end in ("left", "right", "near", "far")]
-        return [(end, reach) for end, reach in given if reach is not None]
+    def _ends(self) -> list[tuple[str, float, str]]:
+        """The ends that are given: name, reach [mm], and what the certificate calls the bound."""
+        half = None if self.width_mm is None else 0.5 * self.width_mm
+        sides = [("left", half, "face_width"), ("right", half, "face_width")]
+        own = ((end, getattr(self, f"{end}_mm"), f"face_{end}") for end in ENDS)
+        return [(end, reach, name) for end, reach, name in (*sides, *own) if reach is not None]
 
     def rows(self, segment: PlacedSegment, machine: Machine) -> tuple[LinearInequality, ...]:
         face = flat_face(machine.follower)
-        return () if face is None else tuple(self._rows(face))
-
-    def _rows(self, face: FlatFaceFollower) -> Iterator[LinearInequality]:
-        if self.width_mm is not None:
-            for row in face.contact_rows(0.5 * self.width_mm, 0.5 * self.width_mm):
-                yield replace(row, source="face_width")
-        for end, reach in self._ends():
-            rows = zip(face.face_ends, face.contact_rows(reach, reach), strict=False)
-            yield from (replace(row, source=f"face_{end}") for name, row in rows if name == end)
+        assert face is not None
+        return tuple(
+            replace(row, source=name)
+            for end, reach, name in self._ends()
+            for which, row in zip(face.face_ends, face.contact_rows(reach, reach), strict=False)
+            if which == end
+        )
 
     def nonconvex(
         self, segment: PlacedSegment, machine: Machine
     ) -> tuple[NonconvexConstraint, ...]:
         face = flat_face(machine.follower)
-        if face is None:
-            return ()
+        assert face is not None
         return tuple(
-            replace(constraint, source=f"face_{end}")
-            for end, reach in self._ends()
+            replace(constraint, source=name)
+            for end, reach, name in self._ends()
             for constraint in face.contact_constraints(end, reach)
         )
 
     def claims(self, segments: Segments, machine: Machine) -> tuple[Claim, ...]:
         found = list[Claim]()
-        if self.width_mm is not None:
-            half, field = 0.5 * self.width_mm, "width_mm"
-            found.append(
-                self._claim(
-                    segments, (-half, half), field, "mm", quantity="contact", to_wire=scaling(2.0)
-                )
-            )
-        for end, reach in self._ends():
+        for end, reach, name in self._ends():
             # left counts the other way; near is where the face begins
             quantity = "contact_left" if end == "left" else "contact"
             bounds = (reach, None) if end == "near" else (None, reach)
-            found.append(
-                self._claim(
-                    segments, bounds, f"{end}_mm", "mm", name=f"face_{end}", quantity=quantity
+            if name != "face_width":
+                found.append(
+                    self._claim(segments, bounds, f"{end}_mm", "mm", name=name, quantity=quantity)
                 )
-            )
+            elif end == "left":  # one claim for both ends
+                found.append(
+                    self._claim(
+                        segments, (-reach, reach), "width_mm", "mm",
+                        quantity="contact", to_wire=scaling(2.0),
+                    )
+                )  # fmt: skip
         return tuple(found)
