@@ -93,7 +93,7 @@ class ArmGeometry:
 
     def _check_triangle(self, prime: Ends, segments: Segments) -> None:
         l, (d0, d1) = self.length, (max(self.distance[0], 0.0), self.distance[1])
-        shortest = 0.0 if d0 <= l <= d1 else min(abs(l - d0), abs(l - d1))
+        shortest = max(d0 - l, l - d1, 0.0)
         if prime[1] <= shortest or prime[0] >= l + d1:
             wrong = prime[1] if prime[1] <= shortest else prime[0]
             lowest = min(segments, key=lambda s: min(s.s_start, s.s_end))

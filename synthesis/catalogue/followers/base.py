@@ -258,6 +258,11 @@ class RollerFollower(Follower, ABC):
         same = closure is self.closure or closure == self.closure
         return self if same else self.model_copy(update={"closure": closure})
 
+    def radius_norm(self) -> AffineNorm:
+        lowest = self.outer_radius_norm(0.0)
+        assert lowest is not None
+        return lowest
+
     def prime_radii(self, base_radius: Ends) -> Ends:
         """Prime radii of base radii between two ends; inside a ring any positive one is a cam."""
         low, high = (

@@ -158,16 +158,9 @@ class OscillatingRoller(RollerFollower, PivotedFollower):
         least = max(prime[0], nearest - l, l - farthest)
         return SizeDomain((across, (0.0, min(prime[1], farthest))), tuple(cones), least)
 
-    def radius_norm(self) -> AffineNorm:
-        if self.distance is not None:
-            return AffineNorm(((1.0,),), (0.0,))  # lψ0, with which Rp grows
-        return AffineNorm(((-1.0, 0.0), (0.0, 1.0)), (self.length, 0.0))
-
     def _radius(self, z: Vector, s: float) -> float:
         """Distance of the roller's centre from the axis at a displacement [mm]."""
-        if self.distance is not None:
-            return third_side(self.length, self.distance, (z[0] + s) / self.length)
-        return self.outer_radius_norm(s).value(z)
+        return self.radius_from_norm(self.outer_radius_norm(s).value(z))
 
     def enlarged_to(self, z: Vector, radius: float) -> Vector:
         if self.distance is not None:
@@ -203,9 +196,9 @@ class OscillatingRoller(RollerFollower, PivotedFollower):
         )
 
     def outer_radius_norm(self, s_max: float) -> AffineNorm:
-        # R grows with ψ: at the highest lift, (l − d cosψ, d sinψ)
+        # R grows with ψ: at the highest lift it is the length of (l − d cosψ, d sinψ)
         if self.distance is not None:
-            return AffineNorm(((1.0,),), (s_max,))
+            return AffineNorm(((1.0,),), (s_max,))  # lψ, with which R grows
         cos, sin = math.cos(s_max / self.length), math.sin(s_max / self.length)
         return AffineNorm(((-cos, sin), (sin, cos)), (self.length, 0.0))
 

@@ -56,7 +56,7 @@ class TranslatingRoller(RollerFollower):
         largest, gap = base_radius[1], base_gap(self)
         self.closure.check(self.roller_radius_mm, largest, gap)
         e_min, e_max = ends(self.offset_mm)
-        nearest = 0.0 if e_min <= 0.0 <= e_max else min(abs(e_min), abs(e_max))
+        nearest = max(e_min, -e_max, 0.0)
         prime = largest + gap
         if nearest >= prime:
             raise PydanticCustomError(
@@ -80,16 +80,13 @@ class TranslatingRoller(RollerFollower):
         least, largest = self.prime_radii(base_radius)
         e_min, e_max = ends(self.offset_mm)
         e_min, e_max = max(e_min, -largest), min(e_max, largest)
-        nearest = 0.0 if e_min <= 0.0 <= e_max else min(abs(e_min), abs(e_max))
-        farthest = max(abs(e_min), abs(e_max))
+        nearest = max(e_min, -e_max, 0.0)
+        farthest = max(-e_min, e_max)
         # s0 = √(Rp² − e²): exact where e or Rp leaves no choice, otherwise what is convex of it
         s0_max = math.sqrt(max(largest**2 - nearest**2, 0.0))
         s0_min = math.sqrt(max(least**2 - farthest**2, 0.0))
         cones = () if e_min == e_max else (NormBounds(self.radius_norm(), largest, "base_radius"),)
         return SizeDomain(((e_min, e_max), (s0_min, s0_max)), cones, least)
-
-    def radius_norm(self) -> AffineNorm:
-        return AffineNorm(((1.0, 0.0), (0.0, 1.0)), (0.0, 0.0))
 
     def enlarged_to(self, z: Vector, radius: float) -> Vector:
         e, s0 = z
