@@ -10,7 +10,7 @@ import typer
 
 from service.commands.requests import Url, answer
 from service.commands.tables import force_lines, sizes
-from service.commands.terminal import Folder, json_of, out, report_files, save
+from service.commands.terminal import Folder, json_of, out, report_files, save, written_by_default
 
 if TYPE_CHECKING:
     from synthesis.design.cam_set import CamSet
@@ -61,10 +61,8 @@ def _design_files(design: Design) -> dict[str, bytes]:
     files = {"design.json": json_of(design)}
     if design.motion:
         files |= default_files(design, PROFILE_FORMATS, MOTION_FORMATS)
-    for name, picture in PICTURES.items():
-        if picture.by_default and (design.motion or picture.without_cam):
-            files[name] = picture.write(design, picture.options())
-    return files
+    pictures = (each for each in PICTURES.values() if design.motion or each.without_cam)
+    return files | written_by_default(pictures, design)
 
 
 def cam_set(

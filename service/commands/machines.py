@@ -20,6 +20,7 @@ from service.commands.terminal import (
     report_files,
     save,
     stop,
+    written_by_default,
 )
 from synthesis.machines.linkages import LINKAGES
 
@@ -69,10 +70,8 @@ def _spatial_files(design: SpatialDesign) -> dict[str, bytes]:
     files = {"spatial.json": json_of(design)}
     if design.status == "infeasible":
         return files
-    for name in formats_of(design.machine):
-        if FORMATS[name].by_default:
-            files[name] = FORMATS[name].write(design, FORMATS[name].options())
-    return files
+    formats = (FORMATS[name] for name in formats_of(design.machine))
+    return files | written_by_default(formats, design)
 
 
 def linkage(
@@ -106,9 +105,8 @@ def linkage(
     if summary:
         from synthesis.machines.linkages.files import LINKAGE_FILES
 
-        for file in LINKAGE_FILES[kind].values():
-            if file.by_default and file.suits(result):
-                files[file.name] = file.write(result, file.options())
+        formats = (each for each in LINKAGE_FILES[kind].values() if each.suits(result))
+        files |= written_by_default(formats, result)
     save(files, out_dir)
     report_files(files, out_dir)
     if result.status == "infeasible":
@@ -151,7 +149,6 @@ def respond(
         from synthesis.machines.dynamics.files import TRAIN_FILES
 
         files = {"train-response.json": json_of(response)}
-        made = (file for file in TRAIN_FILES if file.by_default)
-        files |= {file.name: file.write(response, file.options()) for file in made}
+        files |= written_by_default(TRAIN_FILES, response)
         save(files, out_dir)
         report_files(files, out_dir)

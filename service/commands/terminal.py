@@ -71,6 +71,11 @@ def json_of(answer: BaseModel) -> bytes:
     return answer.model_dump_json(indent=1).encode()
 
 
+def written_by_default(formats: Iterable[Any], answer: Any) -> dict[str, bytes]:
+    """The files of an answer that are written without being named, with default options."""
+    return {each.name: each.write(answer, each.options()) for each in formats if each.by_default}
+
+
 def save(files: Mapping[str, bytes], folder: Path) -> None:
     """Write files into a folder, which is created where it is missing."""
     try:

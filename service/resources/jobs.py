@@ -11,7 +11,7 @@ from pydantic import ValidationError
 
 from service.resources.resource import Resource
 from service.settings import Settings
-from service.storage.store import AnswerRow, Store
+from service.storage.store import AnswerRow, Answers, Store
 from service.wire.errors import ProblemType, ServiceError
 from service.wire.metrics import Metrics
 from service.wire.problem import problem_of
@@ -26,7 +26,7 @@ class Jobs:
         self, resource: Resource, engine: Engine, store: Store, metrics: Metrics, settings: Settings
     ) -> None:
         self.resource, self.engine = resource, engine
-        self.answers = store.answers(resource.path, resource.elsewhere)
+        self.answers = Answers(resource.path, store, resource.elsewhere)
         self._metrics, self._settings = metrics, settings
         self._tasks: dict[str, asyncio.Task[AnswerRow]] = {}
 

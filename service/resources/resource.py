@@ -54,10 +54,6 @@ def page_of(summary: type[Accepted]) -> Any:
     return create_model(name, __base__=base[summary], __doc__=f"{lines}, the newest first.")
 
 
-def _unchanged(query: Any) -> Any:
-    return query
-
-
 @dataclass(frozen=True)
 class ResourceFile:
     """A file that is made of an answer.
@@ -79,7 +75,7 @@ class ResourceFile:
     query: type[BaseModel]
     make: Callable[[bytes, Any], FileContent]
     purpose: str = ""
-    options_of: Callable[[Any], Any] = _unchanged
+    options_of: Callable[[Any], Any] = lambda query: query
     in_worker: bool = False
     download_name: str = ""
     made_by: str = ""

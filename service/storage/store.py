@@ -7,7 +7,7 @@ from collections.abc import Callable, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from datetime import UTC, datetime, timedelta
 from pathlib import Path
-from typing import Any, Protocol, TypeVar
+from typing import Any, TypeVar
 
 from sqlalchemy import (
     JSON,
@@ -35,12 +35,6 @@ from service.storage.migrations import migrate
 
 T = TypeVar("T")
 Lookup = Callable[[Session, str], "AnswerRow | None"]
-
-
-class Do(Protocol):
-    """Runs a function of a session as one transaction."""
-
-    async def __call__(self, work: Callable[[Session], T]) -> T: ...
 
 
 class Base(DeclarativeBase):
@@ -129,10 +123,6 @@ class Store:
         """Whether the database answers."""
         return await self.do(lambda session: session.execute(text("select 1")).scalar()) == 1
 
-    def answers(self, kind: str, elsewhere: Lookup | None = None) -> Answers:
-        """The answers of one kind; ``elsewhere`` finds those that are kept as part of others."""
-        return Answers(kind, self.do, elsewhere)
-
     async def body_of_key(self, key: str, body_hash: str) -> str:
         """Hash of the body that an Idempotency-Key came with first: this one, if it is new."""
 
@@ -154,10 +144,13 @@ class Store:
 
 
 class Answers:
-    """The answers of one kind; every method is one transaction of the store's."""
+    """The answers of one kind; every method is one transaction of the store's.
 
-    def __init__(self, kind: str, do: Do, elsewhere: Lookup | None = None) -> None:
-        self._kind, self._do, self._elsewhere = kind, do, elsewhere
+    ``elsewhere`` finds answers that are kept as part of others.
+    """
+
+    def __init__(self, kind: str, store: Store, elsewhere: Lookup | None = None) -> None:
+        self._kind, self._do, self._elsewhere = kind, store.do, elsewhere
 
     async def find(self, id: str) -> AnswerRow | None:
         """The answer with this id."""

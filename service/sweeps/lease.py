@@ -15,7 +15,7 @@ from sqlalchemy import ColumnElement, Float, or_, select, update
 from sqlalchemy.ext.compiler import compiles
 from sqlalchemy.sql.functions import FunctionElement
 
-from service.storage.store import Do
+from service.storage.store import Store
 from service.sweeps.store import UNDER_WAY, SweepRow
 
 
@@ -40,8 +40,8 @@ def _in_sqlite(*_: Any, **__: Any) -> str:
 class Leases:
     """The leases that this process holds; every method is one transaction of the store's."""
 
-    def __init__(self, do: Do, length_s: float) -> None:
-        self._do, self.length_s = do, length_s
+    def __init__(self, store: Store, length_s: float) -> None:
+        self._do, self.length_s = store.do, length_s
         self.owner = uuid.uuid4().hex
 
     async def take(self, sweep: int) -> bool:

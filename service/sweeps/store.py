@@ -26,7 +26,7 @@ from sqlalchemy import (
 )  # fmt: skip
 from sqlalchemy.orm import Mapped, Session, defer, mapped_column
 
-from service.storage.store import AnswerRow, Base, Do, Kept, find_or_add, newest
+from service.storage.store import AnswerRow, Base, Kept, Store, find_or_add, newest
 from service.sweeps.tasks import ItemAnswer
 
 STATUSES = ("optimal", "feasible", "infeasible", "failed")
@@ -105,8 +105,8 @@ class LeaseLost(Exception):
 class SweepStore:
     """Every method is one transaction of the store's."""
 
-    def __init__(self, do: Do) -> None:
-        self._do = do
+    def __init__(self, store: Store) -> None:
+        self._do = store.do
 
     async def accept(self, row: SweepRow) -> SweepRow:
         """Keep a sweep; where there is one with its id, that one, which continues if dismissed."""

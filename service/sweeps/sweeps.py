@@ -30,8 +30,8 @@ class Sweeps:
     """The sweeps that this process runs, by id; and all that are stored."""
 
     def __init__(self, engine: Engine, store: Store, settings: Settings) -> None:
-        self.engine, self.store, self._settings = engine, SweepStore(store.do), settings
-        self._leases = Leases(store.do, settings.sweep_lease_s)
+        self.engine, self.store, self._settings = engine, SweepStore(store), settings
+        self._leases = Leases(store, settings.sweep_lease_s)
         self._polling: asyncio.Task[None] | None = None
         self._runners: dict[str, SweepRunner] = {}
 

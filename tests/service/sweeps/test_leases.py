@@ -36,8 +36,8 @@ def test_one_at_a_time_and_nobody_else_writes(tmp_path: Path) -> None:
     """Two processes' leases on one store: what the second may do, and what the first may not."""
 
     async def told(store: Store) -> None:
-        sweeps = SweepStore(store.do)
-        one, other = Leases(store.do, 60.0), Leases(store.do, 60.0)
+        sweeps = SweepStore(store)
+        one, other = Leases(store, 60.0), Leases(store, 60.0)
         row = await sweeps.accept(a_sweep())
         number = row.sequence
         assert [each.id for each in await one.unowned()] == [row.id]
