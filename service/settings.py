@@ -6,7 +6,7 @@ import errno
 import socket
 import sys
 from functools import cached_property
-from typing import Annotated, Any
+from typing import Any
 
 from pydantic import Field, ValidationError, field_validator
 from pydantic_settings import BaseSettings, SettingsConfigDict
@@ -20,46 +20,39 @@ class Settings(BaseSettings):
     model_config = SettingsConfigDict(env_prefix="CAMWRIGHT_", frozen=True, extra="forbid")
 
     host: str = "127.0.0.1"
-    port: Annotated[int, Field(ge=0, le=65535)] = 8000
-    database_url: Annotated[
-        str, Field(description="SQLAlchemy URL: SQLite by default, or PostgreSQL.")
-    ] = "sqlite:///camwright.db"
-    scheduler: Annotated[
-        str | None,
-        Field(description="Address of a Dask scheduler; None: the service starts its own."),
-    ] = None
-    workers: Annotated[
-        int, Field(ge=1, le=1024, description="Worker processes of the service's own engine.")
-    ] = 2
-    time_budget_s: Annotated[
-        float, Field(gt=0.0, description="Time budget of a design that requests none [s].")
-    ] = 30.0
-    max_time_budget_s: Annotated[
-        float, Field(gt=0.0, description="Largest time budget that a design may request [s].")
-    ] = 300.0
-    grace_s: Annotated[
-        float, Field(gt=0.0, description="After the time budget, until the worker is stopped [s].")
-    ] = 2.0
-    max_body_bytes: Annotated[int, Field(ge=1024)] = 1_048_576
-    max_waiting: Annotated[int, Field(ge=0, description="Designs that may wait for a worker.")] = 64
-    max_sweep_items: Annotated[int, Field(ge=1, description="Items that a sweep may have.")] = (
-        20_000
+    port: int = Field(8000, ge=0, le=65535)
+    database_url: str = Field(
+        "sqlite:///camwright.db", description="SQLAlchemy URL: SQLite by default, or PostgreSQL."
     )
-    sweep_lease_s: Annotated[
-        float,
-        Field(
-            ge=0.5,
-            le=3600.0,
-            description="After so long without renewal of its lease, another process that shares "
-            "the database continues a sweep [s].",
-        ),
-    ] = 5.0
-    max_sweeps: Annotated[int, Field(ge=1, description="Sweeps that may run at the same time.")] = (
-        16
+    scheduler: str | None = Field(
+        None, description="Address of a Dask scheduler; None: the service starts its own."
     )
-    idempotency_hours: Annotated[float, Field(gt=0.0)] = 24.0
+    workers: int = Field(
+        2, ge=1, le=1024, description="Worker processes of the service's own engine."
+    )
+    time_budget_s: float = Field(
+        30.0, gt=0.0, description="Time budget of a design that requests none [s]."
+    )
+    max_time_budget_s: float = Field(
+        300.0, gt=0.0, description="Largest time budget that a design may request [s]."
+    )
+    grace_s: float = Field(
+        2.0, gt=0.0, description="After the time budget, until the worker is stopped [s]."
+    )
+    max_body_bytes: int = Field(1_048_576, ge=1024)
+    max_waiting: int = Field(64, ge=0, description="Designs that may wait for a worker.")
+    max_sweep_items: int = Field(20_000, ge=1, description="Items that a sweep may have.")
+    sweep_lease_s: float = Field(
+        5.0,
+        ge=0.5,
+        le=3600.0,
+        description="After so long without renewal of its lease, another process that shares "
+        "the database continues a sweep [s].",
+    )
+    max_sweeps: int = Field(16, ge=1, description="Sweeps that may run at the same time.")
+    idempotency_hours: float = Field(24.0, gt=0.0)
     cors_origins: list[str] = []
-    log_level: Annotated[str, Field(pattern="^(debug|info|warning|error)$")] = "info"
+    log_level: str = Field("info", pattern="^(debug|info|warning|error)$")
 
     @field_validator("database_url")
     @classmethod

@@ -55,9 +55,9 @@ def _among(known: Collection[str]) -> tuple[AfterValidator, FieldInfo]:
 class CamSetSummary(Accepted):
     """One line of the list of cam sets."""
 
-    status: Annotated[Status | None, Field(description="The worst of its cams'.")]
-    cams: Annotated[int | None, Field(description="How many cams; null until it is done.")] = None
-    solved: Annotated[int | None, Field(description="For how many a cam was found.")] = None
+    status: Status | None = Field(description="The worst of its cams'.")
+    cams: int | None = Field(None, description="How many cams; null until it is done.")
+    solved: int | None = Field(None, description="For how many a cam was found.")
 
 
 class NoOptions(BaseModel):
@@ -81,17 +81,17 @@ class BundleQuery(BaseModel):
         *_among(MOTION_FORMATS),
         Field(description="Formats of the motions; may be repeated."),
     ] = list(BundleOptions().motion_formats)
-    curve: Annotated[
-        Literal["profile", "pitch"],
-        Field(description="The cams' profiles, all flanks of each, or the rollers' paths."),
-    ] = "profile"
-    points_per_degree: Annotated[
-        Density, Field(description="Points of profiles per degree of cam angle.")
-    ] = ProfileOptions().points_per_degree
+    curve: Literal["profile", "pitch"] = Field(
+        "profile", description="The cams' profiles, all flanks of each, or the rollers' paths."
+    )
+    points_per_degree: Density = Field(
+        ProfileOptions().points_per_degree,
+        description="Points of profiles per degree of cam angle.",
+    )
     tolerance_um: Annotated[ChordTolerance, Field(ge=MIN_TOLERANCE_UM)] = None
-    motion_points_per_degree: Annotated[
-        Density, Field(description="Rows of motions per degree of cam angle.")
-    ] = MotionOptions().points_per_degree
+    motion_points_per_degree: Density = Field(
+        MotionOptions().points_per_degree, description="Rows of motions per degree of cam angle."
+    )
 
     def options(self) -> BundleOptions:
         """The same, as the core takes it."""

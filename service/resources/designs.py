@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from functools import partial
-from typing import Annotated, Literal
+from typing import Literal
 
 from pydantic import Field
 
@@ -34,25 +34,23 @@ class DesignSummary(Accepted):
 
     status: StatusOrNone
     dimensions: dict[str, float] = Field({}, description="Base radius, offset, …: name and unit.")
-    objective: Annotated[str | None, Field(description="What was minimised.")] = None
-    value: Annotated[float | None, Field(description="The value that it reached.")] = None
-    gap: Annotated[float | None, Field(description="Relative distance to the bound.")] = None
-    certified: Annotated[bool | None, Field(description="Every limit holds everywhere.")] = None
+    objective: str | None = Field(None, description="What was minimised.")
+    value: float | None = Field(None, description="The value that it reached.")
+    gap: float | None = Field(None, description="Relative distance to the bound.")
+    certified: bool | None = Field(None, description="Every limit holds everywhere.")
 
 
 class AnalysisSummary(Accepted):
     """One line of the list of analyses."""
 
-    status: Annotated[
-        Verdict | None, Field(description="Whether every limit holds; null until it is done.")
-    ]
+    status: Verdict | None = Field(description="Whether every limit holds; null until it is done.")
     violated: list[str] = Field([], description="The limits that do not hold.")
 
 
 class ProfileAnalysisSummary(Accepted):
     """One line of the list of measured profiles."""
 
-    status: Annotated[Literal["read"] | None, Field(description="null until it is done.")]
+    status: Literal["read"] | None = Field(description="null until it is done.")
     dimensions: dict[str, float] = Field(
         {}, description="Base radius, stroke, … as read: name and unit."
     )

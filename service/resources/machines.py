@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from functools import partial
-from typing import Annotated, Any, Literal
+from typing import Any, Literal
 
 from pydantic import Field
 
@@ -32,7 +32,7 @@ class SpatialCamSummary(Accepted):
     """One line of the list of spatial cams."""
 
     status: StatusOrNone
-    machine: Annotated[str | None, Field(description="Kind of its machine.")] = None
+    machine: str | None = Field(None, description="Kind of its machine.")
     dimensions: dict[str, float] = Field(
         {}, description="Centre distance, roller radius, …: name and unit."
     )
@@ -48,7 +48,7 @@ class LinkageSummary(Accepted):
 class TrainResponseSummary(Accepted):
     """One line of the list of follower trains."""
 
-    status: Annotated[Literal["computed"] | None, Field(description="null until it is done.")]
+    status: Literal["computed"] | None = Field(description="null until it is done.")
     modes_hz: list[float] = Field([], description="Natural frequencies of the train.")
 
 

@@ -25,14 +25,13 @@ StatusOrNone = Annotated[Status | None, Field(description="What came out; null u
 class Accepted(BaseModel):
     """What is waiting or being worked on."""
 
-    id: Annotated[str, Field(description="The id that the answer will have.")]
-    name: Annotated[str, Field(description="As in the spec.")]
-    state: Annotated[
-        Literal["accepted", "done", "failed"],
-        Field(description="`accepted` until it is done or failed."),
-    ]
-    created: Annotated[datetime, Field(description="When it was accepted, UTC.")]
-    links: Annotated[dict[str, str], Field(description="Where to ask again.")]
+    id: str = Field(description="The id that the answer will have.")
+    name: str = Field(description="As in the spec.")
+    state: Literal["accepted", "done", "failed"] = Field(
+        description="`accepted` until it is done or failed."
+    )
+    created: datetime = Field(description="When it was accepted, UTC.")
+    links: dict[str, str] = Field(description="Where to ask again.")
 
 
 Summary = TypeVar("Summary", bound=Accepted)
@@ -41,8 +40,8 @@ Summary = TypeVar("Summary", bound=Accepted)
 class Page(BaseModel, Generic[Summary]):
     """Some lines of a list."""
 
-    items: Annotated[list[Summary], Field(description="The newest first.")]
-    next: Annotated[str | None, Field(description="`cursor` of the next page; null at the end.")]
+    items: list[Summary] = Field(description="The newest first.")
+    next: str | None = Field(description="`cursor` of the next page; null at the end.")
 
 
 @cache

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import Annotated, Any
+from typing import Any
 
 from fastapi import APIRouter
 from pydantic import BaseModel, Field
@@ -34,98 +34,87 @@ router = APIRouter(prefix="/v1", tags=["catalogue"])
 class Entry(BaseModel):
     """One member of a registry."""
 
-    kind: Annotated[str, Field(description="Its name in a spec.")]
-    title: Annotated[str, Field(description="Its name for people.")]
-    description: Annotated[str, Field(description="What it is, in a sentence or two.")]
-    json_schema: Annotated[dict[str, Any], Field(description="Its fields, as JSON Schema.")]
+    kind: str = Field(description="Its name in a spec.")
+    title: str = Field(description="Its name for people.")
+    description: str = Field(description="What it is, in a sentence or two.")
+    json_schema: dict[str, Any] = Field(description="Its fields, as JSON Schema.")
 
 
 class MotionLawEntry(Entry):
     """A motion law."""
 
-    source: Annotated[str, Field(description="Where its formula is from.")]
-    ends: Annotated[
-        EndKinds | None,
-        Field(description="VDI 2143: R rests, U turns back without resting; null: as the spec is."),
-    ]
-    tasks: Annotated[
-        list[str],
-        Field(
-            description="Tasks of VDI 2143 that it can serve on a rise, start and end: R rests, "
-            "G runs at constant velocity (G-G: equal ones), U turns back, B moves; none where "
-            "velocity or acceleration jump at its ends."
-        ),
-    ]
-    characteristics: Annotated[
-        Characteristics | None, Field(description="Peaks for unit lift and angle; null: chosen.")
-    ]
+    source: str = Field(description="Where its formula is from.")
+    ends: EndKinds | None = Field(
+        description="VDI 2143: R rests, U turns back without resting; null: as the spec is."
+    )
+    tasks: list[str] = Field(
+        description="Tasks of VDI 2143 that it can serve on a rise, start and end: R rests, "
+        "G runs at constant velocity (G-G: equal ones), U turns back, B moves; none where "
+        "velocity or acceleration jump at its ends."
+    )
+    characteristics: Characteristics | None = Field(
+        description="Peaks for unit lift and angle; null: chosen."
+    )
 
 
 class FollowerEntry(Entry):
     """A follower family."""
 
-    size_names: Annotated[list[str], Field(description="The size variables that are solved for.")]
-    size_charts: Annotated[
-        list[list[str]],
-        Field(
-            description="Every set of size variables that is in use: the first of them, or "
-            "another where other dimensions are given (an arm's pivot fixed, or free)."
-        ),
-    ]
+    size_names: list[str] = Field(description="The size variables that are solved for.")
+    size_charts: list[list[str]] = Field(
+        description="Every set of size variables that is in use: the first of them, or "
+        "another where other dimensions are given (an arm's pivot fixed, or free)."
+    )
 
 
 class FormatEntry(BaseModel):
     """A file format."""
 
-    name: Annotated[str, Field(description="Last part of the path, as in profile.csv.")]
-    title: Annotated[str, Field(description="Its name for people.")]
-    media_type: Annotated[str, Field(description="Content-Type of the file.")]
-    extension: Annotated[str, Field(description="Of the file's name, with its dot.")]
-    purpose: Annotated[str, Field(description="What it is for; empty where the title says it.")]
-    json_schema: Annotated[
-        dict[str, Any], Field(description="Its query parameters, as JSON Schema.")
-    ]
+    name: str = Field(description="Last part of the path, as in profile.csv.")
+    title: str = Field(description="Its name for people.")
+    media_type: str = Field(description="Content-Type of the file.")
+    extension: str = Field(description="Of the file's name, with its dot.")
+    purpose: str = Field(description="What it is for; empty where the title says it.")
+    json_schema: dict[str, Any] = Field(description="Its query parameters, as JSON Schema.")
 
 
 class Formats(BaseModel):
     """The files that a finished design can be had as."""
 
-    profile: Annotated[list[FormatEntry], Field(description="Of the cam's curve.")]
-    motion: Annotated[list[FormatEntry], Field(description="Of the follower's motion.")]
-    pictures: Annotated[
-        list[FormatEntry],
-        Field(description="Pictures and pages; the name is the path's last part as it stands."),
-    ]
-    solid: Annotated[list[FormatEntry], Field(description="Of the cam as a body.")]
-    spatial: Annotated[
-        list[FormatEntry],
-        Field(description="Of spatial cams; the name is the path's last part as it stands."),
-    ]
+    profile: list[FormatEntry] = Field(description="Of the cam's curve.")
+    motion: list[FormatEntry] = Field(description="Of the follower's motion.")
+    pictures: list[FormatEntry] = Field(
+        description="Pictures and pages; the name is the path's last part as it stands."
+    )
+    solid: list[FormatEntry] = Field(description="Of the cam as a body.")
+    spatial: list[FormatEntry] = Field(
+        description="Of spatial cams; the name is the path's last part as it stands."
+    )
 
 
 class ServerLimits(BaseModel):
     """What this server allows."""
 
-    max_body_bytes: Annotated[int, Field(description="Largest request body [bytes].")]
-    time_budget_s: Annotated[float, Field(description="Time for a design that asks for none [s].")]
-    max_time_budget_s: Annotated[float, Field(description="Most that a design may have [s].")]
-    max_cams: Annotated[int, Field(description="Cams on one shaft.")]
-    max_segments: Annotated[int, Field(description="Segments in a program.")]
-    max_points_per_degree: Annotated[float, Field(description="Density of exported points.")]
-    max_points: Annotated[int, Field(description="Points of a file.")]
-    min_tolerance_um: Annotated[float, Field(description="Finest chord tolerance [µm].")]
-    max_waiting: Annotated[int, Field(description="Designs that may wait for a worker.")]
-    max_sweep_items: Annotated[int, Field(description="Items that a sweep may have.")]
-    max_sweeps: Annotated[int, Field(description="Sweeps that may be under way.")]
-    workers: Annotated[int, Field(description="Designs worked on at the same time.")]
+    max_body_bytes: int = Field(description="Largest request body [bytes].")
+    time_budget_s: float = Field(description="Time for a design that asks for none [s].")
+    max_time_budget_s: float = Field(description="Most that a design may have [s].")
+    max_cams: int = Field(description="Cams on one shaft.")
+    max_segments: int = Field(description="Segments in a program.")
+    max_points_per_degree: float = Field(description="Density of exported points.")
+    max_points: int = Field(description="Points of a file.")
+    min_tolerance_um: float = Field(description="Finest chord tolerance [µm].")
+    max_waiting: int = Field(description="Designs that may wait for a worker.")
+    max_sweep_items: int = Field(description="Items that a sweep may have.")
+    max_sweeps: int = Field(description="Sweeps that may be under way.")
+    workers: int = Field(description="Designs worked on at the same time.")
 
 
 class Limits(BaseModel):
     """Limits and objectives that a spec may name, and what this server allows."""
 
-    limits: Annotated[list[Entry], Field(description="What may not be exceeded.")]
-    objectives: Annotated[list[Entry], Field(description="What may be made small.")]
-    server: Annotated[ServerLimits, Field(description="What this server allows.")]
+    limits: list[Entry] = Field(description="What may not be exceeded.")
+    objectives: list[Entry] = Field(description="What may be made small.")
+    server: ServerLimits = Field(description="What this server allows.")
 
 
 @router.get("/motion-laws", summary="Motion laws")

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import platform
-from typing import Annotated, Literal
+from typing import Literal
 
 from fastapi import APIRouter, Response
 from pydantic import BaseModel, Field
@@ -22,39 +22,36 @@ router = APIRouter(tags=["operation"])
 class Alive(BaseModel):
     """The process answers."""
 
-    status: Annotated[Literal["alive"], Field(description="Always this.")] = "alive"
+    status: Literal["alive"] = Field("alive", description="Always this.")
 
 
 class Ready(BaseModel):
     """Whether designs can be worked on now."""
 
-    ready: Annotated[bool, Field(description="Store and at least one worker answer.")]
-    store: Annotated[bool, Field(description="The database answers.")]
-    workers: Annotated[int, Field(description="Workers that can be reached.")]
+    ready: bool = Field(description="Store and at least one worker answer.")
+    store: bool = Field(description="The database answers.")
+    workers: int = Field(description="Workers that can be reached.")
 
 
 class Version(BaseModel):
     """What is running."""
 
-    name: Annotated[Literal["camwright"], Field(description="Always this.")] = "camwright"
-    version: Annotated[str, Field(description="Version of Camwright.")]
-    engine: Annotated[
-        int,
-        Field(
-            description="Number of the engine, part of every id: it rises whenever answers may "
-            "change, and answers stored under an earlier one are computed anew."
-        ),
-    ]
-    python: Annotated[str, Field(description="Version of Python under it.")]
+    name: Literal["camwright"] = Field("camwright", description="Always this.")
+    version: str = Field(description="Version of Camwright.")
+    engine: int = Field(
+        description="Number of the engine, part of every id: it rises whenever answers may "
+        "change, and answers stored under an earlier one are computed anew."
+    )
+    python: str = Field(description="Version of Python under it.")
 
 
 class ProblemKind(BaseModel):
     """A kind of problem."""
 
-    type: Annotated[str, Field(description="As in problem documents.")]
-    title: Annotated[str, Field(description="As in problem documents.")]
-    status: Annotated[int, Field(description="HTTP status.")]
-    meaning: Annotated[str, Field(description="When it occurs.")]
+    type: str = Field(description="As in problem documents.")
+    title: str = Field(description="As in problem documents.")
+    status: int = Field(description="HTTP status.")
+    meaning: str = Field(description="When it occurs.")
 
 
 @router.get("/livez", summary="Is the process alive?")

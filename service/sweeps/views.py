@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from datetime import datetime
-from typing import Annotated, Any, Literal
+from typing import Any, Literal
 
 from pydantic import BaseModel, Field, JsonValue
 
@@ -22,115 +22,98 @@ PATH = "/v1/sweeps"
 class Counts(BaseModel):
     """How many items are done, by status."""
 
-    items: Annotated[int, Field(description="All of them.")]
-    done: Annotated[int, Field(description="Finished, with any status.")]
-    optimal: Annotated[int, Field(description="Certified, gap within the tolerance.")]
-    feasible: Annotated[int, Field(description="Certified.")]
-    infeasible: Annotated[int, Field(description="No cam fits; the design says why.")]
-    failed: Annotated[int, Field(description="Without a design: `problem` says why.")]
+    items: int = Field(description="All of them.")
+    done: int = Field(description="Finished, with any status.")
+    optimal: int = Field(description="Certified, gap within the tolerance.")
+    feasible: int = Field(description="Certified.")
+    infeasible: int = Field(description="No cam fits; the design says why.")
+    failed: int = Field(description="Without a design: `problem` says why.")
 
 
 class SweepSummary(BaseModel):
     """A sweep and its progress."""
 
-    id: Annotated[str, Field(description="Hash of the spec and the engine's number.")]
-    engine: Annotated[
-        int,
-        Field(
-            description="Number of the engine that made its items; where `/v1/version` has a "
-            "later one, POST the spec again for a sweep by that."
-        ),
-    ]
-    name: Annotated[str, Field(description="As in the spec.")]
-    state: Annotated[
-        SweepState,
-        Field(
-            description="`accepted`, `running`; `successful`: gone through to the end; `failed`: "
-            "no item has a design, or the service could not continue; `dismissed`: stopped."
-        ),
-    ]
-    created: Annotated[datetime, Field(description="When it was accepted, UTC.")]
-    started: Annotated[datetime | None, Field(description="When its first item was sent.")]
-    finished: Annotated[datetime | None, Field(description="When it ended.")]
-    progress: Annotated[float, Field(ge=0, le=100, description="Share that is done [%].")]
-    counts: Annotated[Counts, Field(description="How many items, by status.")]
-    rate_per_s: Annotated[
-        float | None,
-        Field(description="Current rate of finished items [1/s]; null where it is not running."),
-    ]
-    time_left_s: Annotated[float | None, Field(description="Remaining time at that rate [s].")]
-    axes: Annotated[list[str], Field(description="The fields that it varies.")]
-    quantities: Annotated[
-        list[str], Field(description="Quantities of its designs so far, with unit.")
-    ]
-    links: Annotated[dict[str, str], Field(description="Items, files, trade-offs, events.")]
+    id: str = Field(description="Hash of the spec and the engine's number.")
+    engine: int = Field(
+        description="Number of the engine that made its items; where `/v1/version` has a "
+        "later one, POST the spec again for a sweep by that."
+    )
+    name: str = Field(description="As in the spec.")
+    state: SweepState = Field(
+        description="`accepted`, `running`; `successful`: gone through to the end; `failed`: "
+        "no item has a design, or the service could not continue; `dismissed`: stopped."
+    )
+    created: datetime = Field(description="When it was accepted, UTC.")
+    started: datetime | None = Field(description="When its first item was sent.")
+    finished: datetime | None = Field(description="When it ended.")
+    progress: float = Field(ge=0, le=100, description="Share that is done [%].")
+    counts: Counts = Field(description="How many items, by status.")
+    rate_per_s: float | None = Field(
+        description="Current rate of finished items [1/s]; null where it is not running."
+    )
+    time_left_s: float | None = Field(description="Remaining time at that rate [s].")
+    axes: list[str] = Field(description="The fields that it varies.")
+    quantities: list[str] = Field(description="Quantities of its designs so far, with unit.")
+    links: dict[str, str] = Field(description="Items, files, trade-offs, events.")
 
 
 class Sweep(SweepSummary):
     """A sweep with its spec."""
 
-    spec: Annotated[SweepSpec, Field(description="The question.")]
+    spec: SweepSpec = Field(description="The question.")
 
 
 class SweepPage(BaseModel):
     """Sweeps, the newest first."""
 
-    items: Annotated[list[SweepSummary], Field(description="The newest first.")]
-    next: Annotated[str | None, Field(description="`cursor` of the next page; null at the end.")]
+    items: list[SweepSummary] = Field(description="The newest first.")
+    next: str | None = Field(description="`cursor` of the next page; null at the end.")
 
 
 class SweepItem(BaseModel):
     """One finished item of a sweep."""
 
-    number: Annotated[int, Field(description="Which: 0 upwards, the last axis changes fastest.")]
-    status: Annotated[ItemStatus, Field(description="As the design's, or `failed`.")]
-    values: Annotated[dict[str, JsonValue], Field(description="Value of every axis, by pointer.")]
-    quantities: Annotated[
-        dict[str, float],
-        Field(description="Dimensions, objectives and what else the sweep measures, with unit."),
-    ]
-    gap: Annotated[float | None, Field(description="Relative distance to the bound.")]
-    seconds: Annotated[float, Field(description="Time in the core.")]
-    problem: Annotated[
-        dict[str, Any] | None,
-        Field(description="Why it failed, or ended before its tolerance: a problem document."),
-    ]
-    links: Annotated[dict[str, str], Field(description="The item, and the design with its files.")]
+    number: int = Field(description="Which: 0 upwards, the last axis changes fastest.")
+    status: ItemStatus = Field(description="As the design's, or `failed`.")
+    values: dict[str, JsonValue] = Field(description="Value of every axis, by pointer.")
+    quantities: dict[str, float] = Field(
+        description="Dimensions, objectives and what else the sweep measures, with unit."
+    )
+    gap: float | None = Field(description="Relative distance to the bound.")
+    seconds: float = Field(description="Time in the core.")
+    problem: dict[str, Any] | None = Field(
+        description="Why it failed, or ended before its tolerance: a problem document."
+    )
+    links: dict[str, str] = Field(description="The item, and the design with its files.")
 
 
 class SweepItemPage(BaseModel):
     """Finished items, in the order in which they were finished."""
 
-    items: Annotated[list[SweepItem], Field(description="In the order they were finished.")]
-    next: Annotated[
-        str | None,
-        Field(
-            description="`cursor` of what follows; null once the sweep has ended and nothing does. "
-            "While it runs, request this again for the items finished by then."
-        ),
-    ]
+    items: list[SweepItem] = Field(description="In the order they were finished.")
+    next: str | None = Field(
+        description="`cursor` of what follows; null once the sweep has ended and nothing does. "
+        "While it runs, request this again for the items finished by then."
+    )
 
 
 class ParetoAxis(BaseModel):
     """A quantity and its direction."""
 
-    quantity: Annotated[str, Field(description="Its name.")]
-    direction: Annotated[Literal["minimise", "maximise"], Field(description="Which way is better.")]
+    quantity: str = Field(description="Its name.")
+    direction: Literal["minimise", "maximise"] = Field(description="Which way is better.")
 
 
 class ParetoFront(BaseModel):
     """The non-dominated designs of a sweep in the quantities named."""
 
-    axes: Annotated[list[ParetoAxis], Field(description="The quantities.")]
-    compared: Annotated[int, Field(description="Certified designs that have every quantity.")]
-    excluded: Annotated[
-        int,
-        Field(description="Other finished items: not certified, or without one of the quantities."),
-    ]
-    size: Annotated[int, Field(description="How many are on the front.")]
-    items: Annotated[
-        list[SweepItem], Field(description="The front, ascending in the first quantity.")
-    ]
+    axes: list[ParetoAxis] = Field(description="The quantities.")
+    compared: int = Field(description="Certified designs that have every quantity.")
+    excluded: int = Field(
+        description="Other finished items: not certified, or without one of the quantities."
+    )
+    size: int = Field(description="How many are on the front.")
+    items: list[SweepItem] = Field(description="The front, ascending in the first quantity.")
 
 
 def sweep_path(id: str) -> str:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import json
 import logging
 from collections.abc import Mapping
-from typing import Annotated, Any
+from typing import Any
 
 from fastapi import FastAPI, Request, Response
 from fastapi.exceptions import RequestValidationError
@@ -28,27 +28,25 @@ STARLETTES = (ProblemType.NOT_FOUND, ProblemType.METHOD_NOT_ALLOWED)  # what it 
 class Problem(BaseModel):
     """What went wrong, in the form of RFC 9457."""
 
-    type: Annotated[str, Field(description="Kind of problem; the address explains it.")]
-    title: Annotated[str, Field(description="The kind in words; the same for each occurrence.")]
-    status: Annotated[int, Field(description="The HTTP status once more.")]
-    detail: Annotated[str, Field(description="What happened here, and the way out.")]
-    instance: Annotated[str, Field(description="Path of the request.")]
-    request_id: Annotated[str | None, Field(description="As in X-Request-ID and the logs.")] = None
-    errors: Annotated[
-        list[Violation], Field(description="Each wrong field: where, value, rule, way out.")
-    ] = []
+    type: str = Field(description="Kind of problem; the address explains it.")
+    title: str = Field(description="The kind in words; the same for each occurrence.")
+    status: int = Field(description="The HTTP status once more.")
+    detail: str = Field(description="What happened here, and the way out.")
+    instance: str = Field(description="Path of the request.")
+    request_id: str | None = Field(None, description="As in X-Request-ID and the logs.")
+    errors: list[Violation] = Field(
+        [], description="Each wrong field: where, value, rule, way out."
+    )
 
 
 class LateProblem(Problem):
     """The time budget ended: a problem document with the best answer found by then."""
 
-    best: Annotated[
-        Design | CamSet | None,
-        Field(
-            description="The best certified design found in time, if any; of a cam set all cams, "
-            "each as good as was found."
-        ),
-    ] = None
+    best: Design | CamSet | None = Field(
+        None,
+        description="The best certified design found in time, if any; of a cam set all cams, "
+        "each as good as was found.",
+    )
 
 
 def problem_document(

@@ -6,7 +6,7 @@ import json
 import math
 from collections.abc import Sequence
 from difflib import get_close_matches
-from typing import Annotated, Any, get_args
+from typing import Any, get_args
 
 from pydantic import BaseModel, Field
 from pydantic_core.core_schema import ErrorType
@@ -107,15 +107,15 @@ _Located = tuple[Any, Loc, bool]
 class Violation(BaseModel):
     """One error of the request."""
 
-    pointer: Annotated[
-        str | None, Field(description="JSON pointer (RFC 6901) into the body as it was sent.")
-    ] = None
-    parameter: Annotated[
-        str | None, Field(description="Name of the query parameter, path part or header instead.")
-    ] = None
-    value: Annotated[Any, Field(description="The value found there, shortened if it is long.")]
-    rule: Annotated[str, Field(description="The rule that it breaks.")]
-    remedy: Annotated[str, Field(description="What to do about it.")]
+    pointer: str | None = Field(
+        None, description="JSON pointer (RFC 6901) into the body as it was sent."
+    )
+    parameter: str | None = Field(
+        None, description="Name of the query parameter, path part or header instead."
+    )
+    value: Any = Field(description="The value found there, shortened if it is long.")
+    rule: str = Field(description="The rule that it breaks.")
+    remedy: str = Field(description="What to do about it.")
 
 
 def shown(value: Any) -> Any:
