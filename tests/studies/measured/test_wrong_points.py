@@ -159,3 +159,10 @@ def test_a_length_left_free_is_told_to_be_given(points: np.ndarray) -> None:
     error = refused(points, ARM | {"arm_mm": {"min": 80.0, "max": 90.0}})
     assert error.field == "/follower/arm_mm"
     assert "number" in error.remedy
+
+
+def test_points_that_repeat_to_within_rounding_are_one() -> None:
+    """The first point given again at the end, and a point given twice in a row."""
+    points = profile(spec(ROLLER), 700)
+    again = np.vstack([points[:300], points[299:300] + 1e-12, points[300:], points[:1]])
+    assert read(again, ROLLER).fit.points == 700

@@ -147,13 +147,7 @@ def motion_json(found: SixBarShaper, options: MotionOptions) -> bytes:
 
 @dataclass(frozen=True)
 class CamOptions(Options):
-    """The cam's follower and limits.
-
-    Attributes:
-        points: rows of the table. tolerance_mm: how far the follower may pass a row; None: a ten
-            thousandth of the stroke. roller_radius_mm: None: a tenth of the stroke.
-        pressure_angle_deg: the limit, on all of the turn.
-    """
+    """The cam's follower and limits."""
 
     points: Annotated[int, Field(ge=36, le=3600, description="Rows of the table.")] = 360
     tolerance_mm: Annotated[
