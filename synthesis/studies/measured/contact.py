@@ -57,8 +57,7 @@ def follow_outline(outline: Outline, cam: MeasuredCam) -> FollowerPath:
     if lost.any():
         raise _unreachable(outline, follower, theta, lost)
     theta = np.unwrap(theta)
-    gain = theta[0] + FULL_TURN * np.round((theta[-1] - theta[0]) / FULL_TURN) - theta[0]
-    if abs(gain - FULL_TURN) > 1e-6:
+    if round(float(theta[-1] - theta[0]) / FULL_TURN) != 1:
         raise InputError(
             "/follower", follower.kind,
             "Along the profile the cam angle does not make one turn: a follower with this arm or "

@@ -20,6 +20,7 @@ KNOT_COUNTS: Final = (24, 36, 54, 80, 120, 180, 270, 400, 600, 900)
 DATA_PER_KNOT: Final = 4.0  # fewer positions do not determine a spline
 KINK_CLEARANCE: Final = 0.3  # of a knot interval: a kink this near to a knot replaces it
 FAVARD: Final = (1.0, math.pi / 2.0, math.pi**2 / 8.0, math.pi**3 / 24.0, 5.0 * math.pi**4 / 384.0)
+DWELL_ANGLES: Final = 3600  # at which ends of dwells are looked for: a tenth of a degree
 SHORTEST_DWELL: Final = 4.0 * FULL_TURN / 360.0  # 4°: shorter arcs may be turning points
 
 
@@ -91,8 +92,7 @@ def find_dwells(motion: Motion, tolerance: float) -> list[tuple[float, float, fl
     Returns:
         start [rad], length [rad], mean of s [mm] of each, in the order of the cam angle.
     """
-    count = 3600
-    step = FULL_TURN / count
+    count, step = DWELL_ANGLES, FULL_TURN / DWELL_ANGLES
     s = motion.derivatives(step * np.arange(count), 0)[0]
     twice = np.concatenate([s, s])
     if float(np.ptp(s)) <= 2.0 * tolerance:
