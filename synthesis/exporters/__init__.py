@@ -17,7 +17,7 @@ from types import MappingProxyType
 from typing import Any
 
 from synthesis.exporters import drives, png_picture, points
-from synthesis.exporters.animations import animation_json, animation_page, animation_svg
+from synthesis.exporters.animations import formats as animations
 from synthesis.exporters.curves import dxf, exact, iges, step
 from synthesis.exporters.curves.dxf import DrawingOptions
 from synthesis.exporters.curves.exact import ExactOptions
@@ -70,9 +70,7 @@ MOTION_FORMATS = _registry(
 )
 PICTURES = _registry(
     contact.CONTACT,
-    animation_svg.ANIMATION,
-    animation_page.PAGE,
-    animation_json.DATA,
+    *animations.CAM,
     *png_picture.PIXELS,
     report_with(PROFILE_FORMATS, MOTION_FORMATS),
 )

@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
+import json
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field, fields
-from typing import Generic, TypeVar
+from typing import Any, Generic, TypeVar
 
 from synthesis.design.design import Design
 from synthesis.exporters.options import Options
@@ -75,6 +76,11 @@ class FileFormat(Generic[Subject, Choice]):
         names = {each.name for each in fields(self.options)} & {each.name for each in fields(given)}
         values = {name: getattr(given, name) for name in names}
         return self.options(**{name: v for name, v in values.items() if v is not None})
+
+
+def compact_json(body: Mapping[str, Any]) -> bytes:
+    """A JSON document without blanks, in UTF-8."""
+    return json.dumps(body, ensure_ascii=False, allow_nan=False, separators=(",", ":")).encode()
 
 
 @dataclass(frozen=True)

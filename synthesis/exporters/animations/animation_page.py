@@ -1,17 +1,13 @@
-"""The cam in motion as one HTML page: played, stopped, stepped and read, without any network."""
+"""A machine in motion as one HTML page: played, stopped, stepped and read, without any network."""
 
 from __future__ import annotations
 
 import json
 
-from synthesis.design.design import Design
-from synthesis.exporters.animations.cam_scene import cam_scene
 from synthesis.exporters.animations.scene import DIAGRAMS, MACHINE, Scene
 from synthesis.exporters.drawing import canvas as svg
 from synthesis.exporters.drawing import html
-from synthesis.exporters.drawing.picture_options import PictureOptions
 from synthesis.exporters.drawing.theme import Theme, style
-from synthesis.exporters.exporter import Exporter
 
 FRAMES = 720
 SHOWN_RPM = 8  # speed on the screen at first
@@ -28,10 +24,6 @@ CONTROLS = f"""<div class="controls" role="group" aria-label="Controls">
 KEYS = """<p class="keys"><kbd>Space</kbd> plays and stops, <kbd>&#8592;</kbd> <kbd>&#8594;</kbd>
 step by 1&#176;, with <kbd>Shift</kbd> by 10&#176;, <kbd>Home</kbd> goes to 0&#176;, <kbd>+</kbd>
 <kbd>&#8722;</kbd> change the speed.</p>"""
-
-
-def _page(design: Design, options: PictureOptions) -> bytes:
-    return paged(cam_scene(design, FRAMES), options.theme)
 
 
 def paged(scene: Scene, theme: Theme) -> bytes:
@@ -81,9 +73,3 @@ def _json(data: object) -> str:
     """JSON that no page takes for its own elements."""
     text = json.dumps(data, separators=(",", ":"), allow_nan=False, ensure_ascii=True)
     return text.replace("<", "\\u003c")
-
-
-PAGE = Exporter(
-    "animation.html", "Animation to play, stop and read", "text/html; charset=utf-8", ".html",
-    _page, PictureOptions, "One file that needs no network; by mouse, touch and keys.",
-)  # fmt: skip

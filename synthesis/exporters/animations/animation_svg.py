@@ -1,4 +1,4 @@
-"""The cam in motion as one SVG: CSS keyframes, no script; it stands still where that is wanted.
+"""A machine in motion as one SVG: CSS keyframes, no script; it stands still where that is wanted.
 
 A roller turns by its mean speed and around it: the one repeats after a whole turn of the roller,
 the other after one of the cam, so that it never jumps.
@@ -11,23 +11,15 @@ from dataclasses import replace
 
 import numpy as np
 
-from synthesis.design.design import Design
-from synthesis.exporters.animations.cam_scene import cam_scene
 from synthesis.exporters.animations.scene import DIAGRAMS, EDGE, MACHINE, TURN_S, Scene
 from synthesis.exporters.drawing import canvas as svg
-from synthesis.exporters.drawing.picture_options import PictureOptions
 from synthesis.exporters.drawing.theme import Theme
-from synthesis.exporters.exporter import Exporter
 from synthesis.exporters.figures.machine import Moving
 
 FRAMES = 240
 HEADER, FOOTER = 16.0, 8.0
 WIDTH = 2.0 * EDGE + MACHINE[0] + DIAGRAMS[0]
 FULL = 360.0
-
-
-def _animation(design: Design, options: PictureOptions) -> bytes:
-    return drawn(cam_scene(design, FRAMES), options.theme)
 
 
 def drawn(scene: Scene, theme: Theme) -> bytes:
@@ -87,9 +79,3 @@ def _frames(part: Moving, decimals: int) -> Iterator[str]:
         else:
             state = f"translate({svg.num(row[0], decimals)}px,{svg.num(row[1], decimals)}px)"
         yield f"{svg.num(100.0 * k / (len(values) - 1))}%{{transform:{state}}}"
-
-
-ANIMATION = Exporter(
-    "animation.svg", "Animation of cam and follower", "image/svg+xml", ".svg", _animation,
-    PictureOptions, "For a document or a web page; no script.",
-)  # fmt: skip

@@ -12,7 +12,7 @@ from synthesis.exporters.diagrams.diagram import Frame, diagram, ranged
 from synthesis.exporters.diagrams.plot import Plot
 from synthesis.exporters.diagrams.sheet import angle_axis
 from synthesis.exporters.drawing import canvas as svg
-from synthesis.exporters.figures.machine import Moving, Tag
+from synthesis.exporters.figures.machine import Moving, Tag, grouped
 from synthesis.numerics.piecewise import Array
 
 Body = Callable[[Tag], list[str]]
@@ -63,12 +63,6 @@ def reading(name: str, title: str, unit: str, values: Array, size: float) -> Rea
     digits = int(np.clip(3 - np.floor(np.log10(size)), 0, 9)) if size > 0.0 else 1
     rounded = [round(v, digits) if np.isfinite(v) else None for v in values.tolist()]
     return {"name": name, "title": title, "unit": unit, "digits": digits, "column": rounded}
-
-
-def grouped(name: str, tag: Tag, moving: Sequence[Moving], body: Sequence[str]) -> list[str]:
-    """A part that moves, where it stands first."""
-    first = next((part.first for part in moving if part.name == name), "translate(0 0)")
-    return [f'<g {tag(name)} transform="{first}">', *body, "</g>"]
 
 
 def traced_diagrams(

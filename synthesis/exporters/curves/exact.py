@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 from dataclasses import dataclass, replace
 from typing import Annotated
 
@@ -12,7 +11,7 @@ from pydantic import Field
 
 from synthesis.design.design import Design
 from synthesis.exporters.curves.contour import Contour
-from synthesis.exporters.exporter import Exporter, FileContent
+from synthesis.exporters.exporter import Exporter, FileContent, compact_json
 from synthesis.exporters.options import CurveName, PlacedCurve
 from synthesis.exporters.samples.cutting import chosen
 from synthesis.exporters.samples.sampling import turned
@@ -119,8 +118,7 @@ def _json(design: Design, options: ExactOptions) -> FileContent:
         "knots_mm": spline.knots.tolist(),
         "control_points_mm": curve.points.tolist(),
     }
-    text = json.dumps(body, ensure_ascii=False, allow_nan=False, separators=(",", ":"))
-    return curve.file(text.encode() + b"\n")
+    return curve.file(compact_json(body) + b"\n")
 
 
 NURBS_JSON = Exporter(

@@ -80,6 +80,12 @@ class Moving:
         return {"name": self.name, "kind": self.kind, "columns": columns}
 
 
+def grouped(name: str, tag: Tag, moving: Sequence[Moving], body: Sequence[str]) -> list[str]:
+    """A part that moves, where it stands first."""
+    first = next((part.first for part in moving if part.name == name), "translate(0 0)")
+    return [f'<g {tag(name)} transform="{first}">', *body, "</g>"]
+
+
 @dataclass(frozen=True, eq=False)
 class Stage:
     """The machine on its place of the sheet.
@@ -136,7 +142,7 @@ class Stage:
 
     def shapes(self, tag: Tag) -> list[str]:
         """Its elements in its own mm."""
-        return [*_ground(self), *self._group("cam", tag, _cam(self)), *_link(self, tag)]
+        return [*_ground(self), *grouped("cam", tag, self.moving(), _cam(self)), *_link(self, tag)]
 
     def outline(self) -> str:
         """The cam's area alone, as at cam angle 0."""
@@ -158,11 +164,6 @@ class Stage:
                 Moving(f"roll{k}", "turn", contact.roll[:, None] / DEGREE, rolls=True),
             ]
         return found
-
-    def _group(self, name: str, tag: Tag, body: Sequence[str]) -> list[str]:
-        """A part that moves, where it stands first."""
-        first = next(part for part in self.moving() if part.name == name).first
-        return [f'<g {tag(name)} transform="{first}">', *body, "</g>"]
 
 
 def _unit(angle: float) -> Array:
@@ -272,11 +273,15 @@ def _link(stage: Stage, tag: Tag) -> list[str]:
     for number in range(len(machine.contacts)):
         body += _contact(stage, number, tag)
     if pivot is None:
-        return stage._group("link", tag, body)
+        return grouped("link", tag, stage.moving(), body)
     body += [svg.circle("outline metal", *pivot, r) for r in (PIVOT * STEM * u, HUB * u)]
     there, back = (" ".join(svg.num(sign * c) for c in pivot) for sign in (1.0, -1.0))
     inner = [f'<g transform="translate({back})">', *body, "</g>"]
-    return [f'<g transform="translate({there})">', *stage._group("link", tag, inner), "</g>"]
+    return [
+        f'<g transform="translate({there})">',
+        *grouped("link", tag, stage.moving(), inner),
+        "</g>",
+    ]
 
 
 def _contact(stage: Stage, number: int, tag: Tag) -> list[str]:
@@ -291,12 +296,12 @@ def _contact(stage: Stage, number: int, tag: Tag) -> list[str]:
     body = _wheel(contact.roller, u)
     if body:
         mean = f"<g {tag(f'roll{number}-mean')}>"
-        body = [mean, *stage._group(f"roll{number}", tag, body), "</g>"]
-    inner = [*stage._group(f"drive{number}", tag, drive),
-             *stage._group(f"normal{number}", tag, normal)]  # fmt: skip
+        body = [mean, *grouped(f"roll{number}", tag, stage.moving(), body), "</g>"]
+    inner = [*grouped(f"drive{number}", tag, stage.moving(), drive),
+             *grouped(f"normal{number}", tag, stage.moving(), normal)]  # fmt: skip
     place = " ".join(svg.num(c, 6) for c in contact.place)
     return [f'<g transform="translate({place})">', *body,
-            *stage._group(f"along{number}", tag, inner), "</g>"]  # fmt: skip
+            *grouped(f"along{number}", tag, stage.moving(), inner), "</g>"]  # fmt: skip
 
 
 def _stem_length(machine: Mechanism, u: float) -> float:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 from collections.abc import Sequence
 from dataclasses import asdict, dataclass
 from typing import Annotated, Any
@@ -11,7 +10,7 @@ import numpy as np
 from pydantic import Field
 
 from synthesis.design.design import Design
-from synthesis.exporters.exporter import Exporter
+from synthesis.exporters.exporter import Exporter, compact_json
 from synthesis.exporters.fidelity.report import (
     MAX_ROWS,
     as_points,
@@ -68,7 +67,7 @@ def _csv_rows(values: Sequence[Array | Whole]) -> bytes:
 def json_table(body: dict[str, Any], columns: Sequence[Column]) -> bytes:
     """A document with the columns at its end."""
     inside = b",".join(_json_column(column) for column in columns)
-    return _compact(body)[:-1] + b',"columns":[' + inside + b"]}\n"
+    return compact_json(body)[:-1] + b',"columns":[' + inside + b"]}\n"
 
 
 def _json_column(column: Column) -> bytes:
@@ -81,11 +80,7 @@ def _json_column(column: Column) -> bytes:
     cells = np.full((len(column.values), WIDTH + 1), ord(","), dtype=np.uint8)
     # JSON has no infinity: null where the value is infinite
     cells[:, :-1] = written(column.values, infinite="null")
-    return _compact(head)[:-1] + b',"values":[' + joined(cells)[:-1] + b"]}"
-
-
-def _compact(body: dict[str, Any]) -> bytes:
-    return json.dumps(body, ensure_ascii=False, allow_nan=False, separators=(",", ":")).encode()
+    return compact_json(head)[:-1] + b',"values":[' + joined(cells)[:-1] + b"]}"
 
 
 @dataclass(frozen=True)

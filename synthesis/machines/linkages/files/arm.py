@@ -14,13 +14,14 @@ from typing import Any
 
 import numpy as np
 
+from synthesis.exporters.animations import formats as animations
 from synthesis.exporters.animations.animation_page import tag
-from synthesis.exporters.animations.scene import EDGE, TURN_S, Scene, grouped
+from synthesis.exporters.animations.scene import EDGE, TURN_S, Scene
 from synthesis.exporters.diagrams.plot import curve_plot
 from synthesis.exporters.drawing import canvas as svg
 from synthesis.exporters.drawing.heading import two_lines
 from synthesis.exporters.drawing.picture_options import PictureOptions
-from synthesis.exporters.figures.machine import Moving, Tag
+from synthesis.exporters.figures.machine import Moving, Tag, grouped
 from synthesis.exporters.figures.parts import Box, display_scale, placed
 from synthesis.exporters.options import Options
 from synthesis.machines.linkages.arm import PalletisingArm
@@ -41,8 +42,6 @@ from synthesis.machines.linkages.files.linkage_file import (
     DECIMALS,
     SVG,
     LinkageFile,
-    animation_data,
-    animation_files,
     line_rules,
     linkage_scene,
     scene_json,
@@ -361,8 +360,9 @@ FILES = (
     LinkageFile("workspace.svg", "Workspace from the side", SVG, ".svg", _workspace,
                 PictureOptions,
                 "Borders are drawn as true arcs, with the arm in every reachable pose."),
-    *animation_files(
-        _scene, "Through the poses and back, or along the limits where there are fewer than two."
+    *animations.pictures(
+        LinkageFile, _scene, "Animation",
+        "Through the poses and back, or along the limits where there are fewer than two."
     ),
-    animation_data(_data, "Shapes and positions of its links in every solution"),
+    animations.data(LinkageFile, _data, "Shapes and positions of its links in every solution"),
 )  # fmt: skip

@@ -2,16 +2,12 @@
 
 from __future__ import annotations
 
-import json
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 
-from synthesis.exporters.animations.animation_page import FRAMES as PAGE_FRAMES
-from synthesis.exporters.animations.animation_page import paged
-from synthesis.exporters.animations.animation_svg import FRAMES, drawn
 from synthesis.exporters.animations.scene import (
     DIAGRAMS,
     EDGE,
@@ -24,12 +20,10 @@ from synthesis.exporters.animations.scene import (
 from synthesis.exporters.diagrams.diagram import Frame
 from synthesis.exporters.diagrams.plot import Plot
 from synthesis.exporters.drawing.heading import two_lines
-from synthesis.exporters.drawing.picture_options import PictureOptions
 from synthesis.exporters.drawing.theme import lines
-from synthesis.exporters.exporter import FileFormat
+from synthesis.exporters.exporter import FileFormat, compact_json
 from synthesis.exporters.figures.machine import Moving
 from synthesis.exporters.figures.parts import Box, placed, scale_in
-from synthesis.exporters.options import Options
 from synthesis.numerics.piecewise import Array
 
 SVG = "image/svg+xml"
@@ -49,34 +43,6 @@ class LinkageFile(FileFormat[Any, Any]):
     suits: Callable[[Any], bool] = lambda _: True
 
 
-def animation_files(
-    scene: Callable[[Any, int], Scene], purpose: str
-) -> tuple[LinkageFile, LinkageFile]:
-    """The animated SVG and the page of a scene, made from an answer and a number of frames."""
-
-    def picture(found: Any, options: PictureOptions) -> bytes:
-        return drawn(scene(found, FRAMES), options.theme)
-
-    def page(found: Any, options: PictureOptions) -> bytes:
-        return paged(scene(found, PAGE_FRAMES), options.theme)
-
-    return (
-        LinkageFile("animation.svg", "Animation", SVG, ".svg", picture, PictureOptions,
-                    purpose),
-        LinkageFile("animation.html", "Animation to play, stop and read",
-                    "text/html; charset=utf-8", ".html", page, PictureOptions,
-                    "One file that needs no network; by mouse, touch and keys."),
-    )  # fmt: skip
-
-
-def animation_data(write: Callable[[Any, Options], bytes], title: str) -> LinkageFile:
-    """The animation as JSON, which ``scene_json`` makes; written only where it is asked for."""
-    return LinkageFile(
-        "animation.json", title, "application/json", ".json", write, Options,
-        "For pages that show the machine their own way.", by_default=False,
-    )  # fmt: skip
-
-
 def scene_json(found: Any, frame: str, scale: float, extent: Box, **parts: Any) -> bytes:
     """A linkage as data for other viewers; ``frame`` says what ``parts`` mean."""
     body = {
@@ -88,8 +54,7 @@ def scene_json(found: Any, frame: str, scale: float, extent: Box, **parts: Any) 
         "extent": list(extent),
         **parts,
     }
-    text = json.dumps(body, ensure_ascii=False, allow_nan=False, separators=(",", ":"))
-    return text.encode() + b"\n"
+    return compact_json(body) + b"\n"
 
 
 def linkage_scene(

@@ -11,15 +11,16 @@ import numpy as np
 from pydantic import Field
 
 from synthesis.errors import InputError
+from synthesis.exporters.animations import formats as animations
 from synthesis.exporters.animations.animation_page import tag as data_tag
-from synthesis.exporters.animations.scene import Scene, grouped, lasting
+from synthesis.exporters.animations.scene import Scene, lasting
 from synthesis.exporters.diagrams.diagram import Frame, diagram
 from synthesis.exporters.diagrams.plot import Plot, curve_plot
 from synthesis.exporters.diagrams.sheet import FOOTER, GAP, HEIGHT, LEFT, RIGHT, WIDTH, angle_axis
 from synthesis.exporters.drawing import canvas as svg
 from synthesis.exporters.drawing.heading import TURNS, two_lines
 from synthesis.exporters.drawing.picture_options import PictureOptions
-from synthesis.exporters.figures.machine import Moving, Tag
+from synthesis.exporters.figures.machine import Moving, Tag, grouped
 from synthesis.exporters.figures.parts import Box, display_scale
 from synthesis.exporters.options import MotionOptions, Options
 from synthesis.exporters.samples.columns import Column
@@ -30,8 +31,6 @@ from synthesis.machines.linkages.files.linkage_file import (
     DECIMALS,
     SVG,
     LinkageFile,
-    animation_data,
-    animation_files,
     linkage_scene,
     scene_json,
 )
@@ -366,6 +365,8 @@ FILES = (
     LinkageFile("motion.svg", "Diagrams of the motion", SVG, ".svg", _motion,
                 PictureOptions,
                 "The quick stroke is shaded; a line stands at every dead centre."),
-    *animation_files(_scene, "For a document or a web page; no script."),
-    animation_data(_data, "Shapes and positions of its links over a turn"),
+    *animations.pictures(
+        LinkageFile, _scene, "Animation", "For a document or a web page; no script."
+    ),
+    animations.data(LinkageFile, _data, "Shapes and positions of its links over a turn"),
 )  # fmt: skip

@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-import json
 from typing import Any
 
 from synthesis.exporters.drawing import canvas as svg
 from synthesis.exporters.drawing.heading import TURNS, two_lines
+from synthesis.exporters.exporter import compact_json
 from synthesis.machines.spatial.design import SpatialDesign
 
 
@@ -27,8 +27,7 @@ def origin(design: SpatialDesign) -> dict[str, Any]:
 def json_file(design: SpatialDesign, kind: str, frame: str, body: dict[str, Any]) -> bytes:
     """A JSON file: its kind, the frame of its coordinates, its cam, then the body."""
     whole = {"kind": kind, "frame": frame, "design": origin(design), **body}
-    text = json.dumps(whole, ensure_ascii=False, allow_nan=False, separators=(",", ":"))
-    return text.encode()
+    return compact_json(whole)
 
 
 def above(design: SpatialDesign, left: float, right: float, u: float) -> list[str]:
