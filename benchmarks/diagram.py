@@ -80,7 +80,7 @@ class Diagram:
         foot = TOP + HEIGHT + BELOW
         body = [
             f"<style>{_style()}</style>",
-            svg.text("title", EDGE, 7.5, svg.shortened(self.title, WIDTH - 2.0 * EDGE, svg.TITLE)),
+            svg.text("title", EDGE, 7.5, svg.shorten(self.title, WIDTH - 2.0 * EDGE, svg.TITLE)),
             *frame.grid(),
             *(line for k, one in enumerate(self.series) for line in frame.drawn(k, one)),
             *_legend(self.series, foot),

@@ -38,7 +38,7 @@ from service.wire.pages import position_of
 from service.wire.ranges import IN_PARTS
 from synthesis.exporters.diagrams.tradeoff import Aim, TradeOff, trade_off
 from synthesis.exporters.drawing.picture_options import Colours, PixelColours, PixelWidth
-from synthesis.exporters.drawing.raster import rasterised
+from synthesis.exporters.drawing.raster import rasterise
 
 router = APIRouter(prefix="/v1/sweeps/{sweep_id}", tags=["sweeps"])
 MEDIA_TYPES = {"csv": "text/csv; charset=utf-8", "parquet": "application/vnd.apache.parquet"}
@@ -216,7 +216,7 @@ async def get_sweep_pareto_png(
     """The drawing, painted. Needs the optional part plots; without it the answer is 501."""
 
     async def paint(drawn: TradeOff) -> bytes:
-        return await in_worker(parts, partial(rasterised, trade_off(drawn, theme), width_px))
+        return await in_worker(parts, partial(rasterise, trade_off(drawn, theme), width_px))
 
     file, options = ("pareto.png", PNG), (theme, str(width_px))
     return await _drawn(request, sweep, parts, axes, file, options, paint)

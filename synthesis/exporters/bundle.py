@@ -69,11 +69,11 @@ class BundleOptions:
             rule = f"Of a set these can be had: {', '.join(WHICH)}."
             remedy = "Name one of them: every cam gives all that it has of it."
             raise InputError("/curve", self.profile.curve, rule, remedy)
-        wanted = (
+        chosen = (
             ("/profile", self.profile_formats, PROFILE_FORMATS),
             ("/motion", self.motion_formats, MOTION_FORMATS),
         )
-        for pointer, names, known in wanted:
+        for pointer, names, known in chosen:
             for name in names:
                 if name not in known:
                     rule = f"The formats here are {', '.join(known)}."
@@ -153,13 +153,13 @@ def _files_of(cam: MountedCam, options: BundleOptions) -> Iterator[tuple[str, by
             yield f"motion{motion.extension}", motion.write_like(design, options.motion)
 
 
-def _curves(cam: MountedCam, wanted: CurveName) -> dict[str, CurveName]:
+def _curves(cam: MountedCam, curve: CurveName) -> dict[str, CurveName]:
     """The curves that a cam consists of, by what their files are called."""
-    if wanted == "profile":
+    if curve == "profile":
         return profiles(cam.design)
     companions = cam.design.completed_spec.follower.active_closure.counter_paths
     others = [cast(CurveName, labelled(path, "pitch")) for path in companions]
-    return {name.replace("_", "-"): name for name in (wanted, *others)}
+    return {name.replace("_", "-"): name for name in (curve, *others)}
 
 
 def timing_table(cams: CamSet) -> bytes:

@@ -13,14 +13,14 @@ from synthesis.exporters.drawing.picture_options import (
     PictureOptions,
     PixelOptions,
 )
-from synthesis.exporters.drawing.raster import rasterised
+from synthesis.exporters.drawing.raster import rasterise
 from synthesis.exporters.exporter import Exporter
 from synthesis.exporters.figures.profile import PROFILE
 
 
 def _painted(name: str, drawing: Exporter[Any], options: type[Any]) -> Exporter[PixelOptions]:
-    def write(design: Design, wanted: PixelOptions) -> bytes:
-        return rasterised(drawing.write(design, options(theme=wanted.theme)), wanted.width_px)
+    def write(design: Design, given: PixelOptions) -> bytes:
+        return rasterise(drawing.write(design, options(theme=given.theme)), given.width_px)
 
     return Exporter(
         f"{name}.png", f"{drawing.title}, pixels", "image/png", ".png", write, PixelOptions,

@@ -23,7 +23,7 @@ from synthesis.errors import InputError
 from synthesis.exporters.exporter import Exporter
 from synthesis.exporters.fidelity.report import fidelity_header
 from synthesis.exporters.options import PointOptions
-from synthesis.exporters.samples.cutting import chosen
+from synthesis.exporters.samples.cutting import checked_cam
 from synthesis.exporters.samples.sampling import in_degrees, written_points
 from synthesis.numerics.piecewise import Array
 
@@ -48,7 +48,7 @@ class IblOptions(PointOptions):
 
 def _points(design: Design, options: PointOptions, closed: bool) -> Array:
     """The points (n, 2), the first one repeated at the end if ``closed``, unless it is said."""
-    return written_points(chosen(design, options), options).ended(options, closed)
+    return written_points(checked_cam(design, options), options).ended(options, closed)
 
 
 def _rows(points: Array, options: PointOptions, row: str, numbered: bool = False) -> bytes:
@@ -89,7 +89,7 @@ def _ibl(design: Design, options: IblOptions) -> bytes:
 
 def _sldcrv(design: Design, options: PointOptions) -> bytes:
     """Units after each number, tabs between, CRLF; closed by the first point at the end."""
-    written = written_points(chosen(design, options), options)
+    written = written_points(checked_cam(design, options), options)
     steps = np.hypot(*(np.roll(written.points, -1, axis=0) - written.points).T)
     if steps.min() < MIN_DISTANCE_MM:
         at = in_degrees(written.theta[int(np.argmin(steps))])

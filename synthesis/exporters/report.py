@@ -125,7 +125,7 @@ def _cam(design: Design, options: PictureOptions) -> Iterator[str]:
 
 def _limit(extreme: Extreme) -> list[str]:
     def text(value: float | None, digits: int = 6) -> str:
-        return "–" if value is None else svg.measured(value, extreme.unit, digits)
+        return "–" if value is None else svg.with_unit(value, extreme.unit, digits)
 
     at = f"{svg.figure(extreme.angle_deg, 6)}°"
     return [
@@ -148,7 +148,7 @@ def _program(design: Design) -> str:
     rows = [
         [
             each.kind, f"{svg.figure(each.start_deg, 8)}°", f"{svg.figure(each.angle_deg, 8)}°",
-            *(svg.measured(round(level, 9), unit) for level in each.levels),
+            *(svg.with_unit(round(level, 9), unit) for level in each.levels),
             "–" if each.kind == "dwell" else _words(each.law),
         ]
         for each in design.motion
@@ -160,8 +160,8 @@ def _conflict(conflict: Conflict, given: bool) -> str:
     """Why nothing fits, and the least changes that would help."""
     names = ", ".join(_words(limit) for limit in conflict.limits)
     rows = [
-        [_words(each.limit), svg.measured(each.requested, each.unit),
-         "–" if each.needed is None else svg.measured(each.needed, each.unit),
+        [_words(each.limit), svg.with_unit(each.requested, each.unit),
+         "–" if each.needed is None else svg.with_unit(each.needed, each.unit),
          each.field, each.note]
         for each in conflict.relaxations
     ]  # fmt: skip
@@ -263,5 +263,5 @@ def _dimension(name: str, value: float) -> tuple[str, str]:
     """A dimension, and its value with the unit that its name on the wire ends with."""
     stem, _, unit = name.rpartition("_")
     if stem and unit in ("mm", "deg"):
-        return _words(stem), svg.measured(value, unit, 8)
+        return _words(stem), svg.with_unit(value, unit, 8)
     return _words(name), svg.figure(value, 8)

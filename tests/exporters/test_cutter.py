@@ -10,7 +10,7 @@ import pytest
 from synthesis import Design, DesignSpec, synthesise
 from synthesis.errors import InputError
 from synthesis.exporters import PROFILE_FORMATS, ProfileOptions
-from synthesis.exporters.samples.cutting import chosen, largest_cutter
+from synthesis.exporters.samples.cutting import checked_cam, largest_cutter
 from tests.exporters.test_flanks import CLOSURES, asked
 from tests.exporters.test_points import away, points
 
@@ -54,7 +54,7 @@ def test_the_largest_cutter_of_a_hollow_is_its_radius(build) -> None:
     lengths = [np.hypot(*(p - q).T) for p, q in ((a, b), (b, c), (a, c))]
     bend = -2.0 * (ux * vy - uy * vx) / np.prod(lengths, axis=0)  # the ring runs clockwise
     largest = -2.0 / np.min(bend)
-    fit = largest_cutter(chosen(design, ProfileOptions()))
+    fit = largest_cutter(checked_cam(design, ProfileOptions()))
     assert 2.0 * fit.radius == pytest.approx(largest, rel=2e-3)
     at = ring[int(np.argmin(bend))]
     assert np.hypot(at[0] - fit.x, at[1] - fit.y) < 0.5

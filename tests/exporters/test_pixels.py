@@ -14,7 +14,7 @@ from PIL import Image
 
 from synthesis.errors import ExtraMissing, InputError
 from synthesis.exporters import DRAWINGS, PICTURES
-from synthesis.exporters.drawing.raster import rasterised
+from synthesis.exporters.drawing.raster import rasterise
 from tests.exporters.test_drawings import NUMBER, SVG, floats, of_class, path_points
 
 WIDTH = 1100
@@ -62,7 +62,7 @@ def test_arcs_circles_and_letters_are_painted(p1) -> None:
     drawing = DRAWINGS["profile.svg"]
     content = drawing.write(p1, drawing.options(theme="light"))
     root = ET.fromstring(content)
-    picture = pixels(rasterised(content, WIDTH))
+    picture = pixels(rasterise(content, WIDTH))
     _, _, width, _ = (float(n) for n in root.get("viewBox").split())
     scale = WIDTH / width
     shift = floats_of(root.find(SVG + "g").get("transform"))[:2]

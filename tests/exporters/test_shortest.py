@@ -7,11 +7,11 @@ import pytest
 from hypothesis import example, given
 from hypothesis import strategies as st
 
-from synthesis.exporters.tables.shortest import joined, written
+from synthesis.exporters.tables.shortest import join_cells, to_text
 
 
 def texts(values: np.ndarray) -> list[str]:
-    return [joined(row).decode("ascii") for row in written(values)]
+    return [join_cells(row).decode("ascii") for row in to_text(values)]
 
 
 @given(st.lists(st.floats(allow_nan=False, min_value=-1.7e308), min_size=1, max_size=40))
@@ -43,5 +43,5 @@ def test_whole_numbers_have_no_point() -> None:
 
 
 def test_the_word_for_infinity() -> None:
-    cells = written(np.array([np.inf, 1.5]), infinite="null")
-    assert [joined(row) for row in cells] == [b"null", b"1.5"]
+    cells = to_text(np.array([np.inf, 1.5]), infinite="null")
+    assert [join_cells(row) for row in cells] == [b"null", b"1.5"]

@@ -26,7 +26,7 @@ step by 1&#176;, with <kbd>Shift</kbd> by 10&#176;, <kbd>Home</kbd> goes to 0&#1
 <kbd>&#8722;</kbd> change the speed.</p>"""
 
 
-def paged(scene: Scene, theme: Theme) -> bytes:
+def page(scene: Scene, theme: Theme) -> bytes:
     """The scene as a page with controls and numbers."""
     name = scene.name or scene.shaft.partition(" ")[0]
     data = {"parts": [part.data(scene.decimals) for part in scene.moving],

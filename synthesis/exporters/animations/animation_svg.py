@@ -22,7 +22,7 @@ WIDTH = 2.0 * EDGE + MACHINE[0] + DIAGRAMS[0]
 FULL = 360.0
 
 
-def drawn(scene: Scene, theme: Theme) -> bytes:
+def draw(scene: Scene, theme: Theme) -> bytes:
     """The scene as one SVG: the machine on the left, its diagrams on the right."""
     prefix = f"cw{scene.key[:8]}"
     height = HEADER + max(MACHINE[1], DIAGRAMS[1]) + FOOTER

@@ -63,7 +63,7 @@ def cam_scene(design: Design, count: int) -> Scene:
         titles=("Cam and follower", "Displacement and pressure angle"),
         described="The cam turns, the follower with its roller moves, and points run on its "
         "diagrams.",
-        machine=partial(stage.placed, *MACHINE),
+        machine=partial(stage.in_panel, *MACHINE),
         diagrams=lambda tag: [*diagrams(tag), *_legend(stage)],
         moving=[part for part in (*stage.moving(), *points) if part.moves],
         readings=[

@@ -32,10 +32,10 @@ def pictures(
     """The animated SVG and the page of a scene, made from an answer and a number of frames."""
 
     def picture(answer: Any, options: PictureOptions) -> bytes:
-        return animation_svg.drawn(scene(answer, animation_svg.FRAMES), options.theme)
+        return animation_svg.draw(scene(answer, animation_svg.FRAMES), options.theme)
 
     def page(answer: Any, options: PictureOptions) -> bytes:
-        return animation_page.paged(scene(answer, animation_page.FRAMES), options.theme)
+        return animation_page.page(scene(answer, animation_page.FRAMES), options.theme)
 
     return (
         kind("animation.svg", title, "image/svg+xml", ".svg", picture, PictureOptions, purpose),

@@ -8,11 +8,11 @@ from typing import Any
 
 import numpy as np
 
-from synthesis.exporters.diagrams.diagram import Frame, diagram, ranged
+from synthesis.exporters.diagrams.diagram import Frame, diagram, with_range
 from synthesis.exporters.diagrams.plot import Plot
 from synthesis.exporters.diagrams.sheet import angle_axis
 from synthesis.exporters.drawing import canvas as svg
-from synthesis.exporters.figures.machine import Moving, Tag, grouped
+from synthesis.exporters.figures.machine import Moving, Tag, moving_group
 from synthesis.numerics.piecewise import Array
 
 Body = Callable[[Tag], list[str]]
@@ -83,7 +83,7 @@ def traced_diagrams(
     """
     plots = [replace(plot, ends=()) for plot in plots]
     frames = [
-        ranged(Frame(LEFT, TOP + k * (HEIGHT + GAP), DIAGRAMS[0] - LEFT - RIGHT, HEIGHT), plot)
+        with_range(Frame(LEFT, TOP + k * (HEIGHT + GAP), DIAGRAMS[0] - LEFT - RIGHT, HEIGHT), plot)
         for k, plot in enumerate(plots)
     ]
     across, bottom = frames[0].x(degrees), frames[-1].top + frames[-1].height
@@ -96,9 +96,9 @@ def traced_diagrams(
         for frame, plot in zip(frames, plots, strict=True):
             body += [*grounds(frame), *diagram(plot, frame)]
         body += angle_axis(frames[-1], every=60, name=shaft)
-        body += grouped("cursor", tag, points, [svg.line("phase", 0.0, TOP, 0.0, bottom)])
+        body += moving_group("cursor", tag, points, [svg.line("phase", 0.0, TOP, 0.0, bottom)])
         for k in range(len(plots)):
-            body += grouped(f"dot{k}", tag, points, [svg.circle("mark", 0.0, 0.0, 1.3)])
+            body += moving_group(f"dot{k}", tag, points, [svg.circle("mark", 0.0, 0.0, 1.3)])
         return body
 
     return points, panel

@@ -116,13 +116,13 @@ class Contour(ClosedCurve):
     def at(self, span: Indices, fraction: Array) -> CurvePoints:
         start, width = self.start[span], (self.end - self.start)[span]
         theta = np.where(fraction == 1.0, self.end[span], start + width * fraction)
-        found = self._moving(theta, fraction == 1.0, width)
+        course = self._moving(theta, fraction == 1.0, width)
         for index, bridge in self.bridges.items():
             mine = span == index
             own = bridge.course(fraction[mine])
-            found.points[mine], found.tangent[mine] = own.points, own.tangent
-            found.curvature[mine], found.speed[mine] = own.curvature, own.speed
-        return found
+            course.points[mine], course.tangent[mine] = own.points, own.tangent
+            course.curvature[mine], course.speed[mine] = own.curvature, own.speed
+        return course
 
     def signed_speed(self, theta: Array, left: Mask) -> Array:
         """dq/dθ along the tangent [mm/rad], (n,)."""

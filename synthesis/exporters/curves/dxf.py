@@ -26,8 +26,8 @@ from synthesis.exporters.options import (
     is_pitch,
 )
 from synthesis.exporters.samples.cam import Cam
-from synthesis.exporters.samples.cutting import chosen
-from synthesis.exporters.samples.sampling import turned
+from synthesis.exporters.samples.cutting import checked_cam
+from synthesis.exporters.samples.sampling import rotate
 from synthesis.numerics.geometry.biarcs import fit_biarcs
 from synthesis.numerics.geometry.closed_spline import fit_closed_spline
 
@@ -118,7 +118,7 @@ def _page(design: Design) -> Any:
 
 def _curves(design: Design, options: DrawingOptions) -> Iterator[tuple[CurveName, Cam]]:
     """The curve that the options name, and what is drawn beside it."""
-    wanted = chosen(design, options)
+    wanted = checked_cam(design, options)
     yield options.curve, wanted
     if not options.companions:
         return
@@ -138,13 +138,13 @@ def _draw(space: Any, curve: CurveName, cam: Cam, options: DrawingOptions) -> fl
     z = options.z_mm or 0.0
     if options.form == "arcs":
         arcs = fit_biarcs(Contour.of(cam, every=False), options.tolerance_mm)
-        x, y = turned(options.turn_deg, *arcs.points.T)
+        x, y = rotate(options.turn_deg, *arcs.points.T)
         rows = np.column_stack([x, y, arcs.bulges]).tolist()
         attributes["elevation"] = z
         space.add_lwpolyline(rows, format="xyb", close=True, dxfattribs=attributes)
         return arcs.error
     spline = fit_closed_spline(Contour.of(cam), options.tolerance_mm)
-    x, y = turned(options.turn_deg, *spline.points.T)
+    x, y = rotate(options.turn_deg, *spline.points.T)
     drawn = space.add_spline(degree=spline.degree, dxfattribs={**attributes, "flags": PLANE})
     drawn.control_points = np.column_stack([x, y, np.full(len(x), z)])
     drawn.knots = spline.knots.tolist()

@@ -13,8 +13,8 @@ from synthesis.design.design import Design
 from synthesis.exporters.curves.contour import Contour
 from synthesis.exporters.exporter import Exporter, FileContent, compact_json
 from synthesis.exporters.options import CurveName, PlacedCurve
-from synthesis.exporters.samples.cutting import chosen
-from synthesis.exporters.samples.sampling import turned
+from synthesis.exporters.samples.cutting import checked_cam
+from synthesis.exporters.samples.sampling import rotate
 from synthesis.exporters.tables.formats import origin
 from synthesis.numerics.geometry.closed_spline import ClosedSpline, fit_closed_spline
 from synthesis.numerics.piecewise import Array
@@ -75,8 +75,8 @@ class ExactCurve:
             InputError: there is no cam, no such curve, it crosses itself, or the tolerance is too
                 fine.
         """
-        spline = fit_closed_spline(Contour.of(chosen(design, options)), options.tolerance_mm)
-        x, y = turned(options.turn_deg, *spline.points.T)
+        spline = fit_closed_spline(Contour.of(checked_cam(design, options)), options.tolerance_mm)
+        x, y = rotate(options.turn_deg, *spline.points.T)
         placed = replace(spline, points=np.column_stack([x, y]))
         return cls(options.curve, placed, options.z_mm or 0.0)
 

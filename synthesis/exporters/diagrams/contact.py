@@ -18,7 +18,7 @@ from synthesis.catalogue.limits import Claim
 from synthesis.catalogue.profile import CamProfile
 from synthesis.design.design import Design
 from synthesis.exporters.diagrams.motion import MEASURED_PER_DEGREE
-from synthesis.exporters.diagrams.plot import NOWHERE, Bound, Plot, Trace, claimed, radii
+from synthesis.exporters.diagrams.plot import NOWHERE, Bound, Plot, Trace, claimed_bounds, radii
 from synthesis.exporters.diagrams.sheet import DRAWN_PER_DEGREE, sheet
 from synthesis.exporters.drawing.picture_options import PictureOptions
 from synthesis.exporters.exporter import Exporter
@@ -49,7 +49,7 @@ def pressure_plot(design: Design, cam: Cam) -> Plot:
     """The pressure angle along the traced curve of a flank."""
     path = cam.flank.path
     curve, fine = _traces(cam, lambda at: at.pressure_angle / DEGREE)
-    limits = claimed(
+    limits = claimed_bounds(
         design,
         lambda claim: claim.quantity == "pressure_angle" and claim.path == path,
         lambda _, value: value / DEGREE,
@@ -61,7 +61,9 @@ def radius_plot(design: Design, cam: Cam) -> Plot:
     """The radius of curvature of a flank: even in curvature, along a flat face in the radius."""
     name, side, distance = cam.flank.name, cam.flank.side, cam.flank.distance
     wanted = {labelled(limit, name) for limit in ("profile_radius", "cutter_radius")}
-    limits = claimed(design, lambda claim: claim.limit in wanted, lambda _, value: side * value)
+    limits = claimed_bounds(
+        design, lambda claim: claim.limit in wanted, lambda _, value: side * value
+    )
     theta = cam.joints.breaking(1)
     if flat_face(cam.follower) is not None:
         # Along a face nothing can be hollow. Where the velocity jumps the face rocks on a corner,
@@ -129,7 +131,7 @@ def _limits(design: Design, quantity: str, name: str) -> list[Bound]:
         whole = claim.limit.removesuffix("_min").removesuffix("_max")
         return claim.quantity == quantity and whole == name
 
-    return claimed(design, ours)
+    return claimed_bounds(design, ours)
 
 
 CONTACT = Exporter(

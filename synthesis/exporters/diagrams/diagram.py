@@ -40,7 +40,7 @@ class Frame:
 
 def diagram(plot: Plot, frame: Frame) -> list[str]:
     """The elements of one diagram, its title line above the frame."""
-    frame = ranged(frame, plot)
+    frame = with_range(frame, plot)
     labels = plot.labels(frame.low, frame.high)
     return [
         *_bad(frame, plot.bad),
@@ -53,7 +53,7 @@ def diagram(plot: Plot, frame: Frame) -> list[str]:
     ]
 
 
-def ranged(frame: Frame, plot: Plot) -> Frame:
+def with_range(frame: Frame, plot: Plot) -> Frame:
     """The frame with a range that holds zero, the curve, and the limits that are not far away."""
     values = plot.fine.values
     peak = float(np.max(np.abs(values)))

@@ -8,8 +8,8 @@ from functools import partial
 import numpy as np
 
 from synthesis.design.design import Design, SegmentMotion
-from synthesis.exporters.diagrams.plot import Bound, Plot, Trace, claimed
-from synthesis.exporters.diagrams.sheet import DRAWN_PER_DEGREE, LEFT, RIGHT, WIDTH, stacked
+from synthesis.exporters.diagrams.plot import Bound, Plot, Trace, claimed_bounds
+from synthesis.exporters.diagrams.sheet import DRAWN_PER_DEGREE, LEFT, RIGHT, WIDTH, stack
 from synthesis.exporters.drawing import canvas as svg
 from synthesis.exporters.drawing.heading import heading
 from synthesis.exporters.drawing.picture_options import DiagramOptions
@@ -41,12 +41,12 @@ def motion_sheet(
     plots = [motion_plot(turn, k, per_degree, limits(k)) for k in range(len(QUANTITIES))]
     text = "Displacement, velocity, acceleration and jerk of the follower over the cam angle."
     title_and_text = f"Motion of {name}", text
-    return stacked(motion, turn.travel.unit, above, plots, title_and_text, options.theme)
+    return stack(motion, turn.travel.unit, above, plots, title_and_text, options.theme)
 
 
 def motion_bounds(design: Design, order: int) -> list[Bound]:
     """The bounds of the spec's limits on a derivative of s by time."""
-    return claimed(design, lambda claim: claim.quantity == QUANTITIES[order])
+    return claimed_bounds(design, lambda claim: claim.quantity == QUANTITIES[order])
 
 
 def motion_plot(

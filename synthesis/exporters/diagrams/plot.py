@@ -60,12 +60,12 @@ class Trace:
         )
 
 
-def claimed(
+def claimed_bounds(
     design: Design,
-    wanted: Callable[[Claim], bool],
+    select: Callable[[Claim], bool],
     convert: Callable[[Claim, float], float | None] = lambda claim, value: claim.to_wire(value),
 ) -> list[Bound]:
-    """The bounds of those claims of the spec's limits that are wanted.
+    """The bounds of those claims of the spec's limits that are selected.
 
     ``convert``: a monotone map of a claim's values to the diagram's; bounds change places where it
     falls. Neighbours with the same bounds are joined.
@@ -73,7 +73,7 @@ def claimed(
     segments, machine = design.resolved_spec.placed_segments(), design.completed_spec.machine()
     bounds: list[Bound] = []
     for limit in design.completed_spec.all_limits():
-        for claim in filter(wanted, limit.claims(segments, machine)):
+        for claim in filter(select, limit.claims(segments, machine)):
             ends = [
                 None if end is None else convert(claim, end) for end in (claim.lower, claim.upper)
             ]
@@ -142,14 +142,14 @@ def radii(distance: float) -> Callable[[float, float], Labels]:
         return svg.figure(0.0 if abs(value) < ROUNDING * distance else value)
 
     def labelled(low: float, high: float) -> Labels:
-        wanted = [0.0, *([1.0 / distance] if distance > 0.0 else [])]
+        candidates = [0.0, *([1.0 / distance] if distance > 0.0 else [])]
         size = max(abs(low), abs(high))
         powers = range(math.floor(-math.log10(size)) - 1, math.ceil(-math.log10(size)) + 4)
         sizes = [k * 10.0**power for k in ROUND for power in powers]
-        wanted += [1.0 / (sign * r + distance) for r in sizes for sign in (1.0, -1.0)
+        candidates += [1.0 / (sign * r + distance) for r in sizes for sign in (1.0, -1.0)
                    if abs(sign * r + distance) > 1e-9 * r]  # fmt: skip
         taken: list[float] = []
-        for value in wanted:
+        for value in candidates:
             distant = min((abs(value - other) for other in taken), default=math.inf)
             if low <= value <= high and distant >= CROWDED * (high - low):
                 taken.append(value)

@@ -25,10 +25,10 @@ DRAWN_PER_DEGREE = 2.0  # a sheet is not drawn more coarsely than this
 def sheet(design: Design, plots: Sequence[Plot], title: str, text: str, theme: Theme) -> bytes:
     """The sheet of a design; ``title`` and ``text`` are for those who do not see it."""
     above, unit = heading(design, LEFT, WIDTH - RIGHT, 1.0), design.spec.follower.travel.unit
-    return stacked(design.motion, unit, above, plots, (title, text), theme)
+    return stack(design.motion, unit, above, plots, (title, text), theme)
 
 
-def stacked(
+def stack(
     motion: Sequence[SegmentMotion],
     unit: str,
     above: Sequence[str],
@@ -76,13 +76,13 @@ def _band(motion: Sequence[SegmentMotion], unit: str) -> list[str]:
     for segment in segments:
         width = _x(segment.angle_deg) - LEFT
         middle = _x(segment.start_deg) + 0.5 * width
-        name = svg.fitting(_names(segment, unit), width - 1.0, svg.LABEL)
+        name = svg.first_fitting(_names(segment, unit), width - 1.0, svg.LABEL)
         if name:
             body.append(svg.text("label", middle, HEADER + 4.0, name, "middle"))
         law = segment.law.replace("_", " ")
         if segment.kind == "dwell":  # lifts leave residues
-            law = f"at {svg.measured(round(segment.levels[0], 9), unit)}"
-        text = svg.shortened(law, width - 1.0, svg.TICK)
+            law = f"at {svg.with_unit(round(segment.levels[0], 9), unit)}"
+        text = svg.shorten(law, width - 1.0, svg.TICK)
         if len(text) > SHORT or text == law:
             body.append(svg.text("tick", middle, HEADER + 7.8, text, "middle"))
     return body + _border_angles([s.start_deg for s in segments] + [360.0])
@@ -108,7 +108,7 @@ def _names(segment: SegmentMotion, unit: str) -> list[str]:
     if segment.kind == "dwell":
         return [f"dwell {angle}", "dwell"]
     start, end = segment.levels
-    lift = svg.measured(abs(end - start), unit)
+    lift = svg.with_unit(abs(end - start), unit)
     return [f"{segment.kind} {lift} in {angle}", f"{segment.kind} {lift}", segment.kind]
 
 

@@ -88,13 +88,13 @@ def _captions(cam: MountedCam, top: float) -> list[str]:
     if cam.has_cam:
         levels = [end for segment in cam.design.motion for end in segment.levels]
         unit = cam.design.spec.follower.travel.unit
-        stroke = svg.measured(max(levels) - min(levels), unit)
+        stroke = svg.with_unit(max(levels) - min(levels), unit)
         lines.insert(1, ("tick", f"stroke {stroke}"))
     if cam.follower_direction_deg != UPWARDS_DEG:
         lines.append(("tick", f"follower at {svg.figure(cam.follower_direction_deg, 6)}°"))
     sizes = {"label": svg.LABEL, "tick": svg.TICK}
     return [
-        svg.text(kind, x, top + NAMES + 2.4 + 4.1 * k, svg.shortened(text, room, sizes[kind]))
+        svg.text(kind, x, top + NAMES + 2.4 + 4.1 * k, svg.shorten(text, room, sizes[kind]))
         for k, (kind, text) in enumerate(lines)
     ]
 
@@ -149,7 +149,7 @@ def _names(
         start, end = max(parts, key=lambda span: span[1] - span[0])
         angle = f"{svg.figure(segment.angle_deg, 6)}°"
         texts = [f"{segment.kind} {angle}", segment.kind, segment.kind[:1].upper()]
-        name = svg.fitting(texts, _x(end) - _x(start) - 0.8, svg.TICK)
+        name = svg.first_fitting(texts, _x(end) - _x(start) - 0.8, svg.TICK)
         if name:
             body.append(svg.text("tick", 0.5 * (_x(start) + _x(end)), y, name, "middle"))
     return body

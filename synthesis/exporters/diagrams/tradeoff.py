@@ -91,7 +91,7 @@ def _heading(trade: TradeOff, width: float) -> list[str]:
     body = two_lines(trade.name.strip() or "Sweep", shown, 8.0, width - 8.0, 1.0)
     hidden = [f"{count} {why}" for why, count in trade.left_out.items() if count]
     if hidden:
-        text = svg.shortened(f"not shown: {', '.join(hidden)}", width - 16.0, svg.LABEL)
+        text = svg.shorten(f"not shown: {', '.join(hidden)}", width - 16.0, svg.LABEL)
         body.append(svg.text("quiet", 8.0, 17.4, text))
     return body
 
@@ -160,9 +160,9 @@ def _axes(trade: TradeOff, pair: tuple[int, int], across: _Scale, up: _Scale) ->
         body.append(svg.line("grid", left, y, right, y))
         body.append(svg.text("tick", left - 1.5, y + 0.9, text, "end"))
     body += [svg.line("axis", left, low, right, low), svg.line("axis", left, low, left, high)]
-    name = svg.shortened(x_name, right - left, svg.LABEL)
+    name = svg.shorten(x_name, right - left, svg.LABEL)
     body.append(svg.text("label", 0.5 * (left + right), low + 9.0, name, "middle"))
-    name = svg.text("label", 0.0, 0.0, svg.shortened(y_name, low - high, svg.LABEL), "middle")
+    name = svg.text("label", 0.0, 0.0, svg.shorten(y_name, low - high, svg.LABEL), "middle")
     place = f"translate({svg.num(left - 16.5)} {svg.num(0.5 * (low + high))}) rotate(-90)"
     return [*body, f'<g transform="{place}">{name}</g>']
 

@@ -68,7 +68,7 @@ def unit(name: str) -> str:
     return name.replace("deg", "°")
 
 
-def measured(value: float, name: str, digits: int = 6) -> str:
+def with_unit(value: float, name: str, digits: int = 6) -> str:
     """A value with its unit: 30 mm, 45°."""
     return f"{figure(value, digits)}{'' if name == 'deg' else ' '}{unit(name)}"
 
@@ -86,12 +86,12 @@ def _width(char: str) -> float:
     return 0.86 if char.isupper() or char in "mw—…" else 0.64
 
 
-def fitting(texts: Sequence[str], width: float, size: float) -> str:
+def first_fitting(texts: Sequence[str], width: float, size: float) -> str:
     """The first text that fits, or nothing."""
     return next((text for text in texts if width_of(text, size) <= width), "")
 
 
-def shortened(text: str, width: float, size: float) -> str:
+def shorten(text: str, width: float, size: float) -> str:
     """The text, cut with an ellipsis if it does not fit."""
     text = " ".join(text.split())
     if width_of(text, size) <= width:

@@ -32,6 +32,6 @@ def two_lines(name: str, text: str, left: float, right: float, u: float) -> list
     """A name and a line about it between two abscissae, cut where they do not fit."""
     width = right - left
     return [
-        svg.text("title", left, 8.0 * u, svg.shortened(name, width, BOLD * svg.TITLE * u)),
-        svg.text("quiet", left, 13.0 * u, svg.shortened(text, width, svg.LABEL * u)),
+        svg.text("title", left, 8.0 * u, svg.shorten(name, width, BOLD * svg.TITLE * u)),
+        svg.text("quiet", left, 13.0 * u, svg.shorten(text, width, svg.LABEL * u)),
     ]

@@ -33,7 +33,7 @@ Look = Mapping[str, str]
 ONE_AT_A_TIME = threading.Lock()  # matplotlib's fonts are shared
 
 
-def rasterised(drawing: bytes, width_px: int) -> bytes:
+def rasterise(drawing: bytes, width_px: int) -> bytes:
     """The PNG of a drawing without a theme of its own choice, so many pixels wide.
 
     Raises:
@@ -60,11 +60,11 @@ def rasterised(drawing: bytes, width_px: int) -> bytes:
 
 def _looks(root: ET.Element) -> dict[str, dict[str, str]]:
     """Properties by class, later rules over earlier ones."""
-    found: dict[str, dict[str, str]] = {}
+    looks: dict[str, dict[str, str]] = {}
     for name, body in RULE.findall(root.findtext(f"{SVG}style", "")):
         pairs = (each.partition(":") for each in body.split(";") if each)
-        found.setdefault(name, {}).update({key: value for key, _, value in pairs})
-    return found
+        looks.setdefault(name, {}).update({key: value for key, _, value in pairs})
+    return looks
 
 
 def _elements(root: ET.Element, place: Affine2D) -> Iterator[tuple[ET.Element, Affine2D]]:

@@ -15,8 +15,8 @@ from synthesis.exporters.exporter import Exporter
 from synthesis.exporters.fidelity.measure import Deviation, fidelities
 from synthesis.exporters.options import CurveOptions, Options, PointOptions
 from synthesis.exporters.samples.cam import Cam
-from synthesis.exporters.samples.columns import named
-from synthesis.exporters.samples.cutting import chosen
+from synthesis.exporters.samples.columns import column_name
+from synthesis.exporters.samples.cutting import checked_cam
 from synthesis.exporters.samples.sampling import Written, written_points
 from synthesis.units import DEGREE, FULL_TURN
 
@@ -58,13 +58,15 @@ def fidelity_block(cam: Cam, written: Written, options: PointOptions) -> dict[st
     }
 
 
-def deviation_fields(cam: Cam, order: int, found: Deviation, peak: float) -> dict[str, Any]:
+def deviation_fields(cam: Cam, order: int, deviation: Deviation, peak: float) -> dict[str, Any]:
     """Of a derivative of s: its error in the unit of the wire, where, and as part of its peak."""
     name = DERIVATIVES[order]
     return {
-        named(name, cam.travel.derivative_unit(order)): four_digits(found.value * cam.rate(order)),
-        f"{name}_at_deg": found.angle_deg,
-        f"{name}_part": four_digits(found.value / max(peak, np.finfo(float).tiny)),
+        column_name(name, cam.travel.derivative_unit(order)): four_digits(
+            deviation.value * cam.rate(order)
+        ),
+        f"{name}_at_deg": deviation.angle_deg,
+        f"{name}_part": four_digits(deviation.value / max(peak, np.finfo(float).tiny)),
     }
 
 
@@ -80,7 +82,7 @@ def percentage(part: float | None) -> str:
 
 def fidelity_header(design: Design, options: PointOptions) -> Mapping[str, str]:
     """Fidelity of a point file in a line of ASCII; of very many points where to ask for it."""
-    cam = chosen(design, options)
+    cam = checked_cam(design, options)
     written = written_points(cam, options)
     if len(written.points) > MAX_ROWS:
         return {"Fidelity": f"more than {MAX_ROWS} points: ask for profile.fidelity.json"}
@@ -115,7 +117,7 @@ def fidelity_file(design: Design, options: Options, body: Mapping[str, Any]) -> 
 
 
 def _profile(design: Design, options: PointOptions) -> bytes:
-    cam = chosen(design, options)
+    cam = checked_cam(design, options)
     block = fidelity_block(cam, written_points(cam, options), options)
     return fidelity_file(design, options, block)
 

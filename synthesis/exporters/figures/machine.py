@@ -30,7 +30,7 @@ from synthesis.exporters.figures.parts import (
     display_scale,
     half_width,
     outline,
-    placed,
+    place_in_panel,
     polygon,
     rim_of,
     scale_in,
@@ -80,7 +80,7 @@ class Moving:
         return {"name": self.name, "kind": self.kind, "columns": columns}
 
 
-def grouped(name: str, tag: Tag, moving: Sequence[Moving], body: Sequence[str]) -> list[str]:
+def moving_group(name: str, tag: Tag, moving: Sequence[Moving], body: Sequence[str]) -> list[str]:
     """A part that moves, where it stands first."""
     first = next((part.first for part in moving if part.name == name), "translate(0 0)")
     return [f'<g {tag(name)} transform="{first}">', *body, "</g>"]
@@ -136,13 +136,17 @@ class Stage:
         """How many times its size it has in a box [mm]."""
         return scale_in(self.extent, (width, height))
 
-    def placed(self, width: float, height: float, tag: Tag) -> list[str]:
+    def in_panel(self, width: float, height: float, tag: Tag) -> list[str]:
         """Its elements in the middle of a box [mm]."""
-        return placed(self.shapes(tag), self.extent, (width, height), self.mirror)
+        return place_in_panel(self.shapes(tag), self.extent, (width, height), self.mirror)
 
     def shapes(self, tag: Tag) -> list[str]:
         """Its elements in its own mm."""
-        return [*_ground(self), *grouped("cam", tag, self.moving(), _cam(self)), *_link(self, tag)]
+        return [
+            *_ground(self),
+            *moving_group("cam", tag, self.moving(), _cam(self)),
+            *_link(self, tag),
+        ]
 
     def outline(self) -> str:
         """The cam's area alone, as at cam angle 0."""
@@ -151,19 +155,19 @@ class Stage:
     def moving(self) -> list[Moving]:
         """Every part that can move."""
         machine = self.mechanism
-        found = [Moving("cam", "turn", machine.theta[:, None] / DEGREE)]
+        parts = [Moving("cam", "turn", machine.theta[:, None] / DEGREE)]
         if machine.slide is None:
-            found.append(Moving("link", "turn", machine.moved[:, None] / DEGREE))
+            parts.append(Moving("link", "turn", machine.moved[:, None] / DEGREE))
         else:
-            found.append(Moving("link", "shift", np.outer(machine.moved, machine.slide)))
+            parts.append(Moving("link", "shift", np.outer(machine.moved, machine.slide)))
         for k, contact in enumerate(machine.contacts):
-            found += [
+            parts += [
                 Moving(f"along{k}", "shift", np.outer(contact.along, _unit(contact.heading))),
                 Moving(f"normal{k}", "turn", contact.normal[:, None] / DEGREE),
                 Moving(f"drive{k}", "turn", contact.drive[:, None] / DEGREE),
                 Moving(f"roll{k}", "turn", contact.roll[:, None] / DEGREE, rolls=True),
             ]
-        return found
+        return parts
 
 
 def _unit(angle: float) -> Array:
@@ -204,14 +208,14 @@ def _extent(machine: Mechanism, reach: float, u: float) -> Box:
 def _corners(contact: Contact, machine: Mechanism, u: float) -> list[Point]:
     """The outermost points of a roller, a face or a stem, on the link at displacement 0."""
     (x, y), r = contact.place, contact.roller
-    found = [(x + a, y + b) for a in (-r, r) for b in (-r, r)]
+    corners = [(x + a, y + b) for a in (-r, r) for b in (-r, r)]
     for end in _face_ends(contact, machine, u) if machine.link.face is not None else ():
         along = _unit(contact.heading) * end
-        found.append((x + along[0], y + along[1]))
+        corners.append((x + along[0], y + along[1]))
     if machine.slide is not None and contact is machine.contacts[0]:
         up, length = machine.slide, _stem_length(machine, u)
-        found += [(x + length * up[0] + a * u, y + length * up[1]) for a in (-4.0, 4.0)]
-    return found
+        corners += [(x + length * up[0] + a * u, y + length * up[1]) for a in (-4.0, 4.0)]
+    return corners
 
 
 def _there(machine: Mechanism, point: Point, moved: float) -> Point:
@@ -273,13 +277,13 @@ def _link(stage: Stage, tag: Tag) -> list[str]:
     for number in range(len(machine.contacts)):
         body += _contact(stage, number, tag)
     if pivot is None:
-        return grouped("link", tag, stage.moving(), body)
+        return moving_group("link", tag, stage.moving(), body)
     body += [svg.circle("outline metal", *pivot, r) for r in (PIVOT * STEM * u, HUB * u)]
     there, back = (" ".join(svg.num(sign * c) for c in pivot) for sign in (1.0, -1.0))
     inner = [f'<g transform="translate({back})">', *body, "</g>"]
     return [
         f'<g transform="translate({there})">',
-        *grouped("link", tag, stage.moving(), inner),
+        *moving_group("link", tag, stage.moving(), inner),
         "</g>",
     ]
 
@@ -296,12 +300,12 @@ def _contact(stage: Stage, number: int, tag: Tag) -> list[str]:
     body = _wheel(contact.roller, u)
     if body:
         mean = f"<g {tag(f'roll{number}-mean')}>"
-        body = [mean, *grouped(f"roll{number}", tag, stage.moving(), body), "</g>"]
-    inner = [*grouped(f"drive{number}", tag, stage.moving(), drive),
-             *grouped(f"normal{number}", tag, stage.moving(), normal)]  # fmt: skip
+        body = [mean, *moving_group(f"roll{number}", tag, stage.moving(), body), "</g>"]
+    inner = [*moving_group(f"drive{number}", tag, stage.moving(), drive),
+             *moving_group(f"normal{number}", tag, stage.moving(), normal)]  # fmt: skip
     place = " ".join(svg.num(c, 6) for c in contact.place)
     return [f'<g transform="translate({place})">', *body,
-            *grouped(f"along{number}", tag, stage.moving(), inner), "</g>"]  # fmt: skip
+            *moving_group(f"along{number}", tag, stage.moving(), inner), "</g>"]  # fmt: skip
 
 
 def _stem_length(machine: Mechanism, u: float) -> float:

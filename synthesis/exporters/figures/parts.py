@@ -90,7 +90,7 @@ def scale_in(extent: Box, size: tuple[float, float]) -> float:
     return min(size[0] / (right - left), size[1] / (top - bottom))
 
 
-def placed(
+def place_in_panel(
     shapes: Sequence[str], extent: Box, size: tuple[float, float], mirror: float = 1.0
 ) -> list[str]:
     """A machine's elements, y upwards, in the middle of a panel of this width and height [mm]."""

@@ -104,7 +104,7 @@ def _legend_lines(rows: list[tuple[str, str]], x: float, top: float, u: float) -
 
 def _remarks(design: Design, scene: Scene, x: float, top: float, u: float) -> list[str]:
     levels = [end for segment in design.motion for end in segment.levels]
-    stroke = svg.measured(max(levels) - min(levels), design.spec.follower.travel.unit)
+    stroke = svg.with_unit(max(levels) - min(levels), design.spec.follower.travel.unit)
     tip = "knife edge"
     if any(scene.face):
         tip = f"flat face, contact over {svg.figure(sum(scene.face), 6)} mm"

@@ -23,8 +23,8 @@ from synthesis.exporters.machining.program import (
     MachineDecimals,
     ToolPath,
     feed_word,
-    numbered,
     remark,
+    to_bytes,
     word,
 )
 from synthesis.exporters.options import CurveName, PointOptions, is_cutter, is_pitch
@@ -94,7 +94,7 @@ def _profile(design: Design, options: GrindingOptions) -> bytes:
         "G94",
         "M30",
     ]
-    return numbered(blocks, options.line_numbers)
+    return to_bytes(blocks, options.line_numbers)
 
 
 PROFILE = Exporter(

@@ -23,13 +23,13 @@ from synthesis.exporters.machining.program import (
     MachineDecimals,
     ToolPath,
     feed_word,
-    numbered,
     remark,
+    to_bytes,
     tool_radius,
     word,
 )
 from synthesis.exporters.options import PointOptions
-from synthesis.exporters.samples.sampling import turned
+from synthesis.exporters.samples.sampling import rotate
 from synthesis.numerics.piecewise import Array
 from synthesis.units import FULL_TURN
 
@@ -133,7 +133,7 @@ def _profile(design: Design, options: MillingOptions) -> bytes:
         *up,
         "M30",
     ]
-    return numbered(blocks, options.line_numbers)
+    return to_bytes(blocks, options.line_numbers)
 
 
 def _leads(path: ToolPath, options: MillingOptions) -> tuple[list[Arc], list[Arc]]:
@@ -144,7 +144,7 @@ def _leads(path: ToolPath, options: MillingOptions) -> tuple[list[Arc], list[Arc
     for index, step in ((0, points[1] - points[0]), (len(points) - 1, points[-1] - points[-2])):
         at = cam.at(path.written.theta[[index % count]] % FULL_TURN)
         outward = cam.flank.side * np.array([at.normal_x[0], at.normal_y[0]])
-        away = np.array(turned(options.turn_deg, *outward))
+        away = np.array(rotate(options.turn_deg, *outward))
         ahead = np.array([-away[1], away[0]])
         along = ahead if np.dot(ahead, step) > 0.0 else -ahead
         away = away - np.dot(away, along) * along
@@ -166,7 +166,7 @@ def _check_lead(
     walls = [each.at(theta) for each in cam.flanks() if each.flank.path == cam.flank.path]
     cam_points = np.hstack([np.stack([wall.x, wall.y]) for wall in walls])
     arc = centre[:, None] + point[:, None] * np.cos(ALONG) + free[:, None] * np.sin(ALONG)
-    arc = np.stack(turned(options.turn_deg, *np.eye(2))).T @ arc
+    arc = np.stack(rotate(options.turn_deg, *np.eye(2))).T @ arc
     distance = np.hypot(*(arc[:, :, None] - cam_points[:, None, :])).min()
     if distance < tool_radius(cam) - ROOM:
         raise InputError(

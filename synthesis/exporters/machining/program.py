@@ -19,7 +19,7 @@ from synthesis.design.design import Design
 from synthesis.errors import InputError
 from synthesis.exporters.options import CurveOptions, PointOptions, is_cutter, is_pitch
 from synthesis.exporters.samples.cam import Cam
-from synthesis.exporters.samples.cutting import chosen, largest_cutter
+from synthesis.exporters.samples.cutting import checked_cam, largest_cutter
 from synthesis.exporters.samples.sampling import Written, written_points
 from synthesis.numerics.piecewise import Array
 from synthesis.units import FULL_TURN
@@ -50,11 +50,11 @@ def remark(text: str) -> str:
     return f"({' '.join(re.sub(r'[^A-Z0-9 .,:;=+/_-]', ' ', plain).split())})"
 
 
-def numbered(blocks: Iterable[str], wanted: bool) -> bytes:
+def to_bytes(blocks: Iterable[str], with_numbers: bool) -> bytes:
     """The program's bytes; comments bear no number."""
     lines, number = [], 0
     for block in blocks:
-        if wanted and not block.startswith("("):
+        if with_numbers and not block.startswith("("):
             number += 10
             block = f"N{number} {block}"
         lines.append(block)
@@ -98,7 +98,7 @@ class ToolPath:
             InputError: as ``chosen`` and ``written_points``; the path is open; or the tool that
                 the path of a roller's centre stands for does not fit.
         """
-        cam = chosen(design, options)
+        cam = checked_cam(design, options)
         _check_roller_as_tool(cam, options)
         written = written_points(cam, options)
         if options.closed is False and options.overlap_points == 0:

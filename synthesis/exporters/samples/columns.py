@@ -13,7 +13,7 @@ from synthesis.catalogue.forces.history import ForceHistory, history
 from synthesis.design.design import Design
 from synthesis.exporters.options import CurveOptions, MotionOptions, is_cutter, is_pitch
 from synthesis.exporters.samples.cam import Cam
-from synthesis.exporters.samples.sampling import Rows, motion_rows, placed, table_rows
+from synthesis.exporters.samples.sampling import Rows, motion_rows, place_on_shaft, table_rows
 from synthesis.exporters.samples.turn import Turn
 from synthesis.numerics.piecewise import Array
 from synthesis.units import DEGREE
@@ -31,7 +31,7 @@ class Column:
     values: Array | NDArray[np.int64]
 
 
-def joined(parts: Sequence[Sequence[Column]]) -> list[Column]:
+def concatenate(parts: Sequence[Sequence[Column]]) -> list[Column]:
     """One table of several with the same columns, each after the one before."""
     return [
         replace(same[0], values=np.concatenate([column.values for column in same]))
@@ -43,7 +43,7 @@ def profile_columns(cam: Cam, options: CurveOptions) -> list[Column]:
     """The curve's points with the motion and the geometry there."""
     rows = table_rows(cam, options)
     at = cam.at(rows.theta, rows.left)
-    x, y = placed(cam, options, at)
+    x, y = place_on_shaft(cam, options, at)
     if is_cutter(options.curve):
         curve = f"path of the centre of a cutter of {options.cutter_diameter_mm:.12g} mm diameter"
     else:
@@ -95,7 +95,7 @@ def _side(rows: Rows) -> Column:
 def _physical(s: Array, turn: Turn) -> list[Column]:
     meanings = ("displacement from the lowest position", "velocity", "acceleration", "jerk")
     return [
-        Column(named(letter, unit), unit, meaning, s[order] * turn.rate(order))
+        Column(column_name(letter, unit), unit, meaning, s[order] * turn.rate(order))
         for order, (letter, meaning) in enumerate(zip("svaj", meanings, strict=True))
         for unit in [turn.travel.derivative_unit(order)]
     ]
@@ -105,7 +105,7 @@ def _per_radian(s: Array, turn: Turn) -> list[Column]:
     names = (("ds", "first"), ("d2s", "second"), ("d3s", "third"))
     return [
         Column(
-            named(letter, unit), unit, f"{count} derivative of s by the cam angle",
+            column_name(letter, unit), unit, f"{count} derivative of s by the cam angle",
             s[order] / turn.travel.per_unit,
         )
         for order, (letter, count) in enumerate(names, start=1)
@@ -113,7 +113,7 @@ def _per_radian(s: Array, turn: Turn) -> list[Column]:
     ]  # fmt: skip
 
 
-def named(letter: str, unit: str) -> str:
+def column_name(letter: str, unit: str) -> str:
     """A column's name: ``a_mm_per_s2`` for a in mm/s²."""
     return f"{letter}_{unit}".replace("/", "_per_").translate(POWERS)
 

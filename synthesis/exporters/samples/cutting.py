@@ -42,7 +42,7 @@ class Fit:
     y: float
 
 
-def chosen(design: Design, options: PlacedCurve) -> Cam:
+def checked_cam(design: Design, options: PlacedCurve) -> Cam:
     """The cam and the curve that the options ask for.
 
     Raises:

@@ -107,8 +107,8 @@ class Written:
         Args:
             closed: whether the format's readers expect the first point at the end once more.
         """
-        wanted = closed if options.closed is None else options.closed
-        more = options.overlap_points + (wanted or options.overlap_points > 0)
+        repeat_first = closed if options.closed is None else options.closed
+        more = options.overlap_points + (repeat_first or options.overlap_points > 0)
         count = len(self.points)
         if more > count:
             raise InputError(
@@ -122,7 +122,7 @@ def written_points(cam: Cam, options: PointOptions) -> Written:
     """The points of the cam's curve, in the order and with the decimals that are asked for."""
     start = None if options.start_deg is None else options.start_deg * DEGREE
     at = ring(cam, options.count, _chord_before_rounding(options), start)
-    exact = np.column_stack(placed(cam, options, at))
+    exact = np.column_stack(place_on_shaft(cam, options, at))
     rounded: Array = np.round(exact, options.decimals) + 0.0  # no −0
     new = np.any(rounded != np.roll(rounded, 1, axis=0), axis=1)
     new[0] = True
@@ -161,18 +161,18 @@ def in_degrees(theta: Array) -> Array:
     return np.where(np.abs(exact - short) < 1e-12, short, exact)
 
 
-def _uniform(wanted: float) -> Array:
+def _uniform(count: float) -> Array:
     """Angles k · 360°/N in [0, 360°) [rad], N rounded up to a whole number."""
-    count = math.ceil(max(wanted - 1e-9, 360.0 / (COARSEST / DEGREE)))
-    return np.arange(count) * 360.0 / count * DEGREE
+    whole = math.ceil(max(count - 1e-9, 360.0 / (COARSEST / DEGREE)))
+    return np.arange(whole) * 360.0 / whole * DEGREE
 
 
-def _merged(grid: Array, joints: Array, apart: float) -> Array:
-    """Both, increasing; grid angles within ``apart`` of a joint, also across 2π, give way."""
+def _merged(grid: Array, joints: Array, nearest: float) -> Array:
+    """Both, increasing; grid angles within ``nearest`` of a joint, also across 2π, give way."""
     around = np.concatenate([[joints[-1] - FULL_TURN], joints, [joints[0] + FULL_TURN]])
     after = np.searchsorted(around, grid)
     gap = np.minimum(around[np.clip(after, 0, len(around) - 1)] - grid, grid - around[after - 1])
-    return np.sort(np.concatenate([grid[gap > apart], joints]))
+    return np.sort(np.concatenate([grid[gap > nearest], joints]))
 
 
 def _ring_angles(cam: Cam, count: float, chord_mm: float | None, start: float) -> Array:
@@ -189,12 +189,12 @@ def _ring_angles(cam: Cam, count: float, chord_mm: float | None, start: float) -
     return np.roll(theta, -int(np.searchsorted(theta, seam)))
 
 
-def placed(cam: Cam, options: CurveOptions, at: CamProfile) -> tuple[Array, Array]:
+def place_on_shaft(cam: Cam, options: CurveOptions, at: CamProfile) -> tuple[Array, Array]:
     """x and y of the cam's curve [mm], turned by the options' angle to its place on a shaft."""
-    return turned(options.turn_deg, *cam.place(at))
+    return rotate(options.turn_deg, *cam.place(at))
 
 
-def turned(degrees: float, x: Array, y: Array) -> tuple[Array, Array]:
+def rotate(degrees: float, x: Array, y: Array) -> tuple[Array, Array]:
     """Turned about the cam's axis, counter-clockwise positive; exact at quarters of a turn."""
     if degrees == 0.0:
         return x, y

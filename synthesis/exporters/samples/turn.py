@@ -60,9 +60,9 @@ class Turn:
 
     def derivatives(self, theta: Array, left: Mask) -> Array:
         """s and its derivatives (4, n) at θ [mm, per radian], one-sided likewise."""
-        found = self.motion.derivatives(theta, 3, "right")
-        found[:, left] = self.motion.derivatives(theta[left], 3, "left")
-        return found
+        s = self.motion.derivatives(theta, 3, "right")
+        s[:, left] = self.motion.derivatives(theta[left], 3, "left")
+        return s
 
     @cached_property
     def joints(self) -> Joints:

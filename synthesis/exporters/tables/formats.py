@@ -25,9 +25,9 @@ from synthesis.exporters.samples.columns import (
     motion_columns,
     profile_columns,
 )
-from synthesis.exporters.samples.cutting import chosen
+from synthesis.exporters.samples.cutting import checked_cam
 from synthesis.exporters.samples.sampling import in_degrees, written_points
-from synthesis.exporters.tables.shortest import WIDTH, Whole, joined, written
+from synthesis.exporters.tables.shortest import WIDTH, Whole, join_cells, to_text
 from synthesis.numerics.piecewise import Array
 
 BLOCK = 1024  # rows at once: memory that stays in the cache is not fetched anew
@@ -55,13 +55,13 @@ def _csv_rows(values: Sequence[Array | Whole]) -> bytes:
     rows = len(values[0])
     cells = np.full((rows, len(values), WIDTH + 1), ord(","), dtype=np.uint8)
     numbers = np.column_stack([values[k] for k in real]).ravel()
-    texts = written(np.asarray(numbers, dtype=float))
+    texts = to_text(np.asarray(numbers, dtype=float))
     cells[:, real, :-1] = texts.reshape(rows, len(real), WIDTH)
     for k, each in enumerate(values):
         if k not in real:
-            cells[:, k, :-1] = written(each)
+            cells[:, k, :-1] = to_text(each)
     cells[:, -1, -1] = ord("\n")
-    return joined(cells)
+    return join_cells(cells)
 
 
 def json_table(body: dict[str, Any], columns: Sequence[Column]) -> bytes:
@@ -79,8 +79,8 @@ def _json_column(column: Column) -> bytes:
     }
     cells = np.full((len(column.values), WIDTH + 1), ord(","), dtype=np.uint8)
     # JSON has no infinity: null where the value is infinite
-    cells[:, :-1] = written(column.values, infinite="null")
-    return compact_json(head)[:-1] + b',"values":[' + joined(cells)[:-1] + b"]}"
+    cells[:, :-1] = to_text(column.values, infinite="null")
+    return compact_json(head)[:-1] + b',"values":[' + join_cells(cells)[:-1] + b"]}"
 
 
 @dataclass(frozen=True)
@@ -109,7 +109,7 @@ def origin(design: Design) -> dict[str, Any]:
 
 
 def _json_profile(design: Design, options: JsonOptions) -> bytes:
-    cam = chosen(design, options)
+    cam = checked_cam(design, options)
     turns = ("counter-clockwise", "clockwise")
     turns = turns if design.rotation == "ccw" else turns[::-1]
     placed = TURNED.format(turn=options.turn_deg) if options.turn_deg else ""
@@ -155,7 +155,7 @@ def _motion_and_forces(design: Design, options: MotionOptions) -> list[Column]:
 
 
 def _csv_profile(design: Design, options: ProfileOptions) -> bytes:
-    return csv_table(profile_columns(chosen(design, options), options))
+    return csv_table(profile_columns(checked_cam(design, options), options))
 
 
 def _csv_motion(design: Design, options: MotionOptions) -> bytes:

@@ -30,7 +30,7 @@ DIGITS = np.arange(10000)[:, None] // np.array([1000, 100, 10, 1]) % 10 + ZERO
 FOUR = DIGITS.astype(np.uint8).view(np.uint32)[:, 0]
 
 
-def written(values: Array | Whole, infinite: str = "inf") -> Cells:
+def to_text(values: Array | Whole, infinite: str = "inf") -> Cells:
     """Texts in ASCII, (n, WIDTH); a zero byte is no character, wherever it stands.
 
     Args:
@@ -51,7 +51,7 @@ def written(values: Array | Whole, infinite: str = "inf") -> Cells:
     return cells
 
 
-def joined(cells: Cells) -> bytes:
+def join_cells(cells: Cells) -> bytes:
     """All characters, row by row."""
     return cells.tobytes().translate(None, b"\0")
 

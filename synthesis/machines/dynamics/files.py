@@ -21,7 +21,7 @@ from synthesis.exporters.drawing.heading import BOLD
 from synthesis.exporters.drawing.theme import Theme
 from synthesis.exporters.exporter import FileFormat
 from synthesis.exporters.options import Options
-from synthesis.exporters.samples.columns import Column, joined
+from synthesis.exporters.samples.columns import Column, concatenate
 from synthesis.exporters.tables.formats import csv_table
 from synthesis.machines.dynamics.polydyne import polydyne
 from synthesis.machines.dynamics.report import TrainResponse, output_acceleration
@@ -90,7 +90,7 @@ def _response_csv(found: TrainResponse, options: ResponseOptions) -> bytes:
     chain, omega = found.spec.train.chain(), rad_per_s(options.of(found))
     steps = _steps(found, options.points_per_degree)
     turns = from_rest(chain, steps, omega, options.turns) or [steady(chain, steps, omega)]
-    return csv_table(joined([_columns(k, turn) for k, turn in enumerate(turns)]))
+    return csv_table(concatenate([_columns(k, turn) for k, turn in enumerate(turns)]))
 
 
 def _columns(number: int, turn: Response) -> list[Column]:
@@ -187,7 +187,7 @@ def _drawn_spectrum(
 
     name = found.name.strip() or "Follower train"
     body = [
-        svg.text("title", 8.0, 8.0, svg.shortened(name, WIDTH - 16.0, BOLD * svg.TITLE)),
+        svg.text("title", 8.0, 8.0, svg.shorten(name, WIDTH - 16.0, BOLD * svg.TITLE)),
         svg.text("quiet", 8.0, 13.5, f"{about}: amplitude where a dwell begins"),
     ]
     for value, number in across.ticks:

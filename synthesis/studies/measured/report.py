@@ -13,7 +13,7 @@ from synthesis.catalogue.profile import CamProfile, cam_profile
 from synthesis.catalogue.ranges import ends
 from synthesis.design.identity import engine_version
 from synthesis.errors import InputError
-from synthesis.exporters.samples.columns import named
+from synthesis.exporters.samples.columns import column_name
 from synthesis.numerics.maxima import maximise
 from synthesis.numerics.periodic_spline import DEGREE as SPLINE_DEGREE
 from synthesis.studies.measured.answer import (
@@ -172,7 +172,7 @@ def _table(cam: MeasuredCam, at: CamProfile) -> dict[str, list[float]]:
     travel, omega = cam.follower.travel, rad_per_s(cam.speed_rpm)
     columns = {"angle_deg": np.round(at.theta / DEGREE, 9)}
     for order, letter in enumerate("svaj"):
-        name = named(letter, travel.derivative_unit(order))
+        name = column_name(letter, travel.derivative_unit(order))
         columns[name] = at.s[order] * travel.wire_factor(order, omega)
     columns["pressure_angle_deg"] = at.pressure_angle / DEGREE
     return {name: values.tolist() for name, values in columns.items()}

@@ -21,8 +21,8 @@ from synthesis.exporters.diagrams.plot import curve_plot
 from synthesis.exporters.drawing import canvas as svg
 from synthesis.exporters.drawing.heading import two_lines
 from synthesis.exporters.drawing.picture_options import PictureOptions
-from synthesis.exporters.figures.machine import Moving, Tag, grouped
-from synthesis.exporters.figures.parts import Box, display_scale, placed
+from synthesis.exporters.figures.machine import Moving, Tag, moving_group
+from synthesis.exporters.figures.parts import Box, display_scale, place_in_panel
 from synthesis.exporters.options import Options
 from synthesis.machines.linkages.arm import PalletisingArm
 from synthesis.machines.linkages.arm.geometry import Arm, holding_torques
@@ -134,19 +134,19 @@ class Stage:
             return [f'<g transform="translate({svg.num(x)} {svg.num(y)})">', *body, "</g>"]
 
         def rod(name: str, length: float) -> list[str]:
-            return grouped(name, tag, moving, [svg.line("line axis", 0.0, 0.0, length, 0.0)])
+            return moving_group(name, tag, moving, [svg.line("line axis", 0.0, 0.0, length, 0.0)])
 
-        upper = grouped("upper", tag, moving, links.bar(arm.upper, 2.0 * u))
-        fore = grouped("fore", tag, moving, links.bar(arm.fore, 1.6 * u))
+        upper = moving_group("upper", tag, moving, links.bar(arm.upper, 2.0 * u))
+        fore = moving_group("fore", tag, moving, links.bar(arm.fore, 1.6 * u))
         plate = svg.path("outline rest", f"M0 0L{svg.num(-beside)} 0L0 {svg.num(beside)}Z")
         hand = svg.path("line outline", f"M0 {svg.num(beside)}L0 0H{svg.num(arm.wrist)}")
         tool = svg.line("outline", arm.wrist, 0.0, arm.wrist, -arm.tool)
         return [
             *at(arm.shoulder - beside, arm.height, rod("rod", arm.upper)),
             *at(arm.shoulder, arm.height, upper),
-            *grouped("elbow", tag, moving, [
+            *moving_group("elbow", tag, moving, [
                 plate, *fore, *at(0.0, beside, rod("fore-rod", arm.fore))]),
-            *grouped("wrist", tag, moving, [
+            *moving_group("wrist", tag, moving, [
                 hand, tool, links.pin(0.0, 0.0, u),
                 svg.circle("mark", arm.wrist, -arm.tool, 0.9 * u)]),
         ]  # fmt: skip
@@ -268,7 +268,7 @@ def _workspace(found: PalletisingArm, options: PictureOptions) -> bytes:
     body = [
         *two_lines(name, _about(found), EDGE, SHEET[0] - EDGE, 1.0),
         f'<g transform="translate({svg.num(EDGE)} {svg.num(TOP)})">',
-        *placed([*stage.ground(), *arms], stage.extent, size),
+        *place_in_panel([*stage.ground(), *arms], stage.extent, size),
         "</g>",
         svg.text("tick", EDGE, SHEET[1] - 4.0, "Seen from the side, in the plane through axis 1; "
                  "the tool's point reaches what is shaded."),

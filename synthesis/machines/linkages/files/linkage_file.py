@@ -23,7 +23,7 @@ from synthesis.exporters.drawing.heading import two_lines
 from synthesis.exporters.drawing.theme import lines
 from synthesis.exporters.exporter import FileFormat, compact_json
 from synthesis.exporters.figures.machine import Moving
-from synthesis.exporters.figures.parts import Box, placed, scale_in
+from synthesis.exporters.figures.parts import Box, place_in_panel, scale_in
 from synthesis.numerics.piecewise import Array
 
 SVG = "image/svg+xml"
@@ -84,7 +84,7 @@ def linkage_scene(
         about=about,
         key=found.id,
         heading=two_lines(name, about, EDGE, EDGE + MACHINE[0] + DIAGRAMS[0], 1.0),
-        machine=lambda tag: placed(shapes(tag), extent, MACHINE),
+        machine=lambda tag: place_in_panel(shapes(tag), extent, MACHINE),
         diagrams=diagrams,
         moving=[part for part in (*parts, *points) if part.moves],
         readings=[

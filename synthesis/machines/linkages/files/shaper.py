@@ -20,7 +20,7 @@ from synthesis.exporters.diagrams.sheet import FOOTER, GAP, HEIGHT, LEFT, RIGHT,
 from synthesis.exporters.drawing import canvas as svg
 from synthesis.exporters.drawing.heading import TURNS, two_lines
 from synthesis.exporters.drawing.picture_options import PictureOptions
-from synthesis.exporters.figures.machine import Moving, Tag, grouped
+from synthesis.exporters.figures.machine import Moving, Tag, moving_group
 from synthesis.exporters.figures.parts import Box, display_scale
 from synthesis.exporters.options import MotionOptions, Options
 from synthesis.exporters.samples.columns import Column
@@ -307,7 +307,7 @@ class Stage:
         low, high = float(x.min()) - 6.0 * u, float(x.max()) + 6.0 * u
 
         def group(name: str, body: list[str]) -> list[str]:
-            return grouped(name, tag, self.moving, body)
+            return moving_group(name, tag, self.moving, body)
 
         return [
             *(svg.line("line axis", low, level + k * 3.0 * u, high, level + k * 3.0 * u)

@@ -28,7 +28,7 @@ from pydantic import Field
 from synthesis.errors import InputError
 from synthesis.exporters.exporter import FileContent, FileFormat
 from synthesis.exporters.options import Options
-from synthesis.exporters.samples.columns import Column, joined
+from synthesis.exporters.samples.columns import Column, concatenate
 from synthesis.exporters.tables.formats import csv_table
 from synthesis.machines.spatial.cam import SpatialCam, Wall
 from synthesis.machines.spatial.design import SpatialDesign
@@ -165,7 +165,7 @@ def _csv(design: SpatialDesign, options: CutterOptions) -> FileContent:
         columns.append(_columns(cam, wall, wall.side, at, options))
         error = envelope_error(cam, wall, (before, at, after), radius)
         errors.append(float(np.max(np.abs(error))))
-    return FileContent(csv_table(joined(columns)), {"Wall-Error-Mm": f"{max(errors):.3g}"})
+    return FileContent(csv_table(concatenate(columns)), {"Wall-Error-Mm": f"{max(errors):.3g}"})
 
 
 def _radius(cam: SpatialCam, options: CutterOptions) -> float | None:

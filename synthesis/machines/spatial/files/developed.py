@@ -26,7 +26,7 @@ from pydantic import Field
 from synthesis.errors import InputError
 from synthesis.exporters.exporter import FileContent, FileFormat
 from synthesis.exporters.options import Options
-from synthesis.exporters.samples.columns import Column, joined
+from synthesis.exporters.samples.columns import Column, concatenate
 from synthesis.exporters.tables.formats import csv_table
 from synthesis.machines.spatial.cam import SpatialCam, Wall
 from synthesis.machines.spatial.design import SpatialDesign
@@ -281,7 +281,7 @@ def _columns(line: WallCurve, departure: Array, radius: float) -> list[Column]:
 def _csv(design: SpatialDesign, options: DevelopedOptions) -> FileContent:
     unrolled = develop(design, options)
     return unrolled.file(
-        csv_table(joined([_columns(*each, unrolled.radius) for each in unrolled.curves]))
+        csv_table(concatenate([_columns(*each, unrolled.radius) for each in unrolled.curves]))
     )
 
 

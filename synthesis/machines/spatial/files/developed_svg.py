@@ -170,7 +170,7 @@ def _legend(plane: _Plane, unrolled: Development, scale: float) -> list[str]:
     for k, (kind, meaning) in enumerate(lines):
         y = top + 5.0 * k * u
         body.append(svg.line(kind, left, y, left + 11.0 * u, y))
-        name = svg.shortened(meaning, middle - left - 15.0 * u, svg.LABEL * u)
+        name = svg.shorten(meaning, middle - left - 15.0 * u, svg.LABEL * u)
         body.append(svg.text("label", left + 13.0 * u, y + u, name))
     worst = unrolled.error
     remarks = [
@@ -178,7 +178,7 @@ def _legend(plane: _Plane, unrolled: Development, scale: float) -> list[str]:
         "" if worst is None else f"offset drawn in the plane: error {svg.figure(worst, 3)} mm",
     ]
     for k, remark in enumerate(remarks):
-        line = svg.shortened(remark, left + plane.width - middle - 4.0 * u, svg.LABEL * u)
+        line = svg.shorten(remark, left + plane.width - middle - 4.0 * u, svg.LABEL * u)
         body.append(svg.text("label", middle + 4.0 * u, top + (5.0 * k + 1.0) * u, line))
     return body
 

@@ -19,7 +19,7 @@ from scipy.interpolate import make_interp_spline
 from synthesis.errors import InputError
 from synthesis.exporters.exporter import FileContent, FileFormat
 from synthesis.exporters.options import Decimals, Options
-from synthesis.exporters.samples.columns import Column, joined
+from synthesis.exporters.samples.columns import Column, concatenate
 from synthesis.exporters.tables.formats import csv_table
 from synthesis.machines.spatial.cam import FRAME, SpatialCam, Wall
 from synthesis.machines.spatial.design import SpatialDesign
@@ -214,7 +214,7 @@ def _ibl(design: SpatialDesign, options: WrittenFlankOptions) -> FileContent:
 
 
 def _csv(design: SpatialDesign, options: TableOptions) -> bytes:
-    return csv_table(joined([_columns(each) for each in patches(design, options)]))
+    return csv_table(concatenate([_columns(each) for each in patches(design, options)]))
 
 
 def _columns(each: Patch) -> list[Column]:
