@@ -21,7 +21,7 @@ from service.workers.tasks import confirm_design, design_file, design_sensitivit
 from synthesis.certify.second import Confirmation
 from synthesis.design.analysis import Sensitivities
 from synthesis.exporters import MOTION_FORMATS, PICTURES, PROFILE_FORMATS, report_with
-from synthesis.exporters.drawing.picture_options import Colours, PictureOptions
+from synthesis.exporters.options import Colours, PictureOptions
 
 router = APIRouter()
 

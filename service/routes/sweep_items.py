@@ -37,8 +37,8 @@ from service.wire.etag import not_modified, tag_of
 from service.wire.pages import position_of
 from service.wire.ranges import IN_PARTS
 from synthesis.exporters.diagrams.tradeoff import Aim, TradeOff, trade_off
-from synthesis.exporters.drawing.picture_options import Colours, PixelColours, PixelWidth
 from synthesis.exporters.drawing.raster import rasterise
+from synthesis.exporters.options import Colours, PixelColours, PixelWidth
 
 router = APIRouter(prefix="/v1/sweeps/{sweep_id}", tags=["sweeps"])
 MEDIA_TYPES = {"csv": "text/csv; charset=utf-8", "parquet": "application/vnd.apache.parquet"}

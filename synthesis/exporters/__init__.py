@@ -22,7 +22,6 @@ from synthesis.exporters.curves import dxf, exact, iges, step
 from synthesis.exporters.curves.dxf import DrawingOptions
 from synthesis.exporters.curves.exact import ExactOptions
 from synthesis.exporters.diagrams import contact, motion
-from synthesis.exporters.drawing.picture_options import PictureOptions
 from synthesis.exporters.exporter import Exporter, FileContent
 from synthesis.exporters.fidelity import report as fidelity
 from synthesis.exporters.figures import profile
@@ -31,6 +30,7 @@ from synthesis.exporters.options import (
     CurveName,
     MotionOptions,
     Options,
+    PictureOptions,
     PointOptions,
     ProfileOptions,
     form,

@@ -7,15 +7,15 @@ from typing import Any
 from synthesis.design.design import Design
 from synthesis.exporters.diagrams.contact import CONTACT
 from synthesis.exporters.diagrams.motion import MOTION
-from synthesis.exporters.drawing.picture_options import (
+from synthesis.exporters.drawing.raster import rasterise
+from synthesis.exporters.exporter import Exporter
+from synthesis.exporters.figures.profile import PROFILE
+from synthesis.exporters.options import (
     CamDrawingOptions,
     DiagramOptions,
     PictureOptions,
     PixelOptions,
 )
-from synthesis.exporters.drawing.raster import rasterise
-from synthesis.exporters.exporter import Exporter
-from synthesis.exporters.figures.profile import PROFILE
 
 
 def _painted(name: str, drawing: Exporter[Any], options: type[Any]) -> Exporter[PixelOptions]:

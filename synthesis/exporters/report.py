@@ -20,14 +20,14 @@ from synthesis.exporters.diagrams.motion import MOTION
 from synthesis.exporters.drawing import canvas as svg
 from synthesis.exporters.drawing import html
 from synthesis.exporters.drawing.heading import TURNS
-from synthesis.exporters.drawing.picture_options import (
+from synthesis.exporters.exporter import Exporter
+from synthesis.exporters.figures.profile import PROFILE
+from synthesis.exporters.options import (
     CamDrawingOptions,
     DiagramOptions,
     PictureOptions,
+    ProfileOptions,
 )
-from synthesis.exporters.exporter import Exporter
-from synthesis.exporters.figures.profile import PROFILE
-from synthesis.exporters.options import ProfileOptions
 from synthesis.exporters.samples.cam import profiles
 
 Formats = Mapping[str, Exporter[Any]]

@@ -13,8 +13,8 @@ import pytest
 
 from synthesis.design.design import Design
 from synthesis.exporters import MOTION_FORMATS, PROFILE_FORMATS
-from synthesis.exporters.drawing.picture_options import CamDrawingOptions, DiagramOptions
 from synthesis.exporters.figures.profile import shown_at
+from synthesis.exporters.options import CamDrawingOptions, DiagramOptions
 from tests.exporters.conftest import P1_PROGRAM
 
 SVG = "{http://www.w3.org/2000/svg}"

@@ -14,7 +14,7 @@ import pytest
 from synthesis import Design, DesignSpec, synthesise
 from synthesis.errors import InputError
 from synthesis.exporters import PROFILE_FORMATS, JsonOptions, PointOptions, profiles
-from synthesis.exporters.drawing.picture_options import CamDrawingOptions
+from synthesis.exporters.options import CamDrawingOptions
 from tests.exporters.test_drawings import drawn, text_boxes
 from tests.exporters.test_points import away
 

@@ -14,8 +14,7 @@ from synthesis.errors import ExtraMissing, InputError
 from synthesis.exporters import SOLID_FORMATS
 from synthesis.exporters.curves.exact import ExactCurve, ExactOptions
 from synthesis.exporters.solids import solid_step
-from synthesis.exporters.solids.blank import blank, bore, bores
-from synthesis.exporters.solids.solid_options import SolidOptions
+from synthesis.exporters.solids.blank import SolidOptions, blank, bore, bores
 from tests.exporters.kernel import OCP, shape
 from tests.exporters.test_flanks import CLOSURES, asked
 

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from synthesis.exporters.diagrams.tradeoff import Aim, TradeOff, trade_off
-from synthesis.exporters.drawing.theme import Theme
+from synthesis.exporters.options import Theme
 from synthesis.studies.sweeps.pareto import non_dominated
 from tests.exporters.test_drawings import SVG, floats, of_class, path_points, text_boxes, texts
 

@@ -15,7 +15,7 @@ from scipy.optimize import minimize_scalar
 from synthesis.catalogue.laws import LAWS
 from synthesis.design.design import Design, Extreme
 from synthesis.exporters import MOTION_FORMATS, PROFILE_FORMATS, ProfileOptions
-from synthesis.exporters.drawing.picture_options import CamDrawingOptions
+from synthesis.exporters.options import CamDrawingOptions
 from synthesis.pipeline.synthesise import synthesise
 from tests.exporters.written import written
 from tests.numerics.geometry.cams import gentle

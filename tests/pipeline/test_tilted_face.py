@@ -16,7 +16,7 @@ from scipy.optimize import differential_evolution, linprog, minimize_scalar
 from service.contract.examples import examples
 from synthesis.design.design import Design
 from synthesis.exporters import PROFILE_FORMATS
-from synthesis.exporters.drawing.picture_options import CamDrawingOptions
+from synthesis.exporters.options import CamDrawingOptions
 from synthesis.pipeline.synthesise import synthesise
 from synthesis.spec.design_spec import DesignSpec
 from synthesis.studies.analyse import analyse

@@ -7,7 +7,8 @@ import json
 from synthesis.exporters.animations.scene import DIAGRAMS, MACHINE, Scene
 from synthesis.exporters.drawing import canvas as svg
 from synthesis.exporters.drawing import html
-from synthesis.exporters.drawing.theme import Theme, style
+from synthesis.exporters.drawing.theme import style
+from synthesis.exporters.options import Theme
 
 FRAMES = 720
 SHOWN_RPM = 8  # speed on the screen at first

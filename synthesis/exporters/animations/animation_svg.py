@@ -13,8 +13,8 @@ import numpy as np
 
 from synthesis.exporters.animations.scene import DIAGRAMS, EDGE, MACHINE, TURN_S, Scene
 from synthesis.exporters.drawing import canvas as svg
-from synthesis.exporters.drawing.theme import Theme
 from synthesis.exporters.figures.machine import Moving
+from synthesis.exporters.options import Theme
 
 FRAMES = 240
 HEADER, FOOTER = 16.0, 8.0

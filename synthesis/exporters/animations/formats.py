@@ -9,10 +9,9 @@ from synthesis.design.design import Design
 from synthesis.exporters.animations import animation_page, animation_svg
 from synthesis.exporters.animations.cam_scene import cam_scene
 from synthesis.exporters.animations.scene import Scene
-from synthesis.exporters.drawing.picture_options import PictureOptions
 from synthesis.exporters.exporter import Exporter, FileFormat, compact_json
 from synthesis.exporters.figures.machine import Stage
-from synthesis.exporters.options import Options
+from synthesis.exporters.options import Options, PictureOptions
 from synthesis.exporters.samples.cam import Cam
 
 FRAMES = 360  # positions of the data over a turn

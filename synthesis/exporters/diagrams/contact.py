@@ -20,9 +20,8 @@ from synthesis.design.design import Design
 from synthesis.exporters.diagrams.motion import MEASURED_PER_DEGREE
 from synthesis.exporters.diagrams.plot import NOWHERE, Bound, Plot, Trace, claimed_bounds, radii
 from synthesis.exporters.diagrams.sheet import DRAWN_PER_DEGREE, sheet
-from synthesis.exporters.drawing.picture_options import PictureOptions
 from synthesis.exporters.exporter import Exporter
-from synthesis.exporters.options import MotionOptions
+from synthesis.exporters.options import MotionOptions, PictureOptions
 from synthesis.exporters.samples.cam import Cam
 from synthesis.exporters.samples.columns import ForceSamples
 from synthesis.exporters.samples.sampling import in_degrees, table_rows

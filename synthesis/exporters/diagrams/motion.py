@@ -12,8 +12,8 @@ from synthesis.exporters.diagrams.plot import Bound, Plot, Trace, claimed_bounds
 from synthesis.exporters.diagrams.sheet import DRAWN_PER_DEGREE, LEFT, RIGHT, WIDTH, stack
 from synthesis.exporters.drawing import canvas as svg
 from synthesis.exporters.drawing.heading import heading
-from synthesis.exporters.drawing.picture_options import DiagramOptions
 from synthesis.exporters.exporter import Exporter
+from synthesis.exporters.options import DiagramOptions
 from synthesis.exporters.samples.cam import Cam
 from synthesis.exporters.samples.sampling import in_degrees, motion_rows
 from synthesis.exporters.samples.turn import Turn

@@ -13,7 +13,7 @@ from synthesis.exporters.diagrams.diagram import Frame, diagram
 from synthesis.exporters.diagrams.plot import Plot
 from synthesis.exporters.drawing import canvas as svg
 from synthesis.exporters.drawing.heading import heading
-from synthesis.exporters.drawing.theme import Theme
+from synthesis.exporters.options import Theme
 
 WIDTH, LEFT, RIGHT = 190.0, 21.0, 8.0
 HEADER, BAND, HEIGHT, GAP, FOOTER = 20.0, 9.4, 42.0, 11.0, 12.0

@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 from synthesis.exporters.diagrams.plot import linear
 from synthesis.exporters.drawing import canvas as svg
 from synthesis.exporters.drawing.heading import two_lines
-from synthesis.exporters.drawing.theme import Theme
+from synthesis.exporters.options import Theme
 from synthesis.numerics.piecewise import Array
 
 PANEL, LEFT, RIGHT, HEADER, BELOW, GAP = (104.0, 80.0), 24.0, 8.0, 24.0, 12.0, 6.0

@@ -8,7 +8,8 @@ from collections.abc import Sequence
 from unicodedata import east_asian_width
 from xml.sax.saxutils import escape
 
-from synthesis.exporters.drawing.theme import LABEL, TICK, TITLE, Theme, num, style
+from synthesis.exporters.drawing.theme import LABEL, TICK, TITLE, num, style
+from synthesis.exporters.options import Theme
 from synthesis.numerics.piecewise import Array
 
 __all__ = ["LABEL", "TICK", "TITLE", "num"]

@@ -7,9 +7,10 @@ alone. Lengths are multiples of a sheet's unit u.
 
 from __future__ import annotations
 
-from typing import Literal, get_args
+from typing import get_args
 
-Theme = Literal["auto", "light", "dark", "print"]
+from synthesis.exporters.options import Theme
+
 THEMES: tuple[Theme, ...] = get_args(Theme)
 """auto: light, and dark on a screen that asks for it; print: black on white, for any printer."""
 

@@ -13,10 +13,10 @@ import numpy as np
 from synthesis.design.design import Design
 from synthesis.exporters.drawing import canvas as svg
 from synthesis.exporters.drawing.heading import TURNS, heading
-from synthesis.exporters.drawing.picture_options import CamDrawingOptions
 from synthesis.exporters.exporter import Exporter
 from synthesis.exporters.figures.cam_figure import BELOW, Scene, shapes
 from synthesis.exporters.figures.labels import labels
+from synthesis.exporters.options import CamDrawingOptions
 from synthesis.exporters.samples.cam import Cam
 
 HEADER, MARGIN, ROW = 22.0, 14.0, 5.2  # in units of the sheet

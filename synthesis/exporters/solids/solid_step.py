@@ -8,8 +8,7 @@ from synthesis.design.design import Design
 from synthesis.errors import ExtraMissing
 from synthesis.exporters.curves.step import exchange_file, text
 from synthesis.exporters.exporter import Exporter, FileContent
-from synthesis.exporters.solids.blank import blank
-from synthesis.exporters.solids.solid_options import SolidOptions
+from synthesis.exporters.solids.blank import SolidOptions, blank
 
 
 def _solid(design: Design, options: SolidOptions) -> FileContent:

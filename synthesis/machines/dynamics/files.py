@@ -18,9 +18,8 @@ from synthesis.exporters.diagrams.plot import curve_plot, linear
 from synthesis.exporters.diagrams.sheet import sheet
 from synthesis.exporters.drawing import canvas as svg
 from synthesis.exporters.drawing.heading import BOLD
-from synthesis.exporters.drawing.theme import Theme
 from synthesis.exporters.exporter import FileFormat
-from synthesis.exporters.options import Options
+from synthesis.exporters.options import Options, Theme
 from synthesis.exporters.samples.columns import Column, concatenate
 from synthesis.exporters.tables.formats import csv_table
 from synthesis.machines.dynamics.polydyne import polydyne

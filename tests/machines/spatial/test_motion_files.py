@@ -10,8 +10,7 @@ import math
 import numpy as np
 import pytest
 
-from synthesis.exporters.drawing.picture_options import DiagramOptions
-from synthesis.exporters.options import MotionOptions
+from synthesis.exporters.options import DiagramOptions, MotionOptions
 from synthesis.machines.spatial.design import SpatialDesign
 from synthesis.machines.spatial.files.motion import CSV, JSON, SVG
 from tests.machines.spatial.drums import INDEX, SWING, cycloid, designed, there_and_back

@@ -21,7 +21,7 @@ from synthesis.exporters import (
     PictureOptions,
     ProfileOptions,
 )
-from synthesis.exporters.drawing.picture_options import DiagramOptions
+from synthesis.exporters.options import DiagramOptions
 from synthesis.pipeline.synthesise import synthesise
 from synthesis.spec.design_spec import DesignSpec
 from tests.service.conftest import Running

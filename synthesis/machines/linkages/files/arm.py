@@ -20,10 +20,9 @@ from synthesis.exporters.animations.scene import EDGE, TURN_S, Scene
 from synthesis.exporters.diagrams.plot import curve_plot
 from synthesis.exporters.drawing import canvas as svg
 from synthesis.exporters.drawing.heading import two_lines
-from synthesis.exporters.drawing.picture_options import PictureOptions
 from synthesis.exporters.figures.machine import Moving, Tag, moving_group
 from synthesis.exporters.figures.parts import Box, display_scale, place_in_panel
-from synthesis.exporters.options import Options
+from synthesis.exporters.options import Options, PictureOptions
 from synthesis.machines.linkages.arm import PalletisingArm
 from synthesis.machines.linkages.arm.geometry import Arm, holding_torques
 from synthesis.machines.linkages.arm.report import ArmPose

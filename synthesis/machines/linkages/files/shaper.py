@@ -19,10 +19,9 @@ from synthesis.exporters.diagrams.plot import Plot, curve_plot
 from synthesis.exporters.diagrams.sheet import FOOTER, GAP, HEIGHT, LEFT, RIGHT, WIDTH, angle_axis
 from synthesis.exporters.drawing import canvas as svg
 from synthesis.exporters.drawing.heading import TURNS, two_lines
-from synthesis.exporters.drawing.picture_options import PictureOptions
 from synthesis.exporters.figures.machine import Moving, Tag, moving_group
 from synthesis.exporters.figures.parts import Box, display_scale
-from synthesis.exporters.options import MotionOptions, Options
+from synthesis.exporters.options import MotionOptions, Options, PictureOptions
 from synthesis.exporters.samples.columns import Column
 from synthesis.exporters.tables.formats import csv_table
 from synthesis.machines.linkages.files import links

@@ -6,9 +6,8 @@ from dataclasses import asdict
 
 from synthesis.exporters.diagrams.motion import motion_sheet
 from synthesis.exporters.diagrams.sheet import LEFT, RIGHT, WIDTH
-from synthesis.exporters.drawing.picture_options import DiagramOptions
 from synthesis.exporters.exporter import FileFormat
-from synthesis.exporters.options import MotionOptions
+from synthesis.exporters.options import DiagramOptions, MotionOptions
 from synthesis.exporters.samples.columns import motion_columns
 from synthesis.exporters.samples.turn import Turn
 from synthesis.exporters.tables.formats import csv_table, json_table
