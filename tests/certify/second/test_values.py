@@ -80,7 +80,7 @@ def tampered(limit: str, **changes: Any) -> Design:
         ("velocity", {"value": 1.0 + 1e-9, "width": 1e-10}),
         ("jerk", {"holds": False}),
         ("self_crossing", {"holds": False}),
-        ("base_radius_positive", {"value": 33.5 + 1e-9}),
+        ("base_radius_positive", {"value": 33.5 + 2e-10}),
         ("displacement_join", {"bound": -1.0}),
     ],
 )
