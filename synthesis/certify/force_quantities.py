@@ -48,7 +48,7 @@ def force_quantity(name: str, flank: Flank, cam: MeasuredCam) -> Quantity:
     sliding = np.array([load.sliding_sense(s) for s in segments])[cam.motion.segment_of_piece]
 
     def formula(at: TracedPoint) -> Any:
-        if at.trace is not flank.trace:  # on this flank's path, whichever was asked about
+        if at.trace is not flank.trace:  # on this flank's path, whichever the subject names
             at = replace(at, trace=flank.trace)
         # sine and cosine of the pressure angle, from the normal and the direction of drive
         nx, ny = at.trace.normal(at.tangent, at.s, at.size)

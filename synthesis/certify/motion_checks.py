@@ -80,8 +80,8 @@ def _continuity(
 ) -> Iterator[Extreme]:
     """Continuity of s everywhere, and of its derivatives where it is required or promised.
 
-    For each order: the worst of the junctions where continuity is required (judged), then the
-    largest jump among the others (reported only).
+    For each order: the worst of the junctions where continuity is required, with a verdict; then
+    the largest jump among the others, reported only.
     """
     smooth = np.maximum(_promised_orders(motion), continuity or 0)
     for order in range(min(max(REPORTED_ORDER, int(smooth.max())), HIGHEST_ORDER) + 1):
@@ -98,7 +98,7 @@ def _continuity(
         if order <= REPORTED_ORDER and len(promised) < len(smooth):
             others = motion.discontinuities(order, (smooth < order).nonzero()[0])
             if len(others):
-                # a jump that the chosen laws bring with them: reported, not judged
+                # a jump that the chosen laws bring with them: reported without a verdict
                 jump = motion.largest_jump(order, others)
                 yield Extreme(
                     limit=f"{DERIVATIVES[order]}_jump",
@@ -222,7 +222,7 @@ def backward_travel(motion: PiecewiseMotion, pieces: Indices) -> tuple[Array, Ar
         pieces: of spline laws: polynomials, without sinusoids.
 
     Returns:
-        lower and upper ends, one per segment of the motion (0 where no piece is asked about), and
+        lower and upper ends, one per segment of the motion (0 where no piece is given), and
         the number of intervals examined.
     """
     search, breaks = _BackwardTravel(motion), motion.curve.breaks

@@ -63,7 +63,7 @@ class BoxSearch(ABC, Generic[B]):
 
     @abstractmethod
     def threshold(self) -> Array | float:
-        """What a bound must exceed for its box to stay open; asked for after every ``bound``."""
+        """What a bound must exceed for its box to stay open; read after every ``bound``."""
 
     @abstractmethod
     def split(self, boxes: B, keep: Mask) -> B:

@@ -28,27 +28,27 @@ class Boxes:
         first: Array,
         last: Array,
         counts: Indices,
-        asked: Mask | None = None,
+        active: Mask | None = None,
     ) -> Boxes:
         """Spans [first, last], each on one piece, cut into equal parts.
 
         Args:
             pieces, first, last: (k,). counts: of every piece, into how many boxes.
-            asked: (questions, k); None: boxes for no question.
+            active: (questions, k); None: boxes for no question.
         """
-        asked = np.zeros((0, len(pieces)), dtype=bool) if asked is None else asked
+        active = np.zeros((0, len(pieces)), dtype=bool) if active is None else active
         parts = np.where(last > first, counts[pieces], 1)
         step = (last - first) / parts
         owner, nth, behind = _counted(parts)
         start, width = first[owner], step[owner]
         lo, hi = start + nth * width, start + (nth + 1) * width
         hi[behind - 1] = last
-        return cls(pieces[owner], lo, hi, asked.take(owner, axis=1))
+        return cls(pieces[owner], lo, hi, active.take(owner, axis=1))
 
-    def keep(self, asked: Mask) -> Boxes:
-        """Those that are still asked for."""
-        which = np.flatnonzero(asked.any(axis=0))
-        return replace(self, active=asked).take(which)
+    def keep(self, active: Mask) -> Boxes:
+        """Those with a question that is still active."""
+        which = np.flatnonzero(active.any(axis=0))
+        return replace(self, active=active).take(which)
 
     def take(self, which: Indices) -> Boxes:
         """Some of them, in this order."""
@@ -59,8 +59,8 @@ class Boxes:
         parts = np.arange(count + 1) / count
         edges = self.lo[:, None] + (self.hi - self.lo)[:, None] * parts
         edges[:, -1] = self.hi
-        piece, asked = np.repeat(self.piece, count), np.repeat(self.active, count, axis=1)
-        return Boxes(piece, edges[:, :-1].ravel(), edges[:, 1:].ravel(), asked)
+        piece, active = np.repeat(self.piece, count), np.repeat(self.active, count, axis=1)
+        return Boxes(piece, edges[:, :-1].ravel(), edges[:, 1:].ravel(), active)
 
     def cut_at(self, cuts: Array) -> Boxes:
         """Each cut at those of the sorted points that lie inside of it."""

@@ -1,4 +1,4 @@
-"""The clock that deadlines are told by; whoever looks at it hears as well that nobody waits.
+"""The clock of all deadlines; reading it also raises where the task was cancelled.
 
 A deadline says when to stop with the best so far, a cancellation to stop with nothing. Both are
 looked for in the same places: stages look between their steps, solvers between their iterations.

@@ -149,8 +149,8 @@ class _ExtremumSearch(BoxSearch[Boxes]):
             found = np.concatenate([each[k] for k in slot]).reshape(len(slot), -1)
             return self._excess(closely, found, found)
 
-        asked = Boxes(boxes.piece, boxes.lo, boxes.hi, boxes.active[closely])
-        question, piece, at, cuts = locate_extrema(asked, heights, self.rounding[closely] / ULPS)
+        searched = Boxes(boxes.piece, boxes.lo, boxes.hi, boxes.active[closely])
+        question, piece, at, cuts = locate_extrema(searched, heights, self.rounding[closely] / ULPS)
         return self._points_of(closely[question], piece, at), cuts
 
     def _points_of(self, question: Indices, piece: Indices, at: Array) -> Boxes:
@@ -158,7 +158,7 @@ class _ExtremumSearch(BoxSearch[Boxes]):
         return Boxes(piece, at, at, np.arange(len(self.best))[:, None] == question)
 
     def bound(self, boxes: Boxes) -> Array:
-        """The largest excess that is possible on each box, −inf where not asked: (questions, n).
+        """The largest excess that is possible on each box, −inf where inactive: (questions, n).
 
         First the points that looked best on the level before are evaluated, together with the
         boxes: what their functions reach there are the incumbents.
@@ -252,9 +252,9 @@ def enclose(
         models: Taylor models of the functions wanted on boxes (piece, lo, hi).
         breaks: (n+1,) ends of the pieces; every piece is taken with both its ends.
         counts: (n,) how many boxes to begin with on each piece.
-        questions: what is asked.
+        questions: which extremes.
         values: the functions wanted at points (piece, x) in numbers, which are not relied on.
-        enough: of each function, by how much wider than asked an enclosure may be.
+        enough: of each function, by how much wider than its question says an enclosure may be.
     """
     if not questions:
         return []
@@ -293,7 +293,7 @@ def _stacked(models: Sequence[Taylor], points: Mask) -> Taylor:
 
 
 def _first_boxes(breaks: Array, counts: Indices, questions: Sequence[ExtremumQuery]) -> Boxes:
-    """Every piece that is asked for, cut into its number of boxes; parts of pieces by themselves.
+    """Every piece that a question covers, cut into its number of boxes; parts of pieces apart.
 
     Those of a piece serve all questions that ask for the whole of it.
     """
@@ -302,12 +302,12 @@ def _first_boxes(breaks: Array, counts: Indices, questions: Sequence[ExtremumQue
         if question.spans is None:
             whole[q, question.pieces] = True
     pieces = np.flatnonzero(whole.any(axis=0))
-    asked = whole.take(pieces, axis=1)
-    found = Boxes.from_spans(pieces, breaks[pieces], breaks[pieces + 1], counts, asked)
+    active = whole.take(pieces, axis=1)
+    found = Boxes.from_spans(pieces, breaks[pieces], breaks[pieces + 1], counts, active)
     for q, question in enumerate(questions):
         if question.spans is not None:
-            asked = np.zeros((len(questions), len(question.pieces)), dtype=bool)
-            asked[q] = True
+            active = np.zeros((len(questions), len(question.pieces)), dtype=bool)
+            active[q] = True
             first, last = question.spans.T
-            found = found.append(Boxes.from_spans(question.pieces, first, last, counts, asked))
+            found = found.append(Boxes.from_spans(question.pieces, first, last, counts, active))
     return found

@@ -38,7 +38,7 @@ TO_FAN: Final = np.linalg.solve(
 def locate_extrema(
     boxes: Boxes, heights: ExcessFunction, bounds: Array
 ) -> tuple[Indices, Indices, Array, Array]:
-    """The highest point of every question's function on the boxes that it is asked for.
+    """The highest point of every question's function on its active boxes.
 
     Of several that are equally high the first: roundings do not choose.
 

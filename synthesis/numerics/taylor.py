@@ -243,8 +243,8 @@ class Taylor(UfuncDispatch):
     def range(self) -> tuple[Array, Array]:
         """Largest and smallest value of the quadratic over t in [−1, 1].
 
-        Both are off by less than ``rem`` (roundings of this evaluation are in its allowance). To be
-        asked for under ``np.errstate(all="ignore")``.
+        Both are off by less than ``rem`` (roundings of this evaluation are in its allowance). Call
+        it under ``np.errstate(all="ignore")``.
         """
         there = self._at_vertex()[1]
         middle, slope = self.c0 + self.c2, np.abs(self.c1)

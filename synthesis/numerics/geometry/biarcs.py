@@ -20,7 +20,7 @@ PROBES = np.linspace(0.0, 1.0, 33)[1::2]
 BEYOND = 1.02  # what may lie between the probes
 MOST_ARCS = 20_000
 ROUNDS = 40
-FREELY = 4  # rounds in which spans may lose pieces too
+MERGING = 4  # rounds in which pieces of a span may be merged too
 POWER = 3  # of a piece's length, in proportion to which it departs
 FLAT = 1e-12  # half the angle of an arc that is a straight line [rad]
 
@@ -56,7 +56,7 @@ def fit_biarcs(curve: ClosedCurve, tolerance: float) -> Arcs:
             return found
         if len(mesh.span) > MOST_ARCS:
             break
-        mesh = mesh.equidistribute(departures / tolerance, POWER, growing=turn >= FREELY)
+        mesh = mesh.equidistribute(departures / tolerance, POWER, growing=turn >= MERGING)
     raise InputError(
         "/tolerance_um",
         float(f"{tolerance * 1e3:.12g}"),

@@ -40,7 +40,7 @@ class Chart(ABC):
 
     @abstractmethod
     def unwrap(self, across: Array, place: Array) -> Array:
-        """The same places across, told as they lie beside others: angles of any turn."""
+        """The same places across as they lie beside others: angles of any turn."""
 
     @abstractmethod
     def across_at_height(self, depth: Array, height: float) -> Array:

@@ -12,7 +12,7 @@ from synthesis.numerics.piecewise import Array, Indices, Mask
 
 FIRST, LARGEST = math.radians(15.0), math.radians(60.0)  # of a piece, at first and ever
 AIM = 0.8  # of what is allowed: what a spacing aims at
-NEARLY = 0.99  # of what is allowed: may be too much once rounding is added
+NEAR_TOLERANCE = 0.99  # of what is allowed: may be too much once rounding is added
 
 
 @dataclass(frozen=True, eq=False)
@@ -100,7 +100,7 @@ class Mesh:
             ends = np.append(self.low[mine], 1.0)
             count = max(least, math.ceil(total[-1] - 1e-9))
             if growing:
-                count = max(count, len(mine) + int(np.max(near) > NEARLY))
+                count = max(count, len(mine) + int(np.max(near) > NEAR_TOLERANCE))
             inner = np.interp(np.linspace(0.0, total[-1], count + 1), total, ends)
             inner[0], inner[-1] = 0.0, 1.0
             parts.append((np.full(count, span), inner[:-1], inner[1:]))

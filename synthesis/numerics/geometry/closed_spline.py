@@ -42,7 +42,7 @@ DEGREE = 5
 MOST_NODES = 20_000
 ROUNDS, PATIENCE = 40, 20  # tries, with every span by itself and with some of them joined
 WIDEST = 1.0 / 24.0  # of the curve: spacing of nodes
-FREELY = 4  # rounds in which spans may lose pieces too
+MERGING = 4  # rounds in which pieces of a span may be merged too
 SAME = 1e-8  # a step of the tangent [rad], or of the curvature against its size: rounding
 ROUNDING = 2.0**-46  # of the curve's size: no tolerance is below it
 JUMP_SHARES = 1.0 / 300.0, 1.0 / 1200.0  # of J h³ and K h⁴ in the departure
@@ -113,12 +113,12 @@ def fit_closed_spline(curve: ClosedCurve, tolerance: float) -> ClosedSpline:
     Raises:
         InputError: the tolerance is below what numbers of 16 digits can tell at this size.
     """
-    gentle = _joined(curve, tolerance)
-    if gentle is not curve:
-        found = _fitted(gentle, tolerance, PATIENCE)
+    merged = _merge(curve, tolerance)
+    if merged is not curve:
+        found = _fit(merged, tolerance, PATIENCE)
         if found.error <= tolerance:
             return found
-    found = _fitted(curve, tolerance, ROUNDS)
+    found = _fit(curve, tolerance, ROUNDS)
     if found.error <= tolerance:
         return found
     size = float(np.max(np.abs(found.points)))
@@ -131,19 +131,19 @@ def fit_closed_spline(curve: ClosedCurve, tolerance: float) -> ClosedSpline:
     )
 
 
-def _fitted(curve: ClosedCurve, tolerance: float, rounds: int) -> ClosedSpline:
+def _fit(curve: ClosedCurve, tolerance: float, rounds: int) -> ClosedSpline:
     """The first spline within the tolerance, or the last that was tried."""
     mesh = Mesh.initial(curve.span_sizes)
     for turn in range(rounds):
         found, departures = _through(curve, mesh, tolerance)
         if (turn and found.error <= tolerance) or len(mesh.span) > MOST_NODES:
             break
-        mesh = mesh.equidistribute(departures / tolerance, DEGREE + 1, growing=turn >= FREELY)
+        mesh = mesh.equidistribute(departures / tolerance, DEGREE + 1, growing=turn >= MERGING)
     return found
 
 
-def _joined(curve: ClosedCurve, tolerance: float) -> ClosedCurve:
-    """The curve with the spans joined whose joint is too gentle to matter."""
+def _merge(curve: ClosedCurve, tolerance: float) -> ClosedCurve:
+    """The curve with those spans merged whose junction is too smooth to matter."""
     mesh = Mesh.initial(curve.span_sizes)
     lengths, _ = _lengths(curve, mesh)
     _, departures = _through(curve, mesh, tolerance)
@@ -274,11 +274,11 @@ def merge_smooth_spans(curve: ClosedCurve, spacing: Array, tolerance: float) -> 
     near = np.minimum(spacing, np.roll(spacing, 1))
     jumps = _jumps(curve)
     seen = JUMP_SHARES[0] * jumps[0] * near**3 + JUMP_SHARES[1] * jumps[1] * near**4
-    gentle = seen < 0.1 * tolerance
-    gentle[0] = False
-    if not gentle.any():
+    smooth_enough = seen < 0.1 * tolerance
+    smooth_enough[0] = False
+    if not smooth_enough.any():
         return curve
-    return MergedSpans(curve, np.arange(count)[~gentle])
+    return MergedSpans(curve, np.arange(count)[~smooth_enough])
 
 
 def _jumps(curve: ClosedCurve) -> Array:

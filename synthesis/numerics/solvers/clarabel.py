@@ -77,12 +77,12 @@ def project_on_equalities(program: ConeProgram, x: Array) -> Array:
         return x
     rows, rhs = program.matrix[: program.equalities], program.rhs[: program.equalities]
     if program.equalities > MOST_DENSE:
-        return _closed_sparsely(rows, rhs, x)
+        return _project_sparse(rows, rhs, x)
     weights, *_ = np.linalg.lstsq((rows @ rows.T).toarray(), rhs - rows @ x, rcond=1e-13)
     return np.asarray(x + rows.T @ weights)
 
 
-def _closed_sparsely(rows: sparse.csc_matrix, rhs: Array, x: Array) -> Array:
+def _project_sparse(rows: sparse.csc_matrix, rhs: Array, x: Array) -> Array:
     """The same for many equalities, in time that grows with their number, not with its cube.
 
     Equalities may depend on each other, so that the normal equations are singular; a little added
@@ -123,9 +123,9 @@ def solve(program: ConeProgram, time_limit: float = math.inf) -> ConeSolution:
     solver = clarabel.DefaultSolver(
         program.quadratic, program.linear, program.matrix, program.rhs, kinds, settings
     )
-    asked = clock.stop_callback()
-    if asked is not None:
-        solver.set_termination_callback(lambda _: asked())
+    must_stop = clock.stop_callback()
+    if must_stop is not None:
+        solver.set_termination_callback(lambda _: must_stop())
     found = solver.solve()
     clock.now()
     word = str(found.status)

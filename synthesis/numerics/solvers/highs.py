@@ -68,7 +68,7 @@ def minimise_each(
     Raises:
         Cancelled: nobody waits for it any more.
     """
-    solver, deadline = _passed(rows), clock.now() + time_limit
+    solver, deadline = _model(rows), clock.now() + time_limit
     columns = np.arange(rows.matrix.shape[1], dtype=np.int32)
     found = []
     for objective in objectives:
@@ -87,7 +87,7 @@ def minimise_each(
     return found
 
 
-def _passed(rows: LinearRows) -> highspy.Highs:
+def _model(rows: LinearRows) -> highspy.Highs:
     solver = highspy.Highs()  # type: ignore[no-untyped-call]
     options = (("output_flag", False), ("presolve", "off"), ("solver", "simplex"), ("threads", 1),
                ("simplex_iteration_limit", MOST_STEPS))  # fmt: skip

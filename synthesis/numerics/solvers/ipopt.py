@@ -126,9 +126,9 @@ def solve(
     if guess.rows is not None:
         rows = np.pad(guess.rows, (0, len(program.lower) - len(guess.rows)))
         start |= {"lam_g0": rows, "lam_x0": guess.bounds}
-    asked = clock.stop_callback()
-    if asked is not None:
-        options["iteration_callback"] = _Look(len(guess.x), len(program.lower), asked)
+    must_stop = clock.stop_callback()
+    if must_stop is not None:
+        options["iteration_callback"] = _Look(len(guess.x), len(program.lower), must_stop)
     stated = {"x": program.x, "f": program.objective, "g": program.rows}
     solver: Any = casadi.nlpsol("nonlinear", "ipopt", stated, options)
     with ONE_AT_A_TIME:
@@ -145,9 +145,9 @@ def solve(
 class _Look(casadi.Callback):
     """Asks between iterations whether to stop; IPOPT hands it the point, (n, 1) and (m, 1)."""
 
-    def __init__(self, n: int, m: int, asked: Callable[[], bool]) -> None:
+    def __init__(self, n: int, m: int, must_stop: Callable[[], bool]) -> None:
         casadi.Callback.__init__(self)
-        self._asked, self._sizes = asked, {"f": 1, "x": n, "lam_x": n, "g": m, "lam_g": m}
+        self._must_stop, self._sizes = must_stop, {"f": 1, "x": n, "lam_x": n, "g": m, "lam_g": m}
         self.construct("look", {})
 
     def get_n_in(self) -> int:
@@ -161,7 +161,7 @@ class _Look(casadi.Callback):
         return casadi.Sparsity.dense(size, 1)
 
     def eval(self, _point: Any) -> list[float]:
-        return [float(self._asked())]
+        return [float(self._must_stop())]
 
 
 def stop_reason(word: str) -> StopReason:
