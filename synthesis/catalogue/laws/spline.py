@@ -42,10 +42,6 @@ class SplineLaw(FiniteModel):
         """Whether it may move backwards."""
         return self.overshoot
 
-    def curve(self, segment: SegmentKind) -> None:
-        """None: the optimiser chooses the curve."""
-        return None
-
     def with_end_derivatives(
         self, segment: SegmentKind, start: EndDerivatives, end: EndDerivatives
     ) -> None:

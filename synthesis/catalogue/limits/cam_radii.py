@@ -1,4 +1,4 @@
-"""Largest radius of the finished profile."""
+"""Radii of the cam: the largest of its profile, and the base radius of a counter cam."""
 
 from __future__ import annotations
 
@@ -10,8 +10,8 @@ from pydantic import Field
 from pydantic_core import PydanticCustomError
 
 from synthesis.catalogue.constraints import LinearInequality, NonconvexConstraint, NormBounds
-from synthesis.catalogue.followers.base import paths
-from synthesis.catalogue.followers.flank import edge_offset, labelled
+from synthesis.catalogue.followers.base import Follower, paths
+from synthesis.catalogue.followers.flank import Flank, edge_offset, labelled
 from synthesis.catalogue.followers.kinematics import TracePoint
 from synthesis.catalogue.limits.base import Claim, Limit, Machine, shifting
 from synthesis.catalogue.motion import PlacedSegment, Segments
@@ -103,3 +103,57 @@ def _edges(machine: Machine) -> Iterator[tuple[str, TracePoint, float]]:
     """Every path by name, and what the edge of its cam lacks to it [mm]."""
     for path, trace in paths(machine.follower).items():
         yield path, trace, edge_offset(machine.follower.flanks, path)
+
+
+class CounterBaseRadius(Limit):
+    """The counter cam's base radius ≥ ``min_mm``: its traced curve stays Rr + min off the axis."""
+
+    kind: Literal["counter_base_radius"] = "counter_base_radius"
+    title: ClassVar[str] = "Base radius of the counter cam"
+    same_on_every_segment: ClassVar[bool] = True
+    min_mm: Annotated[
+        float, Field(ge=0.0, le=1e9, description="Smallest base radius of the counter cam.")
+    ] = 0.0
+
+    @property
+    def bounds_size_below(self) -> bool:
+        return True
+
+    def applies_to(self, follower: Follower) -> bool:
+        return bool(follower.active_closure.counter_paths)
+
+    def rows(self, segment: PlacedSegment, machine: Machine) -> tuple[LinearInequality, ...]:
+        return tuple(
+            replace(row, source=self.kind)
+            for flank in _counters(machine)
+            for row in flank.trace.radius_rows(flank.distance + self.min_mm)
+        )
+
+    def smooth_constraints(
+        self, segment: PlacedSegment, machine: Machine, theta: Array, s: Any, z: Any
+    ) -> tuple[Any, ...]:
+        if self.rows(segment, machine):
+            return ()
+        found = []
+        for flank in _counters(machine):
+            least = flank.distance + self.min_mm
+            (px, py), *_ = flank.trace.position(s, z)
+            square = px * px + py * py
+            found.append((least * least - square) / (least * least + square))
+        return tuple(found)
+
+    def claims(self, segments: Segments, machine: Machine) -> tuple[Claim, ...]:
+        return tuple(
+            self._claim(
+                segments, (flank.distance + self.min_mm, None), "min_mm", "mm",
+                quantity="pitch_radius", to_wire=shifting(flank.distance), path=flank.path,
+            )
+            for flank in _counters(machine)
+        )  # fmt: skip
+
+
+def _counters(machine: Machine) -> Iterator[Flank]:
+    """The flanks of counter cams."""
+    for flank in machine.follower.flanks:
+        if flank.path in machine.follower.active_closure.counter_paths:
+            yield flank
