@@ -17,7 +17,6 @@ from synthesis.catalogue.ranges import AngleRange, Range, ends
 from synthesis.units import CORE_UNITS, MotionUnits
 
 TravelUnit = Literal["mm", "deg"]
-UNITS: tuple[TravelUnit, TravelUnit] = ("mm", "deg")
 
 
 def signed(description: str, largest: float) -> object:
@@ -33,8 +32,8 @@ class UnitFields(FiniteModel):
 
     def given_field(self, stem: str) -> str:
         """Name of that twin which is given, by the names' common beginning; mm where none is."""
-        mm, deg = _twins(type(self))[stem]
-        return mm if getattr(self, deg) == type(self).model_fields[deg].default else deg
+        mm, deg, default = _twins(type(self))[stem]
+        return mm if getattr(self, deg) == default else deg
 
     def given(self, stem: str) -> Any:
         """Value of that twin which is given; the default where none is."""
@@ -43,15 +42,15 @@ class UnitFields(FiniteModel):
     @property
     def units(self) -> frozenset[TravelUnit]:
         """Units of all displacements in it, those of its parts included."""
-        used = {
-            unit
-            for twins in _twins(type(self)).values()
-            for unit, name in zip(UNITS, twins, strict=True)
-            if getattr(self, name) != type(self).model_fields[name].default
-        }
+        used = set[TravelUnit]()
+        for mm, deg, default in _twins(type(self)).values():
+            pairs: tuple[tuple[TravelUnit, str], ...] = (("mm", mm), ("deg", deg))
+            used.update(unit for unit, name in pairs if getattr(self, name) != default)
         for value in vars(self).values():
-            parts = value if isinstance(value, list) else [value]
-            used = used.union(*(part.units for part in parts if isinstance(part, UnitFields)))
+            parts = value if isinstance(value, list) else (value,)
+            for part in parts:
+                if isinstance(part, UnitFields):
+                    used |= part.units
         return frozenset(used)
 
     def check_one_unit(self, what: str) -> None:
@@ -70,13 +69,14 @@ class UnitFields(FiniteModel):
 
 
 @cache
-def _twins(model: type[FiniteModel]) -> Mapping[str, tuple[str, str]]:
-    """The twin fields in mm and deg, by what their names begin with."""
-    pairs = ((name, name.replace("_mm", "_deg", 1)) for name in model.model_fields)
+def _twins(model: type[FiniteModel]) -> Mapping[str, tuple[str, str, Any]]:
+    """The twin fields in mm and deg and their default, by what their names begin with."""
+    fields = model.model_fields
+    pairs = ((name, name.replace("_mm", "_deg", 1)) for name in fields)
     return {
-        mm.partition("_mm")[0]: (mm, deg)
+        mm.partition("_mm")[0]: (mm, deg, fields[deg].default)
         for mm, deg in pairs
-        if mm != deg and deg in model.model_fields
+        if mm != deg and deg in fields
     }
 
 
