@@ -165,14 +165,17 @@ class _Move(SegmentSpec):
 
     def with_motion(self, placed: PlacedSegment, units: MotionUnits) -> PlacedSegment:
         held = with_states(placed, self.start, self.end, units)
-        held = replace(held, free=self.law.free_law(self._constraints.knots()))
-        return self.with_end_states(held, held.start_state, held.end_state)
+        law = self._law(held, held.start_state, held.end_state)
+        return replace(held, law=law, free=self.law.free_law(self._constraints.knots()))
 
     def with_end_states(
         self, placed: PlacedSegment, start: EndState, end: EndState
     ) -> PlacedSegment:
+        return replace(placed, law=self._law(placed, start, end))
+
+    def _law(self, placed: PlacedSegment, start: EndState, end: EndState) -> Piecewise | None:
         known = (state.normalised(placed.angle, placed.lift) for state in (start, end))
-        return replace(placed, law=self.law.with_end_derivatives(placed.kind, *known))
+        return self.law.with_end_derivatives(placed.kind, *known)
 
 
 class Rise(_Move):

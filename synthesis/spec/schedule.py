@@ -136,11 +136,11 @@ def _share_states(found: list[PlacedSegment], before: int, after: int, units: Mo
             "one side only",
             other=before, theirs=(right.start_state.velocity, 1),
         )  # fmt: skip
-    if left.free is not None:
-        end_state = left.end_state.filled_from(right.start_state)
+    end_state = left.end_state.filled_from(right.start_state)
+    start_state = right.start_state.filled_from(left.end_state)
+    if left.free is not None and end_state is not left.end_state:
         found[before] = replace(left, end_state=end_state)
-    if right.free is not None:
-        start_state = right.start_state.filled_from(left.end_state)
+    if right.free is not None and start_state is not right.start_state:
         found[after] = replace(found[after], start_state=start_state)
 
 

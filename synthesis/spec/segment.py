@@ -113,6 +113,8 @@ def with_states(
     placed: PlacedSegment, start: State | None, end: State | None, units: MotionUnits
 ) -> PlacedSegment:
     """A placed segment with the states required at its ends."""
+    if start is end is None:
+        return placed
     first, last = (ANY_STATE if state is None else state.to_core(units) for state in (start, end))
     return replace(placed, start_state=first, end_state=last)
 
