@@ -50,7 +50,7 @@ from synthesis.units import DEGREE, FULL_TURN
 
 ANGLES, PLACES = 49, 5  # samples of a patch: cam angles, places
 WHOLE = 240  # about so many angles on a wall with many patches
-# The last steps are 1e-5 of those between samples.
+# The last steps are 6e-5 of those between samples.
 CLOSER = Refinement(
     2, 11, 8, 0.25, "measured on a grid of every smooth part of a wall, then closer"
 )
