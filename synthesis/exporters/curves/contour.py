@@ -20,9 +20,8 @@ import numpy as np
 from synthesis.errors import InputError
 from synthesis.exporters.samples.cam import Cam
 from synthesis.exporters.samples.sampling import SAME_ANGLE
-from synthesis.exporters.samples.turn import Mask
 from synthesis.numerics.geometry.closed_curve import ClosedCurve, CurvePoints
-from synthesis.numerics.piecewise import Array, Indices
+from synthesis.numerics.piecewise import Array, Indices, Mask
 from synthesis.units import DEGREE, FULL_TURN
 
 SPACING = 2.0 * DEGREE  # of the angles at which the way forward is looked at, at most

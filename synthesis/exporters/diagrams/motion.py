@@ -14,9 +14,8 @@ from synthesis.exporters.drawing import canvas as svg
 from synthesis.exporters.drawing.heading import heading
 from synthesis.exporters.exporter import Exporter
 from synthesis.exporters.options import DiagramOptions
-from synthesis.exporters.samples.cam import Cam
+from synthesis.exporters.samples.cam import Cam, Turn
 from synthesis.exporters.samples.sampling import in_degrees, motion_rows
-from synthesis.exporters.samples.turn import Turn
 
 MEASURED_PER_DEGREE = 20.0  # rows at which the extremes are read
 QUANTITIES = ("displacement", "velocity", "acceleration", "jerk")  # by the order of derivative

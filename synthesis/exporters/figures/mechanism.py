@@ -87,8 +87,6 @@ class Mechanism:
         theta = np.linspace(0.0, FULL_TURN, count + 1)
         s = cam.motion.derivatives(theta, 3)
         shown, link = s[0] / cam.travel.per_unit, cam.follower.link(cam.size, DEGREE)
-        if link is None:
-            raise NotImplementedError(f"{cam.follower.kind} has no link to draw")
         swings = link.slide is None
         moved = link.turn * shown * DEGREE if swings else s[0]
         turned = moved if swings else 0.0 * moved

@@ -1,7 +1,7 @@
 """The cam as every file sees it: at which angles, where its points stand, in which columns.
 
-In: a design and options. Out: cam angles, points, columns. ``turn`` is a motion over one turn with
-the places where its pieces meet; ``cam`` a design's cam and one of its curves, evaluated anywhere;
+In: a design and options. Out: cam angles, points, columns. ``cam`` is a motion over one turn with
+the places where its pieces meet, and a design's cam with one of its curves, evaluated anywhere;
 ``sampling`` the rows of tables and the rings of points, ``chords`` angles for a chord tolerance;
 ``cutting`` checks cutters; ``columns`` names what tables hold. Open ``cam`` first.
 """

@@ -12,9 +12,8 @@ from synthesis.catalogue.followers.flank import labelled
 from synthesis.catalogue.forces.history import ForceHistory, history
 from synthesis.design.design import Design
 from synthesis.exporters.options import CurveOptions, MotionOptions, is_cutter, is_pitch
-from synthesis.exporters.samples.cam import Cam
+from synthesis.exporters.samples.cam import Cam, Turn
 from synthesis.exporters.samples.sampling import Rows, motion_rows, place_on_shaft, table_rows
-from synthesis.exporters.samples.turn import Turn
 from synthesis.numerics.piecewise import Array
 from synthesis.units import DEGREE
 

@@ -17,10 +17,9 @@ from numpy.typing import NDArray
 from synthesis.catalogue.profile import CamProfile
 from synthesis.errors import InputError
 from synthesis.exporters.options import CurveOptions, PointOptions, Sampled
-from synthesis.exporters.samples.cam import Cam
+from synthesis.exporters.samples.cam import Cam, Turn
 from synthesis.exporters.samples.chords import COARSEST, chord_angles
-from synthesis.exporters.samples.turn import Mask, Turn
-from synthesis.numerics.piecewise import Array
+from synthesis.numerics.piecewise import Array, Mask
 from synthesis.units import DEGREE, FULL_TURN
 
 SAME_ANGLE = 1e-9  # [rad]

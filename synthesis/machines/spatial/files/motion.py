@@ -8,8 +8,8 @@ from synthesis.exporters.diagrams.motion import motion_sheet
 from synthesis.exporters.diagrams.sheet import LEFT, RIGHT, WIDTH
 from synthesis.exporters.exporter import FileFormat
 from synthesis.exporters.options import DiagramOptions, MotionOptions
+from synthesis.exporters.samples.cam import Turn
 from synthesis.exporters.samples.columns import motion_columns
-from synthesis.exporters.samples.turn import Turn
 from synthesis.exporters.tables.formats import csv_table, json_table
 from synthesis.machines.spatial.design import SpatialDesign
 from synthesis.machines.spatial.files.identification import above, origin
