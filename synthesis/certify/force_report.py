@@ -72,13 +72,10 @@ class _LoadedCam:
 
     def _flank(self, flank: Flank) -> FlankForces:
         pressure = self._peaks.get(("pressure_square", flank.name, 1))
-        largest, smallest = (
-            self._peaks.get(("contact_force", flank.name, side * flank.side)) for side in (1, -1)
-        )
         return FlankForces(
             flank=flank.name,
-            largest_n=None if largest is None else _times(largest, flank.side),
-            smallest_n=None if smallest is None else _times(smallest, flank.side),
+            largest_n=self._peaks.get(("contact_force", flank.name, 1)),
+            smallest_n=self._peaks.get(("contact_force", flank.name, -1)),
             largest_pressure_mpa=None if pressure is None else _square_root(pressure),
         )
 
@@ -115,9 +112,11 @@ class _LoadedCam:
         answers = self.cam.enclose(subjects, questions)
         for (name, flank, side), answer in zip(wanted, answers, strict=True):
             peak = answer.enclosure
+            # a contact force is reported as it presses its flank, whichever side that is on
+            sign = flank.side if name == "contact_force" else 1
             if math.isfinite(peak.width):
-                found[name, flank.name, side] = ForcePeak(
-                    value=peak.value, angle_deg=peak.angle / DEGREE, width=peak.width
+                found[name, flank.name, side * sign] = ForcePeak(
+                    value=sign * peak.value, angle_deg=peak.angle / DEGREE, width=peak.width
                 )
         return found
 
@@ -265,10 +264,6 @@ class _LoadedCam:
             found = [2.0 * rest / (-b + root), 2.0 * rest / (-b - root)]
         each = [np.where(np.isfinite(w) & (w > 0.0), w, np.inf) for w in found]
         return np.where(rest <= 0.0, 0.0, np.minimum(*each))
-
-
-def _times(peak: ForcePeak, factor: int) -> ForcePeak:
-    return peak.model_copy(update={"value": factor * peak.value})
 
 
 def _square_root(square: ForcePeak) -> ForcePeak:

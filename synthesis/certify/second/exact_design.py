@@ -114,25 +114,20 @@ class ExactDesign:
 
     def extreme(self, claim: Claim, spans: Sequence[Span], sign: int) -> Maximum:
         """The largest (sign 1) or smallest (−1) value of a claim's quantity, times the sign."""
-        formula = self._formula(claim)
-
-        def series(piece: MotionPiece, x: arb) -> arb_series:
-            return formula(self._state(claim, piece, x), claim.path)
-
-        return enclose_maximum(series, spans, sign)
+        return enclose_maximum(self._series(claim), spans, sign)
 
     def slope(self, claim: Claim, spans: Sequence[Span], x: arb) -> arb:
         """|df/dθ| of a quantity at x; the larger one where two pieces meet [per rad]."""
-        found, formula = arb(0), self._formula(claim)
+        found, series = arb(0), self._series(claim)
         for piece, low, high in spans:
             if low <= x <= high:
-                series = formula(self._state(claim, piece, x), claim.path)
-                found = found.max(abs(coefficient(series, 1)))
+                found = found.max(abs(coefficient(series(piece, x), 1)))
         return found
 
-    @staticmethod
-    def _formula(claim: Claim) -> Callable[[LinkState, str], arb_series]:
-        return FORCES.get(claim.quantity) or QUANTITIES[claim.quantity]
+    def _series(self, claim: Claim) -> Callable[[MotionPiece, arb], arb_series]:
+        """The claim's quantity as a function of a piece and x."""
+        formula = FORCES.get(claim.quantity) or QUANTITIES[claim.quantity]
+        return lambda piece, x: formula(self._state(claim, piece, x), claim.path)
 
     def _state(self, claim: Claim, piece: MotionPiece, x: arb) -> LinkState:
         """The link at x of a piece, with its drive where a force is measured."""
