@@ -66,8 +66,9 @@ class Jets:
         r = 0.5 * (hi - lo) + 8.0 * UNIT * (np.abs(centre) + np.abs(self.curve.origins[piece]))
         exact, error = self.derivatives(piece, centre)
         # 1. r^j/j!, by which the derivatives at the centre become coefficients
-        steps = [r / j for j in range(1, max(self.rows, 2) + 1)]
-        power = np.cumprod([np.ones_like(r), *steps], axis=0)
+        power = [np.ones_like(r), r]
+        for j in range(2, max(self.rows, 2) + 1):
+            power.append(power[-1] * (r / j))
         # 2. quadratic part, and roundings of its coefficients; row k is that of f^(k)
         count = highest + 1
         head = (exact[:count], exact[1 : count + 1] * power[1], exact[2 : count + 2] * power[2])
