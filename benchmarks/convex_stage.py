@@ -9,10 +9,10 @@ from benchmarks.effort import FULL, Effort
 from benchmarks.main_job import CONVEX
 from benchmarks.section import Section, Table
 from benchmarks.timing import Call, in_turns, timed
+from synthesis import synthesise
 from synthesis.numerics.solvers.clarabel import solve
 from synthesis.optimise.conic.program import formulate
 from synthesis.optimise.dual_bound.bound import dual_bound, in_core_units
-from synthesis.optimise.infeasibility.diagnosis import diagnose
 from synthesis.optimise.problem.grid import Grid, uniform_grid
 from synthesis.optimise.problem.problem import Problem, formulate_problem
 from synthesis.spec.design_spec import DesignSpec
@@ -81,12 +81,14 @@ def _stage(kind: str, intervals: int, effort: Effort) -> tuple[str, ...]:
 def _diagnoses(effort: Effort) -> Table:
     rows = []
     for name, asked in effort.some(list(_infeasible().items())):
-        problem, grids = _posed(asked, 24)
-        found = diagnose(asked, problem, grids)
+        found = synthesise(asked).conflict
+        assert found is not None
         helpful = sum(relaxation.needed is not None for relaxation in found.relaxations)
-        time = timed(lambda a=asked, p=problem, g=grids: diagnose(a, p, g), effort.repeats(5), 0)
+        time = timed(lambda a=asked: synthesise(a), effort.repeats(5), 0)
         rows.append((name, "; ".join(found.limits), str(helpful), str(time)))
-    note = "Where nothing fits: the limits in conflict and the least change of each that helps."
+    note = (
+        "Where nothing fits: the whole design, with the limits in conflict and values that suffice."
+    )
     return Table(("scene", "in conflict", ">changes found", ">time"), rows, note)
 
 

@@ -6,6 +6,6 @@ deadline. Out: a ``SolveState`` with the incumbent, the lower bound and what it 
 ``driver.py`` is the one loop, a spatial branch and bound in immutable state; open it first. The
 rooms are its roles: ``problem`` and ``conic`` formulate, ``relaxation``, ``separation`` and
 ``propagation`` make and tighten rows, ``dual_bound`` bounds all motion laws, ``recovery`` and
-``heuristics`` find cams, ``refinement`` chooses meshes, ``branching`` divides. ``infeasibility``
-and ``parameters`` ask the driver about conflicts and free parameters.
+``heuristics`` find cams, ``refinement`` chooses meshes, ``branching`` divides. ``parameters``
+asks the driver about free angles, lifts and lengths.
 """

@@ -10,8 +10,8 @@ nothing else distinguishes it.
                 belong to it (``root_node``, ``branching``)
     branch      a local search at the root; then parts of the domain
 
-Who asks: ``pipeline`` for a design, ``infeasibility`` for conflicts, ``parameters`` for free angles
-and lengths, and ``strategy`` for problems with one dimension or one limit fixed.
+Who asks: ``pipeline`` for designs and conflicts, ``parameters`` for free angles and lengths, and
+``strategy`` for problems with one dimension or one limit fixed.
 """
 
 from __future__ import annotations
@@ -79,6 +79,7 @@ def optimise(
     *,
     thorough: bool = False,
     warm_start: WarmStart | None = None,
+    sufficient: float = -inf,
 ) -> SolveState:
     """Minimise one objective under all limits, to a relative gap.
 
@@ -89,13 +90,15 @@ def optimise(
         tighten: relative tightening of the rows against the solver's tolerance.
         thorough: branch on sizes where nonconvex limits leave a gap.
         warm_start: where the local search of a neighbouring problem ended.
+        sufficient: a value of the objective [wire] at which to stop, whatever the gap.
 
     Returns:
         the final state; without an incumbent where no cam was found.
     """
     state = SolveState(
-        problem, tolerance, deadline, tighten, warm_start=warm_start, thorough=thorough
-    )
+        problem, tolerance, deadline, tighten, warm_start=warm_start, thorough=thorough,
+        sufficient=sufficient,
+    )  # fmt: skip
     if problem.objective.equivalent_limits(1.0, problem.machine):
         # The objective is itself a nonconvex limit: its least value is bisected, each trial a
         # problem for this driver.

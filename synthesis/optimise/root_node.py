@@ -36,7 +36,7 @@ from synthesis.optimise.strategy.phase_one import minimise_excess
 
 ROUNDS = 8
 """Meshes at most."""
-COARSEST, FINEST = 12, 96
+COARSEST, FINEST = 24, 96
 """Intervals of the first mesh; between, by tolerance: the bound's error falls as their square."""
 INTERVALS_AT_UNIT_TOLERANCE = 3.7
 """So that the first mesh of example 13-6's class is a little too coarse: two rounds as a rule."""
@@ -158,6 +158,7 @@ def _solve_on_meshes(state: SolveState) -> SolveState:
                 state = replace(
                     state, grids=found.grids, infeasibility_proof=found.impossible,
                     undecided=found.undecided, infeasible=not found.fits,
+                    least_excess=None if found.fits else found.share - 1.0,
                 )  # fmt: skip
                 if found.fits:
                     continue

@@ -27,7 +27,23 @@ from synthesis.spec.design_spec import DesignSpec
 
 FIRST_GROWTH = 0.02  # of the base radius; doubled while the cam crosses itself, then halved
 GROWTHS = 16
+BEYOND_TIGHTENING = 1e-2  # relative violation of a limit that the largest of them cannot mend
 TIGHTENINGS = (1e-7, 1e-6, 1e-5, 1e-4)  # relative amounts by which limits are tightened, in turn
+
+
+@dataclass(frozen=True, eq=False)
+class Goal:
+    """When to stop, and where to begin.
+
+    Attributes:
+        stop: ``clock.now()`` at which to stop with the best so far.
+        warm_start: where a neighbouring question's local search ended.
+        sufficient: a value of the first objective [wire] that is good enough, proven best or not.
+    """
+
+    stop: float
+    warm_start: WarmStart | None = None
+    sufficient: float = -inf
 
 
 @dataclass(eq=False)
@@ -60,31 +76,34 @@ class Attempt:
 
     @property
     def hopeless(self) -> bool:
-        """Whether drawing the limits in further cannot help."""
+        """Whether drawing the limits in further cannot help: not by as much as is missing."""
         last = self.searches[-1]
-        return last.infeasible or not last.problem.free or last.incumbent is None
+        missing = any(
+            not extreme.holds and extreme.margin is not None and extreme.bound
+            and -extreme.margin > BEYOND_TIGHTENING * abs(extreme.bound)
+            for extreme in self.extremes
+        )  # fmt: skip
+        return last.infeasible or not last.problem.free or last.incumbent is None or missing
 
 
 def solve_and_certify(
     question: NondimensionalSpec,
     tables: Tables,
-    stop: float,
+    goal: Goal,
     stages: list[StageReport],
-    near: WarmStart | None = None,
 ) -> Attempt:
-    """Attempts with limits drawn in more and more, until the certificate is content with one.
+    """Solve with limits tightened more and more, until the certificate accepts the cam.
 
-    The first begins at a neighbour's, if there is one: what the certificate refuses was not it.
+    Only the first attempt uses the warm start: a cam that the certificate refuses is no start.
     """
     for tighten in TIGHTENINGS:
-        attempt = solve_once(
-            question, tables, stop, tighten, near if tighten == TIGHTENINGS[0] else None
-        )
+        attempt = _solve_once(question, tables, goal, tighten)
         for tried in attempt.searches:
             stages += [StageReport(**vars(stage)) for stage in tried.stages]
-        settled = attempt.certified or attempt.crosses or attempt.hopeless
-        if settled or clock.now() >= stop:
+        finished = attempt.certified or attempt.crosses or attempt.hopeless
+        if finished or clock.now() >= goal.stop:
             break
+        goal = replace(goal, warm_start=None)
     return attempt
 
 
@@ -92,7 +111,7 @@ def enlarge_until_simple(
     question: NondimensionalSpec,
     tables: Tables,
     crossing: Attempt,
-    stop: float,
+    goal: Goal,
     stages: list[StageReport],
 ) -> Attempt:
     """The smallest base radius, by trial, whose cam does not cross itself; else what there was.
@@ -104,13 +123,15 @@ def enlarge_until_simple(
     spec = question.scaled
     least, largest = _base_radius(crossing), spec.base_radius_range()[1]
     most, best, step = largest, crossing, FIRST_GROWTH * least
+    accuracy = min(spec.tolerance, FIRST_GROWTH)
     for _ in range(GROWTHS):
         trial_radius = min(least + step, largest) if best is crossing else 0.5 * (least + most)
-        if clock.now() >= stop or trial_radius <= least * (1.0 + 0.1 * spec.tolerance):
+        if clock.now() >= goal.stop or trial_radius <= least * (1.0 + 0.1 * accuracy):
             break
         raised = Range(min=trial_radius, max=largest)
         larger = spec.model_copy(update={"base_radius_mm": raised})
-        tried = solve_and_certify(question.with_scaled(larger), tables, stop, stages)
+        again = replace(goal, warm_start=None)
+        tried = solve_and_certify(question.with_scaled(larger), tables, again, stages)
         if tried.cam is not None and tried.certified:
             built = tried.built.model_copy(update={"base_radius_mm": spec.base_radius_mm})
             extremes = judged(question.physical, tried.cam, question.to_physical(built))
@@ -131,29 +152,22 @@ def _base_radius(attempt: Attempt) -> float:
     return attempt.built.follower.dimensions(attempt.best.size)["base_radius_mm"]
 
 
-def solve_once(
-    question: NondimensionalSpec,
-    tables: Tables,
-    stop: float,
-    tighten: float,
-    near: WarmStart | None = None,
-    *,
-    closely: bool = False,
+def _solve_once(
+    question: NondimensionalSpec, tables: Tables, goal: Goal, tighten: float
 ) -> Attempt:
-    """Solve the spec without what is settled after the size, then settle it.
-
-    ``closely``: the latter even where time is over, since its nearest value is what is asked.
+    """Solve the spec without what is fixed after the size, then fix that.
 
     Where no place of a counter roller suits the cam so found, the cam is sought again with the
     farthest place given: the counter cam then has its say in the laws and the size.
     """
     spec = question.scaled
-    attempt = _solved(spec.without_deferred(), tables, stop, tighten, near)
+    scaled = replace(goal, sufficient=goal.sufficient / question.units.length)
+    attempt = _solved(spec.without_deferred(), tables, scaled, tighten)
     if attempt.best is None:
         return attempt
-    place = place_counter_roller(spec, attempt.best, inf if closely else stop)
+    place = place_counter_roller(spec, attempt.best, goal.stop)
     if not place.holds:
-        first, attempt = attempt, _solved(place.spec, tables, stop, tighten)
+        first, attempt = attempt, _solved(place.spec, tables, Goal(goal.stop), tighten)
         attempt.searches = [*first.searches, *attempt.searches]
         if not place.farthest:
             attempt.bounds = first.bounds  # another place might suit better: those hold for all
@@ -165,9 +179,7 @@ def solve_once(
     return attempt
 
 
-def _solved(
-    spec: DesignSpec, tables: Tables, stop: float, tighten: float, near: WarmStart | None = None
-) -> Attempt:
+def _solved(spec: DesignSpec, tables: Tables, goal: Goal, tighten: float) -> Attempt:
     """Work through the objectives in order; each keeps what the ones before have reached."""
     attempt = Attempt(spec, spec)
     held: tuple[ObjectiveCap, ...] = ()
@@ -181,8 +193,11 @@ def _solved(
         )
         if spec.tolerance <= FINEST:
             problem = with_smoother_laws(problem)
-        start = near if rank == 1 else None
-        tried = optimise(problem, share, stop, tighten, thorough=thorough, warm_start=start)
+        tried = optimise(
+            problem, share, goal.stop, tighten, thorough=thorough,
+            warm_start=goal.warm_start if rank == 1 else None,
+            sufficient=goal.sufficient if rank == 1 else -inf,
+        )  # fmt: skip
         attempt.searches.append(tried)
         if tried.incumbent is None:
             break

@@ -21,27 +21,25 @@ from math import inf
 from synthesis.catalogue.constraints import enlarged
 from synthesis.catalogue.followers import AnyFollower
 from synthesis.catalogue.objectives.base_radius import BaseRadius
+from synthesis.catalogue.objectives.derivatives import PeakAcceleration
 from synthesis.catalogue.ranges import Range, ends
 from synthesis.certify import certify_size
-from synthesis.design.design import Conflict, Relaxation, StageReport
+from synthesis.design.design import StageReport
 from synthesis.numerics import clock
 from synthesis.optimise.parameters.table_smoothing import Tables, smooth_tables
 from synthesis.optimise.problem.nondimensional import NondimensionalSpec
-from synthesis.optimise.problem.problem import formulate_problem
-from synthesis.optimise.state.solve_state import SolveState
-from synthesis.optimise.state.warm_start import WarmStart
 from synthesis.pipeline.assembly import Bounded, Cam, in_wire_units, judged
 from synthesis.pipeline.attempt import (
-    TIGHTENINGS,
     Attempt,
+    Goal,
     enlarge_until_simple,
     solve_and_certify,
 )
-from synthesis.pipeline.conflict import explain, with_refusal
 from synthesis.spec.design_spec import DesignSpec
 
 ROUNDING = 1e-9  # relative: what a bound must lie above the maximum by to exclude every cam
 ROUNDING_DOWN = 1e-12  # relative: a bound that is a number of the question itself
+ANY = 1e300  # a value of an objective that every cam has
 SECANT_STEPS = 8  # for the size with a given base radius: it is almost linear in the size
 ENOUGH = "a cam with this value was found"
 
@@ -89,44 +87,69 @@ class Smallest:
         return sound and not self.run.numbers and self.lower > self.most * (1.0 + ROUNDING)
 
 
-def solve(
-    spec: DesignSpec, stop: float, stages: list[StageReport], near: WarmStart | None = None
-) -> tuple[Run, Smallest | None]:
+def solve(spec: DesignSpec, goal: Goal, stages: list[StageReport]) -> tuple[Run, Smallest | None]:
     """Solve a question, its maximum of the base radius treated as told above.
 
     Args:
-        spec: what is asked. stop: ``clock.now()`` at which to stop. stages: appended to.
-        near: where a neighbouring question's local search ended.
+        spec: what is asked. goal: when to stop. stages: appended to.
 
     Returns:
         what came out, and the smallest cam without the maximum where that was sought.
     """
     wider = _without(spec, "max")
     if wider is None:
-        return _run(spec, stop, stages, near), None
+        return _with_gentle_law(spec, _run(spec, goal, stages), goal, stages), None
     least, most = ends(spec.base_radius_mm)
     minimised = spec.objectives()[0].kind == "base_radius" and least < most
     smallest = None
     if minimised:
-        found = _run(wider, stop, stages, near)
+        found = _run(wider, goal, stages)
         smallest = _smallest(spec, found)
         if smallest is not None and (smallest.run.attempt.certified or smallest.excludes):
             return smallest.run, smallest
-        if clock.now() >= stop:
+        if clock.now() >= goal.stop:
             return smallest.run if smallest is not None else found, smallest
-        near = None  # its cam, if there is one, is too large
-    run = _run(spec, stop, stages, near)
-    if run.attempt.certified or minimised or _proven_infeasible(run) or clock.now() >= stop:
+        goal = replace(goal, warm_start=None)  # its cam, if there is one, is too large
+    run = _with_gentle_law(spec, _run(spec, goal, stages), goal, stages)
+    if run.attempt.certified or minimised or _proven_infeasible(run) or clock.now() >= goal.stop:
         return run, smallest
     # phase 1: any cam that is small enough will do
+    nearest = Goal(goal.stop, sufficient=most)
     for open_spec in _opened(spec):
-        smallest = _smallest(spec, _run(open_spec, stop, stages))
+        smallest = _smallest(spec, _run(open_spec, nearest, stages))
         if smallest is not None and smallest.run.attempt.certified:
-            return _restarted(spec, smallest, stop, stages), smallest
-        if clock.now() >= stop:
+            return _restarted(spec, smallest, goal, stages), smallest
+        if clock.now() >= goal.stop:
             break
     tells = smallest is not None and smallest.radius > most  # of what the maximum costs
     return run, smallest if tells else None
+
+
+def _with_gentle_law(spec: DesignSpec, run: Run, goal: Goal, stages: list[StageReport]) -> Run:
+    """What came out, or a cam of the gentlest law where none was found and none is excluded.
+
+    The best cam strains limits that no relaxation states, and may be refused for them. A law of
+    little acceleration leaves the size all the room that there is. Bounds remain those known.
+    """
+    known = run.attempt
+    gentlest = spec.objectives()[0].kind == "peak_acceleration"
+    if known.certified or known.crosses or gentlest or run.numbers or _proven_infeasible(run):
+        return run
+    if clock.now() >= goal.stop:
+        return run
+    easy = spec.model_copy(update={"objective": PeakAcceleration(), "tolerance": 1.0})
+    found = _run(easy, Goal(goal.stop, sufficient=ANY), stages)
+    if not found.attempt.certified:
+        return run
+    first, *later = run.question.scaled.objectives()
+    lower = known.searches[0].lower if not known.searches[0].infeasible else -inf
+    bounds = [
+        Bounded(first, lower, known.searches[0].valid_for if lower > -inf else ""),
+        *(Bounded(objective, -inf, "") for objective in later),
+    ]
+    built = found.attempt.built.model_copy(update={"objective": run.question.scaled.objective})
+    attempt = replace(found.attempt, built=built, bounds=bounds)
+    return replace(run, tables=found.tables, attempt=attempt)
 
 
 def _opened(spec: DesignSpec) -> list[DesignSpec]:
@@ -138,13 +161,13 @@ def _opened(spec: DesignSpec) -> list[DesignSpec]:
     return [each.model_copy(update={"objective": BaseRadius()}) for each in found]
 
 
-def _restarted(spec: DesignSpec, smallest: Smallest, stop: float, stages: list[StageReport]) -> Run:
+def _restarted(spec: DesignSpec, smallest: Smallest, goal: Goal, stages: list[StageReport]) -> Run:
     """The question solved from the smallest cam on; that cam itself where this finds none."""
     behind = smallest.run.attempt.searches[0].local_optimum
     alone = all(objective.kind == "base_radius" for objective in spec.objectives())
-    if alone or behind is None or smallest.run.numbers or clock.now() >= stop:
+    if alone or behind is None or smallest.run.numbers or clock.now() >= goal.stop:
         return smallest.run
-    again = _run(spec, stop, stages, behind)
+    again = _run(spec, replace(goal, warm_start=behind), stages)
     return again if again.attempt.certified else smallest.run
 
 
@@ -163,37 +186,14 @@ def _without(spec: DesignSpec, *open_ends: str) -> DesignSpec | None:
     return found if wider_least <= least and wider_most >= most else None
 
 
-def explain_run(run: Run, smallest: Smallest | None) -> Conflict:
-    """Why a question has no cam, and what the smallest cam without its maximum says of that."""
-    question, attempt = run.question, run.attempt
-    if smallest is None:
-        found = explain(question, attempt.posed, attempt.searches[-1])
-        return with_refusal(found, attempt.extremes)
-    if run is not smallest.run:
-        last, posed, extremes = attempt.searches[-1], attempt.posed, attempt.extremes
-    else:  # the maximum has not been in any search
-        question = NondimensionalSpec.of(question.physical)
-        posed, extremes = question.scaled.without_deferred(), []
-        known = attempt.searches[0]
-        objective = question.scaled.objectives()[0]
-        problem = formulate_problem(posed, objective, (), run.tables.segments)
-        last = SolveState(
-            problem, known.tolerance, known.deadline, TIGHTENINGS[0], grids=known.grids
-        )
-    found = _with_maximum(explain(question, posed, last), smallest, last)
-    return with_refusal(found, extremes)
-
-
-def _run(
-    spec: DesignSpec, stop: float, stages: list[StageReport], near: WarmStart | None = None
-) -> Run:
+def _run(spec: DesignSpec, goal: Goal, stages: list[StageReport]) -> Run:
     """Solve a question with everything in it a constraint."""
-    question, numbers = _choose_numbers(NondimensionalSpec.of(spec), stop, stages)
-    tables = smooth_tables(question.scaled.placed_segments(), stop)
+    question, numbers = _choose_numbers(NondimensionalSpec.of(spec), goal.stop, stages)
+    tables = smooth_tables(question.scaled.placed_segments(), goal.stop)
     stages += [StageReport(**vars(stage)) for stage in tables.stages]
-    attempt = solve_and_certify(question, tables, stop, stages, near)
+    attempt = solve_and_certify(question, tables, goal, stages)
     if attempt.crosses:
-        attempt = enlarge_until_simple(question, tables, attempt, stop, stages)
+        attempt = enlarge_until_simple(question, tables, attempt, goal, stages)
     return Run(question, numbers, tables, attempt)
 
 
@@ -276,35 +276,3 @@ def _resized(follower: AnyFollower, size: tuple[float, ...], radius: float) -> t
 def _proven_infeasible(run: Run) -> bool:
     """Whether no motion law fits, at numbers that are all given."""
     return bool(run.attempt.searches[-1].infeasibility_proof) and not run.numbers
-
-
-def _with_maximum(conflict: Conflict, smallest: Smallest, last: SolveState) -> Conflict:
-    """A conflict in which the maximum has its part: without it there is a cam."""
-    least, most = ends(smallest.run.question.physical.base_radius_mm)
-    sign, field = ("=", "base_radius_mm") if least == most else ("≤", "base_radius_mm/max")
-    others = [one for one in conflict.relaxations if one.field != field]
-    own = Relaxation(
-        limit="base_radius", field=field, unit="mm", requested=most, needed=smallest.radius,
-        note=ENOUGH,
-    )  # fmt: skip
-    stated = any(words.startswith(f"base radius {sign}") for words in conflict.limits)
-    limits = [*conflict.limits, *([] if stated else [f"base radius {sign} {most:.6g} mm"])]
-    without = f"without {field} a cam of {smallest.radius:.6g} mm was found"
-    if smallest.excludes:
-        evidence = (
-            f"proven: no cam has a base radius below {smallest.lower:.6g} mm "
-            f"({smallest.over}); {without}"
-        )
-        if stated and not last.problem.has_curved_limits:
-            evidence = f"{evidence}; {conflict.evidence}"
-    elif last.problem.base_circle_conflict or last.infeasibility_proof:
-        # it begins with the proof, in the units of the wire
-        evidence = f"{conflict.evidence}; {without}"
-    else:
-        bound = "" if smallest.lower == -inf else (
-            f", and none below {smallest.lower:.6g} mm is possible ({smallest.over})"
-        )  # fmt: skip
-        evidence = f"{without}{bound}; that none of {most:.6g} mm is possible is not proven"
-    return conflict.model_copy(
-        update={"limits": limits, "relaxations": [*others, own], "evidence": evidence}
-    )

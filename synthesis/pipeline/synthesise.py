@@ -17,7 +17,9 @@ from synthesis.errors import SolverFailed, TimeBudgetExceeded
 from synthesis.numerics import clock
 from synthesis.optimise.state.warm_start import WarmStart
 from synthesis.pipeline.assembly import design, in_wire_units, priced, proofs, with_chosen
-from synthesis.pipeline.largest_radius import explain_run, solve
+from synthesis.pipeline.attempt import Goal
+from synthesis.pipeline.conflict import explain
+from synthesis.pipeline.largest_radius import solve
 from synthesis.spec.design_spec import DesignSpec
 
 
@@ -63,12 +65,13 @@ def synthesise_beside(
         return design_with_spring(spec, lambda given: synthesise(given, deadline=deadline)), None
     began, budget = time.perf_counter(), clock.seconds_left(spec.time_budget_s, deadline)
     stages, stop = list[StageReport](), clock.now() + budget
-    run, smallest = solve(spec, stop, stages, None if near is None else near.search)
+    goal = Goal(stop, None if near is None else near.search)
+    run, smallest = solve(spec, goal, stages)
     question, attempt = run.question, run.attempt
     late = clock.now() >= stop
     if not attempt.certified and late and not (smallest and smallest.excludes):
         raise TimeBudgetExceeded(budget)
-    conflict = None if attempt.certified else explain_run(run, smallest)
+    conflict = None if attempt.certified else explain(run, smallest, stop)
     built = question.to_physical(attempt.built)
     bounds = in_wire_units(question, attempt.built, attempt.bounds)
     proven = [] if attempt.cam is None else proofs(built, attempt.cam, bounds)

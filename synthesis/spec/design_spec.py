@@ -339,10 +339,6 @@ class DesignSpec(BaseModel):
         """The same without what is chosen after the size and is still free."""
         return self._with_closure(self.follower.active_closure.without_free_counter())
 
-    def with_free_deferred(self) -> DesignSpec:
-        """The same with everything left free that is chosen after the size."""
-        return self._with_closure(self.follower.active_closure.with_free_counter())
-
     def with_deferred(self, dimensions: Mapping[str, float]) -> DesignSpec:
         """The same with what was chosen after the size, by the names of the dimensions."""
         return self._with_closure(self.follower.active_closure.with_counter(dimensions))

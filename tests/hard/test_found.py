@@ -9,9 +9,7 @@ from typing import Any
 import pytest
 
 from synthesis import DesignSpec, synthesise
-from synthesis.optimise.infeasibility import diagnosis as elastic
-from synthesis.optimise.problem.grid import uniform_grid
-from synthesis.optimise.problem.problem import formulate_problem
+from synthesis.pipeline import conflict
 from tests.hard.cases import ANGLES, CASES, jerk, scene
 from tests.hard.run import outcome
 from tests.hard.verifier import objectives
@@ -34,14 +32,13 @@ def test_every_objective_has_a_proof_even_if_it_was_not_reached() -> None:
     assert design.status == "feasible" or not unproven
 
 
-def test_a_diagnosis_stops_when_its_time_is_over() -> None:
-    spec = DesignSpec.model_validate(scene(ANGLES, jerk(28.8)))
-    problem = formulate_problem(spec, spec.objectives()[0])
-    grids = [uniform_grid(segment, 16) for segment in problem.free]
-    conflict = elastic.diagnose(spec, problem, grids, deadline=0.0)
-    assert conflict.limits
-    assert elastic.LATE in conflict.evidence
-    assert all(relaxation.needed is None for relaxation in conflict.relaxations)
+def test_a_diagnosis_stops_when_its_time_is_over(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(conflict, "DIAGNOSIS_S", 0.0)
+    found = synthesise(DesignSpec.model_validate(scene(ANGLES, jerk(28.8)))).conflict
+    assert found is not None
+    assert found.limits
+    assert conflict.LATE in found.evidence
+    assert all(relaxation.needed is None for relaxation in found.relaxations)
 
 
 def test_a_cam_that_is_given_in_full_has_a_value() -> None:

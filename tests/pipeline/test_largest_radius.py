@@ -128,9 +128,7 @@ def test_a_maximum_between_bound_and_cam_claims_no_proof() -> None:
     denied = answer(OPEN_GAP, base_radius_mm={"max": most})
     assert denied.status == "infeasible"
     assert denied.conflict is not None
-    assert denied.conflict.evidence.endswith(
-        f"that none of {most:.6g} mm is possible is not proven"
-    )
+    assert "that there is none is not proven" in denied.conflict.evidence
     (own,) = (r for r in denied.conflict.relaxations if r.field == "base_radius_mm/max")
     assert own.needed == pytest.approx(proof.value)
     assert answer(OPEN_GAP, base_radius_mm={"max": own.needed}).certificate.certified

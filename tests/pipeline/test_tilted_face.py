@@ -127,7 +127,7 @@ def test_a_least_size_that_pushes_contact_off_the_face_is_named() -> None:
     assert design.status == "infeasible"
     assert design.conflict is not None
     fields = {r.field: r.needed for r in design.conflict.relaxations}
-    assert {"limits/1/left_mm", "base_radius_mm/min"} <= set(fields)
+    assert set(fields) == {"limits/1/left_mm"}  # even the smallest cam would need more
     needed = fields["limits/1/left_mm"]
     assert needed is not None
     wider = {"kind": "face_width", "left_mm": needed * (1.0 + 1e-6)}
@@ -144,7 +144,7 @@ def test_a_pressure_angle_below_the_tilt_cannot_be(tilt: float, law: str | None)
     assert design.conflict is not None
     assert "whatever law and size" in design.conflict.evidence
     (mend,) = [r for r in design.conflict.relaxations if r.field == "limits/1/rise_deg"]
-    assert mend.needed == pytest.approx(TILT, rel=1e-9)
+    assert mend.needed == pytest.approx(TILT, rel=1e-6)
     told = extreme(design, "pressure_angle_rise")
     assert not told.holds
     assert told.value == pytest.approx(tilt, rel=1e-12)

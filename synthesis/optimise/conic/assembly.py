@@ -39,11 +39,6 @@ class ConeBlock:
     source: str = ""
     vibration: VibrationTerm | None = None
 
-    @property
-    def relaxation_unit(self) -> float:
-        """What it gives for one unit of a part that gives way: its radius, or a natural size."""
-        return self.radius if self.vibration is None else max(self.radius, 1.0)
-
 
 @dataclass(frozen=True, eq=False)
 class Pattern:

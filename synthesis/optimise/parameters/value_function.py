@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from functools import cache
 
 import numpy as np
@@ -13,15 +13,11 @@ from synthesis.numerics import clock
 from synthesis.numerics.bundle_method import Function
 from synthesis.numerics.piecewise import Array
 from synthesis.optimise.driver import estimate, optimise
-from synthesis.optimise.infeasibility.relaxable_problem import (
-    OutOfTime,
-    RelaxableProblem,
-    solve_elastic,
-)
 from synthesis.optimise.parameters.table_smoothing import smooth_tables
 from synthesis.optimise.problem.grid import Grid, grid_through, uniform_grid
 from synthesis.optimise.problem.problem import Problem, formulate_problem
 from synthesis.optimise.recovery.candidate import Candidate
+from synthesis.optimise.strategy.phase_one import least_excess
 from synthesis.spec.design_spec import DesignSpec
 from synthesis.spec.free_parameters import FreeParameters
 
@@ -134,14 +130,8 @@ class ValueFunction:
             if problem is None or clock.now() >= self.deadline:
                 return None
             self.calls += 1
-            spec = self.spec.with_values(self.free_parameters.values_at(u))
-            scene = RelaxableProblem.of(spec, problem, mesh.grids(problem))
-            scene = replace(scene, drawn=INSIDE, deadline=self.deadline)
-            try:
-                found = solve_elastic(scene, scene.model(), range(len(scene.parts)), exact=False)
-            except OutOfTime:
-                return None
-            return None if found is None else max(found.total, 0.0) + problem.vibration_excess
+            found = least_excess(problem, mesh.grids(problem), INSIDE)
+            return None if found is None else found + problem.vibration_excess
 
         return value
 

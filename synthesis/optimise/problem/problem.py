@@ -97,6 +97,17 @@ class Problem:
             f"{self.least_base_circle:.6g} mm is asked for"
         )
 
+    @property
+    def constant_conflict(self) -> str:
+        """Which limit no law and no size can keep, its rows being constant; empty where none is."""
+        for limit in self.limits:
+            for segment in self.segments:
+                for row in limit.rows(segment, self.machine):
+                    if row.is_constant and row.upper < 0.0:
+                        name = row.source.replace("_", " ")
+                        return f"proven: {name} is exceeded whatever law and size"
+        return ""
+
     @cached_property
     def free(self) -> tuple[PlacedSegment, ...]:
         """The segments whose law is part of the answer."""

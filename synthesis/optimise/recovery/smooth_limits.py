@@ -11,7 +11,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from synthesis.catalogue.constraints import enlarged
-from synthesis.catalogue.followers.base import paths
 from synthesis.catalogue.motion import PlacedSegment
 from synthesis.numerics.piecewise import Array
 from synthesis.optimise.problem.problem import Problem
@@ -232,15 +231,3 @@ def _crossing(excess: Callable[[float], float], low: float, high: float) -> floa
             f_low *= 0.5 if moved < 0 else 1.0
             high, f_high, moved = middle, value, -1
     return high
-
-
-def extremes_at(problem: Problem, size: Vector, path: str) -> tuple[float, float]:
-    """Range of a path's curvature on the largest cam with these laws [1/length]."""
-    follower = problem.machine.follower
-    largest = enlarged(size, problem.room(size))
-    values = []
-    for part in sample(problem):
-        numerator, speed_squared = paths(follower)[path].curvature_terms(part.s, largest)
-        values.append(numerator / speed_squared**1.5)
-    curvature = np.concatenate(values)
-    return float(np.min(curvature)), float(np.max(curvature))

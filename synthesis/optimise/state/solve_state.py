@@ -49,6 +49,7 @@ class SolveState:
         deadline: ``time.monotonic()`` at which to stop.
         tighten: relative tightening of all rows against the solver's tolerance.
         thorough: whether to branch on sizes where nonconvex limits leave a gap.
+        sufficient: a value of the objective [wire] at which to stop, whatever the gap.
         margin: relative tightening of rows written at points, against their excess in between.
         incumbent: best cam that satisfies all limits.
         relaxed: best cam of the relaxation, which may violate nonconvex limits.
@@ -56,6 +57,7 @@ class SolveState:
         infeasible: the relaxation has no point.
         infeasibility_proof: why no motion law at all satisfies the limits; empty if unproven.
         undecided: what is known where neither a law nor a proof that there is none was found.
+        least_excess: by how much, relatively, the gentlest law found exceeds limits on the motion.
         stages: what has been solved, in order.
         grids: knots and collocation points of every free law.
         region: where curved limits are linearised.
@@ -75,6 +77,7 @@ class SolveState:
     deadline: float
     tighten: float
     thorough: bool = False
+    sufficient: float = -inf
     margin: float = 0.0
     incumbent: Candidate | None = None
     relaxed: Candidate | None = None
@@ -83,6 +86,7 @@ class SolveState:
     infeasible: bool = False
     infeasibility_proof: str = ""
     undecided: str = ""
+    least_excess: float | None = None
     stages: tuple[Stage, ...] = ()
     grids: tuple[Grid, ...] = ()
     region: Region | None = None
@@ -192,7 +196,11 @@ class SolveState:
 
     @property
     def solved(self) -> bool:
-        """Whether the incumbent is within the tolerance of the lower bound."""
+        """Whether the incumbent is sufficient, or within the tolerance of the lower bound."""
+        if self.incumbent is not None and isfinite(self.sufficient):
+            to_wire, machine = self.problem.objective.to_wire, self.problem.machine
+            if to_wire(self.incumbent.value, machine) <= self.sufficient:
+                return True
         return self.is_close(self.incumbent)
 
     def would_close(self, lower: float) -> bool:

@@ -14,19 +14,20 @@ from math import inf
 from typing import Any, Literal
 
 import numpy as np
+from scipy import sparse
 
 from synthesis.catalogue.constraints import LinearInequality
 from synthesis.catalogue.limits import Limit, Machine
 from synthesis.catalogue.motion import PlacedSegment
 from synthesis.catalogue.objectives import Objective
 from synthesis.numerics import clock
-from synthesis.numerics.solvers.clarabel import solve
+from synthesis.numerics.solvers.clarabel import ConeProgram, solve
 from synthesis.numerics.solvers.statuses import USABLE
 from synthesis.optimise.conic.linear_rows import Tightening
 from synthesis.optimise.conic.program import formulate
 from synthesis.optimise.dual_bound.bound import dual_bound
 from synthesis.optimise.problem.grid import CLOSEST_KNOTS, Grid
-from synthesis.optimise.problem.problem import Problem
+from synthesis.optimise.problem.problem import NoObjective, Problem
 from synthesis.optimise.recovery.candidate import recover_cam
 from synthesis.optimise.refinement.mesh import refine_mesh
 
@@ -143,6 +144,41 @@ def minimise_excess(
             break
         present = refine_mesh(asked, present, found, lower, [np.zeros(0)] * len(present))
     return best
+
+
+def least_excess(problem: Problem, grids: Sequence[Grid], tighten: float) -> float | None:
+    """The least by which limits must be exceeded on given grids, as one linear or cone program.
+
+    Every inequality, and every cone, is relaxed by the same amount of its own natural size; both
+    sides of an equality count as inequalities. For searches over the numbers of a problem.
+
+    Args:
+        problem: the problem. grids: one per free law. tighten: relative, of all limits.
+
+    Returns:
+        the amount, 0 where all limits can hold together; None where the solver fails.
+    """
+    bare = replace(problem, objective=NoObjective(), objective_caps=())
+    program = formulate(bare, grids, 0.0, Tightening(tighten), paired=True).program
+    rows, unknowns = program.matrix.shape
+    relaxed = np.zeros(rows)
+    first = program.equalities + program.inequalities
+    relaxed[program.equalities : first] = 1.0
+    relaxed[first + np.cumsum((0, *program.cones))[:-1]] = 1.0
+    least = sparse.csc_matrix(([-1.0], ([0], [unknowns])), shape=(1, unknowns + 1))
+    matrix = sparse.hstack([program.matrix, sparse.csc_matrix(-relaxed[:, None])], format="csr")
+    solution = solve(
+        ConeProgram(
+            sparse.csc_matrix((unknowns + 1, unknowns + 1)),
+            np.append(np.zeros(unknowns), 1.0),
+            sparse.csc_matrix(sparse.vstack([matrix[:first], least, matrix[first:]])),
+            np.concatenate([program.rhs[:first], [0.0], program.rhs[first:]]),
+            program.equalities,
+            program.inequalities + 1,
+            program.cones,
+        )
+    )
+    return float(max(solution.x[-1], 0.0)) if solution.stopped in USABLE else None
 
 
 def _steering(problem: Problem) -> tuple[Limit, ...]:

@@ -268,8 +268,8 @@ def test_given_laws_that_ring_too_much() -> None:
     assert given.conflict is not None
     (told,) = (r for r in given.conflict.relaxations if r.limit == "residual_vibration")
     (measured,) = (e.value for e in given.extremes if e.limit == "residual_vibration")
-    assert told.needed == pytest.approx(measured, rel=1e-9)
-    assert told.note == "given laws together leave this much"
+    assert told.needed == pytest.approx(measured, rel=1e-6)
+    assert "whose law is given, needs it" in told.note
     assert told.needed is not None
     eased = synthesise(spec(quiet(hertz(1.6), 1.0001 * told.needed), dwell=0.0,
                             laws=("cycloidal", "parabolic"), base_radius_mm=90.0))  # fmt: skip

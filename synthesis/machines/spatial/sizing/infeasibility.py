@@ -1,8 +1,7 @@
 """Why no spatial cam fits: the least change of each single number of the spec that would do.
 
-The planar engine (``optimise.infeasibility``) relaxes limits inside one elastic program. That is
-not possible here, as walls, ribs and rollers are decided by sampling outside of the convex program:
-each number is relaxed by itself, and the spec is sized anew with bisection on its value.
+Each number is relaxed by itself, and the spec is sized anew with bisection on its value, as
+``pipeline.conflict`` does for planar cams.
 """
 
 from __future__ import annotations
