@@ -36,7 +36,7 @@ from synthesis.spec.cam_set import CamSetSpec
 from synthesis.spec.design_spec import DesignSpec
 
 if TYPE_CHECKING:
-    from synthesis.pipeline.synthesise import Near
+    from synthesis.pipeline.synthesise import Neighbour
 
 
 @dataclass(frozen=True)
@@ -59,7 +59,7 @@ class Answer:
     seconds: float
     quantities: Mapping[str, float] = field(default_factory=dict)
     id: str = ""
-    warm_start: Near | None = None
+    warm_start: Neighbour | None = None
 
 
 Task = Callable[[bytes, float], Answer]  # question and time budget [s] to the answer
@@ -95,23 +95,23 @@ def solve_design(
     spec: bytes,
     budget_s: float,
     objectives: Sequence[Objective] = (),
-    warm_start: Near | None = None,
+    warm_start: Neighbour | None = None,
 ) -> Answer:
     """Synthesise a cam.
 
     Args:
         objectives: to be measured besides. warm_start: of a neighbouring design, to begin with.
     """
-    from synthesis.pipeline.synthesise import synthesise_beside
+    from synthesis.pipeline.synthesise import synthesise_from_neighbour
 
-    def synthesise(question: DesignSpec, deadline: float) -> tuple[Design, Near | None]:
-        return synthesise_beside(question, warm_start, deadline=deadline)
+    def synthesise(question: DesignSpec, deadline: float) -> tuple[Design, Neighbour | None]:
+        return synthesise_from_neighbour(question, warm_start, deadline=deadline)
 
     return design_answer(synthesise, spec, budget_s, objectives)
 
 
 def design_answer(
-    synthesise: Callable[[DesignSpec, float], tuple[Design, Near | None]],
+    synthesise: Callable[[DesignSpec, float], tuple[Design, Neighbour | None]],
     spec: bytes,
     budget_s: float,
     objectives: Sequence[Objective] = (),

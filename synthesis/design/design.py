@@ -132,21 +132,29 @@ class Report(AnswerModel):
 
 
 class Relaxation(AnswerModel):
-    """The least change of one limit, the others kept, that would make the scene possible."""
+    """What one number of the spec would have to be, all others kept."""
 
     limit: str = doc("Name of the limit.")
     field: str = doc("Where its value stands in the spec.")
-    unit: str = doc("Unit of asked and needed.")
+    unit: str = doc("Unit of requested and needed.")
     requested: float = doc("What the spec says.")
-    needed: float | None = doc("Least sufficient value; null where it alone cannot help.")
+    needed: float | None = doc(
+        "A value with which a certified cam was found, the nearest to the requested one that was; "
+        "null where none was found, or there was no time."
+    )
     note: str = Field("", description="Why there is no value, or what it is worth.")
 
 
 class Conflict(AnswerModel):
-    """Why nothing fits, and what would."""
+    """Numbers of the spec that have no cam together, and what each would have to be."""
 
-    limits: list[str] = doc("The limits that cannot hold together.")
-    relaxations: list[Relaxation] = doc("For each limit, what it would have to be.")
+    limits: list[str] = doc(
+        "Limits and dimensions with which no cam was found, though without any one of them one "
+        "was; and limits that every cam must keep."
+    )
+    relaxations: list[Relaxation] = doc(
+        "For each of them that the spec sets: what it would have to be."
+    )
     evidence: str = doc("How the conflict is known, and whether it is proven.")
 
 

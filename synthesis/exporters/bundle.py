@@ -99,7 +99,7 @@ def bundle_files(cams: CamSet, options: BundleOptions) -> Iterator[tuple[str, by
             "/status",
             cams.status,
             "No cam of this set fits its limits, so there is nothing to write.",
-            "Make the least change that the field `conflict` of a design names, and ask again.",
+            "Take a value of `needed` from the field `conflict` of the design, and ask again.",
         )
     listed = []
     for name, content in _contents(cams, options):

@@ -157,7 +157,7 @@ def _program(design: Design) -> str:
 
 
 def _conflict(conflict: Conflict, given: bool) -> str:
-    """Why nothing fits, and the least changes that would help."""
+    """Why nothing fits, and the values that would do."""
     names = ", ".join(_words(limit) for limit in conflict.limits)
     rows = [
         [_words(each.limit), svg.with_unit(each.requested, each.unit),
@@ -167,7 +167,7 @@ def _conflict(conflict: Conflict, given: bool) -> str:
     ]  # fmt: skip
     text = f"<p>These cannot hold together: <strong>{html.plain(names)}</strong>.</p>"
     if rows:
-        text += "<p>The least change of each alone, the others kept:</p>"
+        text += "<p>What each alone would have to be, the others kept:</p>"
         text += _table(("Limit", "requested", "needed", "Field", ""), rows)
     title = "What would mend it" if given else "Why nothing fits"
     return _section(title, text + _note(conflict.evidence))

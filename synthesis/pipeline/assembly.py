@@ -59,7 +59,7 @@ class Bounded:
     over: str
 
 
-def delivered(question: NondimensionalSpec, posed: DesignSpec, found: Cam) -> Cam:
+def to_physical_cam(question: NondimensionalSpec, solved_spec: DesignSpec, found: Cam) -> Cam:
     """A cam that was found in its question's own units, in the wire's.
 
     Laws are kept, but for what joins them to the last digits; program and dimensions that are given
@@ -68,7 +68,7 @@ def delivered(question: NondimensionalSpec, posed: DesignSpec, found: Cam) -> Ca
     Args:
         question: what was asked. posed: what was solved, in its own units. found: its cam.
     """
-    spec = question.to_physical(posed)
+    spec = question.to_physical(solved_spec)
     settled = tuple(
         replace(segment, law=own.law, free=own.free) if own.index in found.splines else segment
         for segment, own in zip(spec.placed_segments(), found.segments, strict=True)
@@ -97,13 +97,15 @@ def in_wire_units(
     return found
 
 
-def restated(question: NondimensionalSpec, posed: DesignSpec, solved: Problem) -> Problem:
+def restate_problem(
+    question: NondimensionalSpec, solved_spec: DesignSpec, solved: Problem
+) -> Problem:
     """A problem that was solved in its question's own units, in the core's of what was asked.
 
     Args:
         question: what was asked. posed: what was solved, on the wire. solved: the problem.
     """
-    held, machine = list[ObjectiveCap](), posed.machine()
+    held, machine = list[ObjectiveCap](), solved_spec.machine()
     for each in solved.objective_caps:
         unit = question.units.of_field(each.objective.name_on_wire(machine))
         value = unit * each.objective.to_wire(each.value, solved.machine)
@@ -113,12 +115,12 @@ def restated(question: NondimensionalSpec, posed: DesignSpec, solved: Problem) -
         replace(s, law=own[s.index].law, free=own[s.index].free)
         if s.law is None and s.index in own
         else s
-        for s in posed.placed_segments()
+        for s in solved_spec.placed_segments()
     ]
-    return formulate_problem(posed, solved.objective, tuple(held), segments)
+    return formulate_problem(solved_spec, solved.objective, tuple(held), segments)
 
 
-def judged(spec: DesignSpec, cam: Cam, built: DesignSpec | None = None) -> list[Extreme]:
+def certify_cam(spec: DesignSpec, cam: Cam, built: DesignSpec | None = None) -> list[Extreme]:
     """Every limit, every dimension and every promise of the motion, measured on the cam.
 
     ``built`` is the spec with what was settled after the size; None: nothing was.
@@ -139,7 +141,7 @@ def proofs(spec: DesignSpec, cam: Cam, bounds: Iterable[Bounded]) -> list[Proof]
             measure_objective(objective.quantity, motion, machine, cam.size).upper, machine
         )
         known = isfinite(bounded.lower)
-        lower = _sound(bounded.lower, value) if known else None
+        lower = _valid_bound(bounded.lower, value) if known else None
         gap = None if lower is None else relative_gap(value, lower)
         found.append(
             Proof(
@@ -168,7 +170,7 @@ def measured(found: Design, objectives: Iterable[Objective]) -> dict[str, float]
     return values
 
 
-def priced(smooth: Proof, rough: Proof | None, note: str) -> SmoothnessCost:
+def smoothness_cost(smooth: Proof, rough: Proof | None, note: str) -> SmoothnessCost:
     """What smoothness costs, from the first objective's proofs with it and without.
 
     A rougher cam that came out worse, within the tolerance, says that the price is not above 0.
@@ -186,7 +188,7 @@ def priced(smooth: Proof, rough: Proof | None, note: str) -> SmoothnessCost:
     )  # fmt: skip
 
 
-def _sound(lower: float, value: float) -> float | None:
+def _valid_bound(lower: float, value: float) -> float | None:
     """The bound, if it is one: above the value it may lie by rounding only."""
     if not (isfinite(lower) and isfinite(value)) or lower > value + 1e-7 * abs(value):
         return None
@@ -238,16 +240,18 @@ def design(
     spec: DesignSpec,
     cam: Cam | None,
     extremes: Sequence[Extreme],
-    proven: Sequence[Proof],
+    objective_proofs: Sequence[Proof],
     stages: Sequence[StageReport],
     seconds: float,
     conflict: Conflict | None,
 ) -> Design:
     """The Design; its status follows from the certificate and the gaps alone."""
     certified = cam is not None and all(extreme.holds for extreme in extremes)
-    close = bool(proven) and all(p.gap is not None and p.gap <= spec.tolerance for p in proven)
+    close = bool(objective_proofs) and all(
+        p.gap is not None and p.gap <= spec.tolerance for p in objective_proofs
+    )
     status: Status = "infeasible" if not certified else "optimal" if close else "feasible"
-    first = proven[0] if proven else _unproven(spec)
+    first = objective_proofs[0] if objective_proofs else _unproven(spec)
     return Design(
         id=design_id(spec),
         name=spec.name,
@@ -258,14 +262,14 @@ def design(
         follower=spec.follower.kind,
         dimensions={} if cam is None else dimensions(spec, cam),
         size=[] if cam is None else list(cam.size),
-        objectives={p.objective: p.value for p in proven if p.value is not None},
+        objectives={p.objective: p.value for p in objective_proofs if p.value is not None},
         motion=[]
         if cam is None
         else segment_motions(spec.program, spec.follower.travel, cam.segments, cam.splines),
         extremes=list(extremes),
         forces=None if cam is None else report_forces(cam.motion, spec.machine(), cam.size),
         certificate=Certificate(
-            certified=certified, other_objectives=list(proven[1:]), **first.model_dump()
+            certified=certified, other_objectives=list(objective_proofs[1:]), **first.model_dump()
         ),
         conflict=conflict,
         report=Report(stages=list(stages), seconds=seconds),
@@ -273,7 +277,7 @@ def design(
     )
 
 
-def with_chosen(found: Design, question: DesignSpec, numbers: Sequence[float]) -> Design:
+def with_free_parameters(found: Design, question: DesignSpec, numbers: Sequence[float]) -> Design:
     """The answer to a question that leaves numbers free, from that with them in place.
 
     Its bounds say nothing of other numbers, so that it is feasible and no more.
@@ -288,11 +292,11 @@ def with_chosen(found: Design, question: DesignSpec, numbers: Sequence[float]) -
         evidence = f"{conflict.evidence}; all this at {words}, where nothing better was found"
         conflict = conflict.model_copy(update={"evidence": evidence})
     others = [
-        each.model_copy(update={"bound_valid_for": _at_chosen(each)})
+        each.model_copy(update={"bound_valid_for": _limited_to_values(each)})
         for each in proof.other_objectives
     ]
     certificate = proof.model_copy(
-        update={"bound_valid_for": _at_chosen(proof), "other_objectives": others}
+        update={"bound_valid_for": _limited_to_values(proof), "other_objectives": others}
     )
     return found.model_copy(
         update={
@@ -306,7 +310,7 @@ def with_chosen(found: Design, question: DesignSpec, numbers: Sequence[float]) -
     )
 
 
-def _at_chosen(proof: Proof) -> str:
+def _limited_to_values(proof: Proof) -> str:
     """What a bound covers that was found with numbers chosen."""
     return f"{proof.bound_valid_for}, at the chosen numbers alone" if proof.bound_valid_for else ""
 

@@ -22,7 +22,7 @@ from synthesis.optimise.recovery.counter_roller import CounterRollerPlacement, p
 from synthesis.optimise.refinement.knot_polish import FINEST
 from synthesis.optimise.state.solve_state import SolveState
 from synthesis.optimise.state.warm_start import WarmStart
-from synthesis.pipeline.assembly import Bounded, Cam, delivered, judged
+from synthesis.pipeline.assembly import Bounded, Cam, certify_cam, to_physical_cam
 from synthesis.spec.design_spec import DesignSpec
 
 FIRST_GROWTH = 0.02  # of the base radius; doubled while the cam crosses itself, then halved
@@ -50,12 +50,13 @@ class Goal:
 class Attempt:
     """What one pass over the objectives came to.
 
-    ``posed`` is the question that was solved, ``built`` the spec of the cam that came out: they
-    differ from what was asked where something is settled after the size. Like ``best`` and the
-    ``bounds`` [core] they are in the question's own units, ``cam`` and ``extremes`` in the wire's.
+    ``solved_spec`` is the spec that was solved, ``built`` that of the cam that came out: they differ
+    from the requested one where the place of a counter roller is chosen after the size. Like
+    ``best`` and the ``bounds`` [core] they are in the question's own units, ``cam`` and
+    ``extremes`` in the wire's.
     """
 
-    posed: DesignSpec
+    solved_spec: DesignSpec
     built: DesignSpec
     searches: list[SolveState] = field(default_factory=list)
     cam: Cam | None = None
@@ -69,14 +70,14 @@ class Attempt:
         return self.cam is not None and all(extreme.holds for extreme in self.extremes)
 
     @property
-    def crosses(self) -> bool:
-        """Whether nothing is wrong with the cam but that its profile crosses itself."""
+    def crosses_itself(self) -> bool:
+        """Whether the cam keeps everything but that its profile crosses itself."""
         broken = [extreme.limit for extreme in self.extremes if not extreme.holds]
         return bool(broken) and all(limit.startswith(SELF_CROSSING) for limit in broken)
 
     @property
-    def hopeless(self) -> bool:
-        """Whether drawing the limits in further cannot help: not by as much as is missing."""
+    def beyond_tightening(self) -> bool:
+        """Whether tighter limits cannot repair the cam: it misses one by more than they move."""
         last = self.searches[-1]
         missing = any(
             not extreme.holds and extreme.margin is not None and extreme.bound
@@ -100,7 +101,7 @@ def solve_and_certify(
         attempt = _solve_once(question, tables, goal, tighten)
         for tried in attempt.searches:
             stages += [StageReport(**vars(stage)) for stage in tried.stages]
-        finished = attempt.certified or attempt.crosses or attempt.hopeless
+        finished = attempt.certified or attempt.crosses_itself or attempt.beyond_tightening
         if finished or clock.now() >= goal.stop:
             break
         goal = replace(goal, warm_start=None)
@@ -134,9 +135,9 @@ def enlarge_until_simple(
         tried = solve_and_certify(question.with_scaled(larger), tables, again, stages)
         if tried.cam is not None and tried.certified:
             built = tried.built.model_copy(update={"base_radius_mm": spec.base_radius_mm})
-            extremes = judged(question.physical, tried.cam, question.to_physical(built))
+            extremes = certify_cam(question.physical, tried.cam, question.to_physical(built))
             most, best = _base_radius(tried), replace(tried, built=built, extremes=extremes)
-        elif tried.crosses:
+        elif tried.crosses_itself:
             least, step = trial_radius, 2.0 * step
         else:
             break
@@ -162,24 +163,27 @@ def _solve_once(
     """
     spec = question.scaled
     scaled = replace(goal, sufficient=goal.sufficient / question.units.length)
-    attempt = _solved(spec.without_deferred(), tables, scaled, tighten)
+    attempt = _solve_objectives(spec.without_deferred(), tables, scaled, tighten)
     if attempt.best is None:
         return attempt
     place = place_counter_roller(spec, attempt.best, goal.stop)
     if not place.holds:
-        first, attempt = attempt, _solved(place.spec, tables, Goal(goal.stop), tighten)
+        # No place suits this main cam: seek the cam again with the farthest place given.
+        first, attempt = attempt, _solve_objectives(place.spec, tables, Goal(goal.stop), tighten)
         attempt.searches = [*first.searches, *attempt.searches]
         if not place.farthest:
             attempt.bounds = first.bounds  # another place might suit better: those hold for all
         place = CounterRollerPlacement(place.spec, True)
     attempt.built = place.spec
     if attempt.cam is not None:
-        attempt.cam = delivered(question, attempt.posed, attempt.cam)
-        attempt.extremes = judged(question.physical, attempt.cam, question.to_physical(place.spec))
+        attempt.cam = to_physical_cam(question, attempt.solved_spec, attempt.cam)
+        attempt.extremes = certify_cam(
+            question.physical, attempt.cam, question.to_physical(place.spec)
+        )
     return attempt
 
 
-def _solved(spec: DesignSpec, tables: Tables, goal: Goal, tighten: float) -> Attempt:
+def _solve_objectives(spec: DesignSpec, tables: Tables, goal: Goal, tighten: float) -> Attempt:
     """Work through the objectives in order; each keeps what the ones before have reached."""
     attempt = Attempt(spec, spec)
     held: tuple[ObjectiveCap, ...] = ()
@@ -208,7 +212,7 @@ def _solved(spec: DesignSpec, tables: Tables, goal: Goal, tighten: float) -> Att
     if best is None:
         best = given_cam(attempt.searches[0].problem)
         if best is not None:  # the only cam there is: its values are their own bounds
-            posed = [
+            solved_spec = [
                 formulate_problem(spec, objective, (), tables.segments) for objective in objectives
             ]
             attempt.bounds = [
@@ -217,7 +221,7 @@ def _solved(spec: DesignSpec, tables: Tables, goal: Goal, tighten: float) -> Att
                     objective_value(one, best.size) * (1.0 - 1e-12),
                     "the one cam given",
                 )
-                for one in posed
+                for one in solved_spec
             ]
     if best is not None:
         unreached = objectives[len(attempt.bounds) :]

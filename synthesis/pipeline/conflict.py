@@ -23,7 +23,7 @@ from synthesis.catalogue.ranges import ends
 from synthesis.certify import certify
 from synthesis.design.design import Conflict, Relaxation
 from synthesis.numerics import clock
-from synthesis.pipeline.assembly import restated
+from synthesis.pipeline.assembly import restate_problem
 from synthesis.pipeline.attempt import Goal
 from synthesis.pipeline.largest_radius import ANY, Run, Smallest, solve
 from synthesis.pipeline.relaxable import Relaxable, relaxable_numbers, relaxed, without
@@ -89,7 +89,7 @@ class Trial:
             return ""
         question, attempt = self.run.question, self.run.attempt
         last = attempt.searches[-1]
-        problem = restated(question, question.to_physical(attempt.posed), last.problem)
+        problem = restate_problem(question, question.to_physical(attempt.solved_spec), last.problem)
         if problem.base_circle_conflict or last.infeasibility_proof:
             return problem.base_circle_conflict or last.infeasibility_proof
         if problem.constant_conflict:
@@ -175,15 +175,18 @@ def explain(run: Run, smallest: Smallest | None, deadline: float) -> Conflict:
         smallest: the smallest cam without its maximum of the base radius, where that was sought.
         deadline: ``clock.now()`` at which to stop; what is not known by then is said to be so.
     """
+    # 1. The deletion filter, with the pipeline as its oracle.
     asked = Trial(run, smallest, True)
     oracle = Oracle(run.question.physical, min(deadline, clock.now() + DIAGNOSIS_S))
     numbers = relaxable_numbers(oracle.spec)
     members, shown, complete = _irreducible(oracle, numbers, asked)
+    # 2. What each member alone would have to be.
     relaxations = [one for number in members for one in _relaxations(oracle, number, asked)]
     limits, evidence = (
         [str(number) for number in members],
         _evidence(asked, shown, members, complete),
     )
+    # 3. What the certificate refused on the cam at hand, which no member may name.
     refused = [extreme for extreme in run.attempt.extremes if not extreme.holds]
     if refused:
         values = ", ".join(
@@ -257,8 +260,10 @@ def _sufficient(oracle: Oracle, number: Relaxable, asked: Trial) -> tuple[float 
     """A value of one number with which the question has a cam, near the least such value."""
     if oracle.is_late():
         return None, LATE
+    # The maximum of the base radius: the smallest cam has the best value there is.
     if number.minimised and asked.smallest is not None:
-        return asked.smallest.radius, SUFFICES  # of the smallest cam: no other has a better one
+        return asked.smallest.radius, SUFFICES
+    # Without the number, a cam shows a value that suffices; no cam: no value would do.
     if number.dimension:  # its value on the smallest cam, not on any
         trial = oracle.ask(without(oracle.spec, [number]), TOLERANCE, BaseRadius())
     else:
@@ -269,6 +274,7 @@ def _sufficient(oracle: Oracle, number: Relaxable, asked: Trial) -> tuple[float 
     if reached is None:
         return None, note
     at_once = bool(note or number.dimension)
+    # The least value: an objective of its own where there is one, else the end of a bracket.
     best = oracle.least(number) or _narrowed(oracle, number, reached, asked, at_once=at_once)
     if best is None:
         return None, LATE if oracle.is_late() else ALONE

@@ -28,7 +28,7 @@ from synthesis.design.design import StageReport
 from synthesis.numerics import clock
 from synthesis.optimise.parameters.table_smoothing import Tables, smooth_tables
 from synthesis.optimise.problem.nondimensional import NondimensionalSpec
-from synthesis.pipeline.assembly import Bounded, Cam, in_wire_units, judged
+from synthesis.pipeline.assembly import Bounded, Cam, certify_cam, in_wire_units
 from synthesis.pipeline.attempt import (
     Attempt,
     Goal,
@@ -96,12 +96,15 @@ def solve(spec: DesignSpec, goal: Goal, stages: list[StageReport]) -> tuple[Run,
     Returns:
         what came out, and the smallest cam without the maximum where that was sought.
     """
+    # 1. No maximum: nothing to compare.
     wider = _without(spec, "max")
     if wider is None:
         return _with_gentle_law(spec, _run(spec, goal, stages), goal, stages), None
     least, most = ends(spec.base_radius_mm)
     minimised = spec.objectives()[0].kind == "base_radius" and least < most
     smallest = None
+    # 2. The smallest cam without the maximum, and its bound, compared with it: the answer, or the
+    #    proof that there is none.
     if minimised:
         found = _run(wider, goal, stages)
         smallest = _smallest(spec, found)
@@ -110,19 +113,20 @@ def solve(spec: DesignSpec, goal: Goal, stages: list[StageReport]) -> tuple[Run,
         if clock.now() >= goal.stop:
             return smallest.run if smallest is not None else found, smallest
         goal = replace(goal, warm_start=None)  # its cam, if there is one, is too large
+    # 3. The maximum as a constraint of the search.
     run = _with_gentle_law(spec, _run(spec, goal, stages), goal, stages)
     if run.attempt.certified or minimised or _proven_infeasible(run) or clock.now() >= goal.stop:
         return run, smallest
-    # phase 1: any cam that is small enough will do
+    # 4. Phase 1: any cam that is small enough will do, whatever the objective.
     nearest = Goal(goal.stop, sufficient=most)
-    for open_spec in _opened(spec):
+    for open_spec in _wider_questions(spec):
         smallest = _smallest(spec, _run(open_spec, nearest, stages))
         if smallest is not None and smallest.run.attempt.certified:
-            return _restarted(spec, smallest, goal, stages), smallest
+            return _restart_from(spec, smallest, goal, stages), smallest
         if clock.now() >= goal.stop:
             break
-    tells = smallest is not None and smallest.radius > most  # of what the maximum costs
-    return run, smallest if tells else None
+    informs = smallest is not None and smallest.radius > most  # of what the maximum costs
+    return run, smallest if informs else None
 
 
 def _with_gentle_law(spec: DesignSpec, run: Run, goal: Goal, stages: list[StageReport]) -> Run:
@@ -133,7 +137,13 @@ def _with_gentle_law(spec: DesignSpec, run: Run, goal: Goal, stages: list[StageR
     """
     known = run.attempt
     gentlest = spec.objectives()[0].kind == "peak_acceleration"
-    if known.certified or known.crosses or gentlest or run.numbers or _proven_infeasible(run):
+    if (
+        known.certified
+        or known.crosses_itself
+        or gentlest
+        or run.numbers
+        or _proven_infeasible(run)
+    ):
         return run
     if clock.now() >= goal.stop:
         return run
@@ -152,7 +162,7 @@ def _with_gentle_law(spec: DesignSpec, run: Run, goal: Goal, stages: list[StageR
     return replace(run, tables=found.tables, attempt=attempt)
 
 
-def _opened(spec: DesignSpec) -> list[DesignSpec]:
+def _wider_questions(spec: DesignSpec) -> list[DesignSpec]:
     """Questions for the smallest cam: without either end of the base radius, and with its least."""
     wider = (_without(spec, "min", "max"), _without(spec, "max"))
     found = [each for each in wider if each is not None]
@@ -161,7 +171,9 @@ def _opened(spec: DesignSpec) -> list[DesignSpec]:
     return [each.model_copy(update={"objective": BaseRadius()}) for each in found]
 
 
-def _restarted(spec: DesignSpec, smallest: Smallest, goal: Goal, stages: list[StageReport]) -> Run:
+def _restart_from(
+    spec: DesignSpec, smallest: Smallest, goal: Goal, stages: list[StageReport]
+) -> Run:
     """The question solved from the smallest cam on; that cam itself where this finds none."""
     behind = smallest.run.attempt.searches[0].local_optimum
     alone = all(objective.kind == "base_radius" for objective in spec.objectives())
@@ -192,7 +204,7 @@ def _run(spec: DesignSpec, goal: Goal, stages: list[StageReport]) -> Run:
     tables = smooth_tables(question.scaled.placed_segments(), goal.stop)
     stages += [StageReport(**vars(stage)) for stage in tables.stages]
     attempt = solve_and_certify(question, tables, goal, stages)
-    if attempt.crosses:
+    if attempt.crosses_itself:
         attempt = enlarge_until_simple(question, tables, attempt, goal, stages)
     return Run(question, numbers, tables, attempt)
 
@@ -227,14 +239,14 @@ def _smallest(spec: DesignSpec, wider: Run) -> Smallest | None:
     if not least <= radius <= most:  # above it by a clearance only, or below the least asked for
         nearest = min(max(radius, least), most)
         cam = Cam(cam.segments, cam.splines, _resized(built.follower, cam.size, nearest))
-    if spec.objectives() != found.posed.objectives() or radius < least:
+    if spec.objectives() != found.solved_spec.objectives() or radius < least:
         bounds = _bounds(spec, found, least / question.units.length)
     if cam is found.cam:  # what is traced all round is as it was: only dimensions are judged anew
         before = certify_size(wider.question.physical, cam.size, built.follower)
         traced = found.extremes[: len(found.extremes) - len(before)]
         extremes = [*traced, *certify_size(question.physical, cam.size, built.follower)]
     else:
-        extremes = judged(question.physical, cam, built)
+        extremes = certify_cam(question.physical, cam, built)
     attempt = replace(found, cam=cam, bounds=bounds, extremes=extremes)
     if not attempt.certified:
         attempt = replace(attempt, cam=None, bounds=[], extremes=[])

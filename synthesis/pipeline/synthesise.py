@@ -16,7 +16,13 @@ from synthesis.design.design import Design, SmoothnessCost, StageReport
 from synthesis.errors import SolverFailed, TimeBudgetExceeded
 from synthesis.numerics import clock
 from synthesis.optimise.state.warm_start import WarmStart
-from synthesis.pipeline.assembly import design, in_wire_units, priced, proofs, with_chosen
+from synthesis.pipeline.assembly import (
+    design,
+    in_wire_units,
+    proofs,
+    smoothness_cost,
+    with_free_parameters,
+)
 from synthesis.pipeline.attempt import Goal
 from synthesis.pipeline.conflict import explain
 from synthesis.pipeline.largest_radius import solve
@@ -24,7 +30,7 @@ from synthesis.spec.design_spec import DesignSpec
 
 
 @dataclass(frozen=True, eq=False)
-class Near:
+class Neighbour:
     """What a design leaves to a neighbouring one: its id, and where its local search ended."""
 
     id: str
@@ -45,12 +51,12 @@ def synthesise(spec: DesignSpec, *, deadline: float | None = None) -> Design:
         TimeBudgetExceeded: time ran out before the tolerance was reached; carries the best.
         SolverFailed: no stage gave a usable point, and not even why could be found.
     """
-    return synthesise_beside(spec, None, deadline=deadline)[0]
+    return synthesise_from_neighbour(spec, None, deadline=deadline)[0]
 
 
-def synthesise_beside(
-    spec: DesignSpec, near: Near | None, *, deadline: float | None = None
-) -> tuple[Design, Near | None]:
+def synthesise_from_neighbour(
+    spec: DesignSpec, near: Neighbour | None, *, deadline: float | None = None
+) -> tuple[Design, Neighbour | None]:
     """The same, begun where a neighbouring design ended, if that helps; and what this one leaves.
 
     A design that was begun so has ``started_from`` and another id than the spec alone gives: its
@@ -66,47 +72,50 @@ def synthesise_beside(
     began, budget = time.perf_counter(), clock.seconds_left(spec.time_budget_s, deadline)
     stages, stop = list[StageReport](), clock.now() + budget
     goal = Goal(stop, None if near is None else near.search)
+    # 1. Solve and certify.
     run, smallest = solve(spec, goal, stages)
     question, attempt = run.question, run.attempt
     late = clock.now() >= stop
     if not attempt.certified and late and not (smallest and smallest.excludes):
         raise TimeBudgetExceeded(budget)
+    # 2. Without a certified cam: why.
     conflict = None if attempt.certified else explain(run, smallest, stop)
+    # 3. Values, bounds and gaps in the units of the wire; the status follows from them.
     built = question.to_physical(attempt.built)
     bounds = in_wire_units(question, attempt.built, attempt.bounds)
-    proven = [] if attempt.cam is None else proofs(built, attempt.cam, bounds)
+    objective_proofs = [] if attempt.cam is None else proofs(built, attempt.cam, bounds)
     seconds = time.perf_counter() - began
     found = design(
-        built, attempt.cam, attempt.extremes, proven, stages, seconds, conflict
+        built, attempt.cam, attempt.extremes, objective_proofs, stages, seconds, conflict
     ).for_spec(question.physical)
-    found = with_chosen(found, spec, run.numbers)
+    found = with_free_parameters(found, spec, run.numbers)
     if spec.report_smoothness_cost:
-        price = _price(found, spec, stop)
+        price = _smoothness_cost(found, spec, stop)
         found = found.model_copy(update={"smoothness_cost": price})
     if near is not None and any(tried.warm_started for tried in attempt.searches):
         found = found.with_warm_start(near.id)
     if late and found.status == "feasible":
         raise TimeBudgetExceeded(budget, found)
     behind = attempt.searches[0].local_optimum if attempt.searches else None
-    return found, None if behind is None else Near(found.id, behind)
+    return found, None if behind is None else Neighbour(found.id, behind)
 
 
-def _price(found: Design, question: DesignSpec, stop: float) -> SmoothnessCost:
+def _smoothness_cost(found: Design, question: DesignSpec, stop: float) -> SmoothnessCost:
     """What splines smoother than C2 cost: the same question for those, solved too."""
     proof, rough = found.certificate, question.with_c2_splines()
     if rough is question:
-        return priced(proof, proof, "no spline smoother than C2 is asked for")
+        return smoothness_cost(proof, proof, "no spline smoother than C2 is asked for")
     if not found.motion or clock.now() >= stop:
         why = "this question has no cam" if not found.motion else "the time budget had ended"
-        return priced(proof, None, why)
+        return smoothness_cost(proof, None, why)
     try:
         other = synthesise(rough, deadline=stop)
     except TimeBudgetExceeded as error:
         if error.best is None:
-            return priced(proof, None, "the time budget ended before there was a C2 cam")
+            return smoothness_cost(proof, None, "the time budget ended before there was a C2 cam")
         other = error.best
     except SolverFailed as error:
-        return priced(proof, None, str(error))
+        return smoothness_cost(proof, None, str(error))
     if other.status == "infeasible":
-        return priced(proof, None, "no C2 cam was certified, although this one is")
-    return priced(proof, other.certificate, "")
+        return smoothness_cost(proof, None, "no C2 cam was certified, although this one is")
+    return smoothness_cost(proof, other.certificate, "")

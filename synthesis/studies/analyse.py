@@ -18,7 +18,7 @@ from synthesis.design.identity import engine_version
 from synthesis.errors import InputError, SolverFailed, TimeBudgetExceeded
 from synthesis.numerics import clock
 from synthesis.optimise.parameters.table_smoothing import smooth_tables
-from synthesis.pipeline.assembly import Cam, design, dimensions, judged
+from synthesis.pipeline.assembly import Cam, certify_cam, design, dimensions
 from synthesis.pipeline.synthesise import synthesise
 from synthesis.spec.design_spec import DesignSpec
 
@@ -36,7 +36,7 @@ def analyse(spec: DesignSpec, *, deadline: float | None = None) -> Analysis:
     """
     stop = clock.now() + clock.seconds_left(spec.time_budget_s, deadline)
     cam = given_cam(spec)
-    extremes = judged(spec, cam)
+    extremes = certify_cam(spec, cam)
     violated = [extreme.limit for extreme in extremes if not extreme.holds]
     curves = CurveAnalysis(MeasuredCam.of(cam.motion, spec.machine(), cam.size))
     return Analysis(

@@ -130,7 +130,7 @@ class Cam(Turn):
                 "/status",
                 design.status,
                 "A design that found no cam has no profile and no motion.",
-                "Make the least change that its field `conflict` names, and ask again.",
+                "Take a value of `needed` from its field `conflict`, and ask again.",
             )
         follower = design.completed_spec.follower
         flank = _flank(follower, options.curve if options else "profile")

@@ -90,6 +90,6 @@ def test_without_time_left_there_is_no_price() -> None:
     from synthesis.pipeline import synthesise as pipeline
 
     found = designed("peak_jerk", 3)
-    late = pipeline._price(found, asked("peak_jerk", 3), stop=0.0)
+    late = pipeline._smoothness_cost(found, asked("peak_jerk", 3), stop=0.0)
     assert (late.price, late.c2_value, late.at_most) == (None, None, None)
     assert "time budget" in late.note
