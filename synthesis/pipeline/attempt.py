@@ -50,8 +50,8 @@ class Goal:
 class Attempt:
     """What one pass over the objectives came to.
 
-    ``solved_spec`` is the spec that was solved, ``built`` that of the cam that came out: they differ
-    from the requested one where the place of a counter roller is chosen after the size. Like
+    ``solved_spec`` is the spec that was solved, ``built`` that of the cam that came out: they
+    differ from the requested one where the place of a counter roller is chosen after the size. Like
     ``best`` and the ``bounds`` [core] they are in the question's own units, ``cam`` and
     ``extremes`` in the wire's.
     """
