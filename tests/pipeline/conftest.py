@@ -10,8 +10,8 @@ import pytest
 from synthesis.pipeline import conflict
 
 
-@pytest.fixture(autouse=True, scope="session")
-def _diagnosis_without_a_clock() -> Iterator[None]:
+@pytest.fixture(scope="module")
+def diagnosis_without_a_clock() -> Iterator[None]:
     """Conflicts are found to their end, however busy the machine is."""
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(conflict, "DIAGNOSIS_S", inf)

@@ -11,6 +11,8 @@ from synthesis import Analysis, Design, DesignSpec, analyse, synthesise
 from synthesis.catalogue.profile import cam_profile
 from tests.pipeline.breaches import broken
 
+pytestmark = pytest.mark.usefixtures("diagnosis_without_a_clock")
+
 THETA = 2.0 * np.pi * (np.arange(20_000) + 0.5) / 20_000
 PAIR = {"kind": "conjugate", "roller_radius_mm": 11.3, "arm_mm": 71.9}
 CLOSURES: dict[str, dict[str, Any]] = {

@@ -17,6 +17,8 @@ from synthesis.catalogue.profile import cam_profile
 from synthesis.errors import InputError
 from tests.pipeline.breaches import broken
 
+pytestmark = pytest.mark.usefixtures("diagnosis_without_a_clock")
+
 TURN = 2.0 * np.pi
 ROLLER = 7.3
 THETA = TURN * (np.arange(20_000) + 0.5) / 20_000

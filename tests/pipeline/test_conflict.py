@@ -39,6 +39,8 @@ from tests.optimise.scenes import (
     velocity,
 )
 
+pytestmark = pytest.mark.usefixtures("diagnosis_without_a_clock")
+
 NAMED = (rise(71.7, law="cycloidal"), dwell(23.9), fall(83.3), dwell(181.1))
 SMOOTH = (rise(71.7, smoothness=4), dwell(23.9), fall(83.3, smoothness=3), dwell(181.1))
 OUTER: dict[str, Any] = {"kind": "outer_radius"}
@@ -166,7 +168,7 @@ def why(spec: DesignSpec) -> Conflict:
 
 
 @pytest.fixture(scope="module")
-def conflicts() -> dict[str, Conflict]:
+def conflicts(diagnosis_without_a_clock: None) -> dict[str, Conflict]:
     return {name: why(spec) for name, (spec, _) in CASES.items()}
 
 

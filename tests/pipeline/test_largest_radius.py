@@ -9,6 +9,8 @@ import pytest
 from synthesis import DesignSpec, synthesise
 from synthesis.design.design import Design
 
+pytestmark = pytest.mark.usefixtures("diagnosis_without_a_clock")
+
 Spec = dict[str, Any]
 
 

@@ -15,6 +15,8 @@ from scipy.optimize import brentq
 from synthesis import Design, DesignSpec, synthesise
 from tests.hard.cases import ANGLES, RISE, acceleration, jerk, moves, scene, velocity
 
+pytestmark = pytest.mark.usefixtures("diagnosis_without_a_clock")
+
 NO_LAW = "no motion law at all keeps these limits"
 J, V_J, A = 50.0, 61.0, 6.1
 A_LEAST = J / 4.0 * (1.0 - sqrt(1.0 - 32.0 / J))  # min max |a| under |j| ≤ J

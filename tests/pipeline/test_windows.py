@@ -14,6 +14,8 @@ from synthesis.catalogue.motion import Motion
 from synthesis.certify import certify
 from synthesis.design.design import Design, Extreme
 
+pytestmark = pytest.mark.usefixtures("diagnosis_without_a_clock")
+
 RPM = 83.7
 OMEGA = RPM * pi / 30.0
 UP, TOP, DOWN, LIFT = 63.7, 31.1, 71.9, 27.3
