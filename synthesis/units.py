@@ -20,8 +20,8 @@ Masses are in kg everywhere. Every change of units happens in one place:
 * wire → nondimensional and back: ``optimise/problem/nondimensional.py``, which divides every field
   of a spec by the unit of length L (the longest travel of a segment) and of time T. The result is
   a spec again, so what the core calls mm is L throughout ``optimise``.
-* core → conic program: ``Problem.length`` scales the size variables, ``PlacedSegment.scale`` the
-  laws.
+* core → conic program: the larger of ``Problem.length`` and the least norm scales the size
+  variables, ``PlacedSegment.scale`` the laws.
 """
 
 from __future__ import annotations

@@ -1,4 +1,5 @@
-"""The driver: a spatial branch and bound over sizes; laws are relaxed, never branched on.
+"""The driver: a spatial branch and bound over sizes and, of traced limits, over the objective's
+value. Laws are relaxed, never branched on.
 
 The relaxation of a node is a cone program over splines, and its dual bound holds over all motion
 laws, not only over these splines. A convex problem is one whose root is solved to the tolerance;

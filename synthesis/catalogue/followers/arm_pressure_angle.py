@@ -179,8 +179,8 @@ class FixedPivotPressureAngle(NonconvexConstraint):
     def _active_range(self, sign: float, box: MotionSizeBox, ends: Array) -> Array:
         """The part of a range of v over which a row has to hold, s' being bounded.
 
-        cos v ≥ sign (l + σ s')/D: below the v of the smallest right side the row always holds,
-        beyond that of the largest it never does.
+        cos v ≥ sign (l + σ s')/D, and the cosine falls: below the v of the largest right side the
+        row always holds, beyond that of the smallest it never does.
         """
         reach = np.stack([box.v_min, box.v_max])
         with np.errstate(invalid="ignore"):

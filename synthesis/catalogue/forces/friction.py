@@ -21,7 +21,9 @@ class FrictionModel(FiniteModel, ABC):
     """Friction along the guide as a share of the side force N |sin α|; at rest there is none.
 
     The share depends on the displacement alone, is not negative, and does not increase with it:
-    rows and relaxations take its values at the ends of a range of displacements as its extremes.
+    rows and relaxations take its values at the ends of a range of displacements as its extremes,
+    and that at 0 as the largest. Optimiser and certificate evaluate it by the same method: on
+    floats, NumPy arrays, enclosures and CasADi columns, so that it is written in arithmetic alone.
     """
 
     @abstractmethod
