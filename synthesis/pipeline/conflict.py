@@ -12,6 +12,7 @@ alike, and what is claimed to be impossible is what the optimiser has proven.
 
 from __future__ import annotations
 
+import time
 from collections.abc import Collection, Iterator, Sequence
 from dataclasses import dataclass, field
 from math import inf, sqrt
@@ -54,11 +55,15 @@ TOGETHER = "all limits of this name together; a cam was found with this value"
 
 @dataclass(frozen=True, eq=False)
 class Trial:
-    """What a changed question came to; ``on_time``: whether it was tried to its end."""
+    """What a changed question came to; ``on_time``: whether it was tried to its end.
+
+    ``seconds``: what it took.
+    """
 
     run: Run
     smallest: Smallest | None
     on_time: bool
+    seconds: float = 0.0
 
     @property
     def certified(self) -> bool:
@@ -135,8 +140,10 @@ class Oracle:
             "proof": "quick", "report_smoothness_cost": False,
         }  # fmt: skip
         goal = Goal(self.stop, sufficient=enough)
+        began = time.perf_counter()
         run, smallest = solve(spec.model_copy(update=changes), goal, [])
-        return Trial(run, smallest, run.attempt.certified or not self.is_late())
+        on_time = run.attempt.certified or not self.is_late()
+        return Trial(run, smallest, on_time, time.perf_counter() - began)
 
     def without(self, numbers: Collection[Relaxable]) -> Trial:
         """The question without some of its numbers."""
@@ -144,6 +151,11 @@ class Oracle:
         if key not in self.known:
             self.known[key] = self.ask(without(self.spec, numbers))
         return self.known[key]
+
+    def seconds_without(self, number: Relaxable) -> float:
+        """What the quickest question without this number has taken."""
+        known = (trial.seconds for key, trial in self.known.items() if number in key)
+        return min(known, default=0.0)
 
     def least(self, number: Relaxable) -> tuple[float, Trial] | None:
         """The least value of a number that is an objective too, with its cam; None if it is not.
@@ -180,8 +192,13 @@ def explain(run: Run, smallest: Smallest | None, deadline: float) -> Conflict:
     oracle = Oracle(run.question.physical, min(deadline, clock.now() + DIAGNOSIS_S))
     numbers = relaxable_numbers(oracle.spec)
     members, shown, complete = _irreducible(oracle, numbers, asked)
-    # 2. What each member alone would have to be.
-    relaxations = [one for number in members for one in _relaxations(oracle, number, asked)]
+    # 2. What each member alone would have to be; first those whose trials have been quick, so that
+    #    a slow one takes the time of no other.
+    found = {
+        number: list(_relaxations(oracle, number, asked))
+        for number in sorted(members, key=oracle.seconds_without)
+    }
+    relaxations = [one for number in members for one in found[number]]
     limits, evidence = (
         [str(number) for number in members],
         _evidence(asked, shown, members, complete),

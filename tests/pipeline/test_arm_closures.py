@@ -9,9 +9,8 @@ import pytest
 
 from synthesis import Analysis, Design, DesignSpec, analyse, synthesise
 from synthesis.catalogue.profile import cam_profile
+from synthesis.pipeline import conflict
 from tests.pipeline.breaches import broken
-
-pytestmark = pytest.mark.usefixtures("diagnosis_without_a_clock")
 
 THETA = 2.0 * np.pi * (np.arange(20_000) + 0.5) / 20_000
 PAIR = {"kind": "conjugate", "roller_radius_mm": 11.3, "arm_mm": 71.9}
@@ -104,7 +103,10 @@ def test_the_angle_between_the_arms_is_no_larger_than_a_limit_asks(limit, name, 
     assert name in broken(spec(PAIR | {"angle_deg": angle * (1.0 - 1e-4)}, sense, limits))
 
 
-def test_a_range_of_angles_that_ends_too_early_is_told_with_what_would_do() -> None:
+def test_a_range_of_angles_that_ends_too_early_is_told_with_what_would_do(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    monkeypatch.setattr(conflict, "DIAGNOSIS_S", 20.0)  # of the quick numbers, this is one
     limits = [{"kind": "pressure_angle", "rise_deg": 37.0, "return_deg": 60.0}]
     enough = synthesise(spec(PAIR, "opposite", limits)).dimensions["counter_angle_deg"]
     most = 0.9 * enough
