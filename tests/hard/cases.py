@@ -348,7 +348,7 @@ FACES: dict[str, Case] = {
         speed_rpm=1e6, follower=FACE)),
     "face, rise of 1°": Case("optimal", "Rb of 2 m", scene(jerk(48.0, 0.37, radians(1.0)),
         program=moves(0.37, 1.0, 13.1, 1.0), follower=FACE, base_radius_mm={"max": 1e5})),
-    "face, rise of 1°, size left open": Case("refused: profile radius", "open: up to 1e4 strokes",
+    "face, rise of 1°, size left open": Case("refused: jerk", "open: up to 1e4 strokes",
         scene(jerk(48.0, 0.37, radians(1.0)), program=moves(0.37, 1.0, 13.1, 1.0),
               follower=FACE)),
     "face, outer radius just touching": Case("certified", "Rb + h", scene(

@@ -167,7 +167,7 @@ def test_a_limit_that_no_size_mends() -> None:
         abs(peak.value) for peak in (curve(found, "acceleration").largest,
                                      curve(found, "acceleration").smallest)
     )  # fmt: skip
-    assert alone.needed == pytest.approx(needed, rel=1e-6)
+    assert needed <= alone.needed <= needed * (1.0 + 2e-4)
 
 
 @pytest.mark.parametrize(

@@ -101,7 +101,6 @@ def test_what_mends_it_names_the_arm_s_own_dimension() -> None:
     assert found.violated == ["velocity"]
     (velocity,) = (r for r in found.remedy.relaxations if r.limit == "velocity")
     assert velocity.unit == "deg/s"
-    assert velocity.needed == pytest.approx(
-        next(abs(e.value) for e in found.extremes if e.limit == "velocity"), rel=1e-9
-    )
+    needed = next(abs(e.value) for e in found.extremes if e.limit == "velocity")
+    assert needed <= velocity.needed <= needed * (1.0 + 1e-5)
     assert {size.offset for size in found.remedy.sizes} == {"kept", "free"}
