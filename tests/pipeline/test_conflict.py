@@ -42,7 +42,6 @@ from tests.optimise.scenes import (
 pytestmark = pytest.mark.usefixtures("diagnosis_without_a_clock")
 
 NAMED = (rise(71.7, law="cycloidal"), dwell(23.9), fall(83.3), dwell(181.1))
-SMOOTH = (rise(71.7, smoothness=4), dwell(23.9), fall(83.3, smoothness=3), dwell(181.1))
 OUTER: dict[str, Any] = {"kind": "outer_radius"}
 LEAST = {"min": 4.3}  # without it, nothing would keep a cam of free laws from shrinking
 
@@ -96,18 +95,9 @@ CASES: dict[str, tuple[DesignSpec, set[str]]] = {
         scene(PLAIN, {**OUTER, "max_mm": 61.0}, angles(50.0, 50.0), base={"min": 40.0}),
         {"limits/0/max_mm", "base_radius_mm/min"},
     ),
-    "outer radius and fixed base radius": (
-        scene(PLAIN, {**OUTER, "max_mm": 61.0}, angles(50.0, 50.0), base=44.0, offset=2.0),
-        {"limits/0/max_mm", "base_radius_mm"},
-    ),
     "turning": (
         scene(TURNING, angles(23.0, 33.0), jerk(31.0, 97.3), base={"max": 5.0}),
         {"base_radius_mm/max", "limits/0/return_deg"},
-    ),
-    "smoother": (
-        scene(SMOOTH, angles(24.0, 44.0), acceleration(9.0, 71.7), jerk(130.0, 71.7),
-              base={"max": 11.0}),
-        {"limits/0/rise_deg", "base_radius_mm/max"},
     ),
     "named law": (
         scene(NAMED, angles(30.0, 44.0), jerk(60.0, 71.7), base={"max": 21.0}),
@@ -278,7 +268,7 @@ def states(spec: DesignSpec) -> bool:
 @pytest.mark.parametrize(
     "name",
     ["jerk", "velocity and acceleration", "acceleration and jerk", "size", "fixed size",
-     "offset too large", "angle on dwells", "outer radius", "turning", "smoother", "named law"],
+     "offset too large", "angle on dwells", "outer radius", "turning", "named law"],
 )  # fmt: skip
 def test_the_set_in_conflict_is_irreducible(name: str, conflicts: dict[str, Conflict]) -> None:
     """By brute force over all of its subsets, in CVXPY."""
