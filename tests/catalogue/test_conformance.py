@@ -68,6 +68,7 @@ def test_an_objective_has_a_near_bound_in_its_scene(kind: str) -> None:
     proof = solved("OBJECTIVES", kind).certificate
     assert proof.gap is not None, f"{kind} has no bound"
     assert -1e-9 <= proof.gap <= LOOSEST, f"{kind}: {proof.gap:.1%} lies between value and bound"
+    assert proof.bound_valid_for.startswith("all motion laws"), f"{kind}: {proof.bound_valid_for}"
 
 
 @pytest.mark.parametrize("kind", OBJECTIVE_KINDS)

@@ -65,6 +65,7 @@ FAMILIES: Mapping[str, Sequence[str]] = {  # an example, and objectives besides 
     "no-residual-vibration": ("peak_jerk",),
     "windows-and-points": ("rms_jerk",),
     "hertz-limited": (),
+    "pivot-free": (),
 }
 
 
