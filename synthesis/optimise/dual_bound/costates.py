@@ -70,6 +70,8 @@ def boundary_costates(
     """
     if not model.grids:
         return []
+    # 1. Costates are free but for the junctions: unknown values that two laws share must leave the
+    #    Lagrangian, or its minimum over them would be −∞. Start at the nearest that comply.
     matrix, rhs = _junction_conditions(model, controls[0].order, state)
     initial = np.concatenate(initial_costates)
     costates = (
@@ -77,6 +79,9 @@ def boundary_costates(
     )
     if not all(control.weight for control in controls):
         return list(costates.reshape(len(controls), -1))
+    # 2. Newton's method on a concave function, its steps in the null space of these conditions. A
+    #    step that does not raise the bound is halved: any costates give a valid bound, so that it
+    #    can stop at any time.
     laws = [_law(model, k, *both) for k, both in enumerate(zip(controls, psi, strict=True))]
     costates = _minimum_norm_solution(matrix, rhs)
     value, gradient, hessian = _total(laws, costates)

@@ -67,14 +67,19 @@ def improve_multipliers(
     best, result, until = known, known, clock.now() + time_limit
     sign_changes = [_control_steps(law, task.order) for law in model.recover(solution.x)[0]]
     for _ in range(ROUNDS):
+        # 1. Put quadrature points close about the sign changes of ψ known so far: between them |ψ|
+        #    is ±ψ, and the program's integral of it is exact.
         sign_changes = [
             np.union1d(before, psi.significant_sign_changes(NOISE))
             for before, psi in zip(sign_changes, result.switching, strict=True)
         ]
+        # 2. The best multipliers for this quadrature. Their bound is evaluated anew from exact
+        #    integrals, so that a quadrature that is too coarse costs sharpness, never validity.
         latest, value = task.solve(sign_changes, until - clock.now()), result.value
         if latest is None:
             break
         result = latest
+        # 3. Keep the best; the next round knows where its ψ changes sign.
         best = max(best, result, key=lambda each: each.value)
         if is_sufficient(best) or abs(result.value - value) <= GAIN * abs(value):
             break
@@ -103,6 +108,8 @@ class _DualProgram:
         order = controls[0].order
         slack = model.program.rhs - model.program.matrix @ solution.x
         groups = []
+        # Rows that bind, or nearly: by complementary slackness the others have no multiplier. Where
+        # two neighbours bind, a density between them (hat functions) may carry the limit.
         for one in row_functionals(model, order):
             close = slack[one.first_row : one.first_row + one.count] <= BINDING
             close |= one.block.exact
@@ -174,6 +181,9 @@ class _DualProgram:
         one, own = sparse.eye_array(len(offset)), sparse.eye_array(self.first[-1], format="csr")
         signed = np.concatenate([np.full(len(rows.rhs), rows.signed) for rows in self.groups])
         ball = np.eye(1 + len(image))[:, 1:]
+        # The dual, row by row: stationarity in the unknown initial values and in the size; |ψ| from
+        # above by ±ψ; multipliers of inequalities not negative; the objective's own multiplier; and
+        # the norm of the size, whose dual variable lies in the unit ball.
         table: list[tuple[Any, Any, Any, Array]] = [
             (stationarity, None, None, -stationarity_rest),
             (size, None, image.T, np.zeros(len(size))),
