@@ -80,7 +80,9 @@ def dual_bounds(
         multipliers: (q, m) of the model's rows without its cones; any, good ones bound well.
         costates: (q, laws, 3) costates of the laws' ends (``solve_boundary_costates``); any.
     """
+    # 1. Multipliers of the right sign: by weak duality any of these give a valid bound.
     z = _feasible_multipliers(model, multipliers)
+    # 2. The rows times them, added to the quantity: a constant, and what is left of the size.
     total, magnitude = np.zeros(len(z)), np.zeros(len(z))
     residual = quantities.size.copy()
     for first, block in _law_blocks(model):
@@ -91,6 +93,8 @@ def dual_bounds(
             size = np.broadcast_to(block.size, (len(block.rhs), residual.shape[1]))
             residual += row_multipliers @ size
     total, residual = _add_fixed_sizes(model, z, total, residual)
+    # 3. What is left of every law, as ∫ψw with the control |w| ≤ cap and its initial values (Taylor's
+    #    formula): least where w switches with the sign of ψ, that is −cap ∫|ψ|.
     laws, costates = _functionals(model, quantities, z, costates)
     for position, (x, weights) in enumerate(laws):
         price, start = costates[:, position], _initial_terms(x, weights)
@@ -106,9 +110,11 @@ def dual_bounds(
         total -= integral
         rest = start + _costates_carried(model, position, costates)
         total -= _unknown_initial_values(model, position, cap, rest[:, len(boundary.start) :])
+    # 4. What is left of the size: linear, so least at an end of each range.
     bounds = np.array(sizes) / model.scales.size
     total += np.sum(np.minimum(residual * bounds[:, 0], residual * bounds[:, 1]), axis=1)
     magnitude += np.sum(np.abs(residual) * np.max(np.abs(bounds), axis=1), axis=1)
+    # 5. Less an allowance for rounding, in proportion to all that was added up.
     return np.where(np.isfinite(total), total - ROUNDING * magnitude, -np.inf)
 
 
