@@ -93,8 +93,8 @@ def dual_bounds(
             size = np.broadcast_to(block.size, (len(block.rhs), residual.shape[1]))
             residual += row_multipliers @ size
     total, residual = _add_fixed_sizes(model, z, total, residual)
-    # 3. What is left of every law, as ∫ψw with the control |w| ≤ cap and its initial values (Taylor's
-    #    formula): least where w switches with the sign of ψ, that is −cap ∫|ψ|.
+    # 3. What is left of every law, as ∫ψw with the control |w| ≤ cap and its initial values
+    #    (Taylor's formula): least where w switches with the sign of ψ, that is −cap ∫|ψ|.
     laws, costates = _functionals(model, quantities, z, costates)
     for position, (x, weights) in enumerate(laws):
         price, start = costates[:, position], _initial_terms(x, weights)

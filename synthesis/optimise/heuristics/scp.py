@@ -56,7 +56,7 @@ class ScpTarget:
     """
 
     close: float
-    drawn: float
+    tightened: float
     anew: bool = False
 
 
@@ -78,15 +78,15 @@ class ScpResult:
 
 @dataclass(frozen=True, eq=False)
 class Tangent:
-    """One expression of a limit at spots, to first order.
+    """One expression of a limit at some places of the turn, to first order.
 
-    ``number``: of the expression. ``drawn``: by how much it is drawn in.
+    ``number``: of the expression. ``tightened``: by how much it is drawn in.
     """
 
-    spot: ConstraintSamples
+    place: ConstraintSamples
     number: int
     cuts: PointInequalities
-    drawn: float
+    tightened: float
 
     @property
     def finite(self) -> bool:
@@ -95,7 +95,7 @@ class Tangent:
 
 
 def solve_scp(
-    model: ConicModel, laws: Sequence[SplineLaw], size: Vector, deadline: float, sought: ScpTarget
+    model: ConicModel, laws: Sequence[SplineLaw], size: Vector, deadline: float, goal: ScpTarget
 ) -> ScpResult:
     """Smaller and smaller cams that keep all limits, down to a local optimum.
 
@@ -103,46 +103,53 @@ def solve_scp(
         model: the relaxation; its objective is a norm of the size.
         laws, size: where to begin [mm], best at a cam that keeps all limits.
         deadline: ``time.monotonic()`` at which to stop.
-        sought: how near an optimum shall be.
+        goal: how near an optimum shall be.
     """
     here = recover_cam(model.problem, *model.recover(model.point(laws, size)), keep_hint=True)
     grown, peaks = enlarge_until_feasible(here), list[ConstraintSamples]()
-    keeps = grown is not None and not sought.anew and _keeps(model, grown)
+    keeps = grown is not None and not goal.anew and _satisfies_rows(model, grown)
     best = grown if keeps else None
     here, reach, rows, iterations = grown or here, REACH, 0, 0
     for number in range(ROUNDS):
+        # 1. Linearise smooth limits where they nearly bind, within a trust region of the size.
         left = deadline - clock.now()
-        tangents = list(_tangents(model, here, peaks, sought.drawn)) if left > 0.0 else None
+        tangents = list(_tangents(model, here, peaks, goal.tightened)) if left > 0.0 else None
         if tangents is None or not all(each.finite for each in tangents):
             return ScpResult(best, False, number, rows, iterations)
-        blocks = [_block(model, each.spot, each.cuts) for each in tangents]
-        full = with_rows(model, [*blocks, _floor(model, here, reach)])
+        blocks = [_block(model, each.place, each.cuts) for each in tangents]
+        full = with_rows(model, [*blocks, _trust_region(model, here, reach)])
+        # 2. The convex program with these tangents; its cam may break the limits themselves.
         found = solve(full.program, left)
         rows, iterations = len(full.program.rhs), iterations + found.iterations
         if found.stopped not in USABLE:
             return ScpResult(best, False, number + 1, rows, iterations)
-        wanted = recover_cam(model.problem, *model.recover(found.x), keep_hint=True)
-        taken, step = _smaller(model, here, wanted, inf if best is None else best.value)
+        target = recover_cam(model.problem, *model.recover(found.x), keep_hint=True)
+        # 3. The farthest cam on the way there that keeps them once enlarged, and is smaller.
+        taken, step = _line_search(model, here, target, inf if best is None else best.value)
         peaks += add_violated(
-            wanted.problem, wanted.size
-        )  # where tangents at spots said too little
+            target.problem, target.size
+        )  # where tangents at places said too little
         if taken is None:
             if best is None or here is best:
                 return ScpResult(best, False, number + 1, rows, iterations)
             here, reach = best, BACK * reach
             continue
         best = taken
-        free = wanted.size[-1] > here.size[-1] - 0.99 * reach * here.value
-        least = wanted.value - max(_left(full, tangents, blocks, wanted, found.multipliers), 0.0)
-        if step == 1.0 and free and best.value <= least * (1.0 + sought.close):
+        # 4. Stop where tangents at this cam would let it shrink by no more than the tolerance:
+        #    the multipliers bound, to first order, what is left to gain.
+        free = target.size[-1] > here.size[-1] - 0.99 * reach * here.value
+        least = target.value - max(
+            _remaining_gain(full, tangents, blocks, target, found.multipliers), 0.0
+        )
+        if step == 1.0 and free and best.value <= least * (1.0 + goal.close):
             return ScpResult(best, True, number + 1, rows, iterations)
         # tangents are nearest to the truth at the size where the next optimum lies
-        here = wanted if step >= BOLD else taken
+        here = target if step >= BOLD else taken
         reach *= 2.0 if step == 1.0 else step
     return ScpResult(best, False, ROUNDS, rows, iterations)
 
 
-def _keeps(model: ConicModel, cam: Candidate) -> bool:
+def _satisfies_rows(model: ConicModel, cam: Candidate) -> bool:
     """Whether a cam keeps the model's rows and cones: a neighbour's may not."""
     program = model.program
     slack = program.rhs - program.matrix @ model.point(cam.laws, cam.size)
@@ -153,17 +160,17 @@ def _keeps(model: ConicModel, cam: Candidate) -> bool:
     return bool(least >= -KEPT)
 
 
-def _smaller(
-    model: ConicModel, here: Candidate, wanted: Candidate, value: float
+def _line_search(
+    model: ConicModel, here: Candidate, target: Candidate, value: float
 ) -> tuple[Candidate | None, float]:
-    """The wanted cam or one on the way there, grown, that is below a value; and its step."""
-    step, tried = 1.0, wanted
+    """The target cam or one on the way there, grown, that is below a value; and its step."""
+    step, tried = 1.0, target
     while step >= LEAST_STEP:
         found = enlarge_until_feasible(tried)
         if found is not None and found.value < value:
             return found, step
         step *= 0.5
-        tried = _between(model, here, wanted, step)
+        tried = _between(model, here, target, step)
     return None, step
 
 
@@ -177,7 +184,7 @@ def _between(model: ConicModel, one: Candidate, other: Candidate, share: float) 
     return recover_cam(model.problem, laws, size, keep_hint=True)
 
 
-def _floor(model: ConicModel, here: Candidate, reach: float) -> LinearBlock:
+def _trust_region(model: ConicModel, here: Candidate, reach: float) -> LinearBlock:
     """The cam shrinks by no more than a share of its value: tangents say nothing far away."""
     growing = -np.eye(len(here.size))[-1]
     least = (here.size[-1] - reach * here.value) / model.scales.size
@@ -185,75 +192,81 @@ def _floor(model: ConicModel, here: Candidate, reach: float) -> LinearBlock:
 
 
 def _tangents(
-    model: ConicModel, here: Candidate, peaks: Sequence[ConstraintSamples], drawn: float
+    model: ConicModel, here: Candidate, peaks: Sequence[ConstraintSamples], tightened: float
 ) -> Iterator[Tangent]:
-    """What smooth limits ask for to first order, wherever they are near to binding."""
-    spots = samples_near(here.problem, here.size, NEAR)
-    spots += [move_samples(peak, here.problem) for peak in peaks]
-    for spot in spots:
-        slopes = zip(*_slopes(here.problem, spot, here.size), strict=True)
+    """Smooth limits to first order, wherever they are near to binding."""
+    places = samples_near(here.problem, here.size, NEAR)
+    places += [move_samples(peak, here.problem) for peak in peaks]
+    for place in places:
+        slopes = zip(*_slopes(here.problem, place, here.size), strict=True)
         for number, (value, motion, size) in enumerate(slopes):
-            upper = np.sum(motion * spot.s, axis=0) + np.array(here.size) @ size - value
-            yield Tangent(spot, number, PointInequalities(motion, size, upper - drawn), drawn)
+            upper = np.sum(motion * place.s, axis=0) + np.array(here.size) @ size - value
+            yield Tangent(
+                place, number, PointInequalities(motion, size, upper - tightened), tightened
+            )
 
 
-def _left(
+def _remaining_gain(
     full: ConicModel,
     tangents: Sequence[Tangent],
     blocks: Sequence[LinearBlock],
-    wanted: Candidate,
+    target: Candidate,
     z: Array,
 ) -> float:
-    """What tangents at the wanted cam would let it shrink by, to first order: by multipliers."""
+    """What tangents at the target cam would let it shrink by, to first order: by multipliers."""
     program, gain = full.program, 0.0
     at = program.equalities + program.inequalities - 1 - sum(len(each.rhs) for each in blocks)
     for tangent, own in zip(tangents, blocks, strict=True):
-        spot, cuts = move_samples(tangent.spot, wanted.problem), tangent.cuts
-        value = _said(wanted.problem, spot)(spot.s, wanted.size)[tangent.number]
-        told = np.sum(cuts.coefficients * spot.s, axis=0) + np.array(wanted.size) @ cuts.size
-        truly = _block(full, spot, replace(cuts, upper=told - value - tangent.drawn), bare=True)
-        gain += float(z[at : at + len(own.rhs)] @ (truly.rhs - own.rhs))
+        place, cuts = move_samples(tangent.place, target.problem), tangent.cuts
+        value = _expressions(target.problem, place)(place.s, target.size)[tangent.number]
+        linear = np.sum(cuts.coefficients * place.s, axis=0) + np.array(target.size) @ cuts.size
+        at_target = _block(
+            full, place, replace(cuts, upper=linear - value - tangent.tightened), bare=True
+        )
+        gain += float(z[at : at + len(own.rhs)] @ (at_target.rhs - own.rhs))
         at += len(own.rhs)
     return gain * full.scales.size
 
 
 def _block(
-    model: ConicModel, spot: ConstraintSamples, cuts: PointInequalities, *, bare: bool = False
+    model: ConicModel, place: ConstraintSamples, cuts: PointInequalities, *, bare: bool = False
 ) -> LinearBlock:
-    """The rows at a spot's points; where the law is given they are about the size alone."""
-    segment = model.problem.segments[spot.position]
+    """The rows at the points of a place; where the law is given they are about the size alone."""
+    segment = model.problem.segments[place.position]
     if segment.law is None:
         position = model.problem.free.index(segment)
-        grid = Grid(model.grids[position].space, spot.x)
+        grid = Grid(model.grids[position].space, place.x)
         return cut_block(
             cuts, SOURCE, position, segment, grid, model.scales, Tightening(), bare=bare
         )
     size = cuts.size.T * model.scales.size
     scale = np.maximum(np.max(np.abs(size), axis=1), 1e-300)
-    room = cuts.upper - np.sum(cuts.coefficients * spot.s, axis=0)
+    room = cuts.upper - np.sum(cuts.coefficients * place.s, axis=0)
     return LinearBlock.of_size(size / scale[:, None], room / scale, SOURCE)
 
 
-def _said(settled: Problem, spot: ConstraintSamples) -> Callable[[Array, Vector], Array]:
-    """A limit's expressions at its spots as a function of motion (4, k) and size: (rows, k)."""
-    segment, limit = settled.segments[spot.position], settled.limits[spot.limit]
-    theta = segment.start + segment.angle * spot.x
+def _expressions(settled: Problem, place: ConstraintSamples) -> Callable[[Array, Vector], Array]:
+    """A limit's expressions at its places as a function of motion (4, k) and size: (rows, k)."""
+    segment, limit = settled.segments[place.position], settled.limits[place.limit]
+    theta = segment.start + segment.angle * place.x
     return lambda s, z: np.stack(limit.smooth_constraints(segment, settled.machine, theta, s, z))
 
 
-def _slopes(settled: Problem, spot: ConstraintSamples, size: Vector) -> tuple[Array, Array, Array]:
-    """A limit's expressions at its spots: values (rows, k), slopes (rows, 4, k), (rows, n, k).
+def _slopes(settled: Problem, place: ConstraintSamples, size: Vector) -> tuple[Array, Array, Array]:
+    """A limit's expressions at its places: values (rows, k), slopes (rows, 4, k), (rows, n, k).
 
-    By central differences: a limit says itself once, in numbers as in symbols.
+    By central differences: a limit is stated once, for numbers and symbols alike.
     """
-    said, step = _said(settled, spot), STEP * settled.length
-    angle, motion, sizes = settled.segments[spot.position].angle, list[Array](), list[Array]()
+    expressions, step = _expressions(settled, place), STEP * settled.length
+    angle, motion, sizes = settled.segments[place.position].angle, list[Array](), list[Array]()
     for order in range(4):
         by = step / angle**order * np.eye(4)[:, [order]]
-        motion.append((said(spot.s + by, size) - said(spot.s - by, size)) / (2.0 * by[order]))
+        motion.append(
+            (expressions(place.s + by, size) - expressions(place.s - by, size)) / (2.0 * by[order])
+        )
     for axis in range(len(size)):
         more, less = (
             tuple(v + sign * step * (k == axis) for k, v in enumerate(size)) for sign in (1.0, -1.0)
         )
-        sizes.append((said(spot.s, more) - said(spot.s, less)) / (2.0 * step))
-    return said(spot.s, size), np.stack(motion, 1), np.stack(sizes, 1)
+        sizes.append((expressions(place.s, more) - expressions(place.s, less)) / (2.0 * step))
+    return expressions(place.s, size), np.stack(motion, 1), np.stack(sizes, 1)
