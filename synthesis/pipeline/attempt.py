@@ -191,14 +191,11 @@ def _solve_objectives(spec: DesignSpec, tables: Tables, goal: Goal, tighten: flo
     best: Candidate | None = None
     for rank, objective in enumerate(objectives, start=1):
         share = spec.tolerance if rank == len(objectives) else 0.5 * spec.tolerance
-        problem, thorough = (
-            formulate_problem(spec, objective, held, tables.segments),
-            spec.proof == "thorough",
-        )
+        problem = formulate_problem(spec, objective, held, tables.segments)
         if spec.tolerance <= FINEST:
             problem = with_smoother_laws(problem)
         tried = optimise(
-            problem, share, goal.stop, tighten, thorough=thorough,
+            problem, share, goal.stop, tighten, thorough=spec.proof == "thorough",
             warm_start=goal.warm_start if rank == 1 else None,
             sufficient=goal.sufficient if rank == 1 else -inf,
         )  # fmt: skip
@@ -212,7 +209,7 @@ def _solve_objectives(spec: DesignSpec, tables: Tables, goal: Goal, tighten: flo
     if best is None:
         best = given_cam(attempt.searches[0].problem)
         if best is not None:  # the only cam there is: its values are their own bounds
-            solved_spec = [
+            problems = [
                 formulate_problem(spec, objective, (), tables.segments) for objective in objectives
             ]
             attempt.bounds = [
@@ -221,7 +218,7 @@ def _solve_objectives(spec: DesignSpec, tables: Tables, goal: Goal, tighten: flo
                     objective_value(one, best.size) * (1.0 - 1e-12),
                     "the one cam given",
                 )
-                for one in solved_spec
+                for one in problems
             ]
     if best is not None:
         unreached = objectives[len(attempt.bounds) :]

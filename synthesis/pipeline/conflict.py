@@ -199,10 +199,8 @@ def explain(run: Run, smallest: Smallest | None, deadline: float) -> Conflict:
         for number in sorted(members, key=oracle.seconds_without)
     }
     relaxations = [one for number in members for one in found[number]]
-    limits, evidence = (
-        [str(number) for number in members],
-        _evidence(asked, shown, members, complete),
-    )
+    limits = [str(number) for number in members]
+    evidence = _evidence(asked, shown, members, complete)
     # 3. What the certificate refused on the cam at hand, which no member may name.
     refused = [extreme for extreme in run.attempt.extremes if not extreme.holds]
     if refused:

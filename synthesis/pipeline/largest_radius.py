@@ -41,7 +41,6 @@ ROUNDING = 1e-9  # relative: what a bound must lie above the maximum by to exclu
 ROUNDING_DOWN = 1e-12  # relative: a bound that is a number of the question itself
 ANY = 1e300  # a value of an objective that every cam has
 SECANT_STEPS = 8  # for the size with a given base radius: it is almost linear in the size
-ENOUGH = "a cam with this value was found"
 
 
 @dataclass(frozen=True, eq=False)
@@ -88,7 +87,7 @@ class Smallest:
 
 
 def solve(spec: DesignSpec, goal: Goal, stages: list[StageReport]) -> tuple[Run, Smallest | None]:
-    """Solve a question, its maximum of the base radius treated as told above.
+    """Solve a question, its maximum of the base radius treated as described above.
 
     Args:
         spec: what is asked. goal: when to stop. stages: appended to.
