@@ -32,29 +32,29 @@ class Range(FiniteModel):
 class AngleRange(Range):
     """A cam angle left free between two ends."""
 
-    min: Annotated[float, Field(gt=0.0, le=360.0, description="Smallest angle allowed [deg].")]
-    max: Annotated[float, Field(gt=0.0, le=360.0, description="Largest angle allowed [deg].")]
+    min: float = Field(gt=0.0, le=360.0, description="Smallest angle allowed [deg].")
+    max: float = Field(gt=0.0, le=360.0, description="Largest angle allowed [deg].")
 
 
 class LiftRange(Range):
     """A lift left free between two ends."""
 
-    min: Annotated[float, Field(ge=1e-6, le=1e6, description="Smallest lift allowed [mm].")]
-    max: Annotated[float, Field(ge=1e-6, le=1e6, description="Largest lift allowed [mm].")]
+    min: float = Field(ge=1e-6, le=1e6, description="Smallest lift allowed [mm].")
+    max: float = Field(ge=1e-6, le=1e6, description="Largest lift allowed [mm].")
 
 
 class SwingRange(Range):
     """An arm's swing left free between two ends."""
 
-    min: Annotated[float, Field(ge=1e-6, lt=180.0, description="Smallest swing allowed [deg].")]
-    max: Annotated[float, Field(ge=1e-6, lt=180.0, description="Largest swing allowed [deg].")]
+    min: float = Field(ge=1e-6, lt=180.0, description="Smallest swing allowed [deg].")
+    max: float = Field(ge=1e-6, lt=180.0, description="Largest swing allowed [deg].")
 
 
 class ArmRange(Range):
     """The length of an arm left free between two ends."""
 
-    min: Annotated[float, Field(gt=0.0, le=1e6, description="Smallest length allowed [mm].")]
-    max: Annotated[float, Field(gt=0.0, le=1e6, description="Largest length allowed [mm].")]
+    min: float = Field(gt=0.0, le=1e6, description="Smallest length allowed [mm].")
+    max: float = Field(gt=0.0, le=1e6, description="Largest length allowed [mm].")
 
 
 Dimension = Annotated[

@@ -18,7 +18,7 @@ shaft's frame lies at R(ς φ). On the shaft the cam is therefore turned by
 
 from __future__ import annotations
 
-from typing import Annotated, Any
+from typing import Any
 
 from pydantic import Field, ValidationInfo, field_validator, model_validator
 from pydantic_core import PydanticCustomError
@@ -34,43 +34,33 @@ SHAFT_FIELDS = ("speed_rpm", "rotation")
 class CamOnShaft(FiniteModel):
     """One cam of a set: what it must do, and how it sits on the shaft."""
 
-    name: Annotated[
-        Name,
-        Field(
-            description="Shown in the diagram and in file names. Where several cams share a name, "
-            "the answer puts each one's number behind it."
-        ),
-    ] = ""
-    phase_deg: Annotated[
-        float,
-        Field(
-            ge=-360.0,
-            le=360.0,
-            description="Shaft angle at which the cam's program starts: at shaft angle Θ its "
-            "follower stands where the design alone has it at cam angle Θ − phase [deg].",
-        ),
-    ] = 0.0
-    axial_mm: Annotated[
-        float,
-        Field(ge=-1e6, le=1e6, description="Position along the shaft: z of the points [mm]."),
-    ] = 0.0
-    follower_direction_deg: Annotated[
-        float,
-        Field(
-            ge=-360.0,
-            le=360.0,
-            description="Where about the shaft the follower is mounted: direction of the y axis "
-            "of its design's frame, counter-clockwise from x; 90 is upwards, as in a design on "
-            "its own [deg].",
-        ),
-    ] = UPWARDS_DEG
-    spec: Annotated[
-        DesignSpec,
-        Field(
-            description="The cam. `speed_rpm` and `rotation` are the shaft's: leave them out here, "
-            "or give the same. `name` is the cam's where it is left out."
-        ),
-    ]
+    name: Name = Field(
+        "",
+        description="Shown in the diagram and in file names. Where several cams share a name, "
+        "the answer puts each one's number behind it.",
+    )
+    phase_deg: float = Field(
+        0.0,
+        ge=-360.0,
+        le=360.0,
+        description="Shaft angle at which the cam's program starts: at shaft angle Θ its "
+        "follower stands where the design alone has it at cam angle Θ − phase [deg].",
+    )
+    axial_mm: float = Field(
+        0.0, ge=-1e6, le=1e6, description="Position along the shaft: z of the points [mm]."
+    )
+    follower_direction_deg: float = Field(
+        UPWARDS_DEG,
+        ge=-360.0,
+        le=360.0,
+        description="Where about the shaft the follower is mounted: direction of the y axis "
+        "of its design's frame, counter-clockwise from x; 90 is upwards, as in a design on "
+        "its own [deg].",
+    )
+    spec: DesignSpec = Field(
+        description="The cam. `speed_rpm` and `rotation` are the shaft's: leave them out here, "
+        "or give the same. `name` is the cam's where it is left out."
+    )
 
     def turn_deg(self, rotation: Rotation) -> float:
         """Angle by which the cam is turned on the shaft, in (−180, 180] [deg]; see above."""
@@ -81,22 +71,19 @@ class CamOnShaft(FiniteModel):
 class CamSetSpec(FiniteModel):
     """Several cams on one shaft: how it turns, and the cams with their phases."""
 
-    name: Annotated[Name, Field(description="Shown in reports and files.")] = ""
-    speed_rpm: Annotated[Speed, Field(description="Speed of the shaft, constant [rpm].")] = 60.0
-    rotation: Annotated[Rotation, Field(description="Sense in which the shaft turns.")] = "ccw"
-    cams: Annotated[
-        list[CamOnShaft],
-        Field(min_length=1, max_length=MAX_CAMS, description="The cams, in any order."),
-    ]
-    time_budget_s: Annotated[
-        float | None,
-        Field(
-            gt=0.0,
-            le=3600.0,
-            description="Stop after this long with the best so far; the cams share it: each gets "
-            "an equal part of what the ones before it have left.",
-        ),
-    ] = None
+    name: Name = Field("", description="Shown in reports and files.")
+    speed_rpm: Speed = Field(60.0, description="Speed of the shaft, constant [rpm].")
+    rotation: Rotation = Field("ccw", description="Sense in which the shaft turns.")
+    cams: list[CamOnShaft] = Field(
+        min_length=1, max_length=MAX_CAMS, description="The cams, in any order."
+    )
+    time_budget_s: float | None = Field(
+        None,
+        gt=0.0,
+        le=3600.0,
+        description="Stop after this long with the best so far; the cams share it: each gets "
+        "an equal part of what the ones before it have left.",
+    )
 
     @field_validator("cams", mode="before")
     @classmethod

@@ -50,72 +50,56 @@ class DesignSpec(BaseModel):
 
     model_config = ConfigDict(frozen=True, extra="forbid", allow_inf_nan=False)
 
-    name: Annotated[Name, Field(description="Shown in reports and files.")] = ""
+    name: Name = Field("", description="Shown in reports and files.")
     speed_rpm: CamSpeed = 60.0
     rotation: CamRotation = "ccw"
-    program: Annotated[
-        list[Segment],
-        Field(
-            min_length=1,
-            max_length=MAX_SEGMENTS,
-            description="Segments in order; their angles sum to 360° and the lifts cancel.",
-        ),
-    ]
-    follower: Annotated[AnyFollower, Field(description="The follower that the machine has.")]
+    program: list[Segment] = Field(
+        min_length=1,
+        max_length=MAX_SEGMENTS,
+        description="Segments in order; their angles sum to 360° and the lifts cancel.",
+    )
+    follower: AnyFollower = Field(description="The follower that the machine has.")
     base_radius_mm: Dimension = None
-    load: Annotated[
-        AnyLoad | None,
+    load: AnyLoad | None = Field(
+        None,
+        description="What loads the follower, rigid: mass, damping, spring, process force. "
+        "Left out, forces are not looked at.",
+    )
+    limits: list[AnyLimit] = Field([], max_length=50, description="What may not be exceeded.")
+    continuity: Literal[0, 1, 2, 3, 4] | None = Field(
+        None,
+        description="How many derivatives of the displacement may jump nowhere on the turn. "
+        "Splines are made that smooth; where named laws jump the design is infeasible and "
+        "the extreme says by how much and where. Left out: jumps of named laws are reported.",
+    )
+    objective: AnyObjective | Annotated[list[AnyObjective], Field(min_length=1, max_length=10)] = (
         Field(
-            description="What loads the follower, rigid: mass, damping, spring, process force. "
-            "Left out, forces are not looked at."
-        ),
-    ] = None
-    limits: Annotated[
-        list[AnyLimit], Field(max_length=50, description="What may not be exceeded.")
-    ] = []
-    continuity: Annotated[
-        Literal[0, 1, 2, 3, 4] | None,
-        Field(
-            description="How many derivatives of the displacement may jump nowhere on the turn. "
-            "Splines are made that smooth; where named laws jump the design is infeasible and "
-            "the extreme says by how much and where. Left out: jumps of named laws are reported.",
-        ),
-    ] = None
-    objective: Annotated[
-        AnyObjective | Annotated[list[AnyObjective], Field(min_length=1, max_length=10)],
-        Field(
+            BaseRadius(),
             description="What to make small; a list is worked through in order: each is made as "
             "small as the ones before allow when they may lose half of the tolerance.",
-        ),
-    ] = BaseRadius()
-    tolerance: Annotated[
-        float,
-        Field(
-            ge=1e-6,
-            le=1.0,
-            description="Relative gap to the best possible that is good enough: it buys time.",
-        ),
-    ] = 1e-3
-    proof: Annotated[
-        Literal["quick", "thorough"],
-        Field(
-            description="Where curvature binds, the quick lower bound is that of the question "
-            "without it. `thorough` adds rows that curvature implies where a better cam would "
-            "have to lie, and splits the range of the offset, or of a free pivot: a far smaller "
-            "gap, for half a second to some ten seconds more.",
-        ),
-    ] = "quick"
-    report_smoothness_cost: Annotated[
-        bool,
-        Field(
-            description="Also design the cam with splines of class C2 and say what smoother ones "
-            "cost. Takes about as long again.",
-        ),
-    ] = False
-    time_budget_s: Annotated[
-        float | None,
-        Field(gt=0.0, le=3600.0, description="Stop after this long with the best so far."),
-    ] = None
+        )
+    )
+    tolerance: float = Field(
+        1e-3,
+        ge=1e-6,
+        le=1.0,
+        description="Relative gap to the best possible that is good enough: it buys time.",
+    )
+    proof: Literal["quick", "thorough"] = Field(
+        "quick",
+        description="Where curvature binds, the quick lower bound is that of the question "
+        "without it. `thorough` adds rows that curvature implies where a better cam would "
+        "have to lie, and splits the range of the offset, or of a free pivot: a far smaller "
+        "gap, for half a second to some ten seconds more.",
+    )
+    report_smoothness_cost: bool = Field(
+        False,
+        description="Also design the cam with splines of class C2 and say what smoother ones "
+        "cost. Takes about as long again.",
+    )
+    time_budget_s: float | None = Field(
+        None, gt=0.0, le=3600.0, description="Stop after this long with the best so far."
+    )
 
     @model_validator(mode="after")
     def _make_sense(self) -> DesignSpec:

@@ -25,8 +25,8 @@ Bound = tuple[int, str, float, float]  # order of the derivative, field, lower a
 class Window(UnitFields):
     """Bounds that hold on a part of the segment; a number in place of a range holds the value."""
 
-    from_deg: Annotated[Degrees, Field(description="Where it begins, from the segment's start.")]
-    to_deg: Annotated[Degrees, Field(description="Where it ends, from the segment's start.")]
+    from_deg: Degrees = Field(description="Where it begins, from the segment's start.")
+    to_deg: Degrees = Field(description="Where it ends, from the segment's start.")
     travel_mm: Bounds = Field(
         None, description="Distance moved since the segment's start, positive in its own sense."
     )
@@ -79,26 +79,21 @@ class Window(UnitFields):
 class Point(UnitFields):
     """A point that the follower passes through."""
 
-    angle_deg: Annotated[Degrees, Field(description="Where, from the segment's start.")]
-    travel_mm: Annotated[
-        float | None,
-        Field(description="Distance moved since the segment's start, positive in its own sense."),
-    ] = None
-    travel_deg: Annotated[float | None, Field(description="The same of a follower on an arm.")] = (
-        None
+    angle_deg: Degrees = Field(description="Where, from the segment's start.")
+    travel_mm: float | None = Field(
+        None, description="Distance moved since the segment's start, positive in its own sense."
     )
-    tolerance_mm: Annotated[
-        float, Field(ge=0.0, le=1e6, description="Deviation allowed either way; 0: exactly.")
-    ] = 0.0
-    tolerance_deg: Annotated[
-        float, Field(ge=0.0, lt=180.0, description="The same of a follower on an arm.")
-    ] = 0.0
-    velocity_mm_per_s: Annotated[
-        float | None, Field(description="Velocity there, negative where the follower returns.")
-    ] = None
-    velocity_deg_per_s: Annotated[
-        float | None, Field(description="The same of a follower on an arm.")
-    ] = None
+    travel_deg: float | None = Field(None, description="The same of a follower on an arm.")
+    tolerance_mm: float = Field(
+        0.0, ge=0.0, le=1e6, description="Deviation allowed either way; 0: exactly."
+    )
+    tolerance_deg: float = Field(
+        0.0, ge=0.0, lt=180.0, description="The same of a follower on an arm."
+    )
+    velocity_mm_per_s: float | None = Field(
+        None, description="Velocity there, negative where the follower returns."
+    )
+    velocity_deg_per_s: float | None = Field(None, description="The same of a follower on an arm.")
 
     @model_validator(mode="after")
     def _one_travel(self) -> Point:

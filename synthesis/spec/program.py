@@ -38,18 +38,14 @@ class ConstantSpeed(SegmentSpec):
 
     kind: Literal["constant_velocity"] = "constant_velocity"
     angle_deg: Angle
-    velocity_mm_per_s: Annotated[
-        float | None, signed("The velocity, with its sign [mm/s]; or give a lift.", 1e12)
-    ] = None
-    velocity_deg_per_s: Annotated[
-        float | None, signed("The same of a follower on an arm [deg/s].", 1e12)
-    ] = None
-    lift_mm: Annotated[
-        float | None, signed("Distance gained, with its sign [mm]; or give a velocity.", 1e6)
-    ] = None
-    lift_deg: Annotated[
-        float | None, signed("Angle gained by a follower on an arm, with its sign [deg].", 180.0)
-    ] = None
+    velocity_mm_per_s: float | None = signed(
+        "The velocity, with its sign [mm/s]; or give a lift.", 1e12
+    )
+    velocity_deg_per_s: float | None = signed("The same of a follower on an arm [deg/s].", 1e12)
+    lift_mm: float | None = signed("Distance gained, with its sign [mm]; or give a velocity.", 1e6)
+    lift_deg: float | None = signed(
+        "Angle gained by a follower on an arm, with its sign [deg].", 180.0
+    )
 
     @model_validator(mode="after")
     def _one_of_both(self) -> ConstantSpeed:
@@ -97,22 +93,16 @@ class _Move(SegmentSpec):
 
     start: State | None = Field(None, description="Velocity and acceleration at its start.")
     end: State | None = Field(None, description="Velocity and acceleration at its end.")
-    windows: Annotated[
-        list[Window],
-        Field(
-            default_factory=list,
-            max_length=MOST,
-            description="Bounds that hold on a part of the segment.",
-        ),
-    ]
-    points: Annotated[
-        list[Point],
-        Field(
-            default_factory=list,
-            max_length=MOST,
-            description="Points that the follower passes through.",
-        ),
-    ]
+    windows: list[Window] = Field(
+        default_factory=list,
+        max_length=MOST,
+        description="Bounds that hold on a part of the segment.",
+    )
+    points: list[Point] = Field(
+        default_factory=list,
+        max_length=MOST,
+        description="Points that the follower passes through.",
+    )
 
     @model_validator(mode="after")
     def _lifts(self) -> _Move:

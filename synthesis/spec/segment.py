@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import replace
 from functools import cache
-from typing import TYPE_CHECKING, Annotated, Any, Literal, Self
+from typing import TYPE_CHECKING, Any, Literal, Self
 
 from pydantic import Field
 from pydantic_core import PydanticCustomError
@@ -19,9 +19,9 @@ from synthesis.units import CORE_UNITS, MotionUnits
 TravelUnit = Literal["mm", "deg"]
 
 
-def signed(description: str, largest: float) -> object:
+def signed(description: str, largest: float) -> Any:
     """An optional number of either sign."""
-    return Field(ge=-largest, le=largest, description=description)
+    return Field(None, ge=-largest, le=largest, description=description)
 
 
 class UnitFields(FiniteModel):
@@ -88,18 +88,14 @@ class State(UnitFields):
     back (velocity 0), B moves.
     """
 
-    velocity_mm_per_s: Annotated[
-        float | None, signed("Velocity there, with its sign [mm/s].", 1e12)
-    ] = None
-    velocity_deg_per_s: Annotated[
-        float | None, signed("The same of a follower on an arm [deg/s].", 1e12)
-    ] = None
-    acceleration_mm_per_s2: Annotated[
-        float | None, signed("Acceleration there, with its sign [mm/s²].", 1e18)
-    ] = None
-    acceleration_deg_per_s2: Annotated[
-        float | None, signed("The same of a follower on an arm [deg/s²].", 1e18)
-    ] = None
+    velocity_mm_per_s: float | None = signed("Velocity there, with its sign [mm/s].", 1e12)
+    velocity_deg_per_s: float | None = signed("The same of a follower on an arm [deg/s].", 1e12)
+    acceleration_mm_per_s2: float | None = signed(
+        "Acceleration there, with its sign [mm/s²].", 1e18
+    )
+    acceleration_deg_per_s2: float | None = signed(
+        "The same of a follower on an arm [deg/s²].", 1e18
+    )
 
     def to_core(self, units: MotionUnits) -> EndState:
         """The state as s' and s''."""

@@ -21,7 +21,7 @@ SAME_ANGLE = 1e-9  # deg: where a table begins and ends
 WHOLE_TURN = 360.0  # deg
 JOINS = 2  # derivatives that a smoothed table shares with its neighbours
 # Long lists fail fast: thousands of errors help nobody and take long to make.
-Column = tuple[float, ...] | None
+Column = Annotated[tuple[float, ...] | None, Field(max_length=MOST, fail_fast=True)]
 
 
 class Table(SegmentSpec):
@@ -34,65 +34,31 @@ class Table(SegmentSpec):
     """
 
     kind: Literal["table"] = "table"
-    angle_deg: Annotated[
-        float, Field(gt=0.0, le=360.0, description="Cam angle of the segment [deg].")
-    ]
-    points: Annotated[
-        tuple[tuple[float, float], ...] | None,
-        Field(
-            max_length=MOST,
-            fail_fast=True,
-            description="Rows: cam angle from the segment's start [deg], displacement [mm, or "
-            "deg of an arm, as tolerance]. The first row is at 0, the last at angle_deg; on a "
-            "whole turn that one may be missing.",
-        ),
-    ] = None
-    angles_deg: Annotated[
-        Column,
-        Field(
-            max_length=MOST,
-            fail_fast=True,
-            description="The first column, instead of points [deg].",
-        ),
-    ] = None
-    displacements_mm: Annotated[
-        Column,
-        Field(
-            max_length=MOST,
-            fail_fast=True,
-            description="The second column, instead of points [mm].",
-        ),
-    ] = None
-    displacements_deg: Annotated[
-        Column,
-        Field(
-            max_length=MOST,
-            fail_fast=True,
-            description="The same of a follower on an arm [deg].",
-        ),
-    ] = None
-    tolerance_mm: Annotated[
-        float | None,
-        Field(ge=1e-7, le=1e3, description="How far the motion may pass a row [mm]."),
-    ] = None
-    tolerance_deg: Annotated[
-        float | None,
-        Field(ge=1e-9, le=10.0, description="The same of a follower on an arm [deg]."),
-    ] = None
-    lift_mm: Annotated[
-        float | None,
-        signed(
-            "Displacement gained, with its sign [mm], where the table's own is inexact; left "
-            "out: last row less first row, on a whole turn 0.",
-            1e6,
-        ),
-    ] = None
-    lift_deg: Annotated[float | None, signed("The same of a follower on an arm [deg].", 180.0)] = (
-        None
+    angle_deg: float = Field(gt=0.0, le=360.0, description="Cam angle of the segment [deg].")
+    points: tuple[tuple[float, float], ...] | None = Field(
+        None,
+        max_length=MOST,
+        fail_fast=True,
+        description="Rows: cam angle from the segment's start [deg], displacement [mm, or "
+        "deg of an arm, as tolerance]. The first row is at 0, the last at angle_deg; on a "
+        "whole turn that one may be missing.",
     )
-    smoothness: Annotated[
-        Literal[2, 3, 4], Field(description="Number of continuous derivatives.")
-    ] = 4
+    angles_deg: Column = Field(None, description="The first column, instead of points [deg].")
+    displacements_mm: Column = Field(None, description="The second column, instead of points [mm].")
+    displacements_deg: Column = Field(None, description="The same of a follower on an arm [deg].")
+    tolerance_mm: float | None = Field(
+        None, ge=1e-7, le=1e3, description="How far the motion may pass a row [mm]."
+    )
+    tolerance_deg: float | None = Field(
+        None, ge=1e-9, le=10.0, description="The same of a follower on an arm [deg]."
+    )
+    lift_mm: float | None = signed(
+        "Displacement gained, with its sign [mm], where the table's own is inexact; left "
+        "out: last row less first row, on a whole turn 0.",
+        1e6,
+    )
+    lift_deg: float | None = signed("The same of a follower on an arm [deg].", 180.0)
+    smoothness: Literal[2, 3, 4] = Field(4, description="Number of continuous derivatives.")
     start: State | None = Field(None, description="Velocity and acceleration at its start.")
     end: State | None = Field(None, description="Velocity and acceleration at its end.")
 

@@ -132,10 +132,9 @@ class Force(Closure):
 
     kind: Literal["force"] = "force"
     title: ClassVar[str] = "Force-closed, touched from outside or inside"
-    contact: Annotated[
-        Literal["outside", "inside"],
-        Field(description="inside: the roller runs in a ring whose hollow is the cam."),
-    ] = "outside"
+    contact: Literal["outside", "inside"] = Field(
+        "outside", description="inside: the roller runs in a ring whose hollow is the cam."
+    )
     rim_mm: Rim = 0.0
 
     def check(self, roller_radius: float, largest: float, gap: float) -> None:
@@ -169,10 +168,9 @@ class Groove(Closure):
 
     kind: Literal["groove"] = "groove"
     title: ClassVar[str] = "Groove with an inner and an outer flank"
-    clearance_mm: Annotated[
-        float,
-        Field(ge=0.0, le=1e6, description="By how much the groove is wider than the roller."),
-    ] = 0.0
+    clearance_mm: float = Field(
+        0.0, ge=0.0, le=1e6, description="By how much the groove is wider than the roller."
+    )
     rim_mm: Rim = 0.0
 
     def flanks(self, trace: TracePoint, roller_radius: float) -> tuple[Flank, ...]:

@@ -137,9 +137,9 @@ class Conjugate(Closure, ABC):
     field: ClassVar[str]  # of its place
     dimension: ClassVar[str]  # the same among the dimensions
     given_field: ClassVar[str]  # a further dimension, which is always given
-    roller_radius_mm: Annotated[
-        float, Field(ge=0.0, le=1e6, description="Radius of the counter cam's roller.")
-    ]
+    roller_radius_mm: float = Field(
+        ge=0.0, le=1e6, description="Radius of the counter cam's roller."
+    )
 
     @property
     def place(self) -> float | Range | None:
@@ -204,14 +204,12 @@ class ConjugateSlide(Conjugate):
     field: ClassVar[str] = "distance_mm"
     dimension: ClassVar[str] = "counter_distance_mm"
     given_field: ClassVar[str] = "offset_mm"
-    offset_mm: Annotated[
-        float,
-        Field(
-            ge=-1e6,
-            le=1e6,
-            description="Offset of the counter roller, to the same side as the follower's.",
-        ),
-    ] = 0.0
+    offset_mm: float = Field(
+        0.0,
+        ge=-1e6,
+        le=1e6,
+        description="Offset of the counter roller, to the same side as the follower's.",
+    )
     distance_mm: Dimension = None
 
     def counter(self, trace: TracePoint) -> TracePoint:
@@ -237,14 +235,12 @@ class ConjugateArm(Conjugate):
     dimension: ClassVar[str] = "counter_angle_deg"
     given_field: ClassVar[str] = "arm_mm"
     eased_by_distance: ClassVar[bool] = False
-    arm_mm: Annotated[float, Field(gt=0.0, le=1e6, description="Length of the counter arm.")]
-    angle_deg: Annotated[
-        float | Range | None,
-        Field(
-            description="Angle between the two arms, the cam's axis inside. A number fixes it; "
-            "{min, max} leaves it free in between; left out, it is the least that works."
-        ),
-    ] = None
+    arm_mm: float = Field(gt=0.0, le=1e6, description="Length of the counter arm.")
+    angle_deg: float | Range | None = Field(
+        None,
+        description="Angle between the two arms, the cam's axis inside. A number fixes it; "
+        "{min, max} leaves it free in between; left out, it is the least that works.",
+    )
 
     def counter(self, trace: TracePoint) -> TracePoint:
         assert isinstance(trace, PivotedFollower)

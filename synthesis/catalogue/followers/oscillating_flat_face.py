@@ -25,7 +25,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
-from typing import Annotated, Any, ClassVar, Literal
+from typing import Any, ClassVar, Literal
 
 import numpy as np
 from pydantic import Field, field_validator
@@ -67,26 +67,20 @@ class OscillatingFlatFace(FlatFaceFollower, PivotedFollower):
     swing_range: ClassVar[tuple[float, float]] = (-RIGHT_ANGLE, RIGHT_ANGLE)
     face_ends: ClassVar[tuple[str, str]] = ("near", "far")
 
-    centre_distance_mm: Annotated[
-        float | Range,
-        Field(
-            description="Distance of the pivot from the cam's axis: a number, or a range with an "
-            "upper end within which it is free."
-        ),
-    ]
-    face_offset_mm: Annotated[
-        float,
-        Field(
-            ge=-1e6,
-            le=1e6,
-            description="Distance of the face from the pivot, positive towards the cam's axis. "
-            "At 0 the face points at the pivot, and the pressure angle is 0.",
-        ),
-    ] = 0.0
-    sense: Annotated[
-        PivotSense,
-        Field(description="Whether the lifting face turns against the cam or with it."),
-    ] = "opposite"
+    centre_distance_mm: float | Range = Field(
+        description="Distance of the pivot from the cam's axis: a number, or a range with an "
+        "upper end within which it is free."
+    )
+    face_offset_mm: float = Field(
+        0.0,
+        ge=-1e6,
+        le=1e6,
+        description="Distance of the face from the pivot, positive towards the cam's axis. "
+        "At 0 the face points at the pivot, and the pressure angle is 0.",
+    )
+    sense: PivotSense = Field(
+        "opposite", description="Whether the lifting face turns against the cam or with it."
+    )
     pivot_direction_deg: PivotDirection = 0.0
 
     @field_validator("centre_distance_mm")

@@ -18,7 +18,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
-from typing import Annotated, Any, ClassVar, Literal, Self
+from typing import Any, ClassVar, Literal, Self
 
 import numpy as np
 from pydantic import Field
@@ -66,20 +66,17 @@ class OscillatingRoller(RollerFollower, PivotedFollower):
 
     arm_mm: ArmLength
     centre_distance_mm: Dimension = None
-    roller_radius_mm: Annotated[
-        float, Field(ge=0.0, le=1e6, description="Radius of the roller; 0 is a knife edge.")
-    ]
-    initial_angle_deg: Annotated[
-        float | Range | None,
-        Field(
-            description="Angle at the pivot between the line to the cam's axis and the arm, at "
-            "the lowest position. Usually left out: it follows from the base radius."
-        ),
-    ] = None
-    sense: Annotated[
-        PivotSense,
-        Field(description="Whether the lifting arm turns against the cam or with it."),
-    ] = "opposite"
+    roller_radius_mm: float = Field(
+        ge=0.0, le=1e6, description="Radius of the roller; 0 is a knife edge."
+    )
+    initial_angle_deg: float | Range | None = Field(
+        None,
+        description="Angle at the pivot between the line to the cam's axis and the arm, at "
+        "the lowest position. Usually left out: it follows from the base radius.",
+    )
+    sense: PivotSense = Field(
+        "opposite", description="Whether the lifting arm turns against the cam or with it."
+    )
     pivot_direction_deg: PivotDirection = 0.0
 
     closure: ArmClosure = Force()

@@ -21,7 +21,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
-from typing import Annotated, Any, ClassVar, Literal
+from typing import Any, ClassVar, Literal
 
 import numpy as np
 from pydantic import Field, field_validator
@@ -46,24 +46,20 @@ class TranslatingFlatFace(FlatFaceFollower):
     size_charts: ClassVar[tuple[tuple[str, ...], ...]] = (("base_radius",),)
     face_ends: ClassVar[tuple[str, str]] = ("left", "right")
 
-    tilt_deg: Annotated[
-        float,
-        Field(
-            gt=-90.0,
-            lt=90.0,
-            description="How far the face is turned from perpendicular to its slide: positive in "
-            "the sense in which the cam turns. It is the pressure angle.",
-        ),
-    ] = 0.0
-    offset_mm: Annotated[
-        float,
-        Field(
-            ge=-1e6,
-            le=1e6,
-            description="Distance of the slide's line from the cam's axis, positive to the right "
-            "of an upward follower on a ccw cam. It only says where on the face contact is.",
-        ),
-    ] = 0.0
+    tilt_deg: float = Field(
+        0.0,
+        gt=-90.0,
+        lt=90.0,
+        description="How far the face is turned from perpendicular to its slide: positive in "
+        "the sense in which the cam turns. It is the pressure angle.",
+    )
+    offset_mm: float = Field(
+        0.0,
+        ge=-1e6,
+        le=1e6,
+        description="Distance of the slide's line from the cam's axis, positive to the right "
+        "of an upward follower on a ccw cam. It only says where on the face contact is.",
+    )
 
     @field_validator("tilt_deg")
     @classmethod

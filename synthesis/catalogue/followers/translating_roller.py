@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
-from typing import Annotated, Any, ClassVar, Literal
+from typing import Any, ClassVar, Literal
 
 import numpy as np
 from pydantic import Field
@@ -46,9 +46,9 @@ class TranslatingRoller(RollerFollower):
     title: ClassVar[str] = "Translating roller (radius 0: knife edge)"
     size_charts: ClassVar[tuple[tuple[str, ...], ...]] = (("offset", "s0"),)
 
-    roller_radius_mm: Annotated[
-        float, Field(ge=0.0, le=1e6, description="Radius of the roller; 0 is a knife edge.")
-    ]
+    roller_radius_mm: float = Field(
+        ge=0.0, le=1e6, description="Radius of the roller; 0 is a knife edge."
+    )
     offset_mm: Dimension = None
     closure: SlideClosure = Force()
 

@@ -9,7 +9,7 @@ the follower is lifted the roller comes nearer to the guide: A = A0 − s.
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
-from typing import Annotated, Any
+from typing import Any
 
 from pydantic import Field
 from pydantic_core import PydanticCustomError
@@ -38,19 +38,16 @@ class FrictionModel(FiniteModel, ABC):
 class GuideFriction(FrictionModel):
     """Friction in the guide of a roller on a slide; at rest none is counted."""
 
-    coefficient: Annotated[float, Field(ge=0.0, le=2.0, description="Coulomb's μ.")]
-    overhang_mm: Annotated[
-        float,
-        Field(
-            ge=0.0,
-            le=1e6,
-            description="From the roller's centre to the guide at the lowest position.",
-        ),
-    ] = 0.0
-    bearing_length_mm: Annotated[
-        float | None,
-        Field(gt=0.0, le=1e6, description="Length of the guide; left out, long beside that."),
-    ] = None
+    coefficient: float = Field(ge=0.0, le=2.0, description="Coulomb's μ.")
+    overhang_mm: float = Field(
+        0.0,
+        ge=0.0,
+        le=1e6,
+        description="From the roller's centre to the guide at the lowest position.",
+    )
+    bearing_length_mm: float | None = Field(
+        None, gt=0.0, le=1e6, description="Length of the guide; left out, long beside that."
+    )
 
     def effective(self, s: Any) -> Any:
         """μ (2A + B)/B with A = A0 − s; μ alone where the guide is long."""

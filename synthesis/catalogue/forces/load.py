@@ -6,7 +6,7 @@ import math
 from abc import ABC, abstractmethod
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Annotated, ClassVar, Literal, Self
+from typing import TYPE_CHECKING, ClassVar, Literal, Self
 
 from pydantic import BaseModel, ConfigDict, Field, field_validator, model_validator
 from pydantic_core import PydanticCustomError
@@ -42,8 +42,8 @@ PROCESS = (
 class SpeedRange(FiniteModel):
     """Cam speeds between two ends."""
 
-    min_rpm: Annotated[float, Field(ge=0.0, le=1e9, description="Lowest cam speed.")]
-    max_rpm: Annotated[float, Field(gt=0.0, le=1e9, description="Highest cam speed.")]
+    min_rpm: float = Field(ge=0.0, le=1e9, description="Lowest cam speed.")
+    max_rpm: float = Field(gt=0.0, le=1e9, description="Highest cam speed.")
 
     @model_validator(mode="after")
     def _ordered(self) -> SpeedRange:
@@ -86,16 +86,13 @@ class Load(BaseModel, ABC):
     title: ClassVar[str]
     unit: ClassVar[str]  # of the displacement of followers that it suits
 
-    speeds: Annotated[
-        SpeedRange | None,
-        Field(description="Speeds at which the follower must not float; left out, the cam's."),
-    ] = None
-    contact: Annotated[
-        Contact | None, Field(description="Line contact; needed for the Hertz pressure.")
-    ] = None
-    bearing: Annotated[
-        RollerBearing | None, Field(description="The roller's bearing, for its life.")
-    ] = None
+    speeds: SpeedRange | None = Field(
+        None, description="Speeds at which the follower must not float; left out, the cam's."
+    )
+    contact: Contact | None = Field(
+        None, description="Line contact; needed for the Hertz pressure."
+    )
+    bearing: RollerBearing | None = Field(None, description="The roller's bearing, for its life.")
 
     if TYPE_CHECKING:  # declared by the kinds of load, at their places among the fields of the wire
         spring: Spring | None
@@ -209,30 +206,24 @@ class SlideLoad(Load):
     title: ClassVar[str] = "Load of a follower on a slide"
     unit: ClassVar[str] = "mm"
 
-    moving_mass_kg: Annotated[
-        float, Field(ge=0.0, le=1e9, description="Mass that moves with the follower.")
-    ] = 0.0
-    damping_n_s_per_m: Annotated[float, Field(ge=0.0, le=1e12, description="Viscous damping.")] = (
-        0.0
+    moving_mass_kg: float = Field(
+        0.0, ge=0.0, le=1e9, description="Mass that moves with the follower."
     )
-    spring: Annotated[
-        SlideSpring | None, Field(description="Spring that presses it on the cam.")
-    ] = None
-    rise_from_vertical_deg: Annotated[
-        float | None,
-        Field(
-            ge=0.0,
-            le=180.0,
-            description="Angle between the follower's rise and upwards: 0 where it is lifted "
-            "against its weight, 180 where it hangs. Left out, no weight counts.",
-        ),
-    ] = None
-    process: Annotated[
-        list[ForcePoint], Field(max_length=MOST_POINTS, fail_fast=True, description=PROCESS)
-    ] = []
-    friction: Annotated[
-        AnyFriction | None, Field(description="Friction in the guide; of a roller, force-closed.")
-    ] = None
+    damping_n_s_per_m: float = Field(0.0, ge=0.0, le=1e12, description="Viscous damping.")
+    spring: SlideSpring | None = Field(None, description="Spring that presses it on the cam.")
+    rise_from_vertical_deg: float | None = Field(
+        None,
+        ge=0.0,
+        le=180.0,
+        description="Angle between the follower's rise and upwards: 0 where it is lifted "
+        "against its weight, 180 where it hangs. Left out, no weight counts.",
+    )
+    process: list[ForcePoint] = Field(
+        [], max_length=MOST_POINTS, fail_fast=True, description=PROCESS
+    )
+    friction: AnyFriction | None = Field(
+        None, description="Friction in the guide; of a roller, force-closed."
+    )
 
     @property
     def guide_friction(self) -> FrictionModel | None:
@@ -275,21 +266,16 @@ class ArmLoad(Load):
     title: ClassVar[str] = "Load of a follower on an arm"
     unit: ClassVar[str] = "deg"
 
-    moment_of_inertia_kg_m2: Annotated[
-        float, Field(ge=0.0, le=1e12, description="Of all that swings, about the pivot.")
-    ] = 0.0
-    damping_n_m_s_per_rad: Annotated[
-        float, Field(ge=0.0, le=1e12, description="Viscous damping about the pivot.")
-    ] = 0.0
-    spring: Annotated[
-        ArmSpring | None, Field(description="Spring that turns it against the cam.")
-    ] = None
-    process: Annotated[
-        list[MomentPoint],
-        Field(
-            max_length=MOST_POINTS, fail_fast=True, description=PROCESS.replace("Force", "Moment")
-        ),
-    ] = []
+    moment_of_inertia_kg_m2: float = Field(
+        0.0, ge=0.0, le=1e12, description="Of all that swings, about the pivot."
+    )
+    damping_n_m_s_per_rad: float = Field(
+        0.0, ge=0.0, le=1e12, description="Viscous damping about the pivot."
+    )
+    spring: ArmSpring | None = Field(None, description="Spring that turns it against the cam.")
+    process: list[MomentPoint] = Field(
+        [], max_length=MOST_POINTS, fail_fast=True, description=PROCESS.replace("Force", "Moment")
+    )
 
     @property
     def wire_values(self) -> WireLoad:

@@ -28,12 +28,10 @@ Point = tuple[float, float]  # cam angle [deg] and process force or moment
 class Material(FiniteModel):
     """An elastic material; steel where nothing is said."""
 
-    elastic_modulus_mpa: Annotated[
-        float, Field(gt=0.0, le=1e7, description="Modulus of elasticity E.")
-    ] = STEEL_MPA
-    poisson_ratio: Annotated[float, Field(ge=0.0, le=0.5, description="Poisson's ratio.")] = (
-        STEEL_POISSON
+    elastic_modulus_mpa: float = Field(
+        STEEL_MPA, gt=0.0, le=1e7, description="Modulus of elasticity E."
     )
+    poisson_ratio: float = Field(STEEL_POISSON, ge=0.0, le=0.5, description="Poisson's ratio.")
 
     @property
     def compliance(self) -> float:
@@ -44,11 +42,11 @@ class Material(FiniteModel):
 class Contact(FiniteModel):
     """The line contact between cam and follower, for the Hertz pressure."""
 
-    width_mm: Annotated[
-        float, Field(gt=0.0, le=1e6, description="Length of the line contact along the shaft.")
-    ]
-    cam: Annotated[Material, Field(description="Material of the cam.")] = Material()
-    follower: Annotated[Material, Field(description="Material of the roller or face.")] = Material()
+    width_mm: float = Field(
+        gt=0.0, le=1e6, description="Length of the line contact along the shaft."
+    )
+    cam: Material = Field(Material(), description="Material of the cam.")
+    follower: Material = Field(Material(), description="Material of the roller or face.")
 
     @property
     def stiffness(self) -> float:
@@ -63,13 +61,10 @@ class Contact(FiniteModel):
 class RollerBearing(FiniteModel):
     """A roller's bearing as the catalogue has it."""
 
-    dynamic_rating_n: Annotated[
-        float, Field(gt=0.0, le=1e12, description="Basic dynamic load rating C.")
-    ]
-    life_exponent: Annotated[
-        float,
-        Field(ge=1.0, le=10.0, description="p of L10 = (C/P)^p: 10/3 of rollers, 3 of balls."),
-    ] = 10.0 / 3.0
+    dynamic_rating_n: float = Field(gt=0.0, le=1e12, description="Basic dynamic load rating C.")
+    life_exponent: float = Field(
+        10.0 / 3.0, ge=1.0, le=10.0, description="p of L10 = (C/P)^p: 10/3 of rollers, 3 of balls."
+    )
 
 
 # -- spring ----------------------------------------------------------------------------------------
@@ -106,23 +101,21 @@ class Spring(FiniteModel):
 class SlideSpring(Spring):
     """A spring that presses a slide on its cam."""
 
-    rate_n_per_mm: Annotated[float | Range | None, Field(description=f"Spring rate. {RATE}")] = None
-    preload_n: Annotated[
-        float | Range | None,
-        Field(description=f"Force with which it presses at the lowest position. {RATE}"),
-    ] = None
+    rate_n_per_mm: float | Range | None = Field(None, description=f"Spring rate. {RATE}")
+    preload_n: float | Range | None = Field(
+        None, description=f"Force with which it presses at the lowest position. {RATE}"
+    )
 
 
 class ArmSpring(Spring):
     """A spring that turns an arm against its cam."""
 
-    rate_n_m_per_rad: Annotated[
-        float | Range | None, Field(description=f"Rate about the pivot. {RATE}")
-    ] = None
-    preload_n_m: Annotated[
-        float | Range | None,
-        Field(description=f"Moment with which it presses at the lowest position. {RATE}"),
-    ] = None
+    rate_n_m_per_rad: float | Range | None = Field(
+        None, description=f"Rate about the pivot. {RATE}"
+    )
+    preload_n_m: float | Range | None = Field(
+        None, description=f"Moment with which it presses at the lowest position. {RATE}"
+    )
 
 
 # -- process force ---------------------------------------------------------------------------------
@@ -131,7 +124,7 @@ class ArmSpring(Spring):
 class ProcessPoint(FiniteModel, ABC):
     """What the machine's task asks of the follower at one cam angle."""
 
-    angle_deg: Annotated[float, Field(ge=0.0, le=360.0, description="Cam angle.")]
+    angle_deg: float = Field(ge=0.0, le=360.0, description="Cam angle.")
 
     @property
     @abstractmethod

@@ -5,7 +5,7 @@ from __future__ import annotations
 from fractions import Fraction
 from functools import lru_cache
 from math import comb, factorial
-from typing import Annotated, ClassVar, Literal
+from typing import ClassVar, Literal
 
 from pydantic import Field
 
@@ -66,10 +66,9 @@ class BoundaryPolynomial(MotionLaw):
     """
 
     kind: Literal["polynomial_5", "polynomial_7"]
-    overshoot: Annotated[
-        bool,
-        Field(description="Allow the follower to move backwards within the segment."),
-    ] = False
+    overshoot: bool = Field(
+        False, description="Allow the follower to move backwards within the segment."
+    )
     inherited_derivatives: ClassVar[int] = 2
     entries: ClassVar = {
         "polynomial_5": LawEntry(

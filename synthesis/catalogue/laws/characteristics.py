@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from functools import lru_cache
-from typing import Annotated
 
 import numpy as np
 from pydantic import Field
@@ -24,11 +23,11 @@ class Characteristics(AnswerModel):
     Cj·hω³/β³. At the ends the law meets a dwell, or its own mirror image where it turns.
     """
 
-    Cv: Annotated[float, Field(description="Largest velocity.")]
-    Ca_max: Annotated[float | None, Field(description="Largest acceleration.")]
-    Ca_min: Annotated[float | None, Field(description="Largest deceleration, negative.")]
-    Cj_max: Annotated[float | None, Field(description="Largest jerk.")]
-    Cj_min: Annotated[float | None, Field(description="Most negative jerk.")]
+    Cv: float = Field(description="Largest velocity.")
+    Ca_max: float | None = Field(description="Largest acceleration.")
+    Ca_min: float | None = Field(description="Largest deceleration, negative.")
+    Cj_max: float | None = Field(description="Largest jerk.")
+    Cj_min: float | None = Field(description="Most negative jerk.")
 
 
 @lru_cache(maxsize=256)

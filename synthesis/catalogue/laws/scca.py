@@ -138,11 +138,9 @@ class GeneralScca(SymmetricLaw):
     """
 
     kind: Literal["scca"] = "scca"
-    b: Annotated[Part, Field(description="Sine part, where the jerk is large: 0 or ≥ 0.001.")] = (
-        0.25
-    )
-    c: Annotated[Part, Field(description="Constant-acceleration part: 0 or ≥ 0.001.")] = 0.5
-    d: Annotated[Part, Field(description="Cosine part around the middle: 0 or ≥ 0.001.")] = 0.25
+    b: Part = Field(0.25, description="Sine part, where the jerk is large: 0 or ≥ 0.001.")
+    c: Part = Field(0.5, description="Constant-acceleration part: 0 or ≥ 0.001.")
+    d: Part = Field(0.25, description="Cosine part around the middle: 0 or ≥ 0.001.")
     inflection: Inflection = 0.5
 
     entries: ClassVar = {

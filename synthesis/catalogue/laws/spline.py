@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Annotated, ClassVar, Literal
+from typing import ClassVar, Literal
 
 from pydantic import Field
 
@@ -19,19 +19,16 @@ class SplineLaw(FiniteModel):
     """
 
     kind: Literal["spline"] = "spline"
-    smoothness: Annotated[
-        Literal[1, 2, 3, 4],
-        Field(
-            description="Number of continuous derivatives. 1: the acceleration may jump, inside "
-            "and at both ends, so that nothing may speak of jerk (quadratic spline); 2: the jerk "
-            "is bounded and may jump (cubic spline, the smallest cam); 3: the jerk is continuous "
-            "(quartic); 4: its slope too (quintic)."
-        ),
-    ] = 2
-    overshoot: Annotated[
-        bool,
-        Field(description="Allow the follower to move backwards within the segment."),
-    ] = False
+    smoothness: Literal[1, 2, 3, 4] = Field(
+        2,
+        description="Number of continuous derivatives. 1: the acceleration may jump, inside "
+        "and at both ends, so that nothing may speak of jerk (quadratic spline); 2: the jerk "
+        "is bounded and may jump (cubic spline, the smallest cam); 3: the jerk is continuous "
+        "(quartic); 4: its slope too (quintic).",
+    )
+    overshoot: bool = Field(
+        False, description="Allow the follower to move backwards within the segment."
+    )
 
     inherited_derivatives: ClassVar[int] = (
         0  # states of neighbours are equality rows, not parameters of the law

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import replace
-from typing import Annotated, Any, ClassVar, Literal
+from typing import Any, ClassVar, Literal
 
 from pydantic import Field
 from pydantic_core import PydanticCustomError
@@ -28,7 +28,7 @@ class OuterRadius(Limit):
 
     kind: Literal["outer_radius"] = "outer_radius"
     title: ClassVar[str] = "Largest radius of the profile"
-    max_mm: Annotated[float, Field(gt=0.0, le=1e9, description="Largest radius of the profile.")]
+    max_mm: float = Field(gt=0.0, le=1e9, description="Largest radius of the profile.")
 
     def check(self, segments: Segments, machine: Machine) -> None:
         alone = machine.follower.without_free_counter()
@@ -111,9 +111,9 @@ class CounterBaseRadius(Limit):
     kind: Literal["counter_base_radius"] = "counter_base_radius"
     title: ClassVar[str] = "Base radius of the counter cam"
     same_on_every_segment: ClassVar[bool] = True
-    min_mm: Annotated[
-        float, Field(ge=0.0, le=1e9, description="Smallest base radius of the counter cam.")
-    ] = 0.0
+    min_mm: float = Field(
+        0.0, ge=0.0, le=1e9, description="Smallest base radius of the counter cam."
+    )
 
     @property
     def bounds_size_below(self) -> bool:

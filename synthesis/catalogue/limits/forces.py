@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from abc import ABC
-from typing import Annotated, Any, ClassVar, Literal
+from typing import Any, ClassVar, Literal
 
 import numpy as np
 from pydantic import Field, model_validator
@@ -79,18 +79,16 @@ class ContactForce(ForceLimit):
 
     kind: Literal["contact_force"] = "contact_force"
     title: ClassVar[str] = "Contact force"
-    max_n: Annotated[
-        float | None, Field(gt=0.0, le=1e12, description="Largest contact force, on every flank.")
-    ] = None
-    min_n: Annotated[
-        float | None,
-        Field(
-            ge=0.0,
-            le=1e12,
-            description="Smallest contact force; 0: the follower never floats. Not of a follower "
-            "that is pushed both ways.",
-        ),
-    ] = None
+    max_n: float | None = Field(
+        None, gt=0.0, le=1e12, description="Largest contact force, on every flank."
+    )
+    min_n: float | None = Field(
+        None,
+        ge=0.0,
+        le=1e12,
+        description="Smallest contact force; 0: the follower never floats. Not of a follower "
+        "that is pushed both ways.",
+    )
 
     @model_validator(mode="after")
     def _limits_something(self) -> ContactForce:
@@ -190,7 +188,7 @@ class CamshaftTorque(ForceLimit):
 
     kind: Literal["camshaft_torque"] = "camshaft_torque"
     title: ClassVar[str] = "Camshaft torque"
-    max_n_m: Annotated[float, Field(gt=0.0, le=1e12, description="Largest |torque|.")]
+    max_n_m: float = Field(gt=0.0, le=1e12, description="Largest |torque|.")
 
     def smooth_constraints(
         self, segment: PlacedSegment, machine: Machine, theta: Array, s: Any, z: Any

@@ -14,7 +14,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass, replace
 from math import sqrt
-from typing import Annotated, Any, ClassVar, Literal
+from typing import Any, ClassVar, Literal
 
 import numpy as np
 from pydantic import Field
@@ -53,7 +53,7 @@ class HertzPressure(ForceLimit):
 
     kind: Literal["hertz_pressure"] = "hertz_pressure"
     title: ClassVar[str] = "Hertz pressure"
-    max_mpa: Annotated[float, Field(gt=0.0, le=1e6, description="Largest contact pressure.")]
+    max_mpa: float = Field(gt=0.0, le=1e6, description="Largest contact pressure.")
 
     @property
     def bounds_size_below(self) -> bool:

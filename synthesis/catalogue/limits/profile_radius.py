@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import replace
-from typing import Annotated, Any, ClassVar, Literal
+from typing import Any, ClassVar, Literal
 
 from pydantic import Field
 
@@ -33,10 +33,9 @@ class ProfileRadius(Limit):
     kind: Literal["profile_radius"] = "profile_radius"
     title: ClassVar[str] = "Smallest convex radius of the profile"
     same_on_every_segment: ClassVar[bool] = True
-    min_mm: Annotated[
-        float,
-        Field(ge=0.0, le=1e6, description="Smallest radius of the convex profile; 0: no undercut."),
-    ] = 0.0
+    min_mm: float = Field(
+        0.0, ge=0.0, le=1e6, description="Smallest radius of the convex profile; 0: no undercut."
+    )
 
     @property
     def bounds_size_below(self) -> bool:
@@ -106,7 +105,7 @@ class CutterRadius(Limit):
     kind: Literal["cutter_radius"] = "cutter_radius"
     title: ClassVar[str] = "Cutter or grinding wheel that must fit every hollow"
     same_on_every_segment: ClassVar[bool] = True
-    radius_mm: Annotated[float, Field(gt=0.0, le=1e9, description="Radius of the cutter.")]
+    radius_mm: float = Field(gt=0.0, le=1e9, description="Radius of the cutter.")
 
     @property
     def bounds_size_below(self) -> bool:
