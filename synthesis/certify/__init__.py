@@ -13,8 +13,8 @@ that the profile is simple. ``second/`` is a second judge in ball arithmetic.
 from __future__ import annotations
 
 from synthesis.certify.certificate import certify
-from synthesis.certify.dimensions import certify_size
 from synthesis.certify.force_report import report_forces
+from synthesis.certify.motion_checks import certify_size
 from synthesis.certify.objectives import measure_objective
 from synthesis.certify.self_intersection import SELF_CROSSING
 from synthesis.numerics.enclosure import Enclosure

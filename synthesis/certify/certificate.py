@@ -9,11 +9,14 @@ from typing import Final
 from synthesis.catalogue.followers.flank import Flank
 from synthesis.catalogue.limits.base import Claim, Limit, Machine, all_claims
 from synthesis.catalogue.motion import Motion
-from synthesis.certify.dimensions import check_follower
-from synthesis.certify.force_quantities import quantity_of
-from synthesis.certify.motion_checks import DERIVATIVES, check_motion
+from synthesis.certify.motion_checks import DERIVATIVES, check_follower, check_motion
 from synthesis.certify.piecewise_motion import Jump, PiecewiseMotion
-from synthesis.certify.quantities import MeasuredCam, infinite_at_corner, infinite_by_jump
+from synthesis.certify.quantities import (
+    MeasuredCam,
+    infinite_at_corner,
+    infinite_by_jump,
+    quantity_of,
+)
 from synthesis.certify.residual_vibration import residual_amplitude
 from synthesis.certify.self_intersection import (
     check_self_intersection,

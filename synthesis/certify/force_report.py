@@ -24,8 +24,7 @@ from synthesis.catalogue.forces.report import (
 )
 from synthesis.catalogue.limits.base import Machine, segment_indices
 from synthesis.catalogue.motion import Motion
-from synthesis.certify.force_quantities import force_quantity
-from synthesis.certify.quantities import MeasuredCam, infinite_by_jump
+from synthesis.certify.quantities import MeasuredCam, force_quantity, infinite_by_jump
 from synthesis.numerics.enclosure import ExtremumQuery
 from synthesis.numerics.maxima import maximise_between
 from synthesis.numerics.piecewise import Array, gauss_points

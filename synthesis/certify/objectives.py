@@ -12,11 +12,17 @@ import numpy as np
 from synthesis.catalogue.followers.base import paths, prime_radius
 from synthesis.catalogue.limits.base import Machine, segment_indices
 from synthesis.catalogue.motion import Motion
-from synthesis.certify.force_quantities import quantity_of
-from synthesis.certify.quantities import QUANTITIES, MeasuredCam, Quantity, Size, infinite_by_jump
+from synthesis.certify.quantities import (
+    QUANTITIES,
+    MeasuredCam,
+    Quantity,
+    Size,
+    infinite_by_jump,
+    quantity_of,
+)
 from synthesis.numerics.enclosure import Enclosure, ExtremumQuery
-from synthesis.numerics.jets import Jets
 from synthesis.numerics.piecewise import Piecewise, gauss_points
+from synthesis.numerics.taylor import Jets
 from synthesis.units import FULL_TURN
 
 Objective = Callable[[MeasuredCam], Enclosure]

@@ -10,9 +10,9 @@ from typing import Final
 import numpy as np
 
 from synthesis.catalogue.motion import Motion, PlacedSegment
-from synthesis.numerics.boxes import Boxes
-from synthesis.numerics.jets import Jets
+from synthesis.numerics.box_search import Boxes
 from synthesis.numerics.piecewise import Array, Indices
+from synthesis.numerics.taylor import Jets
 from synthesis.units import FULL_TURN
 
 HIGHEST_ORDER: Final = 4  # derivative of s up to which continuity is checked

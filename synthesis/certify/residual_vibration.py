@@ -15,7 +15,7 @@ import numpy as np
 
 from synthesis.catalogue.constraints import VibrationBound
 from synthesis.certify.piecewise_motion import PiecewiseMotion
-from synthesis.numerics.boxes import Boxes
+from synthesis.numerics.box_search import Boxes
 from synthesis.numerics.enclosure import Enclosure
 from synthesis.numerics.piecewise import Array
 from synthesis.units import FULL_TURN

@@ -50,8 +50,7 @@ import numpy as np
 
 from synthesis.catalogue.followers.kinematics import Vector2
 from synthesis.certify.piecewise_motion import PiecewiseMotion
-from synthesis.numerics.box_search import BoxSearch, Budget
-from synthesis.numerics.boxes import Boxes
+from synthesis.numerics.box_search import Boxes, BoxSearch, Budget
 from synthesis.numerics.piecewise import Array, Indices, Mask
 from synthesis.numerics.taylor import ROUNDING, Taylor
 from synthesis.units import FULL_TURN

@@ -13,9 +13,8 @@ from typing import Final
 
 import numpy as np
 
-from synthesis.numerics.box_search import BoxSearch, Budget
-from synthesis.numerics.boxes import Boxes
-from synthesis.numerics.extremum_search import locate_extrema
+from synthesis.numerics.box_search import Boxes, BoxSearch, Budget
+from synthesis.numerics.maxima import locate_extrema
 from synthesis.numerics.piecewise import Array, Indices, Mask
 from synthesis.numerics.taylor import Taylor
 

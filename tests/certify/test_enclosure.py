@@ -8,9 +8,8 @@ import numpy as np
 import pytest
 
 from synthesis.numerics.enclosure import MOST_BOXES, ExtremumQuery, enclose
-from synthesis.numerics.jets import Jets
 from synthesis.numerics.piecewise import Piecewise
-from synthesis.numerics.taylor import Taylor
+from synthesis.numerics.taylor import Jets, Taylor
 
 
 def wave(frequency: float, phase: float = 0.3):

@@ -25,7 +25,7 @@ from synthesis.certify.roller_interference import (
     _Pairs,
     _Search,
 )
-from synthesis.numerics.boxes import Boxes
+from synthesis.numerics.box_search import Boxes
 from synthesis.numerics.piecewise import Piecewise
 from tests.certify.cams import Cam, motion_of, spline
 

@@ -8,8 +8,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from synthesis.numerics.jets import Jets
 from synthesis.numerics.piecewise import Piecewise
+from synthesis.numerics.taylor import Jets
 from tests.certify.cams import laws
 from tests.forty_digits import cos, sin
 

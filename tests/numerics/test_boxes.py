@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
-from synthesis.numerics.boxes import Boxes
-from synthesis.numerics.extremum_search import locate_extrema
+from synthesis.numerics.box_search import Boxes
+from synthesis.numerics.maxima import locate_extrema
 
 RNG = np.random.default_rng(8)
 

@@ -12,11 +12,15 @@ from flint import arb, arb_series
 
 from synthesis.catalogue.followers.link import Link
 from synthesis.catalogue.limits.base import Claim, Machine
-from synthesis.certify.second.ball_arithmetic import coefficient, degree, hull
-from synthesis.certify.second.exact_motion import ExactMotion, MotionPiece
-from synthesis.certify.second.force_quantities import FORCES, ExactLoad
+from synthesis.certify.second.exact_motion import (
+    ExactMotion,
+    MotionPiece,
+    coefficient,
+    degree,
+    hull,
+)
 from synthesis.certify.second.maximum import Maximum, Span, enclose_maximum
-from synthesis.certify.second.quantities import QUANTITIES, LinkState
+from synthesis.certify.second.quantities import FORCES, QUANTITIES, ExactLoad, LinkState
 from synthesis.design.design import Design, Extreme
 
 VALUE_ROUNDING: Final = 16.0 * 2.0**-53  # relative, of a certificate's value in wire units

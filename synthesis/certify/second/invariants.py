@@ -9,14 +9,13 @@ from typing import Final
 from flint import arb
 
 from synthesis.catalogue.followers.base import base_gap, paths
-from synthesis.certify.second.ball_arithmetic import coefficient, degree, hull
 from synthesis.certify.second.exact_design import (
     NOT_MEASURED,
     ExactDesign,
     Measurement,
     satisfies,
 )
-from synthesis.certify.second.exact_motion import MotionPiece, jump
+from synthesis.certify.second.exact_motion import MotionPiece, coefficient, degree, hull, jump
 from synthesis.design.design import Extreme
 from synthesis.units import DEGREE
 

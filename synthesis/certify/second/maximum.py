@@ -17,8 +17,7 @@ from typing import Final
 
 from flint import arb, arb_series
 
-from synthesis.certify.second.ball_arithmetic import coefficient, hull
-from synthesis.certify.second.exact_motion import MotionPiece
+from synthesis.certify.second.exact_motion import MotionPiece, coefficient, hull
 
 SUFFICIENT_WIDTH: Final = arb("1e-25")  # of the enclosure, relative to the largest value met
 MAX_INTERVALS: Final = 20_000

@@ -8,12 +8,10 @@ from flint import arb
 
 from synthesis.catalogue.limits.base import Claim, all_claims
 from synthesis.certify.second import Confirmation, Remeasured, Verdict
-from synthesis.certify.second.ball_arithmetic import BITS, ball_precision, degree
-from synthesis.certify.second.claims import measure_claim
+from synthesis.certify.second.claims import measure_claim, measure_residual_vibration
 from synthesis.certify.second.exact_design import DIGITS, ExactDesign, Measurement
-from synthesis.certify.second.exact_motion import ExactMotion
+from synthesis.certify.second.exact_motion import BITS, ExactMotion, ball_precision, degree
 from synthesis.certify.second.invariants import measure_invariant
-from synthesis.certify.second.residual_vibration import measure_residual_vibration
 from synthesis.certify.second.self_intersection import measure_self_intersection
 from synthesis.design.design import Design, Extreme
 from synthesis.errors import InputError

@@ -18,9 +18,8 @@ from flint import arb, arb_series
 
 from synthesis.catalogue.followers.flank import Flank
 from synthesis.catalogue.followers.link import Tip
-from synthesis.certify.second.ball_arithmetic import SeriesVector, coefficient, hull
 from synthesis.certify.second.exact_design import NOT_MEASURED, ExactDesign, Measurement
-from synthesis.certify.second.exact_motion import MotionPiece
+from synthesis.certify.second.exact_motion import MotionPiece, SeriesVector, coefficient, hull
 from synthesis.certify.second.quantities import LinkState, TipContact, cam_rate, cross, dot
 from synthesis.design.design import Extreme
 from synthesis.numerics.box_search import BoxSearch, Budget

@@ -7,8 +7,7 @@ import pytest
 
 from synthesis.catalogue.forces.history import history
 from synthesis.certify import report_forces
-from synthesis.certify.force_quantities import force_quantity
-from synthesis.certify.quantities import MeasuredCam
+from synthesis.certify.quantities import MeasuredCam, force_quantity
 from synthesis.studies.analyse import given_cam
 from tests.catalogue.followers.samples import CASES, LIFTS
 from tests.catalogue.forces.loads import edged, load_of, loaded

@@ -30,9 +30,8 @@ from synthesis.machines.spatial.cam import SpatialCam
 from synthesis.machines.spatial.measuring.patches import Patch
 from synthesis.machines.spatial.measuring.quantities import Extremum
 from synthesis.numerics.box_search import BoxSearch, Budget
-from synthesis.numerics.jets import Jets
 from synthesis.numerics.piecewise import Array
-from synthesis.numerics.taylor import Taylor
+from synthesis.numerics.taylor import Jets, Taylor
 
 Vector = tuple[Any, Any, Any]
 Prover = Callable[["Models", Extremum, float | None], Extremum]
