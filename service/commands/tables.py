@@ -9,9 +9,9 @@ from rich.box import SIMPLE_HEAD
 from rich.table import Table
 
 if TYPE_CHECKING:
-    from synthesis.catalogue.forces.report import ForcePeak, Forces
     from synthesis.certify.second import Confirmation
     from synthesis.design.analysis import Analysis, Peak, Remedy
+    from synthesis.design.design import ForcePeak, Forces
     from synthesis.machines.dynamics import TrainResponse
     from synthesis.machines.spatial.design import SpatialDesign
     from synthesis.studies.measured import ProfileAnalysis

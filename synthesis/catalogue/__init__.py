@@ -1,10 +1,10 @@
-"""Catalogue: what a cam mechanism can be made of, one thing a file and one line to add it.
+"""Catalogue: what a cam mechanism can be made of; a new thing is a class and its name in a list.
 
     laws        normalised motion laws g(x)             limits      quantities that have a bound
     followers   mechanisms, their kinematics and size   objectives  quantities that are minimised
     forces      loads, springs, friction, contact
 
-Each has a registry in its ``__init__``, and conformance tests that run over the registry. What goes
+Each has a registry (``AnyLaw``, ``AnyLimit``, …), and conformance tests that run over the registry. What goes
 in are parts of a spec, as pydantic models; what comes out are the constraints of the optimiser, the
 bounds that the certificate has to show, and formulas for numbers, symbols and enclosures alike.
 ``constraints`` holds the kinds of constraints, ``motion`` the displacement over one turn,

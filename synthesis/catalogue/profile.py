@@ -9,7 +9,7 @@ import numpy as np
 from synthesis.catalogue.constraints import Vector
 from synthesis.catalogue.fields import Rotation
 from synthesis.catalogue.followers.base import Follower
-from synthesis.catalogue.followers.flank import Flank
+from synthesis.catalogue.followers.kinematics import Flank
 from synthesis.catalogue.motion import Motion
 from synthesis.numerics.geometry.plane import to_cam
 from synthesis.numerics.piecewise import Array, Side

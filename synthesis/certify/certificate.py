@@ -6,7 +6,7 @@ import math
 from collections.abc import Sequence
 from typing import Final
 
-from synthesis.catalogue.followers.flank import Flank
+from synthesis.catalogue.followers.kinematics import Flank
 from synthesis.catalogue.limits.base import Claim, Limit, Machine, all_claims
 from synthesis.catalogue.motion import Motion
 from synthesis.certify.motion_checks import DERIVATIVES, check_follower, check_motion

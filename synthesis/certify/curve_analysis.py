@@ -11,8 +11,12 @@ from typing import Final, get_args
 import numpy as np
 
 from synthesis.catalogue.followers.base import paths, prime_radius
-from synthesis.catalogue.followers.flank import Flank, labelled, profile_radius_measure
-from synthesis.catalogue.followers.kinematics import TracePoint
+from synthesis.catalogue.followers.kinematics import (
+    Flank,
+    TracePoint,
+    labelled,
+    profile_radius_measure,
+)
 from synthesis.catalogue.limits.base import scaling, segment_indices
 from synthesis.certify.motion_checks import DERIVATIVES
 from synthesis.certify.piecewise_motion import ANGLE_ROUNDING
@@ -201,7 +205,7 @@ class CurveAnalysis:
         """The smallest convex and the smallest concave radius of every flank of a path.
 
         A flank at the signed distance D from the traced curve has the radius ρ − D where it is
-        convex, ρ + D where it is concave (see ``catalogue/followers/flank.py``).
+        convex, ρ + D where it is concave (see ``catalogue/followers/kinematics.py``).
         """
         for flank in self.cam.machine.follower.flanks:
             if flank.path != path:

@@ -11,10 +11,12 @@ from typing import Final
 import numpy as np
 from scipy.optimize import brentq
 
-from synthesis.catalogue.followers.flank import Flank
-from synthesis.catalogue.forces.history import ForceHistory, history
-from synthesis.catalogue.forces.reduced import MILLI, ReducedLoad
-from synthesis.catalogue.forces.report import (
+from synthesis.catalogue.followers.kinematics import Flank
+from synthesis.catalogue.forces.reduced import MILLI, ForceHistory, ReducedLoad, history
+from synthesis.catalogue.limits.base import Machine, segment_indices
+from synthesis.catalogue.motion import Motion
+from synthesis.certify.quantities import MeasuredCam, force_quantity, infinite_by_jump
+from synthesis.design.design import (
     FlankForces,
     FloatArc,
     ForcePeak,
@@ -22,9 +24,6 @@ from synthesis.catalogue.forces.report import (
     RollerLife,
     Torque,
 )
-from synthesis.catalogue.limits.base import Machine, segment_indices
-from synthesis.catalogue.motion import Motion
-from synthesis.certify.quantities import MeasuredCam, force_quantity, infinite_by_jump
 from synthesis.numerics.enclosure import ExtremumQuery
 from synthesis.numerics.maxima import maximise_between
 from synthesis.numerics.piecewise import Array, gauss_points

@@ -13,12 +13,11 @@ from typing import Final
 
 import numpy as np
 
+from synthesis.catalogue.fields import ends
 from synthesis.catalogue.followers import Follower
 from synthesis.catalogue.followers.base import paths, prime_radius
-from synthesis.catalogue.followers.flank import labelled
-from synthesis.catalogue.followers.kinematics import TracePoint
+from synthesis.catalogue.followers.kinematics import TracePoint, labelled
 from synthesis.catalogue.limits.base import Machine
-from synthesis.catalogue.ranges import ends
 from synthesis.certify.piecewise_motion import (
     HIGHEST_ORDER,
     JUNCTION_TOLERANCE,

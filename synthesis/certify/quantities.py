@@ -17,8 +17,7 @@ from typing import Any, Final
 import numpy as np
 
 from synthesis.catalogue.followers.base import flat_face, paths, prime_radius
-from synthesis.catalogue.followers.flank import Flank
-from synthesis.catalogue.followers.kinematics import TracePoint, Vector2
+from synthesis.catalogue.followers.kinematics import Flank, TracePoint, Vector2
 from synthesis.catalogue.forces.reduced import (
     ContactState,
     face_pressure_square,

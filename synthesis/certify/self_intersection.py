@@ -24,7 +24,7 @@ from typing import Final
 
 import numpy as np
 
-from synthesis.catalogue.followers.flank import Flank, labelled
+from synthesis.catalogue.followers.kinematics import Flank, labelled
 from synthesis.certify.quantities import MeasuredCam, Subject, tangent_clearance
 from synthesis.certify.roller_interference import NearestPair, OffsetProfile, nearest_far_pair
 from synthesis.design.design import Extreme

@@ -7,8 +7,7 @@ from typing import Literal
 from pydantic import Field
 
 from synthesis.catalogue.fields import AnswerModel, doc
-from synthesis.catalogue.forces.report import Forces
-from synthesis.design.design import Extreme, Relaxation, Status
+from synthesis.design.design import Extreme, Forces, Relaxation, Status
 from synthesis.spec.design_spec import DesignSpec
 
 Over = Literal["turn", "rise", "dwell", "return"]

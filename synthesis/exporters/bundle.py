@@ -25,7 +25,7 @@ from dataclasses import dataclass, field, replace
 from typing import Any, cast
 from zipfile import ZIP_DEFLATED, ZipFile, ZipInfo
 
-from synthesis.catalogue.followers.flank import labelled
+from synthesis.catalogue.followers.kinematics import labelled
 from synthesis.design.cam_set import CamSet, MountedCam
 from synthesis.errors import InputError
 from synthesis.exporters import MOTION_FORMATS, PROFILE_FORMATS

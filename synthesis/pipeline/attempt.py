@@ -9,7 +9,7 @@ from __future__ import annotations
 from dataclasses import dataclass, field, replace
 from math import inf
 
-from synthesis.catalogue.ranges import Range
+from synthesis.catalogue.fields import Range
 from synthesis.certify import SELF_CROSSING
 from synthesis.design.design import Extreme, StageReport
 from synthesis.numerics import clock

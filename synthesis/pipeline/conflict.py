@@ -17,10 +17,8 @@ from collections.abc import Collection, Iterator, Sequence
 from dataclasses import dataclass, field
 from math import inf, sqrt
 
-from synthesis.catalogue.objectives import Objective
-from synthesis.catalogue.objectives.base_radius import BaseRadius
-from synthesis.catalogue.objectives.derivatives import PeakAcceleration, PeakJerk
-from synthesis.catalogue.ranges import ends
+from synthesis.catalogue.fields import ends
+from synthesis.catalogue.objectives import BaseRadius, Objective, PeakAcceleration, PeakJerk
 from synthesis.certify import certify
 from synthesis.design.design import Conflict, Relaxation
 from synthesis.numerics import clock

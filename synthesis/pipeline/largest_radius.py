@@ -19,10 +19,9 @@ from dataclasses import dataclass, replace
 from math import inf
 
 from synthesis.catalogue.constraints import enlarged
+from synthesis.catalogue.fields import Range, ends
 from synthesis.catalogue.followers import AnyFollower
-from synthesis.catalogue.objectives.base_radius import BaseRadius
-from synthesis.catalogue.objectives.derivatives import PeakAcceleration
-from synthesis.catalogue.ranges import Range, ends
+from synthesis.catalogue.objectives import BaseRadius, PeakAcceleration
 from synthesis.certify import certify_size
 from synthesis.design.design import StageReport
 from synthesis.numerics import clock

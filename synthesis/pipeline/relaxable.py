@@ -13,9 +13,9 @@ from typing import Any
 
 from pydantic import BaseModel
 
+from synthesis.catalogue.fields import Range, ends, without_end
 from synthesis.catalogue.followers import Follower
 from synthesis.catalogue.limits import Claim, Limit
-from synthesis.catalogue.ranges import Range, ends, without_end
 from synthesis.spec.design_spec import DesignSpec
 from synthesis.spec.program import Return, Rise, Segment
 

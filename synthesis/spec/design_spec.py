@@ -11,7 +11,7 @@ from typing import Annotated, Any, Literal, Self
 from pydantic import BaseModel, ConfigDict, Field, model_validator
 from pydantic_core import PydanticCustomError
 
-from synthesis.catalogue.fields import CamRotation, CamSpeed, Name
+from synthesis.catalogue.fields import CamRotation, CamSpeed, Dimension, Name, Range, ends
 from synthesis.catalogue.followers import AnyFollower
 from synthesis.catalogue.followers.closures import Closure
 from synthesis.catalogue.forces import AnyLoad
@@ -19,9 +19,7 @@ from synthesis.catalogue.limits import AnyLimit, Limit, Machine
 from synthesis.catalogue.limits.cam_radii import CounterBaseRadius
 from synthesis.catalogue.limits.profile_radius import ProfileRadius
 from synthesis.catalogue.motion import PlacedSegment, Segments
-from synthesis.catalogue.objectives import AnyObjective
-from synthesis.catalogue.objectives.base_radius import BaseRadius
-from synthesis.catalogue.ranges import Dimension, Range, ends
+from synthesis.catalogue.objectives import AnyObjective, BaseRadius
 from synthesis.spec.free_parameters import FreeParameters, ProgramAndFollower
 from synthesis.spec.program import Segment
 from synthesis.spec.schedule import angles_of, check_turn, check_units, placed

@@ -10,8 +10,8 @@ from functools import cached_property
 import numpy as np
 from pydantic_core import PydanticCustomError
 
+from synthesis.catalogue.fields import Range, ends
 from synthesis.catalogue.followers import AnyFollower
-from synthesis.catalogue.ranges import Range, ends
 from synthesis.numerics.piecewise import Array
 from synthesis.numerics.polytope import Polytope
 from synthesis.spec.program import Segment

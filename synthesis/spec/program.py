@@ -8,10 +8,10 @@ from typing import Annotated, ClassVar, Literal, Self
 from pydantic import Field, model_validator
 from pydantic_core import PydanticCustomError
 
+from synthesis.catalogue.fields import Angle, DwellAngle, Lift, Range, Swing, ends
 from synthesis.catalogue.laws import AnyLaw, SplineLaw
-from synthesis.catalogue.limits.segment_bound import SegmentBound
+from synthesis.catalogue.limits.motion import SegmentBound
 from synthesis.catalogue.motion import EndState, PlacedSegment
-from synthesis.catalogue.ranges import Angle, DwellAngle, Lift, Range, Swing, ends
 from synthesis.numerics.piecewise import Piecewise
 from synthesis.spec.motion_constraints import MOST, MotionConstraints, Point, Window
 from synthesis.spec.segment import SegmentSpec, State, signed, with_states

@@ -16,7 +16,7 @@ from typing import Any
 
 from pydantic_core import PydanticCustomError
 
-from synthesis.catalogue.laws.characteristics import extremes
+from synthesis.catalogue.laws.base import extremes
 from synthesis.catalogue.motion import ANY_STATE, EndState, PlacedSegment
 from synthesis.numerics.piecewise import Piecewise
 from synthesis.spec.program import Segment

@@ -10,10 +10,9 @@ from typing import TYPE_CHECKING, Any, Literal, Self
 from pydantic import Field
 from pydantic_core import PydanticCustomError
 
-from synthesis.catalogue.fields import FiniteModel
-from synthesis.catalogue.limits.segment_bound import SegmentBound
+from synthesis.catalogue.fields import AngleRange, FiniteModel, Range, ends
+from synthesis.catalogue.limits.motion import SegmentBound
 from synthesis.catalogue.motion import ANY_STATE, EndState, PlacedSegment, SegmentKind
-from synthesis.catalogue.ranges import AngleRange, Range, ends
 from synthesis.units import CORE_UNITS, MotionUnits
 
 TravelUnit = Literal["mm", "deg"]

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from typing import Literal
 
-from synthesis.catalogue.objectives.base_radius import BaseRadius
+from synthesis.catalogue.objectives import BaseRadius
 from synthesis.certify import report_forces
 from synthesis.certify.curve_analysis import CurveAnalysis
 from synthesis.certify.quantities import MeasuredCam

@@ -10,7 +10,7 @@ import pytest
 from synthesis.catalogue.followers import OscillatingRoller
 from synthesis.catalogue.laws import LAWS
 from synthesis.catalogue.limits import LIMITS, Machine
-from synthesis.catalogue.objectives.base_radius import BaseRadius
+from synthesis.catalogue.objectives import BaseRadius
 from synthesis.certify import certify, certify_size, measure_objective
 from synthesis.spec.design_spec import DesignSpec
 from tests.catalogue.followers.samples import spec

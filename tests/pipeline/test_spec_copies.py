@@ -5,7 +5,7 @@ from __future__ import annotations
 from functools import cached_property
 
 from synthesis import DesignSpec, synthesise
-from synthesis.catalogue.ranges import Range
+from synthesis.catalogue.fields import Range
 from synthesis.spec.design_spec import DERIVED
 from tests.hard.cases import ANGLES, jerk, scene
 

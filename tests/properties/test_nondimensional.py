@@ -17,8 +17,8 @@ import numpy as np
 import pytest
 
 from synthesis import Design, DesignSpec, synthesise
+from synthesis.catalogue.fields import ends
 from synthesis.catalogue.objectives import OBJECTIVES
-from synthesis.catalogue.ranges import ends
 from synthesis.optimise.problem.nondimensional import DIMENSIONS, NondimensionalSpec, unit_of
 from synthesis.units import FIELD_SUFFIXES, MILLIMETRES, Travel
 from tests.catalogue.followers.samples import CASES, LIFTS, spec

@@ -21,13 +21,10 @@ from synthesis.catalogue.constraints import (
     SizeDomain,
     Vector,
 )
-from synthesis.catalogue.fields import FiniteModel
+from synthesis.catalogue.fields import FiniteModel, Range
 from synthesis.catalogue.followers.closures import SINGLE_FLANK, Closure
-from synthesis.catalogue.followers.flank import Flank, MeasuredBound
-from synthesis.catalogue.followers.kinematics import TracePoint, Vector2
-from synthesis.catalogue.followers.link import Link
+from synthesis.catalogue.followers.kinematics import Flank, Link, MeasuredBound, TracePoint, Vector2
 from synthesis.catalogue.motion import Motion, Segments
-from synthesis.catalogue.ranges import Range
 from synthesis.errors import InputError
 from synthesis.units import MILLIMETRES, Travel
 

@@ -15,12 +15,9 @@ from pydantic import Field
 from pydantic_core import PydanticCustomError
 
 from synthesis.catalogue.constraints import Ends, Vector
-from synthesis.catalogue.fields import FiniteModel
-from synthesis.catalogue.followers.flank import Flank
-from synthesis.catalogue.followers.kinematics import TracePoint, Vector2
-from synthesis.catalogue.followers.link import Tip
+from synthesis.catalogue.fields import FiniteModel, Range
+from synthesis.catalogue.followers.kinematics import Flank, Tip, TracePoint, Vector2
 from synthesis.catalogue.motion import Motion
-from synthesis.catalogue.ranges import Range
 
 Rim = Annotated[
     float,

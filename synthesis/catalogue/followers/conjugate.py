@@ -25,14 +25,12 @@ import numpy as np
 from pydantic import Field
 
 from synthesis.catalogue.constraints import AffineNorm, Ends, LinearInequality, PressureTerm, Vector
+from synthesis.catalogue.fields import Dimension, Range, ends
 from synthesis.catalogue.followers.closures import Closure, Force, Groove
 from synthesis.catalogue.followers.curvature_bound import CurvatureBound
-from synthesis.catalogue.followers.flank import Flank
-from synthesis.catalogue.followers.kinematics import TracePoint, Vector2
-from synthesis.catalogue.followers.link import Tip
+from synthesis.catalogue.followers.kinematics import Flank, Tip, TracePoint, Vector2
 from synthesis.catalogue.followers.pivot import PivotedFollower
 from synthesis.catalogue.motion import Motion
-from synthesis.catalogue.ranges import Dimension, Range, ends
 from synthesis.units import DEGREE
 
 FARTHEST = 1e4  # strokes: upper end of the search for the distance; no machine is so long

@@ -40,9 +40,9 @@ from synthesis.catalogue.constraints import (
     SizeDomain,
     Vector,
 )
+from synthesis.catalogue.fields import Range, ends
 from synthesis.catalogue.followers.base import FlatFaceFollower
-from synthesis.catalogue.followers.kinematics import Vector2
-from synthesis.catalogue.followers.link import Face, Link
+from synthesis.catalogue.followers.kinematics import Face, Link, Vector2
 from synthesis.catalogue.followers.pivot import PivotDirection, PivotedFollower, PivotSense
 from synthesis.catalogue.followers.swinging_face import (
     RIGHT_ANGLE,
@@ -50,7 +50,6 @@ from synthesis.catalogue.followers.swinging_face import (
     SwingingFaceConstraint,
 )
 from synthesis.catalogue.motion import Motion, Segments
-from synthesis.catalogue.ranges import Range, ends
 from synthesis.numerics.maxima import maximise, maximise_formula
 from synthesis.numerics.piecewise import Array
 from synthesis.units import DEGREE

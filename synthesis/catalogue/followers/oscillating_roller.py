@@ -32,6 +32,7 @@ from synthesis.catalogue.constraints import (
     SizeDomain,
     Vector,
 )
+from synthesis.catalogue.fields import ArmLength, Dimension, Range, ends
 from synthesis.catalogue.followers.arm_pressure_angle import (
     FixedPivotPressureAngle,
     FreePivotPressureAngle,
@@ -45,12 +46,9 @@ from synthesis.catalogue.followers.base import (
 )
 from synthesis.catalogue.followers.closures import Force
 from synthesis.catalogue.followers.conjugate import ArmClosure
-from synthesis.catalogue.followers.flank import edge_offset
-from synthesis.catalogue.followers.kinematics import TracePoint, Vector2
-from synthesis.catalogue.followers.link import Link
+from synthesis.catalogue.followers.kinematics import Link, TracePoint, Vector2, edge_offset
 from synthesis.catalogue.followers.pivot import PivotDirection, PivotedFollower, PivotSense
 from synthesis.catalogue.motion import Motion, Segments
-from synthesis.catalogue.ranges import ArmLength, Dimension, Range, ends
 from synthesis.numerics.geometry.plane import enclosed_angle, third_side
 from synthesis.numerics.maxima import maximise
 from synthesis.units import DEGREE

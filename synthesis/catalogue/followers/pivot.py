@@ -16,10 +16,9 @@ import numpy as np
 from pydantic import Field
 
 from synthesis.catalogue.constraints import Vector
+from synthesis.catalogue.fields import Range, ends
 from synthesis.catalogue.followers.base import Follower
-from synthesis.catalogue.followers.flank import MeasuredBound
-from synthesis.catalogue.followers.kinematics import TracePoint, Vector2
-from synthesis.catalogue.ranges import Range, ends
+from synthesis.catalogue.followers.kinematics import MeasuredBound, TracePoint, Vector2
 from synthesis.units import DEGREE, Travel
 
 PivotSense = Literal["opposite", "same"]

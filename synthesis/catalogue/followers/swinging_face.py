@@ -25,7 +25,7 @@ from synthesis.catalogue.constraints import (
     PointInequalities,
     Vector,
 )
-from synthesis.catalogue.followers.cosine_planes import max_of_cosine_minus_line
+from synthesis.catalogue.followers.arm_pressure_angle import max_of_cosine_minus_line
 from synthesis.numerics.piecewise import Array
 
 RIGHT_ANGLE = 0.5 * math.pi

@@ -29,8 +29,7 @@ from pydantic_core import PydanticCustomError
 
 from synthesis.catalogue.constraints import AffineNorm, Ends, LinearInequality, SizeDomain, Vector
 from synthesis.catalogue.followers.base import FlatFaceFollower
-from synthesis.catalogue.followers.kinematics import Vector2
-from synthesis.catalogue.followers.link import Face, Link
+from synthesis.catalogue.followers.kinematics import Face, Link, Vector2
 from synthesis.catalogue.motion import Motion
 from synthesis.numerics.maxima import maximise
 from synthesis.units import DEGREE

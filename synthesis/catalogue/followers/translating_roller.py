@@ -25,14 +25,13 @@ from synthesis.catalogue.constraints import (
     SlideCoordinates,
     Vector,
 )
+from synthesis.catalogue.fields import Dimension, Range, ends
 from synthesis.catalogue.followers.base import RollerFollower, base_gap
 from synthesis.catalogue.followers.closures import Force
 from synthesis.catalogue.followers.conjugate import SlideClosure
 from synthesis.catalogue.followers.curvature_bound import CurvatureBound
-from synthesis.catalogue.followers.kinematics import Vector2
-from synthesis.catalogue.followers.link import Link
+from synthesis.catalogue.followers.kinematics import Link, Vector2
 from synthesis.catalogue.motion import Motion, Segments
-from synthesis.catalogue.ranges import Dimension, Range, ends
 
 ROLLER = SlideCoordinates(
     1, (0.0, 0.0, 0.0), ((0.0, 1.0), (-1.0, 0.0), (1.0, 0.0))

@@ -11,8 +11,7 @@ from typing import Annotated, Any
 from pydantic import Field, ValidationInfo, field_validator
 from pydantic_core import PydanticCustomError
 
-from synthesis.catalogue.fields import FiniteModel
-from synthesis.catalogue.ranges import Range, ends
+from synthesis.catalogue.fields import FiniteModel, Range, ends
 from synthesis.numerics.piecewise import Piecewise
 from synthesis.units import DEGREE, FULL_TURN
 

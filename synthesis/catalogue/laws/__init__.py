@@ -14,12 +14,22 @@ from typing import Annotated, get_args
 
 from pydantic import Field
 
-from synthesis.catalogue.laws.base import TASKS, EndKinds, MotionLaw
+from synthesis.catalogue.laws.base import (
+    TASKS,
+    Characteristics,
+    EndKinds,
+    MotionLaw,
+    characteristics,
+)
 from synthesis.catalogue.laws.boundary_polynomial import BoundaryPolynomial
-from synthesis.catalogue.laws.characteristics import Characteristics, characteristics
 from synthesis.catalogue.laws.dwell_turn import DwellTurn
-from synthesis.catalogue.laws.rest_to_rest import ConstantVelocity, HarmonicSeries, Polynomial
-from synthesis.catalogue.laws.scca import GeneralScca, Scca
+from synthesis.catalogue.laws.rest_to_rest import (
+    ConstantVelocity,
+    GeneralScca,
+    HarmonicSeries,
+    Polynomial,
+    Scca,
+)
 from synthesis.catalogue.laws.spline import SplineLaw
 
 AnyLaw = Annotated[

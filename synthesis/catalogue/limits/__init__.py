@@ -1,4 +1,4 @@
-"""Limits: what may not be exceeded, one a file. A new one is a file and its name in ``AnyLimit``.
+"""Limits: what may not be exceeded. A new one is a class and its name in ``AnyLimit``.
 
 A limit states the bounds that the certificate has to show, and the constraints that the optimiser
 can use for them. Open ``base`` first: its head says how the forms of a limit agree. The conformance
@@ -13,13 +13,12 @@ from pydantic import Field
 
 from synthesis.catalogue.limits.base import Claim, Limit, Machine
 from synthesis.catalogue.limits.cam_radii import CounterBaseRadius, OuterRadius
-from synthesis.catalogue.limits.derivatives import Acceleration, Jerk, Velocity
 from synthesis.catalogue.limits.face_width import FaceWidth
 from synthesis.catalogue.limits.forces import CamshaftTorque, ContactForce
 from synthesis.catalogue.limits.hertz_pressure import HertzPressure
+from synthesis.catalogue.limits.motion import Acceleration, Jerk, ResidualVibration, Velocity
 from synthesis.catalogue.limits.pressure_angle import PressureAngle
 from synthesis.catalogue.limits.profile_radius import CutterRadius, ProfileRadius
-from synthesis.catalogue.limits.residual_vibration import ResidualVibration
 
 AnyLimit = Annotated[
     PressureAngle

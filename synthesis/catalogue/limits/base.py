@@ -27,7 +27,7 @@ from synthesis.catalogue.constraints import (
 from synthesis.catalogue.fields import FiniteModel
 from synthesis.catalogue.followers.base import Follower
 from synthesis.catalogue.followers.curvature_bound import CurvatureBound
-from synthesis.catalogue.followers.flank import labelled
+from synthesis.catalogue.followers.kinematics import labelled
 from synthesis.catalogue.forces import ReducedLoad
 from synthesis.catalogue.motion import PlacedSegment, Segments
 from synthesis.numerics.piecewise import Array

@@ -11,8 +11,7 @@ from pydantic_core import PydanticCustomError
 
 from synthesis.catalogue.constraints import LinearInequality, NonconvexConstraint, NormBounds
 from synthesis.catalogue.followers.base import Follower, paths
-from synthesis.catalogue.followers.flank import Flank, edge_offset, labelled
-from synthesis.catalogue.followers.kinematics import TracePoint
+from synthesis.catalogue.followers.kinematics import Flank, TracePoint, edge_offset, labelled
 from synthesis.catalogue.limits.base import Claim, Limit, Machine, shifting
 from synthesis.catalogue.motion import PlacedSegment, Segments
 from synthesis.numerics.piecewise import Array

@@ -10,8 +10,12 @@ from pydantic import Field, model_validator
 from pydantic_core import PydanticCustomError
 
 from synthesis.catalogue.constraints import LinearInequality
-from synthesis.catalogue.followers.flank import Flank, labelled
-from synthesis.catalogue.followers.kinematics import TracePoint, pressure_angle_sine_cosine
+from synthesis.catalogue.followers.kinematics import (
+    Flank,
+    TracePoint,
+    labelled,
+    pressure_angle_sine_cosine,
+)
 from synthesis.catalogue.forces import ReducedLoad
 from synthesis.catalogue.forces.reduced import MILLI
 from synthesis.catalogue.limits.base import Claim, Limit, Machine, scaling

@@ -22,8 +22,7 @@ from pydantic_core import PydanticCustomError
 
 from synthesis.catalogue.constraints import LinearInequality, MotionBox, PressureTerm
 from synthesis.catalogue.followers.curvature_bound import CurvatureBound
-from synthesis.catalogue.followers.flank import Flank, labelled
-from synthesis.catalogue.followers.kinematics import pressure_angle_sine_cosine
+from synthesis.catalogue.followers.kinematics import Flank, labelled, pressure_angle_sine_cosine
 from synthesis.catalogue.limits.base import Claim, Machine
 from synthesis.catalogue.limits.forces import (
     SMALL,

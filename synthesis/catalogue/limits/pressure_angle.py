@@ -11,8 +11,7 @@ from pydantic_core import PydanticCustomError
 
 from synthesis.catalogue.constraints import LinearInequality, NonconvexConstraint
 from synthesis.catalogue.followers.base import paths
-from synthesis.catalogue.followers.flank import labelled
-from synthesis.catalogue.followers.kinematics import pressure_angle_sine_cosine
+from synthesis.catalogue.followers.kinematics import labelled, pressure_angle_sine_cosine
 from synthesis.catalogue.limits.base import Claim, Limit, Machine, scaling, segment_indices
 from synthesis.catalogue.motion import PlacedSegment, Segments, Sense
 from synthesis.numerics.piecewise import Array

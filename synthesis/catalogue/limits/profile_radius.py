@@ -10,7 +10,7 @@ from pydantic import Field
 
 from synthesis.catalogue.constraints import LinearInequality, NonconvexConstraint
 from synthesis.catalogue.followers.curvature_bound import CurvatureBound
-from synthesis.catalogue.followers.flank import (
+from synthesis.catalogue.followers.kinematics import (
     Flank,
     curvature_measure,
     labelled,

@@ -10,7 +10,7 @@ from typing import Final
 
 from flint import arb, arb_series
 
-from synthesis.catalogue.followers.link import Link
+from synthesis.catalogue.followers.kinematics import Link
 from synthesis.catalogue.limits.base import Claim, Machine
 from synthesis.certify.second.exact_motion import (
     ExactMotion,

@@ -21,9 +21,7 @@ from typing import Any
 
 from flint import arb, arb_series
 
-from synthesis.catalogue.followers.flank import Flank
-from synthesis.catalogue.followers.kinematics import Vector2
-from synthesis.catalogue.followers.link import Face, Link, Tip
+from synthesis.catalogue.followers.kinematics import Face, Flank, Link, Tip, Vector2
 from synthesis.catalogue.forces.load import WireLoad
 from synthesis.certify.second.exact_motion import MotionPiece, SeriesVector, coefficient, degree
 from synthesis.certify.second.maximum import Span

@@ -16,8 +16,7 @@ from typing import Final
 import numpy as np
 from flint import arb, arb_series
 
-from synthesis.catalogue.followers.flank import Flank
-from synthesis.catalogue.followers.link import Tip
+from synthesis.catalogue.followers.kinematics import Flank, Tip
 from synthesis.certify.second.exact_design import NOT_MEASURED, ExactDesign, Measurement
 from synthesis.certify.second.exact_motion import MotionPiece, SeriesVector, coefficient, hull
 from synthesis.certify.second.quantities import LinkState, TipContact, cam_rate, cross, dot

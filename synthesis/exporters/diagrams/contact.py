@@ -13,7 +13,7 @@ from dataclasses import replace
 import numpy as np
 
 from synthesis.catalogue.followers.base import flat_face
-from synthesis.catalogue.followers.flank import labelled
+from synthesis.catalogue.followers.kinematics import labelled
 from synthesis.catalogue.limits import Claim
 from synthesis.catalogue.profile import CamProfile
 from synthesis.design.design import Design

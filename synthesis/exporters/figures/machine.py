@@ -15,7 +15,7 @@ from typing import Any, Literal
 import numpy as np
 
 from synthesis.catalogue.followers.base import prime_radius
-from synthesis.catalogue.followers.link import Face
+from synthesis.catalogue.followers.kinematics import Face
 from synthesis.catalogue.profile import CamProfile
 from synthesis.exporters.drawing import canvas as svg
 from synthesis.exporters.figures.mechanism import Contact, Mechanism

@@ -15,9 +15,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from synthesis.catalogue.followers.flank import Flank
-from synthesis.catalogue.followers.kinematics import Vector2
-from synthesis.catalogue.followers.link import Face, Link
+from synthesis.catalogue.followers.kinematics import Face, Flank, Link, Vector2
 from synthesis.catalogue.profile import CamProfile
 from synthesis.exporters.samples.cam import Cam
 from synthesis.numerics.piecewise import Array

@@ -7,7 +7,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from synthesis.catalogue.followers.flank import Flank
+from synthesis.catalogue.followers.kinematics import Flank
 from synthesis.catalogue.profile import CamProfile
 from synthesis.exporters.drawing import canvas as svg
 

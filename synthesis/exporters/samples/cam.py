@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from synthesis.catalogue.fields import Rotation
 from synthesis.catalogue.followers import Follower
-from synthesis.catalogue.followers.flank import Flank, labelled
+from synthesis.catalogue.followers.kinematics import Flank, labelled
 from synthesis.catalogue.motion import Motion
 from synthesis.catalogue.profile import CamProfile, cam_profile
 from synthesis.design.design import Design

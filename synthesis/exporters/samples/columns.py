@@ -8,8 +8,8 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from synthesis.catalogue.followers.flank import labelled
-from synthesis.catalogue.forces.history import ForceHistory, history
+from synthesis.catalogue.followers.kinematics import labelled
+from synthesis.catalogue.forces.reduced import ForceHistory, history
 from synthesis.design.design import Design
 from synthesis.exporters.options import CurveOptions, MotionOptions, is_cutter, is_pitch
 from synthesis.exporters.samples.cam import Cam, Turn

@@ -13,7 +13,7 @@ import numpy as np
 from pydantic import Field
 
 from synthesis.catalogue.fields import Speed
-from synthesis.catalogue.limits.residual_vibration import runs_between_dwells
+from synthesis.catalogue.limits.motion import runs_between_dwells
 from synthesis.exporters.diagrams.plot import curve_plot, linear
 from synthesis.exporters.diagrams.sheet import sheet
 from synthesis.exporters.drawing import canvas as svg

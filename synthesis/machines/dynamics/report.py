@@ -10,7 +10,7 @@ import numpy as np
 from pydantic import Field
 
 from synthesis.catalogue.fields import FiniteModel, doc
-from synthesis.catalogue.limits.residual_vibration import runs_between_dwells
+from synthesis.catalogue.limits.motion import runs_between_dwells
 from synthesis.catalogue.motion import Motion
 from synthesis.design.design import Design
 from synthesis.design.identity import engine_version, question_id

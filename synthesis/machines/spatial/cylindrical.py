@@ -16,7 +16,7 @@ from pydantic import Field, model_validator
 from pydantic_core import PydanticCustomError
 
 from synthesis.catalogue.constraints import LinearInequality
-from synthesis.catalogue.ranges import Dimension, ends
+from synthesis.catalogue.fields import Dimension, ends
 from synthesis.machines.spatial.machine import (
     LEFT,
     RIGHT,

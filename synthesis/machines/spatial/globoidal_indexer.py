@@ -10,7 +10,7 @@ import numpy as np
 from pydantic import Field, model_validator
 from pydantic_core import PydanticCustomError
 
-from synthesis.catalogue.ranges import Dimension, ends
+from synthesis.catalogue.fields import Dimension, ends
 from synthesis.machines.spatial.machine import (
     CrownRadius,
     DwellOn,

@@ -14,9 +14,9 @@ from pydantic import Field
 
 from synthesis.catalogue.constraints import AffineNorm, LinearInequality, NonconvexConstraint
 from synthesis.catalogue.limits.base import Claim, Limit, Machine
-from synthesis.catalogue.limits.derivatives import Acceleration, Jerk, Velocity
+from synthesis.catalogue.limits.motion import Acceleration, Jerk, Velocity
 from synthesis.catalogue.motion import PlacedSegment
-from synthesis.catalogue.objectives.base import Objective
+from synthesis.catalogue.objectives import Objective
 from synthesis.numerics.piecewise import Array
 from synthesis.units import DEGREE
 

@@ -18,7 +18,7 @@ from pydantic import BaseModel, ConfigDict, Field, model_validator
 from pydantic_core import PydanticCustomError
 
 from synthesis.catalogue.constraints import LinearInequality
-from synthesis.catalogue.ranges import Dimension, Range, ends
+from synthesis.catalogue.fields import Dimension, Range, ends
 from synthesis.machines.spatial.size_constraints import SizeConstraint
 from synthesis.numerics.geometry.charts import Chart
 from synthesis.numerics.geometry.swept_roller import Roller, SweptRoller

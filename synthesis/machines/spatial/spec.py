@@ -14,10 +14,9 @@ import numpy as np
 from pydantic import BaseModel, ConfigDict, Field, model_validator
 from pydantic_core import PydanticCustomError
 
-from synthesis.catalogue.fields import CamRotation, CamSpeed, Name
+from synthesis.catalogue.fields import CamRotation, CamSpeed, Name, Range, ends
 from synthesis.catalogue.limits import Limit
 from synthesis.catalogue.motion import PlacedSegment
-from synthesis.catalogue.ranges import Range, ends
 from synthesis.machines.spatial.cylindrical import (
     CylindricalIndexer,
     CylindricalOscillating,

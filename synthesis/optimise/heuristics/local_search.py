@@ -10,7 +10,7 @@ import time
 from collections.abc import Sequence
 from dataclasses import replace
 
-from synthesis.catalogue.objectives.derivatives import RmsAcceleration, RmsJerk
+from synthesis.catalogue.objectives import RmsAcceleration, RmsJerk
 from synthesis.numerics.solvers.clarabel import solve
 from synthesis.numerics.solvers.statuses import USABLE
 from synthesis.optimise.conic.program import formulate

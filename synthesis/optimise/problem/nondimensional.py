@@ -20,7 +20,7 @@ from typing import Any, Self, get_args
 
 from pydantic import BaseModel
 
-from synthesis.catalogue.ranges import Range, ends
+from synthesis.catalogue.fields import Range, ends
 from synthesis.numerics.double_double import round_mantissa
 from synthesis.spec.design_spec import DesignSpec
 from synthesis.units import FIELD_SUFFIXES, MotionUnits, rad_per_s

@@ -16,7 +16,7 @@ import numpy as np
 from scipy.optimize import brentq
 
 from synthesis.catalogue.constraints import NormBounds
-from synthesis.catalogue.ranges import ends
+from synthesis.catalogue.fields import ends
 from synthesis.numerics import clock
 from synthesis.optimise.conic.linear_rows import row_excess
 from synthesis.optimise.problem.problem import Problem

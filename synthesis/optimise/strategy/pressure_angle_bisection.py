@@ -15,7 +15,7 @@ from dataclasses import dataclass, replace
 from functools import cached_property
 from math import exp, inf, isfinite, log
 
-from synthesis.catalogue.objectives.base_radius import BaseRadius
+from synthesis.catalogue.objectives import BaseRadius
 from synthesis.numerics.solvers.clarabel import solve
 from synthesis.numerics.solvers.statuses import USABLE, StopReason
 from synthesis.optimise.branching.pivot_node import PivotNode, prove_empty, tighten_node

@@ -8,9 +8,9 @@ from typing import Literal
 
 import numpy as np
 
+from synthesis.catalogue.fields import ends
 from synthesis.catalogue.followers.base import flat_face
 from synthesis.catalogue.profile import CamProfile, cam_profile
-from synthesis.catalogue.ranges import ends
 from synthesis.design.identity import engine_version
 from synthesis.errors import InputError
 from synthesis.exporters.samples.columns import column_name

@@ -16,7 +16,7 @@ from typing import Any, TypeVar
 
 from pydantic import ValidationError
 
-from synthesis.catalogue.ranges import ends
+from synthesis.catalogue.fields import ends
 from synthesis.design.design import Design
 from synthesis.spec.design_spec import DesignSpec
 from synthesis.studies.sensitivity.perturbation import PerturbedDesign

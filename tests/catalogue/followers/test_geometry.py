@@ -13,7 +13,7 @@ from dataclasses import dataclass
 import numpy as np
 import pytest
 
-from synthesis.catalogue.followers.flank import Flank
+from synthesis.catalogue.followers.kinematics import Flank
 from synthesis.catalogue.profile import CamProfile, cam_profile
 from synthesis.pipeline.assembly import Cam
 from synthesis.spec.design_spec import DesignSpec

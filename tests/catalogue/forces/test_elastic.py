@@ -7,7 +7,7 @@ import math
 import pytest
 
 from synthesis import Design, DesignSpec, synthesise
-from synthesis.catalogue.forces.history import history
+from synthesis.catalogue.forces.reduced import history
 from synthesis.machines.dynamics.report import report_response
 from synthesis.machines.dynamics.train import TrainSpec
 from tests.catalogue.forces.test_limited import BODY, MASS, PRELOAD, RATE, RPM

@@ -9,7 +9,7 @@ import pytest
 from pydantic import ValidationError
 
 from synthesis import Design, DesignSpec, synthesise
-from synthesis.catalogue.forces.history import history
+from synthesis.catalogue.forces.reduced import history
 from tests.catalogue.forces.test_limited import BODY
 
 MASS, RPM, LIFT, RISE = 3.7, 211.0, 23.9, 83.0

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from synthesis.catalogue.forces.history import history
+from synthesis.catalogue.forces.reduced import history
 from synthesis.certify import report_forces
 from synthesis.numerics.taylor import Taylor
 from synthesis.studies.analyse import given_cam

@@ -9,7 +9,7 @@ import pytest
 from scipy.optimize import linprog
 
 from synthesis import Design, DesignSpec, analyse, synthesise
-from synthesis.catalogue.forces.history import history
+from synthesis.catalogue.forces.reduced import history
 from synthesis.errors import InputError
 from synthesis.optimise.parameters.spring_program import SpringProgram
 from synthesis.studies.analyse import given_cam

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from synthesis.catalogue.laws import LAWS, characteristics
-from synthesis.catalogue.laws.characteristics import extremes
+from synthesis.catalogue.laws.base import extremes
 from synthesis.catalogue.motion import Motion
 from synthesis.spec.program import Dwell, Return, Rise
 

@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 from pydantic import ValidationError
 
 from synthesis.catalogue.laws import LAWS, characteristics
-from synthesis.catalogue.laws.scca import GeneralScca
+from synthesis.catalogue.laws.rest_to_rest import GeneralScca
 
 PARTS = {
     "parabolic": (0, 1, 0),

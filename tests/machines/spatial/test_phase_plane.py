@@ -12,7 +12,7 @@ from scipy.integrate import quad
 from scipy.optimize import brentq
 
 from synthesis.catalogue.laws import LAWS
-from synthesis.catalogue.laws.scca import scca
+from synthesis.catalogue.laws.rest_to_rest import scca
 from synthesis.machines.spatial.sizing.phase_plane import PhasePlane, least_size
 from synthesis.machines.spatial.sizing.sequential_convex import bound_by_chords, minimise_size
 from synthesis.optimise.problem.boundary import boundary_states

@@ -8,7 +8,7 @@ import pytest
 from synthesis.catalogue.followers import OscillatingRoller
 from synthesis.catalogue.followers.closures import Force, Groove
 from synthesis.catalogue.followers.conjugate import ConjugateArm
-from synthesis.catalogue.followers.flank import Flank
+from synthesis.catalogue.followers.kinematics import Flank
 from synthesis.catalogue.laws import LAWS
 from synthesis.catalogue.motion import Motion, PlacedSegment
 from synthesis.catalogue.profile import cam_profile

@@ -13,7 +13,7 @@ from hypothesis import HealthCheck, assume, given, settings
 from synthesis.catalogue.followers import TranslatingRoller
 from synthesis.catalogue.followers.closures import Force, Groove
 from synthesis.catalogue.followers.conjugate import ConjugateSlide
-from synthesis.catalogue.followers.flank import Flank
+from synthesis.catalogue.followers.kinematics import Flank
 from synthesis.catalogue.profile import CamProfile, cam_profile
 from tests.numerics.geometry import touch
 from tests.numerics.geometry.agreement import agree

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from synthesis.catalogue.objectives.derivatives import RmsJerk
+from synthesis.catalogue.objectives import RmsJerk
 from synthesis.numerics.bspline import SplineSpace
 from synthesis.numerics.solvers.clarabel import solve
 from synthesis.optimise.conic.program import formulate

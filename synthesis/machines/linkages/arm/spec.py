@@ -9,8 +9,7 @@ from typing import Annotated, Literal
 
 from pydantic import Field
 
-from synthesis.catalogue.fields import FiniteModel, Name
-from synthesis.catalogue.ranges import Range
+from synthesis.catalogue.fields import FiniteModel, Name, Range
 from synthesis.machines.linkages.arm.geometry import Arm, Joints, Place, Posture, static_moments
 from synthesis.machines.linkages.arm.workspace import Limits, Span
 from synthesis.units import DEGREE

@@ -21,7 +21,7 @@ from typing import Any, Final
 
 import numpy as np
 
-from synthesis.catalogue.ranges import ends
+from synthesis.catalogue.fields import ends
 from synthesis.machines.linkages.shaper.mechanism import Narrowing, Shaper, identity
 from synthesis.machines.linkages.shaper.spec import ShaperSpec
 from synthesis.numerics.piecewise import Array

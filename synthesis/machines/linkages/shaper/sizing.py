@@ -8,7 +8,7 @@ from collections.abc import Iterator
 from dataclasses import replace
 from typing import Final
 
-from synthesis.catalogue.ranges import ends
+from synthesis.catalogue.fields import ends
 from synthesis.design.design import Conflict, Proof, Relaxation, Status
 from synthesis.errors import InputError, TimeBudgetExceeded
 from synthesis.machines.linkages.shaper.answer import SixBarShaper

@@ -7,8 +7,7 @@ from typing import Annotated, Any, Literal
 from pydantic import Field, model_validator
 from pydantic_core import PydanticCustomError
 
-from synthesis.catalogue.fields import FiniteModel, Name, Rotation, Speed
-from synthesis.catalogue.ranges import Range, ends
+from synthesis.catalogue.fields import FiniteModel, Name, Range, Rotation, Speed, ends
 from synthesis.machines.linkages.shaper.mechanism import Drive, Shaper, Side
 from synthesis.units import DEGREE, rad_per_s
 

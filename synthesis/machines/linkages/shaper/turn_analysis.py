@@ -9,7 +9,7 @@ from typing import Any, Final
 
 import numpy as np
 
-from synthesis.catalogue.ranges import ends
+from synthesis.catalogue.fields import ends
 from synthesis.design.design import Conflict
 from synthesis.design.identity import engine_version, question_id
 from synthesis.errors import InputError

@@ -10,7 +10,7 @@ from operator import mul
 
 import numpy as np
 
-from synthesis.catalogue.limits.segment_bound import EXACT, TRAVEL, SegmentBound
+from synthesis.catalogue.limits.motion import EXACT, TRAVEL, SegmentBound
 from synthesis.catalogue.motion import PlacedSegment
 from synthesis.machines.spatial.cam import SpatialCam, Wall
 from synthesis.machines.spatial.design import SpatialExtreme

@@ -11,7 +11,7 @@ from dataclasses import dataclass
 from math import isfinite
 from typing import Any
 
-from synthesis.catalogue.ranges import Range, ends
+from synthesis.catalogue.fields import Range, ends
 from synthesis.design.design import Conflict, Relaxation
 from synthesis.machines.spatial.machine import ROLLER_RADIUS
 from synthesis.machines.spatial.sizing.size_cam import Sizes, SizingResult, size_cam

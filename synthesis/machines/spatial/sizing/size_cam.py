@@ -23,8 +23,8 @@ from math import inf
 import numpy as np
 from scipy.optimize import brentq
 
+from synthesis.catalogue.fields import ends
 from synthesis.catalogue.motion import Motion, PlacedSegment
-from synthesis.catalogue.ranges import ends
 from synthesis.machines.spatial.cam import build_cam
 from synthesis.machines.spatial.limits import AnySpatialLimit, WallRadius
 from synthesis.machines.spatial.machine import LARGEST, ROLLER_RADIUS, SpatialMachine
