@@ -4,7 +4,7 @@
     followers   mechanisms, their kinematics and size   objectives  quantities that are minimised
     forces      loads, springs, friction, contact
 
-Each has a registry (``AnyLaw``, ``AnyLimit``, …), and conformance tests that run over the registry. What goes
+Each has a registry (``AnyLaw``, ``AnyLimit``, …), and conformance tests that run over it. What goes
 in are parts of a spec, as pydantic models; what comes out are the constraints of the optimiser, the
 bounds that the certificate has to show, and formulas for numbers, symbols and enclosures alike.
 ``constraints`` holds the kinds of constraints, ``motion`` the displacement over one turn,
