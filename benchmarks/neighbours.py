@@ -15,7 +15,7 @@ from benchmarks.section import Section, Table
 from benchmarks.timing import spread
 from service.sweeps.chunks import CHAIN
 from synthesis.design.design import Design
-from synthesis.pipeline.synthesise import Neighbour, synthesise, synthesise_from_neighbour
+from synthesis.pipeline.synthesise import Neighbour, synthesise
 from synthesis.spec.design_spec import DesignSpec
 
 RADII = tuple(float(r) for r in np.linspace(9.0, 15.0, 10))
@@ -55,14 +55,15 @@ def questions(effort: Effort) -> Iterator[DesignSpec]:
 
 def steps(effort: Effort) -> Iterator[Step]:
     """One design after the other, alone and in its chain."""
-    near: Neighbour | None = None
+    neighbours: list[Neighbour] = []
     for number, spec in enumerate(questions(effort)):
         began = process_time()
         design = synthesise(spec)
         alone = process_time()
-        warm, left = synthesise_from_neighbour(spec, near if number % CHAIN else None)
+        if number % CHAIN == 0:
+            neighbours = []
+        warm = synthesise(spec, neighbours=neighbours)
         both = process_time()
-        near = left or near
         stages = [stage.seconds for stage in design.report.stages if stage.stage in LOCAL]
         share = sum(stages) / design.report.seconds
         value, other = design.certificate.value, warm.certificate.value

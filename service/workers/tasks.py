@@ -102,24 +102,23 @@ def solve_design(
     Args:
         objectives: to be measured besides. warm_start: of a neighbouring design, to begin with.
     """
-    from synthesis.pipeline.synthesise import synthesise_from_neighbour
+    from synthesis.pipeline.synthesise import synthesise
 
-    def synthesise(question: DesignSpec, deadline: float) -> tuple[Design, Neighbour | None]:
-        return synthesise_from_neighbour(question, warm_start, deadline=deadline)
-
-    return design_answer(synthesise, spec, budget_s, objectives)
+    return design_answer(synthesise, spec, budget_s, objectives, warm_start)
 
 
 def design_answer(
-    synthesise: Callable[[DesignSpec, float], tuple[Design, Neighbour | None]],
+    synthesise: Callable[..., Design],
     spec: bytes,
     budget_s: float,
     objectives: Sequence[Objective] = (),
+    warm_start: Neighbour | None = None,
 ) -> Answer:
     """The design that ``synthesise`` makes of a spec, and the values of further objectives."""
     started = time.monotonic()
     question = DesignSpec.model_validate_json(spec, strict=True)
-    design, warm_start = synthesise(question, started + budget_s)
+    neighbours = [] if warm_start is None else [warm_start]
+    design = synthesise(question, deadline=started + budget_s, neighbours=neighbours)
     certificate = design.certificate
     quantities = {**design.dimensions, **design.objectives}
     if objectives:
@@ -139,7 +138,7 @@ def design_answer(
     return _answer(
         design, design.status, started, summary, "/v1/designs",
         [*(points if has_cam else ()), *pictures],
-        quantities=quantities, id=design.id, warm_start=warm_start,
+        quantities=quantities, id=design.id, warm_start=neighbours[-1] if neighbours else None,
     )  # fmt: skip
 
 

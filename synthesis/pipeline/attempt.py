@@ -6,6 +6,7 @@ only crosses itself is made larger until it does not.
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import dataclass, field, replace
 from math import inf
 
@@ -14,11 +15,16 @@ from synthesis.certify import SELF_CROSSING
 from synthesis.design.design import Extreme, StageReport
 from synthesis.numerics import clock
 from synthesis.optimise.driver import optimise
-from synthesis.optimise.parameters.table_smoothing import Tables
+from synthesis.optimise.parameters.table_smoothing import Tables, smooth_tables
 from synthesis.optimise.problem.nondimensional import NondimensionalSpec
-from synthesis.optimise.problem.problem import ObjectiveCap, formulate_problem, with_smoother_laws
+from synthesis.optimise.problem.problem import (
+    ObjectiveCap,
+    Problem,
+    formulate_problem,
+    with_smoother_laws,
+)
 from synthesis.optimise.recovery.candidate import Candidate, given_cam, objective_value
-from synthesis.optimise.recovery.counter_roller import CounterRollerPlacement, place_counter_roller
+from synthesis.optimise.recovery.counter_roller import place_counter_roller
 from synthesis.optimise.refinement.knot_polish import FINEST
 from synthesis.optimise.state.solve_state import SolveState
 from synthesis.optimise.state.warm_start import WarmStart
@@ -48,20 +54,26 @@ class Goal:
 
 @dataclass(eq=False)
 class Attempt:
-    """What one pass over the objectives came to.
+    """A question of given numbers, and what solving it came to.
 
-    ``solved_spec`` is the spec that was solved, ``built`` that of the cam that came out: they
-    differ from the requested one where the place of a counter roller is chosen after the size. Like
-    ``best`` and the ``bounds`` [core] they are in the question's own units, ``cam`` and
-    ``extremes`` in the wire's.
+    Attributes:
+        question: the spec, with numbers in place of what it leaves free. numbers: these [wire].
+        tables: its measured laws, smoothed.
+        solved_spec: what was solved; built: the spec of the cam that came out. They differ from the
+            question where the place of a counter roller is chosen after the size.
+        searches: what the optimiser came to, objective by objective.
+        best, bounds: in the question's own units. cam, extremes: in the wire's.
     """
 
+    question: NondimensionalSpec
+    numbers: list[float]
+    tables: Tables
     solved_spec: DesignSpec
     built: DesignSpec
     searches: list[SolveState] = field(default_factory=list)
-    cam: Cam | None = None
     best: Candidate | None = None
     bounds: list[Bounded] = field(default_factory=list)
+    cam: Cam | None = None
     extremes: list[Extreme] = field(default_factory=list)
 
     @property
@@ -86,21 +98,89 @@ class Attempt:
         )  # fmt: skip
         return last.infeasible or not last.problem.free or last.incumbent is None or missing
 
+    def problems(self) -> Iterator[Problem]:
+        """The problem of every objective in order; each keeps what those before have reached.
 
-def solve_and_certify(
-    question: NondimensionalSpec,
-    tables: Tables,
-    goal: Goal,
-    stages: list[StageReport],
-) -> Attempt:
+        Whoever takes a problem appends its solution to ``searches`` before the next.
+        """
+        spec, caps = self.solved_spec, tuple[ObjectiveCap, ...]()
+        for objective in spec.objectives():
+            problem = formulate_problem(spec, objective, caps, self.tables.segments)
+            yield with_smoother_laws(problem) if spec.tolerance <= FINEST else problem
+            solution = self.searches[-1]
+            if solution.incumbent is None:
+                return
+            caps = (*caps, ObjectiveCap(objective, solution.allowance(spec.tolerance)))
+
+
+def prepare(spec: DesignSpec, goal: Goal, stages: list[StageReport]) -> Attempt:
+    """Choose what a spec leaves free and smooth its tables: what is left are laws and a size.
+
+    Returns:
+        an attempt with nothing solved.
+    """
+    question, numbers = NondimensionalSpec.of(spec), list[float]()
+    free_parameters = spec.free_parameters
+    if free_parameters.parameters:
+        from synthesis.optimise.parameters.search import choose_parameters
+
+        numbered, _, stage = choose_parameters(question.scaled, goal.stop)
+        stages.append(StageReport(**vars(stage)))
+        question = question.with_scaled(numbered)
+        physical = question.physical
+        numbers = free_parameters.values_in(physical.program, physical.follower)
+    tables = smooth_tables(question.scaled.placed_segments(), goal.stop)
+    stages += [StageReport(**vars(stage)) for stage in tables.stages]
+    return Attempt(question, numbers, tables, question.scaled, question.scaled)
+
+
+def solve_and_certify(prepared: Attempt, goal: Goal, stages: list[StageReport]) -> Attempt:
     """Solve with limits tightened more and more, until the certificate accepts the cam.
 
-    Only the first attempt uses the warm start: a cam that the certificate refuses is no start.
+    Only the first solve uses the warm start: a cam that the certificate refuses is no start.
     """
+    question, numbers, tables = prepared.question, prepared.numbers, prepared.tables
+    spec = question.scaled
+    sufficient = goal.sufficient / question.units.length
     for tighten in TIGHTENINGS:
-        attempt = _solve_once(question, tables, goal, tighten)
-        for tried in attempt.searches:
-            stages += [StageReport(**vars(stage)) for stage in tried.stages]
+        solved_spec, first, place = spec.without_deferred(), None, None
+        while True:
+            # 1. Minimise one objective after the other.
+            attempt = Attempt(question, numbers, tables, solved_spec, solved_spec)
+            last = len(spec.objectives()) - 1
+            for rank, problem in enumerate(attempt.problems()):
+                from_start = rank == 0 and first is None
+                state = optimise(
+                    problem, spec.tolerance if rank == last else 0.5 * spec.tolerance, goal.stop,
+                    tighten, thorough=spec.proof == "thorough",
+                    warm_start=goal.warm_start if from_start else None,
+                    sufficient=sufficient if from_start else -inf,
+                )  # fmt: skip
+                attempt.searches.append(state)
+            _take_best(attempt)
+            if attempt.best is None or first is not None:
+                break
+            # 2. What is fixed after the size: the place of a counter roller. Where none suits this
+            #    cam, seek the cam again with the farthest place given: the counter cam then has its
+            #    say in the laws and the size.
+            place = place_counter_roller(spec, attempt.best, goal.stop)
+            if place.holds:
+                break
+            first, solved_spec = attempt, place.spec
+        if first is not None:
+            attempt.searches = [*first.searches, *attempt.searches]
+            if place is not None and not place.farthest:
+                attempt.bounds = first.bounds  # another place might suit better: valid for all
+        # 3. Certify the cam.
+        if place is not None:
+            attempt.built = place.spec
+        if attempt.cam is not None:
+            attempt.cam = to_physical_cam(question, attempt.solved_spec, attempt.cam)
+            attempt.extremes = certify_cam(
+                question.physical, attempt.cam, question.to_physical(attempt.built)
+            )
+        for state in attempt.searches:
+            stages += [StageReport(**vars(stage)) for stage in state.stages]
         finished = attempt.certified or attempt.crosses_itself or attempt.beyond_tightening
         if finished or clock.now() >= goal.stop:
             break
@@ -108,19 +188,22 @@ def solve_and_certify(
     return attempt
 
 
-def enlarge_until_simple(
-    question: NondimensionalSpec,
-    tables: Tables,
-    crossing: Attempt,
-    goal: Goal,
-    stages: list[StageReport],
-) -> Attempt:
+def solve_spec(spec: DesignSpec, goal: Goal, stages: list[StageReport]) -> Attempt:
+    """Solve a question with everything in it a constraint; its cam does not cross itself."""
+    attempt = solve_and_certify(prepare(spec, goal, stages), goal, stages)
+    return enlarge_until_simple(attempt, goal, stages)
+
+
+def enlarge_until_simple(crossing: Attempt, goal: Goal, stages: list[StageReport]) -> Attempt:
     """The smallest base radius, by trial, whose cam does not cross itself; else what there was.
 
     No formulation knows of crossing. The lower bound remains that of the spec as asked, so the
     gap says honestly what the growth has cost; later objectives, which hold what earlier ones
     had reached, keep no bound.
     """
+    if not crossing.crosses_itself:
+        return crossing
+    question, again = crossing.question, replace(goal, warm_start=None)
     spec = question.scaled
     least, largest = _base_radius(crossing), spec.base_radius_range()[1]
     most, best, step = largest, crossing, FIRST_GROWTH * least
@@ -131,12 +214,17 @@ def enlarge_until_simple(
             break
         raised = Range(min=trial_radius, max=largest)
         larger = spec.model_copy(update={"base_radius_mm": raised})
-        again = replace(goal, warm_start=None)
-        tried = solve_and_certify(question.with_scaled(larger), tables, again, stages)
+        trial = question.with_scaled(larger)
+        tried = solve_and_certify(
+            Attempt(trial, crossing.numbers, crossing.tables, larger, larger), again, stages
+        )
         if tried.cam is not None and tried.certified:
             built = tried.built.model_copy(update={"base_radius_mm": spec.base_radius_mm})
             extremes = certify_cam(question.physical, tried.cam, question.to_physical(built))
-            most, best = _base_radius(tried), replace(tried, built=built, extremes=extremes)
+            most, best = (
+                _base_radius(tried),
+                replace(tried, question=question, built=built, extremes=extremes),
+            )
         elif tried.crosses_itself:
             least, step = trial_radius, 2.0 * step
         else:
@@ -153,81 +241,36 @@ def _base_radius(attempt: Attempt) -> float:
     return attempt.built.follower.dimensions(attempt.best.size)["base_radius_mm"]
 
 
-def _solve_once(
-    question: NondimensionalSpec, tables: Tables, goal: Goal, tighten: float
-) -> Attempt:
-    """Solve the spec without what is fixed after the size, then fix that.
-
-    Where no place of a counter roller suits the cam so found, the cam is sought again with the
-    farthest place given: the counter cam then has its say in the laws and the size.
-    """
-    spec = question.scaled
-    scaled = replace(goal, sufficient=goal.sufficient / question.units.length)
-    attempt = _solve_objectives(spec.without_deferred(), tables, scaled, tighten)
-    if attempt.best is None:
-        return attempt
-    place = place_counter_roller(spec, attempt.best, goal.stop)
-    if not place.holds:
-        # No place suits this main cam: seek the cam again with the farthest place given.
-        first, attempt = attempt, _solve_objectives(place.spec, tables, Goal(goal.stop), tighten)
-        attempt.searches = [*first.searches, *attempt.searches]
-        if not place.farthest:
-            attempt.bounds = first.bounds  # another place might suit better: those hold for all
-        place = CounterRollerPlacement(place.spec, True)
-    attempt.built = place.spec
-    if attempt.cam is not None:
-        attempt.cam = to_physical_cam(question, attempt.solved_spec, attempt.cam)
-        attempt.extremes = certify_cam(
-            question.physical, attempt.cam, question.to_physical(place.spec)
-        )
-    return attempt
-
-
-def _solve_objectives(spec: DesignSpec, tables: Tables, goal: Goal, tighten: float) -> Attempt:
-    """Work through the objectives in order; each keeps what the ones before have reached."""
-    attempt = Attempt(spec, spec)
-    held: tuple[ObjectiveCap, ...] = ()
+def _take_best(attempt: Attempt) -> None:
+    """The best cam of the searches, and the bound of every objective; nothing without a cam."""
+    spec, tables, searches = attempt.solved_spec, attempt.tables, attempt.searches
     objectives = spec.objectives()
-    best: Candidate | None = None
-    for rank, objective in enumerate(objectives, start=1):
-        share = spec.tolerance if rank == len(objectives) else 0.5 * spec.tolerance
-        problem = formulate_problem(spec, objective, held, tables.segments)
-        if spec.tolerance <= FINEST:
-            problem = with_smoother_laws(problem)
-        tried = optimise(
-            problem, share, goal.stop, tighten, thorough=spec.proof == "thorough",
-            warm_start=goal.warm_start if rank == 1 else None,
-            sufficient=goal.sufficient if rank == 1 else -inf,
-        )  # fmt: skip
-        attempt.searches.append(tried)
-        if tried.incumbent is None:
-            break
-        best = tried.incumbent
-        attempt.bounds.append(Bounded(objective, tried.lower, tried.valid_for))
-        if rank < len(objectives):
-            held = (*held, ObjectiveCap(objective, tried.allowance(spec.tolerance)))
+    solved = [state for state in searches if state.incumbent is not None]
+    if solved:
+        best = solved[-1].incumbent
+        attempt.bounds = [
+            Bounded(objective, state.lower, state.valid_for)
+            for objective, state in zip(objectives, solved, strict=False)
+        ]
+    else:  # laws and size are given: the only cam there is, its values their own bounds
+        best = given_cam(searches[0].problem)
     if best is None:
-        best = given_cam(attempt.searches[0].problem)
-        if best is not None:  # the only cam there is: its values are their own bounds
-            problems = [
-                formulate_problem(spec, objective, (), tables.segments) for objective in objectives
-            ]
-            attempt.bounds = [
-                Bounded(
-                    one.objective,
-                    objective_value(one, best.size) * (1.0 - 1e-12),
-                    "the one cam given",
-                )
-                for one in problems
-            ]
-    if best is not None:
-        unreached = objectives[len(attempt.bounds) :]
-        attempt.bounds += [Bounded(objective, -inf, "") for objective in unreached]
-        splines = {
-            segment.index: (law.space, law.coefficients)
-            for segment, law in zip(attempt.searches[0].problem.free, best.laws, strict=True)
-        }
-        known = {segment.index: segment for segment in best.problem.segments}
-        whole = tuple(known.get(segment.index, segment) for segment in tables.segments)
-        attempt.cam, attempt.best = Cam(whole, {**tables.splines, **splines}, best.size), best
-    return attempt
+        return
+    if not solved:
+        problems = (formulate_problem(spec, each, (), tables.segments) for each in objectives)
+        attempt.bounds = [
+            Bounded(
+                each.objective, objective_value(each, best.size) * (1.0 - 1e-12),
+                "the one cam given",
+            )
+            for each in problems
+        ]  # fmt: skip
+    unreached = objectives[len(attempt.bounds) :]
+    attempt.bounds += [Bounded(objective, -inf, "") for objective in unreached]
+    splines = {
+        segment.index: (law.space, law.coefficients)
+        for segment, law in zip(searches[0].problem.free, best.laws, strict=True)
+    }
+    known = {segment.index: segment for segment in best.problem.segments}
+    whole = tuple(known.get(segment.index, segment) for segment in tables.segments)
+    attempt.cam, attempt.best = Cam(whole, {**tables.splines, **splines}, best.size), best

@@ -23,8 +23,8 @@ from synthesis.certify import certify
 from synthesis.design.design import Conflict, Relaxation
 from synthesis.numerics import clock
 from synthesis.pipeline.assembly import restate_problem
-from synthesis.pipeline.attempt import Goal
-from synthesis.pipeline.largest_radius import ANY, Run, Smallest, solve
+from synthesis.pipeline.attempt import Attempt, Goal
+from synthesis.pipeline.largest_radius import ANY, Smallest, solve
 from synthesis.pipeline.relaxable import Relaxable, relaxable_numbers, relaxed, without
 from synthesis.spec.design_spec import DesignSpec
 from synthesis.units import DEGREE
@@ -58,7 +58,7 @@ class Trial:
     ``seconds``: what it took.
     """
 
-    run: Run
+    attempt: Attempt
     smallest: Smallest | None
     on_time: bool
     seconds: float = 0.0
@@ -66,7 +66,7 @@ class Trial:
     @property
     def certified(self) -> bool:
         """Whether it has a cam."""
-        return self.run.attempt.certified
+        return self.attempt.certified
 
     @property
     def excess(self) -> float | None:
@@ -77,7 +77,7 @@ class Trial:
         """
         if self.smallest is not None:
             return self.smallest.radius / self.smallest.most - 1.0
-        searches = self.run.attempt.searches
+        searches = self.attempt.searches
         return searches[-1].least_excess if searches else None
 
     @property
@@ -88,9 +88,9 @@ class Trial:
                 f"proven: no cam has a base radius below {self.smallest.lower:.6g} mm "
                 f"({self.smallest.over})"
             )
-        if not self.run.attempt.searches or self.run.numbers:
+        if not self.attempt.searches or self.attempt.numbers:
             return ""
-        question, attempt = self.run.question, self.run.attempt
+        attempt, question = self.attempt, self.attempt.question
         last = attempt.searches[-1]
         problem = restate_problem(question, question.to_physical(attempt.solved_spec), last.problem)
         if problem.base_circle_conflict or last.infeasibility_proof:
@@ -105,7 +105,7 @@ class Trial:
     @property
     def undecided(self) -> str:
         """What is known where neither a cam nor a proof that there is none was found."""
-        searches = self.run.attempt.searches
+        searches = self.attempt.searches
         return searches[-1].undecided if searches else ""
 
 
@@ -139,9 +139,9 @@ class Oracle:
         }  # fmt: skip
         goal = Goal(self.stop, sufficient=enough)
         began = time.perf_counter()
-        run, smallest = solve(spec.model_copy(update=changes), goal, [])
-        on_time = run.attempt.certified or not self.is_late()
-        return Trial(run, smallest, on_time, time.perf_counter() - began)
+        attempt, smallest = solve(spec.model_copy(update=changes), goal, [])
+        on_time = attempt.certified or not self.is_late()
+        return Trial(attempt, smallest, on_time, time.perf_counter() - began)
 
     def without(self, numbers: Collection[Relaxable]) -> Trial:
         """The question without some of its numbers."""
@@ -177,17 +177,17 @@ class Oracle:
         return self.ask(relaxed(self.spec, number, value), tolerance)
 
 
-def explain(run: Run, smallest: Smallest | None, deadline: float) -> Conflict:
+def explain(attempt: Attempt, smallest: Smallest | None, deadline: float) -> Conflict:
     """Why a question has no cam, and what each of its conflicting numbers would have to be.
 
     Args:
-        run: what it came to, without a certified cam.
+        attempt: what it came to, without a certified cam.
         smallest: the smallest cam without its maximum of the base radius, where that was sought.
         deadline: ``clock.now()`` at which to stop; what is not known by then is said to be so.
     """
     # 1. The deletion filter, with the pipeline as its oracle.
-    asked = Trial(run, smallest, True)
-    oracle = Oracle(run.question.physical, min(deadline, clock.now() + DIAGNOSIS_S))
+    asked = Trial(attempt, smallest, True)
+    oracle = Oracle(attempt.question.physical, min(deadline, clock.now() + DIAGNOSIS_S))
     numbers = relaxable_numbers(oracle.spec)
     members, shown, complete = _irreducible(oracle, numbers, asked)
     # 2. What each member alone would have to be; first those whose trials have been quick, so that
@@ -200,7 +200,7 @@ def explain(run: Run, smallest: Smallest | None, deadline: float) -> Conflict:
     limits = [str(number) for number in members]
     evidence = _evidence(asked, shown, members, complete)
     # 3. What the certificate refused on the cam at hand, which no member may name.
-    refused = [extreme for extreme in run.attempt.extremes if not extreme.holds]
+    refused = [extreme for extreme in attempt.extremes if not extreme.holds]
     if refused:
         values = ", ".join(
             f"{e.limit} {e.evidence if e.value is None else f'{e.value} {e.unit}'} "
@@ -248,7 +248,7 @@ def _evidence(asked: Trial, shown: Trial, members: list[Relaxable], complete: bo
         parts.append("leaving out any one of those named, a cam was found")
     else:
         parts.append("leaving out all that the spec limits, none was found either")
-    spec = asked.run.question.physical
+    spec = asked.attempt.question.physical
     if ends(spec.base_radius_mm)[1] == inf:
         parts.append(f"base radii up to {spec.base_radius_range()[1]:.6g} mm were searched")
     return "; ".join(parts)
@@ -368,7 +368,7 @@ def _next_value(
 
 def _value_on(spec: DesignSpec, number: Relaxable, trial: Trial) -> tuple[float | None, str]:
     """The value that a number would need for a cam that was found without it, and a note on it."""
-    attempt, question = trial.run.attempt, trial.run.question
+    attempt, question = trial.attempt, trial.attempt.question
     assert attempt.cam is not None
     built = question.to_physical(attempt.built)
     if number.dimension:

@@ -25,14 +25,14 @@ from synthesis.catalogue.objectives import BaseRadius, PeakAcceleration
 from synthesis.certify import certify_size
 from synthesis.design.design import StageReport
 from synthesis.numerics import clock
-from synthesis.optimise.parameters.table_smoothing import Tables, smooth_tables
-from synthesis.optimise.problem.nondimensional import NondimensionalSpec
 from synthesis.pipeline.assembly import Bounded, Cam, certify_cam, in_wire_units
 from synthesis.pipeline.attempt import (
     Attempt,
     Goal,
     enlarge_until_simple,
+    prepare,
     solve_and_certify,
+    solve_spec,
 )
 from synthesis.spec.design_spec import DesignSpec
 
@@ -43,32 +43,17 @@ SECANT_STEPS = 8  # for the size with a given base radius: it is almost linear i
 
 
 @dataclass(frozen=True, eq=False)
-class Run:
-    """A question solved.
-
-    Attributes:
-        question: with numbers in place of what was left free. numbers: these [wire].
-        tables: its measured laws, smoothed. attempt: what came out.
-    """
-
-    question: NondimensionalSpec
-    numbers: list[float]
-    tables: Tables
-    attempt: Attempt
-
-
-@dataclass(frozen=True, eq=False)
 class Smallest:
     """The smallest cam found without the maximum, as an answer to the question with it.
 
     Attributes:
-        run: its certificate is that of the question with the maximum.
+        attempt: its certificate is that of the question with the maximum.
         radius: its base radius. most: the maximum [mm].
         lower: no cam has a smaller base radius [mm], −inf where that is not known. over: the
             family of cams that this covers.
     """
 
-    run: Run
+    attempt: Attempt
     radius: float
     most: float
     lower: float
@@ -82,10 +67,18 @@ class Smallest:
         none.
         """
         sound = self.lower <= self.radius * (1.0 + ROUNDING)
-        return sound and not self.run.numbers and self.lower > self.most * (1.0 + ROUNDING)
+        return sound and not self.attempt.numbers and self.lower > self.most * (1.0 + ROUNDING)
 
 
-def solve(spec: DesignSpec, goal: Goal, stages: list[StageReport]) -> tuple[Run, Smallest | None]:
+def first_question(spec: DesignSpec) -> DesignSpec:
+    """The question to begin with: without its maximum of the base radius, if that is minimised."""
+    wider = _without(spec, "max")
+    return spec if wider is None or not _minimises_radius(spec) else wider
+
+
+def solve(
+    spec: DesignSpec, goal: Goal, stages: list[StageReport]
+) -> tuple[Attempt, Smallest | None]:
     """Solve a question, its maximum of the base radius treated as described above.
 
     Args:
@@ -94,70 +87,75 @@ def solve(spec: DesignSpec, goal: Goal, stages: list[StageReport]) -> tuple[Run,
     Returns:
         what came out, and the smallest cam without the maximum where that was sought.
     """
-    # 1. No maximum: nothing to compare.
+    first = solve_and_certify(prepare(first_question(spec), goal, stages), goal, stages)
+    return complete(spec, first, goal, stages)
+
+
+def complete(
+    spec: DesignSpec, first: Attempt, goal: Goal, stages: list[StageReport]
+) -> tuple[Attempt, Smallest | None]:
+    """Make the answer to a question of what its first question came to; as ``solve`` besides."""
+    # 1. A cam that crosses itself is made larger.
+    attempt = enlarge_until_simple(first, goal, stages)
     wider = _without(spec, "max")
-    if wider is None:
-        return _with_gentle_law(spec, _run(spec, goal, stages), goal, stages), None
-    least, most = ends(spec.base_radius_mm)
-    minimised = spec.objectives()[0].kind == "base_radius" and least < most
-    smallest = None
+    smallest, most = None, ends(spec.base_radius_mm)[1]
     # 2. The smallest cam without the maximum, and its bound, compared with it: the answer, or the
-    #    proof that there is none.
-    if minimised:
-        found = _run(wider, goal, stages)
-        smallest = _smallest(spec, found)
-        if smallest is not None and (smallest.run.attempt.certified or smallest.excludes):
-            return smallest.run, smallest
+    #    proof that there is none; else the maximum is a constraint of the search.
+    if wider is not None and _minimises_radius(spec):
+        smallest = _smallest(spec, attempt)
+        if smallest is not None and (smallest.attempt.certified or smallest.excludes):
+            return smallest.attempt, smallest
         if clock.now() >= goal.stop:
-            return smallest.run if smallest is not None else found, smallest
+            return smallest.attempt if smallest is not None else attempt, smallest
         goal = replace(goal, warm_start=None)  # its cam, if there is one, is too large
-    # 3. The maximum as a constraint of the search.
-    run = _with_gentle_law(spec, _run(spec, goal, stages), goal, stages)
-    if run.attempt.certified or minimised or _proven_infeasible(run) or clock.now() >= goal.stop:
-        return run, smallest
+        attempt = solve_spec(spec, goal, stages)
+    # 3. A cam of the gentlest law, where none was found.
+    attempt = _with_gentle_law(spec, attempt, goal, stages)
+    if wider is None or attempt.certified or _minimises_radius(spec):
+        return attempt, smallest
+    if _proven_infeasible(attempt) or clock.now() >= goal.stop:
+        return attempt, smallest
     # 4. Phase 1: any cam that is small enough will do, whatever the objective.
     nearest = Goal(goal.stop, sufficient=most)
     for open_spec in _wider_questions(spec):
-        smallest = _smallest(spec, _run(open_spec, nearest, stages))
-        if smallest is not None and smallest.run.attempt.certified:
+        smallest = _smallest(spec, solve_spec(open_spec, nearest, stages))
+        if smallest is not None and smallest.attempt.certified:
             return _restart_from(spec, smallest, goal, stages), smallest
         if clock.now() >= goal.stop:
             break
     informs = smallest is not None and smallest.radius > most  # of what the maximum costs
-    return run, smallest if informs else None
+    return attempt, smallest if informs else None
 
 
-def _with_gentle_law(spec: DesignSpec, run: Run, goal: Goal, stages: list[StageReport]) -> Run:
+def _minimises_radius(spec: DesignSpec) -> bool:
+    least, most = ends(spec.base_radius_mm)
+    return spec.objectives()[0].kind == "base_radius" and least < most
+
+
+def _with_gentle_law(
+    spec: DesignSpec, known: Attempt, goal: Goal, stages: list[StageReport]
+) -> Attempt:
     """What came out, or a cam of the gentlest law where none was found and none is excluded.
 
     The best cam strains limits that no relaxation states, and may be refused for them. A law of
     little acceleration leaves the size all the room that there is. Bounds remain those known.
     """
-    known = run.attempt
-    gentlest = spec.objectives()[0].kind == "peak_acceleration"
-    if (
-        known.certified
-        or known.crosses_itself
-        or gentlest
-        or run.numbers
-        or _proven_infeasible(run)
-    ):
-        return run
-    if clock.now() >= goal.stop:
-        return run
+    if known.certified or known.crosses_itself or known.numbers or _proven_infeasible(known):
+        return known
+    if spec.objectives()[0].kind == "peak_acceleration" or clock.now() >= goal.stop:
+        return known
     easy = spec.model_copy(update={"objective": PeakAcceleration(), "tolerance": 1.0})
-    found = _run(easy, Goal(goal.stop, sufficient=ANY), stages)
-    if not found.attempt.certified:
-        return run
-    first, *later = run.question.scaled.objectives()
+    found = solve_spec(easy, Goal(goal.stop, sufficient=ANY), stages)
+    if not found.certified:
+        return known
+    first, *later = known.question.scaled.objectives()
     lower = known.searches[0].lower if not known.searches[0].infeasible else -inf
     bounds = [
         Bounded(first, lower, known.searches[0].valid_for if lower > -inf else ""),
         *(Bounded(objective, -inf, "") for objective in later),
     ]
-    built = found.attempt.built.model_copy(update={"objective": run.question.scaled.objective})
-    attempt = replace(found.attempt, built=built, bounds=bounds)
-    return replace(run, tables=found.tables, attempt=attempt)
+    built = found.built.model_copy(update={"objective": known.question.scaled.objective})
+    return replace(found, question=known.question, built=built, bounds=bounds)
 
 
 def _wider_questions(spec: DesignSpec) -> list[DesignSpec]:
@@ -171,14 +169,14 @@ def _wider_questions(spec: DesignSpec) -> list[DesignSpec]:
 
 def _restart_from(
     spec: DesignSpec, smallest: Smallest, goal: Goal, stages: list[StageReport]
-) -> Run:
+) -> Attempt:
     """The question solved from the smallest cam on; that cam itself where this finds none."""
-    behind = smallest.run.attempt.searches[0].local_optimum
+    behind = smallest.attempt.searches[0].local_optimum
     alone = all(objective.kind == "base_radius" for objective in spec.objectives())
-    if alone or behind is None or smallest.run.numbers or clock.now() >= goal.stop:
-        return smallest.run
-    again = _run(spec, replace(goal, warm_start=behind), stages)
-    return again if again.attempt.certified else smallest.run
+    if alone or behind is None or smallest.attempt.numbers or clock.now() >= goal.stop:
+        return smallest.attempt
+    again = solve_spec(spec, replace(goal, warm_start=behind), stages)
+    return again if again.certified else smallest.attempt
 
 
 def _without(spec: DesignSpec, *open_ends: str) -> DesignSpec | None:
@@ -196,42 +194,15 @@ def _without(spec: DesignSpec, *open_ends: str) -> DesignSpec | None:
     return found if wider_least <= least and wider_most >= most else None
 
 
-def _run(spec: DesignSpec, goal: Goal, stages: list[StageReport]) -> Run:
-    """Solve a question with everything in it a constraint."""
-    question, numbers = _choose_numbers(NondimensionalSpec.of(spec), goal.stop, stages)
-    tables = smooth_tables(question.scaled.placed_segments(), goal.stop)
-    stages += [StageReport(**vars(stage)) for stage in tables.stages]
-    attempt = solve_and_certify(question, tables, goal, stages)
-    if attempt.crosses_itself:
-        attempt = enlarge_until_simple(question, tables, attempt, goal, stages)
-    return Run(question, numbers, tables, attempt)
-
-
-def _choose_numbers(
-    question: NondimensionalSpec, stop: float, stages: list[StageReport]
-) -> tuple[NondimensionalSpec, list[float]]:
-    """The question with numbers in place of what it leaves free, and these numbers [wire]."""
-    free_parameters = question.physical.free_parameters
-    if not free_parameters.parameters:
-        return question, []
-    from synthesis.optimise.parameters.search import choose_parameters
-
-    numbered, _, stage = choose_parameters(question.scaled, stop)
-    stages.append(StageReport(**vars(stage)))
-    found = question.with_scaled(numbered)
-    return found, free_parameters.values_in(found.physical.program, found.physical.follower)
-
-
-def _smallest(spec: DesignSpec, wider: Run) -> Smallest | None:
+def _smallest(spec: DesignSpec, found: Attempt) -> Smallest | None:
     """The cam that was found without the maximum, judged with it; None where none was found."""
-    found = wider.attempt
     if not found.certified or found.cam is None:
         return None
     asked = {"base_radius_mm": spec.base_radius_mm, "objective": spec.objective}
-    question = replace(wider.question, physical=wider.question.physical.model_copy(update=asked))
+    question = replace(found.question, physical=found.question.physical.model_copy(update=asked))
     built = question.to_physical(found.built)
     radius = built.follower.dimensions(found.cam.size)["base_radius_mm"]
-    (bounded,) = in_wire_units(wider.question, found.built, found.bounds[:1])
+    (bounded,) = in_wire_units(found.question, found.built, found.bounds[:1])
     least, most = ends(spec.base_radius_mm)
     cam, bounds = found.cam, found.bounds
     if not least <= radius <= most:  # above it by a clearance only, or below the least asked for
@@ -240,16 +211,15 @@ def _smallest(spec: DesignSpec, wider: Run) -> Smallest | None:
     if spec.objectives() != found.solved_spec.objectives() or radius < least:
         bounds = _bounds(spec, found, least / question.units.length)
     if cam is found.cam:  # what is traced all round is as it was: only dimensions are judged anew
-        before = certify_size(wider.question.physical, cam.size, built.follower)
+        before = certify_size(found.question.physical, cam.size, built.follower)
         traced = found.extremes[: len(found.extremes) - len(before)]
         extremes = [*traced, *certify_size(question.physical, cam.size, built.follower)]
     else:
         extremes = certify_cam(question.physical, cam, built)
-    attempt = replace(found, cam=cam, bounds=bounds, extremes=extremes)
+    attempt = replace(found, question=question, cam=cam, bounds=bounds, extremes=extremes)
     if not attempt.certified:
         attempt = replace(attempt, cam=None, bounds=[], extremes=[])
-    run = replace(wider, question=question, attempt=attempt)
-    return Smallest(run, radius, most, bounded.lower, bounded.over)
+    return Smallest(attempt, radius, most, bounded.lower, bounded.over)
 
 
 def _bounds(spec: DesignSpec, found: Attempt, least: float) -> list[Bounded]:
@@ -283,6 +253,6 @@ def _resized(follower: AnyFollower, size: tuple[float, ...], radius: float) -> t
     return enlarged(size, at)
 
 
-def _proven_infeasible(run: Run) -> bool:
+def _proven_infeasible(attempt: Attempt) -> bool:
     """Whether no motion law fits, at numbers that are all given."""
-    return bool(run.attempt.searches[-1].infeasibility_proof) and not run.numbers
+    return bool(attempt.searches[-1].infeasibility_proof) and not attempt.numbers

@@ -3,8 +3,8 @@
     DesignSpec -> Problem -> laws and size -> Motion -> certificate -> Design
 
 The optimiser proposes, the certificate disposes: a cam that it does not certify is never called
-feasible. ``largest_radius`` says in which order questions are put to the optimiser, ``attempt`` how
-one of them is solved and certified, ``conflict`` why nothing fits.
+feasible. ``attempt`` solves and certifies one question, ``largest_radius`` says which questions
+come before and after it, ``conflict`` why nothing fits.
 """
 
 from __future__ import annotations
@@ -23,9 +23,9 @@ from synthesis.pipeline.assembly import (
     smoothness_cost,
     with_free_parameters,
 )
-from synthesis.pipeline.attempt import Goal
+from synthesis.pipeline.attempt import Goal, prepare, solve_and_certify
 from synthesis.pipeline.conflict import explain
-from synthesis.pipeline.largest_radius import solve
+from synthesis.pipeline.largest_radius import complete, first_question
 from synthesis.spec.design_spec import DesignSpec
 
 
@@ -37,12 +37,21 @@ class Neighbour:
     search: WarmStart
 
 
-def synthesise(spec: DesignSpec, *, deadline: float | None = None) -> Design:
+def synthesise(
+    spec: DesignSpec,
+    *,
+    deadline: float | None = None,
+    neighbours: list[Neighbour] | None = None,
+) -> Design:
     """Design the cam that a spec asks for.
 
     Args:
         spec: what is asked.
         deadline: ``time.monotonic()`` at which to stop; the spec's own budget counts as well.
+        neighbours: designs made before: the search begins where the last one's ended, if that
+            helps, and this design is appended. A design begun so has ``started_from`` and another
+            id than the spec alone gives: its values may differ from that one's, within what its
+            certificate says.
 
     Returns:
         the design; where nothing fits its status is ``infeasible`` and ``conflict`` says why.
@@ -51,53 +60,43 @@ def synthesise(spec: DesignSpec, *, deadline: float | None = None) -> Design:
         TimeBudgetExceeded: time ran out before the tolerance was reached; carries the best.
         SolverFailed: no stage gave a usable point, and not even why could be found.
     """
-    return synthesise_from_neighbour(spec, None, deadline=deadline)[0]
-
-
-def synthesise_from_neighbour(
-    spec: DesignSpec, near: Neighbour | None, *, deadline: float | None = None
-) -> tuple[Design, Neighbour | None]:
-    """The same, begun where a neighbouring design ended, if that helps; and what this one leaves.
-
-    A design that was begun so has ``started_from`` and another id than the spec alone gives: its
-    values may differ from that one's, within what its certificate says.
-
-    Raises:
-        TimeBudgetExceeded, SolverFailed: as ``synthesise``.
-    """
     if spec.load is not None and spec.load.free_spring:
         from synthesis.optimise.parameters.spring_design import design_with_spring
 
-        return design_with_spring(spec, lambda given: synthesise(given, deadline=deadline)), None
+        return design_with_spring(spec, lambda given: synthesise(given, deadline=deadline))
     began, budget = time.perf_counter(), clock.seconds_left(spec.time_budget_s, deadline)
     stages, stop = list[StageReport](), clock.now() + budget
+    near = neighbours[-1] if neighbours else None
     goal = Goal(stop, None if near is None else near.search)
-    # 1. Solve and certify.
-    run, smallest = solve(spec, goal, stages)
-    question, attempt = run.question, run.attempt
+    # 1. Solve and certify. A maximum of the base radius is compared with the smallest cam.
+    first = solve_and_certify(prepare(first_question(spec), goal, stages), goal, stages)
+    attempt, smallest = complete(spec, first, goal, stages)
     late = clock.now() >= stop
     if not attempt.certified and late and not (smallest and smallest.excludes):
         raise TimeBudgetExceeded(budget)
     # 2. Without a certified cam: why.
-    conflict = None if attempt.certified else explain(run, smallest, stop)
+    conflict = None if attempt.certified else explain(attempt, smallest, stop)
     # 3. Values, bounds and gaps in the units of the wire; the status follows from them.
+    question = attempt.question
     built = question.to_physical(attempt.built)
     bounds = in_wire_units(question, attempt.built, attempt.bounds)
     objective_proofs = [] if attempt.cam is None else proofs(built, attempt.cam, bounds)
     seconds = time.perf_counter() - began
-    found = design(
+    answer = design(
         built, attempt.cam, attempt.extremes, objective_proofs, stages, seconds, conflict
     ).for_spec(question.physical)
-    found = with_free_parameters(found, spec, run.numbers)
+    answer = with_free_parameters(answer, spec, attempt.numbers)
     if spec.report_smoothness_cost:
-        price = _smoothness_cost(found, spec, stop)
-        found = found.model_copy(update={"smoothness_cost": price})
-    if near is not None and any(tried.warm_started for tried in attempt.searches):
-        found = found.with_warm_start(near.id)
-    if late and found.status == "feasible":
-        raise TimeBudgetExceeded(budget, found)
-    behind = attempt.searches[0].local_optimum if attempt.searches else None
-    return found, None if behind is None else Neighbour(found.id, behind)
+        cost = _smoothness_cost(answer, spec, stop)
+        answer = answer.model_copy(update={"smoothness_cost": cost})
+    if near is not None and any(state.warm_started for state in attempt.searches):
+        answer = answer.with_warm_start(near.id)
+    if late and answer.status == "feasible":
+        raise TimeBudgetExceeded(budget, answer)
+    local_optimum = attempt.searches[0].local_optimum if attempt.searches else None
+    if neighbours is not None and local_optimum is not None:
+        neighbours.append(Neighbour(answer.id, local_optimum))
+    return answer
 
 
 def _smoothness_cost(found: Design, question: DesignSpec, stop: float) -> SmoothnessCost:

@@ -17,7 +17,7 @@ from service.sweeps.tasks import ItemAnswer, solve_items
 from service.workers.tasks import solve_design
 from synthesis.design.design import Design
 from synthesis.design.identity import design_id
-from synthesis.pipeline.synthesise import synthesise
+from synthesis.pipeline.synthesise import Neighbour, synthesise
 from synthesis.spec.design_spec import DesignSpec
 from synthesis.studies.sweeps import SweepSpec
 from tests.service.conftest import Running
@@ -126,29 +126,26 @@ def test_the_others_are_proven_and_as_good_as_alone(warm: list[Design]) -> None:
 
 def test_a_start_of_another_form_is_left_aside(warm: list[Design]) -> None:
     """Laws on other segments: nothing of the neighbour's serves, and the answer is the spec's."""
-    from synthesis.pipeline.synthesise import synthesise_from_neighbour
-
-    _, near = synthesise_from_neighbour(warm[0].spec, None)
-    assert near is not None
+    neighbours: list[Neighbour] = []
+    synthesise(warm[0].spec, neighbours=neighbours)
     body = warm[0].spec.model_dump(mode="json")
     body["program"][0]["law"] = {"kind": "polynomial_7"}
     other = DesignSpec.model_validate(body)
-    found, _ = synthesise_from_neighbour(other, near)
+    found = synthesise(other, neighbours=neighbours)
     assert found.started_from is None
     assert found.motion == synthesise(other).motion
 
 
 def test_given_laws_have_their_own_displacements_from_a_neighbour() -> None:
     """The return is given, and 5 % longer at the neighbour: its laws begin another motion here."""
-    from synthesis.pipeline.synthesise import synthesise_from_neighbour
-
     body = SCENE.spec().model_dump(mode="json")
     body["program"][2]["law"] = {"kind": "cycloidal"}
     asked = DesignSpec.model_validate(body)
     for segment in (body["program"][0], body["program"][2]):
         segment["lift_mm"] *= 1.05
-    _, near = synthesise_from_neighbour(DesignSpec.model_validate(body), None)
-    assert near is not None
-    found, _ = synthesise_from_neighbour(asked, near)
+    neighbours: list[Neighbour] = []
+    synthesise(DesignSpec.model_validate(body), neighbours=neighbours)
+    near = neighbours[-1]
+    found = synthesise(asked, neighbours=neighbours)
     assert found.started_from == near.id
     assert found.certificate.value == pytest.approx(synthesise(asked).certificate.value, rel=5e-4)
