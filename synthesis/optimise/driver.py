@@ -7,8 +7,8 @@ nothing else distinguishes it.
 
     presolve    closed forms for given laws; a base circle that cannot be large enough
     select      the leaf with the least lower bound
-    process     a node's own rounds of propagate, relax, separate, solve and bound; heuristics that
-                belong to it (``root_node``, ``branching``)
+    process     propagate, relax, separate, solve and bound (``root_node``: on one mesh, then again
+                on a finer one; ``branching``: on a part of the domain); heuristics
     branch      a local search at the root; then parts of the domain
 
 Who asks: ``pipeline`` for designs and conflicts, ``parameters`` for free angles and lengths, and

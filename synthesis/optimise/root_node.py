@@ -10,6 +10,7 @@ import time
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from math import inf, sqrt
+from typing import Any
 
 import numpy as np
 
@@ -29,7 +30,7 @@ from synthesis.optimise.recovery.candidate import Candidate, recover_cam
 from synthesis.optimise.refinement.knot_polish import polish_knots
 from synthesis.optimise.refinement.mesh import add_midpoints, halve_intervals, refine_mesh
 from synthesis.optimise.refinement.row_violations import ALLOWED, row_violations
-from synthesis.optimise.separation.outer_approximation import approximate_outer
+from synthesis.optimise.separation.outer_approximation import Relaxed, relax
 from synthesis.optimise.state.solve_state import SolveState, Stage
 from synthesis.optimise.strategy.dimension_search import search_dimension
 from synthesis.optimise.strategy.phase_one import minimise_excess
@@ -67,11 +68,16 @@ class RootNode(Node):
     Attributes:
         optimise: solves a problem of the same kind, with a dimension fixed.
         presolved: whether the closed form has given the answer.
+        number: of the mesh, from 1. intervals: of the mesh before.
+        solvable: the last mesh with a law: other knots need not be finer.
         dimension_searched: whether a dimension was searched, each value a problem of its own.
     """
 
     optimise: Optimise
     presolved: bool
+    number: int = 1
+    solvable: tuple[Grid, ...] = ()
+    intervals: int = 0
     dimension_searched: bool = False
     lower: float = -inf
     valid_for: str = ""
@@ -80,25 +86,100 @@ class RootNode(Node):
     is_root: bool = True
 
     def process(self, state: SolveState) -> tuple[SolveState, Node]:
+        """One mesh: relax, bound, recover a cam, and refine the mesh where that pays."""
         problem = state.problem
-        pinning = problem.machine.follower.fixable_dimension()
-        node = replace(self, processed=True)
-        if not self.presolved and problem.has_curved_limits and pinning is not None:
-            return search_dimension(state, self.optimise), replace(node, dimension_searched=True)
+        if self.presolved:
+            return self._finish(state)
+        if problem.has_curved_limits and _fixable(problem):
+            node = replace(self, processed=True, dimension_searched=True)
+            return search_dimension(state, self.optimise), node
+        if self.number == 1:
+            state = _first_mesh(state)
+        # 1. Relax and solve; the dual bound holds over all laws where their jerk is capped.
+        started = time.perf_counter()
+        gap_before, bound_before = state.relaxation_gap, state.lower
+        solve_round = _solve_fractional if problem.objective.quasiconvex else relax
+        state, model, solution, bound = solve_round(state, 0.0)
+        # 2. Recover a cam, and the points at which it violates rows.
+        state, cam, violations = _recover(state, model, solution, bound)
+        seconds = time.perf_counter() - started
+        state = state.with_stage(_report(self.number, model, solution, seconds))
+        # 3. No spline of this mesh satisfies the rows: other knots may have one.
+        if solution.stopped is StopReason.INFEASIBLE:
+            other_knots = self._seek_knots(state, violations)
+            if other_knots is not None:
+                return other_knots
+        if problem.omits_curved_rows and state.incumbent is None and self.number == 1:
+            state = local_search(state)  # these rounds give the bound alone: a cam at once
+        # 4. Stop, or refine the mesh where the law costs more than the ideal one.
+        failed = bound is None and self.number > 1
+        if failed or _needs_no_finer_mesh(state, model, solution, bound):
+            mesh = _mesh_for_local_search(state, cam, bound, violations)
+            return self._finish(replace(state, grids=mesh))
+        idle = IDLE * gap_before < state.relaxation_gap < inf
+        intervals = _count(state.grids)
+        few_added = intervals < GROWTH * self.intervals and not state.nonconvex_limits_cost
+        gained = state.lower - bound_before
+        if (
+            (_rows_cannot_separate(state) and gained <= state.tolerance * abs(state.lower))
+            or (idle and not few_added)
+            or (self.number > 1 and _is_fine_enough(state))
+        ):
+            return self._finish(state)
+        solvable = state.grids if bound is not None else ()
+        state = replace(state, grids=_refined(state, cam, bound, violations, every=idle))
+        if state.nonconvex_limits_cost and state.relaxation_gap < CURVATURE_GAP:
+            # The local search finds its cam on this mesh, and far above this bound.
+            return self._finish(state)
+        return self._next(state, solvable=solvable, intervals=intervals)
+
+    def _seek_knots(
+        self, state: SolveState, violations: list[Array]
+    ) -> tuple[SolveState, Node] | None:
+        """Where no spline of the mesh fits: other knots, or the end; None where neither is known.
+
+        The gentlest law (phase 1) has knots of its own; its bound may prove that no law fits.
+        """
+        problem = state.problem
+        if self.solvable:
+            state = replace(state, grids=self.solvable, margin=0.0)
+            grids = halve_intervals(problem, state.grids, violations)
+            return self._next(replace(state, grids=grids), solvable=())
+        if self.number > 1 or not state.grids:
+            return self._finish(replace(state, infeasible=state.relaxed is None))
+        if problem.has_curved_limits:
+            return None
+        result = minimise_excess(problem, state.grids, state.tighten, state.deadline)
+        if result is None:
+            return None
+        state = replace(
+            state, grids=result.grids, infeasibility_proof=result.impossible,
+            undecided=result.undecided, infeasible=not result.fits,
+            least_excess=None if result.fits else result.share - 1.0,
+        )  # fmt: skip
+        return self._next(state) if result.fits else self._finish(state)
+
+    def _next(self, state: SolveState, **changed: Any) -> tuple[SolveState, Node]:
+        """The same domain on the state's mesh."""
+        node = replace(self, number=self.number + 1, **changed)
+        return node._finish(state) if node.number > ROUNDS else (state, node)
+
+    def _finish(self, state: SolveState) -> tuple[SolveState, Node]:
+        """What the meshes have left: the last digits of convex problems, and least dimensions."""
+        problem, node = state.problem, replace(self, processed=True)
         if not self.presolved:
-            state = _solve_on_meshes(_first_mesh(state))
             state = polish_knots(state, _solve_once)
             state = _bound_without_vibration(state)
         # A least value of a dimension is not convex: where the relaxation's cam is below it, the
         # dimension is fixed at one value after the other.
         has_least = any(cone.lower > 0.0 for cone in problem.sizing.norm_bounds)
-        if pinning is not None and has_least and not state.solved:
+        if _fixable(problem) and has_least and not state.solved:
             return search_dimension(state, self.optimise), replace(node, dimension_searched=True)
         return state, node
 
     def branch(self, state: SolveState) -> tuple[SolveState, Sequence[Node]]:
         """A local search, then the whole domain again, with the incumbent's value to bound it."""
-        problem, pinning = state.problem, state.problem.machine.follower.fixable_dimension()
+        problem = state.problem
         child: Node | None = None
         if self.dimension_searched:
             child = PivotNode.root(state) if problem.has_curved_limits else None
@@ -107,7 +188,7 @@ class RootNode(Node):
             return state, ()
         state = local_search(state)
         if not state.solved and state.time_left > 0.0:
-            by_pivots = problem.omits_curved_rows and pinning is None
+            by_pivots = problem.omits_curved_rows and not _fixable(problem)
             child = PivotNode.root(state) if by_pivots else TracedNode.root(state)
         return state, [child] if child is not None else []
 
@@ -121,6 +202,11 @@ class RootNode(Node):
         return state
 
 
+def _fixable(problem: Problem) -> bool:
+    """Whether the problem becomes convex with one dimension of the follower fixed."""
+    return problem.machine.follower.fixable_dimension() is not None
+
+
 def _first_mesh(state: SolveState) -> SolveState:
     """The state with equal intervals, their number by the tolerance."""
     finest = FINEST_CURVED if state.problem.has_curved_limits else FINEST
@@ -128,60 +214,6 @@ def _first_mesh(state: SolveState) -> SolveState:
     count = int(min(max(wanted, COARSEST), finest))
     grids = tuple(uniform_grid(segment, count) for segment in state.problem.free)
     return replace(state, grids=grids)
-
-
-def _solve_on_meshes(state: SolveState) -> SolveState:
-    """Solve relaxations on finer and finer meshes until the bound is near the incumbent."""
-    solve_round = _solve_fractional if state.problem.objective.quasiconvex else _solve_relaxation
-    solvable: tuple[Grid, ...] = ()  # the last mesh with a law: other knots need not be finer
-    intervals = 0
-    for number in range(1, ROUNDS + 1):
-        # 1. Relax and solve; the dual bound holds over all laws where their jerk is capped.
-        started = time.perf_counter()
-        gap_before, bound_before = state.relaxation_gap, state.lower
-        state, model, solution, bound = solve_round(state, 0.0)
-        # 2. Recover a cam, and the points at which it violates rows.
-        state, cam, violations = _recover(state, model, solution, bound)
-        state = state.with_stage(_report(number, model, solution, time.perf_counter() - started))
-        # 3. No spline of this mesh satisfies the rows: other knots may have one.
-        infeasible = solution.stopped is StopReason.INFEASIBLE
-        if infeasible and solvable:
-            state = replace(state, grids=solvable, margin=0.0)
-            grids = halve_intervals(state.problem, state.grids, violations)
-            state, solvable = replace(state, grids=grids), ()
-            continue
-        if infeasible and (number > 1 or not state.grids):
-            return replace(state, infeasible=state.relaxed is None)
-        if infeasible and not state.problem.has_curved_limits:
-            found = minimise_excess(state.problem, state.grids, state.tighten, state.deadline)
-            if found is not None:
-                state = replace(
-                    state, grids=found.grids, infeasibility_proof=found.impossible,
-                    undecided=found.undecided, infeasible=not found.fits,
-                    least_excess=None if found.fits else found.share - 1.0,
-                )  # fmt: skip
-                if found.fits:
-                    continue
-                return state
-        if state.problem.omits_curved_rows and state.incumbent is None and number == 1:
-            state = local_search(state)  # these rounds give the bound alone: a cam at once
-        # 4. Stop, or refine the mesh where the law costs more than the ideal one.
-        failed = bound is None and number > 1
-        if failed or _needs_no_finer_mesh(state, model, solution, bound):
-            return replace(state, grids=_mesh_for_local_search(state, cam, bound, violations))
-        idle = IDLE * gap_before < state.relaxation_gap < inf
-        few_added = _count(state.grids) < GROWTH * intervals and not state.nonconvex_limits_cost
-        intervals = _count(state.grids)
-        gained = state.lower - bound_before
-        if _rows_cannot_separate(state) and gained <= state.tolerance * abs(state.lower):
-            return state
-        if (idle and not few_added) or (number > 1 and _is_fine_enough(state)):
-            return state
-        solvable = state.grids if bound is not None else ()
-        state = replace(state, grids=_refined(state, cam, bound, violations, every=idle))
-        if state.nonconvex_limits_cost and state.relaxation_gap < CURVATURE_GAP:
-            return state  # the local search finds its cam on this mesh, and far above this bound
-    return state
 
 
 def _refined(
@@ -250,7 +282,7 @@ def _needs_no_finer_mesh(
 def _solve_once(state: SolveState, number: int) -> tuple[SolveState, Candidate | None]:
     """One relaxation on the present mesh, reported; its cam, if it has one."""
     started = time.perf_counter()
-    state, model, solution, bound = _solve_relaxation(state, 0.0)
+    state, model, solution, bound = relax(state, 0.0)
     state, cam, _ = _recover(state, model, solution, bound)
     return state.with_stage(_report(number, model, solution, time.perf_counter() - started)), cam
 
@@ -279,24 +311,6 @@ def _recover(
     return replace(state.with_bound(bound), relaxation=(model, solution, bound)), cam, violations
 
 
-Relaxed = tuple[SolveState, ConicModel, ConeSolution, Bound | None]
-
-
-def _solve_relaxation(state: SolveState, level: float) -> Relaxed:
-    """One relaxation on the present mesh, its curved limits linearised where it touches them."""
-    if state.problem.has_curved_limits:
-        return approximate_outer(state, level, _solve_cone_program)
-    return _solve_cone_program(state, level)
-
-
-def _solve_cone_program(state: SolveState, level: float) -> Relaxed:
-    """One cone program and its dual bound."""
-    model = formulate(state.problem, state.grids, level, state.tightening, state.region)
-    solution = solve(model.program, state.time_left)
-    bound = dual_bound(model, solution) if solution.stopped in USABLE else None
-    return state, model, solution, bound
-
-
 def _solve_fractional(state: SolveState, _: float) -> Relaxed:
     """A fractional objective on the present mesh, by Dinkelbach's method.
 
@@ -305,7 +319,7 @@ def _solve_fractional(state: SolveState, _: float) -> Relaxed:
     """
     level = 1.0 if state.relaxed is None else state.relaxed.value
     for _round in range(LEVEL_ROUNDS):
-        state, model, solution, bound = _solve_relaxation(state, level)
+        state, model, solution, bound = relax(state, level)
         if solution.stopped not in USABLE:
             return state, model, solution, None
         reached = recover_cam(model.problem, *model.recover(solution.x)).value
@@ -314,7 +328,7 @@ def _solve_fractional(state: SolveState, _: float) -> Relaxed:
         if stays:
             break
     below = level * (1.0 - 0.5 * state.tolerance)
-    state, _plan, _solution, excess = _solve_relaxation(state, below)
+    state, _plan, _solution, excess = relax(state, below)
     if excess is None:
         return state, model, solution, bound
     proven = below if excess.value > 0.0 else 0.0

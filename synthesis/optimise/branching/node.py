@@ -15,7 +15,7 @@ class Node(ABC):
 
     Attributes:
         lower, valid_for: no cam of this part is below ``lower`` [core units], and what that covers.
-        processed: whether ``process`` has been run; a processed node can only be branched on.
+        processed: whether ``process`` has nothing more to do; it can only be branched on then.
         deferred: whether it is the half with the larger values, which is processed only while the
             node limit allows.
         is_root: whether it is the whole domain: the first node of its kind, from which the nodes of

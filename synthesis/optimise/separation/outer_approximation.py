@@ -10,17 +10,17 @@ Where the limit is not convex, the rows are as tight as the region is narrow: bo
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import replace
 from math import inf, isfinite, sqrt
 
 import numpy as np
 
-from synthesis.numerics.solvers.clarabel import ConeSolution
+from synthesis.numerics.solvers.clarabel import ConeSolution, solve
+from synthesis.numerics.solvers.statuses import USABLE
 from synthesis.optimise.conic.control import law_controls
 from synthesis.optimise.conic.program import NO_TIGHTENING, ConicModel, formulate
 from synthesis.optimise.conic.tangent_cuts import Region, TangentPoint
-from synthesis.optimise.dual_bound.bound import Bound
+from synthesis.optimise.dual_bound.bound import Bound, dual_bound
 from synthesis.optimise.heuristics.local_search import improve_from, smooth_start
 from synthesis.optimise.problem.grid import Grid
 from synthesis.optimise.problem.problem import NoObjective, ObjectiveCap, Problem
@@ -46,29 +46,30 @@ SPARE = 1e-9
 """Relative slack of values that a better cam satisfies, against rounding."""
 
 Relaxed = tuple[SolveState, ConicModel, ConeSolution, Bound | None]
-SolveRelaxation = Callable[[SolveState, float], Relaxed]
 
 
-def approximate_outer(
-    state: SolveState, level: float, solve_relaxation: SolveRelaxation
-) -> Relaxed:
-    """Solve cone programs on the present mesh until their rows touch curved limits.
+def relax(state: SolveState, level: float) -> Relaxed:
+    """Solve the relaxation on the present mesh: one cone program, and its dual bound.
+
+    Where limits are curved, programs are solved until their rows touch these limits.
 
     Args:
         state: the solve. level: trial level of a fractional objective [core units].
-        solve_relaxation: states and solves one cone program.
 
     Returns:
         the state, with every bound and cam found on the way, and the last program with its
-        solution and bound.
+        solution and bound; no bound where the solver gave no usable point.
     """
     value, value_when_tightened = -inf, -inf
-    if state.relaxed is None and state.region is None:
+    curved = state.problem.has_curved_limits
+    if curved and state.relaxed is None and state.region is None:
         state, _ = smooth_start(state)  # any cam at all bounds the sizes of better ones
     for _ in range(MAX_ROUNDS):
         # 1. Solve the relaxation with the rows at hand; its bound is valid whatever these are.
-        state, model, solution, lower = solve_relaxation(state, level)
-        if lower is None:
+        model = formulate(state.problem, state.grids, level, state.tightening, state.region)
+        solution = solve(model.program, state.time_left)
+        lower = dual_bound(model, solution) if solution.stopped in USABLE else None
+        if lower is None or not curved:
             break
         # 2. Linearise at its solution; laws on which the limit is still exceeded are "loose".
         state, loose = _linearise(state.with_bound(lower), model, solution)
