@@ -10,17 +10,18 @@ import pytest
 from pydantic import ValidationError
 
 from synthesis.errors import InputError
-from synthesis.machines.linkages.arm import ArmSpec, analyse_arm, workspace
+from synthesis.machines.linkages.arm import ArmSpec, analyse_arm
 from synthesis.machines.linkages.arm.geometry import (
     Arm,
     G,
     Joints,
+    Limits,
     Place,
     holding_torques,
+    regions,
     static_moments,
     wrap_angle,
 )
-from synthesis.machines.linkages.arm.workspace import Limits
 
 IRB660 = Arm(800.0, 300.0, 1280.0, 1350.0, 260.0, 247.0)
 ODD = Arm(311.3, -41.7, 517.9, 263.1, 87.3, -19.7)
@@ -79,40 +80,39 @@ def on_grid(arm: Arm, limits: Limits, elbow: str, box: tuple[float, ...], n: int
     ids=["IRB 660", "odd"],
 )
 def test_area_is_that_of_a_grid(arm: Arm, limits: Limits) -> None:
-    found = workspace.regions(arm, limits)
+    found = regions(arm, limits)
     assert {one.elbow for one in found} == {"up", "down"}
     for region in found:
-        r, z = region.farthest(1.0, 0.0)[0], region.farthest(0.0, 1.0)[0]
-        box = (-region.farthest(-1.0, 0.0)[0], r, -region.farthest(0.0, -1.0)[0], z)
+        r, z = region.farthest(1)[0], region.farthest(1j)[0]
+        box = (-region.farthest(-1)[0], r, -region.farthest(-1j)[0], z)
         assert region.area == pytest.approx(on_grid(arm, limits, region.elbow, box, 70), rel=1e-2)
 
 
 def test_moment_is_that_of_the_polygon_through_the_border() -> None:
     """∫ r dA by the trapezoid rule over points of the border."""
-    (region,) = workspace.regions(IRB660, MAKERS)
+    (region,) = regions(IRB660, MAKERS)
     points = [arc.point(s) for arc in region.border for s in np.linspace(0, 1, 400)[:-1]]
-    moment = sum(0.5 * (a[0] ** 2 + b[0] ** 2) / 2 * (b[1] - a[1])
+    moment = sum(0.5 * (a.real**2 + b.real**2) / 2 * (b.imag - a.imag)
                  for a, b in pairwise([*points, points[0]]))  # fmt: skip
     assert region.moment == pytest.approx(abs(moment), rel=1e-5)
 
 
 def test_borders_are_closed_and_lie_on_limits() -> None:
-    for region in workspace.regions(IRB660, BOTH_ELBOWS):
+    for region in regions(IRB660, BOTH_ELBOWS):
         for arc, following in pairwise([*region.border, region.border[0]]):
             assert arc.point(1.0) == pytest.approx(following.point(0.0), abs=1e-9)
             for share in (0.0, 0.3, 1.0):
                 angles = arc.angles(share)
-                place = IRB660.radius(*angles), IRB660.level(*angles)
-                assert arc.point(share) == pytest.approx(place, abs=1e-9)
+                assert arc.point(share) == pytest.approx(IRB660.tool_point(*angles), abs=1e-9)
 
 
 def test_reach_of_the_irb_660_is_the_makers() -> None:
-    (region,) = workspace.regions(IRB660, MAKERS)
-    reach, (upper, fore) = region.farthest(1.0, 0.0)
+    (region,) = regions(IRB660, MAKERS)
+    reach, (upper, fore) = region.farthest(1)
     assert reach == pytest.approx(3150.0, abs=0.5)
     assert math.degrees(upper - fore) == pytest.approx(70.0, abs=1e-9)
-    assert not workspace.singular_segments(MAKERS)
-    ((first, last),) = workspace.singular_segments(BOTH_ELBOWS)
+    assert not MAKERS.singular_segments()
+    ((first, last),) = BOTH_ELBOWS.singular_segments()
     for corner in (first, last):
         assert corner[0] - corner[1] == pytest.approx(-0.5 * math.pi, abs=1e-12)
 

@@ -171,8 +171,8 @@ def test_where_the_arms_are_in_line_is_drawn() -> None:
     assert radius[0] == pytest.approx(spec.upper_arm_mm + spec.forearm_mm, abs=0.02)
     ends = [tuple(np.radians(pair)) for pair in (line.from_deg, line.to_deg)]
     for point, (upper, fore) in zip((start, end), ends, strict=True):
-        there = [spec.arm.radius(upper, fore), spec.arm.level(upper, fore)]
-        assert np.allclose(point, there, atol=0.02)
+        tool = spec.arm.tool_point(upper, fore)
+        assert np.allclose(point, [tool.real, tool.imag], atol=0.02)
 
 
 def test_a_base_that_turns_part_of_the_way_reaches_a_sector() -> None:

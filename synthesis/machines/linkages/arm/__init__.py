@@ -1,9 +1,8 @@
 """The palletising arm: two parallelograms keep its tool upright.
 
 In: an ArmSpec (lengths, joint limits, masses, poses). Out: a PalletisingArm: workspace, postures of
-every pose, holding torques, singular arm angles. Open ``geometry`` first: kinematics and statics;
-``workspace`` has the joint limits and the regions that the tool reaches within them, ``report``
-puts the answer together.
+every pose, holding torques, singular arm angles. Open ``geometry`` first: kinematics, statics, the
+joint limits and the regions that the tool reaches within them; ``report`` puts the answer together.
 """
 
 from __future__ import annotations

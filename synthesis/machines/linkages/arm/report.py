@@ -12,17 +12,21 @@ from pydantic import Field
 from synthesis.catalogue.fields import AnswerModel, doc
 from synthesis.design.identity import engine_version, question_id
 from synthesis.errors import InputError
-from synthesis.machines.linkages.arm import workspace
 from synthesis.machines.linkages.arm.geometry import (
+    RIGHT_ANGLE,
     Arm,
     Base,
+    Corner,
+    Edge,
     Elbow,
+    Joint,
     Place,
     Posture,
+    Region,
     holding_torques,
+    regions,
 )
 from synthesis.machines.linkages.arm.spec import ArmSpec, ArmTask
-from synthesis.machines.linkages.arm.workspace import RIGHT_ANGLE, Corner, Edge, Joint, Region
 from synthesis.units import DEGREE, FULL_TURN
 
 KIND = "palletising arm"
@@ -153,8 +157,8 @@ def analyse_arm(spec: ArmSpec, deadline: float | None = None) -> PalletisingArm:
         InputError: the joint limits leave no arm angles.
     """
     limits = spec.limits
-    regions = workspace.regions(spec.arm, limits)
-    if not regions:
+    workspace = regions(spec.arm, limits)
+    if not workspace:
         openings = [upper - fore for upper in limits.upper for fore in limits.fore]
         raise InputError(
             "/opening_deg", [angle / DEGREE for angle in limits.opening],
@@ -163,9 +167,9 @@ def analyse_arm(spec: ArmSpec, deadline: float | None = None) -> PalletisingArm:
             "Widen opening_deg, upper_arm_deg or forearm_deg.",
         )  # fmt: skip
     poses = [_pose(spec, task) for task in spec.poses]
-    answers = [_region(region, limits.base[1] - limits.base[0]) for region in regions]
-    nearest = min(region.r_min.value_mm for region in answers)
-    farthest = max(region.r_max.value_mm for region in answers)
+    parts = [_region(region, limits.base[1] - limits.base[0]) for region in workspace]
+    nearest = min(part.r_min.value_mm for part in parts)
+    farthest = max(part.r_max.value_mm for part in parts)
     return PalletisingArm(
         id=question_id(spec, KIND),
         name=spec.name,
@@ -173,17 +177,17 @@ def analyse_arm(spec: ArmSpec, deadline: float | None = None) -> PalletisingArm:
         status="feasible" if all(pose.reachable for pose in poses) else "infeasible",
         spec=spec,
         reach_mm=max(farthest, -nearest),
-        regions=answers,
+        regions=parts,
         singular=[
             ArmsInLine(
                 opening_deg=round((first[0] - first[1]) / DEGREE, 9),
                 from_deg=_degrees(first),
                 to_deg=_degrees(last),
             )
-            for first, last in workspace.singular_segments(limits)
+            for first, last in limits.singular_segments()
         ],
         over_axis=nearest <= 0.0 <= farthest,
-        torques=_largest_torques(spec, [corner for each in regions for corner in each.corners]),
+        torques=_largest_torques(spec, workspace),
         poses=poses,
     )
 
@@ -194,40 +198,42 @@ def _degrees(corner: Corner) -> Corner:
 
 def _region(region: Region, base_range: float) -> WorkRegion:
     """The answer about one region; ``base_range``: by how much the base turns [rad]."""
-
-    def farthest(across: float, up: float) -> ArmFarthest:
-        value, corner = region.farthest(across, up)
+    extremes = {}
+    for name, way in (("r_max", 1.0), ("r_min", -1.0), ("z_max", 1j), ("z_min", -1j)):
+        value, corner = region.farthest(way)
         upper, fore = _degrees(corner)
-        return ArmFarthest(value_mm=value * (across + up), upper_arm_deg=upper, forearm_deg=fore)
-
-    nearest = farthest(-1.0, 0.0)
-    once = base_range <= FULL_TURN * (1.0 + ROUNDING) and nearest.value_mm >= 0.0
+        value *= way.real + way.imag
+        extremes[name] = ArmFarthest(value_mm=value, upper_arm_deg=upper, forearm_deg=fore)
+    # Pappus: a region that the axis does not cut, turned about it at most once.
+    once = base_range <= FULL_TURN * (1.0 + ROUNDING) and extremes["r_min"].value_mm >= 0.0
     return WorkRegion(
         elbow=region.elbow,
         border=[
             BorderArc(
-                keeps=arc.keeps, centre_mm=(arc.x, arc.y), radius_mm=arc.radius,
+                keeps=arc.keeps, centre_mm=_pair(arc.centre), radius_mm=arc.radius,
                 start_deg=arc.start / DEGREE, sweep_deg=arc.sweep / DEGREE,
-                from_mm=arc.point(0.0), to_mm=arc.point(1.0),
+                from_mm=_pair(arc.point(0.0)), to_mm=_pair(arc.point(1.0)),
             )
             for arc in region.border
         ],
         area_mm2=region.area,
         volume_mm3=base_range * region.moment if once else None,
-        r_max=farthest(1.0, 0.0),
-        r_min=nearest,
-        z_max=farthest(0.0, 1.0),
-        z_min=farthest(0.0, -1.0),
+        **extremes,
     )  # fmt: skip
 
 
-def _largest_torques(spec: ArmSpec, corners: Sequence[Corner]) -> list[ArmTorque]:
+def _pair(point: complex) -> tuple[float, float]:
+    return point.real, point.imag
+
+
+def _largest_torques(spec: ArmSpec, workspace: Sequence[Region]) -> list[ArmTorque]:
     """The largest |τ| of either axis: at a crest of its sine or cosine, or at an end."""
+    corners = [end for each in workspace for arc in each.border for end in (arc.first, arc.last)]
     torques = []
     for k, (axis, crest) in enumerate((("upper_arm", RIGHT_ANGLE), ("forearm", 0.0))):
         angles = [corner[k] for corner in corners]
         low, high = min(angles), max(angles)
-        crests = (crest + turn * math.pi for turn in range(-3, 4))
+        crests = (crest + turn * math.pi for turn in (-1, 0, 1))
         places = np.array([low, high, *(at for at in crests if low <= at <= high)])
         shares = holding_torques((1.0, 1.0), places, places)[k]
         at = float(places[np.argmax(np.abs(shares))])
@@ -254,7 +260,7 @@ def _pose(spec: ArmSpec, task: ArmTask) -> ArmPose:
 
 
 def _solution(spec: ArmSpec, posture: Posture) -> ArmSolution:
-    joints = posture.joints
+    joints, exceeded = posture.joints, spec.limits.exceeded(posture.joints)
     torques = holding_torques(spec.static_moments, joints.upper, joints.fore)
     return ArmSolution(
         base=posture.base,
@@ -263,10 +269,7 @@ def _solution(spec: ArmSpec, posture: Posture) -> ArmSolution:
         upper_arm_deg=joints.upper / DEGREE,
         forearm_deg=joints.fore / DEGREE,
         tool_deg=joints.tool / DEGREE,
-        beyond=[
-            BeyondLimit(joint=name, excess_deg=excess / DEGREE)
-            for name, excess in spec.limits.exceeded(joints)
-        ],
+        beyond=[BeyondLimit(joint=name, excess_deg=by / DEGREE) for name, by in exceeded],
         in_line=math.cos(joints.opening),
         torque_upper_nm=float(torques[0]),
         torque_forearm_nm=float(torques[1]),
@@ -277,7 +280,7 @@ def _note(arm: Arm, place: Place, solutions: Sequence[ArmSolution]) -> str:
     """Why a place cannot be reached and what would help, or that any base angle will do."""
     away = math.hypot(place.x, place.y)
     if not solutions:
-        far = math.hypot(away - arm.shoulder - arm.wrist, place.z - arm.height + arm.tool)
+        far = abs(complex(away, place.z) - arm.origin)
         least, most = abs(arm.upper - arm.fore), arm.upper + arm.fore
         way = f"{far - most:.6g} mm nearer" if far > most else f"{least - far:.6g} mm farther away"
         return (

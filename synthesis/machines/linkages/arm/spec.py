@@ -9,9 +9,15 @@ from typing import Annotated, Literal
 
 from pydantic import Field
 
-from synthesis.catalogue.fields import FiniteModel, Name, Range
-from synthesis.machines.linkages.arm.geometry import Arm, Joints, Place, Posture, static_moments
-from synthesis.machines.linkages.arm.workspace import Limits, Span
+from synthesis.catalogue.fields import FiniteModel, Name, Range, ends
+from synthesis.machines.linkages.arm.geometry import (
+    Arm,
+    Joints,
+    Limits,
+    Place,
+    Posture,
+    static_moments,
+)
 from synthesis.units import DEGREE
 
 LARGEST = 1e6  # mm and kg: far beyond any arm, so that products stay finite
@@ -95,7 +101,7 @@ class JointPose(ArmTask):
 
     def postures(self, arm: Arm, limits: Limits) -> Iterator[Posture]:
         joints = self._joints()
-        over = arm.radius(joints.upper, joints.fore) < 0.0
+        over = arm.tool_point(joints.upper, joints.fore).real < 0.0
         down = math.cos(joints.opening) < 0.0
         yield Posture("over" if over else "front", "down" if down else "up", joints)
 
@@ -176,7 +182,8 @@ class ArmSpec(FiniteModel):
         ranges = (
             self.base_deg, self.upper_arm_deg, self.forearm_deg, self.opening_deg, self.tool_deg
         )  # fmt: skip
-        return Limits(*map(_radians, ranges))
+        low_high = ((DEGREE * low, DEGREE * high) for low, high in map(ends, ranges))
+        return Limits(*low_high)
 
     @property
     def static_moments(self) -> tuple[float, float]:
@@ -184,9 +191,3 @@ class ArmSpec(FiniteModel):
         load = (self.payload_kg, self.upper_arm_mm, self.forearm_mm)
         parts = ((each.mass_kg, each.upper_arm_mm, each.forearm_mm) for each in self.masses)
         return static_moments([*parts, load])
-
-
-def _radians(limits: Range) -> Span:
-    """Both ends [rad]."""
-    low = -math.inf if limits.min is None else limits.min * DEGREE
-    return low, math.inf if limits.max is None else limits.max * DEGREE

@@ -1,8 +1,8 @@
 """Files of linkages, by kind and file name.
 
 In: the answer about a linkage and a format's options. Out: bytes. ``linkage_file`` is the format,
-and what animations of all kinds share; ``links`` are shapes of rigid links. ``shaper`` and ``arm``
-list the files of a kind at their ends: a new one is a row there.
+and what drawings and animations of all kinds share. ``shaper`` and ``arm`` list the files of a kind
+at their ends: a new one is a row there.
 """
 
 from __future__ import annotations

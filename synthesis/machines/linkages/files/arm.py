@@ -23,28 +23,11 @@ from synthesis.exporters.drawing.heading import two_lines
 from synthesis.exporters.figures.machine import Moving, Tag, moving_group
 from synthesis.exporters.figures.parts import Box, display_scale, place_in_panel
 from synthesis.exporters.options import Options, PictureOptions
-from synthesis.machines.linkages.arm import PalletisingArm
-from synthesis.machines.linkages.arm.geometry import Arm, holding_torques
+from synthesis.machines.linkages.arm import PalletisingArm, geometry
+from synthesis.machines.linkages.arm.geometry import RIGHT_ANGLE, Arc, Arm, Corner, Region, Span
 from synthesis.machines.linkages.arm.report import ArmPose
-from synthesis.machines.linkages.arm.workspace import (
-    Arc,
-    Corner,
-    Region,
-    Span,
-    regions,
-    singular_segments,
-    tool_arc,
-)
-from synthesis.machines.linkages.files import links
-from synthesis.machines.linkages.files.linkage_file import (
-    CSV,
-    DECIMALS,
-    SVG,
-    LinkageFile,
-    line_rules,
-    linkage_scene,
-    scene_json,
-)
+from synthesis.machines.linkages.files import linkage_file as links
+from synthesis.machines.linkages.files.linkage_file import CSV, SVG, LinkageFile, shifted
 from synthesis.numerics.piecewise import Array
 from synthesis.units import DEGREE, FULL_TURN
 
@@ -76,8 +59,8 @@ class Stage:
     """
 
     arm: Arm
-    regions: tuple[Region, ...]
-    singular: tuple[Arc, ...]
+    regions: list[Region]
+    singular: list[Arc]
     u: float
     extent: Box
     by: float
@@ -85,81 +68,80 @@ class Stage:
     @classmethod
     def of(cls, found: PalletisingArm) -> Stage:
         """The stage for an answer."""
-        given = found.spec.arm
+        given, limits = found.spec.arm, found.spec.limits
         by = display_scale(given.upper + given.fore)
         arm = Arm(*(by * each for each in vars(given).values()))
-        reached = tuple(regions(arm, found.spec.limits))
-        singular = tuple(tool_arc(arm, *ends) for ends in singular_segments(found.spec.limits))
-        points = [arc.point(s) for one in reached for arc in one.border
-                  for s in np.linspace(0.0, 1.0, 33).tolist()]  # fmt: skip
-        points += [(-0.1 * arm.upper, 0.0), (arm.shoulder, arm.height)]
-        return cls(arm, reached, singular, *links.unit_and_extent(points, 6.0), by)
+        reached = geometry.regions(arm, limits)
+        singular = [geometry.tool_arc(arm, *ends) for ends in limits.singular_segments()]
+        points = [arc.point(share) for region in reached for arc in region.border
+                  for share in np.linspace(0.0, 1.0, 33).tolist()]  # fmt: skip
+        points += [complex(-0.1 * arm.upper, 0.0), complex(arm.shoulder, arm.height)]
+        return cls(arm, reached, singular, *links.unit_and_extent(np.array(points), 6.0), by)
 
     def ground(self) -> list[str]:
         """Floor, axis 1, column, workspace, and the singular arcs."""
         left, bottom, right, top = self.extent
         u, arm = self.u, self.arm
         half = 3.0 * u
-        column = f"M{svg.num(-half)} 0L{svg.num(-half)} {svg.num(0.85 * arm.height)}L" + "L".join(
-            f"{svg.num(arm.shoulder + k * half)} {svg.num(arm.height)}" for k in (-1.0, 1.0)
-        )
+        column = np.array([
+            [-half, 0.0], [-half, 0.85 * arm.height], [arm.shoulder - half, arm.height],
+            [arm.shoulder + half, arm.height], [half, 0.0],
+        ])  # fmt: skip
         return [
             *(svg.path("outline body", f"{_arc_path(one.border)}Z") for one in self.regions),
             *(svg.path("line limit", _arc_path([arc])) for arc in self.singular),
             *links.hatched(left + 2.0 * u, right - 2.0 * u, 0.0, u),
             svg.line("line centre", 0.0, bottom, 0.0, top),
-            svg.path("outline rest", f"{column}L{svg.num(half)} 0Z"),
+            svg.path("outline rest", svg.steps(column[:, 0], column[:, 1], closed=True)),
         ]
 
     def moving(self, upper: Array, fore: Array) -> list[Moving]:
         """The parts that move, along arm angles (n,) [rad]."""
-        arm = self.arm
-        elbow = np.stack([arm.shoulder + arm.upper * np.sin(upper),
-                          arm.height + arm.upper * np.cos(upper)], axis=1)  # fmt: skip
-        wrist = elbow + arm.fore * np.stack([np.cos(fore), -np.sin(fore)], axis=1)
-        first, second = 90.0 - upper[:, None] / DEGREE, -fore[:, None] / DEGREE
-        return [
-            Moving("upper", "turn", first), Moving("rod", "turn", first),
-            Moving("elbow", "shift", elbow), Moving("fore", "turn", second),
-            Moving("fore-rod", "turn", second), Moving("wrist", "shift", wrist),
-        ]  # fmt: skip
+        arm, first, second = self.arm, RIGHT_ANGLE - upper, -fore
+        elbow = complex(arm.shoulder, arm.height) + arm.upper * np.exp(1j * first)
+        wrist = elbow + arm.fore * np.exp(1j * second)
+        return links.moving_parts(
+            {"upper": first, "rod": first, "elbow": elbow, "fore": second, "fore-rod": second,
+             "wrist": wrist}
+        )  # fmt: skip
 
     def parts(self, tag: Tag, moving: Sequence[Moving]) -> list[str]:
         """The arm's parts in their first positions."""
         arm, u = self.arm, self.u
         beside = ROD * arm.upper
 
-        def at(x: float, y: float, body: Sequence[str]) -> list[str]:
-            return [f'<g transform="translate({svg.num(x)} {svg.num(y)})">', *body, "</g>"]
+        def group(name: str, body: Sequence[str]) -> list[str]:
+            return moving_group(name, tag, moving, body)
 
-        def rod(name: str, length: float) -> list[str]:
-            return moving_group(name, tag, moving, [svg.line("line axis", 0.0, 0.0, length, 0.0)])
-
-        upper = moving_group("upper", tag, moving, links.bar(arm.upper, 2.0 * u))
-        fore = moving_group("fore", tag, moving, links.bar(arm.fore, 1.6 * u))
+        rod, fore_rod = (
+            group(name, [svg.line("line axis", 0.0, 0.0, length, 0.0)])
+            for name, length in (("rod", arm.upper), ("fore-rod", arm.fore))
+        )
         plate = svg.path("outline rest", f"M0 0L{svg.num(-beside)} 0L0 {svg.num(beside)}Z")
         hand = svg.path("line outline", f"M0 {svg.num(beside)}L0 0H{svg.num(arm.wrist)}")
         tool = svg.line("outline", arm.wrist, 0.0, arm.wrist, -arm.tool)
+        mark = svg.circle("mark", arm.wrist, -arm.tool, 0.9 * u)
         return [
-            *at(arm.shoulder - beside, arm.height, rod("rod", arm.upper)),
-            *at(arm.shoulder, arm.height, upper),
-            *moving_group("elbow", tag, moving, [
-                plate, *fore, *at(0.0, beside, rod("fore-rod", arm.fore))]),
-            *moving_group("wrist", tag, moving, [
-                hand, tool, links.pin(0.0, 0.0, u),
-                svg.circle("mark", arm.wrist, -arm.tool, 0.9 * u)]),
+            *shifted(arm.shoulder - beside, arm.height, rod),
+            *shifted(arm.shoulder, arm.height, group("upper", links.bar(arm.upper, 2.0 * u))),
+            *group("elbow", [plate, *group("fore", links.bar(arm.fore, 1.6 * u)),
+                             *shifted(0.0, beside, fore_rod)]),
+            *group("wrist", [hand, tool, links.pin(0.0, 0.0, u), mark]),
         ]  # fmt: skip
 
 
 def _arc_path(arcs: Sequence[Arc]) -> str:
     """A chain of arcs as a path."""
-    x, y = arcs[0].point(0.0)
-    steps = [f"M{svg.num(x)} {svg.num(y)}"]
+    steps = f"M{_place(arcs[0].point(0.0))}"
     for arc in arcs:
-        (x, y), radius = arc.point(1.0), svg.num(arc.radius)
+        radius = svg.num(arc.radius)
         flags = f"{int(abs(arc.sweep) > math.pi)} {int(arc.sweep > 0.0)}"
-        steps.append(f"A{radius} {radius} 0 {flags} {svg.num(x)} {svg.num(y)}")
-    return "".join(steps)
+        steps += f"A{radius} {radius} 0 {flags} {_place(arc.point(1.0))}"
+    return steps
+
+
+def _place(point: complex) -> str:
+    return f"{svg.num(point.real)} {svg.num(point.imag)}"
 
 
 def plan_view(found: PalletisingArm, by: float) -> tuple[Box, list[str]]:
@@ -170,18 +152,16 @@ def plan_view(found: PalletisingArm, by: float) -> tuple[Box, list[str]]:
     Returns:
         bounding box for all base angles, and the elements.
     """
-    radius, base = by * found.reach_mm, found.spec.base_deg
+    radius, base = by * found.reach_mm, found.spec.limits.base
     nearest = by * min(region.r_min.value_mm for region in found.regions)
     farthest = by * max(region.r_max.value_mm for region in found.regions)
-    low, high = base.min * DEGREE, base.max * DEGREE
-    sectors = (
-        ((max(nearest, 0.0), farthest), (low, high)),
-        ((max(-farthest, 0.0), -nearest), (low + math.pi, high + math.pi)),
-    )
+    back = (base[0] + math.pi, base[1] + math.pi)
+    sectors = [_ring((max(nearest, 0.0), farthest), base)] if farthest > 0.0 else []
+    sectors += [_ring((max(-farthest, 0.0), -nearest), back)] if nearest < 0.0 else []
     u = 2.0 * radius / links.ACROSS
     half = radius + 4.0 * u
     return (-half, -half, half, half), [
-        *(svg.path("outline body", _ring(*sector)) for sector in sectors if sector[0][1] > 0.0),
+        *(svg.path("outline body", sector) for sector in sectors),
         svg.line("line centre", -half, 0.0, half, 0.0),
         svg.line("line centre", 0.0, -half, 0.0, half),
         f"<g {tag('base')}>",
@@ -191,24 +171,14 @@ def plan_view(found: PalletisingArm, by: float) -> tuple[Box, list[str]]:
 
 
 def _ring(radii: Span, angles: Span) -> str:
-    """An annular sector, or the whole ring, as a path."""
-    low, high = angles
-    if high - low < FULL_TURN:
-        out, back = _arc(radii[1], low, high), _arc(radii[0], high, low)
-        return f"M{out[0]}{out[1]}L{back[0]}{back[1]}Z"
-    return "".join(f"M{start}{steps}Z" for start, steps in
-                   (_arc(radius, 0.0, FULL_TURN) for radius in radii if radius > 0.0))  # fmt: skip
-
-
-def _arc(radius: float, start: float, end: float) -> tuple[str, str]:
-    """Start of an arc about axis 1, and three SVG arcs, each less than a half turn."""
-
-    def point(angle: float) -> str:
-        return f"{svg.num(radius * math.cos(angle))} {svg.num(radius * math.sin(angle))}"
-
-    r, sweep = svg.num(radius), int(end > start)
-    stops = [start + (end - start) * k / 3.0 for k in (1, 2, 3)]
-    return point(start), "".join(f"A{r} {r} 0 0 {sweep} {point(stop)}" for stop in stops)
+    """An annular sector, or the whole ring, as a path of arcs of at most a third of a turn."""
+    turn = np.linspace(angles[0], min(angles[1], angles[0] + FULL_TURN), 4)
+    sides = []
+    for radius, stops, sweep in ((radii[1], turn, 1), (radii[0], turn[::-1], 0)):
+        r, places = svg.num(radius), map(_place, (radius * np.exp(1j * stops)).tolist())
+        sides.append(f"A{r} {r} 0 0 {sweep} ".join(places))
+    whole = angles[1] - angles[0] >= FULL_TURN
+    return f"M{'ZM'.join(sides) if whole else 'L'.join(sides)}Z"
 
 
 def _table(header: Sequence[str], rows: Iterable[Sequence[object]]) -> bytes:
@@ -230,16 +200,12 @@ def _border(found: PalletisingArm, options: Options) -> bytes:
 
 
 def _poses(found: PalletisingArm, options: Options) -> bytes:
-    return _table(
-        POSES,
-        (
-            (number, pose.name, pose.x_mm, pose.y_mm, pose.z_mm, pose.yaw_deg, one.base, one.elbow,
-             one.base_deg, one.upper_arm_deg, one.forearm_deg, one.tool_deg, int(not one.beyond),
-             one.in_line, one.torque_upper_nm, one.torque_forearm_nm)
-            for number, pose in enumerate(found.poses)
-            for one in pose.solutions
-        ),
-    )  # fmt: skip
+    rows = (
+        {"pose": number, "within_limits": int(not one.beyond), **vars(pose), **vars(one)}
+        for number, pose in enumerate(found.poses)
+        for one in pose.solutions
+    )
+    return _table(POSES, ([row[name] for name in POSES] for row in rows))
 
 
 def _about(found: PalletisingArm) -> str:
@@ -266,14 +232,12 @@ def _workspace(found: PalletisingArm, options: PictureOptions) -> bytes:
     ]
     body = [
         *two_lines(name, _about(found), EDGE, SHEET[0] - EDGE, 1.0),
-        f'<g transform="translate({svg.num(EDGE)} {svg.num(TOP)})">',
-        *place_in_panel([*stage.ground(), *arms], stage.extent, size),
-        "</g>",
+        *shifted(EDGE, TOP, place_in_panel([*stage.ground(), *arms], stage.extent, size)),
         svg.text("tick", EDGE, SHEET[1] - 4.0, "Seen from the side, in the plane through axis 1; "
                  "the tool's point reaches what is shaded."),
     ]  # fmt: skip
     title, text = f"Workspace of {name}", "The arm in its poses, and where its tool gets to."
-    rules = line_rules(stage.extent, size)
+    rules = links.line_rules(stage.extent, size)
     return svg.document(*SHEET, 1.0, title, text, body, theme=options.theme, rules=rules)
 
 
@@ -284,7 +248,7 @@ def _pose_path(found: PalletisingArm, share: Array) -> tuple[Array, Array]:
     """
     stops = _reachable_angles(found)
     if len(stops) < 2:
-        stops = list(regions(found.spec.arm, found.spec.limits)[0].corners)
+        stops = [arc.first for arc in geometry.regions(found.spec.arm, found.spec.limits)[0].border]
     at = np.array([*stops, stops[0]])
     place = share * (len(at) - 1)
     k = np.minimum(place.astype(int), len(at) - 2)
@@ -295,18 +259,21 @@ def _pose_path(found: PalletisingArm, share: Array) -> tuple[Array, Array]:
 
 
 def _scene(found: PalletisingArm, count: int) -> Scene:
-    stage, arm, share = Stage.of(found), found.spec.arm, np.linspace(0.0, 1.0, count + 1)
+    stage, share = Stage.of(found), np.linspace(0.0, 1.0, count + 1)
     upper, fore = _pose_path(found, share)
-    torques = holding_torques(found.spec.static_moments, upper, fore)
+    tool, torques = (
+        found.spec.arm.tool_point(upper, fore),
+        geometry.holding_torques(found.spec.static_moments, upper, fore),
+    )
     moving = stage.moving(upper, fore)
-    return linkage_scene(
+    return links.linkage_scene(
         found, TITLE, _about(found),
         (stage.extent, moving, lambda tag: [*stage.ground(), *stage.parts(tag, moving)]),
         [curve_plot(f"Torque at axis {axis}", "N·m", 360.0 * share, values)
          for axis, values in zip((2, 3), torques, strict=True)],
         (
-            ("r", "Radius r", "mm", arm.radius(upper, fore)),
-            ("z", "Level z", "mm", arm.level(upper, fore)),
+            ("r", "Radius r", "mm", tool.real),
+            ("z", "Level z", "mm", tool.imag),
             ("t2", "Upper arm", "deg", upper / DEGREE),
             ("t3", "Forearm", "deg", fore / DEGREE),
             ("m2", "Torque at axis 2", "N·m", torques[0]),
@@ -322,7 +289,7 @@ def _scene(found: PalletisingArm, count: int) -> Scene:
 def _data(found: PalletisingArm, options: Options) -> bytes:
     stage = Stage.of(found)
     plan_extent, plan = plan_view(found, stage.by)
-    return scene_json(
+    return links.scene_json(
         found, FRAME, stage.by, stage.extent, shapes="\n".join(stage.ground()),
         arm="\n".join(stage.parts(tag, stage.moving(np.zeros(1), np.zeros(1)))),
         poses=[_pose_data(stage, pose) for pose in found.poses],
@@ -332,8 +299,8 @@ def _data(found: PalletisingArm, options: Options) -> bytes:
 
 def _pose_data(stage: Stage, pose: ArmPose) -> dict[str, Any]:
     """Positions of the parts for each solution of a pose."""
-    angles = [(one.upper_arm_deg, one.forearm_deg) for one in pose.solutions]
-    parts = stage.moving(*(DEGREE * np.array(angles).T)) if angles else []
+    angles = np.array([(one.upper_arm_deg, one.forearm_deg) for one in pose.solutions])
+    parts = stage.moving(*(DEGREE * angles.reshape(-1, 2).T))
     x, y, z = (stage.by * each for each in (pose.x_mm, pose.y_mm, pose.z_mm))
     return {
         "target": _rounded([math.hypot(x, y), z]),
@@ -348,7 +315,7 @@ def _pose_data(stage: Stage, pose: ArmPose) -> dict[str, Any]:
 
 
 def _rounded(values: Iterable[float]) -> list[float]:
-    return [round(float(value), DECIMALS) + 0.0 for value in values]
+    return [round(float(value), links.DECIMALS) + 0.0 for value in values]
 
 
 FILES = (

@@ -1,8 +1,8 @@
-"""Files of linkages: their format, and what animations of any kind of linkage share."""
+"""Files of linkages: their format, and what pictures of any kind of linkage share."""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -19,16 +19,19 @@ from synthesis.exporters.animations.scene import (
 )
 from synthesis.exporters.diagrams.diagram import Frame
 from synthesis.exporters.diagrams.plot import Plot
+from synthesis.exporters.drawing import canvas as svg
 from synthesis.exporters.drawing.heading import two_lines
 from synthesis.exporters.drawing.theme import lines
 from synthesis.exporters.exporter import FileFormat, compact_json
 from synthesis.exporters.figures.machine import Moving
 from synthesis.exporters.figures.parts import Box, place_in_panel, scale_in
 from synthesis.numerics.piecewise import Array
+from synthesis.units import DEGREE
 
 SVG = "image/svg+xml"
 CSV = "text/csv; charset=utf-8; header=present"
 DECIMALS = 4  # of coordinates, which are about as large as those of a sheet in mm
+ACROSS = 92.0  # units of line widths and symbols from side to side of a machine
 Reading = tuple[str, str, str, Array]  # key, title, unit and values over the turn
 
 
@@ -76,8 +79,10 @@ def linkage_scene(
         grounds: background of a diagram. texts: other fields of the scene.
     """
     extent, parts, shapes = machine
-    first, values = plots[0].curve, [plot.curve.values for plot in plots]
-    points, diagrams = traced_diagrams(plots, first.degrees, values, grounds, texts["shaft"])
+    values = [plot.curve.values for plot in plots]
+    points, diagrams = traced_diagrams(
+        plots, plots[0].curve.degrees, values, grounds, texts["shaft"]
+    )
     name = found.name.strip() or title
     return Scene(
         name=name,
@@ -100,3 +105,64 @@ def linkage_scene(
 def line_rules(extent: Box, size: tuple[float, float]) -> str:
     """Style of a machine's lines, whose width is the sheet's while their lengths are scaled."""
     return "".join(lines(1.0 / scale_in(extent, size), ".camwright .mechanism"))
+
+
+def moving_parts(values: Mapping[str, Array]) -> list[Moving]:
+    """Parts that turn, by angles (n,) [rad], and parts that shift, to points x + i y (n,)."""
+    return [
+        Moving(name, "shift", np.stack([each.real, each.imag], axis=1))
+        if np.iscomplexobj(each) else Moving(name, "turn", each[:, None] / DEGREE)
+        for name, each in values.items()
+    ]  # fmt: skip
+
+
+def unit_and_extent(points: Array, margin: float) -> tuple[float, Box]:
+    """Unit of line widths and symbols of a machine, and its bounding box with a margin of these.
+
+    Points x + i y, y upwards as in all shapes below.
+    """
+    xs, ys = points.real, points.imag
+    left, bottom, right, top = (float(end) for end in (xs.min(), ys.min(), xs.max(), ys.max()))
+    u = max(right - left, top - bottom) / ACROSS
+    edge = margin * u
+    return u, (left - edge, bottom - edge, right + edge, top + edge)
+
+
+def shifted(x: float, y: float, body: Sequence[str]) -> list[str]:
+    """Shapes with their origin at a point."""
+    return [f'<g transform="translate({svg.num(x)} {svg.num(y)})">', *body, "</g>"]
+
+
+def bar(length: float, half: float) -> list[str]:
+    """A link along x from one pin to the other, round at its ends."""
+    x, y = svg.num(length), svg.num(half)
+    steps = f"M0 {y}H{x}A{y} {y} 0 0 0 {x} -{y}H0A{y} {y} 0 0 0 0 {y}Z"
+    pins = [pin(at, 0.0, 0.45 * half) for at in (0.0, length)]
+    return [svg.path("outline rest", steps), *pins]
+
+
+def pin(x: float, y: float, radius: float) -> str:
+    """A pin."""
+    return svg.circle("outline metal", x, y, radius)
+
+
+def bearing(x: float, y: float, u: float) -> list[str]:
+    """A pivot on the ground."""
+    foot = [(x, y), (x - 3.0 * u, y - 4.6 * u), (x + 3.0 * u, y - 4.6 * u)]
+    steps = "L".join(f"{svg.num(a)} {svg.num(b)}" for a, b in foot)
+    ground = hatched(x - 4.0 * u, x + 4.0 * u, y - 4.6 * u, u)
+    return [svg.path("outline rest", f"M{steps}Z"), *ground]
+
+
+def hatched(left: float, right: float, y: float, u: float) -> list[str]:
+    """Ground below a level."""
+    count = max(1, round((right - left) / (1.6 * u)))
+    at = [left + (right - left) * k / count for k in range(count + 1)]
+    return [svg.line("line border", left, y, right, y),
+            *(svg.line("line border", x, y, x - 1.2 * u, y - 1.4 * u) for x in at[1:])]  # fmt: skip
+
+
+def block(width: float, height: float) -> list[str]:
+    """A sliding block about its middle."""
+    return [svg.box("outline metal", -0.5 * width, -0.5 * height, width, height),
+            pin(0.0, 0.0, 0.2 * height)]  # fmt: skip

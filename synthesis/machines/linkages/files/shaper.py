@@ -24,15 +24,8 @@ from synthesis.exporters.figures.parts import Box, display_scale
 from synthesis.exporters.options import MotionOptions, Options, PictureOptions
 from synthesis.exporters.samples.columns import Column
 from synthesis.exporters.tables.formats import csv_table
-from synthesis.machines.linkages.files import links
-from synthesis.machines.linkages.files.linkage_file import (
-    CSV,
-    DECIMALS,
-    SVG,
-    LinkageFile,
-    linkage_scene,
-    scene_json,
-)
+from synthesis.machines.linkages.files import linkage_file as links
+from synthesis.machines.linkages.files.linkage_file import CSV, SVG, LinkageFile, shifted
 from synthesis.machines.linkages.shaper import SixBarShaper
 from synthesis.machines.linkages.shaper.mechanism import Drive, Motion, Shaper, angle
 from synthesis.numerics.piecewise import Array
@@ -254,14 +247,15 @@ class Stage:
     """The shaper as drawn; lengths in mm times the scale ``by``.
 
     Attributes:
-        turn: its motion. by: scale factor. places: positions (n, 2) of the parts that shift: the
-            crank's pin, the guide's end, the ram's pin.
+        turn: its motion. by: scale factor. moving: every part that moves.
+        ram: (n,) abscissa of the ram's pin, scaled.
         u: unit of line widths and symbols. extent: bounding box of the whole motion.
     """
 
     turn: SampledTurn
     by: float
-    places: dict[str, Array]
+    moving: list[Moving]
+    ram: Array
     u: float
     extent: Box
 
@@ -272,26 +266,22 @@ class Stage:
         shaper, motion = turn.shaper, turn.motion
         r, a = shaper.crank, shaper.pivot_distance
         by = display_scale(max(shaper.guide, r + a, abs(shaper.ram_line)))
-        guide, ram = np.stack(motion.guide, axis=1), motion.ram[0]
+        guide, ram = motion.guide[0] + 1j * motion.guide[1], by * motion.ram[0]
         places = {
-            "block": by * motion.slide[0][:, None] * guide,
+            "block": by * motion.slide[0] * guide,
             "coupler": by * shaper.guide * guide,
-            "ram": by * np.stack([ram, shaper.ram_line + 0.0 * ram], axis=1),
+            "ram": ram + 1j * by * shaper.ram_line,
         }
-        points = [(0.0, 0.0), (-by * r, by * (a - r)), (by * r, by * (a + r))]
-        points += [(x, y) for each in places.values() for x, y in each.tolist()]
-        return cls(turn, by, places, *links.unit_and_extent(points, 8.0))
-
-    @cached_property
-    def moving(self) -> list[Moving]:
-        """Every part that moves."""
-        angles = {"crank": "crank", "guide": "guide", "block-turn": "guide",
-                  "coupler-turn": "coupler"}  # fmt: skip
-        shifts = [Moving(name, "shift", values) for name, values in self.places.items()]
-        return shifts + [
-            Moving(name, "turn", self.turn.values(f"{link}_deg")[:, None])
-            for name, link in angles.items()
-        ]
+        turns = {
+            "crank": turn.drive.phi(turn.travel),
+            "guide": angle(motion.guide),
+            "block-turn": angle(motion.guide),
+            "coupler-turn": angle(motion.coupler),
+        }
+        circle = by * np.array([0.0, complex(-r, a - r), complex(r, a + r)])
+        points = np.concatenate([circle, *places.values()])
+        moving = links.moving_parts(places | turns)
+        return cls(turn, by, moving, ram, *links.unit_and_extent(points, 8.0))
 
     def shapes(self, tag: Tag) -> list[str]:
         """Bearings, the crank's circle, the ram's ways, and the shaper's elements."""
@@ -302,8 +292,7 @@ class Stage:
                            shaper.ram_line)
         )  # fmt: skip
         slot = max(guide, self.by * float(np.max(self.turn.motion.slide[0])))
-        x = self.places["ram"][:, 0]
-        low, high = float(x.min()) - 6.0 * u, float(x.max()) + 6.0 * u
+        low, high = float(self.ram.min()) - 6.0 * u, float(self.ram.max()) + 6.0 * u
 
         def group(name: str, body: list[str]) -> list[str]:
             return moving_group(name, tag, self.moving, body)
@@ -317,9 +306,7 @@ class Stage:
             *group("guide", [*links.bar(slot, 2.0 * u), links.pin(guide, 0.0, 0.9 * u)]),
             *group("ram", links.block(9.0 * u, 6.0 * u)),
             *group("coupler", group("coupler-turn", links.bar(coupler, 1.4 * u))),
-            f'<g transform="translate(0 {svg.num(a)})">',
-            *group("crank", links.bar(r, 1.7 * u)),
-            "</g>",
+            *shifted(0.0, a, group("crank", links.bar(r, 1.7 * u))),
             *group("block", group("block-turn", links.block(7.0 * u, 4.6 * u))),
         ]  # fmt: skip
 
@@ -327,7 +314,7 @@ class Stage:
 def _scene(found: SixBarShaper, count: int) -> Scene:
     stage = Stage.of(found, count)
     turn = stage.turn
-    return linkage_scene(
+    return links.linkage_scene(
         found, TITLE, _about(found), (stage.extent, stage.moving, stage.shapes),
         _plots(turn)[:2],
         [(*titles, turn.columns[name].unit, turn.values(name))
@@ -343,9 +330,9 @@ def _scene(found: SixBarShaper, count: int) -> Scene:
 
 def _data(found: SixBarShaper, options: Options) -> bytes:
     stage = Stage.of(found, FRAMES)
-    return scene_json(
+    return links.scene_json(
         found, FRAME, stage.by, stage.extent, shapes="\n".join(stage.shapes(data_tag)),
-        parts=[part.data(DECIMALS) for part in stage.moving if part.moves], mirror=1,
+        parts=[part.data(links.DECIMALS) for part in stage.moving if part.moves], mirror=1,
     )  # fmt: skip
 
 
