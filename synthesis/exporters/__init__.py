@@ -4,8 +4,7 @@ In: a Design and the options of a format. Out: bytes with metadata, the same for
 Formats stand in rooms by what comes out: ``tables``, ``points``, ``curves``, ``solids``,
 ``figures``, ``diagrams``, ``animations``, ``machining``, ``drives``. What they share is below them:
 ``samples`` (the cam at its angles), ``fidelity`` (what readers make of points) and ``drawing`` (SVG
-and HTML); above them ``report``, ``png_picture`` and ``bundle``. Open ``exporter`` first, then
-``samples/cam``.
+HTML, PNG); above them ``report`` and ``bundle``. Open ``exporter`` first, then ``samples/cam``.
 
 PROFILE_FORMATS["csv"].write(design, ProfileOptions(points_per_degree=10.0))
 """
@@ -16,12 +15,13 @@ from collections.abc import Mapping
 from types import MappingProxyType
 from typing import Any
 
-from synthesis.exporters import drives, png_picture, points
-from synthesis.exporters.animations import formats as animations
+from synthesis.exporters import drives, points, tables
+from synthesis.exporters.animations import cam_animation
 from synthesis.exporters.curves import dxf, exact, iges, step
 from synthesis.exporters.curves.dxf import DrawingOptions
 from synthesis.exporters.curves.exact import ExactOptions
-from synthesis.exporters.diagrams import contact, motion
+from synthesis.exporters.diagrams import sheet
+from synthesis.exporters.drawing.raster import painted
 from synthesis.exporters.exporter import Exporter, FileContent
 from synthesis.exporters.fidelity import report as fidelity
 from synthesis.exporters.figures import profile
@@ -38,8 +38,7 @@ from synthesis.exporters.options import (
 from synthesis.exporters.report import report_with
 from synthesis.exporters.samples.cam import profiles
 from synthesis.exporters.solids import solid_step
-from synthesis.exporters.tables import formats as tables
-from synthesis.exporters.tables.formats import JsonOptions
+from synthesis.exporters.tables import JsonOptions
 
 Registry = Mapping[str, Exporter[Any]]
 
@@ -66,12 +65,14 @@ PROFILE_FORMATS = _registry(
 )
 SOLID_FORMATS = _registry(solid_step.SOLID)
 MOTION_FORMATS = _registry(
-    tables.JSON_MOTION, tables.CSV_MOTION, tables.TXT_MOTION, motion.MOTION, *drives.MOTIONS
+    tables.JSON_MOTION, tables.CSV_MOTION, tables.TXT_MOTION, sheet.MOTION, *drives.MOTIONS
 )
 PICTURES = _registry(
-    contact.CONTACT,
-    *animations.CAM,
-    *png_picture.PIXELS,
+    sheet.CONTACT,
+    *cam_animation.FORMATS,
+    painted("profile", profile.PROFILE),
+    painted("motion", sheet.MOTION),
+    painted("contact", sheet.CONTACT),
     report_with(PROFILE_FORMATS, MOTION_FORMATS),
 )
 # Every drawing and page by the name of its file.

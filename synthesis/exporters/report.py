@@ -15,11 +15,10 @@ from typing import Any
 
 from synthesis.design.analysis import Sensitivities
 from synthesis.design.design import Conflict, Design, Extreme, Proof
-from synthesis.exporters.diagrams.contact import CONTACT
-from synthesis.exporters.diagrams.motion import MOTION
+from synthesis.exporters.diagrams.sheet import CONTACT, MOTION
 from synthesis.exporters.drawing import canvas as svg
 from synthesis.exporters.drawing import html
-from synthesis.exporters.drawing.heading import TURNS
+from synthesis.exporters.drawing.canvas import TURNS
 from synthesis.exporters.exporter import Exporter
 from synthesis.exporters.figures.profile import PROFILE
 from synthesis.exporters.options import (

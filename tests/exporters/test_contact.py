@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import re
 import xml.etree.ElementTree as ET
+from typing import get_args
 
 import numpy as np
 import pytest
@@ -17,7 +18,7 @@ from synthesis.exporters import (
     PictureOptions,
 )
 from synthesis.exporters.diagrams.plot import linear, radii
-from synthesis.exporters.drawing.theme import THEMES
+from synthesis.exporters.options import Theme
 from synthesis.exporters.samples.cam import Cam
 from tests.catalogue.followers.samples import CASES
 from tests.exporters.test_drawings import (
@@ -204,7 +205,7 @@ def test_numbers_of_an_even_axis() -> None:
 
 
 @SCENES
-@pytest.mark.parametrize("theme", THEMES)
+@pytest.mark.parametrize("theme", get_args(Theme))
 def test_every_theme_has_its_own_ground(exporter, theme: str, p1: Design) -> None:
     root = ET.fromstring(exporter.write(p1, exporter.options(theme=theme)))
     style = root.find(SVG + "style").text

@@ -16,7 +16,7 @@ from scipy.optimize import minimize_scalar
 
 from synthesis import Design, DesignSpec, synthesise
 from synthesis.exporters import PROFILE_FORMATS, PointOptions, ProfileOptions
-from synthesis.exporters.fidelity.riding import CurveSamples, follower_motion
+from synthesis.exporters.fidelity.measure import CurveSamples, follower_motion
 from synthesis.exporters.samples.cam import Cam
 from tests.exporters.test_flanks import CLOSURES, asked
 from tests.exporters.test_points import away, points

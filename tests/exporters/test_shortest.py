@@ -7,7 +7,7 @@ import pytest
 from hypothesis import example, given
 from hypothesis import strategies as st
 
-from synthesis.exporters.tables.shortest import join_cells, to_text
+from synthesis.exporters.tables import join_cells, to_text
 
 
 def texts(values: np.ndarray) -> list[str]:

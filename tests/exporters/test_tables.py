@@ -20,7 +20,7 @@ from synthesis.exporters import (
     ProfileOptions,
 )
 from synthesis.exporters.samples.columns import Column
-from synthesis.exporters.tables.formats import _json_column as _column
+from synthesis.exporters.tables import _json_column as _column
 
 PER_DEGREE = 2.7  # 972 steps of 0.37037…°
 PROFILE_HEADER = (

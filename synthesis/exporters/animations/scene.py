@@ -1,18 +1,21 @@
-"""A machine in motion beside its diagrams: what every animation shows, whatever the machine is."""
+"""A machine in motion beside its diagrams, whatever the machine is: as SVG and as a page."""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+import json
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
-from typing import Any
+from typing import Any, TypeVar
 
 import numpy as np
 
-from synthesis.exporters.diagrams.diagram import Frame, diagram, with_range
-from synthesis.exporters.diagrams.plot import Plot
+from synthesis.exporters.diagrams.plot import Frame, Plot, diagram, with_range
 from synthesis.exporters.diagrams.sheet import angle_axis
 from synthesis.exporters.drawing import canvas as svg
+from synthesis.exporters.drawing import html
+from synthesis.exporters.exporter import FileFormat
 from synthesis.exporters.figures.machine import Moving, Tag, moving_group
+from synthesis.exporters.options import Options, PictureOptions, Theme
 from synthesis.numerics.piecewise import Array
 
 Body = Callable[[Tag], list[str]]
@@ -22,6 +25,24 @@ DIAGRAMS = (112.0, 122.0)
 EDGE = 8.0  # beside both [mm]
 LEFT, RIGHT, TOP, HEIGHT, GAP = 15.0, 4.0, 8.0, 38.0, 11.0  # of the diagrams on their panel [mm]
 TURN_S = 8.0  # what one turn takes on the screen
+FULL = 360.0
+# Positions over a turn: what plays in a browser, what is stepped by half a degree.
+FRAMES = {"svg": 240, "html": 720}
+SHOWN_RPM = 8  # speed on the screen at first
+HEADER, FOOTER = 16.0, 8.0  # above and below the panels [mm]
+CONTROLS = f"""<div class="controls" role="group" aria-label="Controls">
+<button type="button" id="play">Pause</button>
+<button type="button" id="back" aria-label="back by 1 degree">&#8722;1&#176;</button>
+<button type="button" id="forward" aria-label="on by 1 degree">+1&#176;</button>
+<label class="angle">Cam angle
+<input type="range" id="angle" min="0" max="360" step="1" value="0"></label>
+<label>Speed <input type="range" id="speed" min="1" max="61" step="1" value="{SHOWN_RPM}">
+<span><output id="shown">{SHOWN_RPM}</output> turns a minute</span></label>
+</div>"""
+KEYS = """<p class="keys"><kbd>Space</kbd> plays and stops, <kbd>&#8592;</kbd> <kbd>&#8594;</kbd>
+step by 1&#176;, with <kbd>Shift</kbd> by 10&#176;, <kbd>Home</kbd> goes to 0&#176;, <kbd>+</kbd>
+<kbd>&#8722;</kbd> change the speed.</p>"""
+Format = TypeVar("Format", bound=FileFormat[Any, Any])
 
 
 @dataclass(frozen=True, eq=False)
@@ -102,3 +123,144 @@ def traced_diagrams(
         return body
 
     return points, panel
+
+
+def draw(scene: Scene, theme: Theme) -> bytes:
+    """The scene as one SVG: the machine on the left, its diagrams on the right.
+
+    CSS keyframes, no script; it stands still where less motion is asked for.
+    """
+    prefix = f"cw{scene.key[:8]}"
+    width = 2.0 * EDGE + MACHINE[0] + DIAGRAMS[0]
+    height = HEADER + max(MACHINE[1], DIAGRAMS[1]) + FOOTER
+
+    def tag(part: str) -> str:
+        return f'class="{prefix}-{part}"'
+
+    body = [
+        *scene.heading,
+        f'<g transform="translate({svg.num(EDGE)} {svg.num(HEADER)})">',
+        *scene.machine(tag),
+        "</g>",
+        f'<g transform="translate({svg.num(EDGE + MACHINE[0])} {svg.num(HEADER)})">',
+        *scene.diagrams(tag),
+        "</g>",
+        svg.text("tick", EDGE, height - 3.5, scene.footer),
+    ]
+    rules = scene.rules + "".join(_rules(prefix, scene))
+    title = f"{scene.name or scene.key} in motion"
+    return svg.document(width, height, 1.0, title, scene.described, body, theme=theme, rules=rules)
+
+
+def _rules(prefix: str, scene: Scene) -> Iterator[str]:
+    """Keyframes of everything that moves, unless less motion is asked for."""
+    decimals = scene.decimals
+    yield "@media (prefers-reduced-motion:no-preference){"
+    for part in scene.moving:
+        total = float(part.values[-1, 0] - part.values[0, 0])
+        if part.rolls and abs(total) > 1e-6:
+            yield _runs(prefix, f"{part.name}-mean", TURN_S * FULL / abs(total))
+            end = FULL if total > 0.0 else -FULL
+            yield f"@keyframes {prefix}-{part.name}-mean{{to{{transform:rotate({end:g}deg)}}}}"
+            mean = np.linspace(0.0, total, len(part.values))[:, None]
+            part = replace(part, values=part.values - mean)
+        yield _runs(prefix, part.name, TURN_S)
+        yield f"@keyframes {prefix}-{part.name}{{{''.join(_frames(part, decimals))}}}"
+    yield "}"
+
+
+def _runs(prefix: str, name: str, seconds: float) -> str:
+    of = f"{prefix}-{name}"
+    return f".{of}{{animation:{of} {svg.num(seconds, 9)}s linear infinite}}"
+
+
+def _frames(part: Moving, decimals: int) -> Iterator[str]:
+    """One state after the other; those between which nothing changes are left out."""
+    values = np.round(part.values, 3 if part.kind == "turn" else decimals)
+    same = np.all(values[1:] == values[:-1], axis=1)
+    for k, row in enumerate(values.tolist()):
+        if 0 < k < len(values) - 1 and same[k - 1] and same[k]:
+            continue
+        if part.kind == "turn":
+            state = f"rotate({svg.num(row[0])}deg)"
+        else:
+            state = f"translate({svg.num(row[0], decimals)}px,{svg.num(row[1], decimals)}px)"
+        yield f"{svg.num(100.0 * k / (len(values) - 1))}%{{transform:{state}}}"
+
+
+def play(scene: Scene, theme: Theme) -> bytes:
+    """The scene as a page with controls and numbers."""
+    name = scene.name or scene.shaft.partition(" ")[0]
+    data = {"parts": [part.data(scene.decimals) for part in scene.moving],
+            "readings": scene.readings}  # fmt: skip
+    body = "\n".join(
+        [
+            f"<h1>{html.plain(name)}</h1>\n<p>{html.plain(scene.about)}</p>",
+            "<main>",
+            _inline(scene.titles[0], MACHINE, scene.machine(tag)),
+            _inline(scene.titles[1], DIAGRAMS, scene.diagrams(tag)),
+            "</main>",
+            CONTROLS.replace("Cam angle", scene.shaft),
+            _readings(scene),
+            KEYS,
+            f'<script type="application/json" id="frames">{_json(data)}</script>',
+        ]
+    )
+    sheet = svg.style(1.0, theme) + scene.rules + html.asset("animation.css")
+    return html.page(f"{name} in motion", sheet, body, theme, html.asset("animation.js"))
+
+
+def tag(part: str) -> str:
+    """The attribute that names a part."""
+    return f'data-part="{part}"'
+
+
+def _inline(title: str, size: tuple[float, float], body: list[str]) -> str:
+    head = f'<svg class="camwright" role="img" viewBox="0 0 {size[0]:g} {size[1]:g}">'
+    return "\n".join([head, f"<title>{title}</title>", *body, "</svg>"])
+
+
+def _readings(scene: Scene) -> str:
+    """Places of the numbers that follow the motion."""
+    rows = [(scene.shaft, "theta", "°")]
+    rows += [(r["title"], r["name"], r["unit"]) for r in scene.readings]
+    text = [
+        f'<div><dt>{title}</dt><dd><output id="{name}">&#8211;</output> {svg.unit(unit)}</dd></div>'
+        for title, name, unit in rows
+    ]
+    return "<dl>" + "".join(text) + "</dl>"
+
+
+def _json(data: object) -> str:
+    """JSON that no page takes for its own elements."""
+    text = json.dumps(data, separators=(",", ":"), allow_nan=False, ensure_ascii=True)
+    return text.replace("<", "\\u003c")
+
+
+def pictures(
+    kind: type[Format], scene: Callable[[Any, int], Scene], title: str, purpose: str
+) -> tuple[Format, Format]:
+    """The animated SVG and the page of a scene, made from an answer and a number of frames."""
+
+    def picture(answer: Any, options: PictureOptions) -> bytes:
+        return draw(scene(answer, FRAMES["svg"]), options.theme)
+
+    def page(answer: Any, options: PictureOptions) -> bytes:
+        return play(scene(answer, FRAMES["html"]), options.theme)
+
+    return (
+        kind("animation.svg", title, "image/svg+xml", ".svg", picture, PictureOptions, purpose),
+        kind(
+            "animation.html", "Animation to play, stop and read", "text/html; charset=utf-8",
+            ".html", page, PictureOptions,
+            "One file that needs no network; by mouse, touch and keys.",
+        ),
+    )  # fmt: skip
+
+
+def data(kind: type[Format], write: Callable[[Any, Options], bytes], title: str) -> Format:
+    """The animation as JSON, which ``write`` makes; written only where it is named."""
+    return kind(
+        "animation.json", title, "application/json", ".json", write, Options,
+        "For pages that show the machine their own way.", by_default=False,
+    )  # fmt: skip

@@ -15,8 +15,7 @@ import numpy as np
 from pydantic import Field
 
 from synthesis.design.design import Design
-from synthesis.exporters.curves.contour import Contour
-from synthesis.exporters.curves.exact import MIN_ERROR_UM
+from synthesis.exporters.curves.exact import MIN_ERROR_UM, Contour
 from synthesis.exporters.exporter import Exporter, FileContent
 from synthesis.exporters.options import (
     BoreDiameter,

@@ -1,4 +1,15 @@
-"""A curve of a cam as a B-spline within a tolerance of the true curve, placed; and as JSON."""
+"""A curve of a cam as a B-spline within a tolerance of the true curve; and as JSON.
+
+Every curve lies at a constant distance g inwards from the traced curve p, which a roller's centre
+or a face's point of contact draws: q = p − g n. With the curvature κ and the speed v of p it runs
+at the speed v (1 − κ g) and has the curvature κ / (1 − κ g), so that no derivative of the motion is
+needed that jumps where the law does. Where that speed turns negative the curve runs backwards: the
+cam is undercut there, or the cutter does not fit its hollow.
+
+Where the velocity jumps, so does the common normal, or a face's point of contact. The roller then
+turns about its centre, which stands still, and the curve goes on along an arc about it; along a
+face it goes on straight.
+"""
 
 from __future__ import annotations
 
@@ -10,14 +21,181 @@ from numpy.typing import NDArray
 from pydantic import Field
 
 from synthesis.design.design import Design
-from synthesis.exporters.curves.contour import Contour
+from synthesis.errors import InputError
 from synthesis.exporters.exporter import Exporter, FileContent, compact_json
 from synthesis.exporters.options import CurveName, PlacedCurve
+from synthesis.exporters.samples.cam import Cam
 from synthesis.exporters.samples.cutting import checked_cam
-from synthesis.exporters.samples.sampling import rotate
-from synthesis.exporters.tables.formats import origin
+from synthesis.exporters.samples.sampling import SAME_ANGLE, rotate
+from synthesis.exporters.tables import origin
+from synthesis.numerics.geometry.closed_curve import ClosedCurve, CurvePoints
 from synthesis.numerics.geometry.closed_spline import ClosedSpline, fit_closed_spline
-from synthesis.numerics.piecewise import Array
+from synthesis.numerics.piecewise import Array, Indices, Mask
+from synthesis.units import DEGREE, FULL_TURN
+
+SPACING = 2.0 * DEGREE  # of the angles at which the way forward is looked at, at most
+BACKWARDS = 1e-9  # of the curve's size per radian: rounding
+SAME_PLACE = 1e-11  # relative to the curve's size: rounding
+SHARP = 1e300  # curvature of a cusp, if not infinite
+
+
+@dataclass(frozen=True, eq=False)
+class Bridge:
+    """An arc, or a straight line, from where a curve stops to where it goes on.
+
+    Attributes:
+        start, end: (2,) [mm]. tangent: (2,) at the start.
+        sweep: how far it turns, left positive [rad]; 0 where it is straight.
+    """
+
+    start: Array
+    end: Array
+    tangent: Array
+    sweep: float
+
+    @property
+    def length(self) -> float:
+        """Arc length [mm]."""
+        chord = float(np.hypot(*(self.end - self.start)))
+        half = 0.5 * abs(self.sweep)
+        return chord if half == 0.0 else chord * half / float(np.sin(half))
+
+    def course(self, fraction: Array) -> CurvePoints:
+        """As for a ``ClosedCurve``."""
+        turn = self.sweep * fraction
+        cos, sin = np.cos(turn), np.sin(turn)
+        tx, ty = self.tangent
+        tangent = np.column_stack([cos * tx - sin * ty, sin * tx + cos * ty])
+        bend = self.sweep / self.length
+        if self.sweep == 0.0:
+            points = self.start + np.outer(fraction, self.end - self.start)
+        else:
+            way = [sin * tx - (1.0 - cos) * ty, (1.0 - cos) * tx + sin * ty]
+            points = self.start + np.column_stack(way) / bend
+        full = np.full(len(fraction), 1.0)
+        return CurvePoints(points, tangent, bend * full, self.length * full)
+
+
+@dataclass(frozen=True, eq=False)
+class Contour(ClosedCurve):
+    """A cam's curve in the order of rising cam angle, from the cam's seam.
+
+    Attributes:
+        cam: the cam, with the curve that is meant.
+        start, end: (m,) cam angles of each span [rad], within one turn from 0 to 2π.
+        bridges: spans that stand still, by their number.
+    """
+
+    cam: Cam
+    start: Array
+    end: Array
+    bridges: dict[int, Bridge]
+
+    @classmethod
+    def of(cls, cam: Cam, every: bool = True) -> Contour:
+        """The contour of a cam.
+
+        Args:
+            cam: the cam. every: whether each piece of the motion is a span of its own; otherwise
+                spans end where the curvature jumps.
+
+        Raises:
+            InputError: the curve runs backwards.
+        """
+        breaks = cam.motion.curve.breaks
+        if not every:
+            breaks = np.union1d(cam.joints.breaking(2), breaks[[0, -1]])
+        near = breaks[np.argmin(np.abs(breaks - cam.seam))]
+        seam = float(near) if abs(near - cam.seam) <= SAME_ANGLE else cam.seam
+        marks = np.union1d(breaks, [seam % FULL_TURN])
+        first = int(np.searchsorted(marks, seam % FULL_TURN))
+        start, end = np.roll(marks[:-1], -first), np.roll(marks[1:], -first)
+        plain = cls(cam, start, end, {})
+        plain._check()
+        return plain._bridged()
+
+    @property
+    def span_sizes(self) -> Array:
+        sizes = self.end - self.start
+        for index, bridge in self.bridges.items():
+            sizes[index] = abs(bridge.sweep)
+        return sizes
+
+    def at(self, span: Indices, fraction: Array) -> CurvePoints:
+        start, width = self.start[span], (self.end - self.start)[span]
+        theta = np.where(fraction == 1.0, self.end[span], start + width * fraction)
+        course = self._moving(theta, fraction == 1.0, width)
+        for index, bridge in self.bridges.items():
+            mine = span == index
+            own = bridge.course(fraction[mine])
+            course.points[mine], course.tangent[mine] = own.points, own.tangent
+            course.curvature[mine], course.speed[mine] = own.curvature, own.speed
+        return course
+
+    def signed_speed(self, theta: Array, left: Mask) -> Array:
+        """dq/dθ along the tangent [mm/rad], (n,)."""
+        at = self.cam.at(theta, left)
+        return at.speed * (1.0 - self.cam.gap * np.clip(at.curvature, -SHARP, SHARP))
+
+    def _moving(self, theta: Array, left: Mask, width: Array) -> CurvePoints:
+        cam = self.cam
+        at = cam.at(theta, left)
+        mirror = -1.0 if cam.rotation == "cw" else 1.0
+        curvature = np.clip(at.curvature, -SHARP, SHARP)
+        forward = 1.0 - cam.gap * curvature
+        with np.errstate(divide="ignore", over="ignore"):
+            bend = -mirror * curvature / forward
+        points = np.column_stack(cam.place(at))
+        tangent = mirror * np.column_stack([at.normal_y, -at.normal_x])
+        return CurvePoints(points, tangent, bend, width * np.maximum(at.speed * forward, 0.0))
+
+    def _check(self) -> None:
+        """Refuse a curve that runs backwards."""
+        width = self.end - self.start
+        each = np.maximum(2, np.ceil(width / SPACING)).astype(np.intp)
+        parts = [
+            np.linspace(a, b, 8 * int(n) + 1)
+            for a, b, n in zip(self.start, self.end, each, strict=True)
+        ]
+        theta = np.concatenate(parts)
+        left = np.concatenate([np.arange(len(part)) == len(part) - 1 for part in parts])
+        speed = self.signed_speed(theta, left)
+        size = float(np.max(np.abs(speed)))
+        worst = int(np.argmin(speed))
+        if speed[worst] < -BACKWARDS * size:
+            raise _runs_back(self.cam, float(theta[worst]))
+
+    def _bridged(self) -> Contour:
+        """The same with a bridge wherever the curve stops and goes on elsewhere."""
+        count = len(self.start)
+        ends, starts = (self.at(np.arange(count), np.full(count, end)) for end in (1.0, 0.0))
+        size = float(np.max(np.abs(ends.points)))
+        start, end, bridges = [], [], {}
+        for k, after in enumerate(np.roll(np.arange(count), -1)):
+            start.append(self.start[k])
+            end.append(self.end[k])
+            step = starts.points[after] - ends.points[k]
+            if np.hypot(*step) > SAME_PLACE * size:
+                (ax, ay), (bx, by) = before, behind = ends.tangent[k], starts.tangent[after]
+                if float(step @ (before + behind)) < 0.0:
+                    raise _runs_back(self.cam, float(self.end[k]))
+                sweep = float(np.arctan2(ax * by - ay * bx, ax * bx + ay * by))
+                place = ends.points[k], starts.points[after]
+                bridges[len(start)] = Bridge(*place, before, sweep)
+                start.append(self.end[k])
+                end.append(self.end[k])
+        return Contour(self.cam, np.array(start), np.array(end), bridges)
+
+
+def _runs_back(cam: Cam, theta: float) -> InputError:
+    return InputError(
+        "/curve", f"{theta / DEGREE:.6g}°",
+        "At this cam angle the curve would run backwards: the cam is undercut there, or the "
+        "cutter does not fit into its hollow. A curve that crosses itself is no outline.",
+        "Limit profile_radius or cutter_radius and size the cam again, take a smaller cutter, or "
+        "take the points as txt or csv, which show it as it is.",
+    )  # fmt: skip
+
 
 MIN_ERROR_UM = 1e-6  # finest tolerance: rounding of coordinates is not much smaller
 FINEST = 1e-7  # smallest distance that a reader may have to tell apart [mm]; kernels cannot below

@@ -13,10 +13,10 @@ import numpy as np
 
 from synthesis.design.cam_set import CamSet, MountedCam, TimingArc
 from synthesis.design.design import SegmentMotion
-from synthesis.exporters.diagrams.diagram import Frame
+from synthesis.exporters.diagrams.plot import Frame
 from synthesis.exporters.diagrams.sheet import angle_axis, moving_segments
 from synthesis.exporters.drawing import canvas as svg
-from synthesis.exporters.drawing.heading import TURNS, two_lines
+from synthesis.exporters.drawing.canvas import TURNS, two_lines
 from synthesis.exporters.samples.cam import Cam
 from synthesis.exporters.samples.sampling import in_degrees
 from synthesis.numerics.piecewise import Array

@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 
 from synthesis.exporters.diagrams.plot import linear
 from synthesis.exporters.drawing import canvas as svg
-from synthesis.exporters.drawing.heading import two_lines
+from synthesis.exporters.drawing.canvas import two_lines
 from synthesis.exporters.options import Theme
 from synthesis.numerics.piecewise import Array
 

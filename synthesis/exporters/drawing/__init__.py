@@ -1,6 +1,6 @@
 """SVG and HTML: elements, one style for all drawings, pages that stand alone, and PNG of drawings.
 
 In: texts and coordinates. Out: elements as strings, whole documents as bytes. ``canvas`` has the
-elements, ``theme`` colours and lines, ``heading`` the two lines above every drawing, ``html`` the
-page, ``raster`` paints a drawing as PNG. Open ``canvas`` first.
+elements, the style and the two lines above every drawing, ``html`` the page, ``raster`` paints a
+drawing as PNG. Open ``canvas`` first.
 """

@@ -7,11 +7,8 @@ import hashlib
 from html import escape
 from importlib import resources
 
-from synthesis.exporters.drawing.canvas import NOT_XML, SPACE
-from synthesis.exporters.drawing.theme import FILLS
+from synthesis.exporters.drawing.canvas import COLUMN, FILLS, NOT_XML, SPACE
 from synthesis.exporters.options import Theme
-
-COLUMN: dict[Theme, int] = {"auto": 0, "light": 0, "dark": 1, "print": 2}
 
 
 def asset(name: str) -> str:

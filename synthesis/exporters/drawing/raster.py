@@ -14,7 +14,10 @@ import xml.etree.ElementTree as ET
 from collections.abc import Iterator, Mapping
 from typing import TYPE_CHECKING, Any
 
+from synthesis.design.design import Design
 from synthesis.errors import ExtraMissing
+from synthesis.exporters.exporter import Exporter
+from synthesis.exporters.options import PixelOptions
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -56,6 +59,19 @@ def rasterise(drawing: bytes, width_px: int) -> bytes:
         packed = io.BytesIO()
         figure.savefig(packed, format="png", dpi=DPI, metadata={"Software": None})
     return packed.getvalue()
+
+
+def painted(name: str, drawing: Exporter[Any]) -> Exporter[PixelOptions]:
+    """A drawing's format as pixels, for where vectors are not taken."""
+
+    def write(design: Design, options: PixelOptions) -> bytes:
+        return rasterise(drawing.write_like(design, options), options.width_px)
+
+    return Exporter(
+        f"{name}.png", f"{drawing.title}, pixels", "image/png", ".png", write, PixelOptions,
+        "Needs the optional part plots; without it the answer is 501.", by_default=False,
+        in_worker=True,
+    )  # fmt: skip
 
 
 def _looks(root: ET.Element) -> dict[str, dict[str, str]]:

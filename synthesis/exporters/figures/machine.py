@@ -33,7 +33,6 @@ from synthesis.exporters.figures.parts import (
     place_in_panel,
     polygon,
     rim_of,
-    scale_in,
 )
 from synthesis.exporters.options import ProfileOptions
 from synthesis.exporters.samples.cam import Cam
@@ -131,10 +130,6 @@ class Stage:
             _extent(mechanism, reach, u),
             max(3, 6 - math.floor(math.log10(reach))),
         )
-
-    def scale(self, width: float, height: float) -> float:
-        """How many times its size it has in a box [mm]."""
-        return scale_in(self.extent, (width, height))
 
     def in_panel(self, width: float, height: float, tag: Tag) -> list[str]:
         """Its elements in the middle of a box [mm]."""

@@ -90,6 +90,11 @@ def scale_in(extent: Box, size: tuple[float, float]) -> float:
     return min(size[0] / (right - left), size[1] / (top - bottom))
 
 
+def line_style(extent: Box, size: tuple[float, float]) -> str:
+    """Style of a machine's lines in a panel: their widths are the sheet's, their lengths scaled."""
+    return "".join(svg.line_rules(1.0 / scale_in(extent, size), ".camwright .mechanism"))
+
+
 def place_in_panel(
     shapes: Sequence[str], extent: Box, size: tuple[float, float], mirror: float = 1.0
 ) -> list[str]:

@@ -12,7 +12,7 @@ import numpy as np
 
 from synthesis.design.design import Design
 from synthesis.exporters.drawing import canvas as svg
-from synthesis.exporters.drawing.heading import TURNS, heading
+from synthesis.exporters.drawing.canvas import TURNS, heading
 from synthesis.exporters.exporter import Exporter
 from synthesis.exporters.figures.cam_figure import BELOW, TICK, Scene, shapes
 from synthesis.exporters.figures.parts import STEM, Box

@@ -2,6 +2,6 @@
 
 In: a design and options. Out: cam angles, points, columns. ``cam`` is a motion over one turn with
 the places where its pieces meet, and a design's cam with one of its curves, evaluated anywhere;
-``sampling`` the rows of tables and the rings of points, ``chords`` angles for a chord tolerance;
+``sampling`` the rows of tables and the rings of points, evenly or for a chord tolerance;
 ``cutting`` checks cutters; ``columns`` names what tables hold. Open ``cam`` first.
 """

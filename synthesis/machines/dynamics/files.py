@@ -17,11 +17,11 @@ from synthesis.catalogue.limits.motion import runs_between_dwells
 from synthesis.exporters.diagrams.plot import curve_plot, linear
 from synthesis.exporters.diagrams.sheet import sheet
 from synthesis.exporters.drawing import canvas as svg
-from synthesis.exporters.drawing.heading import BOLD
+from synthesis.exporters.drawing.canvas import BOLD
 from synthesis.exporters.exporter import FileFormat
 from synthesis.exporters.options import Options, Theme
 from synthesis.exporters.samples.columns import Column, concatenate
-from synthesis.exporters.tables.formats import csv_table
+from synthesis.exporters.tables import csv_table
 from synthesis.machines.dynamics.polydyne import polydyne
 from synthesis.machines.dynamics.report import TrainResponse, output_acceleration
 from synthesis.machines.dynamics.response import (

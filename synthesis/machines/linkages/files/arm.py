@@ -14,14 +14,13 @@ from typing import Any
 
 import numpy as np
 
-from synthesis.exporters.animations import formats as animations
-from synthesis.exporters.animations.animation_page import tag
-from synthesis.exporters.animations.scene import EDGE, TURN_S, Scene
+from synthesis.exporters.animations import scene as animations
+from synthesis.exporters.animations.scene import EDGE, TURN_S, Scene, tag
 from synthesis.exporters.diagrams.plot import curve_plot
 from synthesis.exporters.drawing import canvas as svg
-from synthesis.exporters.drawing.heading import two_lines
+from synthesis.exporters.drawing.canvas import two_lines
 from synthesis.exporters.figures.machine import Moving, Tag, moving_group
-from synthesis.exporters.figures.parts import Box, display_scale, place_in_panel
+from synthesis.exporters.figures.parts import Box, display_scale, line_style, place_in_panel
 from synthesis.exporters.options import Options, PictureOptions
 from synthesis.machines.linkages.arm import PalletisingArm, geometry
 from synthesis.machines.linkages.arm.geometry import RIGHT_ANGLE, Arc, Arm, Corner, Region, Span
@@ -237,7 +236,7 @@ def _workspace(found: PalletisingArm, options: PictureOptions) -> bytes:
                  "the tool's point reaches what is shaded."),
     ]  # fmt: skip
     title, text = f"Workspace of {name}", "The arm in its poses, and where its tool gets to."
-    rules = links.line_rules(stage.extent, size)
+    rules = line_style(stage.extent, size)
     return svg.document(*SHEET, 1.0, title, text, body, theme=options.theme, rules=rules)
 
 

@@ -17,14 +17,12 @@ from synthesis.exporters.animations.scene import (
     reading,
     traced_diagrams,
 )
-from synthesis.exporters.diagrams.diagram import Frame
-from synthesis.exporters.diagrams.plot import Plot
+from synthesis.exporters.diagrams.plot import Frame, Plot
 from synthesis.exporters.drawing import canvas as svg
-from synthesis.exporters.drawing.heading import two_lines
-from synthesis.exporters.drawing.theme import lines
+from synthesis.exporters.drawing.canvas import two_lines
 from synthesis.exporters.exporter import FileFormat, compact_json
 from synthesis.exporters.figures.machine import Moving
-from synthesis.exporters.figures.parts import Box, place_in_panel, scale_in
+from synthesis.exporters.figures.parts import Box, line_style, place_in_panel
 from synthesis.numerics.piecewise import Array
 from synthesis.units import DEGREE
 
@@ -97,14 +95,9 @@ def linkage_scene(
             for key, title, unit, values in readings
         ],
         decimals=DECIMALS,
-        rules=line_rules(extent, MACHINE),
+        rules=line_style(extent, MACHINE),
         **texts,
     )
-
-
-def line_rules(extent: Box, size: tuple[float, float]) -> str:
-    """Style of a machine's lines, whose width is the sheet's while their lengths are scaled."""
-    return "".join(lines(1.0 / scale_in(extent, size), ".camwright .mechanism"))
 
 
 def moving_parts(values: Mapping[str, Array]) -> list[Moving]:

@@ -11,19 +11,18 @@ import numpy as np
 from pydantic import Field
 
 from synthesis.errors import InputError
-from synthesis.exporters.animations import formats as animations
-from synthesis.exporters.animations.animation_page import tag as data_tag
+from synthesis.exporters.animations import scene as animations
 from synthesis.exporters.animations.scene import Scene, lasting
-from synthesis.exporters.diagrams.diagram import Frame, diagram
-from synthesis.exporters.diagrams.plot import Plot, curve_plot
+from synthesis.exporters.animations.scene import tag as data_tag
+from synthesis.exporters.diagrams.plot import Frame, Plot, curve_plot, diagram
 from synthesis.exporters.diagrams.sheet import FOOTER, GAP, HEIGHT, LEFT, RIGHT, WIDTH, angle_axis
 from synthesis.exporters.drawing import canvas as svg
-from synthesis.exporters.drawing.heading import TURNS, two_lines
+from synthesis.exporters.drawing.canvas import TURNS, two_lines
 from synthesis.exporters.figures.machine import Moving, Tag, moving_group
 from synthesis.exporters.figures.parts import Box, display_scale
 from synthesis.exporters.options import MotionOptions, Options, PictureOptions
 from synthesis.exporters.samples.columns import Column
-from synthesis.exporters.tables.formats import csv_table
+from synthesis.exporters.tables import csv_table
 from synthesis.machines.linkages.files import linkage_file as links
 from synthesis.machines.linkages.files.linkage_file import CSV, SVG, LinkageFile, shifted
 from synthesis.machines.linkages.shaper import SixBarShaper

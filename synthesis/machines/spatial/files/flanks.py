@@ -20,7 +20,7 @@ from synthesis.errors import InputError
 from synthesis.exporters.exporter import FileContent, FileFormat
 from synthesis.exporters.options import Decimals, Options
 from synthesis.exporters.samples.columns import Column, concatenate
-from synthesis.exporters.tables.formats import csv_table
+from synthesis.exporters.tables import csv_table
 from synthesis.machines.spatial.cam import FRAME, SpatialCam, Wall
 from synthesis.machines.spatial.design import SpatialDesign
 from synthesis.machines.spatial.files.identification import json_file

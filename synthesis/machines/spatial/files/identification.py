@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import Any
 
 from synthesis.exporters.drawing import canvas as svg
-from synthesis.exporters.drawing.heading import TURNS, two_lines
+from synthesis.exporters.drawing.canvas import TURNS, two_lines
 from synthesis.exporters.exporter import compact_json
 from synthesis.machines.spatial.design import SpatialDesign
 

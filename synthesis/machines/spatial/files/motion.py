@@ -4,13 +4,12 @@ from __future__ import annotations
 
 from dataclasses import asdict
 
-from synthesis.exporters.diagrams.motion import motion_sheet
-from synthesis.exporters.diagrams.sheet import LEFT, RIGHT, WIDTH
+from synthesis.exporters.diagrams.sheet import LEFT, RIGHT, WIDTH, motion_sheet
 from synthesis.exporters.exporter import FileFormat
 from synthesis.exporters.options import DiagramOptions, MotionOptions
 from synthesis.exporters.samples.cam import Turn
 from synthesis.exporters.samples.columns import motion_columns
-from synthesis.exporters.tables.formats import csv_table, json_table
+from synthesis.exporters.tables import csv_table, json_table
 from synthesis.machines.spatial.design import SpatialDesign
 from synthesis.machines.spatial.files.identification import above, origin
 

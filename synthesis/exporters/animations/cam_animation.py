@@ -1,4 +1,4 @@
-"""A cam in motion: the machine, two diagrams with moving points, and numbers that follow."""
+"""A cam in motion: the machine, two diagrams with moving points, numbers; and as data."""
 
 from __future__ import annotations
 
@@ -16,21 +16,32 @@ from synthesis.exporters.animations.scene import (
     TOP,
     Reading,
     Scene,
+    data,
     lasting,
+    pictures,
     reading,
+    tag,
     traced_diagrams,
 )
-from synthesis.exporters.diagrams.contact import pressure_plot
-from synthesis.exporters.diagrams.motion import motion_bounds, motion_plot
-from synthesis.exporters.diagrams.sheet import grounds
+from synthesis.exporters.diagrams.sheet import grounds, motion_bounds, motion_plot, pressure_plot
 from synthesis.exporters.drawing import canvas as svg
-from synthesis.exporters.drawing.heading import about, heading
-from synthesis.exporters.drawing.theme import lines
+from synthesis.exporters.drawing.canvas import about, heading
+from synthesis.exporters.exporter import Exporter, compact_json
 from synthesis.exporters.figures.machine import Stage
+from synthesis.exporters.figures.parts import line_style
+from synthesis.exporters.options import Options
 from synthesis.exporters.samples.cam import Cam
 from synthesis.numerics.piecewise import Array
 from synthesis.units import DEGREE
 
+FRAMES = 360  # positions of the data over a turn
+FRAME = (
+    "shapes: SVG elements in mm of the machine's frame, y upwards; its parts carry data-part. "
+    "outline: the cam's own at cam angle 0. mirror: -1 where all of it, moves too, is to be "
+    "mirrored at the y axis, as the cam turns clockwise. parts: over a turn, evenly spaced, "
+    "the angle [deg] of a turn, counter-clockwise, or x and y [mm] of a shift; two values are a "
+    "straight line. extent: left, bottom, right and top of all that is swept [mm]."
+)
 LEGEND = (
     ("line circle", "base circle"),
     ("line pitch", "path of the roller's centre"),
@@ -74,8 +85,7 @@ def cam_scene(design: Design, count: int) -> Scene:
             _reading("radius", "Profile radius", "mm", machine.contacts[0].curve.radius),
         ],
         decimals=stage.decimals,
-        # The unit of widths is the sheet's, while its mm are the cam's.
-        rules="".join(lines(1.0 / stage.scale(*MACHINE), ".camwright .mechanism")),
+        rules=line_style(stage.extent, MACHINE),
         footer=lasting(60.0 / design.speed_rpm),
     )
 
@@ -95,3 +105,29 @@ def _legend(stage: Stage) -> list[str]:
         x, y = 4.0 + (k % 2) * 0.5 * DIAGRAMS[0], top + (k // 2) * 5.0
         body += [svg.line(kind, x, y, x + 9.0, y), svg.text("tick", x + 11.0, y + 0.9, text)]
     return body
+
+
+def _cam_json(design: Design, options: Options) -> bytes:
+    stage = Stage.of(Cam.of(design), design.dimensions["base_radius_mm"], FRAMES, in_mm=True)
+    left, bottom, right, top = stage.extent
+    sides = (left, right) if stage.mirror > 0.0 else (-right, -left)
+    body = {
+        "kind": "animation",
+        "design": {"id": design.id, "name": design.name, "status": design.status},
+        "frame": FRAME,
+        "mirror": int(stage.mirror),
+        "extent": [sides[0], bottom, sides[1], top],
+        "shapes": "\n".join(stage.shapes(tag)),
+        "outline": stage.outline(),
+        "parts": [p.data(stage.decimals) for p in stage.moving() if p.moves],
+    }
+    return compact_json(body) + b"\n"
+
+
+FORMATS = (
+    *pictures(
+        Exporter, cam_scene, "Animation of cam and follower",
+        "For a document or a web page; no script.",
+    ),
+    data(Exporter, _cam_json, "Shapes and positions of cam and follower"),
+)  # fmt: skip
