@@ -30,9 +30,14 @@ from synthesis.optimise.branching.bound_task import (
 from synthesis.optimise.branching.node import Node, Tree
 from synthesis.optimise.conic.linear_rows import LinearBlock, Scales
 from synthesis.optimise.conic.program import formulate, with_rows
-from synthesis.optimise.dual_bound.bound import Bound, dual_bound, infeasibility_bound
+from synthesis.optimise.dual_bound.bound import (
+    Bound,
+    dual_bound,
+    infeasibility_bound,
+    nonnegative_multipliers,
+)
+from synthesis.optimise.dual_bound.costates import boundary_multipliers
 from synthesis.optimise.dual_bound.multiplier_density import MultiplierDensity
-from synthesis.optimise.dual_bound.multipliers import boundary_multipliers, nonnegative_multipliers
 from synthesis.optimise.heuristics.local_search import improve_from
 from synthesis.optimise.problem.grid import Grid, grid_through, merge_knots, uniform_grid
 from synthesis.optimise.propagation.bound_tightening import tighten_bounds

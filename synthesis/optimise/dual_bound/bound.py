@@ -31,7 +31,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import lru_cache
-from math import inf, sqrt
+from math import factorial, inf, sqrt
 
 import numpy as np
 
@@ -39,17 +39,17 @@ from synthesis.numerics.piecewise import Array
 from synthesis.numerics.solvers.clarabel import ConeSolution
 from synthesis.optimise.conic.control import Control, law_controls
 from synthesis.optimise.conic.program import ConicModel
-from synthesis.optimise.dual_bound.costates import boundary_costates
-from synthesis.optimise.dual_bound.lagrangian import Lagrangian
-from synthesis.optimise.dual_bound.multipliers import (
+from synthesis.optimise.dual_bound.costates import (
+    best_costates,
     boundary_multipliers,
-    nonnegative_multipliers,
-    window_multipliers,
+    project_costates,
 )
+from synthesis.optimise.dual_bound.lagrangian import Lagrangian
 from synthesis.optimise.dual_bound.nonlinear_terms import (
-    add_vibration_terms,
+    cone_rows,
     energy_tangents,
-    nonlinear_row_functionals,
+    fixed_size_rows,
+    vibration_terms,
 )
 from synthesis.optimise.dual_bound.row_functionals import row_functionals
 from synthesis.optimise.dual_bound.switching import Switching, absolute_integrals
@@ -65,6 +65,12 @@ WORSE = 2.0
 """Factor on the solution's objective: no cam whose energy or norm is larger has to be covered."""
 RAYS = (1e2, 1e4, 1e6)
 """Factors on an infeasibility certificate: any multiple of it is dual feasible."""
+NOISE = 1e-10
+"""Of the largest multiplier: an interior point gives rows that do not bind about as much."""
+WINDOW_NODES = 33
+"""Chebyshev points of a window on which its multipliers are redistributed."""
+WINDOW_SAMPLES = 3
+"""Between two of them, at which ψ is made small."""
 NAMES = {2: "acceleration", 3: "jerk"}
 
 
@@ -89,15 +95,13 @@ class Bound:
         return self.controls[0].order if self.controls else 3
 
 
-def dual_bound(
-    model: ConicModel, solution: ConeSolution, costates: Sequence[Array] | None = None
-) -> Bound:
+def dual_bound(model: ConicModel, solution: ConeSolution, costates: Array | None = None) -> Bound:
     """The lower bound that the multipliers of a solution give.
 
     Args:
         model: the cone program. solution: its multipliers; any give a valid bound.
-        costates: (m,) multipliers of g to g^(m−1) at the end of every law, where the rows at hand
-            are not those that were solved; None: those of ``boundary_multipliers``.
+        costates: (1, laws, m) multipliers of g to g^(m−1) at the end of every law, where the rows
+            at hand are not those that were solved; None: those of ``boundary_multipliers``.
 
     Returns:
         a bound over all laws; over the splines of the model's mesh alone where nothing caps or
@@ -105,9 +109,8 @@ def dual_bound(
     """
     controls = law_controls(model)
     if controls is None:
-        return Bound(
-            in_core_units(model, spline_family_bound(model, solution)), _family_name(model)
-        )
+        value = spline_family_bound(model, solution)
+        return Bound(in_core_units(model, value), _family_name(model))
     order = controls[0].order if controls else 3
     # Dual feasibility: λ ≥ 0 of inequalities. Noise is left out, which is valid and saves time.
     z = nonnegative_multipliers(model, solution)
@@ -115,34 +118,65 @@ def dual_bound(
         costates = boundary_multipliers(model, solution, z, order)
     # The Lagrangian: every term that is multiplied, as a functional of arbitrary laws.
     lagrangian = Lagrangian(model, order)
-    for rows, mass in energy_tangents(model, solution, order):
+    vibrations, lagrangian.psi_error = vibration_terms(model, order, z)
+    for rows, mass in (*energy_tangents(model, solution, order), *vibrations):
         lagrangian.add_rows(rows, mass)
-    add_vibration_terms(lagrangian, z)
-    _add_rows(model, lagrangian, z)
+    # Rows act at their points, or as densities between these.
+    for one in row_functionals(model, order, z):
+        points, hats = one.distribute(z[one.first_row : one.first_row + one.count])
+        nonzero = points != 0.0
+        lagrangian.add_rows(one.point_rows(nonzero), points[nonzero])
+        if hats is not None:
+            nonzero = hats != 0.0
+            lagrangian.add_rows(one.hat_rows(nonzero), hats[nonzero])
+    for rows, mass in (*fixed_size_rows(model, z), *cone_rows(model, z)):
+        lagrangian.add_rows(rows, mass)
     # End conditions are equalities, so that costates are free: those that make the bound largest.
-    psi = lagrangian.psi() if all(control.weight for control in controls) else ()
-    lagrangian.add_boundary_costates(
-        boundary_costates(model, controls, psi, lagrangian.initial_costates, costates)
-    )
-    _redistribute_window_multipliers(model, lagrangian)
-    return bound_from_lagrangian(model, solution, lagrangian, controls)
+    add_costates(lagrangian, controls, costates)
+    _redistribute_window_multipliers(lagrangian)
+    return bound_from_lagrangian(solution, lagrangian, controls)
 
 
-def infeasibility_bound(model: ConicModel, solution: ConeSolution, ends: Sequence[Array]) -> Bound:
+def nonnegative_multipliers(model: ConicModel, solution: ConeSolution) -> Array:
+    """The multipliers (m,) with those of inequalities projected on λ ≥ 0, and noise set to zero.
+
+    An interior point gives every row a multiplier; most are of rows far from binding, and cost time
+    only. Multipliers of cones are brought into the dual cone where they are used.
+    """
+    z, first = solution.multipliers.copy(), model.program.equalities
+    last = first + model.program.inequalities
+    own, conic = z[first:last], z[last:]
+    noise = NOISE * float(own.max(initial=0.0))
+    own[own <= noise] = 0.0
+    conic[np.abs(conic) <= noise] = 0.0
+    return z
+
+
+def infeasibility_bound(model: ConicModel, solution: ConeSolution, ends: Array) -> Bound:
     """The best bound from an infeasibility certificate: it grows with any multiple of it."""
-    bounds = []
-    for scale in RAYS:
-        ray = replace(solution, multipliers=scale * solution.multipliers)
-        bounds.append(dual_bound(model, ray, [scale * each for each in ends]))
+    rays = (replace(solution, multipliers=scale * solution.multipliers) for scale in RAYS)
+    bounds = (dual_bound(model, ray, k * ends) for ray, k in zip(rays, RAYS, strict=True))
     return max(bounds, key=lambda bound: bound.value)
 
 
+def add_costates(lagrangian: Lagrangian, controls: Sequence[Control], near: Array) -> None:
+    """Add the end conditions, with the nearest valid costates; of a mean square with the best."""
+    lagrangian.reduce()
+    model, given = lagrangian.model, lagrangian.initial_costates
+    if controls and all(control.weight for control in controls):
+        costates = best_costates(model, controls, lagrangian.psi(), given)
+    else:
+        costates = project_costates(model, given, near)
+    lagrangian.add_boundary_costates(costates)
+
+
 def bound_from_lagrangian(
-    model: ConicModel, solution: ConeSolution, lagrangian: Lagrangian, controls: Sequence[Control]
+    solution: ConeSolution, lagrangian: Lagrangian, controls: Sequence[Control]
 ) -> Bound:
     """The bound that a Lagrangian gives, minimised over all laws, sizes and levels."""
-    psi = lagrangian.psi()
-    total = _minimum(model, solution, lagrangian, controls, psi)
+    lagrangian.reduce()
+    model, psi = lagrangian.model, lagrangian.psi()
+    total = _minimum(solution, lagrangian, controls, psi)
     over = (
         f"all motion laws with a bounded {NAMES[lagrangian.order]}"
         if controls
@@ -167,41 +201,64 @@ def in_core_units(model: ConicModel, value: float) -> float:
     return value * model.scales.level
 
 
-def _add_rows(model: ConicModel, lagrangian: Lagrangian, z: Array) -> None:
-    """Add all rows times their multipliers, as points or as densities between points."""
-    for one in row_functionals(model, lagrangian.order, z):
-        points, hats = one.distribute(z[one.first_row : one.first_row + one.count])
-        nonzero = points != 0.0
-        lagrangian.add_rows(one.point_rows(nonzero), points[nonzero])
-        if hats is not None:
-            nonzero = hats != 0.0
-            lagrangian.add_rows(one.hat_rows(nonzero), hats[nonzero])
-    for rows, mass in nonlinear_row_functionals(model, lagrangian.order, z):
-        lagrangian.add_rows(rows, mass)
-
-
-def _redistribute_window_multipliers(model: ConicModel, lagrangian: Lagrangian) -> None:
+def _redistribute_window_multipliers(lagrangian: Lagrangian) -> None:
     """Add multipliers to equalities along windows that make ψ small there: they are free."""
     order = lagrangian.order
-    for block in model.equality_blocks:
+    for block in lagrangian.model.equality_blocks:
         k = int(np.flatnonzero(block.alpha)[0])
         if block.spans is None or block.segment is None or len(block.x) == 1 or k >= order:
             continue
         part = (float(block.spans[0, 0]), float(block.spans[-1, 1]))
         psi = lagrangian.psi()[block.segment]
         x, mass = window_multipliers(psi, block.x, part, float(block.alpha[k]), order - 1 - k)
-        lagrangian.add_constant(-float(np.sum(mass) * block.rhs[0]))
-        lagrangian.add_functionals(block.segment, x, mass[:, None] * block.alpha[:order])
+        lagrangian.add_constant(-np.sum(mass) * block.rhs[0])
+        weights = mass[None, :, None] * block.alpha[:order]
+        lagrangian.add_functionals(block.segment, x, weights)
+
+
+def window_multipliers(
+    psi: Switching, x: Array, part: tuple[float, float], factor: float, degree: int
+) -> tuple[Array, Array]:
+    """Masses to add to a held derivative's multipliers that make ψ small on its window.
+
+    Where a derivative is held, the control is determined and ψ should vanish. The multipliers of a
+    spline's rows make it small only on average over the splines; between them it oscillates, and
+    the bound pays for the area. Masses without moments up to ``degree`` leave ψ as it is elsewhere.
+
+    Args:
+        psi: ψ as it stands. x: (r,) points of the present multipliers. part: the window.
+        factor: of the derivative in its rows.
+        degree: a mass at x contributes factor (x − τ)^degree / degree! to ψ, for τ < x.
+
+    Returns:
+        (n,) points and (n,) masses, whose moments up to that degree vanish.
+    """
+    low, high = part
+    chebyshev = 0.5 - 0.5 * np.cos(np.pi * np.arange(WINDOW_NODES) / (WINDOW_NODES - 1))
+    nodes = np.unique(np.clip(np.append(x, low + (high - low) * chebyshev), low, high))
+    width = np.diff(nodes)
+    shares = (np.arange(WINDOW_SAMPLES) + 0.5) / WINDOW_SAMPLES
+    tau = (nodes[:-1, None] + width[:, None] * shares).ravel()
+    weight = np.sqrt(np.repeat(width / (high - low), WINDOW_SAMPLES))
+    unit = (high - low) ** degree / factorial(degree)
+    reach = np.maximum(nodes - tau[:, None], 0.0) / (high - low)
+    effect = weight[:, None] * (reach**degree if degree else (nodes > tau[:, None]))
+    scaled = (nodes - low) / (high - low)
+    moments = np.vander(scaled, degree + 1, increasing=True).T
+    *_, directions = np.linalg.svd(moments)
+    free = directions[degree + 1 :].T  # masses without moments
+    result, *_ = np.linalg.lstsq(effect @ free, -weight * psi(tau), rcond=1e-10)
+    return nodes, (free @ result) / (factor * unit)
 
 
 def _minimum(
-    model: ConicModel,
     solution: ConeSolution,
     lagrangian: Lagrangian,
     controls: Sequence[Control],
     psi: Sequence[Switching],
 ) -> float:
     """The minimum of the Lagrangian, after scaling the multipliers to be dual feasible."""
+    model, objective = lagrangian.model, lagrangian.model.problem.objective
     # 1. Over the laws: −cap ∫ |ψ|, or the integral of min (weight w² + ψ w).
     if all(control.weight for control in controls):
         area: list[float] = []
@@ -209,38 +266,43 @@ def _minimum(
     else:
         area = absolute_integrals(psi)
         capped = -sum(c.cap * a for a, c in zip(area, controls, strict=True))
-    total: float = lagrangian.constant + capped - ROUNDING * (lagrangian.magnitude + abs(capped))
+    total: float = float(lagrangian.constant[0]) + capped
+    total -= ROUNDING * (float(lagrangian.magnitude[0]) + abs(capped))
     # 2. Unknown initial values, and what rounding and vibration may add to ψ.
-    total -= _unknown_initial_values(model, solution, lagrangian, controls)
-    blur = ROUNDING * lagrangian.psi_magnitude + lagrangian.psi_error
+    if np.count_nonzero(lagrangian.initial_costates):
+        integrals = _control_integrals(model, solution, controls)
+        total -= float(unknown_initial_values(lagrangian, integrals)[0])
+    blur = ROUNDING * lagrangian.psi_magnitude[0] + lagrangian.psi_error
     total -= sum(
         each * (c.cap if c.cap < inf else (p.magnitude_bound + each) / (2.0 * c.weight))
         for each, p, c in zip(blur, psi, controls, strict=True)
     )
     # 3. Over the size and the level.
-    norm = model.problem.objective.norm(model.problem.machine)
+    norm = objective.norm(model.problem.machine)
     bounds = np.array(model.problem.sizing.bounds) / model.scales.size
+    size, magnitude = lagrangian.size[0], lagrangian.size_magnitude[0]
     reach = np.max(np.abs(bounds), axis=1)
     if norm is not None:
         # ‖Mζ + m‖ ≥ y·(Mζ + m) for ‖y‖ ≤ 1: y takes up what the rows leave of ζ
         matrix, shift = np.array(norm.matrix), np.array(norm.shift) / model.scales.size
         if len(matrix) == matrix.shape[1]:
-            y = -lagrangian.size @ inverse_matrix(norm.matrix)
+            y = -size @ inverse_matrix(norm.matrix)
             # of sizes with a norm larger than this nothing is to be shown
             largest = abs(float(solution.x[model.epigraph])) + float(np.linalg.norm(shift))
             far = WORSE * _inverse_norm(norm.matrix) * largest
             reach = np.minimum(reach, far)
         else:  # all but what the norm does not speak of: that is least at one end of its range
-            y = np.linalg.lstsq(matrix.T, -lagrangian.size, rcond=None)[0]
-            rest = lagrangian.size + matrix.T @ y
+            y = np.linalg.lstsq(matrix.T, -size, rcond=None)[0]
+            rest = size + matrix.T @ y
             total += float(np.sum(np.min(rest[:, None] * bounds, axis=1)))
         shrink = 1.0 / max(1.0, float(np.linalg.norm(y)))
-        return float(shrink * (total + y @ shift - ROUNDING * (lagrangian.size_magnitude @ reach)))
-    total += float(np.sum(np.min(lagrangian.size[:, None] * bounds, axis=1)))
-    total -= ROUNDING * float(lagrangian.size_magnitude @ reach)
+        return float(shrink * (total + y @ shift - ROUNDING * (magnitude @ reach)))
+    total += float(np.sum(np.min(size[:, None] * bounds, axis=1)))
+    total -= ROUNDING * float(magnitude @ reach)
     if model.energy is not None:
         return total
-    price = abs(lagrangian.level) * ROUNDING - lagrangian.level
+    level = float(lagrangian.level[0])
+    price = abs(level) * ROUNDING - level
     for a, c, each in zip(area, controls, blur, strict=True):
         price += c.rate * (each + a)
     return total / price if price > 0.0 else 0.0
@@ -252,33 +314,44 @@ def _inverse_norm(matrix: tuple[tuple[float, ...], ...]) -> float:
     return float(np.linalg.norm(inverse_matrix(matrix), 2))
 
 
-def _unknown_initial_values(
-    model: ConicModel, solution: ConeSolution, lagrangian: Lagrangian, controls: Sequence[Control]
-) -> float:
-    """What unknown initial values could gain from a residual that is not exactly zero.
-
-    For g in [0, 1] with |∫ (x−τ)²/2 w dτ| ≤ R: |g'(0)| ≤ 7 + 7R and |g''(0)| ≤ 12 + 12R (from
-    Taylor's formula at 1/2 and 1). The level and the energy are at most twice what was found.
+def _control_integrals(
+    model: ConicModel, solution: ConeSolution, controls: Sequence[Control]
+) -> list[float]:
+    """What |∫ (x−τ)²/2 w dτ| of every law is at most; level and energy at most twice the
+    solution's.
     """
-    lost, energy = 0.0, 0.0
+    energy = 0.0
     if model.energy is not None:
         laws, _ = model.recover(solution.x)
         for factor, law in zip(model.energy.factors, laws, strict=True):
             energy += float(np.sum((factor @ law.coefficients) ** 2))
-    for position, (state, control) in enumerate(
-        zip(lagrangian.initial_costates, controls, strict=True)
-    ):
-        if not np.count_nonzero(state):
-            continue
-        free = model.problem.free[position].free
-        if free is None or free.overshoot:
-            return inf
+    result = []
+    for position, control in enumerate(controls):
         reach = control.cap / 2.0 if control.cap < inf else 0.0
         if control.rate and model.epigraph is not None:
             reach += control.rate * abs(float(solution.x[model.epigraph]))
         if control.weight and model.energy is not None:
             reach += sqrt(WORSE * energy / model.energy.weights[position])
-        lost += float(np.abs(state[1:]).sum()) * INITIAL_VALUE_BOUND * (1.0 + reach)
+        result.append(reach)
+    return result
+
+
+def unknown_initial_values(lagrangian: Lagrangian, integrals: Sequence[float]) -> Array:
+    """What unknown initial values could gain from a residual that is not exactly zero: (q,).
+
+    For g in [0, 1] with R (``integrals``) at least |∫ (x−τ)²/2 w dτ|: |g'(0)| ≤ 7 + 7R and
+    |g''(0)| ≤ 12 + 12R (from Taylor's formula at 1/2 and 1).
+    """
+    lost = np.zeros(lagrangian.count)
+    for position, (segment, r) in enumerate(
+        zip(lagrangian.model.problem.free, integrals, strict=True)
+    ):
+        rest = np.abs(lagrangian.initial_costates[:, position]).sum(axis=1)
+        assert segment.free is not None
+        if segment.free.overshoot:
+            lost[rest > 0.0] = inf
+        else:
+            lost += rest * INITIAL_VALUE_BOUND * (1.0 + r)
     return lost
 
 

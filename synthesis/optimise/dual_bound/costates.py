@@ -1,9 +1,10 @@
-"""Costates of the end values, for a mean square: those that make the bound largest.
+"""Costates: the multipliers of g, g', …, g^(m−1) at the end of every law.
 
-The bound is concave in the costates of g^(k)(1), k < m, law by law, and its gradient is by how much
-the ideal law's end misses what it has to be; so Newton's method finds them, in one step where
-nothing caps the law. The solver's own costates come from the last few coefficients of the spline,
-and what is uncertain there grows with the third power of the knots.
+End conditions are equalities, so that any costates give a valid bound as long as what the
+Lagrangian is left with of unknown values vanishes: the minimum over them would be −∞ otherwise
+(``stationarity_conditions``). Three ways to choose them: those of the solver, read off the
+stationarity of the last spline coefficients (``boundary_multipliers``); the nearest to these that
+meet the conditions (``project_costates``); and, of a mean square, the best (``best_costates``).
 """
 
 from __future__ import annotations
@@ -13,15 +14,153 @@ from dataclasses import dataclass
 from math import factorial
 
 import numpy as np
+from numpy.typing import NDArray
+from scipy.linalg import block_diag
 
 from synthesis.numerics.piecewise import Array
+from synthesis.numerics.solvers.clarabel import ConeSolution
 from synthesis.optimise.conic.control import Control
 from synthesis.optimise.conic.program import ConicModel
+from synthesis.optimise.dual_bound.lagrangian import shared_derivatives
 from synthesis.optimise.dual_bound.switching import NODES, SHARES, Switching
 from synthesis.optimise.problem.boundary import junction_rows
 
 STEPS = 30
-SETTLED = 1e-14
+"""Of Newton's method: one without a cap, a few where the cap is active on a part of the law."""
+GAIN = 1e-14
+"""Relative gain of the bound below which a step is the last: rounding."""
+LEAST_STEP = 1e-6
+"""Of a Newton step: below it, rounding hides whether the bound rises."""
+
+Mask = NDArray[np.bool_]
+
+
+def boundary_multipliers(model: ConicModel, solution: ConeSolution, z: Array, order: int) -> Array:
+    """The solver's costates of g to g^(order − 1) at the end of every law: (1, laws, order).
+
+    Args:
+        z: the multipliers, as ``nonnegative_multipliers``.
+    """
+    gradients = [np.zeros((1, len(boundary.end))) for boundary in model.boundary_states]
+    for vibration, y in model.vibration_multipliers(z):
+        for share, rows in zip(vibration.law_terms, vibration.rows, strict=True):
+            gradients[share.position] += y @ rows[:, end_coefficients(model, share.position)]
+    if model.energy is not None:
+        laws, _ = model.recover(solution.x)
+        for k, (factor, law) in enumerate(zip(model.energy.factors, laws, strict=True)):
+            root = factor @ law.coefficients
+            last = end_coefficients(model, k)
+            gradients[k] += 2.0 / model.energy.unit * root @ factor[:, last]
+    return end_costates(model, z[None], gradients, order)
+
+
+def end_costates(model: ConicModel, z: Array, gradients: Sequence[Array], order: int) -> Array:
+    """The costates (q, laws, order) that multipliers (q, m) imply.
+
+    Those of known values make the eliminated last coefficients stationary; those of values that
+    two laws share are the multipliers of their junction's rows.
+
+    Args:
+        gradients: of all but rows and junctions in every law's last coefficients, (q, r) each.
+    """
+    costates = np.zeros((len(z), len(gradients), order))
+    last = [end_coefficients(model, position) for position in range(len(gradients))]
+    gradients = list(gradients)
+    for at, block in model.numbered_blocks:
+        own, k = z[:, at : at + len(block.rhs)], block.segment
+        if block.law_matrix is not None and k is not None and np.count_nonzero(own):
+            gradients[k] = gradients[k] + own @ block.law_matrix[:, last[k]]
+    at = 0
+    for junction in model.junctions:
+        before, after = junction_rows(junction, model.problem.free, model.grids)
+        mu = z[:, at : at + len(before.units)]
+        at += len(before.units)
+        for side in (before, after):
+            k = side.position
+            gradients[k] = gradients[k] + mu @ side.dense[:, last[k]]
+        shared = (mu * before.units)[:, : max(order - junction.lowest, 0)]
+        columns = slice(junction.lowest, junction.lowest + shared.shape[1])
+        costates[:, junction.before, columns] = shared
+    for k, (gradient, grid) in enumerate(zip(gradients, model.grids, strict=True)):
+        known = grid.space.end_multipliers(gradient)[:, :order]
+        costates[:, k, : known.shape[1]] = known
+    return costates
+
+
+def end_coefficients(model: ConicModel, position: int) -> slice:
+    """The coefficients of a law that follow from its known end."""
+    return slice(model.grids[position].space.size - len(model.boundary_states[position].end), None)
+
+
+def stationarity_conditions(model: ConicModel, order: int) -> tuple[Array, Mask, Mask]:
+    """What costates have to meet: matrix · costates + initial costates = 0.
+
+    Returns:
+        matrix: (r, laws·order), for every unknown initial value what the costates of its own law
+            come to in it, and those of the law before that shares it.
+        unknown: (laws, order), which initial values are unknown, row by row.
+        priced: (laws, order), which costates there are: of end values that are known or shared.
+    """
+    laws, own = len(model.grids), np.zeros((order, order))
+    for k in range(order):
+        own[k, : k + 1] = [1.0 / factorial(k - j) for j in range(k + 1)]
+    table = np.zeros((laws, order, laws, order))
+    unknown, priced = np.zeros((2, laws, order), dtype=bool)
+    for position, boundary in enumerate(model.boundary_states):
+        table[position, :, position] = own
+        unknown[position, len(boundary.start) :] = True
+        priced[position, : len(boundary.end)] = True
+    for before, after, k, ratio in shared_derivatives(model, order):
+        table[after, k, before, k] += ratio
+        priced[before, k] = True
+    return (table[unknown] * priced).reshape(unknown.sum(), laws * order), unknown, priced
+
+
+def project_costates(model: ConicModel, initial_costates: Array, near: Array) -> Array:
+    """The nearest costates (q, laws, m) at which the factors of unknown values vanish.
+
+    Args:
+        initial_costates: (q, laws, m) factors of initial values that the rows leave.
+    """
+    matrix, unknown, priced = stationarity_conditions(model, near.shape[2])
+    if not len(matrix):
+        return near
+    flat = near.reshape(len(near), -1)
+    step = _minimum_norm_solution(matrix, -(initial_costates[:, unknown] + flat @ matrix.T).T)
+    return near + step.T.reshape(near.shape) * priced
+
+
+def best_costates(
+    model: ConicModel, controls: Sequence[Control], psi: Sequence[Switching], given: Array
+) -> Array:
+    """The costates (1, laws, m) that make the bound of a mean square largest.
+
+    The bound is concave in them, law by law, and its gradient is by how much the ideal law's end
+    misses what it has to be. The solver's own come from the last few coefficients of the spline,
+    and what is uncertain there grows with the third power of the knots.
+
+    Args:
+        controls: of every law, each with a weight. psi: of every law, from its rows alone.
+        given: (1, laws, m) factors of initial values that the rows leave.
+    """
+    # Newton's method on a concave function, its steps in the null space of the conditions. A step
+    # that does not raise the bound is halved: any costates give a valid bound, so that it can stop
+    # at any time.
+    matrix, unknown, priced = stationarity_conditions(model, controls[0].order)
+    laws = [_law(model, k, *both) for k, both in enumerate(zip(controls, psi, strict=True))]
+    costates = _minimum_norm_solution(matrix, -given[0, unknown])
+    value, gradient, hessian = _total(laws, costates)
+    for _ in range(STEPS):
+        step, share, before = _newton(gradient, hessian, matrix) * priced.ravel(), 1.0, value
+        while share > LEAST_STEP and (new := _total(laws, costates + share * step))[0] <= before:
+            share *= 0.5
+        if share <= LEAST_STEP:
+            break
+        costates = costates + share * step
+        value, gradient, hessian = new
+        if value - before <= GAIN * abs(value):
+            break
+    return np.asarray(costates.reshape(given.shape))
 
 
 @dataclass(frozen=True, eq=False)
@@ -52,53 +191,6 @@ class _Law:
         return float(value), gradient, -(self.costate_effect * free) @ self.costate_effect.T
 
 
-def boundary_costates(
-    model: ConicModel,
-    controls: Sequence[Control],
-    psi: Sequence[Switching],
-    state: Sequence[Array],
-    initial_costates: Sequence[Array],
-) -> list[Array]:
-    """Prices (m,) of g^(k)(1) for every free law, at which unknown initial values are worthless.
-
-    Args:
-        model: the model.
-        controls: of every law, each with a weight.
-        psi: of every law, from its rows alone; not needed where no mean square is weighed.
-        state: per law, (m,) factors of unknown initial values that its rows leave.
-        initial_costates: the solver's costates, good enough where no mean square is weighed.
-    """
-    if not model.grids:
-        return []
-    # 1. Costates are free but for the junctions: unknown values that two laws share must leave the
-    #    Lagrangian, or its minimum over them would be −∞. Start at the nearest that comply.
-    matrix, rhs = _junction_conditions(model, controls[0].order, state)
-    initial = np.concatenate(initial_costates)
-    costates = (
-        initial + _minimum_norm_solution(matrix, rhs - matrix @ initial) if len(rhs) else initial
-    )
-    if not all(control.weight for control in controls):
-        return list(costates.reshape(len(controls), -1))
-    # 2. Newton's method on a concave function, its steps in the null space of these conditions. A
-    #    step that does not raise the bound is halved: any costates give a valid bound, so that it
-    #    can stop at any time.
-    laws = [_law(model, k, *both) for k, both in enumerate(zip(controls, psi, strict=True))]
-    costates = _minimum_norm_solution(matrix, rhs)
-    value, gradient, hessian = _total(laws, costates)
-    for _ in range(STEPS):
-        step = _newton(gradient, hessian, matrix)
-        share, before = 1.0, value
-        while share > 1e-6 and (result := _total(laws, costates + share * step))[0] <= before:
-            share *= 0.5
-        if share <= 1e-6:
-            break
-        costates = costates + share * step
-        value, gradient, hessian = result
-        if value - before <= SETTLED * abs(value):
-            break
-    return list(costates.reshape(len(laws), -1))
-
-
 def _law(model: ConicModel, position: int, control: Control, psi: Switching) -> _Law:
     order, boundary = control.order, model.boundary_states[position]
     cuts = np.union1d(psi.breaks, np.linspace(0.0, 1.0, 65))
@@ -114,33 +206,13 @@ def _law(model: ConicModel, position: int, control: Control, psi: Switching) -> 
     return _Law(control, (width * SHARES / 2.0).ravel(), psi(tau), np.stack(powers), constant)
 
 
-def _junction_conditions(
-    model: ConicModel, order: int, state: Sequence[Array]
-) -> tuple[Array, Array]:
-    """matrix · costates = rhs: unknown initial values leave the Lagrangian at every junction."""
-    rows, rhs = [np.zeros((0, len(model.grids) * order))], []
-    for junction in model.junctions:
-        before, after = junction_rows(junction, model.problem.free, model.grids)
-        for k in range(junction.lowest, min(junction.highest + 1, order)):
-            row = np.zeros((len(model.grids), order))
-            for j in range(k + 1):
-                row[junction.after, j] = 1.0 / factorial(k - j)
-            at = k - junction.lowest
-            row[junction.before, k] += after.units[at] / before.units[at]
-            rows.append(row.reshape(1, -1))
-            rhs.append(-float(state[junction.after][k]))
-    return np.vstack(rows), np.array(rhs)
-
-
 def _total(laws: Sequence[_Law], costates: Array) -> tuple[float, Array, Array]:
     """Value, gradient and Hessian of all laws together."""
     table = costates.reshape(len(laws), -1)
-    parts = [law.value(row) for law, row in zip(laws, table, strict=True)]
-    order = table.shape[1]
-    hessian = np.zeros((len(costates), len(costates)))
-    for k, (_, _, block) in enumerate(parts):
-        hessian[k * order : (k + 1) * order, k * order : (k + 1) * order] = block
-    return sum(p[0] for p in parts), np.concatenate([p[1] for p in parts]), hessian
+    values, gradients, blocks = zip(
+        *(law.value(row) for law, row in zip(laws, table, strict=True)), strict=True
+    )
+    return sum(values), np.concatenate(gradients), block_diag(*blocks)
 
 
 def _newton(gradient: Array, hessian: Array, matrix: Array) -> Array:

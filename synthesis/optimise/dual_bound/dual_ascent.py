@@ -23,19 +23,17 @@ from synthesis.numerics.solvers.clarabel import ConeProgram, ConeSolution, solve
 from synthesis.numerics.solvers.statuses import USABLE
 from synthesis.optimise.conic.control import Control, law_controls
 from synthesis.optimise.conic.program import ConicModel
-from synthesis.optimise.dual_bound.bound import Bound, bound_from_lagrangian
-from synthesis.optimise.dual_bound.costates import boundary_costates
-from synthesis.optimise.dual_bound.lagrangian import Lagrangian, initial_terms, propagate_state
+from synthesis.optimise.dual_bound.bound import Bound, add_costates, bound_from_lagrangian
+from synthesis.optimise.dual_bound.costates import stationarity_conditions
+from synthesis.optimise.dual_bound.lagrangian import Lagrangian, initial_terms, shared_derivatives
 from synthesis.optimise.dual_bound.nonlinear_terms import (
-    add_vibration_terms,
+    Terms,
+    cone_rows,
     energy_tangents,
-    nonlinear_row_functionals,
-    vibration_response,
+    fixed_size_rows,
+    vibration_terms,
 )
-from synthesis.optimise.dual_bound.row_functionals import (
-    WeightedRows,
-    row_functionals,
-)
+from synthesis.optimise.dual_bound.row_functionals import WeightedRows, row_functionals
 from synthesis.optimise.problem.grid import SplineLaw
 
 BINDING = 1e-3  # of a row's natural size: what is farther off has no multiplier
@@ -92,14 +90,15 @@ class _DualProgram:
 
     Attributes:
         groups: the rows, the last ones g to g^(m−1) at the ends of the laws, times their costates.
-        fixed: what has its multipliers already.
+        fixed: what has its multipliers already. psi_error: of vibrations, as in ``Lagrangian``.
     """
 
     model: ConicModel
     solution: ConeSolution
     controls: Sequence[Control]
     groups: tuple[WeightedRows, ...]
-    fixed: Sequence[tuple[WeightedRows, Array]]
+    fixed: Terms
+    psi_error: Array
 
     @classmethod
     def of(
@@ -116,15 +115,12 @@ class _DualProgram:
             groups.append(one.point_rows(close))
             if one.uniform:
                 groups.append(one.hat_rows(np.tile(close[:-1] & close[1:], 2)))
-        groups += [
-            rows for rows, _ in nonlinear_row_functionals(model, order, solution.multipliers)
-        ]
+        z = solution.multipliers
+        groups += [rows for rows, _ in (*fixed_size_rows(model, z), *cone_rows(model, z))]
         groups += [_end_rows(model, position, order) for position in range(len(model.grids))]
-        fixed = energy_tangents(model, solution, order)
-        fixed += [
-            (rows, mass) for rows, mass, _ in vibration_response(model, order, solution.multipliers)
-        ]
-        return cls(model, solution, controls, tuple(groups), fixed)
+        vibrations, psi_error = vibration_terms(model, order, z)
+        fixed = [*energy_tangents(model, solution, order), *vibrations]
+        return cls(model, solution, controls, tuple(groups), fixed, psi_error)
 
     @property
     def order(self) -> int:
@@ -149,15 +145,13 @@ class _DualProgram:
         lagrangian, laws = Lagrangian(self.model, self.order), len(self.model.grids)
         for rows, mass in self.fixed:
             lagrangian.add_rows(rows, mass)
-        add_vibration_terms(lagrangian, self.solution.multipliers, error_only=True)
+        lagrangian.psi_error += self.psi_error
         for at, rows in zip(self.first[:-1], self.groups[:-laws], strict=False):
             mass = result.x[at : at + len(rows.rhs)]
-            lagrangian.add_rows(rows, mass if rows.signed else np.maximum(mass, 0.0))
-        close = list(result.x[self.end_costates])
-        lagrangian.add_boundary_costates(
-            boundary_costates(self.model, self.controls, (), lagrangian.initial_costates, close)
-        )
-        return bound_from_lagrangian(self.model, self.solution, lagrangian, self.controls)
+            mass = mass if rows.signed else np.maximum(mass, 0.0)
+            lagrangian.add_rows(rows.select(mass != 0.0), mass[mass != 0.0])
+        add_costates(lagrangian, self.controls, result.x[self.end_costates][None])
+        return bound_from_lagrangian(self.solution, lagrangian, self.controls)
 
     def _program(self, sign_changes: Sequence[Array]) -> ConeProgram:
         """Unknowns: masses and costates, |ψ| at all nodes, y of the norm."""
@@ -227,9 +221,8 @@ class _DualProgram:
         for rows, mass in self.fixed:
             if rows.position is not None:
                 given[rows.position] += mass @ initial_terms(rows.x, rows.weights)
-        for junction in self.model.junctions:
-            for k, ratio in propagate_state(self.model, junction, self.order):
-                result[junction.after, k, self.end_costates[junction.before, k]] += ratio
+        for before, after, k, ratio in shared_derivatives(self.model, self.order):
+            result[after, k, self.end_costates[before, k]] += ratio
         return result, given
 
     def _objective(self) -> Array:
@@ -247,19 +240,10 @@ class _DualProgram:
             (r, n) and (r,): what unknowns and given masses come to.
         """
         result, given = self._initial_values
-        junctions = self.model.junctions
-        shared = {
-            (j.before, k) for j in junctions for k, _ in propagate_state(self.model, j, self.order)
-        }
-        rows, rest = [np.zeros((0, self.first[-1]))], [np.zeros(0)]
-        for position, ends in enumerate(self.model.boundary_states):
-            beyond = range(len(ends.end), self.order)
-            worthless = [
-                self.end_costates[position, k] for k in beyond if (position, k) not in shared
-            ]
-            rows += [result[position, len(ends.start) :], np.eye(self.first[-1])[worthless]]
-            rest += [given[position, len(ends.start) :], np.zeros(len(worthless))]
-        return np.vstack(rows), np.concatenate(rest)
+        _, unknown, priced = stationarity_conditions(self.model, self.order)
+        worthless = np.eye(self.first[-1])[self.end_costates[~priced]]
+        rest = np.concatenate([given[unknown], np.zeros(len(worthless))])
+        return np.vstack([result[unknown], worthless]), rest
 
 
 def _quadrature(

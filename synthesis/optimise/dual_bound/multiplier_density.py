@@ -142,11 +142,11 @@ class MultiplierDensity:
             chosen.append(spread < as_they_are)
         return self._masses(z, chosen)
 
-    def distribute_single(self, z: Array, costates: Sequence[Array]) -> Array:
+    def distribute_single(self, z: Array, costates: Array) -> Array:
         """The same for one set of multipliers (m,) that is for the model's own objective."""
         none = np.zeros((1, len(self.model.problem.sizing.bounds)))
         nothing = Quantities(np.zeros(1, dtype=int), np.zeros(1), np.zeros((1, 3)), none)
-        return np.asarray(self.distribute(nothing, z[None], np.stack(costates)[None])[0])
+        return np.asarray(self.distribute(nothing, z[None], costates)[0])
 
     def _masses(self, z: Array, chosen: Sequence[NDArray[Any] | None]) -> Array:
         at = self.model.program.equalities

@@ -19,42 +19,45 @@ import numpy as np
 from synthesis.numerics.piecewise import Array
 from synthesis.numerics.solvers.clarabel import ConeSolution
 from synthesis.optimise.conic.program import ConicModel
-from synthesis.optimise.dual_bound.lagrangian import Lagrangian
 from synthesis.optimise.dual_bound.row_functionals import Hats, WeightedRows
 from synthesis.optimise.problem.residual_vibration import switching_contribution
 
 PARTS = 4  # of a knot interval where y is not linear there
 
 
-def nonlinear_row_functionals(
-    model: ConicModel, order: int, z: Array
-) -> list[tuple[WeightedRows, Array]]:
-    """What is no row of a law, with its multipliers: sizes that leave no choice, cones of fixed
-    radius; of a cone's in the direction that the solver found.
-    """
-    result, sizes = [], model.problem.sizing.bounds
-    nowhere, nothing = np.zeros(1), np.zeros((1, order))
+Terms = list[tuple[WeightedRows, Array]]
+"""Rows with their multipliers, (n,) or (q, n)."""
+
+
+def fixed_size_rows(model: ConicModel, z: Array) -> Terms:
+    """Sizes that leave no choice, equalities with their multipliers; z: (m,) or (q, m)."""
+    sizes, unit = model.problem.sizing.bounds, model.scales.size
+    # their rows come after those of the junctions
     at = sum(max(junction.highest - junction.lowest + 1, 0) for junction in model.junctions)
-    for j, (low, high) in enumerate(sizes):
-        if low == high:
-            unit, rhs = np.eye(len(sizes))[j : j + 1], np.array([low / model.scales.size])
-            rows = WeightedRows(None, nowhere, nothing, rhs, unit, signed=True)
-            result.append((rows, z[at : at + 1]))
-            at += 1
-    at = model.program.equalities + model.program.inequalities
+    fixed = [(j, low / unit) for j, (low, high) in enumerate(sizes) if low == high]
+    return [
+        (
+            WeightedRows.of_size(np.array([value]), np.eye(len(sizes))[[j]], signed=True),
+            z[..., at + k : at + k + 1],
+        )
+        for k, (j, value) in enumerate(fixed)
+    ]
+
+
+def cone_rows(model: ConicModel, z: Array) -> Terms:
+    """Cones of fixed radius, each as its row in the direction of the solver's multipliers (m,)."""
+    result, at = Terms(), model.program.equalities + model.program.inequalities
     for cone in model.cone_blocks:
         v = z[at + 1 : at + 1 + len(cone.shift)]
         at += 1 + len(cone.shift)
         if cone.bound_column is None and cone.vibration is None and np.count_nonzero(v):
             rhs = np.array([np.linalg.norm(v) * cone.radius + v @ cone.shift])
-            size = -(cone.matrix.T @ v)[model.size][None, :]
-            result.append((WeightedRows(None, nowhere, nothing, rhs, size), np.ones(1)))
+            size = -(cone.matrix.T @ v)[model.size]
+            result.append((WeightedRows.of_size(rhs, size[None]), np.ones(1)))
     return result
 
 
-def energy_tangents(
-    model: ConicModel, solution: ConeSolution, order: int
-) -> list[tuple[WeightedRows, Array]]:
+def energy_tangents(model: ConicModel, solution: ConeSolution, order: int) -> Terms:
     """What the objective is worth at least, as rows with their multipliers; none of other kinds.
 
     y is the solution's own derivative, linear between points.
@@ -78,34 +81,27 @@ def energy_tangents(
         hats = Hats(np.tile(breaks[:-1], 2), np.tile(breaks[1:], 2), rising, alpha)
         linear = WeightedRows(
             position, hats.left, hats.weights, np.zeros(count), np.zeros((count, sizes)),
-            signed=True, spans=np.stack([hats.left, hats.right], axis=1), poly=hats.poly,
+            signed=True, spans=hats.spans, poly=hats.poly,
         )  # fmt: skip
         square = np.sum(width * (y[:-1] ** 2 + y[:-1] * y[1:] + y[1:] ** 2)) / 3.0
-        constant = WeightedRows(
-            None, np.zeros(1), np.zeros((1, order)), np.array([weight * square]),
-            np.zeros((1, sizes)),
-        )  # fmt: skip
+        constant = WeightedRows.of_size(np.array([weight * square]), np.zeros((1, sizes)))
         terms.append((linear, 0.5 * np.concatenate([width * y[:-1], width * y[1:]])))
         terms.append((constant, np.ones(1)))
     return terms
 
 
-def vibration_response(
-    model: ConicModel, order: int, z: Array
-) -> list[tuple[WeightedRows, Array, float]]:
-    """Rows with their multipliers, and how far the law's true ψ may be from theirs.
+def vibration_terms(model: ConicModel, order: int, z: Array) -> tuple[Terms, Array]:
+    """Limits on residual vibration, and how far the laws' true ψ may be from theirs: (laws,).
 
     Args:
         order: m, the order of the control. z: (rows,) the program's multipliers.
     """
-    result, sizes = [], len(model.problem.sizing.bounds)
+    terms, error, sizes = Terms(), np.zeros(len(model.grids)), len(model.problem.sizing.bounds)
     for vibration, y in model.vibration_multipliers(z):
         if not y.any():
             continue
         rhs = np.array([np.linalg.norm(y) * vibration.radius - y @ vibration.shift])
-        nothing = np.zeros((1, order))
-        constant = WeightedRows(None, np.zeros(1), nothing, rhs, np.zeros((1, sizes)))
-        result.append((constant, np.ones(1), 0.0))
+        terms.append((WeightedRows.of_size(rhs, np.zeros((1, sizes))), np.ones(1)))
         for share in vibration.law_terms:
             part = switching_contribution(share, y, order)
             count = len(part.spans)
@@ -115,14 +111,6 @@ def vibration_response(
                 share.position, np.zeros(count), weights, np.zeros(count),
                 np.zeros((count, sizes)), signed=True, spans=part.spans, poly=part.poly,
             )  # fmt: skip
-            result.append((rows, np.ones(count), part.error))
-    return result
-
-
-def add_vibration_terms(lagrangian: Lagrangian, z: Array, *, error_only: bool = False) -> None:
-    """Add all terms and the bound of their error; ``error_only``: that bound alone."""
-    for rows, mass, missed in vibration_response(lagrangian.model, lagrangian.order, z):
-        if not error_only:
-            lagrangian.add_rows(rows, mass)
-        if rows.position is not None:
-            lagrangian.psi_error[rows.position] += missed
+            terms.append((rows, np.ones(count)))
+            error[share.position] += part.error
+    return terms, error

@@ -9,7 +9,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from math import comb, factorial
-from typing import Any
+from typing import Any, Self
 
 import numpy as np
 from numpy.typing import NDArray
@@ -46,6 +46,11 @@ class WeightedRows:
     spans: Array | None = None
     poly: Array | None = None
 
+    @classmethod
+    def of_size(cls, rhs: Array, size: Array, *, signed: bool = False) -> Self:
+        """Rows without motion: rhs (n,), size (n, n_size)."""
+        return cls(None, np.zeros(len(rhs)), np.zeros((len(rhs), 1)), rhs, size, signed=signed)
+
     def psi(self, tau: Array) -> Array:
         """What a unit of each adds to ψ at τ (q,): (q, n)."""
         order = self.weights.shape[1]
@@ -64,11 +69,9 @@ class WeightedRows:
 
     def select(self, which: NDArray[Any]) -> WeightedRows:
         """Some of them: a mask or numbers."""
-        spans, poly = (None if a is None else a[which] for a in (self.spans, self.poly))
-        return WeightedRows(
-            self.position, self.x[which], self.weights[which], self.rhs[which], self.size[which],
-            self.level, self.signed, spans, poly,
-        )  # fmt: skip
+        names = ("x", "weights", "rhs", "size", "spans", "poly")
+        parts = {name: part[which] for name in names if (part := getattr(self, name)) is not None}
+        return replace(self, **parts)
 
 
 @dataclass(frozen=True, eq=False)
@@ -76,41 +79,58 @@ class RowFunctional:
     """What a block says of arbitrary laws: at its points, and by densities between them.
 
     Attributes:
-        first_row: number of its first row in the program. sizes: number of size variables.
-        order: m, the order of the control.
-        uniform: whether its rows read the same everywhere, at points that ascend, so that densities
-            between neighbouring points are multipliers as well.
-        jumps: whether a point multiplier makes ψ jump. windowed: whether it is about a part.
+        first_row: number of its first row in the program. order: m, the order of the control.
     """
 
     model: ConicModel
     block: LinearBlock
     first_row: int
     order: int
-    uniform: bool
-    jumps: bool
-    windowed: bool
 
     @property
     def count(self) -> int:
         """Number of rows."""
         return len(self.block.rhs)
 
+    @property
+    def jumps(self) -> bool:
+        """Whether a point multiplier makes ψ jump."""
+        return self.block.highest_order == self.order - 1
+
+    @property
+    def uniform(self) -> bool:
+        """Whether its rows read the same everywhere, at points that ascend, so that densities
+        between neighbouring points are multipliers as well.
+        """
+        block = self.block
+        same = block.segment is not None and block.alpha.ndim == 1 and block.size.ndim == 1
+        return same and block.highest_order < self.order and block.ascending
+
     def point_rows(self, which: Which = EVERY) -> WeightedRows:
         """All of its rows, or some: a mask or numbers."""
         block, order, rhs = self.block, self.order, self.block.rhs[which]
-        sizes = np.zeros((len(rhs), len(self.model.problem.sizing.bounds)))
+        size = np.zeros((len(rhs), len(self.model.problem.sizing.bounds)))
         if len(block.size):
-            sizes[:] = _of_rows(block.size, which)
+            size[:] = _of_rows(block.size, which)
+        x, weights = block.x[which], np.zeros((len(rhs), order))
+        spans = poly = None
         if block.kind == "monotone":
-            x, weights = sort_by_place(self.model, block, order, which)
-            return WeightedRows(block.segment, x, weights, rhs, sizes)
-        if block.highest_order == order:
-            return _control_rows(block, order, sizes, which)
-        weights = np.empty((len(rhs), order))
-        weights[:] = _of_rows(block.alpha.T, which)[..., :order]
-        x = block.x[which]
-        return WeightedRows(block.segment, x, weights, rhs, sizes, block.level, block.exact)
+            # Coefficients in order act as −g' ≤ 0 near by.
+            assert block.segment is not None
+            first = len(self.model.boundary_states[block.segment].first) - 1
+            here = slice(first, first + self.count)
+            x, slopes = (a[here][which] for a in self.model.grids[block.segment].space.step_slopes)
+            weights[:, 1] = slopes
+        elif block.highest_order == order:
+            # Rows of the control itself on a part of a law add to ψ all along it.
+            assert block.spans is not None
+            spans, poly = block.spans[which], np.zeros((len(rhs), DEGREE + 1))
+            x, poly[:, 0] = np.zeros(len(rhs)), block.alpha[order] / np.ptp(spans, axis=1)
+        else:
+            weights[:] = _of_rows(block.alpha.T, which)[..., :order]
+        return WeightedRows(
+            block.segment, x, weights, rhs, size, block.level, block.exact, spans, poly
+        )
 
     def hat_rows(self, which: NDArray[np.bool_]) -> WeightedRows:
         """Some of the densities: of falling ones between neighbours, then of rising ones."""
@@ -118,20 +138,20 @@ class RowFunctional:
         rising = np.flatnonzero(which) >= self.count - 1
         of = self.point_rows(interval)
         hats = Hats(of.x, self.block.x[interval + 1], rising, of.weights)
-        spans = np.stack([hats.left, hats.right], axis=1)
-        return replace(of, weights=hats.weights, spans=spans, poly=hats.poly)
+        return replace(of, weights=hats.weights, spans=hats.spans, poly=hats.poly)
 
     def distribute(self, z: Array) -> tuple[Array, Array | None]:
         """Multipliers z (r,) shared out to points and hats.
 
-        A point multiplier on the derivative just below the steering one makes ψ jump; where that
+        A point multiplier on the derivative just below the control makes ψ jump; where that
         bound is met along an arc the true multiplier is a density, and ψ vanishes there. Where a
         window ends its bound may be met at that very point.
         """
-        if not self.uniform or not self.jumps or (self.windowed and len(z) <= 3):
+        windowed = self.block.spans is not None
+        if not self.jumps or not self.uniform or (windowed and len(z) <= 3):
             return z, None
         kept = np.zeros_like(z)
-        if self.windowed:
+        if windowed:
             kept[[0, -1]] = z[[0, -1]]
         return kept, np.concatenate(distribute_to_intervals(self.block.x, z - kept))
 
@@ -146,52 +166,15 @@ def row_functionals(
 ) -> Iterator[RowFunctional]:
     """All rows that speak of arbitrary laws, or of the size alone; those of multipliers z ≠ 0."""
     for at, block in model.numbered_blocks if z is None else model.active_blocks(z):
-        one = _row_functional(model, block, at, order)
-        if one is not None:
-            yield one
-
-
-def _row_functional(
-    model: ConicModel, block: LinearBlock, at: int, order: int
-) -> RowFunctional | None:
-    if block.kind == "monotone":
-        return RowFunctional(model, block, at, order, uniform=False, jumps=False, windowed=False)
-    windowed = block.spans is not None
-    if windowed and block.highest_order == order:
-        return RowFunctional(model, block, at, order, uniform=False, jumps=False, windowed=True)
-    if not (windowed and block.highest_order < order) and (
-        block.kind == "control" or block.highest_order >= order or block.exact
-    ):
-        return None  # says nothing more of arbitrary laws, or is the control itself
-    alike = block.segment is not None and block.alpha.ndim == 1 and block.size.ndim == 1
-    jumps = block.highest_order == order - 1
-    return RowFunctional(model, block, at, order, alike and block.ascending, jumps, windowed)
-
-
-def sort_by_place(
-    model: ConicModel, block: LinearBlock, order: int, which: Which = EVERY
-) -> tuple[Array, Array]:
-    """Where coefficients in order stand for −g' ≤ 0, with what weights: (r,), (r, m)."""
-    assert block.segment is not None
-    first = len(model.boundary_states[block.segment].first) - 1
-    x, factors = model.grids[block.segment].space.step_slopes
-    here = slice(first, first + len(block.rhs))
-    x, factors = x[here][which], factors[here][which]
-    weights = np.zeros((len(x), order))
-    weights[:, 1] = factors
-    return x, weights
-
-
-def _control_rows(block: LinearBlock, order: int, size: Array, which: Which) -> WeightedRows:
-    """Rows of the control itself on a part of a law: they add to ψ all along it."""
-    assert block.spans is not None
-    spans = block.spans[which]
-    poly = np.zeros((len(spans), DEGREE + 1))
-    poly[:, 0] = block.alpha[order] / np.ptp(spans, axis=1)
-    nothing = np.zeros(len(spans)), np.zeros((len(spans), order))
-    return WeightedRows(
-        block.segment, *nothing, block.rhs[which], size, block.level, block.exact, spans, poly,
-    )  # fmt: skip
+        # Of the others one is the control's own cap, and the rest only hold for splines.
+        if block.kind == "monotone":
+            speaks = True
+        elif block.spans is not None:
+            speaks = block.highest_order <= order
+        else:
+            speaks = block.kind != "control" and block.highest_order < order and not block.exact
+        if speaks:
+            yield RowFunctional(model, block, at, order)
 
 
 @dataclass(frozen=True, eq=False)
@@ -207,6 +190,11 @@ class Hats:
     right: Array
     rising: NDArray[np.bool_]
     alpha: Array
+
+    @property
+    def spans(self) -> Array:
+        """From a to b: (n, 2)."""
+        return np.stack([self.left, self.right], axis=1)
 
     @property
     def weights(self) -> Array:

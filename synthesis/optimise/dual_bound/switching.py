@@ -11,7 +11,7 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import cache
-from itertools import accumulate
+from itertools import accumulate, pairwise
 from math import comb
 
 import numpy as np
@@ -142,26 +142,37 @@ class Switching:
 
 
 def absolute_integrals(each: Sequence[Switching]) -> list[float]:
-    """∫ |ψ| of every law, never below the true value; all of them are worked out together.
-
-    Every piece is cut at its roots. On a part |ψ| is at most the mean of its Bernstein
-    coefficients' sizes, and is that where they have one sign.
-    """
+    """∫ |ψ| of every law, never below the true value; all of them are worked out together."""
     if not each:
         return []
     degree = max(psi.poly.shape[1] for psi in each)
     poly = np.concatenate([_padded(psi.poly, degree) for psi in each])
-    roots = np.array(_roots(poly)).reshape(-1, len(poly))
-    cuts = np.zeros((len(roots) + 2, len(poly)))
-    cuts[1:-1] = np.sort(np.fmin(np.fmax(roots, 0.0), 1.0), axis=0)  # of none, an end
-    cuts[-1] = 1.0
-    low, high = cuts[:-1], cuts[1:]
-    sizes = np.abs(restrict_polynomials(poly, low, high) @ _bernstein(degree)).sum(axis=2) / degree
     width = np.concatenate([psi.breaks[1:] - psi.breaks[:-1] for psi in each])
-    shares = ((high - low) * sizes).sum(axis=0) * width
     ends = list(accumulate((len(psi.poly) for psi in each), initial=0))
-    result: list[float] = np.add.reduceat(shares, ends[:-1]).tolist()
+    result: list[float] = np.add.reduceat(mean_absolute(poly) * width, ends[:-1]).tolist()
     return result
+
+
+def mean_absolute(poly: Array, *, exact: bool = False) -> Array:
+    """∫ |p(s)| ds over [0, 1] of polynomials (n, d): (n,), but for rounding never too small.
+
+    Every one is cut at its roots. On a part |p| is at most the mean of its Bernstein coefficients'
+    sizes, and is that where they have one sign; roots need not be exact for that.
+
+    Args:
+        exact: |∫ p| on every part instead, for parabolas, whose roots are exact.
+    """
+    roots = [np.fmin(np.fmax(root, 0.0), 1.0) for root in _roots(poly)]  # of none, an end
+    if exact:
+        c, b, a = poly.T
+        ends = [np.minimum(*roots), np.maximum(*roots), np.ones(1)]
+        values = [0.0 * c, *(t * (c + t * (0.5 * b + t * (a / 3.0))) for t in ends)]
+        return np.asarray(sum(np.abs(y - x) for x, y in pairwise(values)))
+    cuts = np.zeros((len(roots) + 2, len(poly)))
+    cuts[1:-1], cuts[-1] = np.sort(np.array(roots).reshape(-1, len(poly)), axis=0), 1.0
+    bernstein = restrict_polynomials(poly, cuts[:-1], cuts[1:]) @ _bernstein(poly.shape[1])
+    sizes = np.abs(bernstein).sum(axis=2) / poly.shape[1]
+    return np.asarray((np.diff(cuts, axis=0) * sizes).sum(axis=0))
 
 
 def _padded(poly: Array, degree: int) -> Array:
@@ -220,31 +231,38 @@ def _roots(poly: Array) -> Sequence[Array]:
     return list(result)
 
 
-def switching(points: Array, weights: Array, order: int) -> Switching:
-    """ψ from point rows.
+def switching_pieces(points: Array, weights: Array) -> tuple[Array, Array]:
+    """ψ from point rows, of q sets of multipliers at once.
 
     Args:
-        points: (r,) x_i in [0, 1].
-        weights: (r, order) λ_i alpha_k for k < order.
-        order: m.
+        points: (r,) x_i in [0, 1]. weights: (q, r, m) λ_i alpha_k for k < m; m is 2 or 3.
+
+    Returns:
+        breaks (n+1,), and polynomials (q, n, m) in s from 0 to 1 along each piece.
     """
     sorting = points.argsort(kind="stable")
-    x, w = points[sorting], weights[sorting]
+    x, w, order = points[sorting], weights[:, sorting], weights.shape[2]
     breaks = np.zeros(len(x) + 2)
     breaks[1:-1], breaks[-1] = x, 1.0
     new = np.ones(len(breaks), dtype=bool)
     np.not_equal(breaks[1:], breaks[:-1], out=new[1:])  # they are in order
     breaks = breaks[new]
     # Σ w (x − τ)^n/n! of all rows with x ≥ breaks[i+1], in powers of τ and then about breaks[i]
-    w2, w1, w0 = w[:, -1], w[:, -2], w[:, -3] if order > 2 else np.zeros(len(x))
-    table = np.zeros((3, len(x) + 1))
-    table[0, :-1], table[1, :-1] = w2 + x * (w1 + 0.5 * x * w0), -w1 - x * w0
-    table[2, :-1] = 0.5 * w0
-    suffix = table[:, ::-1].cumsum(axis=1)[:, ::-1]
-    c, b, a = suffix[:, x.searchsorted(breaks[1:], side="left")]
+    w2, w1, w0 = w[..., -1], w[..., -2], w[..., -3] if order > 2 else np.zeros(len(x))
+    table = np.zeros((3, len(w), len(x) + 1))
+    table[0, :, :-1], table[1, :, :-1] = w2 + x * (w1 + 0.5 * x * w0), -w1 - x * w0
+    table[2, :, :-1] = 0.5 * w0
+    suffix = table[..., ::-1].cumsum(axis=2)[..., ::-1]
+    c, b, a = suffix[..., x.searchsorted(breaks[1:], side="left")]
     first, width = breaks[:-1], breaks[1:] - breaks[:-1]
     parts = c + first * (b + first * a), width * (b + 2.0 * a * first), width**2 * a
-    poly = np.empty((len(first), order))
+    poly = np.empty((*c.shape, order))
     for j in range(order):
-        poly[:, j] = parts[j]
-    return Switching(breaks, poly)
+        poly[..., j] = parts[j]
+    return breaks, poly
+
+
+def switching(points: Array, weights: Array) -> Switching:
+    """ψ from point rows: x_i (r,) and weights (r, m), as in ``switching_pieces``."""
+    breaks, poly = switching_pieces(points, weights[None])
+    return Switching(breaks, poly[0])

@@ -14,13 +14,12 @@ from synthesis.optimise.conic.linear_rows import LinearBlock
 from synthesis.optimise.conic.program import formulate, with_rows
 from synthesis.optimise.dual_bound.batch import (
     Quantities,
-    absolute_piece_integrals,
     dual_bounds,
     solve_boundary_costates,
-    switching_pieces,
 )
 from synthesis.optimise.dual_bound.bound import dual_bound
 from synthesis.optimise.dual_bound.multiplier_density import PointRuns
+from synthesis.optimise.dual_bound.switching import mean_absolute, switching_pieces
 from synthesis.optimise.problem.grid import Grid, uniform_grid
 from synthesis.optimise.problem.problem import NoObjective, ObjectiveCap, formulate_problem
 
@@ -177,7 +176,8 @@ def test_without_a_solution_the_list_ends_there():
 def test_the_switching_function_s_integral_by_plain_quadrature():
     draw = np.random.default_rng(2)
     x, weights = draw.random(9), draw.normal(size=(4, 9, 3)) * np.array([9.0, 3.0, 1.0])
-    found = absolute_piece_integrals(*switching_pieces(x, weights)).sum(axis=1)
+    breaks, poly = switching_pieces(x, weights)
+    found = mean_absolute(poly.reshape(-1, 3), exact=True).reshape(4, -1) @ np.diff(breaks)
     tau = (np.arange(400_000) + 0.5) / 400_000
     behind = x[:, None] > tau
     reach = np.maximum(x[:, None] - tau, 0.0)

@@ -48,7 +48,7 @@ def test_it_is_what_the_rows_add_up_to(drawn: tuple[Array, Array]) -> None:
     points, weights = drawn
     tau = middles(997)
     tau = tau[np.min(np.abs(tau[:, None] - points), axis=1) > 1e-9]
-    found = switching(points, weights, weights.shape[1])
+    found = switching(points, weights)
     np.testing.assert_allclose(found(tau), plainly(points, weights, tau), rtol=0, atol=1e-12)
 
 
@@ -66,7 +66,7 @@ def test_a_law_pays_what_psi_says(drawn: tuple[Array, Array]) -> None:
         float(w @ [anti[order - 1 - k][0](x) for k in range(order)])
         for x, w in zip(points, weights, strict=True)
     )
-    found = switching(points, weights, order)
+    found = switching(points, weights)
     nodes, shares = np.polynomial.legendre.leggauss(12)
     width = np.diff(found.breaks)[:, None]
     tau = found.breaks[:-1, None] + width * (nodes + 1.0) / 2.0
@@ -87,7 +87,7 @@ def quadrature(psi: Switching, cap: float, weight: float) -> float:
 )
 def test_the_least_integral(drawn: tuple[Array, Array], held: tuple[float, float]) -> None:
     points, weights = drawn
-    found = switching(points, weights, weights.shape[1])
+    found = switching(points, weights)
     cap, weight = held
     expected = quadrature(found, cap, weight)
     # ψ may live on a sliver next to an end, which the middle rule meets with one point or none
@@ -100,7 +100,7 @@ def test_the_least_integral(drawn: tuple[Array, Array], held: tuple[float, float
 @given(functions(), st.floats(-1.0, 1.0))
 def test_crossings_are_where_the_sign_changes(drawn: tuple[Array, Array], value: float) -> None:
     points, weights = drawn
-    found = switching(points, weights, weights.shape[1])
+    found = switching(points, weights)
     cuts = np.concatenate([[0.0], found.sign_changes(value), [1.0]])
     assert np.all(np.diff(cuts) > 0.0)
     signs = []
@@ -116,25 +116,25 @@ def test_crossings_are_where_the_sign_changes(drawn: tuple[Array, Array], value:
 def test_known_crossings() -> None:
     """Least peak jerk: ψ is a parabola with zeros at 1/4 and 3/4."""
     # (τ − 1/4)(τ − 3/4) = u²/2·2 − u + 3/16 with u = 1 − τ
-    found = switching(np.array([1.0]), np.array([[2.0, -1.0, 3.0 / 16.0]]), 3)
+    found = switching(np.array([1.0]), np.array([[2.0, -1.0, 3.0 / 16.0]]))
     np.testing.assert_allclose(found.sign_changes(), [0.25, 0.75], atol=1e-15)
     assert found.least_integral(32.0, 0.0) == pytest.approx(-32.0 / 16.0, rel=1e-14)
 
 
 def test_a_touch_is_no_crossing() -> None:
-    found = switching(np.array([1.0]), np.array([[2.0, -1.0, 0.25]]), 3)  # (τ − 1/2)²
+    found = switching(np.array([1.0]), np.array([[2.0, -1.0, 0.25]]))  # (τ − 1/2)²
     assert len(found.sign_changes()) == 0
     assert len(found.sign_changes(0.01)) == 2
 
 
 def test_a_jump_is_a_crossing() -> None:
-    found = switching(np.array([0.4, 1.0]), np.array([[0.0, -3.0], [0.0, 1.0]]), 2)
+    found = switching(np.array([0.4, 1.0]), np.array([[0.0, -3.0], [0.0, 1.0]]))
     np.testing.assert_allclose(found.sign_changes(), [0.4])
 
 
 def test_losses_add_up_to_what_a_law_pays_too_much() -> None:
     rng = np.random.default_rng(5)
-    found = switching(rng.uniform(size=7), rng.standard_normal((7, 3)), 3)
+    found = switching(rng.uniform(size=7), rng.standard_normal((7, 3)))
     knots = np.linspace(0.0, 1.0, 14)
     for cap, weight in ((3.1, 0.0), (np.inf, 0.4)):
 
